@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -44,8 +44,14 @@ class Figure:
         """Its name in report.json, such as motion_error_pen_dxf_mm."""
         name = self.quantity.format(of=self.of, joint=self.joint.lower())
         unit = _SUFFIXES.get(self.unit, self.unit.lower())
-        words = re.split(r"[ ,:/']+", f"{self.module} {name} {self.kind} {unit}")
-        return "_".join(filter(None, words)).translate({ord("²"): "2", ord("³"): "3"})
+        return _joined(f"{self.module} {name} {self.kind} {unit}")
+
+
+@lru_cache(4096)  # those of many variants are the same
+def _joined(words: str) -> str:
+    """Words with _ between them."""
+    found = "_".join(filter(None, re.split(r"[ ,:/']+", words)))
+    return found.translate({ord("²"): "2", ord("³"): "3"})
 
 
 def figures_in(unit: str = "", **values: float) -> list[Figure]:

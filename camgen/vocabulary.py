@@ -35,15 +35,12 @@ def wording(data: Data, old_words: OldWords) -> Wording:
     notes = []
     for old, new in old_words.items():
         source = data.get(old[0])
+        if not isinstance(source, dict) or (len(old) > 1 and not _has(source, *old[1:])):
+            continue
         target = data.get(new[0], {})
-        if not (isinstance(source, dict) and isinstance(target, dict)):
+        if not isinstance(target, dict):
             continue
-        if len(old) == 1:
-            moved = {key: key for key in source}
-        elif _has(source, *old[1:]):
-            moved = {old[1]: new[1]}
-        else:
-            continue
+        moved = {key: key for key in source} if len(old) == 1 else {old[1]: new[1]}
         left = {key: value for key, value in source.items() if key not in moved}
         into = left if old[0] == new[0] else target
         beside = [dotted((new[0], key)) for key in moved.values() if key in into]

@@ -75,7 +75,7 @@ class CamTables(Template):
         notes = [
             f'{key} is not read with parts.make = "machine": write "printed"' for key in unread
         ]
-        return replace(found, notes=(*found.notes, *notes))
+        return replace(found, notes=(*found.notes, *notes)) if notes else found
 
     @property
     @abstractmethod

@@ -15,12 +15,12 @@ import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from camgen.errors import Fault
 from camgen.machine.model import Turning
+from camgen.machines.indexing_cam.drawing import Drawing
 from camgen.machines.indexing_cam.tables import Driver
 from camgen.motion.laws import Floats, Law, measured
 from camgen.study import Figure, Sketch
@@ -128,14 +128,10 @@ class TwoCranks:
         """Angle of the crank, over theta: evenly, twice while the cam turns once."""
         return Turning(2.0 * self._way, -self._way * self.sense * self.half)
 
-    def draw(
-        self,
-        points: dict[str, complex],
-        links: dict[str, list[str]],
-        gears: list[dict[str, Any]],
-        tables: dict[str, Any],
-    ) -> None:
-        """Add crank and arm, which then drive, to the tables of a linkage."""
+    def draw(self, drawing: Drawing) -> None:
+        """Add crank and arm, which then drive, to a linkage."""
+        points = drawing.points
+        links = drawing.links
         points["motor"] = self.at - self.offset
         points["pin"] = points["motor"] + self.crank * cmath.exp(1j * self.drive.start)
         points["arm"] = self.at
@@ -144,9 +140,10 @@ class TwoCranks:
         links["ground"] += ["motor", "arm"]
         links[CRANK] = ["motor", "pin"]
         links[ARM] = ["arm", "end"]
-        gears.append({"name": "two_to_one", "a": ARM, "b": "cam", "ratio": self._way / 2})
-        tables["slot"] = [{"name": "block", "pin": "pin", "link": ARM, "along": ("arm", "end")}]
-        tables["drive"] = {**tables["drive"], "link": CRANK}
+        drawing.gears.append({"name": "two_to_one", "a": ARM, "b": "cam", "ratio": self._way / 2})
+        block = {"name": "block", "pin": "pin", "link": ARM, "along": ("arm", "end")}
+        drawing.others["slot"] = [block]
+        drawing.others["drive"] |= {"link": CRANK}
 
     @property
     def figures(self) -> list[Figure]:

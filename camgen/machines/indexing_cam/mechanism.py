@@ -37,6 +37,7 @@ from camgen.machines.cam_tables import CamTables
 from camgen.machines.free_play import between
 from camgen.machines.indexing_cam import tables as t
 from camgen.machines.indexing_cam.comparison import Comparison
+from camgen.machines.indexing_cam.drawing import Drawing
 from camgen.machines.indexing_cam.driver import ARM, CHAIN, MADE, NOT_MADE, TwoCranks, driver_faults
 from camgen.machines.indexing_cam.stepping import Stepping
 from camgen.machines.indexing_cam.study import IndexingStudy
@@ -46,17 +47,15 @@ from camgen.machines.indexing_cam.unloader import (
     Load,
     OnLink,
     SpringTorque,
-    antisymmetric,
     fitting,
     law_torque,
     peak,
 )
 from camgen.machines.indexing_cam.unloader_crank import UnloaderCrank
-from camgen.machines.pairs import air_faults
 from camgen.motion.laws import Law
 from camgen.motion.program import Program, Segment
 from camgen.motion.segments import law_of
-from camgen.motion.spring_law import characteristic, trade_off
+from camgen.motion.spring_law import trade_off
 from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import CLUTCHES
 from camgen.parts.disc_cams import holes_in, turning_note
@@ -116,14 +115,7 @@ class IndexingCam(CamTables):
         p = self.making
         u = self.unloader
         nozzle = self.print.nozzle
-        spans = math.fsum((g.rise_deg, g.dwell_deg, self.return_deg))
         checks = [
-            (
-                spans <= 360,
-                ("geometry", "dwell_deg"),
-                g.dwell_deg,
-                f"rise_deg, dwell_deg and return_deg of at most 360 together, they make {spans:g}",
-            ),
             (
                 self.standing or p.wall >= nozzle,
                 ("parts", "wall"),
@@ -135,12 +127,6 @@ class IndexingCam(CamTables):
                 ("limits", "min_wall"),
                 self.allowed.min_wall,
                 f"at least the nozzle, {nozzle:g} mm",
-            ),
-            (
-                g.follower.roller_radius < g.follower.arm,
-                ("geometry", "follower", "roller_radius"),
-                g.follower.roller_radius,
-                f"less than the arm, {g.follower.arm:g} mm: the roller would cover the arm's own axle",
             ),
             (
                 g.closure == "force" or not self.load.closing_n_m,
@@ -170,7 +156,7 @@ class IndexingCam(CamTables):
         if self.synthesis is not None and u.torque == "none":
             found.append(Fault(("synthesis",), "", 'an unloader: its torque is "none"'))
         if self.driver is not None:
-            found += driver_faults(self.driver, (g.rise_deg, g.dwell_deg, self.return_deg))
+            found += driver_faults(self.driver, (g.rise_deg, g.dwell_deg, g.back_deg))
             between = room(self.sizes, self.print, self.driver.crank, self.driver.offset)
             wall = self.sizes.wall
             if self.standing and between < wall:
@@ -182,10 +168,7 @@ class IndexingCam(CamTables):
                         right + "; or a longer driver.crank",
                     )
                 )
-        found += air_faults(
-            ("geometry", "tip_clearance"), g.tip_clearance, g.closure, g.follower.roller_radius
-        )
-        return [*found, *self.size_faults(FOLLOWER, "driven-link"), *g.law_faults()]
+        return [*found, *self.size_faults(FOLLOWER, "driven-link"), *g.faults()]
 
     def designed(self) -> Self:
         """This spec with the law that [synthesis] finds for its spring and its last weight; a spring of the old law stays,
@@ -216,13 +199,6 @@ class IndexingCam(CamTables):
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 
-    @property
-    def return_deg(self) -> float:
-        """Cam angle of the turn back."""
-        return (
-            self.geometry.rise_deg if self.geometry.return_deg is None else self.geometry.return_deg
-        )
-
     @cached_property
     def law(self) -> Law:
         """The law of the turn; the return runs through the same one."""
@@ -238,7 +214,7 @@ class IndexingCam(CamTables):
     def program(self) -> Program:
         """Rise from theta = 0, outer dwell, return, inner dwell; where theta runs clockwise backwards."""
         g = self.geometry
-        return self.turns(self.law, g.rise_deg, g.dwell_deg, self.return_deg)
+        return self.turns(self.law, g.rise_deg, g.dwell_deg, self.geometry.back_deg)
 
     @cached_property
     def cam_program(self) -> Program:
@@ -327,12 +303,12 @@ class IndexingCam(CamTables):
             found["output"].append({"name": "wheel", "link": WHEEL})
             own = {"name": "freewheels", "wheel": WHEEL, "link": LINK, "turns": "clockwise"}
             found["freewheel"] = [{**own, "lost_deg": self.freewheel.lost_deg}]
+        drawing = Drawing(points, links, gears, found)
         if self.two_cranks is not None:
-            self.two_cranks.draw(points, links, gears, found)
+            self.two_cranks.draw(drawing)
         if self.standing and self.unloader_crank is not None:
-            self.unloader_crank.draw(points, links, gears, found)
-        places = {name: (z.real, z.imag) for name, z in points.items()}
-        return {"points": places, "links": links, "gear": gears, **found}
+            self.unloader_crank.draw(drawing)
+        return drawing.tables()
 
     @property
     def _linkage_sizes(self) -> dict[str, Any]:
@@ -423,7 +399,7 @@ class IndexingCam(CamTables):
         steepest = self.allowed.cam_limits.steepest(self.cams["cam"])
         found = {
             **super()._found(),
-            "geometry.return_deg": self.return_deg,
+            "geometry.return_deg": self.geometry.back_deg,
             "limits.pressure_angle_deg": steepest,
             **({"parts.base_thickness": self.sizes.base_thickness} if self.standing else {}),
         }
@@ -618,30 +594,12 @@ class IndexingCam(CamTables):
     def unloading(self) -> SpringTorque | None:
         """Torque on the link over the share of its turn."""
         u = self.unloader
-        stroke = math.radians(self.geometry.index_deg)
-        if u.torque == "none":
-            return None
-        if u.torque == "table":
-            assert u.points is not None
-            return antisymmetric(characteristic(u.points))
-        if u.torque == "crank":
-            assert (
-                u.crank is not None
-                and u.guide is not None
-                and u.stretch is not None
-                and u.lead_deg is not None
-            )
-            spring = CrankSpring(
-                u.stiffness_n_mm or 1.0,
-                u.crank,
-                u.guide,
-                u.stretch,
-                math.radians(u.lead_deg),
-                stroke,
-                self.freewheel is not None,
-            )
-            return fitting(spring, self.law, self._unit) if u.stiffness_n_mm is None else spring
-        return self._ideal
+        if u.torque == "law":
+            return self._ideal
+        spring = u.spring(math.radians(self.geometry.index_deg), self.freewheel is not None)
+        if isinstance(spring, CrankSpring) and u.stiffness_n_mm is None:
+            return fitting(spring, self.law, self._unit)
+        return spring
 
     @property
     def _unit(self) -> float:
@@ -748,7 +706,7 @@ class IndexingCam(CamTables):
         """The even drive beside uneven ones; nothing of a program that no chain of two turns to one of the cam serves."""
         g = self.geometry
         f = self.geometry.follower
-        spans = g.rise_deg, g.dwell_deg, self.return_deg
+        spans = g.rise_deg, g.dwell_deg, self.geometry.back_deg
         if driver_faults(t.Driver(crank=1.0, offset=0.1), spans):
             return []
         theta = np.linspace(0, math.tau, 1441)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated, Literal
@@ -10,8 +11,9 @@ from pydantic import Field
 
 from camgen.errors import Fault, SpecError
 from camgen.machines.cam_tables import CamSizes
+from camgen.machines.indexing_cam.unloader import CrankSpring, SpringTorque, antisymmetric
 from camgen.machines.loads.tables import Direction, Drives, Positive, SwingingCamLimitsTable, Weight
-from camgen.machines.pairs import Air
+from camgen.machines.pairs import Air, air_faults
 from camgen.motion.program import Segment
 from camgen.motion.segments import MATCHED, NamedLaw, backwards, law_of, turning_rows
 from camgen.motion.spring_law import characteristic
@@ -62,7 +64,30 @@ class IndexingGeometry(Record):
     )
     tip_clearance: Air = 0.0
 
-    def law_faults(self) -> Sequence[Fault]:
+    @property
+    def back_deg(self) -> float:
+        """Cam angle of the turn back."""
+        return self.rise_deg if self.return_deg is None else self.return_deg
+
+    def faults(self) -> Sequence[Fault]:
+        """What does not go together."""
+        f = self.follower
+        found = []
+        spans = math.fsum((self.rise_deg, self.dwell_deg, self.back_deg))
+        if spans > 360:
+            right = (
+                f"rise_deg, dwell_deg and return_deg of at most 360 together, they make {spans:g}"
+            )
+            found.append(Fault(("geometry", "dwell_deg"), f"{self.dwell_deg:g}", right))
+        if f.roller_radius >= f.arm:
+            right = f"less than the arm, {f.arm:g} mm: the roller would cover the arm's own axle"
+            where = ("geometry", "follower", "roller_radius")
+            found.append(Fault(where, f"{f.roller_radius:g}", right))
+        path = ("geometry", "tip_clearance")
+        found += air_faults(path, self.tip_clearance, self.closure, f.roller_radius)
+        return [*found, *self._law_faults()]
+
+    def _law_faults(self) -> Sequence[Fault]:
         """What is wrong with the law, which runs between dwells there and back."""
         choice = self.law
         if choice.name == MATCHED:
@@ -222,6 +247,25 @@ class UnloaderTable(Record):
             right = '"crank" or "none" with [freewheel]: a torque that ends as far back as it begins forwards cannot go on'
             found.append(Fault(("unloader", "torque"), f"'{self.torque}'", right))
         return found
+
+    def spring(self, stroke: float, on: bool) -> SpringTorque | None:
+        """Torque on the link over the share of its stroke, rad, of what is no law; on: whether the link turns on.
+
+        A crank's spring whose stiffness is left open has 1 N/mm.
+        """
+        if self.torque == "table" and self.points is not None:
+            return antisymmetric(characteristic(self.points))
+        if self.torque != "crank":
+            return None
+        return CrankSpring(
+            self.stiffness_n_mm or 1.0,
+            self.crank or 0.0,
+            self.guide or 0.0,
+            self.stretch or 0.0,
+            math.radians(self.lead_deg or 0.0),
+            stroke,
+            on,
+        )
 
 
 class SynthesisTable(Record):

@@ -17,13 +17,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.convex import hull_corners
 from camgen.machine.cams.profile import DiscCam, SwingingArm
+from camgen.machines.indexing_cam.drawing import Drawing
 from camgen.machines.indexing_cam.unloader import LINK, CrankSpring
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.springs import EYE, extension_spring
@@ -179,24 +179,20 @@ class UnloaderCrank:
 
     # ---- as links ---------------------------------------------------------------------------------------------------
 
-    def draw(
-        self,
-        points: dict[str, complex],
-        links: dict[str, list[str]],
-        gears: list[dict[str, Any]],
-        tables: dict[str, Any],
-    ) -> None:
-        """Add the crank, its wheels and its spring to the tables of a linkage; DesignError where no wire makes the spring."""
+    def draw(self, drawing: Drawing) -> None:
+        """Add the crank, its wheels and its spring to a linkage; DesignError where no wire makes the spring."""
         s = self.spring
+        points = drawing.points
         points["crank"] = self.axle
         points["anchor"] = self.post
         points["hook"] = self.axle + self._pin(self.axle, self.post) * cmath.exp(1j * s.begin)
-        links["ground"] += ["crank", "anchor"]
-        links[CRANK] = ["crank", "hook"]
-        gears.append({"name": "unloader_gears", "a": LINK, "b": CRANK, "ratio": self.ratio})
+        drawing.links["ground"] += ["crank", "anchor"]
+        drawing.links[CRANK] = ["crank", "hook"]
+        wheels = {"name": "unloader_gears", "a": LINK, "b": CRANK, "ratio": self.ratio}
+        drawing.gears.append(wheels)
         self._refuse_wire()
         spring = {"name": "unloader_spring", "between": ("hook", "anchor"), "rate": s.stiffness}
-        tables.setdefault("spring", []).append({**spring, "free": s.guide - s.crank - s.stretch})
+        drawing.others["spring"] = [{**spring, "free": s.guide - s.crank - s.stretch}]
 
     def _refuse_wire(self) -> None:
         s = self.spring
