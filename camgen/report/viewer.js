@@ -407,7 +407,9 @@
     const touched = () => { canvas.style.touchAction = focused() ? "none" : "auto"; };
     ["focus", "blur"].forEach(name => canvas.addEventListener(name, touched));
     touched();
-    controls.addEventListener("start", () => { held = true; });
+    const before = new THREE.Vector3();
+    controls.addEventListener("start", () => before.copy(camera.position));
+    controls.addEventListener("end", () => { held ||= !before.equals(camera.position); });
     controls.addEventListener("change", ask);
     canvas.addEventListener("keydown", event => {
       if (event.key === " ") {
