@@ -312,9 +312,11 @@
       const bright = shown.children[0].material = part.material.clone();
       bright.clippingPlanes = part.material.clippingPlanes;
       bright.emissive.copy(part.material.color).lerp(new THREE.Color(1, 1, 1), 0.35).multiplyScalar(0.6);
-      const called = part.name.replaceAll("_", " "), kinds = holes.slice(0, 12).map(([label, shape]) => label + " (" + shape + ")");
-      if (holes.length > 12) kinds.push("and " + (holes.length - 12) + " more");
-      name.textContent = (title.toLowerCase().includes(called) ? title : called + ": " + title) + (holes.length ? "; holes " + kinds.join(", ") : "");
+      const called = part.name.replaceAll("_", " "), kinds = new Map(holes.map(([, shape]) => [shape, []]));
+      holes.forEach(([label, shape]) => kinds.get(shape).push(label));
+      const said = [...kinds].slice(0, 6).map(([shape, alike]) => alike.join(", ") + " (" + shape + ")");
+      name.textContent = (title.toLowerCase().includes(called) ? title : called + ": " + title) +
+        (holes.length ? "; holes " + said.join("; ") + (kinds.size > 6 ? "; and others" : "") : "");
       labels.append(...holes.map(([label]) => Object.assign(document.createElement("b"), { textContent: label })));
     }
     function placed() {  // the labels, and where they are in the picture, px
@@ -407,7 +409,9 @@
     const touched = () => { canvas.style.touchAction = focused() ? "none" : "auto"; };
     ["focus", "blur"].forEach(name => canvas.addEventListener(name, touched));
     touched();
-    controls.addEventListener("start", () => { held = true; });
+    const before = new THREE.Vector3();
+    controls.addEventListener("start", () => before.copy(camera.position));
+    controls.addEventListener("end", () => { held ||= !before.equals(camera.position); });
     controls.addEventListener("change", ask);
     canvas.addEventListener("keydown", event => {
       if (event.key === " ") {
@@ -466,8 +470,8 @@
       picture.fillStyle = variable("--card");
       picture.fillRect(0, 0, sheet.width, sheet.height);
       picture.drawImage(canvas, 0, 0);
-      Object.assign(picture, { fillStyle: variable("--ink"), font: "bold " + 12 * fine + "px sans-serif", textAlign: "center", textBaseline: "middle" });
-      placed().forEach(([label, x, y]) => picture.fillText(label.textContent, fine * x, fine * y));
+      Object.assign(picture, { fillStyle: variable("--ink"), font: "bold " + 12 * fine + "px sans-serif", textAlign: "center", textBaseline: "middle", strokeStyle: variable("--card"), lineWidth: 4 * fine, lineJoin: "round" });
+      placed().forEach(([label, x, y]) => ["strokeText", "fillText"].forEach(write => picture[write](label.textContent, fine * x, fine * y)));
       renderer.setPixelRatio(ratio);
       ask();
       sheet.toBlob(file => {
