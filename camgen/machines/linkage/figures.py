@@ -21,7 +21,7 @@ from camgen.machine.features import Demand
 from camgen.machine.landmarks import double_points
 from camgen.machine.reach import folds, four_bar_lengths, transmission
 from camgen.machine.run import Run, solve
-from camgen.machine.targets import NO_STROKES, Course, Through, Trace, time_ratio
+from camgen.machine.targets import NO_STROKES, Course, Through, Trace, extent, time_ratio
 from camgen.machines.free_play import accepted
 from camgen.machines.linkage.signals import Signal, signals_of
 from camgen.machines.linkage.springs import MountedSpring
@@ -131,6 +131,8 @@ def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) 
         peak_acceleration = peak(second) * speed**2
         name = signal.name
         unit = signal.unit
+        if name != signal.of and signal.turned == 1:  # the first of a path's two
+            figures += _extent(run, signal.of)
         figures += [
             Figure("{of}, least", low, unit, name),
             Figure("{of}, greatest", high, unit, name),
@@ -460,6 +462,15 @@ def _course(linkage: LinkageMotion, thread: Sequence[str], theta: Floats) -> Poi
     carriers = (next(body.name for body in bodies if point in body.points) for point in thread)
     places = [run.point(body, point)[0] for body, point in zip(carriers, thread, strict=True)]
     return np.stack(places, axis=-1)
+
+
+def _extent(run: Run, path: str) -> list[Figure]:
+    """Stroke of a path: its largest extent, mm, and the direction of that, deg from the x axis."""
+    size, along = extent(np.asarray(run[path], complex))
+    return [
+        Figure("{of} stroke", size, "mm", path),
+        Figure("{of} stroke along", math.degrees(along), "deg", path),
+    ]
 
 
 def _extreme_places(linkage: LinkageMotion) -> tuple[list[tuple[object, ...]], list[Figure]]:
