@@ -318,10 +318,10 @@ class Drawing(Record):
         default=None,
         description="tolerance of a cam's track: the width of its zone (line profile, ISO 1101); left out: none",
     )
-    roughness: Annotated[float, quantity("µm", gt=0, le=100)] | None = Field(
+    roughness: Annotated[float, quantity("um", gt=0, le=100)] | None = Field(
         default=None, description="Ra of a cam's track; left out: not said"
     )
-    roughness_elsewhere: Annotated[float, quantity("µm", gt=0, le=100)] | None = Field(
+    roughness_elsewhere: Annotated[float, quantity("um", gt=0, le=100)] | None = Field(
         default=None, description="Ra of all other faces; left out: not said"
     )
     edges: Annotated[str, said(60)] | None = Field(
