@@ -42,14 +42,14 @@ class Figure:
     @property
     def key(self) -> str:
         """Its name in report.json, such as motion_error_pen_dxf_mm."""
-        name = self.quantity.format(of=self.of, joint=self.joint.lower())
-        unit = _SUFFIXES.get(self.unit, self.unit.lower())
-        return _joined(f"{self.module} {name} {self.kind} {unit}")
+        return _key(self.module, self.quantity, self.of, self.joint, self.kind, self.unit)
 
 
 @lru_cache(4096)  # those of many variants are the same
-def _joined(words: str) -> str:
-    """Words with _ between them."""
+def _key(module: str, quantity: str, of: str, joint: str, kind: str, unit: str) -> str:
+    """Of a figure with these fields: their words with _ between them."""
+    name = quantity.format(of=of, joint=joint.lower())
+    words = f"{module} {name} {kind} {_SUFFIXES.get(unit, unit.lower())}"
     found = "_".join(filter(None, re.split(r"[ ,:/']+", words)))
     return found.translate({ord("²"): "2", ord("³"): "3"})
 
@@ -76,7 +76,9 @@ class Figures(Mapping[str, float]):
 
     def __or__(self, more: Iterable[Figure] | Figures) -> Figures:
         """These and more."""
-        return Figures([*self.records, *(more.records if isinstance(more, Figures) else more)])
+        both = Figures()
+        both._by_key = self._by_key | (more if isinstance(more, Figures) else Figures(more))._by_key
+        return both
 
     @property
     def records(self) -> Sequence[Figure]:
