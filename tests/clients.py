@@ -477,7 +477,7 @@ def built(once: Callable[[str, Callable[[Path], None]], Path]) -> list[Path]:
     def make(out: Path) -> None:
         def build(spec: Path) -> str:
             more = ("-o", out, "--only", "dxf,stl,3mf,step,report", "--jobs", 1)
-            return said(sys.executable, "-m", "camgen", "build", spec, *more, limit=600)
+            return said(sys.executable, ROOT / "tests" / "flat.py", "build", spec, *more, limit=600)
 
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             print(*pool.map(build, specs), sep="\n")
@@ -655,8 +655,7 @@ def test_a_sheet_is_the_same_in_other_programs(tmp_path: Path) -> None:
     spec = ROOT / "specs" / "linkage.toml"
     said(
         sys.executable,
-        "-m",
-        "camgen",
+        ROOT / "tests" / "flat.py",
         "build",
         spec,
         "-o",
