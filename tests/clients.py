@@ -18,6 +18,7 @@ import sys
 import tempfile
 import zipfile
 import zlib
+from collections import ChainMap, defaultdict
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
@@ -106,13 +107,26 @@ def admesh(path: Path) -> Problem:
 
 def prusa_slicer(path: Path) -> Problem:
     """STL and 3MF: every body there, manifold, and nothing repaired on loading."""
-    text = said("prusa-slicer", "--info", path)
+    return prusa_slicers([path])[0]
+
+
+def prusa_slicers(paths: Sequence[Path]) -> list[Problem]:
+    """Several files of a folder at once: what is said of a body begins with its file's name."""
+    text = said("prusa-slicer", "--info", *paths)
+    sections = re.split(r"^\[([^/\]]+\.\w+)\]$", text, flags=re.MULTILINE)
+    facts = dict.fromkeys(sections[1::2], "")
+    for name, section in zip(sections[1::2], sections[2::2], strict=True):
+        facts[name] += section
     repairs = "edges_fixed|facets_reversed|facets_removed|degenerate_facets|backwards_edges"
-    found = re.findall(f"{repairs}|manifold = no|Loading of a model file failed", text)
-    if found:
-        return "; ".join(found)
-    bodies, manifold = copies(path), text.count("manifold = yes")
-    return "" if manifold == bodies else f"{manifold} manifold bodies of {bodies}"
+    problems = []
+    for path in paths:
+        of_file = facts.get(path.name, sections[0])  # what fails to load is not named
+        found = re.findall(f"{repairs}|manifold = no|Loading of a model file failed", of_file)
+        if not found:
+            bodies, manifold = copies(path), of_file.count("manifold = yes")
+            found = [] if manifold == bodies else [f"{manifold} manifold bodies of {bodies}"]
+        problems.append("; ".join(found))
+    return problems
 
 
 def copies(path: Path) -> int:
@@ -297,25 +311,39 @@ GMSH = """
 import json, sys, gmsh
 gmsh.initialize(interruptible=False)
 gmsh.option.setNumber("General.Terminal", 0)
-gmsh.logger.start()
-gmsh.model.occ.importShapes(sys.argv[1])
-gmsh.model.occ.synchronize()
-solids = [tag for _, tag in gmsh.model.getEntities(3)]
-names = [gmsh.model.getEntityName(3, tag).rpartition("/")[2] for tag in solids]
 gmsh.option.setNumber("Mesh.MeshSizeMin", 5)
-gmsh.model.mesh.generate(2)
-wrong = [line for line in gmsh.logger.get() if line.startswith(("Error", "Warning"))]
-loose = [tag for _, tag in gmsh.model.getEntities(2) if not len(gmsh.model.getAdjacencies(2, tag)[0])]
-print("GMSH", json.dumps([sum(gmsh.model.occ.getMass(3, tag) for tag in solids), names, wrong, len(loose)]))
+for path in sys.argv[1:]:
+    gmsh.clear()
+    gmsh.logger.start()
+    gmsh.model.occ.importShapes(path)
+    gmsh.model.occ.synchronize()
+    solids = [tag for _, tag in gmsh.model.getEntities(3)]
+    names = [gmsh.model.getEntityName(3, tag).rpartition("/")[2] for tag in solids]
+    gmsh.model.mesh.generate(2)
+    wrong = [line for line in gmsh.logger.get() if line.startswith(("Error", "Warning"))]
+    loose = [tag for _, tag in gmsh.model.getEntities(2) if not len(gmsh.model.getAdjacencies(2, tag)[0])]
+    volume = sum(gmsh.model.occ.getMass(3, tag) for tag in solids)
+    print("GMSH", json.dumps([volume, names, wrong, len(loose)]), flush=True)
+    gmsh.logger.stop()
 """
 
 
 def gmsh(path: Path) -> Problem:
     """STEP: its kernel finds valid solids under their names, the right volume, and meshes every face."""
-    text = said(sys.executable, "-c", GMSH, path)
-    if "GMSH " not in text:
-        return text.strip()[-200:] or "crashed"
-    volume, names, wrong, loose = json.loads(text.rpartition("GMSH ")[2])
+    return gmshs([path])[0]
+
+
+def gmshs(paths: Sequence[Path]) -> list[Problem]:
+    """Several files by one process, which takes longer to start than to open one; after a crash none is accepted."""
+    text = said(sys.executable, "-c", GMSH, *paths)
+    lines = re.findall(r"^GMSH (.*)$", text, re.MULTILINE)
+    facts = [json.loads(line) for line in lines]
+    crashed = [text.strip()[-200:] or "crashed"] * (len(paths) - len(facts))
+    return [gmsh_problem(*each) for each in zip(paths, facts, strict=False)] + crashed
+
+
+def gmsh_problem(path: Path, facts: tuple[float, list[str], list[str], int]) -> Problem:
+    volume, names, wrong, loose = facts
     if wrong or loose or not names:
         return "; ".join(wrong) or f"{loose} faces of no solid, {len(names)} solids"
     part = part_of(path)
@@ -393,6 +421,11 @@ PACKAGES = {
     gmsh: "gmsh",
     ocp: "OCP",
 }  # of Python; the others are programs
+# those that take as long to start as to open some ten files: they are given all of a folder at once
+AT_ONCE: dict[Client, Callable[[Sequence[Path]], list[Problem]]] = {
+    gmsh: gmshs,
+    prusa_slicer: prusa_slicers,
+}
 
 
 def installed(client: Client) -> bool:
@@ -414,8 +447,18 @@ def tasks(folders: Sequence[Path]) -> list[tuple[Path, Client]]:
 
 def answers(work: Sequence[tuple[Path, Client]]) -> list[Problem]:
     """What each client has against its file, on all cores."""
+    shares = defaultdict[tuple[Client, Path], list[Path]](list)
+    for path, client in work:
+        shares[client, path.parent if client in AT_ONCE else path].append(path)
+
+    def ask(share: tuple[tuple[Client, Path], list[Path]]) -> dict[tuple[Path, Client], Problem]:
+        (client, _), paths = share
+        problems = AT_ONCE[client](paths) if client in AT_ONCE else map(client, paths)
+        return {(path, client): problem for path, problem in zip(paths, problems, strict=True)}
+
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(lambda each: each[1](each[0]), work))
+        found = ChainMap(*pool.map(ask, shares.items()))
+    return [found[each] for each in work]
 
 
 @pytest.fixture(scope="module")
@@ -434,7 +477,7 @@ def built(once: Callable[[str, Callable[[Path], None]], Path]) -> list[Path]:
     def make(out: Path) -> None:
         def build(spec: Path) -> str:
             more = ("-o", out, "--only", "dxf,stl,3mf,step,report", "--jobs", 1)
-            return said(sys.executable, "-m", "camgen", "build", spec, *more, limit=600)
+            return said(sys.executable, ROOT / "tests" / "flat.py", "build", spec, *more, limit=600)
 
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             print(*pool.map(build, specs), sep="\n")
@@ -612,8 +655,7 @@ def test_a_sheet_is_the_same_in_other_programs(tmp_path: Path) -> None:
     spec = ROOT / "specs" / "linkage.toml"
     said(
         sys.executable,
-        "-m",
-        "camgen",
+        ROOT / "tests" / "flat.py",
         "build",
         spec,
         "-o",
