@@ -152,10 +152,13 @@ def test_worst_code_wins_and_each_is_reported(run: Run, results: dict[str, Any])
 
 def test_table_shows_measured_limit_margin_and_verdict(run: Run, results: dict[str, Any]) -> None:
     results |= {"good": report(), "bad": report(False)}
-    line = next(line for line in run("build", "good")[1].splitlines() if "MOTION_ERROR" in line)
+    (line,) = (line for line in run("build", "good")[1].splitlines() if "MOTION_ERROR" in line)
+    assert line.split() == "Motion error 1 deg at most 2 (MOTION_ERROR)".split()
+    out = run("build", "good", "-v")[1]
+    line = next(line for line in out.splitlines() if line.startswith(" MOTION_ERROR"))
     assert line.split() == ["MOTION_ERROR", "1", "<=", "2", "1", "deg", "cam.dxf", "ok"]
-    out = run("build", "bad")[1]
-    line = next(line for line in out.splitlines() if "MOTION_ERROR" in line)
+    out = run("build", "bad", "-v")[1]
+    line = next(line for line in out.splitlines() if line.startswith(" MOTION_ERROR"))
     assert line.split() == ["MOTION_ERROR", "1", "<=", "0.5", "-0.5", "deg", "cam.dxf", "FAIL"]
     assert "MOTION_ERROR (cam.dxf) fails: 1 deg; at most 0.5 deg is allowed. The cam is off." in out
     assert "camgen explain MOTION_ERROR" in out

@@ -59,6 +59,18 @@ def test_every_other_command_works_in_its_order(
         assert done.value.code == 0, f"{command}\n{capsys.readouterr()}"
 
 
+def test_what_a_build_says_is_what_it_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (block,) = re.findall(r"```\n\$ (.*?)```", README, re.DOTALL)
+    command, *said = block.splitlines()
+    shutil.copytree(ROOT / "specs", tmp_path / "specs")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as done:
+        main(shlex.split(command)[1:])
+    assert done.value.code == 0 and capsys.readouterr().out.splitlines() == said
+
+
 def test_python_runs_as_it_stands(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -19,7 +19,7 @@ Exit codes:
 {2}130 is Ctrl-C, 70 a fault of camgen itself."""
 EXIT_CODES = _CODES.format(
     "every finding holds",
-    "a finding fails (files are written, the table says which)",
+    "a finding fails (files are written; it is said which)",
     "Of several the worst, that is the largest, is returned. ",
 )
 SWEEP_CODES = _CODES.format(
@@ -36,7 +36,10 @@ quiet_option = click.option(
     "-q", "--quiet", is_flag=True, help="Print only what fails, and notes on files gone or changed."
 )
 verbose_option = click.option(
-    "-v", "--verbose", is_flag=True, help="Print every finding in words, and every file."
+    "-v",
+    "--verbose",
+    is_flag=True,
+    help="Print all findings, as a table and in words, and every file.",
 )
 json_option = click.option(
     "--json", "as_json", is_flag=True, help="Print JSON: one object, or a list for several."

@@ -18,7 +18,7 @@ from camgen.judge.joints import Closable, Fit, Nominal, Outline, measured_machin
 from camgen.judge.measured import Files, Sections, read
 from camgen.judge.proof import Proof, with_laws
 from camgen.machine.features import CamOutline, Demand, judged_outputs, parts_of
-from camgen.machine.model import Cam, Clutch, Output, bodies_of, unit_of
+from camgen.machine.model import GROUND, Cam, Clutch, Output, bodies_of, unit_of
 from camgen.numerics import Floats
 from camgen.study import Figure, Figures, Table
 
@@ -123,8 +123,8 @@ def _motion_error(judged: Sequence[_OutputResult], where: Where) -> Finding:
 
 
 def _nominal(nominal: Nominal) -> tuple[NotJudged, ...]:
-    """Joints of parts that are made which no file shows; not clutches, which are bought."""
-    bodies = {mount.body for mount in nominal.mounts}
+    """Joints of parts that are made and move which no file shows; not clutches, which are bought."""
+    bodies = {mount.body for mount in nominal.mounts} - {GROUND}
     shown = {getattr(feature, "joint", "") for feature in nominal.features}
     for feature in nominal.features:
         if isinstance(feature, CamOutline):
@@ -278,6 +278,7 @@ class _OutputResult:
             moved = "swing" if self.unit == "deg" else "stroke"
             values |= {
                 "clearance band {of}": self.band,
+                "play {of}": 2 * self.band,
                 f"{moved} recovered {{of}}": self.measured_stroke,
             }
         return [

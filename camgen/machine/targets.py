@@ -35,6 +35,7 @@ _CHORDS = 64  # at most, in place of the cubic between two samples
 _FINE_SHARE = 0.001  # of a path's tolerance, to which its farthest place is found
 _FINEST = 1e-6  # of a path's length, finer than which nothing is looked for
 _STILL = 1e-9  # mm or deg: what goes less far stands still
+_ROUND = 1e-6  # of an extent: what differs by less is as long
 NO_STROKES = "turns all round or stands still: it has no two strokes whose times compare"
 _RETURNS = 1e-3  # of its way, within which an output is back after a turn
 
@@ -509,6 +510,19 @@ def rectangle(places: Points) -> tuple[float, float]:
         sides.append((float(np.ptp(along_edge.imag)), float(np.ptp(along_edge.real))))
     width, length = min(sides)
     return length, width
+
+
+def extent(places: Points) -> tuple[float, float]:
+    """Largest distance of two places, mm, and the direction of the line through them, rad in (-pi/2, pi/2].
+
+    places: (n,) complex mm.  Of a round path, which has many such lines, the one of the least direction.
+    """
+    hull = places[hull_corners(places.tolist())]
+    across = hull[:, None] - hull
+    across = np.where((across.real > 0) | ((across.real == 0) & (across.imag > 0)), across, -across)
+    size = float(np.abs(across).max())
+    longest = across[np.abs(across) >= size * (1 - _ROUND)]
+    return size, float(np.angle(longest).min()) if size else 0.0
 
 
 def straightest(course: Course, length: float) -> tuple[float, float, float]:

@@ -79,11 +79,12 @@ class Frame:
 
 @dataclass(frozen=True)
 class MotorSeat:
-    """Where a bought motor drives the machine."""
+    """Where a motor or a hand drives the machine."""
 
     frame: str = ""  # of the motor, such as "nema-17"; "" where none is part of the machine
     reach: float | None = None  # mm, of its shaft over its face, that is needed
     hub: SetScrewHub | None = None  # that a set screw holds on its shaft
+    crank: float = 0.0  # mm, from the shaft to the knob of the hand crank; 0: none
 
 
 @dataclass(frozen=True)

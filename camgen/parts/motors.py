@@ -1,7 +1,8 @@
 """Motors by their model: what torque they give at a speed, and how far their shafts reach. Each row has its source.
 
 A stepper's model tells its holding torque, which no stepper gives while it turns; a motor with brushes its torque at stall
-and its speed without load, between which its torque falls in a straight line.
+and its speed without load, between which its torque falls in a straight line;
+an industrial servo its rated torque. A hand turns, too.
 """
 
 from __future__ import annotations
@@ -61,6 +62,30 @@ GEARED = {
     )
 }
 
+
+@dataclass(frozen=True)
+class Servo:
+    """An industrial servo: its rated torque, N m, three times as much for a moment, and its greatest speed, rpm."""
+
+    model: str
+    rated: float
+    fastest_rpm: float
+
+
+SERVOS = {
+    row.model: row
+    for row in (  # Yaskawa, Sigma II User's Manual, 8.1.4 and 3.1
+        Servo("SGMSH-10A", 3.18, 5000.0),  # 1 kW
+        Servo("SGMAH-01AJC", 5.34, 190.0),  # 100 W, geared 1:21
+    )
+}
+
+HAND_CRANK = "hand crank"
+# N, on the knob of a small crank that is turned fast [Ivergard, Hunt: Handbook of Control Room Design and Ergonomics, 5.3.4]
+_HAND = 22.0
+_HAND_RPM = 120.0  # two turns a second: an estimate
+_KNOB = 25.0  # mm, from the shaft, where the machine has no crank of its own
+
 # Usual shafts of motor frames: diameter and length over the face, mm.
 SHAFTS = {
     "nema-8": (4.0, 6.0),
@@ -78,7 +103,36 @@ class Motor:
     stall: float  # torque at standstill, N m
     no_load: float = math.inf  # speed without load, rad/s; inf where none is given
     said: str = ""  # what a message says of the torque
+    fastest: float = math.inf  # rad/s, beyond which it gives none
 
     def torque(self, speed: float) -> float:
-        """What it gives at a speed, rad/s, N m; below 0 beyond its speed without load."""
+        """What it gives at a speed, rad/s, N m; 0 or less where it does not turn so fast."""
+        if abs(speed) > self.fastest:
+            return 0.0
         return self.stall * (1 - abs(speed) / self.no_load)
+
+
+RPM = math.tau / 60  # rad/s
+
+
+def of_model(model: str | None, crank: float) -> Motor | None:
+    """What a model of the catalogue gives, or a hand; None of none.
+
+    crank: mm, from the shaft to the knob of the machine's own hand crank, which names a hand by itself; 0: it has none.
+    """
+    if model in GEARED:
+        row = GEARED[model]
+        said = f"{model} at {row.volts:g} V, from {row.stall:.3g} N m at stall to {row.no_load_rpm:.3g} rpm without load"
+        return Motor(row.stall, row.no_load_rpm * RPM, said)
+    if model in STEPPERS:
+        said = f"{model} holds so much and gives less as it turns"
+        return Motor(STEPPERS[model].holding, said=said)
+    if model in SERVOS:
+        servo = SERVOS[model]
+        said = f"rated torque of {model}, up to {servo.fastest_rpm:g} rpm"
+        return Motor(servo.rated, said=said, fastest=servo.fastest_rpm * RPM)
+    if not (crank or model == HAND_CRANK):
+        return None
+    knob = crank or _KNOB
+    said = f"a hand gives {_HAND:g} N at a knob {knob:g} mm from the shaft, up to {_HAND_RPM:g} rpm"
+    return Motor(_HAND * knob / 1000, said=said, fastest=_HAND_RPM * RPM)

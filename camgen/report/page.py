@@ -8,7 +8,6 @@ from __future__ import annotations
 import base64
 import gzip
 import json
-import math
 from collections.abc import Sequence
 from dataclasses import astuple, replace
 from functools import cache
@@ -22,17 +21,16 @@ import numpy as np
 
 from camgen._version import __version__
 from camgen.plotting import SERIES
-from camgen.report import words
 from camgen.report.animation import frames, player
 from camgen.report.colours import part_colour
 from camgen.report.plots import plot_figure
 from camgen.report.report import Report, write_text
+from camgen.report.summary import Summary, summary
 from camgen.report.tables import (
     NOISE_OF,
     figure_lists,
     html_table,
     margins,
-    share_used,
     to_change,
     unit_text,
     value_text,
@@ -42,7 +40,6 @@ from camgen.study import Plot, Scene, Table
 
 _FIRST_PLOTS = 12  # more curves than this are folded away; it fills rows of two, three and four
 _SERIES_DARK = ("#6db3f2", "#f2a069", "#74cf98", "#c99be8", "#dcc04e", "#f08fbf")
-_STROKES = ("stroke", "swing", "index", "{of} stroke")  # how far a machine moves
 
 
 @cache
@@ -54,23 +51,18 @@ def to_html(report: Report) -> str:
     """report.html as text, self-contained."""
     turn = frames(report.animation) if report.animation else {}
     scene = report.scene
+    first = summary(report)
     machine = player(report.animation, scene is not None) if report.animation else ""
     return Template(_asset("page.html")).substitute(
         name=escape(report.name),
         mechanism=escape(report.mechanism),
         version=escape(__version__),
         verdict=escape(report.verdict),
-        state="bad"
-        if not report.ok
-        else "open"
-        if report.not_judged
-        else "ok"
-        if report.findings
-        else "",
+        state=first.state,
         style=_asset("page.css")
         + _palette(len(report.animation.bodies) if report.animation else 0),
-        key=_key_figures(report),
-        change=to_change(report.warnings, report.findings, report.not_judged),
+        key=_key_figures(first),
+        change=to_change(first.warnings, first.failing, first.not_judged),
         machine=machine,
         plots=_section("Curves", _plots(report.plots)),
         parts=_section("Parts", _parts(report))
@@ -160,39 +152,12 @@ def _folded(table: Table) -> str:
 # ---- verdict ---------------------------------------------------------------------------------------------------------
 
 
-def _key_figures(report: Report) -> str:
-    """Five figures that tell the most: how far it moves, how exactly, with what play and at which angles, how heavy it is."""
-    found: list[tuple[str, float, str, str]] = []
-    designed = [row for row in words.rows(report.numbers) if "" in row.values]
-    strokes = [row for row in designed if row.quantity in _STROKES]
-    found += [(row.name, row.values[""], row.unit, "") for row in strokes[:1]]
-    for code, title in (
-        ("MOTION_ERROR", "Motion error"),
-        ("LASH", "Free play"),
-        ("PRESSURE_ANGLE", "Pressure angle"),
-        ("TRANSMISSION_ANGLE", "Transmission angle"),
-        ("INTERFERENCE", "Least gap"),
-    ):
-        of = [
-            f
-            for f in report.findings
-            if f.code == code and math.isfinite(f.measured) and (f.floor or code != "INTERFERENCE")
-        ]
-        if of:
-            worst = max(of, key=lambda f: (not f.ok, share_used(f) or 0.0))
-            limit = f"{'at least' if worst.floor else 'at most'} {rounded(worst.limit, 3)}"
-            found.append((title, worst.measured, worst.unit, limit))
-    for quantity, title in (
-        ("peak torque", "Peak torque"),
-        ("mass", "Mass printed"),
-        ("print time", "Time to print"),
-    ):
-        found += [
-            (title, row.values[""], row.unit, "") for row in designed if row.quantity == quantity
-        ]
+def _key_figures(first: Summary) -> str:
+    """Five figures that tell the most."""
     items = [
-        f"<div><dt>{escape(title)}</dt><dd>{value_text(value, unit, 3)}{unit_text(unit)} <small>{escape(limit)}</small></dd></div>"
-        for title, value, unit, limit in found[:5]
+        f"<div><dt>{escape(each.name)}</dt><dd>{value_text(each.value, each.unit, 3)}{unit_text(each.unit)} "
+        f"<small>{escape(each.beside(lambda value: rounded(value, 3)))}</small></dd></div>"
+        for each in first.figures
     ]
     return f'<dl class="key">{"".join(items)}</dl>' if items else ""
 

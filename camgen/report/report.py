@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 
 from camgen._version import __version__
 from camgen.errors import FileError
-from camgen.findings import Finding, NotJudged, left_out
+from camgen.findings import Finding, NotJudged, left_out, worst_of_each
 from camgen.study import Figures, Plot, Scene, Table
 
 if TYPE_CHECKING:
@@ -71,15 +71,25 @@ class Report:
         return (*([self.budget] if self.budget else []), *self.tables)
 
     @property
-    def verdict(self) -> str:
-        """One line: how many findings hold or fail, and what was not judged."""
+    def failing(self) -> Sequence[tuple[Finding, str]]:
+        """Of the findings that fail the worst of each kind, and where they were made."""
+        return worst_of_each([finding for finding in self.findings if not finding.ok])
+
+    @property
+    def outcome(self) -> str:
+        """One line: how many findings hold or fail."""
         failed = sum(not finding.ok for finding in self.findings)
         count = len(self.findings)
-        held = {0: self.summary, 1: "The one finding holds"}.get(
-            count, f"All {count} findings hold"
-        )
-        said = f"{failed} of {count} findings fail{'s' if failed == 1 else ''}" if failed else held
-        return f"{said}; NOT JUDGED: {left_out(self.not_judged)}" if self.not_judged else said
+        if failed:
+            return f"{failed} of {count} findings fail{'s' if failed == 1 else ''}"
+        held = {0: self.summary, 1: "The one finding holds"}
+        return held.get(count, f"All {count} findings hold")
+
+    @property
+    def verdict(self) -> str:
+        """One line: how many findings hold or fail, and what was not judged."""
+        open_ = f"; NOT JUDGED: {left_out(self.not_judged)}" if self.not_judged else ""
+        return f"{self.outcome}{open_}"
 
     def show(self) -> None:
         """Show the page of the build, with the machine in motion: below the cell of a notebook, else in a browser.
@@ -112,7 +122,7 @@ class Report:
 
         designed = Figures(each for each in self.numbers.records if not each.kind)
         head = f"<h3>{escape(self.name)}: {escape(self.verdict)}</h3>"
-        changes = to_change(self.warnings, self.findings, self.not_judged)
+        changes = to_change(self.warnings, self.failing, self.not_judged)
         tables = "" if self.findings else "".join(map(html_table, self.all_tables))
         return head + changes + margins(self.findings) + figure_lists(designed) + tables
 

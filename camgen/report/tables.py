@@ -8,7 +8,7 @@ from html import escape
 
 import numpy as np
 
-from camgen.findings import Finding, NotJudged, worst_of_each
+from camgen.findings import Finding, NotJudged
 from camgen.report import words
 from camgen.report.words import KINDS, NOISE, rounded
 from camgen.study import Figures, Table
@@ -70,11 +70,12 @@ def scrolling(title: str, table: str) -> str:
 
 
 def to_change(
-    warnings: Sequence[str], findings: Sequence[Finding], not_judged: Sequence[NotJudged]
+    warnings: Sequence[str],
+    failing: Sequence[tuple[Finding, str]],
+    not_judged: Sequence[NotJudged],
 ) -> str:
     """What a person must know first: warnings, what fails with its numbers, and what was not judged."""
     said = "".join(f"<p><b>{escape(text)}</b></p>" for text in warnings)
-    failing = worst_of_each([finding for finding in findings if not finding.ok])
     if not (failing or not_judged):
         return said
     rows = [

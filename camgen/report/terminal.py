@@ -1,4 +1,4 @@
-"""What a terminal shows: the findings as a table, where the files are, and what is being made meanwhile."""
+"""What a terminal shows: the verdict, what fails, five figures, where the files are, and what is being made meanwhile."""
 
 from __future__ import annotations
 
@@ -6,12 +6,11 @@ import math
 import os
 import re
 import sys
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from shutil import get_terminal_size
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
@@ -19,88 +18,80 @@ from camgen.errors import printable
 from camgen.report.words import NOISE
 
 if TYPE_CHECKING:
-    from camgen.findings import Finding
+    from camgen.findings import Finding, NotJudged
     from camgen.progress import Progress
     from camgen.report.report import Report
+    from camgen.report.summary import Headline, Summary
 
-_CONDENSED_FROM = 40  # findings; fewer are printed one by one
 _BAR = 20  # characters of the bar of the progress line
 _TICKS = 2  # a second, at which it is drawn anew
 
 
-def _digest(findings: Sequence[Finding]) -> list[tuple[Finding, int]]:
-    """Findings to print, each with how many it stands for: of many routine checks that hold only the tightest."""
-    from camgen.findings import ROUTINE
-
-    routine: dict[str, list[Finding]] = {}
-    for finding in findings:
-        if finding.ok and finding.code in ROUTINE and len(findings) > _CONDENSED_FROM:
-            routine.setdefault(finding.code, []).append(finding)
-    rows = []
-    for finding in findings:
-        group = routine.get(finding.code, []) if finding.ok else []
-        tightest = min(
-            group, key=lambda f: abs(f.limit - f.measured) / (abs(f.limit) or 1), default=finding
-        )
-        if finding is tightest:
-            rows.append((finding, max(1, len(group))))
-    return rows
-
-
-# Columns of the table and how many characters each needs at least, None: all. Those that stand ahead of the others are
-# always shown; the others give way, the last first, where the terminal is narrow.
-_ALWAYS = ("finding", "measured", "limit", "")
-_GIVE_WAY = {"unit": None, "where": 12, "margin": None}
+# Columns of the table of all findings.
 _COLUMNS = ("finding", "measured", "limit", "margin", "unit", "where", "")
+_NUMBERS = ("measured", "limit", "margin")
+_DROPPED = ((60, ("margin", "unit", "where")), (100, ("margin",)))  # where the terminal is narrower
 _OPEN = "not judged"
-_WIDE = 52  # characters of "where" at most
-_BETWEEN = 2  # characters between columns
+_COLOURS = {"ok": "green", "FAIL": "red", _OPEN: "yellow"}
+_STATES = {"ok": "green", "bad": "red"}
+_LEAST = 50  # characters that a table takes at least
+_PIPE = 240  # the same in a file or a pipe
 
 
 def print_report(report: Report, quiet: bool = False, verbose: bool = False) -> None:
-    """The findings as a table on stdout, what fails first; then each failure in words, the verdict, and where the files are.
+    """Verdict, what fails and what is not judged in words, five figures, and which file to open.
 
-    quiet: what fails alone, and what this run did beside the result, for that is written nowhere; verbose: every finding by
-    itself and in words, every file by name.
+    quiet: what fails alone, and what this run did beside the result, for that is written nowhere; verbose: the table of all
+    findings, each in words, and every file by name.
     """
-    from camgen.findings import left_out, worst_of_each
+    from camgen.report.summary import summary
 
-    failed = [finding for finding in report.findings if not finding.ok]
-    if quiet and not failed:
+    first = summary(report)
+    if quiet and not first.failing:
         for text in report.remarks:
             _say(f"note: {report.name}: {text}")
         return
-    if not quiet:
-        _print_table(report, verbose)
-    for finding, where in worst_of_each(failed):
-        _say(_sentence(finding, where))
-    for finding in report.findings if verbose else ():
-        if finding.ok:
-            _say(_sentence(finding, str(finding.where)))
-    for text in report.remarks if quiet else (*report.warnings, *report.remarks):
-        _say(f"note: {text}")
-    count = len(report.findings)
-    held = "the one finding holds" if count == 1 else f"all {count} findings hold"
-    verdict = (
-        f"{len(failed)} of {count} findings {'FAILS' if len(failed) == 1 else 'FAIL'}"
-        if failed
-        else held
-    )
-    open_ = f"; not judged: {left_out(report.not_judged)}" if report.not_judged else ""
-    _say(
-        f"{report.name}: {verdict}{open_}",
-        "red" if failed else "green" if not open_ else None,
-        bold=True,
-    )
-    codes = list(dict.fromkeys(finding.code for finding in failed))
-    if codes:
-        _say(
-            f"what {'it means' if len(codes) == 1 else 'they mean'} and what helps: camgen explain {' '.join(codes)}"
-        )
-    for text in (
-        () if quiet or report.folder is None else _next_steps(report, Path(report.folder), verbose)
-    ):
+    count = len(first.not_judged)
+    open_ = f"; {count} not judged" if count else ""
+    outcome = first.verdict[:1].lower() + first.verdict[1:]
+    if first.failing:
+        outcome = re.sub("fails?$", lambda found: found[0].upper(), outcome)
+    _say(f"{report.name}: {outcome}{open_}", _STATES.get(first.state), bold=True)
+    for text in (*_troubles(first), *_notes(report, first, quiet)):
         _say(text)
+    if quiet:
+        return
+    _print_figures(first.figures)
+    if verbose:
+        _print_findings(report)
+        for finding in report.findings:
+            if finding.ok:
+                _say(_sentence(finding, str(finding.where)))
+    for text in _next_steps(report, first, verbose):
+        _say(text)
+
+
+def _troubles(first: Summary) -> Iterator[str]:
+    """What fails, and what is not judged, in words."""
+    for finding, where in first.failing:
+        yield _sentence(finding, where)
+    codes = list(dict.fromkeys(finding.code for finding, _ in first.failing))
+    if codes:
+        means = "it means" if len(codes) == 1 else "they mean"
+        yield f"what {means} and what helps: camgen explain {' '.join(codes)}"
+    for codes_open, why in _reasons(first.not_judged):
+        yield f"{_OPEN}: {codes_open}: {why}"
+
+
+def _notes(report: Report, first: Summary, quiet: bool) -> list[str]:
+    """What to read before the parts are made, and what this run did beside the result."""
+    return [f"note: {text}" for text in (*(() if quiet else first.warnings), *report.remarks)]
+
+
+def _reasons(not_judged: Sequence[NotJudged]) -> Iterator[tuple[str, str]]:
+    """Codes with one reason together, and the reason."""
+    for why in dict.fromkeys(each.why for each in not_judged):
+        yield ", ".join(each.code for each in not_judged if each.why == why), why
 
 
 def _say(text: str, colour: str | None = None, **style: bool) -> None:
@@ -115,37 +106,62 @@ def _print(line: str) -> None:
     )
 
 
-def _print_table(report: Report, every: bool) -> None:
-    """The findings as a table of the terminal's width, those that fail first."""
-    findings = [(finding, 1) for finding in report.findings] if every else _digest(report.findings)
-    bad = [_cells(report, finding, of) for finding, of in findings if not finding.ok]
+def _print_figures(figures: Sequence[Headline]) -> None:
+    """Figures with their unit and limit, one a line."""
+    rows = []
+    for each in figures:
+        beside = each.beside(number)
+        code = f" ({each.finding.code})" if each.finding else ""
+        value = number(each.value, NOISE * (each.finding is None or each.finding.ok))
+        rows.append((f"  {each.name}", value, each.unit, f"{beside}{code}"))
+    if rows:
+        _print_table(("", "", "", ""), rows, numbers=(1,), width=_PIPE)
+
+
+def _print_findings(report: Report) -> None:
+    """All findings as a table, those that fail first, then what is not judged."""
+    found = [_cells(report, finding) for finding in report.findings]
     blank = dict.fromkeys(_COLUMNS, "")
     open_ = [
-        blank | {"finding": each.code, "where": printable(each.why), "": _OPEN}
+        blank | {"finding": each.code, "where": f"needs {each.needs}", "": _OPEN}
         for each in report.not_judged
     ]
-    rows = [*bad, *open_, *(_cells(report, finding, of) for finding, of in findings if finding.ok)]
+    bad = [row for row in found if row[""] != "ok"]
+    good = [row for row in found if row[""] == "ok"]
     # a table that goes to a file or a pipe is as wide as it needs to be
-    widths = _widths(rows, get_terminal_size().columns if sys.stdout.isatty() else 240)
-    shown = [name for name in _COLUMNS if name in widths]
-    line = "\u2500" if (sys.stdout.encoding or "").lower().startswith("utf") else "-"
-    _say(f"{report.name} ({report.mechanism})", italic=True)
-    _say((" " * _BETWEEN).join(_cell(name, name, widths[name]) for name in shown), bold=True)
-    _print(line * (sum(widths.values()) + _BETWEEN * (len(widths) - 1)))
-    colours = {"ok": "green", "FAIL": "red", _OPEN: "yellow"}
+    width = get_terminal_size().columns if sys.stdout.isatty() else _PIPE
+    left = next((gone for least, gone in _DROPPED if width < least), ())
+    shown = [name for name in _COLUMNS if name not in left]
+    rows = [tuple(row[name] for name in shown) for row in (*bad, *open_, *good)]
+    numbers = [shown.index(name) for name in _NUMBERS if name in shown]
+    _print_table(shown, rows, numbers, max(width, _LEAST))
+
+
+def _print_table(
+    heads: Sequence[str], rows: Sequence[Sequence[str]], numbers: Collection[int], width: int
+) -> None:
+    """A table, of which the column "where" gives way where it is too wide; numbers: columns that stand at the right."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=SIMPLE_HEAD if any(heads) else None, show_header=any(heads), pad_edge=False)
+    for k, head in enumerate(heads):
+        side: Literal["left", "right"] = "right" if k in numbers else "left"
+        table.add_column(head, justify=side, no_wrap=head != "where")
     for row in rows:
-        *cells, verdict = (_cell(name, row[name], widths[name]) for name in shown)
-        if row[""] == _OPEN:  # a reason without numbers: over all columns between, and never cut
-            room = sum(widths[name] for name in shown[1:-1]) + _BETWEEN * (len(shown) - 3)
-            cells = [cells[0], f"{row['where']:<{room}}"]
-        colour = colours.get(row[""])
-        _print((" " * _BETWEEN).join([*cells, click.style(verdict, colour, bold=row[""] != "ok")]))
-
-
-def _cell(column: str, text: str, width: int) -> str:
-    """A cell as wide as its column."""
-    text = text if len(text) <= width else f"{text[: width - 1]}\u2026"
-    return f"{text:>{width}}" if column in ("measured", "limit", "margin") else f"{text:<{width}}"
+        table.add_row(
+            *(
+                Text(printable(cell), _COLOURS.get(cell, ""), no_wrap=True, overflow="ellipsis")
+                for cell in row
+            )
+        )
+    console = Console(width=width)
+    with console.capture() as capture:
+        console.print(table)
+    for line in capture.get().strip("\n").splitlines():
+        _print(line.rstrip())
 
 
 def number(value: float, noise: float = NOISE) -> str:
@@ -180,85 +196,34 @@ def _sentence(finding: Finding, where: str) -> str:
     )
 
 
-def _next_steps(report: Report, folder: Path, every: bool) -> list[str]:
+def _next_steps(report: Report, first: Summary, every: bool) -> list[str]:
     """Where the files are, and what to open."""
-    paths = {path.name: path for path in sorted(folder.rglob("*")) if path.is_file()}
-    names = [*paths]
-    kinds = Counter(name.rpartition(".")[2] for name in names)
-    known = "dxf", "stl", "3mf", "step", "glb", "svg", "png", "gif", "pdf"
-    held = ", ".join(f"{kinds[kind]} {kind.upper()}" for kind in known if kinds[kind])
+    if report.folder is None:
+        return []
+    folder = Path(report.folder)
+    held = ", ".join(f"{count} {kind.upper()}" for kind, count in first.kinds)
     said = [f"files are in {folder}{f': {held}' if held else ''}"]
     if every:
-        said += [f"  {path}" for path in paths.values()]
-    plates = [
-        name for name in names if re.fullmatch(rf"{re.escape(report.name)}-plate(-\d+)?\.3mf", name)
-    ]
-    if "report.html" in names:
-        moves = "motion.csv" in names  # a coupon's does not
-        said.append(
-            f"open {folder / 'report.html'} in a browser to see it{' move' if moves else ''}"
-        )
-    if plates:
-        plates.sort(key=lambda name: (len(name), name))
-        said.append(f"print {paths[plates[0]].parent / _first_and_rest(plates)}")
-    sheets = [
-        name for name in names if re.fullmatch(rf"{re.escape(report.name)}-sheet-\d+\.svg", name)
-    ]
-    if sheets:
-        said.append(
-            f"cut {paths[sheets[0]]}{f' and {len(sheets) - 1} more' if len(sheets) > 1 else ''}"
-        )
-    found = f"{report.name}-print.toml"
-    if found in names:
-        said.append(f"paste {folder / found} into your specs")
-    return said
+        said += [f"  {folder / name}" for name in first.files]
+    return said + [f"{step.verb} {folder / step.file}{step.rest}" for step in first.steps]
 
 
-def _first_and_rest(plates: Sequence[str]) -> str:
-    """Files of plates in few words: the first by its name, the others by their numbers: "plate.3mf, and plate-2 to -5"."""
-    first, *more = (name.removesuffix(".3mf") for name in plates)
-    numbers = [name.removeprefix(first) for name in more]
-    rest = (
-        f", and plate{numbers[0]}{f' to {numbers[-1]}' if len(numbers) > 1 else ''}"
-        if numbers
-        else ""
-    )
-    return f"{first}.3mf{rest}"
-
-
-def _cells(report: Report, finding: Finding, of: int) -> dict[str, str]:
-    """A row of the table by its columns; of: how many findings it stands for."""
+def _cells(report: Report, finding: Finding) -> dict[str, str]:
+    """A row of the table by its columns."""
     margin = abs(finding.limit - finding.measured)
     noise = NOISE * finding.ok
     limit = "none" if math.isnan(finding.limit) else f"{finding.sign} {number(finding.limit)}"
     where = replace(finding.where, file=finding.where.file.removeprefix(f"{report.name}-"))
     beside = str(replace(where, theta=None)) and where.angle in ("cam angle", "crank angle")
-    short = str(replace(where, angle="at") if beside else where)
-    cells = {
+    return {
         "finding": finding.code,
         "measured": number(finding.measured, noise),
         "limit": limit,
         "margin": number(margin if finding.ok else -margin, noise),
         "unit": finding.unit,
-        "where": short if of == 1 else f"tightest of {of}: {short}",
+        "where": str(replace(where, angle="at") if beside else where),
         "": "ok" if finding.ok else "FAIL",
     }
-    return {name: printable(text) for name, text in cells.items()}
-
-
-def _widths(rows: Sequence[Mapping[str, str]], room: int) -> dict[str, int]:
-    """Width of each column that is shown where there are so many characters in a line."""
-    full = (
-        {name: max(len(name), *(len(row[name]) for row in rows)) for name in (*_ALWAYS, *_GIVE_WAY)}
-        if rows
-        else {}
-    )
-    widths = {name: full[name] for name in _ALWAYS if name in full}
-    for name, least in _GIVE_WAY.items() if rows else ():
-        left = room - sum(widths.values()) - _BETWEEN * len(widths) - 1
-        if left >= min(full[name], least or full[name]):
-            widths[name] = min(full[name], left, _WIDE)
-    return widths
 
 
 class Bar:

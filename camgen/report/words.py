@@ -9,7 +9,9 @@ from camgen.study import Figure, Figures
 
 # What quantities are called whose own words do not say it in full.
 NAMES = {
-    "clearance band {of}": "worst case of the joints' play: {of}",
+    "clearance band {of}": "worst case of the joints' play, either way: {of}",
+    "play {of}": "free play of the output: {of}",
+    "{of} stroke along": "{of} stroke, its direction",
     "motion error {of}": "motion error: {of}",
     "tip motion error {of}": "motion error of the tip alone: {of}",
     "stroke recovered {of}": "stroke, from the file: {of}",
@@ -20,6 +22,9 @@ NAMES = {
     "mass": "mass of what is printed",
     "print time": "time to print all",
     "index": "indexing",
+    "drive torque": "torque needed, greatest",
+    "drive torque mean": "torque needed, mean",
+    "drive power": "power needed, mean",
     "let down": "payout angle",
     "let down ratio": "payout ratio",
     "peak speed angle": "angle of the peak speed",

@@ -26,6 +26,7 @@ STANDING = "dial-table"  # of 29 parts; what of it is judged without files
 def test_each_spec_builds(path: Path, tmp_path: Path) -> None:
     report = build(path, tmp_path, ONLY)
     assert report.ok and report.name == path.stem
+    assert all("is in the folder" in each.why for each in report.not_judged)
     assert starters.summary(path.stem).endswith(".") and path.stem in starters.examples()
 
 

@@ -32,7 +32,8 @@ PLAY = Fixing(0.1)
 
 @pytest.fixture(scope="module")
 def leg() -> Mechanism:
-    return read_mechanism(Path(__file__).parents[2] / "specs" / "walking-leg.toml", [])
+    spec = Path(__file__).parents[2] / "specs" / "walking-leg.toml"
+    return read_mechanism(spec, ["parts.pin=printed"])
 
 
 def where(mechanism: Mechanism) -> dict[str, str]:

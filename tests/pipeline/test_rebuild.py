@@ -71,15 +71,10 @@ def failing(folder: Path) -> set[str]:
         return {"FileError"}
 
 
-def left(report: Report) -> list[Any]:
-    """What was not judged, but for a drive and a return spring of which the spec says nothing."""
-    return [each for each in report.not_judged if each.code not in ("DRIVE_TORQUE", "LIFT_OFF")]
-
-
 def test_a_sound_folder_is_as_it_is_made_anew(folder: Path) -> None:
     report = pipeline.check(folder)
     (anew,) = [finding for finding in report.findings if finding.code == "REBUILD"]
-    assert report.ok and not left(report) and not report.remarks and "10 files" in anew.message
+    assert report.ok and not report.not_judged and not report.remarks and "10 files" in anew.message
 
 
 @pytest.mark.parametrize("kinds", ["dxf", "report", "stl,3mf,report", "step"])
@@ -369,7 +364,7 @@ OTHERS = [
 def test_a_folder_of_another_version_holds_where_every_byte_is_the_same(folder: Path) -> None:
     mended(folder, camgen="0.0", kinds=7)
     report = pipeline.check(folder)
-    assert report.ok and not left(report)
+    assert report.ok and not report.not_judged
 
 
 @pytest.mark.parametrize("about", OTHERS, ids=str)
@@ -380,7 +375,7 @@ def test_of_a_folder_of_other_versions_what_is_left_is_named(
     path.write_bytes(digit(path.read_bytes()))
     mended(folder, **about)
     report = pipeline.check(folder)
-    (named,) = left(report)
+    (named,) = report.not_judged
     assert (
         report.ok
         and named.code == "REBUILD"
@@ -402,7 +397,7 @@ def test_what_a_shop_reads_is_read_back_whoever_built_it(folder: Path) -> None:
         mended(folder, camgen="0.0")
         report = pipeline.check(folder)
         assert {str(f.where).split(",")[0] for f in report.findings if not f.ok} == {file}, file
-        assert [file in each.why for each in left(report) if each.code == "REBUILD"] == [True]
+        assert [file in each.why for each in report.not_judged if each.code == "REBUILD"] == [True]
         path.write_bytes(was)
 
 

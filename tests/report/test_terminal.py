@@ -11,9 +11,10 @@ from pathlib import Path
 import pytest
 from test_cli import run as run  # noqa: F401  a fixture
 
-from camgen.findings import Finding, Where, at_least, at_most
+from camgen.findings import Finding, NotJudged, Where, at_least, at_most
 from camgen.report.report import Report
 from camgen.report.terminal import number, print_report
+from camgen.study import Figure, Figures
 
 FINDINGS = (
     at_most(
@@ -47,9 +48,45 @@ FINDINGS = (
 )
 
 
-def shown(findings: tuple[Finding, ...], capsys: pytest.CaptureFixture[str]) -> str:
-    print_report(Report("long-name-of-a-machine", "disc-cam", findings))
+def shown(findings: tuple[Finding, ...], capsys: pytest.CaptureFixture[str], **how: bool) -> str:
+    print_report(Report("long-name-of-a-machine", "disc-cam", findings), **how)
     return capsys.readouterr().out
+
+
+def test_the_verdict_stands_first_then_what_fails_then_figures(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """In words; the table of all findings comes with --verbose alone."""
+    report = Report(
+        "demo",
+        "linkage",
+        FINDINGS,
+        Figures(
+            [
+                Figure("{of} stroke", 68.0, "mm", "foot"),
+                Figure("{of} stroke along", -5.0, "deg", "foot"),
+                Figure("drive torque", 0.25, "N m"),
+                Figure("drive power", 9.0, "W"),
+            ]
+        ),
+        not_judged=[NotJudged(code, "no STL is there", "STL") for code in ("VOLUME", "BED_FIT")],
+        warnings=["mind the gap"],
+    )
+    print_report(report)
+    assert capsys.readouterr().out.splitlines() == [
+        "demo: 1 of 3 findings FAILS; 2 not judged",
+        "MIN_WALL (long-name-of-a-machine-cam.stl) fails: -12.35 mm; at least 0.8 mm is asked. Thin.",
+        "what it means and what helps: camgen explain MIN_WALL",
+        "not judged: VOLUME, BED_FIT: no STL is there",
+        "note: mind the gap",
+        "  Foot stroke               68  mm   along -5 deg",
+        "  Transmission angle     88.21  deg  at least 45 (TRANSMISSION_ANGLE)",
+        "  Torque needed           0.25  N m",
+        "  Motion error        1.234e-5  deg  at most 0.0018 (MOTION_ERROR)",
+    ]
+    print_report(report, verbose=True)
+    every = capsys.readouterr().out
+    assert [code in every for code in ("margin", "TRANSMISSION_ANGLE (crank angle 90 deg) holds")]
 
 
 def test_rounding_is_shown_as_0_but_where_it_fails(capsys: pytest.CaptureFixture[str]) -> None:
@@ -57,7 +94,7 @@ def test_rounding_is_shown_as_0_but_where_it_fails(capsys: pytest.CaptureFixture
         at_most("PIN_GAP", 2.665e-15, 0.1, "mm", Where(), ""),
         at_most("LASH", 1e-12, 0, "mm", Where(), ""),
     )
-    text = shown(found, capsys)
+    text = shown(found, capsys, verbose=True)
     assert (
         "2.665" not in text
         and re.search(r"PIN_GAP +0 +<= +0.1 ", text)
@@ -83,6 +120,7 @@ def test_a_limit_that_is_itself_too_little_is_told_as_such(
             ),
         ),
         capsys,
+        verbose=True,
     )
     assert re.search(r"LIFT_OFF +0 +> +0 ", text) and "0 N; more than 0 N is asked" in text
 
@@ -93,9 +131,9 @@ def test_table_keeps_verdict_code_measured_and_limit(
 ) -> None:
     monkeypatch.setenv("COLUMNS", str(width))
     monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
-    text = re.sub(r"\x1b\[[0-9;]*m", "", shown(FINDINGS, capsys))
-    rows = [line for line in text.splitlines() if line.endswith(("ok  ", "FAIL"))]
-    assert rows[0].startswith("MIN_WALL")  # what fails comes first
+    text = re.sub(r"\x1b\[[0-9;]*m", "", shown(FINDINGS, capsys, verbose=True))
+    rows = [line for line in text.splitlines() if line.rstrip().endswith((" ok", " FAIL"))]
+    assert rows[0].split()[0] == "MIN_WALL"  # what fails comes first
     for finding, row in zip((FINDINGS[2], *FINDINGS[:2]), rows, strict=True):
         told = {
             finding.code,
@@ -106,7 +144,8 @@ def test_table_keeps_verdict_code_measured_and_limit(
         told |= {finding.sign}
         assert told <= set(row.split()), row
         assert len(row) <= max(width, 50)
-    assert ("crank angle 90 deg" in text) is (width > 50)
+    table = text[: text.index("holds:")]
+    assert ("crank angle 90 deg" in table) is (width > 50)
     assert ("margin" in text) is (width > 80)
 
 
@@ -138,7 +177,7 @@ ESCAPED = r"\x1b[31m\x9b5m\u202e"
 
 
 def test_nothing_of_a_report_steers_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
-    text = shown((at_most(STEERS, 1, 0, STEERS, Where(STEERS), STEERS),), capsys)
+    text = shown((at_most(STEERS, 1, 0, STEERS, Where(STEERS), STEERS),), capsys, verbose=True)
     assert not set(STEERS) - set("[31m5") & set(text) and text.count(ESCAPED) == 9
 
 

@@ -22,7 +22,7 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
-from camgen.findings import Finding, NotJudged
+from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
 from camgen.machine.cams.followers import Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.cams.limits import Advice, CamLimits, ExactCam, cam_findings, undercut_numbers
@@ -511,13 +511,6 @@ class DiscCamDrive(CamTables):
             )
         return findings
 
-    def _unpressed(self) -> Sequence[NotJudged]:
-        """LIFT_OFF of force closure where nothing says what presses the follower on its cam."""
-        if self._loaded or self.geometry.closure != "force":
-            return ()
-        why = "no spring, weight or load acts on the follower"
-        return (NotJudged("LIFT_OFF", why, "[load] and [spring]"),)
-
     def forecast(self) -> Sequence[Finding]:
         """The same; of cams alone what their holes leave of them, and the free play of a follower between two contacts."""
         if self.standing:
@@ -622,6 +615,11 @@ class DiscCamDrive(CamTables):
             from camgen.parts.generator.troughs import open_rails
 
             notes += open_rails(self.linkage.bodies.layout)
+        elif self.geometry.closure == "force" and not self._loaded:
+            notes.append(
+                "Nothing is known of what presses the follower on the cam: [spring] and [load] say it, and LIFT_OFF "
+                "judges it."
+            )
         if self.allowed.continuous < 0:
             notes.append("Whether the motion jumps is not judged: limits.continuous = -1.")
         return notes

@@ -21,7 +21,7 @@ from camgen.machine.features import Demand
 from camgen.machine.landmarks import double_points
 from camgen.machine.reach import folds, four_bar_lengths, transmission
 from camgen.machine.run import Run, solve
-from camgen.machine.targets import NO_STROKES, Course, Through, Trace, time_ratio
+from camgen.machine.targets import NO_STROKES, Course, Through, Trace, extent, time_ratio
 from camgen.machines.free_play import accepted
 from camgen.machines.linkage.signals import Signal, signals_of
 from camgen.machines.linkage.springs import MountedSpring
@@ -122,7 +122,7 @@ def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) 
     theta = np.linspace(*linkage.cycle.range, ROWS)
     run = linkage.run(theta)
     speed = linkage.chain.speed
-    figures: list[Figure] = []
+    figures = _extents(linkage, run)
     rows = []
     for signal in linkage.signals:
         value, first, second = signal.scale * signal.rows(run)
@@ -460,6 +460,16 @@ def _course(linkage: LinkageMotion, thread: Sequence[str], theta: Floats) -> Poi
     carriers = (next(body.name for body in bodies if point in body.points) for point in thread)
     places = [run.point(body, point)[0] for body, point in zip(carriers, thread, strict=True)]
     return np.stack(places, axis=-1)
+
+
+def _extents(linkage: LinkageMotion, run: Run) -> list[Figure]:
+    """Stroke of each path: its largest extent, mm, and the direction of that, deg from the x axis."""
+    figures = []
+    for output in (each for each in linkage.chain.outputs if isinstance(each.of, m.Path)):
+        size, along = extent(np.asarray(run[output.name], complex))
+        figures.append(Figure("{of} stroke", size, "mm", output.name))
+        figures.append(Figure("{of} stroke along", math.degrees(along), "deg", output.name))
+    return figures
 
 
 def _extreme_places(linkage: LinkageMotion) -> tuple[list[tuple[object, ...]], list[Figure]]:

@@ -489,7 +489,7 @@ class Linkage(Mechanism):
         features = bodies.features()
         frame = sizes.motor if sizes.can is None else ""
         motor = (
-            MotorSeat()
+            MotorSeat(crank=sizes.hand_crank)
             if sizes.face is None
             else MotorSeat(frame, bodies.shaft_reach, bodies.collar)
         )

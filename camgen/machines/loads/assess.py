@@ -60,7 +60,8 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
     reach = drive.reach(motor, assembly.motor)
     if not (math.isfinite(machine.speed) and machine.speed):
         why = "nothing says how fast the machine turns"
-        codes = ("DRIVE_TORQUE", "PV", "PIN_STRESS")
+        asked = drive.motor_of(motor, assembly.motor.crank) is not None
+        codes = (*(("DRIVE_TORQUE",) if asked else ()), "PV", "PIN_STRESS")
         speedless = [NotJudged(code, why, "motor.speed_rpm") for code in codes]
         study = Study(tables=[_mass_table(masses)])
         left_out = (*assembly.unjudged, *reach.not_judged, *speedless)
@@ -90,6 +91,7 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         forces,
         motor,
         assembly.cycle.name,
+        assembly.motor.crank,
         lambda: locking_friction(machine, journals, load, mechanism.material.name, theta),
     )
     hub = drive.hub_slip(

@@ -17,36 +17,27 @@ from camgen.machines.loads.tables import Drives
 from camgen.numerics import Floats, peak
 from camgen.parts import materials
 from camgen.parts.assembly import MotorSeat
-from camgen.parts.motors import GEARED, SHAFTS, STEPPERS, Motor
+from camgen.parts.motors import RPM, SHAFTS, Motor, of_model
 from camgen.parts.set_screws import HOLDS, TURNED, SetScrewHub
 from camgen.study import Figure, Plot
 
-_LEAST_SAID = 1e-4  # N m; of what is less no motor's maker speaks
 _NOTHING = 1e-12  # N m
 _ROUNDING = 1e-9  # of what the forces in the pins could do at the longest lever: a torque below that is rounding, and 0
 _SHOWN = (0.02, 0.1)  # swings of the speed whose flywheels are figures
 
 
-def motor_of(drives: Drives | None) -> Motor | None:
-    """What the motor can give; None where the spec says nothing of it."""
-    if drives is None:
-        return None
-    if drives.model in GEARED:
-        row = GEARED[drives.model]
-        said = f"{row.model} at {row.volts:g} V, from {row.stall:.3g} N m at stall to {row.no_load_rpm:.3g} rpm without load"
-        return Motor(row.stall, row.no_load_rpm * math.tau / 60, said)
-    if drives.model is not None:
-        said = f"{drives.model} holds so much and gives less as it turns"
-        return Motor(STEPPERS[drives.model].holding, said=said)
-    if drives.torque_n_m is not None:
-        return Motor(drives.torque_n_m, said="motor.torque_n_m")
-    if drives.stall_torque_n_m is not None and drives.no_load_rpm is not None:
-        return Motor(
-            drives.stall_torque_n_m,
-            drives.no_load_rpm * math.tau / 60,
-            "from motor.stall_torque_n_m to no_load_rpm",
-        )
-    return None
+def motor_of(drives: Drives | None, crank: float = 0.0) -> Motor | None:
+    """What the motor can give; None where the spec says nothing of it.
+
+    crank: mm, of the machine's own hand crank, which names a hand by itself; 0: it has none.
+    """
+    known = Drives() if drives is None else drives
+    if known.torque_n_m is not None:
+        return Motor(known.torque_n_m, said="motor.torque_n_m")
+    if known.stall_torque_n_m is not None and known.no_load_rpm is not None:
+        said = "from motor.stall_torque_n_m to no_load_rpm"
+        return Motor(known.stall_torque_n_m, known.no_load_rpm * RPM, said)
+    return of_model(known.model, crank)
 
 
 def reach(drives: Drives | None, seat: MotorSeat) -> LoadCheck:
@@ -81,11 +72,14 @@ def torque(
     forces: Forces,
     drives: Drives | None,
     angle: str = "crank angle",
+    crank: float = 0.0,
     locking: Callable[[], str] = str,
 ) -> LoadCheck:
     """SELF_LOCKING, torque, power and evenness of the machine's drives, which are one shaft: seen from the first of them.
 
-    angle: what theta is called; locking: of a machine that locks says by which friction, and which it would bear.
+    DRIVE_TORQUE is judged where the spec names what turns it; else the torque that is needed is a figure alone.
+    angle: what theta is called; crank: mm, of the machine's own hand crank, 0: none; locking: of a machine that locks says by
+    which friction, and which it would bear.
     """
     check = LoadCheck()
     speed = run.machine.speed
@@ -152,18 +146,13 @@ def torque(
         check.findings.append(
             at_most("SPEED_FLUCTUATION", swing, fluctuation, "share", Where("drive"), remark)
         )
-    motor = motor_of(drives)
-    if motor is None and most < _NOTHING:
-        why = "nothing is known of what the drive moves: there is no part, mass or load"
-        check.not_judged.append(NotJudged("DRIVE_TORQUE", why, "a load, or parts with mass"))
-    elif motor is None:
-        least = f"{most:.3g}" if most >= _LEAST_SAID else f"less than {_LEAST_SAID:g}"
-        why = f"{least} N m are needed at {abs(speed) * 60 / math.tau:.6g} rpm, and nothing says what the motor gives"
-        check.not_judged.append(NotJudged("DRIVE_TORQUE", why, "motor.torque_n_m or motor.model"))
-    else:
+    motor = motor_of(drives, crank)
+    if motor is not None:
         worst = int(np.argmax(np.abs(needed)))
         rate = float(abs(drive.law(theta, 1)[worst] * speed))
         remark = f"needed at {rate * 60 / math.tau:.6g} rpm with the friction of all joints; {motor.said}"
+        if most < _NOTHING:
+            remark += "; nothing is known of what it moves: [load] says it"
         where = Where("drive", theta=float(theta[worst]), angle="", digits=1)
         check.findings.append(
             at_most("DRIVE_TORQUE", most, max(0.0, motor.torque(rate)), "N m", where, remark)

@@ -14,6 +14,7 @@ from camgen.spec import Length, Record, quantity
 
 Positive = Annotated[float, Field(gt=0, le=1e6)]
 Model = Literal[
+    "hand crank",
     "42STH48-2004AC",
     "42STH40-1004A",
     "42STH20",
@@ -26,6 +27,8 @@ Model = Literal[
     "N20-298:1",
     "SG90",
     "MG90S",
+    "SGMSH-10A",
+    "SGMAH-01AJC",
 ]
 CamFollowerName = Literal[
     "KR16", "KR19", "KR22", "KR26", "KR30", "KR32", "KR35", "KR40", "KR47", "KR52"
@@ -34,14 +37,14 @@ Direction = Annotated[float, quantity("deg", ge=-360, le=360)]
 
 
 class Drives(Record):
-    """What the motor can give: a torque at the speed, a model of the catalogue, or stall torque and speed without load."""
+    """What turns the machine: a model of the catalogue or a hand, or what another motor gives."""
 
-    torque_n_m: Annotated[Positive, quantity("N m")] | None = Field(
-        default=None, description="that the motor gives at this speed"
-    )
     model: Model | None = Field(
         default=None,
-        description="or one of the catalogue: stepper, TT or N20 gearmotor, servo; see camgen schema",
+        description='"hand crank", or one of the catalogue: stepper, gearmotor, servo; see camgen schema',
+    )
+    torque_n_m: Annotated[Positive, quantity("N m")] | None = Field(
+        default=None, description="that the motor gives at this speed; counts before that of model"
     )
     stall_torque_n_m: Annotated[Positive, quantity("N m")] | None = Field(
         default=None,
@@ -67,11 +70,9 @@ class Drives(Record):
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        keys = ("torque_n_m", "model", "stall_torque_n_m")
-        given = [key for key in keys if getattr(self, key) is not None]
-        if len(given) > 1:
+        if self.torque_n_m is not None and self.stall_torque_n_m is not None:
             raise ValueError(
-                f"one of {' and '.join(given)}: each says by itself what the motor gives"
+                "one of torque_n_m and stall_torque_n_m: each says by itself what the motor gives"
             )
         if (self.stall_torque_n_m is None) != (self.no_load_rpm is None):
             raise ValueError(

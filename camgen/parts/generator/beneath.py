@@ -294,7 +294,7 @@ class Beneath:
         features = [*made.features, *self._features()]
         bodies = self.bodies
         face = self.whole.sizes.face
-        motor = MotorSeat()
+        motor = MotorSeat(crank=self.whole.sizes.hand_crank)
         if face is not None:
             motor = MotorSeat(self.whole.sizes.motor, bodies.shaft_reach, bodies.collar)
         return replace(

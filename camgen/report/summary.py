@@ -1,0 +1,148 @@
+"""What a person reads first of a report, as data: verdict, what fails or is not judged, five figures, which file to open.
+
+Terminal and page show the same records.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from camgen.findings import Finding, NotJudged
+from camgen.report import words
+from camgen.report.report import Report
+from camgen.report.tables import share_used
+
+_STROKES = ("stroke", "swing", "index", "needle stroke", "{of} stroke")  # how far a machine moves
+_ALONG = "{of} stroke along"
+_COUNT = 5  # of figures
+_KINDS = ("dxf", "stl", "3mf", "step", "glb", "svg", "png", "gif", "pdf")
+# What is shown beside the stroke, the weightiest first: what it is called, code of its findings, else quantity of a figure.
+_OTHERS = (
+    ("Free play", "LASH", ""),
+    ("Pressure angle", "PRESSURE_ANGLE", ""),
+    ("Transmission angle", "TRANSMISSION_ANGLE", ""),
+    ("Torque needed", "DRIVE_TORQUE", "drive torque"),
+    ("Motion error", "MOTION_ERROR", ""),
+    ("Least gap", "INTERFERENCE", ""),
+    ("Mass printed", "", "mass"),
+    ("Time to print", "", "print time"),
+)
+
+
+@dataclass(frozen=True)
+class Headline:
+    """A figure that tells much of a machine."""
+
+    name: str
+    value: float
+    unit: str
+    finding: Finding | None = None  # that judges it
+    along: float | None = None  # direction of a stroke, deg from the x axis
+
+    def beside(self, shown: Callable[[float], str]) -> str:
+        """Its limit or its direction in words; shown: a number as text."""
+        if self.along is not None:
+            return f"along {shown(self.along)} deg"
+        if self.finding is None or math.isnan(self.finding.limit):
+            return ""
+        return f"{'at least' if self.finding.floor else 'at most'} {shown(self.finding.limit)}"
+
+
+@dataclass(frozen=True)
+class FileStep:
+    """What to do with a file: print plate.3mf, and plate-2."""
+
+    verb: str
+    file: str  # its path from the folder that was written
+    rest: str = ""
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a person reads first."""
+
+    state: str  # "ok", "open": something is not judged, "bad", or "" without findings
+    verdict: str
+    failing: Sequence[tuple[Finding, str]]  # the worst of each kind, and where
+    not_judged: Sequence[NotJudged]
+    warnings: Sequence[str]
+    figures: Sequence[Headline]  # five: motion, play, angle, torque, error
+    files: Sequence[str]  # in the folder that was written, by their paths from there
+    kinds: Sequence[tuple[str, int]]  # how many files of each kind
+    steps: Sequence[FileStep]  # what to open, print, cut and paste
+
+
+def summary(report: Report) -> Summary:
+    """What a person reads first of a report."""
+    failing = report.failing
+    state = "bad" if failing else "open" if report.not_judged else "ok" if report.findings else ""
+    folder = None if report.folder is None else Path(report.folder)
+    found = [] if folder is None else sorted(each for each in folder.rglob("*") if each.is_file())
+    files = {path.name: str(path.relative_to(folder)) for path in found if folder is not None}
+    count = Counter(name.rpartition(".")[2] for name in files)
+    return Summary(
+        state,
+        report.outcome,
+        failing,
+        report.not_judged,
+        report.warnings,
+        list(_figures(report))[:_COUNT],
+        [*files.values()],
+        [(kind, count[kind]) for kind in _KINDS if count[kind]],
+        list(_steps(report.name, files)),
+    )
+
+
+def _figures(report: Report) -> Iterator[Headline]:
+    """How far the first output moves, a path along its largest extent, then the others that are known."""
+    designed = [each for each in report.numbers.records if not each.kind]
+    stroke = next((each for each in designed if each.quantity in _STROKES), None)
+    if stroke is not None:
+        same = (each for each in designed if each.quantity == _ALONG and each.of == stroke.of)
+        along = next((each.value for each in same), None)
+        yield Headline(words.name(stroke), stroke.value, stroke.unit, along=along)
+    for name, code, quantity in _OTHERS:
+        figure = next((each for each in designed if each.quantity == quantity), None)
+        if quantity and not (figure and figure.value):
+            continue  # such as the torque of a cam on which nothing is known to press
+        worst = _worst([each for each in report.findings if each.code == code])
+        if worst is not None:
+            yield Headline(name, worst.measured, worst.unit, worst)
+        elif figure is not None:
+            yield Headline(name, figure.value, figure.unit)
+
+
+def _worst(findings: Sequence[Finding]) -> Finding | None:
+    """Of findings of one code that which is nearest to its limit; of bodies the least gap, not an overlap that is meant."""
+    known = [
+        each
+        for each in findings
+        if math.isfinite(each.measured) and (each.floor or each.code != "INTERFERENCE")
+    ]
+    return max(known, key=lambda each: (not each.ok, share_used(each) or 0.0), default=None)
+
+
+def _steps(name: str, files: Mapping[str, str]) -> Iterator[FileStep]:
+    """What to do with the files of a machine; files: their paths by their names."""
+    if "report.html" in files:
+        moves = " move" if "motion.csv" in files else ""  # a coupon's does not
+        yield FileStep("open", "report.html", f" in a browser to see it{moves}")
+    plates = [each for each in files if re.fullmatch(rf"{re.escape(name)}-plate(-\d+)?\.3mf", each)]
+    if plates:
+        first, *more = sorted(plates, key=lambda each: (len(each), each))
+        stem = first.removesuffix(".3mf")
+        numbers = [each.removesuffix(".3mf").removeprefix(stem) for each in more]
+        last = f" to {numbers[-1]}" if len(numbers) > 1 else ""
+        yield FileStep("print", files[first], f", and plate{numbers[0]}{last}" if numbers else "")
+    sheets = [each for each in files if re.fullmatch(rf"{re.escape(name)}-sheet-\d+\.svg", each)]
+    if sheets:
+        yield FileStep(
+            "cut", files[sheets[0]], f" and {len(sheets) - 1} more" if len(sheets) > 1 else ""
+        )
+    if f"{name}-print.toml" in files:
+        yield FileStep("paste", f"{name}-print.toml", " into your specs")
