@@ -47,7 +47,7 @@ class Headline:
     def beside(self, shown: Callable[[float], str]) -> str:
         """Its limit or its direction in words; shown: a number as text."""
         if self.along is not None:
-            return f"along {shown(self.along)} deg"
+            return f"along {shown(round(self.along, 1))} deg"
         if self.finding is None or math.isnan(self.finding.limit):
             return ""
         return f"{'at least' if self.finding.floor else 'at most'} {shown(self.finding.limit)}"

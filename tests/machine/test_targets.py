@@ -163,6 +163,16 @@ def test_straightness_of_an_arc_is_its_height() -> None:
     assert not Straight(tolerance=1.0, length=61.0).finding(circle, Where()).ok
 
 
+@pytest.mark.parametrize("turned", [0.0, 30.0, 89.0, 91.0, 200.0])
+def test_the_extent_of_a_path_is_its_longest_chord(turned: float) -> None:
+    """Of a right triangle of 3, 4 and 5 its longest side, which leans by atan(3 / 4); turned with it, to half a turn."""
+    triangle = np.array([0, 4, 4 + 3j]) * np.exp(1j * math.radians(turned))
+    size, along = targets.extent(triangle)
+    wanted = (turned + math.degrees(math.atan2(3, 4)) + 90) % 180 - 90
+    assert (size, math.degrees(along)) == pytest.approx((5, wanted))
+    assert targets.extent(np.array([1 + 1j, 1 + 1j])) == (0, 0)
+
+
 def test_a_strip_lies_as_it_must() -> None:
     box = np.array([0, 10, 10 + 2j, 2j, 5 + 1j]) * np.exp(0.3j)
     assert targets.strip(box) == pytest.approx(2, abs=1e-12)

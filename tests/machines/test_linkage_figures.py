@@ -163,6 +163,7 @@ def test_jansens_foot_as_published(root: Path, published: dict[str, Any]) -> Non
     found = validate(Linkage, read(root / "specs" / "walking-leg.toml")).study().numbers
     wide, high = published["jansen"]["foot_path"]
     assert found["foot_x_stroke_mm"] == pytest.approx(wide, abs=0.5)
+    assert found["foot_x_stroke_mm"] < found["foot_stroke_mm"] < wide + 0.5
     assert found["foot_y_stroke_mm"] == pytest.approx(high, abs=0.25)
     spec = read(root / "specs" / "walking-leg.toml")
     assert set(published["jansen"]["lengths"].values()) - {38, 7.8} <= set(spec["lengths"].values())

@@ -15,7 +15,7 @@ from camgen.machines.loads.tables import Drives, Model
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
 from camgen.parts.catalogue import CAM_FOLLOWERS, MOTOR_FACES
-from camgen.parts.motors import GEARED, SHAFTS, STEPPERS
+from camgen.parts.motors import GEARED, HAND_CRANK, SERVOS, SHAFTS, STEPPERS
 from camgen.pipeline.making import parts_table
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -59,7 +59,7 @@ def test_a_gearmotor_gives_what_was_read(name: str) -> None:
 
 
 def test_every_model_that_may_be_named_has_a_row() -> None:
-    assert set(Model.__args__) == {*STEPPERS, *GEARED}  # type: ignore[attr-defined]
+    assert set(Model.__args__) == {*STEPPERS, *GEARED, *SERVOS, HAND_CRANK}  # type: ignore[attr-defined]
 
 
 def test_28byj_48_sits_under_the_plate_beside_its_shaft() -> None:

@@ -122,7 +122,7 @@ def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) 
     theta = np.linspace(*linkage.cycle.range, ROWS)
     run = linkage.run(theta)
     speed = linkage.chain.speed
-    figures = _extents(linkage, run)
+    figures: list[Figure] = []
     rows = []
     for signal in linkage.signals:
         value, first, second = signal.scale * signal.rows(run)
@@ -131,6 +131,8 @@ def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) 
         peak_acceleration = peak(second) * speed**2
         name = signal.name
         unit = signal.unit
+        if name != signal.of and signal.turned == 1:  # the first of a path's two
+            figures += _extent(run, signal.of)
         figures += [
             Figure("{of}, least", low, unit, name),
             Figure("{of}, greatest", high, unit, name),
@@ -462,14 +464,13 @@ def _course(linkage: LinkageMotion, thread: Sequence[str], theta: Floats) -> Poi
     return np.stack(places, axis=-1)
 
 
-def _extents(linkage: LinkageMotion, run: Run) -> list[Figure]:
-    """Stroke of each path: its largest extent, mm, and the direction of that, deg from the x axis."""
-    figures = []
-    for output in (each for each in linkage.chain.outputs if isinstance(each.of, m.Path)):
-        size, along = extent(np.asarray(run[output.name], complex))
-        figures.append(Figure("{of} stroke", size, "mm", output.name))
-        figures.append(Figure("{of} stroke along", math.degrees(along), "deg", output.name))
-    return figures
+def _extent(run: Run, path: str) -> list[Figure]:
+    """Stroke of a path: its largest extent, mm, and the direction of that, deg from the x axis."""
+    size, along = extent(np.asarray(run[path], complex))
+    return [
+        Figure("{of} stroke", size, "mm", path),
+        Figure("{of} stroke along", math.degrees(along), "deg", path),
+    ]
 
 
 def _extreme_places(linkage: LinkageMotion) -> tuple[list[tuple[object, ...]], list[Figure]]:
