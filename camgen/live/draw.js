@@ -149,10 +149,16 @@ function draw(seen) {
       const of = (on || []).filter(there).map(to);
       if (of.length) out.push(words([of.reduce((s, p) => s + p[0], 0) / of.length + 9, of.reduce((s, p) => s + p[1], 0) / of.length + 18], text, "wrong"));
     }
+    if (!now().start) for (const [key, value] of Object.entries(seen.sheet.lengths)) {  // held lengths that the drawing does not have
+      const [a, b] = key.split("-").map(end => end.trim()), drawn = there(a) && there(b) ? away(at[a], at[b]) : value;
+      if (Math.abs(drawn - value) > 0.01 * value) out.push(words([(to(a)[0] + to(b)[0]) / 2 + 9, (to(a)[1] + to(b)[1]) / 2 + 16],
+        `${key} = ${value}, drawn ${drawn.toFixed(1)}`, "wrong"));
+    }
     if (drag && drag.from) out.push(`<path class="rubber" d="M${onScreen(drag.from)}L${onScreen(drag.to)}"/>`);
     svg.innerHTML = out.join("");
-    byId("hint").textContent = note || now().reason || TOOLS.find(each => each[0] === tool)[3];
-    byId("hint").className = note || now().reason ? "wrong" : "";
+    const said = note || (tried && tried.reason);
+    byId("hint").textContent = said || TOOLS.find(each => each[0] === tool)[3];
+    byId("hint").className = said ? "wrong" : "";
   }
 
   const arrow = ([x, y]) => `<path class="turns" d="M${x + 20} ${y}A20 20 0 1 0 ${x} ${y + 20}m-1 -5l1 5l-5 2"/>`;
@@ -228,9 +234,9 @@ function draw(seen) {
   async function attempt(asked, stamp = performance.now()) {  // one request at a time, always the last one
     if (flying) { waiting = [asked, stamp]; return; }
     flying = true;
-    const answer = await ask("draw", { ...asked, try: true });
+    const of = seen, answer = await ask("draw", { ...asked, try: true });
     flying = false;
-    if (drag || asked.op === "set") {
+    if (of === seen && (drag || asked.op === "set")) {
       if (answer.paths) tried = answer;
       render();
       lags.push(performance.now() - stamp);
@@ -239,8 +245,15 @@ function draw(seen) {
     if (waiting) { const next = waiting; waiting = null; attempt(...next); }
   }
 
-  function moves(event) {  // the operation that a drag of a point is
-    return { op: "move", points: drag.places, follow: !byId("hold").checked || event.altKey };
+  const follows = event => !byId("hold").checked || event.altKey;
+  const moves = event => ({ op: "move", points: drag.places, follow: follows(event) });  // what a drag of a point is
+
+  function onCircle(name, place, event) {  // of a point of the ground: about the one other that holds it
+    const held = !ground().includes(name) || follows(event) ? []
+      : lengths(ground()).filter(([a, b, length]) => length && (a === name || b === name));
+    if (held.length !== 1) return place;
+    const [a, b, [, length]] = held[0], pivot = seen.sheet.points[a === name ? b : a], far = away(place, pivot) || 1;
+    return place.map((x, k) => pivot[k] + (x - pivot[k]) * length / far);
   }
 
   // ---- pointers ----
@@ -253,13 +266,17 @@ function draw(seen) {
     const label = event.target.dataset.between, what = hit(event);
     if (label) { lock(...label.split(" ")); return; }
     note = "";
-    byId("turn").value = playing = 0;
-    byId("play").textContent = "Play";
+    if (Number(byId("turn").value) || playing) {  // what is drawn is the first position
+      byId("turn").value = playing = 0;
+      byId("play").textContent = "Play";
+      render();
+      return;
+    }
     picked = what.point || what.link ? what : null;
     panel();
     if (tool === "move" && what.point) {
-      const whole = seen.start ? Object.fromEntries(Object.entries(seen.start).map(([name, place]) => [name, place.map(x => Math.round(x * 1e4) / 1e4)])) : {};
-      drag = { point: what.point, places: {}, whole, pressed: event };
+      const still = Object.fromEntries(ground().map(name => [name, seen.sheet.points[name]]));
+      drag = { point: what.point, places: {}, still, whole: { ...seen.start, ...still }, pressed: event };
     } else if (tool === "move" || (tool !== "link" && event.button === 1)) drag = { pan: [...centre], pressed: event };
     else if (["ground", "drive", "output", "delete"].includes(tool)) click(what);
     else if (tool === "link" && drag && drag.from) finish(event);
@@ -278,8 +295,9 @@ function draw(seen) {
     if (!drag) return;
     if (drag.pan) centre = [drag.pan[0] - (event.clientX - drag.pressed.clientX) / scale, drag.pan[1] + (event.clientY - drag.pressed.clientY) / scale];
     else if (drag.point && drag.places) {
-      const basis = tried && tried.start || drag.whole;
-      drag.places = { ...basis, [drag.point]: snapped(event) };
+      const rest = tried && tried.start && !follows(event) ? { ...tried.start, ...drag.still } : drag.whole;  // held, they go on from where they are
+      drag.places = Object.fromEntries(Object.entries({ ...rest, [drag.point]: onCircle(drag.point, snapped(event), event) })
+        .map(([name, place]) => [name, place.map(x => Math.round(x * 1e4) / 1e4)]));
       attempt(moves(event));
       if (seen.start) return;  // drawn with the answer
     } else drag.to = aim(event);
@@ -325,20 +343,27 @@ function draw(seen) {
     if (tool === "move") {
       waiting = null;
       if (on.point && !sameLink(on.point, mine.point)) { await commit({ op: "join", point: mine.point, to: on.point }); return; }
-      const answer = await commit({ ...moves(event), points: changed(mine) });
-      if (answer.sheet && away(answer.sheet.points[mine.point], mine.places[mine.point]) > 0.02) {
+      const last = await ask("draw", { ...moves(event), try: true });
+      if (last.start) tried = last;
+      const answer = await commit({ ...moves(event), points: changed(mine, event) });
+      const before = mine.whole[mine.point];
+      if (answer.start && before && !follows(event) && away(answer.start[mine.point], before) < 0.2 * away(mine.places[mine.point], before)) {
         note = `${mine.point} is held by lengths: hold Alt while you drag, and they follow`;
         render();
       }
     } else if (tool === "link") {
       const from = mine.point || mine.from;
       if (mine.link) { const first = await commit({ op: "point", link: mine.link, at: mine.from }); await commit({ op: "link", ends: [newest(first), end] }); }
-      else await commit({ op: "link", ends: [from, end] });
+      else {
+        const made = await commit({ op: "link", ends: [from, end] });
+        if (on.link && !on.point && made.sheet) await commit({ op: "point", link: on.link, at: newest(made) });
+      }
     } else if (tool === "point") {
       const link = mine.link || moving().filter(([, points]) => points.includes(mine.point)).map(([name]) => name)[0];
       if (link) await commit({ op: "point", link, at: end });
       else { drag = null; note = "press on a link, not on the ground"; }
-    } else if (tool === "slide") await commit({ op: "slide", ...(mine.point ? { point: mine.point } : { link: mine.link }), along: [mine.from.map(short), mine.to.map(short)] });
+    } else if (tool === "slide") await commit({ op: "slide", ...(mine.point ? { point: mine.point } : { link: mine.link }), 
+      along: [mine.from.map((x, k) => short((x + mine.to[k]) / 2)), mine.to.map(short)] });
     else if (tool === "slot" && on.link) await commit({ op: "slot", point: mine.point, link: on.link });
     drag = null;
     render();
@@ -348,9 +373,10 @@ function draw(seen) {
   const newest = answer => answer.sheet ? Object.keys(answer.sheet.points).pop() : "";
   const sameLink = (a, b) => Object.values(seen.sheet.links).some(points => points.includes(a) && points.includes(b));
 
-  function changed(mine) {  // places that differ from the drawn ones, where they came to rest
-    const rest = byId("hold").checked && tried && tried.start ? { ...mine.places, ...tried.start } : mine.places;
-    return Object.fromEntries(Object.entries(rest).filter(([name, place]) => away(place, seen.sheet.points[name]) > 0.006));
+  function changed(mine, event) {  // places that differ from the drawn ones, where they came to rest
+    if (follows(event) || !tried || !tried.start) return { [mine.point]: mine.places[mine.point] };
+    const rest = { ...tried.start, ...mine.still }, point = ground().includes(mine.point) ? { [mine.point]: mine.places[mine.point] } : {};
+    return Object.fromEntries(Object.entries({ ...rest, ...point }).filter(([name, place]) => away(place, seen.sheet.points[name]) > 0.006));
   }
 
   function click(what) {
@@ -461,7 +487,8 @@ function draw(seen) {
     if (event.target.closest("input:not([type=range]):not([type=checkbox]), select, textarea")) return;
     const key = event.key.toLowerCase(), named = TOOLS.find(each => each[1] === key);
     if (event.ctrlKey || event.metaKey) {
-      if (key === "z" || key === "y") { event.preventDefault(); commit({}, key === "y" || event.shiftKey ? "redo" : "undo"); }
+      const path = { z: event.shiftKey ? "redo" : "undo", y: "redo", s: "save" }[key];
+      if (path) { event.preventDefault(); commit({}, path); }
       return;
     }
     const way = { arrowleft: [-1, 0], arrowright: [1, 0], arrowup: [0, 1], arrowdown: [0, -1] }[key];
@@ -471,7 +498,7 @@ function draw(seen) {
     else if (key === " " && event.target === svg) playOrStop();
     else if (way && picked && picked.point && event.target === svg) {
       const place = seen.sheet.points[picked.point].map((x, k) => short(x + way[k] * step()));
-      commit({ op: "move", points: { [picked.point]: place }, follow: !byId("hold").checked || event.altKey });
+      commit({ op: "move", points: { [picked.point]: place }, follow: follows(event) });
     } else if (named) choose(named[0]);
     else return;
     event.preventDefault();

@@ -154,16 +154,11 @@ class Draft:
     # ---- taking away, and other names ----
 
     def sweep(self) -> None:
-        """Take away what hangs on nothing: links of one point that do not slide, points of no link, lengths within no link."""
-        held = {
-            row[key]
-            for rows, k in self.rows()
-            for row in [rows[k]]
-            for key in ("link", "on")
-            if key in row
-        }
-        for name in [name for name in self.links if name != GROUND and name not in held]:
-            if len(self.links[name]) < 2:
+        """Take away what hangs on nothing: links without points, or of one that do not slide; points of no link; lengths within
+        no link."""
+        held = [rows[k].get(key) for rows, k in self.rows() for key in ("link", "on")]
+        for name in [name for name in self.links if name != GROUND]:
+            if len(self.links[name]) < (1 if name in held else 2):
                 self.drop_link(name)
         used = {point for points in self.links.values() for point in points}
         for name in [name for name in self.points if name not in used]:

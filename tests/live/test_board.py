@@ -219,6 +219,14 @@ def test_an_operation_changes_its_lines_alone(
     assert (drawn.text or "").splitlines() == after
 
 
+def test_a_slider_goes_with_its_point_and_a_link_with_its_last_but_one() -> None:
+    slider = applied(FOUR, {"op": "slide", "point": "B", "along": [[70, 40], [100, 40]]})
+    tables = tomllib.loads(applied(slider, {"op": "delete", "point": "B"}))
+    assert [*tables["links"]] == ["ground", "crank"] and "slide" not in tables
+    tables = tomllib.loads(applied(slider, {"op": "delete", "link": "slider"}))
+    assert [*tables["links"]] == ["ground", "crank", "coupler", "rocker"]
+
+
 def test_each_operation_is_tried() -> None:
     assert {each["op"] for each, _, _ in DONE} == set(OPERATIONS)
 
@@ -346,6 +354,16 @@ def test_a_build_of_what_is_drawn(tmp_path: Path) -> None:
     assert "output" in page.post("/build", json={}).json()["errors"][0]
     page.post("/undo", json={})
     assert 'id="mechanism"' in page.post("/preview", json={"quick": True}).json()["page"]
+
+
+def test_another_page_draws_nothing(tmp_path: Path) -> None:
+    drawn = board(tmp_path)
+    other = TestClient(
+        drawn.app(WORD), base_url=f"{HOME}/{WORD}/", headers={"origin": "http://evil.example"}
+    )
+    for path in ("draw", "undo", "redo", "rest", "preview", "build", "save", "start"):
+        assert other.post(f"/{path}", json={"op": "delete", "link": "crank"}).status_code == 403
+    assert drawn.text == FOUR == (tmp_path / "bar.toml").read_text(encoding="utf-8")
 
 
 def test_the_gallery_has_pictures_of_linkages_that_stand_alone() -> None:
