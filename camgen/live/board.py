@@ -138,19 +138,24 @@ class Board:
         """Do again what was taken back."""
         return self._step(self.future, self.past)
 
-    def rest(self, _request: Answer) -> Answer:
-        """What takes a moment: keys of [points] that have no effect, and the verdict of the design's own limits."""
+    def idle(self, _request: Answer) -> Answer:
+        """Keys of [points] that have no effect."""
+        linkage = self.linkage
+        keys = [] if linkage is None or self.reason else idle(linkage)
+        return Answer(ok=True, idle=[f"points.{key}" for key in keys])
+
+    def limits(self, _request: Answer) -> Answer:
+        """The verdict of the design's own limits, which may take seconds; none of what is no machine yet."""
         linkage = self.linkage
         if linkage is None or self.reason or "output" not in self.tables:
-            return Answer(ok=False, verdict="", errors=[], idle=[])
-        keys = [f"points.{key}" for key in idle(linkage)]
+            return Answer(ok=False, verdict="", errors=[])
         try:
             findings = linkage.forecast()
         except DesignError as error:
-            return failure("cannot be made", [str(error)]) | {"idle": keys}
+            return failure("cannot be made", [str(error)])
         report = Report(linkage.name, linkage.mechanism, findings)
         said = [_failing(finding) for finding in findings if not finding.ok]
-        return Answer(ok=report.ok, verdict=report.verdict, errors=said, idle=keys)
+        return Answer(ok=report.ok, verdict=report.verdict, errors=said)
 
     def preview(self, request: Answer) -> Answer:
         """The report's page of what is drawn, by what needs no file."""
@@ -285,7 +290,7 @@ class Board:
 
     def app(self, word: str) -> Starlette:
         """What serves it, below the word."""
-        asked = ("draw", "undo", "redo", "rest", "preview", "build", "save", "start")
+        asked = ("draw", "undo", "redo", "idle", "limits", "preview", "build", "save", "start")
         answers = {f"/{name}": getattr(self, name) for name in asked}
         return served(word, self.page, self.last_build, answers)
 

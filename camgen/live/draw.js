@@ -107,7 +107,7 @@ function draw(seen) {
 
   function render() {
     const at = places(), to = name => onScreen(at[name] || [NaN, NaN]), [w, h] = size(), out = [];
-    const there = name => at[name] && isFinite(at[name][0]), grid = step() * 10, chosen = picked || {};
+    const there = name => at[name] && isFinite(at[name][0]), grid = 10 ** Math.ceil(Math.log10(20 / scale)), chosen = picked || {};
     for (const axis of [0, 1]) {
       const half = (axis ? h : w) / 2 / scale;
       for (let k = Math.ceil((centre[axis] - half) / grid); k * grid < centre[axis] + half; k++) {
@@ -214,12 +214,15 @@ function draw(seen) {
     if (Object.keys(settings).length) await commit({ op: "set", settings });
   }
 
-  async function rest() {  // what takes a moment
-    const of = seen, answer = await ask("rest", {});
+  async function rest() {  // what takes a moment; the limits when the hand rests
+    const of = seen, { idle: keys } = await ask("idle", {});
     if (of !== seen) return;
-    idle = answer.idle || [];
+    idle = keys || [];
     grey();
-    if (answer.verdict && byId("stage").hidden) tell(answer, "by the design's own limits");
+    await new Promise(done => setTimeout(done, 400));
+    if (of !== seen || drag) return;
+    const answer = await ask("limits", {});
+    if (of === seen && answer.verdict && byId("stage").hidden) tell(answer, "by the design's own limits");
   }
 
   function grey() {  // keys without effect
@@ -505,8 +508,9 @@ function draw(seen) {
   });
   addEventListener("resize", render);
   take(seen);
-  fit();
   choose("move");
+  fit();
+  render();
 }
 
 const lags = [];  // ms, from a place of the pointer that the page was told to the picture that follows it

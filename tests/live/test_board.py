@@ -260,7 +260,7 @@ def test_a_four_bar_from_an_empty_sheet(tmp_path: Path, monkeypatch: pytest.Monk
     assert "degrees of freedom left over" in answers[3]["reason"], "drawn as drawn, and why"
     whole = answers[-1]
     assert whole["ok"] and whole["sheet"]["drive"] == "link" and len(whole["paths"]["D"]) == 2 * 73
-    assert page.post("/rest", json={}).json()["verdict"].endswith("hold")
+    assert page.post("/limits", json={}).json()["verdict"].endswith("hold")
     assert page.post("/save", json={}).json()["verdict"] == "saved in my-linkage.toml"
     assert read_mechanism(tmp_path / "my-linkage.toml").name == "my-linkage"
     other = client(Board(None, tmp_path / "out"))
@@ -301,7 +301,7 @@ def test_what_does_not_close_is_drawn_as_drawn(tmp_path: Path) -> None:
 def test_coordinates_without_effect_are_those_that_lengths_decide(tmp_path: Path) -> None:
     """Of Jansen's leg all but the two on the ground and the crank's direction; each is tried in the machine's own route."""
     drawn = board(tmp_path, LEG)
-    keys = drawn.rest({})["idle"]
+    keys = drawn.idle({})["idle"]
     assert keys == ["points.A.0", *(f"points.{point}.{k}" for point in "BDEFP" for k in (0, 1))]
     theta = np.radians([0.0, 100.0])
     before = read_mechanism(drawn.spec or "").solve(theta, 0)["foot"]
@@ -361,7 +361,7 @@ def test_another_page_draws_nothing(tmp_path: Path) -> None:
     other = TestClient(
         drawn.app(WORD), base_url=f"{HOME}/{WORD}/", headers={"origin": "http://evil.example"}
     )
-    for path in ("draw", "undo", "redo", "rest", "preview", "build", "save", "start"):
+    for path in ("draw", "undo", "redo", "idle", "limits", "preview", "build", "save", "start"):
         assert other.post(f"/{path}", json={"op": "delete", "link": "crank"}).status_code == 403
     assert drawn.text == FOUR == (tmp_path / "bar.toml").read_text(encoding="utf-8")
 
