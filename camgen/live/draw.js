@@ -416,9 +416,15 @@ function draw(seen) {
       rows.push(line(`${a}-${b}`, input("text", value, made => commit({ op: "length", between: [a, b], value: Number(made.value) })),
         input("checkbox", Boolean(held), () => lock(a, b)), "held"));
     }
-    const gone = Object.assign(document.createElement("button"), { type: "button", textContent: "Delete", title: "Del" });
-    gone.addEventListener("click", () => commit({ op: "delete", ...picked }));
-    box.replaceChildren(legend, ...rows, ...(picked ? [gone] : []));
+    const button = (label, op) => {
+      const made = Object.assign(document.createElement("button"), { type: "button", textContent: label });
+      made.addEventListener("click", () => commit({ op, ...picked }));
+      return made;
+    };
+    const shared = Object.values(seen.sheet.links).filter(points => points.includes(name)).length > 1;
+    if (key === "point" && shared) rows.push(button("Unpin", "unpin"));
+    if (picked) rows.push(button("Delete", "delete"));
+    box.replaceChildren(legend, ...rows);
   }
 
   // ---- buttons and keys ----

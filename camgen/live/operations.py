@@ -20,6 +20,7 @@ from camgen.spec import unknown
 GROUND = "ground"
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 FILE_NAME = re.compile(r"(?=.{1,60}$)[a-z0-9]+(-[a-z0-9]+)*")
+_BESIDE = 5.0  # mm, between points that were one
 _FAR = 1e4  # mm, that a place may be from the origin
 _OF_POINTS = ("along", "pin", "at", "point", "thread", "between")  # keys that name points
 _OF_LINKS = ("link", "on", "a", "b", "cam", "follower", "wheel")
@@ -274,17 +275,36 @@ def _join(draft: Draft, request: Request) -> None:
     draft.points.pop(gone)
 
 
+def _unpin(draft: Draft, request: Request) -> None:
+    """Give each link but the first that is pinned at a point a point of its own beside it."""
+    point = draft.named(request, "point", draft.points)
+    links = [name for name, points in draft.links.items() if point in points]
+    if len(links) < 2:
+        raise refused("point", point, "a point at which links are pinned")
+    x, y = draft.points[point]
+    for k, link in enumerate(links[1:], 1):
+        own = draft.point("point", [x + _BESIDE * k, y])
+        _rename_ends(draft, {*draft.links[link]}, point, own)
+        draft.links[link][draft.links[link].index(point)] = own
+
+
 def _rename_point(draft: Draft, name: str, other: str) -> None:
     for points in draft.links.values():
         if name in points:
             points[points.index(name)] = other
+    _rename_ends(draft, {*draft.points}, name, other)
+    draft.replace(_OF_POINTS, name, other)
+
+
+def _rename_ends(draft: Draft, within: set[str], name: str, other: str) -> None:
+    """Name another point in the lengths between some points."""
     for key in list(draft.lengths):
         ends = pair(key)
-        if ends and name in ends:
+        if ends and name in ends and within.issuperset(ends):
             value = draft.lengths.pop(key)
             new = "-".join(other if end == name else end for end in ends)
-            draft.lengths.setdefault(new, value)
-    draft.replace(_OF_POINTS, name, other)
+            if new not in draft.lengths:
+                _hold(draft, new, value)
 
 
 def _slide(draft: Draft, request: Request) -> None:
@@ -359,9 +379,14 @@ def _length(draft: Draft, request: Request) -> None:
     if known:
         put(draft.lengths, known[0], number(value))
         return
+    _hold(draft, f"{a}-{b}", number(value))
+
+
+def _hold(draft: Draft, key: str, value: Any) -> None:
+    """A new length, its key in quotes as people write it."""
     from tomlkit.items import KeyType, SingleKey
 
-    draft.table("lengths").append(SingleKey(f"{a}-{b}", t=KeyType.Basic), number(value))
+    draft.table("lengths").append(SingleKey(key, t=KeyType.Basic), value)
 
 
 def _delete(draft: Draft, request: Request) -> None:
@@ -416,6 +441,7 @@ OPERATIONS: dict[str, Callable[[Draft, Request], None]] = {
     "point": _point,
     "ground": _ground,
     "join": _join,
+    "unpin": _unpin,
     "slide": _slide,
     "slot": _slot,
     "drive": _drive,

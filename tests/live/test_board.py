@@ -88,6 +88,11 @@ DONE: list[tuple[dict[str, Any], set[str], set[str]]] = [
         {'coupler = ["A", "O"]', 'rocker = ["C", "O"]', 'point = "O"'},
     ),
     (
+        {"op": "unpin", "point": "O"},
+        {'crank = ["O", "A"]', '"O-A" = 22.36           # crank'},
+        {"D = [5, 0]", 'crank = ["D", "A"]', '"D-A" = 22.36           # crank'},
+    ),
+    (
         {"op": "slide", "point": "B", "along": [[60, 40], [100, 40]]},
         {'ground = ["O", "C"]     # stands'},
         {
@@ -176,6 +181,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"op": "point", "link": "crnk", "at": [0, 0]}, "crank"),
     ({"op": "ground", "point": ["O"]}, "point"),
     ({"op": "join", "point": "A", "to": "O"}, "a point of another link"),
+    ({"op": "unpin", "point": "D"}, "point"),
     ({"op": "slide", "point": "O", "along": [[0, 0], [1, 0]]}, "stands on the ground"),
     ({"op": "slide", "point": "B", "along": [[0, 0], [0, 0]]}, "lie apart"),
     ({"op": "slot", "point": "A", "link": "crank"}, "without A"),

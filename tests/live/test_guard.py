@@ -137,11 +137,13 @@ def test_a_browser_is_led_there_by_a_page_that_its_user_alone_can_read(
 ) -> None:
     """Other users see what programs are started with."""
     opened, said, found = list[str](), list[str](), list[tuple[str, int]]()
+    protocols = list[int]()
 
     def served(server: uvicorn.Server, sockets: list[socket.socket]) -> None:
         end = time.monotonic() + 10
         while not opened and time.monotonic() < end:
             time.sleep(0.01)
+        protocols.extend(each.proto for each in sockets)
         (way,) = tmp_path.glob(".camgen-*.html")
         found.append((way.read_text("utf-8"), stat.S_IMODE(way.stat().st_mode)))
 
@@ -154,6 +156,7 @@ def test_a_browser_is_led_there_by_a_page_that_its_user_alone_can_read(
     ((text, mode),) = found
     assert f"url={address}" in text and (os.name != "posix" or mode == 0o600)
     assert not list(tmp_path.glob(".camgen-*"))
+    assert protocols == [socket.IPPROTO_TCP], "of these alone asyncio lets no answer wait"
 
 
 # ---- too much, too deep ----------------------------------------------------------------------------------------------
