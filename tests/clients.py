@@ -436,7 +436,7 @@ def installed(client: Client) -> bool:
 
 def tasks(folders: Sequence[Path]) -> list[tuple[Path, Client]]:
     """All files with the clients that open them; a dimensioned sheet is for LibreCAD alone."""
-    files = sorted(path for folder in folders for path in folder.iterdir())
+    files = sorted(path for folder in folders for path in folder.rglob("*"))
     return [
         (path, client)
         for path in files

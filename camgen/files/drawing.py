@@ -153,11 +153,7 @@ class _Layout:
             facts.position > 0 and len([hole for _, hole in self.named if hole.radius]) > 1
         )
         others = [each for k, each in enumerate(part.layers) if k != part.drawn_layer]
-        covered = [
-            each
-            for each in others
-            if part.side_profile and each.z1 <= part.layers[part.drawn_layer].z0
-        ]
+        covered = [each for each in others if part.side_profile and each.z1 <= part.drawn.z0]
         holes = set(part.region.holes)
         hidden = [
             c for each in covered for c in (each.region.outer, *each.region.holes) if c not in holes

@@ -218,7 +218,7 @@ def tips(
         joint = machine.joint(cam.joint)
         assert isinstance(joint, Cam), f"{cam.joint} is no cam"
         mount = [mount for mount in mounts if mount.part == cam.part][cam.copy]
-        layer = part.layers[part.drawn_layer]
+        layer = part.drawn
         high = heights(mount, part.thickness, layer.z0, layer.z1)
         disc = (cam.tip.at, cam.tip.diameter / 2, *high)
         stand_ins.append(

@@ -49,7 +49,7 @@ def nominal_part(
     # crossed body is what its facets make it, for near the top of a round one the width grows without bound.
     fine = tolerance / 2 if part.side_profile is None else tolerance
     sections, engraved = _sections(part, fine, low)
-    cut = _spans(part).index((part.layers[part.drawn_layer].z0, part.layers[part.drawn_layer].z1))
+    cut = _spans(part).index((part.drawn.z0, part.drawn.z1))
     if (
         part.side_profile is not None
     ):  # what a cut shows changes with its height; the drawing has the whole region

@@ -212,7 +212,7 @@ def contacts(run: Run, forces: Forces, assembly: Assembly, load: Weight | None) 
             check.not_judged.append(NotJudged("HERTZ", why, "a roller or a flat face"))
             continue
         part = assembly.by_name[outline.part]
-        layer = part.layers[part.drawn_layer]
+        layer = part.drawn
         length = layer.z1 - layer.z0
         if named is not None:
             length = min(length, named.width)

@@ -119,7 +119,7 @@ def _merged(
     own_parts = (frame.part, own.part, own.collar)
     lowest = min(mount.z for mount in made.mounts if mount.part not in own_parts)
     plate = made.by_name[frame.part]
-    floor = plate.layers[plate.drawn_layer].z1
+    floor = plate.drawn.z1
     if lowest < 0 or floor > host.sizes.base_thickness or plate.drawn_layer:
         return None
     screws = [z for z, _ in made.frame.fixings]
