@@ -206,7 +206,7 @@ def client(board: Board) -> TestClient:
     return TestClient(board.app(WORD), base_url=f"{HOME}/{WORD}/", headers={"origin": HOME})
 
 
-@pytest.mark.parametrize("request_, gone, new", DONE, ids=lambda each: str(each)[:40])
+@pytest.mark.parametrize("request_, gone, new", DONE, ids=[str(each[0])[:60] for each in DONE])
 def test_an_operation_changes_its_lines_alone(
     request_: dict[str, Any], gone: set[str], new: set[str], tmp_path: Path
 ) -> None:
