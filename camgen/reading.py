@@ -311,4 +311,7 @@ def _syntax_in_words(line: str, reason: str) -> str:
     if _TWICE.fullmatch(reason) and line.startswith("[") and not line.startswith("[["):
         name = line.partition("]")[0].strip("[ ")
         return f"[{name}] once only; each row of a list begins with [[{name}]]"
+    if reason == "Cannot overwrite a value" and line.startswith("[["):
+        name = line.partition("]")[0].strip("[ ")
+        return f"[[{name}]] at each row of a list: above it stands otherwise, such as [{name}]"
     return f"valid TOML: {reason}"

@@ -225,6 +225,10 @@ def test_syntax_fault_has_line_and_column(
         ("width = 25 mm", "a number without a unit: 25"),
         ("side = left", 'quotes round text: "left"'),
         ("[shape]", "[shape] once only; each row of a list begins with [[shape]]"),
+        (
+            "[[shape]]",
+            "[[shape]] at each row of a list: above it stands otherwise, such as [shape]",
+        ),
     ],
 )
 def test_usual_mistakes_are_told_by_their_cure(tmp_path: Path, line: str, cure: str) -> None:
