@@ -338,6 +338,7 @@ def test_a_run_as_columns_and_as_a_frame() -> None:
     assert frame["pen_y_mm"].tolist() == run["pen"].imag.tolist()
     assert np.radians(frame["swing_deg_per_s"]).tolist() == pytest.approx(run.velocity["swing"])
     assert repr(run).splitlines()[0] == "Run at 3 angles, 0 to 180 deg"
+    assert repr(camgen.load(LINKAGE).solve([])) == "Run at 0 angles"
 
 
 def test_without_pandas_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -416,6 +417,8 @@ def test_the_front_of_a_sweep_is_what_nothing_beats() -> None:
             "did you mean 'stroke_mm'",
         ),
         (lambda: camgen.sweep(DISC, {"geometry.base_radius": [20]}).machine(1), "0 to 0"),
+        (lambda: camgen.sweep(DISC, {"geometry.base_radius": 20}), "20 - expected a list"),
+        (lambda: camgen.sweep(DISC, {"geometry.base_radius": [20]}, how=1.5), "how: 1.5"),
         (lambda: camgen.explain("PRESURE_ANGLE"), "did you mean 'PRESSURE_ANGLE'"),
         (lambda: camgen.design(DISC), "wanted"),
         (lambda: camgen.tolerance(DISC, samples=0), "samples"),

@@ -322,6 +322,24 @@ def test_faults_of_a_file_tell_their_lines_in_order(tmp_path: Path) -> None:
     assert str(own[0]).startswith(f"line {own[0].line}: geometry.base_raduis: unknown key")
 
 
+@pytest.mark.parametrize(
+    "content, says",
+    [
+        ('mechanism = "disc-cam"\nname = "ä"'.encode("latin-1"), "line 2, column 9: byte 0xe4"),
+        ('mechanism = "disc-cam"'.encode("utf-16-le"), "valid TOML"),
+        (b"\xff\xfea\x00", "line 1, column 1: byte 0xff"),
+        (b"a = " + b"9" * 5000 + b"\nb c = 1", "4300 digits"),
+        (b"a = " + b"[" * 5000 + b"]" * 5000 + b"\nb c = 1", "32 deep"),
+    ],
+    ids=["latin-1", "utf-16", "utf-16 with its mark", "number", "depth"],
+)
+def test_lines_are_not_sought_in_what_is_no_toml(tmp_path: Path, content: bytes, says: str) -> None:
+    path = tmp_path / "s.toml"
+    path.write_bytes(content)
+    with pytest.raises(SpecError, match=says):
+        read_mechanism(path)
+
+
 @pytest.mark.parametrize("content", ["a = " + "[" * 5000, "a = " + "9" * 5000])
 def test_toml_beyond_python(tmp_path: Path, content: str) -> None:
     path = tmp_path / "s.toml"

@@ -24,7 +24,7 @@ from camgen.errors import DesignError, Fault, FileError, SpecError, file_errors
 from camgen.findings import Finding
 from camgen.live.gallery import cards, usable
 from camgen.live.numbers import numbers, overrides, write
-from camgen.live.operations import FILE_NAME, applied, moved
+from camgen.live.operations import FILE_NAME, ROWS, applied, moved
 from camgen.live.preview import failure, preview
 from camgen.live.server import Answer, LastBuild, asset, served
 from camgen.machines import load
@@ -190,7 +190,7 @@ class Board:
         """Begin with an empty sheet, or with one of the gallery."""
         name = request.get("name")
         with self.lock:
-            if name and name not in self.gallery:
+            if name and str(name) not in self.gallery:
                 raise SpecError([specs.unknown(("name",), str(name), self.gallery)], "gallery")
             self._take(self.gallery[str(name)] if name else _EMPTY)
         return Answer(ok=True, verdict="", errors=[])
@@ -328,8 +328,8 @@ def _sheet(tables: reading.Data) -> Answer:
         for name, each in _table(tables, "links").items()
         if isinstance(each, list)
     }
-    kinds = ("slide", "slot", "gear", "cam", "output")
-    rows = {kind: [row for row in tables.get(kind, ()) if isinstance(row, dict)] for kind in kinds}
+    listed = {kind: tables[kind] for kind in ROWS if isinstance(tables.get(kind), list)}
+    rows = {kind: [row for row in listed.get(kind, ()) if isinstance(row, dict)] for kind in ROWS}
     return {
         "name": str(tables.get("name", "")),
         "points": points,

@@ -24,6 +24,8 @@ _BESIDE = 5.0  # mm, between points that were one
 _FAR = 1e4  # mm, that a place may be from the origin
 _OF_POINTS = ("along", "pin", "at", "point", "thread", "between")  # keys that name points
 _OF_LINKS = ("link", "on", "a", "b", "cam", "follower", "wheel")
+_TABLES = ("points", "links", "lengths", "drive")
+ROWS = ("slide", "slot", "gear", "cam", "output")  # lists of tables
 _BY_LINK = ("masses", "parts", "layers", "bodies")  # tables with a key for each link
 
 Request = Mapping[str, Any]
@@ -47,6 +49,22 @@ class Draft:
         import tomlkit
 
         self.document: Any = tomlkit.parse(text)
+        self._check_kinds()
+
+    def _check_kinds(self) -> None:
+        """SpecError where a key that operations change holds another kind of thing, as a hand may have typed it."""
+        tables = {name: self.document.get(name, {}) for name in (*_TABLES, *_BY_LINK)}
+        for name, table in tables.items():
+            if not isinstance(table, Mapping):
+                raise refused(name, table, f"a table [{name}]")
+        for name in ("points", "links"):
+            for key, value in tables[name].items():
+                if not isinstance(value, list):
+                    raise refused(f"{name}.{key}", value, "a list")
+        for name in ROWS:
+            rows = self.document.get(name, [])
+            if not isinstance(rows, list) or not all(isinstance(row, Mapping) for row in rows):
+                raise refused(name, rows, f"a list of tables [[{name}]]")
 
     def text(self) -> str:
         """As it is now."""

@@ -133,9 +133,10 @@ class Run:
 
     def __repr__(self) -> str:
         """Its angles, and what each output does."""
+        if not self.theta.size:
+            return "Run at 0 angles"
         sweep = f"{np.degrees(self.theta[0]):.6g} to {np.degrees(self.theta[-1]):.6g} deg"
-        said = [f"Run at {self.theta.size} angles{f', {sweep}' if self.theta.size else ''}"]
-        return "\n  ".join([*said, *map(self._said, self)])
+        return "\n  ".join([f"Run at {self.theta.size} angles, {sweep}", *map(self._said, self)])
 
     def _said(self, name: str) -> str:
         """An output in a line: between what it moves."""

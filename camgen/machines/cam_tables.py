@@ -32,7 +32,7 @@ class CamSizes(ShaftHole, Parts):
     @classmethod
     def _of_machine(cls, data: Any) -> Any:
         """A machine's sizes are those of a linkage, where nothing else is said."""
-        if data.get("make", "cams") == "cams":
+        if not isinstance(data, dict) or data.get("make", "cams") == "cams":
             return data
         usual = {key: field.default for key, field in Parts.model_fields.items() if key != "make"}
         own = {key: value for key, value in usual.items() if cls.model_fields[key].default != value}

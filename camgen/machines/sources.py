@@ -31,10 +31,14 @@ def read_mechanism(spec: Source, overrides: Sequence[str] = ()) -> Mechanism:
     """
     if isinstance(spec, Mechanism):
         return spec
-    try:
+    if isinstance(spec, Mapping):
         return changed(*read_tables(spec), overrides)
+    data = reading.read(Path(spec))  # what is no TOML has its place already
+    folder = Path(spec).parent
+    try:
+        return changed(opened_tables(data, folder), str(spec), folder, overrides)
     except SpecError as error:
-        if isinstance(spec, Mapping) or error.source != str(spec):
+        if error.source != str(spec):
             raise
         raise _located(error, Path(spec), overrides) from None
 

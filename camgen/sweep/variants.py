@@ -115,6 +115,8 @@ def axis_of(key: str, values: str | Iterable[Any], ends: bool = False) -> Axis:
     """A key and its values from Python: all of them, or a text as of `axis`; ends: two numbers are those of a range."""
     if isinstance(values, str):
         return axis(f"{key}={values}")
+    if not isinstance(values, Iterable):
+        raise SpecError([Fault((), repr(values), "a list of values", source=f"vary {key}")])
     items = list(values)
     if ends and len(items) == 2 and not any(isinstance(item, str) for item in items):
         low, high = items
@@ -225,7 +227,7 @@ def variants_of(
     vary: Mapping[str, str | Iterable[Any]], how: Literal["grid", "zip"] | int = "grid"
 ) -> Variants:
     """The variants of keys and their values; how: all with all, side by side, or so many as a Latin hypercube."""
-    latin = 0 if isinstance(how, str) else how
+    latin = how if isinstance(how, int) and how is not True else 0
     axes = tuple(axis_of(key, values, latin > 0) for key, values in vary.items())
     if how not in ("grid", "zip") and latin < 1:
         right = '"grid", "zip", or how many a Latin hypercube has'

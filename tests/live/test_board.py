@@ -244,6 +244,21 @@ def test_what_cannot_be_done_is_refused_in_words(request_: dict[str, Any], says:
     assert says in str(error.value)
 
 
+@pytest.mark.parametrize(
+    "line", ["points = 5", "links = 5", "output = 5", "slide = 5", "drive = 5", "masses = 5"]
+)
+def test_a_key_of_another_kind_is_shown_and_operations_refuse_it(tmp_path: Path, line: str) -> None:
+    spec = tmp_path / "s.toml"
+    spec.write_text(f'mechanism = "linkage"\nname = "s"\n{line}\n')
+    page = client(Board(spec, tmp_path / "out"))
+    assert page.get("/").status_code == 200
+    answer = page.post("/draw", json={"op": "link", "ends": [[0, 0], [9, 0]]})
+    assert answer.status_code == 409
+    name = line.split()[0]
+    (said,) = answer.json()["errors"]
+    assert said.startswith(f"{name}: 5 - expected a ")
+
+
 def test_a_four_bar_from_an_empty_sheet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """As with the mouse: three links, two points on the ground, a point on the coupler, its path."""
     monkeypatch.chdir(tmp_path)
@@ -251,6 +266,7 @@ def test_a_four_bar_from_an_empty_sheet(tmp_path: Path, monkeypatch: pytest.Monk
     assert 'data-start="walking-leg"' in page.get("/").text
     assert page.post("/draw", json={"op": "output", "point": "A"}).status_code == 409
     assert page.post("/start", json={"name": "nothing"}).status_code == 409
+    assert page.post("/start", json={"name": ["walking-leg"]}).status_code == 409
     assert page.post("/start", json={}).json()["ok"]
     done = [
         {"op": "link", "ends": [[0, 0], [10, 20]]},

@@ -413,6 +413,13 @@ def test_a_spec_of_two_tables_is_read_as_before(
     assert "bodies is read as parts" in old.hints
 
 
+def test_parts_that_are_no_table_are_told() -> None:
+    data = read(SPECS / "disc-cam.toml")
+    for own in ({}, {"bodies": {"thickness": 5.0}}):
+        with pytest.raises(SpecError, match="parts: 5 - expected a table"):
+            validate(DiscCamDrive, {**data, "parts": 5, **own})
+
+
 def test_faults_of_an_old_table_are_told_by_its_name() -> None:
     with pytest.raises(SpecError, match=r"bodies.thickness: 0.1 .*nozzle"):
         drive(parts={"make": "machine"}, bodies={"thickness": 0.1})
