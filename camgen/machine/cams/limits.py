@@ -152,7 +152,9 @@ def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) 
     if chord_tolerance is not None and swings(cam):
         axle = abs(cam.follower.pivot)
         reach = float(np.max(np.abs(facet_contour(cam.outline, chord_tolerance))))
-        message = f"the cam reaches {reach:.2f} mm from its shaft, the axle stands at {axle:g} mm"
+        message = (
+            f"the cam reaches {reach:.2f} mm from its shaft, the follower's axle is at {axle:g} mm"
+        )
         findings.append(
             at_least(
                 "INTERFERENCE",
