@@ -60,7 +60,7 @@ class PinLoad:
     def _thickness(self, limit: float) -> float:
         """Diameter, mm, at which the same force on the same lever gives a stress of `limit`, MPa."""
         bent = self.bending > self.shear / strength.SHEAR
-        return self.journal.diameter * (self.stress / limit) ** (1 / 3 if bent else 1 / 2)
+        return self.journal.diameter * math.pow(self.stress / limit, 1 / 3 if bent else 1 / 2)
 
     def finding(self) -> Finding:
         """PIN_STRESS."""
