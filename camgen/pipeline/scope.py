@@ -109,12 +109,10 @@ def not_judged(
             if not stage.runs(kinds):
                 reasons.setdefault(
                     code,
-                    NotJudged(
-                        code, f"no {needs} is in the folder; it looks at {stage.what}", needs
-                    ),
+                    NotJudged(code, f"no {needs} is in the folder; it judges {stage.what}", needs),
                 )
             elif failing and code not in codes:
-                why = f"no {needs} could be judged so far, because of the failures above; it looks at {stage.what}"
+                why = f"no {needs} could be judged so far, because of the failures above; it judges {stage.what}"
                 reasons.setdefault(code, NotJudged(code, why, "a file without the faults above"))
     return tuple(reasons.values())
 

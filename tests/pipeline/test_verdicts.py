@@ -220,7 +220,7 @@ def test_what_was_not_judged_is_said_by_name_in_terminal_and_page(
     first, *told, place, see = capsys.readouterr().out.splitlines()
     assert first == f"uniform-swing: all {len(report.findings)} findings hold; 4 not judged"
     assert told[:3] == [
-        f"not judged: {codes}: no {kinds} is in the folder; it looks at {what}"
+        f"not judged: {codes}: no {kinds} is in the folder; it judges {what}"
         for codes, kinds, what in (
             ("INTERFERENCE", "3MF", "all bodies, moved past each other through a turn"),
             ("BED_FIT", "STL or 3MF", "room on the printer's bed"),
