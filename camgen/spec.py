@@ -160,7 +160,7 @@ class Print(Record):
     )
     layer: Annotated[float | None, quantity("mm", ge=0.01, le=2)] = Field(
         default=None,
-        description="height of the others: faces between layers are told, print time counts with it",
+        description="height of the others: for print time, and for faces that lie between layers",
     )
     xy_step: Annotated[float, quantity("mm", ge=0, le=0.2)] = Field(
         default=0.0125,

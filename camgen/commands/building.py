@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     "settings",
     metavar="KEY=VALUE",
     multiple=True,
-    help="Such as segment.1.lift=8; KEY= removes it.",
+    help="Change a key, such as segment.1.lift=8; KEY= removes it.",
 )
 @jobs_option
 @json_option
@@ -83,12 +83,12 @@ def build(
     "--gcode",
     multiple=True,
     type=click.Path(path_type=Path),
-    help="Judge this in place of the folder's files.",
+    help="Judge this plate in place of the folder's files.",
 )
 @click.option(
     "--line-width",
     type=click.FloatRange(0.01, 10),
-    help="Of G-code that does not say it (CuraEngine), mm.",
+    help="Width of lines, mm, for G-code that does not name it (CuraEngine).",
 )
 @jobs_option
 @json_option
@@ -103,7 +103,7 @@ def check(
 ) -> None:
     """Judge the files of earlier builds again, from the files alone and the spec.toml beside them.
 
-    With --gcode, once for each plate: what a printer lays down of it (PrusaSlicer, OrcaSlicer, Bambu Studio, CuraEngine).
+    With --gcode, once for each plate, judge the sliced plate (PrusaSlicer, OrcaSlicer, Bambu Studio, CuraEngine).
     """
     if gcode and len(folders) > 1:
         raise SpecError(

@@ -26,7 +26,7 @@ from camgen.errors import FileError, printable
 @click.option(
     "--front",
     type=click.Path(path_type=Path),
-    help="Folder for all designs that are best in something, and a page.",
+    help="Folder for all designs that no other beats in everything, and a page.",
 )
 @click.option(
     "-j",
@@ -38,9 +38,9 @@ from camgen.errors import FileError, printable
 def design(
     spec: Path, file: Path | None, settings: Sequence[str], front: Path | None, jobs: int
 ) -> None:
-    """Search for what SPEC's table [wanted] ([synthesis] of an indexing cam) asks; write that spec to FILE, or print it.
+    """Search for the machine of SPEC's table [wanted] ([synthesis] of an indexing cam); write its spec to FILE, or print it.
 
-    A path is traced by a linkage that is found; of any machine keys vary until every limit holds: camgen guide design.
+    It finds a linkage for a path or a function, or values of keys with which every limit holds: camgen guide design.
     """
     from camgen.design import run
 

@@ -38,7 +38,7 @@ def list_() -> None:
 @click.command()
 @click.argument("codes", metavar="[CODE]...", nargs=-1, shell_complete=completed(guide.entries))
 def explain(codes: Sequence[str]) -> None:
-    """Say what a finding means, its formula, where its limit comes from and what helps; without a CODE, list them."""
+    """Explain a finding: its meaning, its formula, the source of its limit and what helps; without a CODE, list them."""
     if codes:
         show("\n".join(map(guide.explanation, codes)))
         return

@@ -16,11 +16,11 @@ Exit codes:
   2  the spec or the command is wrong (all faults listed, nothing written)
   3  well formed, but no such mechanism exists (nothing written)
   4  a file could not be written or read
-{2}130 is Ctrl-C, 70 a fault of camgen itself."""
+{2}130 is Ctrl-C, 70 an internal error of camgen."""
 EXIT_CODES = _CODES.format(
     "every finding holds",
-    "a finding fails (files are written; it is said which)",
-    "Of several the worst, that is the largest, is returned. ",
+    "a finding fails (files are written)",
+    "Of several codes the largest is returned. ",
 )
 SWEEP_CODES = _CODES.format(
     "some variant holds", "none holds (the table is written, and says why)", ""
@@ -33,7 +33,10 @@ jobs_option = click.option(
     help="Cores to use, 0: all of them.  [default: all where that is quicker]",
 )
 quiet_option = click.option(
-    "-q", "--quiet", is_flag=True, help="Print only what fails, and notes on files gone or changed."
+    "-q",
+    "--quiet",
+    is_flag=True,
+    help="Print only findings that fail, and notes on files that are missing or changed.",
 )
 verbose_option = click.option(
     "-v",

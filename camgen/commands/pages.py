@@ -15,7 +15,7 @@ _port = click.option(
     "--port",
     type=click.IntRange(0, 65535),
     default=0,
-    help="Of this machine.  [default: a free one]",
+    help="Port of this machine.  [default: a free one]",
 )
 
 
@@ -31,7 +31,7 @@ _port = click.option(
 @_port
 @_browser
 def watch(spec: Path, **served: Any) -> None:
-    """Build SPEC each time it is saved, and show its report on a page that this machine alone can open."""
+    """Build SPEC each time it is saved, and show its report on a page that only this machine can open."""
     from camgen.live import run
 
     run.watch(spec, say=_say, **served)
@@ -49,9 +49,9 @@ def watch(spec: Path, **served: Any) -> None:
 @_port
 @_browser
 def explore(spec: Path | None, **served: Any) -> None:
-    """Draw a linkage with the mouse, or try any SPEC with sliders, on a page that this machine alone can open.
+    """Draw a linkage with the mouse, or try any SPEC with sliders, on a page that only this machine can open.
 
-    Without SPEC it begins with an empty sheet or a linkage of the gallery. Saved when you ask for it.
+    Without SPEC it begins with an empty sheet or a linkage of the gallery. It saves only when you click Save.
     """
     from camgen import starters
     from camgen.live import run

@@ -22,11 +22,11 @@ from camgen.errors import printable
     help="Output folder.  [default: out]",
 )
 def bench(specs: Sequence[Path], out: Path) -> None:
-    """Measure what tolerances from 1e-1 to 1e-7 mm buy and cost, for each SPEC, or for three starter specs.
+    """Measure accuracy and cost of tolerances from 1e-1 to 1e-7 mm, for each SPEC, or for three starter specs.
 
     Makes the parts that set the motion, reads them back and prints vertices, arcs, errors, sizes and seconds by stage.
-    Writes OUT/bench_tolerance/ with bench.csv, bench.md and plots. A finding that fails is a file that is not sound, or a
-    motion that is further off than its tolerance allows.
+    Writes OUT/bench_tolerance/ with bench.csv, bench.md and plots. A finding fails if a file is not sound, or if
+    its motion is off by more than the tolerance allows.
     """
     from camgen import starters
     from camgen.report.terminal import Bar
@@ -55,19 +55,22 @@ def bench(specs: Sequence[Path], out: Path) -> None:
     "--worst",
     type=int,
     default=50,
-    help="How many of the worst are really rolled and closed.  [default: 50]",
+    help="How many of the worst copies are rolled and closed.  [default: 50]",
 )
 @click.option(
-    "--judged", type=int, default=50, help="How many are judged by every finding.  [default: 50]"
+    "--judged",
+    type=int,
+    default=50,
+    help="How many copies are judged by every finding.  [default: 50]",
 )
 @click.option(
-    "--html", type=click.Path(path_type=Path), help="Write tables and curves to this page, too."
+    "--html", type=click.Path(path_type=Path), help="Also write tables and curves to this page."
 )
 @json_option
 def tolerance(
     spec: Path, settings: Sequence[str], html: Path | None, as_json: bool, **counts: int
 ) -> None:
-    """What print errors do to the motion of SPEC: a budget by where they arise, and the yield of many copies."""
+    """Show what print errors do to the motion of SPEC: a budget by source, and the yield of many copies."""
     from camgen.report.page import write_html
     from camgen.report.report import to_json
     from camgen.report.terminal import Bar

@@ -36,7 +36,11 @@ if TYPE_CHECKING:
     "--height", type=float, help="Height of a mesh's section, mm.  [default: half way up]"
 )
 @click.option("--layer", help="Layer of a DXF that holds the outline.  [default: all]")
-@click.option("--line-width", type=float, help="Of G-code that does not say it (CuraEngine), mm.")
+@click.option(
+    "--line-width",
+    type=float,
+    help="Width of lines, mm, for G-code that does not name it (CuraEngine).",
+)
 @click.option("--dpi", type=float, help="Dots per inch of a scan.  [default: as its file says]")
 @click.option(
     "--second-scan",
@@ -54,7 +58,7 @@ if TYPE_CHECKING:
     "--probe",
     type=click.FloatRange(0, 1000),
     default=0.0,
-    help="Radius of the ball whose centres points are, mm.",
+    help="Radius of the probe's ball, mm, if points are its centres.",
 )
 @click.option(
     "--against",

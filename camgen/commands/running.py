@@ -92,11 +92,7 @@ def refuse_one_name_twice(specs: Sequence[Path], settings: Sequence[str]) -> Non
             continue
         if name in first:
             raise SpecError(
-                [
-                    Fault(
-                        ("name",), repr(name), f"another name, for {first[name]} writes that folder"
-                    )
-                ],
+                [Fault(("name",), repr(name), f"another name: {first[name]} writes that folder")],
                 str(spec),
             )
         first[name] = spec

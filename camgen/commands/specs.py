@@ -25,11 +25,11 @@ from camgen.errors import Fault, SpecError, printable
     help="PMKS lines, or pylinkage's JSON.",
 )
 def new(mechanism: str | None, file: Path | None, short: bool, source: Path | None) -> None:
-    """Write a commented starter spec of a MECHANISM, or an example, to FILE, or print it; it builds as it is.
+    """Write a commented starter spec of a MECHANISM, or an example, to FILE, or print it; the spec builds as it is.
 
-    Without a MECHANISM it lists them all and asks.
+    Without a MECHANISM it lists all mechanisms and asks.
 
-    With --from a linkage ("linkage" or "machine") is read from a file of another program: PMKS lines,
+    With --from it reads a linkage ("linkage" or "machine") from a file of another program: PMKS lines,
     J[R, P[x, y], L[ground, crank]], or the JSON of pylinkage's mechanism_to_dict.
     """
     from camgen import starters
@@ -42,7 +42,7 @@ def new(mechanism: str | None, file: Path | None, short: bool, source: Path | No
     if source is None:
         text = starters.short(mechanism) if short else starters.text(mechanism)
     elif short:
-        alone = "nothing here: what is read from another program has no comments"
+        alone = "nothing here: a file of another program has no comments"
         raise SpecError([Fault((), "", alone, source="--short")], "command line")
     elif mechanism != "linkage":
         alone = "nothing here: only a linkage is read from another program"
@@ -63,7 +63,7 @@ def new(mechanism: str | None, file: Path | None, short: bool, source: Path | No
         named = file.parent / starters.schema_name(kind)
         click.echo(
             printable(
-                f"wrote {named}, by which an editor (Even Better TOML, taplo) explains the keys"
+                f"wrote {named}: with it an editor (Even Better TOML, taplo) explains the keys"
             ),
             err=True,
         )

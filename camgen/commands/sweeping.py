@@ -24,13 +24,13 @@ from camgen.errors import printable
 @click.option(
     "--grid",
     is_flag=True,
-    help="Every value of each key with every one of the others: so it is anyway.",
+    help="Every value of each key with every value of the others (the default).",
 )
 @click.option(
     "--zip",
     "zipped",
     is_flag=True,
-    help="First values together, second values together, and so on.",
+    help="The first values together, the second values together, and so on.",
 )
 @click.option(
     "--latin",
@@ -38,7 +38,7 @@ from camgen.errors import printable
     metavar="N",
     help="N variants spread evenly (a Latin hypercube).",
 )
-@click.option("--seed", type=click.IntRange(0), default=0, help="Of --latin.  [default: 0]")
+@click.option("--seed", type=click.IntRange(0), default=0, help="Seed of --latin.  [default: 0]")
 @click.option(
     "--keep",
     metavar="FIGURE",
@@ -46,13 +46,13 @@ from camgen.errors import printable
     help="Keep this figure, such as stroke_mm.  [default: all]",
 )
 @click.option(
-    "--set", "settings", metavar="KEY=VALUE", multiple=True, help="The same for every variant."
+    "--set", "settings", metavar="KEY=VALUE", multiple=True, help="Change a key for every variant."
 )
 @click.option(
     "--build",
     "build_kinds",
     is_flag=True,
-    help="Make, read back and judge the files of each, not its limits alone.",
+    help="Make, read back and judge the files of each variant, not only its limits.",
 )
 @click.option(
     "--only", metavar="KINDS", callback=kinds_of, help="With --build: only these kinds of files."
@@ -89,7 +89,7 @@ def sweep(
     \b
       --vary geometry.base_radius=12:32:41 --vary segment.1.law=cycloidal,modified-sine
 
-    Writes the table, and beside it a page with plots. Killed on the way, the same command goes on where it was.
+    Writes the table, and beside it a page with plots. If you stop it, the same command continues where it was.
     """
     from camgen.report.terminal import Bar
     from camgen.starters import unit_at

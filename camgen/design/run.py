@@ -352,7 +352,7 @@ def _for_function(request: Request) -> str:
     note = "found by camgen design for a function; output.function: its pairs, and how far this machine may be off"
     summary = (
         f"{len(front)} four-bars: each is nearer to the function than all of better transmission, or transmits better "
-        "than all nearer. Design 1 is 01.toml, and so on; what is refused cannot be built as it stands."
+        "than all nearer. Design 1 is 01.toml, and so on; a refused design cannot be built as it is."
     )
     axes = {
         "worst_error_deg": "worst error {:.4g} deg",
@@ -411,8 +411,8 @@ def _for_path(request: Request) -> str:
     note = f"found by camgen design for the path {name}; output.path: that path, and how far this machine's may be from it"
     summary = (
         f"{len(front)} designs: each is nearer to the path in the mean than all with less bar, or has less bar than all "
-        "nearer, of all designs or of those that can be built. Design 1 is 01.toml, and so on; what is refused cannot be "
-        "built as it stands."
+        "nearer, of all designs or of those that can be built. Design 1 is 01.toml, and so on; a refused design cannot "
+        "be built as it is."
     )
     axes = {"mean_distance_mm": "mean distance {:.4g} mm", "bars_mm": "bars {:.4g} mm"}
     rows = request.front_rows(front, "Linkages for the path", summary, axes, note)
@@ -447,7 +447,7 @@ def _buildable_front(
         candidates |= {each: candidate(each) for each in layer}
         useful += [each for each in layer if candidates[each].prototype.of_use]
         say(
-            f"{len(candidates)} designs weighed, {len(useful)} of them can be built and keep what is wanted"
+            f"{len(candidates)} designs judged, {len(useful)} of them can be built and keep the limits"
         )
         remaining = [
             each
@@ -565,13 +565,11 @@ def choice(
         many = counted(len(buildable), "buildable design")
         only_play = {each.code for each in nearest.failures} == {"LASH"}
         remedy = (
-            "a smaller print.slide_clearance, or the wanted.lash that will do"
+            "a smaller print.slide_clearance, or a greater wanted.lash"
             if only_play
             else "wider [limits]"
         )
-        message = (
-            f"none of {many} keeps its limits; the nearest to what is wanted: {nearest.refusal}"
-        )
+        message = f"none of {many} keeps its limits; the nearest one: {nearest.refusal}"
         raise DesignError(
             "designs that keep their limits",
             0,
@@ -589,10 +587,10 @@ def choice(
             aim.allowance,
             unit,
             "the nearest buildable design",
-            f"{wanted.further}, or the wanted.tolerance that will do",
+            f"{wanted.further}, or wanted.tolerance = {math.ceil(100 * least) / 100:g}",
         ).saying(
-            f"the nearest buildable design is {least:.4g} {unit} {aim.off}; without wanted.tolerance a twentieth of {aim.size} "
-            f"is borne, {aim.allowance:.4g} {unit}"
+            f"the nearest buildable design is {least:.4g} {unit} {aim.off}; without wanted.tolerance the limit is a twentieth of "
+            f"{aim.size}, {aim.allowance:.4g} {unit}"
         )
     if not near:
         remedy = f"{wanted.further}, or a wider wanted.tolerance"

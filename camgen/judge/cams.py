@@ -103,7 +103,7 @@ class FollowerOnOutline:
             self.scale * (self.nominal.undercut + self.limit),
             self.unit,
             self.place(worst),
-            "motion that the file loses where it is undercut; the limit is the spec's and the outline tolerance",
+            "motion that the undercut in the file loses; the limit is that of the spec plus the outline tolerance",
         )
 
     def on_face(self) -> Finding | None:
@@ -141,7 +141,7 @@ class FollowerOnOutline:
             "share",
             self.place(worst),
             f"of the greatest speed, averaged over {tolerances.SPEED_WINDOW_DEG:g} deg of cam angle; "
-            "facets make raw speed ripple as 1/N, and a smaller chord_tolerance lowers it",
+            "a smaller accuracy.chord_tolerance lowers it",
         )
 
     def findings(self) -> list[Finding]:
@@ -165,7 +165,7 @@ def _overlap(
     air_text = ""
     air = drive.feature.free
     if air > 0:
-        air_text = f", each {air:g} mm off its tip where the motion is as wanted"
+        air_text = f", each {air:g} mm off its tip in the wanted motion"
     elif air < 0:
         play = drive.feature.leaves * (other.law(theta) - drive.law(theta))
         air_text = f" beyond the preload, {-air:g} mm at each tip"

@@ -558,7 +558,7 @@ def interference(
 ) -> list[Finding]:
     """INTERFERENCE: each pair that comes too near or is not proven to stay clear, else the tightest of either kind.
 
-    Of bodies that must stay apart the gap, at least the needed one, mm; of bodies that touch by intent the overlap, at most
+    Of bodies that must stay apart the gap, at least the needed one, mm; of bodies that touch by design the overlap, at most
     what facets and fits may show. angle: what theta is called.
     """
     findings = []
@@ -579,7 +579,7 @@ def interference(
     for c in _worst(touching):
         words = f"overlap seen {max(0.0, -c.gap):.4f} mm"
         remark = (
-            f"deepest of {counted(len(touching), 'pair')} that touch by intent; {words}; {_PROVEN}"
+            f"deepest of {counted(len(touching), 'pair')} that touch by design; {words}; {_PROVEN}"
         )
         where = _place(c, "overlap", angle)
         findings.append(

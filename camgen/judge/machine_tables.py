@@ -510,8 +510,8 @@ def judge_path(
     off = point_to_ring(z, cut.points)
     worst = int(np.argmax(off))
     remark = (
-        f"outline less what a cutter of radius {radius:g} mm leaves, at x {z[worst].real:.3f}, y {z[worst].imag:.3f} mm; "
-        "where it is more, the cutter is too large for a hollow (files.cutter_radius)"
+        f"distance of the outline from the path cut with radius {radius:g} mm, at x {z[worst].real:.3f}, y {z[worst].imag:.3f} mm; "
+        "a cutter that is too large for a hollow needs a smaller files.cutter_radius"
     )
     spare = float(np.max(point_to_ring(cut.points, target)))
     return [

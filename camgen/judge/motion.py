@@ -321,12 +321,12 @@ class _OutputResult:
         off, part, name = max(sides, default=(0.0, "", ""))
         if off <= self.accurate:
             return ""
-        return f"; {part or 'a side'} is furthest from where it is meant, by {off:.3g} mm at joint {name}"
+        return f"; {part or 'a side'} is furthest from its place, by {off:.3g} mm at joint {name}"
 
     def play(self, where: Where, alone: bool) -> Finding:
         """LASH."""
         limit, cause = self.lash
-        remark = f"free play of the output, by that of all joints at the worst angle; the limit is {cause}"
+        remark = f"free play of the output by all joints at the worst angle; the limit is {cause}"
         return self._finding("LASH", 2 * self.band, limit, self._where(where, alone), remark)
 
     def stroke(self, where: Where, alone: bool) -> Finding:

@@ -245,7 +245,7 @@ def _kerf(path: Shape, expected: NominalPart, kerf: float, where: Where) -> Find
         off = max(off, float(np.max(point_to_ring(along(target), edge))))
         allowed = max(allowed, _round_corner(target if way < 0 else target[::-1], kerf / 2))
     limit = allowed + 2 * expected.chord_tolerance + WAY_BACK * kerf / 2 + FACETS
-    remark = "how far the part as cut is from its outline: inner corners come out round, and what is narrower than the kerf is lost"
+    remark = "distance of the part as cut from its outline: inner corners come out round, and details narrower than the kerf are lost"
     return at_most("KERF", off, limit, "mm", where, remark)
 
 

@@ -33,6 +33,7 @@ from camgen.machines.linkage.traces import angles, idle, traces
 from camgen.machines.sources import changed, opened_tables
 from camgen.numerics import Points
 from camgen.report.report import Report
+from camgen.report.words import sentence
 from camgen.settings import override
 
 if TYPE_CHECKING:
@@ -306,7 +307,7 @@ def _schema() -> Any:
 def _failing(finding: Finding) -> str:
     bound = f"at {'least' if finding.floor else 'most'} {finding.limit:.4g}"
     measured = f"{finding.measured:.4g} {finding.unit}, {bound}"
-    return f"{finding.code}, {finding.where}: {measured}; {finding.message}"
+    return f"{finding.code}, {finding.where}: {sentence(measured)}; {sentence(finding.message)}"
 
 
 def _told(faults: Sequence[Fault]) -> list[Answer]:

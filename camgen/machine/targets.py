@@ -407,8 +407,8 @@ class Advance(Record):
         """ADVANCE_ERROR."""
         actual = advance(self.forwards * course.value[:: self.time], self.lost)
         message = (
-            f"{actual:.6f} deg a turn, {self.value:g} wanted, with {self.lost:g} deg lost before the freewheel locks; what yours "
-            "loses more or less is missing or over"
+            f"{actual:.6f} deg a turn, {self.value:g} wanted, with {self.lost:g} deg lost before the freewheel locks; if yours "
+            "loses more, the link turns by so much less"
         )
         return at_most(self.code, abs(actual - self.value), self.tolerance, "deg", where, message)
 

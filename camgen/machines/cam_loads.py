@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from camgen.machines.disc_cam.tables import LoadTable, SpringTable
     from camgen.motion.program import Program
 
-_JUMPS = "its speed jumps, which no spring bears: use a law that ends smoothly"
+_JUMPS = "its speed jumps, and no spring holds it then: use a law that ends smoothly"
 
 
 def load_faults(

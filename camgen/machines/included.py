@@ -367,7 +367,7 @@ def _fastening(each: IncludedMachine) -> list[str]:
     notes = [f"{name}: {ride.body} rides on {ride.link}; fasten it there." for ride in module.rides]
     if stand is not None and stand.merged is not None:
         frame = (
-            f"{name} has no frame and no shaft of its own: the second plate holds what its frame would, and the machine's shaft "
+            f"{name} has no frame and no shaft of its own: the second plate replaces its frame, and the machine's shaft "
             "turns it."
         )
     elif shaft is None:
@@ -379,8 +379,8 @@ def _fastening(each: IncludedMachine) -> list[str]:
         frame = f"{name} stands on the second plate: posts screwed on from below, studs in their tops that hold its frame; {by}"
     else:
         frame = (
-            f"{name} stands by itself, {module.z:g} mm up, its origin at ({module.at.real:g}, {module.at.imag:g}): nothing is "
-            "made that joins its plate and shaft to the rest. Screw both frames on one board, this one so much higher."
+            f"{name} stands by itself, {module.z:g} mm up, its origin at ({module.at.real:g}, {module.at.imag:g}): no "
+            "part joins its plate and shaft to the rest. Screw both frames on one board, this one so much higher."
         )
     return [frame, *notes]
 

@@ -103,8 +103,8 @@ def compare(
         shear = 200 * best.skew.imag
         figures += figures_in("%", scale=long, scanner_across=across, scanner_shear=shear)
         sentences.append(
-            f"the scanner's scale {long:+.3f} %, x beside y {across:+.3f} % and shear {shear:+.3f} % are found "
-            "from the whole outline, which hides what the print itself shrank"
+            f"the scanner's scale {long:+.3f} %, x beside y {across:+.3f} % and shear {shear:+.3f} % are "
+            "fitted to the whole outline, which hides shrinkage of the print itself"
         )
     outside = deviation(z, dense(nominal, _STEP))
     figures += figures_in(
@@ -123,11 +123,11 @@ def compare(
                 f"hole_compensation = {mechanism.print.hole_compensation + (part.bore - bore) / 2:.3f}"
             )
         sentences.append(
-            f"in [print] this would mend the mean of it, within {off:.3f} mm: {', '.join(keys)}"
+            f"these keys of [print] correct the mean error, within {off:.3f} mm: {', '.join(keys)}"
         )
     else:
         sentences.append(
-            "no compensation of [print] is told: the scanner's own scale is not known, which --across would tell"
+            "no compensation for [print]: the scanner's own scale is not known; give --across, the width by a caliper"
         )
     order = np.argsort(np.angle(z) % (2 * np.pi))
     angle = np.degrees(np.angle(z) % (2 * np.pi))[order]

@@ -166,18 +166,20 @@ class Rebuild:
         if stale:
             differences = {name: why for name, why in differences.items() if name not in stale}
             compared = [name for name in compared if name not in stale]
-            notes.append(f"of what the build found, not of what fails now: {', '.join(stale)}")
+            notes.append(
+                f"these files have the findings of the build, not those that fail now: {', '.join(stale)}"
+            )
         others = _others(self.manifest, packages_of(self.kinds))
         if differences and others:
-            why = f"built with {others}: not as they are made anew here, and not judged by all that they hold: {', '.join(differences)}"
+            why = f"built with {others}: these files differ from those made here, and cannot be judged in full: {', '.join(differences)}"
             return Outcome(
                 not_judged=[NotJudged("REBUILD", why, "what it was built with")], notes=notes
             )
-        said = f"{len(compared)} files beside the parts are as they are made anew from spec.toml and the parts' files"
+        said = f"{len(compared)} files beside the parts are the same when made again from spec.toml and the parts' files"
         if differences:
             rows = [f"{name} {why}" for name, why in differences.items()]
             more = [", ".join(list(differences)[_TOLD:])] if len(differences) > _TOLD else []
-            said = "not as they are made anew from spec.toml and the parts' files: " + "; ".join(
+            said = "different when made again from spec.toml and the parts' files: " + "; ".join(
                 [*rows[:_TOLD], *more]
             )
         return Outcome(

@@ -109,12 +109,10 @@ def not_judged(
             if not stage.runs(kinds):
                 reasons.setdefault(
                     code,
-                    NotJudged(
-                        code, f"no {needs} is in the folder; it looks at {stage.what}", needs
-                    ),
+                    NotJudged(code, f"no {needs} is in the folder; it judges {stage.what}", needs),
                 )
             elif failing and code not in codes:
-                why = f"no {needs} could be judged so far, see what fails; it looks at {stage.what}"
+                why = f"no {needs} could be judged so far, because of the failures above; it judges {stage.what}"
                 reasons.setdefault(code, NotJudged(code, why, "a file without the faults above"))
     return tuple(reasons.values())
 
@@ -128,11 +126,11 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
     for key in _FITS if as_drawn else ():
         value = getattr(mechanism.print, key)
         if value:
-            sentences.append(f"print.{key} = {value:g} acts on {solid} alone: the {told}")
+            sentences.append(f"print.{key} = {value:g} changes only {solid}: the {told}")
     if mechanism.laser is not None and "dxf" in kinds:
         kerf = mechanism.laser.kerf
         sentences.append(
-            f"laser.kerf = {kerf:g} acts on the sheets alone: every part's own DXF is as drawn"
+            f"laser.kerf = {kerf:g} changes only the sheets: the DXF of each part is as drawn"
         )
         if all(why_not(part, mechanism.laser.thickness) for part in mechanism.assembly.parts):
             flat = {
@@ -146,11 +144,11 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
                 f"laser.thickness = {mechanism.laser.thickness:g}: {told}, so there is no sheet"
             )
     elif mechanism.laser is not None:
-        sentences.append("[laser] makes its sheets with the DXF, and no DXF is made")
+        sentences.append("[laser] has no effect without DXF: the sheets are made with it")
     if mechanism.files.engrave and not any(part.engraved for part in mechanism.assembly.parts):
         sentences.append("files.engrave = true: no part has anything engraved")
     elif mechanism.files.engrave and not any(kind in kinds for kind in DRAWN):
-        sentences.append(f"files.engrave = true acts on {drawn} alone, and no {drawn} is made")
+        sentences.append(f"files.engrave = true has no effect without {drawn}")
     idle = mechanism.remarks().unused
     if idle:
         sentences.append(
@@ -162,5 +160,5 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
         and any(kind in kinds for kind in SOLID)
         and not any(kind in kinds for kind in DRAWN)
     ):
-        sentences.append(f'files.curves = "{curves}" acts on {drawn} alone, and no {drawn} is made')
+        sentences.append(f'files.curves = "{curves}" has no effect without {drawn}')
     return tuple(sentences)

@@ -543,8 +543,8 @@ def _remarks(
     if rows:
         outside, holes = (max((row[k] for row in rows), key=abs) for k in (2, 3))
         lowest = ", ".join(f"{max((row[k] for row in rows), key=abs):+.3f} mm" for k in (0, 1))
-        said = f"outlines lie {outside:+.3f} mm out of what is meant and walls come {holes:+.3f} mm into holes, by mean"
-        remarks.append(f"{said}; in the first layer, against what was sent, {lowest}")
+        said = f"outlines lie {outside:+.3f} mm outside the design and walls {holes:+.3f} mm inside holes, on average"
+        remarks.append(f"{said}; in the first layer, against the solid as sent, {lowest}")
     high = {
         str(row[0]): (float(str(row[2])), float(str(row[3])))
         for each in prints.values()
@@ -557,7 +557,7 @@ def _remarks(
     ]
     if off:
         remarks.append(
-            f"layers do not add up to the parts' heights, mm: {', '.join(off)}; print.layer tells where before slicing"
+            f"layers do not add up to the parts' heights, mm: {', '.join(off)}; set print.layer, and the build names the faces between layers before you slice"
         )
     values = {(each.kind, each.of): each.value for each in figures}
     for first in (each for each in figures if each.kind == _FIRST):

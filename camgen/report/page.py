@@ -35,7 +35,7 @@ from camgen.report.tables import (
     unit_text,
     value_text,
 )
-from camgen.report.words import rounded
+from camgen.report.words import rounded, sentence
 from camgen.study import Plot, Scene, Table
 
 _FIRST_PLOTS = 12  # more curves than this are folded away; it fills rows of two, three and four
@@ -71,7 +71,9 @@ def to_html(report: Report) -> str:
         findings=_section("Margins", margins(report.findings)),
         numbers=_section("Figures", figure_lists(report.numbers)),
         tables=_section("Tables", "".join(map(_folded, report.all_tables))),
-        notes=_section("Notes", "".join(f"<p>{escape(note)}</p>" for note in report.notes)),
+        notes=_section(
+            "Notes", "".join(f"<p>{escape(sentence(note))}</p>" for note in report.notes)
+        ),
         files=", ".join(
             _link(report, file) for file in report.files if not file.endswith("-drawing.pdf")
         ),

@@ -10,7 +10,7 @@ import numpy as np
 
 from camgen.findings import Finding, NotJudged
 from camgen.report import words
-from camgen.report.words import KINDS, NOISE, rounded
+from camgen.report.words import KINDS, NOISE, rounded, sentence
 from camgen.study import Figures, Table
 
 NOISE_OF = {
@@ -75,12 +75,12 @@ def to_change(
     not_judged: Sequence[NotJudged],
 ) -> str:
     """What a person must know first: warnings, what fails with its numbers, and what was not judged."""
-    said = "".join(f"<p><b>{escape(text)}</b></p>" for text in warnings)
+    said = "".join(f"<p><b>{escape(sentence(text))}</b></p>" for text in warnings)
     if not (failing or not_judged):
         return said
     rows = [
         f'<tr class="bad"><td class="mark"><b>FAILS</b></td><th scope="row"><code>{escape(f.code)}</code> '
-        f"<small>{escape(where)}</small><p>{escape(f.message)}</p></th>"
+        f"<small>{escape(where)}</small><p>{escape(sentence(f.message))}</p></th>"
         f'<td class="n">{cell_text(f.measured)}{unit_text(f.unit)}</td>'
         f'<td class="n">{_SIGNS[f.sign]} {cell_text(f.limit)}{unit_text(f.unit)}</td></tr>'
         for f, where in failing
@@ -96,7 +96,7 @@ def to_change(
 def _not_judged(each: NotJudged) -> str:
     return (
         f'<tr class="open"><td class="mark"><b>NOT JUDGED</b></td><th scope="row"><code>{escape(each.code)}</code>'
-        f"<p>{escape(each.why)}</p></th><td></td><td></td></tr>"
+        f"<p>{escape(sentence(each.why))}</p></th><td></td><td></td></tr>"
     )
 
 
@@ -160,7 +160,7 @@ def _margins(groups: Sequence[Sequence[Finding]], kinds: Sequence[str]) -> str:
         limit = f"{_SIGNS[worst.sign]}&nbsp;{rounded(worst.limit, 4)}{unit_text(worst.unit)}"
         rows.append(
             f'<tr class="{state}"><th scope="row"><span class="mark"><b>{verdict}</b></span> <code>{escape(worst.code)}</code>'
-            f"<p>{escape(worst.message)} <small>{escape(str(worst.where))}</small></p></th>{cells}"
+            f"<p>{escape(sentence(worst.message))} <small>{escape(str(worst.where))}</small></p></th>{cells}"
             f'<td class="n" data-of="limit">{limit}</td></tr>'
         )
     columns = "".join(f'<th scope="col">{title}</th>' for title in head)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from camgen.errors import printable
-from camgen.report.words import NOISE
+from camgen.report.words import NOISE, sentence
 
 if TYPE_CHECKING:
     from camgen.findings import Finding, NotJudged
@@ -85,13 +85,15 @@ def _troubles(first: Summary) -> Iterator[str]:
 
 def _notes(report: Report, first: Summary, quiet: bool) -> list[str]:
     """What to read before the parts are made, and what this run did beside the result."""
-    return [f"note: {text}" for text in (*(() if quiet else first.warnings), *report.remarks)]
+    return [
+        f"note: {sentence(text)}" for text in (*(() if quiet else first.warnings), *report.remarks)
+    ]
 
 
 def _reasons(not_judged: Sequence[NotJudged]) -> Iterator[tuple[str, str]]:
     """Codes with one reason together, and the reason."""
     for why in dict.fromkeys(each.why for each in not_judged):
-        yield ", ".join(each.code for each in not_judged if each.why == why), why
+        yield ", ".join(each.code for each in not_judged if each.why == why), sentence(why)
 
 
 def _say(text: str, colour: str | None = None, **style: bool) -> None:
@@ -176,7 +178,8 @@ def number(value: float, noise: float = NOISE) -> str:
 def _sentence(finding: Finding, where: str) -> str:
     """A finding as a sentence with its numbers."""
     unit = f" {finding.unit}" if finding.unit else ""
-    size = f"{number(finding.measured, NOISE * finding.ok)}{unit}"
+    rounding = not finding.ok and 0 < finding.measured < NOISE
+    size = f"{f'below {number(NOISE)}' if rounding else number(finding.measured)}{unit}"
     measured = size if not math.isnan(finding.measured) else "could not be measured"
     bound, asked = {
         "<=": ("at most", "allowed"),
@@ -187,7 +190,7 @@ def _sentence(finding: Finding, where: str) -> str:
         "" if math.isnan(finding.limit) else f"; {bound} {number(finding.limit)}{unit} is {asked}"
     )
     at = f" ({where})" if where else ""
-    message = finding.message[:1].upper() + finding.message[1:]
+    message = sentence(finding.message[:1].upper() + finding.message[1:])
     return (
         f"{finding.code}{at} {'holds' if finding.ok else 'fails'}: {measured}{limit}. {message}".rstrip(
             " ."

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass, field
 
 from camgen.study import Figure, Figures
@@ -81,6 +82,10 @@ _GROUP_OF = {each: group for group, found in _QUANTITIES.items() for each in fou
 KINDS = ("dxf", "stl", "3mf", "step")  # of files that are measured
 NOISE = 1e-9  # what is less counts as 0: lengths are known to some nanometres at best
 
+_ROUNDING = re.compile(
+    r"(?<![\w.-])-?\d+(\.\d+)?e-[1-9]\d+(?!\w)"
+)  # a number below NOISE, as a program writes it
+
 
 @dataclass
 class Row:
@@ -120,6 +125,11 @@ def name(figure: Figure) -> str:
     words = words.format(of=figure.of.replace("_", " "), joint=figure.joint).strip(" :")
     words = f"{figure.module.replace('_', ' ')} {words}".strip()
     return words if words[1:2] in "₁₂" else words[:1].upper() + words[1:]
+
+
+def sentence(text: str) -> str:
+    """A message as a person reads it: a number in it that is only rounding, such as 1.421e-14, is 0."""
+    return _ROUNDING.sub("0", text)
 
 
 def rounded(value: float, digits: int = 4) -> str:

@@ -43,15 +43,15 @@ _NOTES = (
     "Standard deviations: print.size_error, place_error, form_error; unless given the usual tolerance of the plastic, taken as "
     "three of them (FDM tolerance guide, toolsfast.app). Print a part and measure it for your own.",
     "First order: errors along the normal over the contact's lever, and centres by the joints' slopes. Means are taken as right: "
-    "what is always too small is the compensation's to mend.",
-    "MOTION_ERROR and UNDERCUT have the limits of files: of copies the quantiles tell. Walls, and what a machine works out of "
-    "its own lengths (thread, unloader), are not judged on copies.",
+    "compensations of [print] correct a size that is always too small.",
+    "MOTION_ERROR and UNDERCUT have the limits of files; for copies see the quantiles. Walls, and figures from a machine's own "
+    "lengths (thread, unloader), are not judged on copies.",
 )
 
 
-_FREE = "Air at each tip, mm, with which nothing jams: tip_clearance of a pair, half of print.slide_clearance of a groove"
+_FREE = "Air at each tip, mm, without jamming: tip_clearance of a pair, half of print.slide_clearance of a groove"
 _TIMED = (
-    "Bodies follow laws of the shaft, as designed: what a print does to their gears and guides is their play.",
+    "Bodies follow laws of the shaft, as designed: print errors of their gears and guides count as play.",
     "inf: 60 deg and more.",
 )
 

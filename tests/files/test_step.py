@@ -202,7 +202,7 @@ def test_a_whole_build_makes_them_where_the_spec_asks(tmp_path, root):
         ".3mf",
     }
     assert list(report.warnings) == [
-        "print.hole_compensation = 0.05 acts on STL and 3MF alone: the DXF and STEP are as drawn"
+        "print.hole_compensation = 0.05 changes only STL and 3MF: the DXF and STEP are as drawn"
     ]
     drawings = build(root / "specs" / "disc-cam.toml", tmp_path, frozenset({"dxf"}), settings)
     assert not list(drawings.folder.glob("*.step"))  # --only means what it says

@@ -470,7 +470,7 @@ def test_of_pairs_that_touch_the_deepest_is_said_or_all_that_overlap_by_more() -
         str(finding.where).startswith("arm and frame: overlap, cam angle 57.29")
         and "overlap seen 0.0800 mm" in finding.message
     )
-    assert "deepest of 3 pairs that touch by intent" in finding.message
+    assert "deepest of 3 pairs that touch by design" in finding.message
     failed = interference(
         [*touching, clearance("pin", -0.7, -0.8, 0.6), clearance("x", -0.1, -0.1, 0.1)], 0.3
     )

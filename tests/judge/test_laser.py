@@ -332,7 +332,7 @@ def test_a_linkage_of_sheet_moves_as_asked(tmp_path, root):
         "stepped"
     )
     assert 0 < report.numbers["sheet_density"] < 1 and report.numbers["sheets"] == 1
-    assert any("laser.kerf = 0.3 acts on the sheets alone" in line for line in report.warnings)
+    assert any("laser.kerf = 0.3 changes only the sheets" in line for line in report.warnings)
     again = build(root / "specs" / "linkage.toml", tmp_path / "b", DXF, settings)
     names = [path.name for path in report.folder.glob("*sheet*")]
     assert len(names) == 3 and all(

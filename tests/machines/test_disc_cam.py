@@ -514,6 +514,7 @@ def test_the_base_radius_that_is_found_keeps_to_a_least_radius_of_any_sign(
     )
     (curvature,) = [f for f in made.limits() if f.code == "CURVATURE"]
     assert curvature.measured == pytest.approx(kept, abs=1e-6)
+    assert ("the profile is undercut" in curvature.message) == (least < 0)
     if least >= 0:
         assert facet_contour(made.assembly.parts[0].region.outer, 1e-3).size > 100
 

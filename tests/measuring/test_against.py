@@ -118,7 +118,7 @@ def test_two_scans_keep_what_the_print_shrank(
     hidden = run(capsys, first, "--against", SPEC)[1]["numbers"]
     notes = run(capsys, first, "--second-scan", second, "--against", SPEC)[1]["notes"][0]
     assert (
-        "no compensation of [print] is told" in notes and "profile_compensation" not in notes
+        "no compensation for [print]" in notes and "profile_compensation" not in notes
     )  # without a caliper
     assert shown["deviation_min_mm"] < -0.15 and shown["motion_error_max_deg"] > 0.05
     assert shown["bore_deviation_mm"] == pytest.approx(-0.025, abs=0.005)

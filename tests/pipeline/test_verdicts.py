@@ -220,7 +220,7 @@ def test_what_was_not_judged_is_said_by_name_in_terminal_and_page(
     first, *told, place, see = capsys.readouterr().out.splitlines()
     assert first == f"uniform-swing: all {len(report.findings)} findings hold; 4 not judged"
     assert told[:3] == [
-        f"not judged: {codes}: no {kinds} is in the folder; it looks at {what}"
+        f"not judged: {codes}: no {kinds} is in the folder; it judges {what}"
         for codes, kinds, what in (
             ("INTERFERENCE", "3MF", "all bodies, moved past each other through a turn"),
             ("BED_FIT", "STL or 3MF", "room on the printer's bed"),
@@ -245,11 +245,11 @@ def test_what_was_not_judged_is_said_by_name_in_terminal_and_page(
         (
             "dxf,stl",
             "print.profile_compensation=0.1",
-            "print.profile_compensation = 0.1 acts on STL and 3MF alone",
+            "print.profile_compensation = 0.1 changes only STL and 3MF",
         ),
         ("dxf", "print.elephant_foot=0.2", "print.elephant_foot = 0.2"),
         ("stl", "print.profile_compensation=0.1", ""),
-        ("stl", "files.curves='lines'", "acts on DXF alone"),
+        ("stl", "files.curves='lines'", "has no effect without DXF"),
         ("dxf,stl", "files.curves='lines'", ""),
         ("dxf", "files.engrave=true", "files.engrave = true: no part has anything engraved"),
     ],

@@ -14,6 +14,7 @@ from test_cli import run as run  # noqa: F401  a fixture
 from camgen.findings import Finding, NotJudged, Where, at_least, at_most
 from camgen.report.report import Report
 from camgen.report.terminal import number, print_report
+from camgen.report.words import sentence
 from camgen.study import Figure, Figures
 
 FINDINGS = (
@@ -99,7 +100,21 @@ def test_rounding_is_shown_as_0_but_where_it_fails(capsys: pytest.CaptureFixture
         "2.665" not in text
         and re.search(r"PIN_GAP +0 +<= +0.1 ", text)
         and re.search(r"LASH +1e-12 +<= +0 ", text)
+        and "LASH fails: below 1e-9 mm; at most 0 mm is allowed" in text
     )
+
+
+@pytest.mark.parametrize(
+    ("written", "read"),
+    [
+        ("they miss by 1.421e-14 mm", "they miss by 0 mm"),
+        ("-2.2e-16, 5e-10 and 12e-100", "0, 0 and 0"),
+        ("1e-9 mm, 2.5e-05 N", "1e-9 mm, 2.5e-05 N"),
+        ("part-1e-12.stl, x1e-12, 1e-12x", "part-1e-12.stl, x1e-12, 1e-12x"),
+    ],
+)
+def test_a_sentence_has_no_number_that_is_only_rounding(written: str, read: str) -> None:
+    assert sentence(written) == read
 
 
 def test_a_limit_that_is_itself_too_little_is_told_as_such(

@@ -122,6 +122,10 @@ def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) 
         f"the follower falls short there by {shortfall:.4g} {unit} ({depth:.4g} mm on the contact's path), as the spec "
         f"implies; {advice.wider} lowers it"
     )
+    curved = f"{advice.wider} makes it larger"
+    if -math.inf < cam.least_radius < 0:
+        accepted = f"limits.least_radius = {math.floor(cam.least_radius)} accepts it"
+        curved = f"the profile is undercut: {advice.wider} helps; {accepted}"
     findings = [
         at_most(
             "PRESSURE_ANGLE",
@@ -145,14 +149,15 @@ def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) 
             limits.least_radius,
             "mm",
             Where(where),
-            "least radius of curvature of the convex profile; below 0 it is undercut, "
-            "which a limits.least_radius below 0 accepts",
+            f"least radius of curvature of the convex profile; {curved}",
         ),
     ]
     if chord_tolerance is not None and swings(cam):
         axle = abs(cam.follower.pivot)
         reach = float(np.max(np.abs(facet_contour(cam.outline, chord_tolerance))))
-        message = f"the cam reaches {reach:.2f} mm from its shaft, the axle stands at {axle:g} mm"
+        message = (
+            f"the cam reaches {reach:.2f} mm from its shaft, the follower's axle is at {axle:g} mm"
+        )
         findings.append(
             at_least(
                 "INTERFERENCE",

@@ -299,7 +299,7 @@ def lift_off(
         )
         begin, end = np.degrees(theta[[k, last]])
         there = f"from {begin:.1f} to {end:.1f} deg" if end > begin else "there"
-        message = f"nothing presses the follower on the cam {there}; {remedy}"
+        message = f"no force presses the follower on the cam {there}; {remedy}"
     place = replace(where, theta=float(theta[k]), digits=1)
     return Finding(
         "LIFT_OFF", least > rounding, least, 0.0, unit, place, message, floor=True, strict=True

@@ -230,7 +230,7 @@ class Coupon(Mechanism):
                 self.allowed.uncertainty,
                 "mm",
                 Where(f"print.{value.key}"),
-                f"{value.value:.4g} mm, known to so much (95 %): measure more sizes, or each one several times",
+                f"{value.value:.4g} mm; the limit is its 95 % interval: measure more sizes, or each one several times",
             )
             for value in self.calibration.values
             if value.key in ("hole_compensation", "profile_compensation")

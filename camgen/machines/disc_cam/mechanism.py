@@ -617,8 +617,8 @@ class DiscCamDrive(CamTables):
             notes += open_rails(self.linkage.bodies.layout)
         elif self.geometry.closure == "force" and not self._loaded:
             notes.append(
-                "Nothing is known of what presses the follower on the cam: [spring] and [load] say it, and LIFT_OFF "
-                "judges it."
+                "LIFT_OFF is not judged: give the force that presses the follower on the cam by [spring] and "
+                "[load]."
             )
         if self.allowed.continuous < 0:
             notes.append("Whether the motion jumps is not judged: limits.continuous = -1.")

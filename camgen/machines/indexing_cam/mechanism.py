@@ -102,8 +102,8 @@ class IndexingCam(CamTables):
     unloader: t.UnloaderTable = t.UnloaderTable()
     synthesis: t.SynthesisTable | None = Field(
         default=None,
-        description="laws sought for this spring, one for each weight q of Q = C^2 + q Y^2, told in the "
-        "report;\n"
+        description="laws sought for this spring, one for each weight q of Q = C^2 + q Y^2, listed in "
+        "the report;\n"
         "camgen design SPEC writes the spec with the law of the last weight",
     )
     making: Annotated[t.IndexingParts, Field(alias="parts")] = t.IndexingParts()

@@ -350,10 +350,10 @@ def _thread_faults(drawing: Drawing, path: Key, thread: Sequence[str]) -> Iterab
 
 def _target_faults(drawing: Drawing, path: Key, output: t.Wanted) -> Iterable[Fault]:
     keys: tuple[str, ...] = ("points", "path", "straightness")
-    right = "nothing here: it is asked of a point's path alone"
+    right = "nothing here: it is a target of a point's path only"
     if output.point is not None:
         keys = ("dwell", "time_ratio", "function")
-        right = "nothing here: it is asked of a link or a thread, not of a path"
+        right = "nothing here: it is a target of a link or a thread, not of a path"
     for key in keys:
         if getattr(output, key):
             yield Fault((*path, key), "", right)
@@ -364,7 +364,7 @@ def _target_faults(drawing: Drawing, path: Key, output: t.Wanted) -> Iterable[Fa
     if drawing.drive.range_deg is None:
         return
     if output.time_ratio is not None:
-        right = "nothing here: it is asked of a drive that turns all round, without range_deg"
+        right = "nothing here: it needs a drive that turns all round, without range_deg"
         yield Fault((*path, "time_ratio"), "", right)
     low, high = drawing.drive.range_deg
     right = f"angles within drive.range_deg, {low:g} to {high:g}"

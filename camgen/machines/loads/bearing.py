@@ -118,15 +118,15 @@ def plain_bearings(
     worst, slides = max(plain, key=lambda each: each[1].pv / (limits(each[0].joint).pv or usual))
     limit = limits(worst.joint).pv
     if limit is None and not materials.of(worst.hole).printed:
-        why = f"{slides.pv:.3g} MPa m/s in {worst.joint}; what {worst.hole} bears depends on oil and on its shaft"
+        why = f"{slides.pv:.3g} MPa m/s in {worst.joint}; the limit of {worst.hole} depends on oil and on its shaft"
         check.not_judged.append(NotJudged("PV", why, "limits.pv_mpa_m_s"))
     remark = f"{slides.power:.3g} W of heat at a friction of {coefficient(worst, load):g}"
     remark += (
         f"; limits.pv_mpa_m_s; a plastic made for bearings bears {usual:g} dry"
         if limit
         else f"; no limit is published for prints of {worst.hole}: this one is of a plastic made for bearings, dry on steel (iglidur "
-        "P210). Less speed or mass and a longer pin lower it; oil bears five times as much, a bush of metal more: say so by "
-        "limits.pv_mpa_m_s"
+        "P210). Less speed or mass or a longer pin lower it; with oil the limit is five times as high, with a metal bush higher "
+        "still: set limits.pv_mpa_m_s"
     )
     size = f"{worst.diameter:g} x {worst.length:.4g} mm"
     where = Where(f"pin {worst.joint}, {size}", joint=worst.joint)

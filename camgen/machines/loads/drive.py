@@ -94,8 +94,8 @@ def torque(
     if np.any(forces.locks):
         locked = float(np.mean(forces.locks)) * math.degrees(turn)
         remark = (
-            f"{locking()}. Friction grows with what it holds back: no torque turns it on there, or one that "
-            "loads them tenfold; use a lower load.friction, a ball bearing, a steeper transmission angle"
+            f"{locking()}. No torque moves it there, or only one that loads the joints tenfold; use a lower "
+            "load.friction, a ball bearing or a greater transmission angle"
         )
         first = float(theta[int(np.argmax(forces.locks))])
         where = Where("drive", theta=first, angle="from", digits=1)
@@ -152,7 +152,7 @@ def torque(
         rate = float(abs(drive.law(theta, 1)[worst] * speed))
         remark = f"needed at {rate * 60 / math.tau:.6g} rpm with the friction of all joints; {motor.said}"
         if most < _NOTHING:
-            remark += "; nothing is known of what it moves: [load] says it"
+            remark += "; no load, mass or friction is known: give them in [load]"
         where = Where("drive", theta=float(theta[worst]), angle="", digits=1)
         check.findings.append(
             at_most("DRIVE_TORQUE", most, max(0.0, motor.torque(rate)), "N m", where, remark)

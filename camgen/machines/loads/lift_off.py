@@ -55,11 +55,11 @@ def lift_off(
         least = max(0.0, -float(np.nanmin(effort)))
         jumps = cam.name in kicks
         remedy = (
-            f"a little over {least:.4g} {unit} more on {cam.follower} keep it, towards the cam at all angles: a spring "
-            "([cam.spring], [[spring]], or its preload), a weight or a load ([load]) that pulls that way; less mass or speed lowers it"
+            f"press {cam.follower} on the cam with {least:.4g} {unit} more at all angles: by a spring ([cam.spring], "
+            "[[spring]], or its preload), a weight or a load ([load]); less mass or speed needs less"
         )
         if jumps:
-            remedy = "its speed jumps, which no spring bears: use a law that ends smoothly"
+            remedy = "its speed jumps, and no spring holds it then: use a law that ends smoothly"
         where = Where(joint=cam.name, angle=angle)
         check.findings.append(keeps_contact(theta, force, jumps, where, remedy))
     return check

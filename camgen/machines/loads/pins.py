@@ -57,6 +57,11 @@ class PinLoad:
             and materials.of(shaft).bears < self.stress <= limit
         )
 
+    def _thickness(self, limit: float) -> float:
+        """Diameter, mm, at which the same force on the same lever gives a stress of `limit`, MPa."""
+        bent = self.bending > self.shear / strength.SHEAR
+        return self.journal.diameter * math.pow(self.stress / limit, 1 / 3 if bent else 1 / 2)
+
     def finding(self) -> Finding:
         """PIN_STRESS."""
         row = materials.of(self.journal.shaft)
@@ -70,7 +75,7 @@ class PinLoad:
             by = "limits.pin_stress_mpa"
         remark = f"by {self.force:.4g} N, {how}; {by}"
         if stress > limit:
-            remark += f"; {stronger(self.limits, self.journal)}"
+            remark += f"; {stronger(self.limits, self.journal, self._thickness(limit))}"
         if self.inertia_alone and stress:
             remark += f", by inertia alone: {math.sqrt(limit / stress):.3g} times the speed holds"
         return at_most("PIN_STRESS", stress, limit, "MPa", Where(f"pin {self.name}"), remark)
@@ -90,22 +95,23 @@ def overstated(pins: Sequence[PinLoad]) -> tuple[str, ...]:
         stressed = ", ".join(f"{what} {stress:.3g} MPa" for what, stress in stresses.items())
         own = f"{plastic} bears {materials.of(plastic).bears:g} MPa"
         sentences.append(
-            f"limits.pin_stress_mpa = {limit:g} lets parts hold that are printed, and {own}: {stressed}; "
-            f"make {'it' if len(stresses) == 1 else 'each'} of steel, for the parts list has it as printed"
+            f"with limits.pin_stress_mpa = {limit:g} printed parts hold, but {own}: {stressed}; "
+            f"make {'it' if len(stresses) == 1 else 'each'} of steel, because the parts list has it as printed"
         )
     return tuple(sentences)
 
 
-def stronger(limits: MaterialLimits, pin: Journal) -> str:
-    """What makes a pin or a shaft bear more, by the keys that its table of sizes has."""
+def stronger(limits: MaterialLimits, pin: Journal, thickness: float) -> str:
+    """What makes a pin or a shaft bear its load, by the keys that its table of sizes has; thickness: that does, mm."""
     keys = limits.keys
     diameter = _DIAMETER.get(pin.role, "")
+    thick = f"{math.ceil(10 * thickness) / 10:g}"
     wide = f" (parts.{diameter})" if diameter in keys else ""
     if not materials.of(pin.shaft).printed:
-        return f"make it thicker{wide} or shorter"
+        return f"make it {thick} mm thick{wide} or shorter"
     steel = f" and say so (limits.pin_stress_mpa = {_STEEL})"
     for key, value in _STEEL_BY.get(pin.role, {}).items():
         if key in keys:
             steel = f' (parts.{key} = "{value}")'
             break
-    return f"make it thicker{wide} or shorter, or of steel{steel}"
+    return f"make it {thick} mm thick{wide} or shorter, or of steel{steel}"

@@ -58,7 +58,7 @@ def covers(layout: Layout) -> Iterator[tuple[Part, Mount]]:
 def open_rails(layout: Layout) -> list[str]:
     """What to say of links whose rails are open above."""
     return [
-        f"{link} slides between rails that are open above: what lies on its pins alone holds it down."
+        f"{link} slides between rails that are open above: only the parts on its pins hold it down."
         for link, guide in layout.guides.items()
         if not guide.covered
     ]

@@ -269,7 +269,7 @@ def test_a_follower_that_nothing_presses_through_a_dwell_is_not_held() -> None:
     loose = published({"shape": "flat"}, **slow, spring={"rate": 1.0})
     (finding,) = [f for f in loose.limits() if f.code == "LIFT_OFF"]
     assert finding.measured == pytest.approx(0.0, abs=1e-12) and not finding.ok
-    assert "nothing presses" in finding.message and "spring.preload above 0 N" in finding.message
+    assert "no force presses" in finding.message and "spring.preload above 0 N" in finding.message
     begin = 360 - NORTON["spans_deg"][3]  # of the low dwell
     assert (
         f"from {begin:.1f} to 360.0 deg" in finding.message
