@@ -49,6 +49,11 @@ DART = np.array([0, 4, 4 + 4j, 3 + 1j], complex)  # not convex
 # ---- shapes whose distance is known ----------------------------------------------------------------------------------
 
 
+def files_in(folder: Path) -> Callable[[str, str], Path]:
+    """Where the files of a part lie, by part and kind."""
+    return lambda part, kind: folder / f"x-{part}.{kind}"
+
+
 def circling(radius: float, centre: complex) -> Callable[[np.ndarray], np.ndarray]:
     return lambda theta: centre + radius * np.exp(1j * np.asarray(theta))
 
@@ -175,7 +180,7 @@ def test_what_outlines_may_be_off_is_grazing(
     """Of both by 0.01 mm; in a solid by what float32 leaves of the larger one as well."""
     blocks(tmp_path, kind, (width, 90.0))
     found = judge_clearance(
-        kind, tmp_path, "x", [Passing("A/B", "a", "b", planes=(5.0,))], still, 0.01
+        kind, files_in(tmp_path), [Passing("A/B", "a", "b", planes=(5.0,))], still, 0.01
     )
     (finding,) = found.findings
     assert (
@@ -200,7 +205,7 @@ def test_of_large_solids_float32_leaves_more_than_the_tolerance(
     """0.03 mm of overlap beside 90 m, of which 24 bits are 0.02 mm: at every height the larger size counts."""
     blocks(tmp_path, kind, (20.03, 90e3))
     pair = Passing("A/B", "a", "b", planes=(4.5, 5.0))
-    (finding,) = judge_clearance(kind, tmp_path, "x", [pair], still, 0.01).findings
+    (finding,) = judge_clearance(kind, files_in(tmp_path), [pair], still, 0.01).findings
     assert finding.ok is ok
 
 
@@ -209,7 +214,7 @@ def test_what_cannot_be_compared_is_told(tmp_path: Path) -> None:
     blocks(tmp_path, "stl", (19.0, 10.0))
     for height, lacks in ((2.0, "b"), (8.0, "a")):
         (finding,) = judge_clearance(
-            "stl", tmp_path, "x", [Passing("A/B", "a", "b", planes=(5.0, height))], still, 0.01
+            "stl", files_in(tmp_path), [Passing("A/B", "a", "b", planes=(5.0, height))], still, 0.01
         ).findings
         assert (
             math.isnan(finding.measured)
@@ -222,7 +227,7 @@ def test_what_cannot_be_compared_is_told(tmp_path: Path) -> None:
             drawing.modelspace().add_line((0, 0), (5, 0))
         drawing.saveas(tmp_path / "x-b.dxf")
         (finding,) = judge_clearance(
-            "dxf", tmp_path, "x", [Passing("A/B", "a", "b")], still, 0.01
+            "dxf", files_in(tmp_path), [Passing("A/B", "a", "b")], still, 0.01
         ).findings
         assert math.isnan(finding.measured) and said in finding.message
 
@@ -360,7 +365,9 @@ def judged(m: ChainStitchLooper, folder: Path, kind: str = "stl", **changes: Any
     pairs = [
         replace(pair, **changes) if pair.name in PAIRS else pair for pair in m.assembly.passing
     ]
-    return judge_clearance(kind, folder, "x", pairs, m.assembly.poses, m.accuracy.chord_tolerance)
+    return judge_clearance(
+        kind, files_in(folder), pairs, m.assembly.poses, m.accuracy.chord_tolerance
+    )
 
 
 @pytest.mark.parametrize("kind", ["stl", "3mf"])
@@ -527,4 +534,4 @@ def test_bodies_that_turn_are_refused(made: dict[str, tuple[ChainStitchLooper, P
         return found
 
     with pytest.raises(ValueError, match="shift"):
-        judge_clearance("stl", at, "x", m.assembly.passing, turning, 0.001)
+        judge_clearance("stl", files_in(at), m.assembly.passing, turning, 0.001)

@@ -124,8 +124,7 @@ def test_same_spec_same_bytes_in_another_process_and_from_the_resolved_spec(
     environment = {**os.environ, "PYTHONHASHSEED": "4711", "TZ": "Asia/Tokyo"}
     command = [
         sys.executable,
-        "-m",
-        "camgen",
+        str(TOP / "tests" / "flat.py"),
         "build",
         str(made / "spec.toml"),
         "-o",
