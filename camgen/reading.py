@@ -112,7 +112,7 @@ class Reference:
     """A key of a spec that names another file."""
 
     path: Key
-    kind: Literal["spec", "law", "load", "path"]  # what the file holds
+    kind: Literal["spec", "law", "load", "outline", "path"]  # what the file holds
     table: Data  # in which the key stands, the last step of the path
 
     @property
@@ -142,7 +142,7 @@ class Reference:
 
 
 def references(data: Data, path: Key = ()) -> Iterator[Reference]:
-    """All files that a spec's tables name: specs that it includes, tables of laws and loads, a path that is wanted; also those of
+    """All files that a spec's tables name: specs that it includes, tables of laws and loads, outlines of links, a path that is wanted; also those of
     an included spec whose tables stand in it. What is no such table is left for `validate` to find."""
     for k, each in enumerate(_listed(data, "include")):
         inner = each.get("spec") if isinstance(each, dict) else None
@@ -157,6 +157,10 @@ def references(data: Data, path: Key = ()) -> Iterator[Reference]:
     for k, each in enumerate(_listed(data.get("load"), "on")):
         if isinstance(each, dict) and isinstance(each.get("file"), str) and "points" not in each:
             yield Reference((*path, "load", "on", k, "file"), "load", each)
+    parts = data.get("parts")
+    for name, each in parts.items() if isinstance(parts, dict) else ():
+        if isinstance(each, dict) and isinstance(each.get("outline"), str):
+            yield Reference((*path, "parts", name, "outline"), "outline", each)
     wanted = data.get("wanted")
     if isinstance(wanted, dict) and isinstance(wanted.get("path"), str):
         yield Reference((*path, "wanted", "path"), "path", wanted)

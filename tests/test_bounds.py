@@ -24,8 +24,9 @@ from camgen.errors import MOST_LISTED, FileError, SpecError
 from camgen.files.formats import FORMATS, READABLE
 from camgen.files.gcode import hole_walls, read_gcode
 from camgen.geometry.mesh import MOST_TRIANGLES
+from camgen.machines.spec_files import with_tables
 from camgen.motion import tables
-from camgen.motion.tables import read_table, with_tables
+from camgen.motion.tables import read_table
 from camgen.study import Table
 
 SPECS = Path(__file__).resolve().parent.parent / "specs"

@@ -38,7 +38,11 @@ SHARED = {
     "DiscCamParts",
     "IndexingParts",
 }  # they have the keys of a linkage's [parts]
-OWN = {"source"}  # of an include: written by camgen, not by a person
+OWN = {
+    "source",
+    "contours",
+    "drawn_in",
+}  # of an include, of an outline: written by camgen, not by a person
 
 # What a key's name may end in, and the unit that it then has: the longest ending counts.
 ENDINGS = {

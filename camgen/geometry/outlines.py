@@ -304,6 +304,18 @@ def polygon(points: Sequence[complex]) -> Contour:
     return Contour(tuple(Line(a, b) for a, b in zip(ring, ring[1:] + ring[:1], strict=True)))
 
 
+def bulged(points: Points, bulges: Floats) -> Contour:
+    """Contour of straight edges and arcs: points (n,) complex mm, and for the edge from each to the next tan(sweep / 4), (n,)."""
+    pieces: list[Piece] = []
+    for a, b, t in zip(points.tolist(), np.roll(points, -1).tolist(), bulges.tolist(), strict=True):
+        if t == 0:
+            pieces.append(Line(a, b))
+            continue
+        centre = (a + b) / 2 + 0.5j * (b - a) * (1 - t * t) / (2 * t)
+        pieces.append(Arc(centre, abs(a - centre), cmath.phase(a - centre), 4 * math.atan(t)))
+    return Contour(tuple(pieces))
+
+
 def rectangle(low: complex, high: complex) -> Contour:
     """The rectangle between two corners, mm; the first one is the lower left."""
     return polygon([low, complex(high.real, low.imag), high, complex(low.real, high.imag)])

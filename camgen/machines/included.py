@@ -23,7 +23,7 @@ from camgen.machine.model import GROUND, Gravity, Machine, NamedTwice, Pose
 from camgen.machine.run import Run, solve
 from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism
-from camgen.motion.tables import with_tables
+from camgen.machines.spec_files import with_tables
 from camgen.numerics import Floats, Points
 from camgen.parts.assembly import Assembly, renamed
 from camgen.parts.catalogue import Bought

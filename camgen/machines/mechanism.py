@@ -34,7 +34,7 @@ from camgen.machines.loads.applied import efforts
 from camgen.machines.loads.rubbing import with_friction
 from camgen.machines.loads.tables import LimitsTable, Weight
 from camgen.machines.loads.weights import with_gravity, with_masses
-from camgen.motion.tables import with_tables
+from camgen.machines.spec_files import with_tables
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, Cycle, Process, tips
 from camgen.parts.inertia import printed_density

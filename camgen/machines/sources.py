@@ -18,7 +18,7 @@ from camgen.bounds import read_bytes
 from camgen.errors import CamgenError, DesignError, Fault, SpecError, dotted
 from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism, made
-from camgen.motion.tables import with_tables
+from camgen.machines.spec_files import with_tables
 from camgen.settings import override, split_setting
 
 Source = str | PathLike[str] | Mapping[str, Any] | Mechanism

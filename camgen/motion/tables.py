@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -11,7 +10,6 @@ from typing import Any
 
 from camgen.bounds import Bound, read_bytes
 from camgen.errors import Fault, FileError, SpecError
-from camgen.reading import Data, references, too_large
 
 _MOST_LINES = 200_000  # of a table; the longest that a spec takes has 100,000 rows
 _ANGLES = {
@@ -26,7 +24,6 @@ _ANGLES = {
 _FORCES = {"n": 1.0, "kn": 1e3, "kgf": 9.80665, "lbf": 4.4482216152605}
 _TORQUES = {"nm": 1.0, "ncm": 1e-2, "nmm": 1e-3, "knm": 1e3, "lbfin": 0.1129848290276167}
 _OTHERS = ("mm", "cm", "inch", "kg", "kpa", "mpa", "bar", "rpm", "hz")
-_READ = ("law", "load")  # what tables are read of
 _PARTS = 3  # of a unit's name: lbf in, N / mm
 
 
@@ -135,37 +132,3 @@ def load_table(path: Path) -> tuple[list[list[float]], str | None]:
         raise SpecError(faults, str(path))
     kind = "N" if names[1] in _FORCES else "N m" if names[1] in _TORQUES else None
     return [[x * scales[0], y * scales[1]] for x, y in points], kind
-
-
-def with_tables(data: Data, folder: Path, source: str = "spec") -> Data:
-    """A spec's tables, in which each law's and each load's `file` is replaced by its points and its name.
-
-    Files are seen from the folder. So the resolved spec needs no other file. SpecError with all that name no file so, and where
-    they hold more than a spec may.
-    """
-    if not any(each.kind in _READ for each in references(data)):
-        return data
-    data = copy.deepcopy(data)
-    faults = list[Fault]()
-    values = 0
-    for each in [each for each in references(data) if each.kind in _READ]:
-        try:
-            file = each.file(folder)
-        except SpecError as error:
-            faults += error.faults
-            continue
-        table = each.table
-        name = each.table.pop(str(each.path[-1]))
-        if each.kind == "law":
-            table["points"] = [list(point) for point in read_points(file)]
-        else:
-            table["points"], unit = load_table(file)
-            if unit is not None:
-                table.setdefault("unit", unit)
-        table.setdefault("source", name)
-        values += 3 * len(table["points"])  # the pair, and its two numbers
-        if large := too_large(0, values):
-            raise SpecError([*faults, *large], source)
-    if faults:
-        raise SpecError(faults, source)
-    return data

@@ -18,7 +18,7 @@ from itertools import combinations
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.geometry.distances import thinnest_wall
+from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Arc, Contour, Line, Points, Region, circle
 from camgen.parts.part import Layer, Part
@@ -76,6 +76,20 @@ def plate(name: str, outer: Contour, holes: Mapping[str, Contour], min_wall: flo
             else "make room between them or lower the wall that is asked for",
         )
     return Region(outer, tuple(holes.values()))
+
+
+def refuse_thin(link: str, outline: Contour, holes: Mapping[str, Contour], min_wall: float) -> None:
+    """DesignError for the hole of a joint that leaves less than min_wall, mm, to a link's own outline, or lies outside of it."""
+    rim = facet_contour(outline, FACETS)
+    for name, hole in holes.items():
+        ring = facet_contour(hole, FACETS)
+        off = point_to_ring(ring, rim)
+        wall = float(np.min(np.where(inside(ring, rim), off, -off)))
+        if wall < min_wall:
+            remedy = f"draw the edge {min_wall - wall:.3g} mm farther out there"
+            where = f"link {link}"
+            quantity = f"wall between {name} and parts.{link}.outline"
+            raise DesignError(quantity, wall, min_wall, "mm", where, remedy)
 
 
 def _check_simple(name: str, rim: Points) -> None:

@@ -28,7 +28,7 @@ from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError,
 from camgen.extras import install_line
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import Source, Template, changed, prepare, read_tables
-from camgen.motion.tables import with_tables
+from camgen.machines.spec_files import with_tables
 from camgen.progress import Progress, silent
 from camgen.report.sweep_page import SweepPage, shown_step, write_page
 from camgen.spec import unknown

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from camgen.cli import main
 from camgen.errors import FileError, SpecError
+from camgen.machines.spec_files import with_tables
 from camgen.motion.laws import LAWS, modified_sine
 from camgen.motion.segments import (
     ABOUT,
@@ -25,7 +26,7 @@ from camgen.motion.segments import (
     program,
     program_faults,
 )
-from camgen.motion.tables import read_points, with_tables
+from camgen.motion.tables import read_points
 from camgen.spec import Spec, dump, validate
 
 

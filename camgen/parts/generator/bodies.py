@@ -41,7 +41,7 @@ from camgen.parts.generator.stubs import Stub, stubs
 from camgen.parts.generator.threads import strands, thread_posts
 from camgen.parts.generator.troughs import covers, rails
 from camgen.parts.generator.wheels import with_touches
-from camgen.parts.hardware import spacer
+from camgen.parts.hardware import refuse_thin, spacer
 from camgen.parts.inertia import Solids
 from camgen.parts.part import Layer, Part, Role, d_bore
 from camgen.parts.set_screws import SetScrewHub
@@ -222,6 +222,10 @@ class Bodies:
         bore = next((layout.hole(point, link) for point, z in points.items() if z == 0), None)
         if link in layout.marks:
             holes["mark"] = circle(layout.marks[link], self.sizes.pen_diameter / 2)
+        own = layout.own_contours(link)
+        if own:
+            refuse_thin(link, own[0], holes, self.min_wall)
+            holes |= {f"own hole {k}": hole for k, hole in enumerate(own[1:], 1)}
         layers, notes = link_layers(layout, link, holes)
         layers += [disc_layer(layout, point) for point in discs]
         notes = [

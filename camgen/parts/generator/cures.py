@@ -44,6 +44,8 @@ class Kind:
 def slimmer(layout: Layout, link: str) -> tuple[str, str]:
     """What makes a link slimmer, and what moves it, by the keys."""
     shape = layout.sizes.shape(link)
+    if shape.contours:
+        return f"a smaller parts.{link}.outline", f"other points or lengths of link {link}"
     keys = [f"parts.{link}.hub_diameter" if shape.hub_diameter else "parts.wall"]
     keys += [f"parts.{link}.width"] if layout.arm_band(link) else []
     return f"a smaller {' or '.join(keys)}", f"other points or lengths of link {link}"
@@ -125,6 +127,7 @@ def _bendable(layout: Layout, refused: NoPassage) -> list[str]:
         for link in _links(refused)
         if len(layout.hubs(link)) == 2
         and not layout.sizes.shape(link).bow
+        and not layout.sizes.shape(link).contours
         and link not in layout.guides
     ]
 
@@ -166,7 +169,9 @@ def _of_room(layout: Layout, refused: DesignError) -> Iterator[Kind]:
         if s.shape(link).bow is not None:
             yield Kind("bows", list(_bows(link, short)))
     for link in _links(refused):
-        if short <= s.wall - layout.min_wall and s.shape(link).hub_diameter is None:
+        if short <= s.wall - layout.min_wall and not (
+            s.shape(link).hub_diameter or s.shape(link).contours
+        ):
             wide = round(2 * (min(radius for _, radius in layout.hubs(link)) - short) - 0.05, 1)
             words = f"parts.{link}.hub_diameter = {wide:g}"
             yield Kind(_SLIM, [Change(words, {link: {"hub_diameter": wide}})])

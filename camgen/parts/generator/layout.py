@@ -12,8 +12,10 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import cached_property
 
+import numpy as np
+
 from camgen.errors import DesignError
-from camgen.geometry.outlines import Contour
+from camgen.geometry.outlines import Contour, bulged
 from camgen.parts.bands import ArmBand
 from camgen.parts.catalogue import Bearing, narrowest
 from camgen.parts.generator.changes import Change
@@ -411,7 +413,7 @@ class Layout(Connections):
         """The band of a link that is asked to be bent or narrower than its hubs; DesignError where it has not two of them."""
         shape = self.sizes.shape(link)
         hubs = self.hubs(link)
-        if not shape.bow and shape.width is None:
+        if shape.contours or (not shape.bow and shape.width is None):
             return None
         key = f"parts.{link}.{'bow' if shape.bow else 'width'}"
         if (
@@ -428,8 +430,45 @@ class Layout(Connections):
             link, a, b, (first, second), shape.width or 2 * min(first, second), shape.bow or 0.0
         )
 
+    def own_contours(self, link: str) -> list[Contour]:
+        """The outline of a person's drawing and its holes, in the link's axes; nothing of other links. DesignError where the
+        link has another body than a plate with round holes.
+
+        A hole within a hub is the drawing of that joint, whose hole is the machine's.
+        """
+        shape = self.sizes.shape(link)
+        if not shape.contours:
+            return []
+        if (
+            link in self.guides
+            or self.noses(link)
+            or not self.discs.keys().isdisjoint(self.points_of(link))
+        ):
+            remedy = "leave it out: it is for a link that has pins, no rails, straps or faces"
+            raise DesignError(f"parts.{link}.outline", 1, 0, "", f"link {link}", remedy)
+        pose = self.machine.start_of(link)
+        turn = cmath.exp(-1j * pose.angle)
+        shift = (complex(*shape.outline_at) - pose.place) * turn
+        rings = [np.array(rows) for rows in shape.contours]
+        contours = [bulged(rows[:, 0] + 1j * rows[:, 1], rows[:, 2]) for rows in rings]
+        outer, *holes = (contour.moved(turn, shift) for contour in contours)
+        hubs = self.round_hubs(link)
+        return [
+            outer,
+            *(
+                hole
+                for hole in holes
+                if not any(
+                    abs(hole.centroid - z) < radius / 2 and abs(hole.area) < math.pi * radius**2
+                    for z, radius in hubs
+                )
+            ),
+        ]
+
     def outline(self, link: str) -> Contour:
         """A link's edge."""
+        if own := self.own_contours(link):
+            return own[0]
         if link in self.guides:
             return self.guides[link].outline
         arm = self.arm_band(link)

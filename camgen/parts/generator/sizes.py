@@ -6,9 +6,11 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import AfterValidator, ConfigDict, Field, model_validator
 
 from camgen.errors import Fault
+from camgen.geometry.rings import Ring
 from camgen.parts.catalogue import (
     CORE_HOLES,
     DOWELS,
@@ -22,7 +24,7 @@ from camgen.parts.catalogue import (
     in_bar,
 )
 from camgen.parts.set_screws import SetScrewHub
-from camgen.spec import Length, Record, quantity, text_of_form, unknown
+from camgen.spec import Coordinate, Length, Record, quantity, text_of_form, unknown
 
 SUNK = 0.2  # mm, by which a screw's head lies below the surface
 HOOK_ROOM = 0.5  # mm, from what holds the eye of a spring to its coils
@@ -35,6 +37,8 @@ Name = Annotated[
         40,
     ),
 ]
+
+Bulge = Annotated[float, quantity("tan(sweep / 4)", ge=-1e6, le=1e6)]
 
 
 class Shape(Record):
@@ -67,6 +71,18 @@ class Shape(Record):
         default=None,
         description='of a link that slides: rails "along" its holes\' way, or beyond it "ahead", "behind" '
         'or "both"',
+    )
+    outline: str | None = Field(
+        default=None,
+        description="an SVG or DXF beside the spec: its largest contour is the link's edge, in the coordinates of [points]",
+    )
+    contours: tuple[tuple[tuple[Coordinate, Coordinate, Bulge], ...], ...] | None = Field(
+        default=None,
+        description="what was read of that file: its contours, each by rows of x, y, mm, and bulge",
+    )
+    drawn_in: str | None = Field(default=None, description="the name of that file")
+    outline_at: tuple[Coordinate, Coordinate] = Field(
+        default=(0.0, 0.0), description="where the origin of that file lies"
     )
 
 
@@ -349,6 +365,18 @@ class Parts(Record):
                 "nothing here: the plate's is parts.base_thickness" if link == "ground" else least
             )
             yield Fault(("parts", link, "thickness"), f"{shape.thickness:g}", right)
+        if shape.contours is not None and link == "ground":
+            yield Fault(("parts", link, "outline"), repr(shape.drawn_in), "a link that moves")
+        for k, rows in enumerate(shape.contours or ()):
+            z = np.array(rows).reshape(-1, 3)
+            ring = Ring(z[:, 0] + 1j * z[:, 1], z[:, 2])
+            if len(rows) < 2 or abs(ring.area) < 1e-6 or (ring.points == ring.ends).any():
+                right = "rows of x, y and bulge at different places, round an area"
+                yield Fault(("parts", link, "contours", k), f"{len(rows)} rows", right)
+        for key in ("hub_diameter", "width", "bow", "rails", "stem"):
+            if shape.contours is not None and getattr(shape, key) is not None:
+                right = "nothing here: the outline says how wide the link is"
+                yield Fault(("parts", link, key), str(getattr(shape, key)), right)
         if shape.width is not None and shape.width < max(nozzle, min_wall):
             right = least if min_wall < nozzle else f"at least limits.min_wall, {min_wall:g} mm"
             yield Fault(("parts", link, "width"), f"{shape.width:g}", right)

@@ -9,6 +9,8 @@ from itertools import pairwise
 import numpy as np
 
 from camgen.geometry.convex import hull_corners
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Contour
 from camgen.machine.run import Run
 from camgen.numerics import Points
 from camgen.parts.generator.connections import GROUND
@@ -17,6 +19,7 @@ from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.plates import motor_holes
 from camgen.parts.level_rules import Axis, Band, Opening, Things, Wall
 
+_COARSE = 0.1  # mm, by which the corners of an own outline's hull may lie off it
 _ALL = 99  # levels: more than there are
 _PIECES = 4  # of the band of a link with a strap
 Over = list[tuple[str, str]]  # levels, of which the first must lie over the second
@@ -70,8 +73,11 @@ def _links(courses: _Courses) -> list[Band]:
         if link in layout.alone:
             continue
         arm = None if link in layout.guides else layout.arm_band(link)
+        own = layout.own_contours(link)
         discs = layout.guides[link].bands if link in layout.guides else [layout.hubs(link)]
-        if arm is not None:
+        if own:
+            discs = [_round_hull(own[0])]
+        elif arm is not None:
             reach = arm.width / 2 + arm.sagitta
             discs = [
                 *([hub] for hub in layout.hubs(link)),
@@ -91,6 +97,16 @@ def _links(courses: _Courses) -> list[Band]:
             face = courses.band(f"face of link {link}", link, ends, link)
             bands.append(replace(face, move=f"other points of link {link}"))
     return bands
+
+
+def _round_hull(outline: Contour) -> list[tuple[complex, float]]:
+    """Few discs in whose band an outline lies."""
+    import shapely
+
+    edge = facet_contour(outline, _COARSE)
+    hull = shapely.MultiPoint(np.column_stack([edge.real, edge.imag])).convex_hull
+    corners = shapely.get_coordinates(hull.exterior.simplify(_COARSE))[:-1]
+    return [(complex(x, y), 2 * _COARSE) for x, y in corners.tolist()]
 
 
 def _tapered(

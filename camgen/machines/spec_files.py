@@ -1,0 +1,139 @@
+"""Files beside a spec, read into its tables: laws, loads, outlines of links."""
+
+from __future__ import annotations
+
+import copy
+from pathlib import Path
+
+import numpy as np
+
+from camgen.bounds import Bound, read_bytes
+from camgen.errors import Fault, FileError, Key, SpecError, counted
+from camgen.geometry import dxf_curves, svg_curves
+from camgen.geometry.chains import Chain, joined, nearest_gap
+from camgen.geometry.distances import inside
+from camgen.geometry.rings import Points, Ring
+from camgen.motion.tables import load_table, read_points
+from camgen.reading import Data, references, too_large
+
+_READ = ("law", "load", "outline")
+_DRAWING = Bound("a drawing of a link's outline", 10_000_000)
+_CHORDS = 2e-3  # mm, of curves of an outline that are no arcs: far below what a printer or a laser resolves
+_SIZES = (1.0, 1e4)  # mm across: what is smaller or larger has another unit
+_MOST_CORNERS = 20_000
+_FINE = 1e-3  # mm, chords on which contours are looked at
+
+
+def with_tables(data: Data, folder: Path, source: str = "spec") -> Data:
+    """A spec's tables, in which each law's and each load's `file` is replaced by its points and its name, each link's `outline`
+    by its contours and its name.
+
+    Files are seen from the folder. So the resolved spec needs no other file. SpecError with all that name no file so, and where
+    they hold more than a spec may.
+    """
+    if not any(each.kind in _READ for each in references(data)):
+        return data
+    data = copy.deepcopy(data)
+    faults = list[Fault]()
+    values = 0
+    for each in [each for each in references(data) if each.kind in _READ]:
+        try:
+            file = each.file(folder)
+        except SpecError as error:
+            faults += error.faults
+            continue
+        table = each.table
+        if each.kind == "outline":
+            table["drawn_in"] = table.pop("outline")
+            table["contours"] = contours_of(file, each.path)
+            values += 4 * sum(map(len, table["contours"]))
+            continue
+        name = each.table.pop(str(each.path[-1]))
+        if each.kind == "law":
+            table["points"] = [list(point) for point in read_points(file)]
+        else:
+            table["points"], unit = load_table(file)
+            if unit is not None:
+                table.setdefault("unit", unit)
+        table.setdefault("source", name)
+        values += 3 * len(table["points"])  # the pair, and its two numbers
+        if large := too_large(0, values):
+            raise SpecError([*faults, *large], source)
+    if faults:
+        raise SpecError(faults, source)
+    return data
+
+
+def contours_of(path: Path, key: Key) -> list[list[list[float]]]:
+    """Contours of a link's outline in an SVG or DXF, the outer one first, then its holes: rows of x, y, mm, and the bulge of the
+    edge that begins there, 0 where it is straight.
+
+    FileError where it cannot be read; SpecError where it is no outline of one plate.
+    """
+    kind = path.suffix.lower()
+    if kind not in (".svg", ".dxf"):
+        raise SpecError([Fault(key, repr(path.name), "a file that ends in .svg or .dxf")])
+    content = read_bytes(path, _DRAWING)
+    if kind == ".svg":
+        chains, others = svg_curves.curves(path, content, _CHORDS)
+    else:
+        chains, others = _dxf_chains(path, content)
+    rings, loose = joined(chains)
+    if loose:
+        _, gap = nearest_gap(loose)
+        many = counted(len(loose), "open line")
+        raise FileError(path, f"has {many}: {gap}; close it, or leave it out")
+    if not rings:
+        left = f" ({others} cannot be read: make paths of it)" if others else ""
+        raise FileError(path, f"holds no closed contour{left}")
+    ordered = _nested(path, [ring.counter_clockwise() for ring in rings])
+    return [
+        [
+            [round(z.real, 9), round(z.imag, 9), round(bulge, 12)]
+            for z, bulge in zip(ring.points.tolist(), ring.bulges.tolist(), strict=True)
+        ]
+        for ring in ordered
+    ]
+
+
+def _dxf_chains(path: Path, content: bytes) -> tuple[list[Chain], str]:
+    """The curves of a DXF, mm, and what else it shows; one without a unit is in millimetres, as all lengths of a spec."""
+    drawing = dxf_curves.drawing(path, content)
+    _, scale = dxf_curves.unit_of(path, drawing, content)
+    try:
+        shown = dxf_curves.entities(path, drawing, None)
+        return dxf_curves.chains(path, shown, scale, _CHORDS)
+    except OverflowError as error:
+        raise FileError(path, f"takes {error}") from None
+
+
+def _nested(path: Path, rings: list[Ring]) -> list[Ring]:
+    """The largest ring and those within it; FileError where they do not bound one plate."""
+    import shapely
+
+    outer, *holes = sorted(rings, key=lambda ring: -ring.area)
+    left, low, right, high = outer.box
+    size = max(right - left, high - low)
+    if not _SIZES[0] <= size <= _SIZES[1]:
+        least, most = _SIZES
+        raise FileError(
+            path, f"is {size:.4g} mm across, not {least:g} to {most:g}: is its unit wrong?"
+        )
+    corners = sum(len(ring.points) for ring in rings)
+    if corners > _MOST_CORNERS:
+        raise FileError(
+            path, f"has {corners:,} corners, {_MOST_CORNERS:,} at most are read: simplify it"
+        )
+    edges: list[Points] = [ring.facetted(_FINE) for ring in (outer, *holes)]
+    for edge in edges:
+        reason = shapely.is_valid_reason(shapely.Polygon(np.column_stack([edge.real, edge.imag])))
+        if reason != "Valid Geometry":
+            place = reason.replace("[", " at (").replace("]", ") mm")
+            raise FileError(path, f"has a contour that meets itself: {place}")
+    apart = [edge for edge in edges[1:] if not inside(edge, edges[0]).all()]
+    if apart:
+        raise FileError(
+            path,
+            f"has {counted(len(apart), 'contour')} not within the largest one: a link is one plate",
+        )
+    return [outer, *holes]
