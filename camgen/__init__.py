@@ -106,7 +106,7 @@ def build(
     only: str | Iterable[str] | None = None,
     jobs: int = 1,
 ) -> Report:
-    """Make, read back and judge a machine; its folder out/<name>/ appears, whole, only when all is done.
+    """Make, read back and judge a machine; its folder `out/<name>/` appears, whole, only when all is done.
 
     spec: path, dict or what `load` gave; only: kinds of files to make, of "dxf", "stl", "3mf", "step", "report", "plots",
     "picture" (PNG) and "animation" (GIF), the usual ones being "dxf", "stl", "3mf" and "report"; jobs: cores to use, 0: all. The report has `ok`, `findings`, `numbers` (each in the unit that its name ends in), `parts`, `tables`,

@@ -30,6 +30,13 @@ def folder() -> Path:
     return next(each for each in (package / "specs", package.parent / "specs") if each.is_dir())
 
 
+def pictures() -> Path:
+    """Where the pictures of the gallery are, in the same two places."""
+    package = Path(__file__).parent
+    places = (package / "gallery", package.parent / "out" / "gallery")
+    return next(each for each in places if each.is_dir())
+
+
 def examples() -> list[str]:
     """Names of further specs that stand alone: the gallery, and machines of the class linkage; without those of a front."""
     files = {

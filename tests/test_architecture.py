@@ -6,7 +6,7 @@ import ast
 import re
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -384,3 +384,37 @@ def test_functions_are_short_and_take_few_arguments() -> None:
     command = [sys.executable, "-m", "ruff", "check", *limits, "camgen"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, encoding="utf-8")
     assert done.returncode == 0, done.stdout
+
+
+def careless(tree: ast.AST) -> Iterator[str]:
+    """Calls that open a text file and leave its encoding, or the line ends it is written with, to the system."""
+    for call in ast.walk(tree):
+        if not isinstance(call, ast.Call):
+            continue
+        name = call.func.attr if isinstance(call.func, ast.Attribute) else ast.unparse(call.func)
+        mode = next(
+            (str(each.value) for each in call.args[1:2] if isinstance(each, ast.Constant)), ""
+        )
+        is_open = isinstance(call.func, ast.Name) and name == "open"
+        if name not in ("read_text", "write_text") and not is_open or is_open and "b" in mode:
+            continue
+        keys = {key.arg for key in call.keywords}
+        if (
+            "encoding" not in keys
+            or "newline" not in keys
+            and (name == "write_text" or "w" in mode)
+        ):
+            yield ast.unparse(call)
+
+
+def test_a_file_is_written_the_same_on_every_system() -> None:
+    written = 'open(p, "w", encoding="utf-8")', "p.read_text()", 'p.write_text(t, encoding="utf-8")'
+    assert all(list(careless(ast.parse(text))) == [text.replace('"', "'")] for text in written)
+    assert not list(careless(ast.parse('open(p, "rb"), p.read_text(encoding="utf-8")')))
+    trees = {name: ast.parse(path.read_text("utf-8")) for name, path in MODULES.items()}
+    found = [f"{name}: {call}" for name, tree in trees.items() for call in careless(tree)]
+    own = "write_text(path, "  # report.write_text sees to both
+    assert [each for each in found if own not in each] == [
+        "cli: open(os.devnull, 'w', encoding='utf-8')",
+        "extras: distribution('camgen').read_text('direct_url.json')",
+    ]

@@ -610,3 +610,16 @@ def test_step_is_named_from_the_start_on_a_terminal(
     out, _ = process.communicate()
     assert out == b"ready\n"
     assert (b"turning the handle" in seen) is shown and b"that was all" in seen
+
+
+def test_a_console_without_utf_8_and_a_path_with_spaces(tmp_path: Path) -> None:
+    folder = tmp_path / "my cams \u03b8"
+    folder.mkdir()
+    spec = folder / "Nocken \u00fc.toml"
+    spec.write_bytes((starters.folder() / "disc-cam.toml").read_bytes())
+    words = [sys.executable, "-m", "camgen", "build", "--only", "dxf", str(spec), "-o", str(folder)]
+    done = subprocess.run(
+        words, env={**os.environ, "PYTHONIOENCODING": "cp1252"}, capture_output=True, timeout=120
+    )
+    assert done.returncode == 0 and not done.stderr, done.stderr
+    assert rb"\u03b8" in done.stdout and (folder / "disc-cam" / "manifest.json").exists()

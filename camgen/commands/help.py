@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import click
 
@@ -48,9 +49,23 @@ def explain(codes: Sequence[str]) -> None:
 
 @click.command("guide")
 @click.argument("topic", required=False, shell_complete=completed(lambda: guide.TOPICS))
-def guide_(topic: str | None) -> None:
+@click.option(
+    "--html",
+    metavar="[FOLDER]",
+    is_flag=False,
+    flag_value="out/guide",
+    help="Write the guide as a site, with gallery and Python API, by default into out/guide.",
+)
+@click.option("--reports", is_flag=True, help="With --html: build the gallery, link its reports.")
+def guide_(topic: str | None, html: str | None, reports: bool) -> None:
     """Show a page of the guide; without a TOPIC, list them."""
-    if topic is None:
+    if (topic and html) or (reports and not html):
+        raise click.UsageError("--html takes no TOPIC, and --reports goes with --html")
+    if html:
+        from camgen.guide.site import write
+
+        click.echo(f"open {write(Path(html), reports)} in a browser")
+    elif topic is None:
         click.echo(
             "".join(f"camgen guide {name:<28} {guide.title(name)}\n" for name in guide.TOPICS),
             nl=False,

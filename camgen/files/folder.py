@@ -340,5 +340,5 @@ def write_manifest(
         files[name] = {"bytes": len(content), "sha256": hashlib.sha256(content).hexdigest()}
     whole = {"camgen": __version__, **about, "files": files, "packages": versions(packages)}
     (folder / MANIFEST).write_text(
-        json.dumps(whole, indent=2, ensure_ascii=False) + "\n", encoding="utf-8"
+        json.dumps(whole, indent=2, ensure_ascii=False) + "\n", encoding="utf-8", newline="\n"
     )

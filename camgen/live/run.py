@@ -174,7 +174,7 @@ def _leading_to(address: str, folder: Path) -> Iterator[Path]:
         handle, name = tempfile.mkstemp(".html", "camgen-")
     page = Path(name).resolve()
     try:
-        with open(handle, "w", encoding="utf-8") as file:
+        with open(handle, "w", encoding="utf-8", newline="\n") as file:
             file.write(
                 f'<!DOCTYPE html><meta http-equiv="refresh" content="0; url={escape(address)}">\n'
             )

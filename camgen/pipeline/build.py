@@ -68,7 +68,7 @@ def build(
     staged = StagingFolder(out / mechanism.name)
     number_of_cores = cores(jobs, mechanism, only)
     with staged as folder, Workers(number_of_cores) as workers:
-        (folder / SPEC).write_text(specs.dump(mechanism), encoding="utf-8")
+        (folder / SPEC).write_text(specs.dump(mechanism), encoding="utf-8", newline="\n")
         case = Case(mechanism, folder)
         kinds = [kind for kind in ANY_KIND if kind in only]
         meshes = make_parts(case, only, workers, progress)

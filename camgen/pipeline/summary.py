@@ -56,7 +56,7 @@ def draw_part(case: Case, name: str, folder: Path) -> None:
 def write_texts(case: Case, folder: Path) -> None:
     """Write the texts of a machine's kind, such as a linkage's chain."""
     for name, text in case.mechanism.assembly.texts.items():
-        (folder / f"{case.mechanism.name}-{name}").write_text(text, encoding="utf-8")
+        (folder / f"{case.mechanism.name}-{name}").write_text(text, encoding="utf-8", newline="\n")
 
 
 @dataclass(frozen=True)

@@ -39,9 +39,9 @@ def run(specs: Sequence[Path], out: Path, progress: Progress = silent) -> list[B
                 progress(text, (begun + (done or 0.0)) / len(specs))
 
             benches.append(measure(spec, progress=step))
-        (folder / "bench.csv").write_text(to_csv(benches), encoding="utf-8")
+        (folder / "bench.csv").write_text(to_csv(benches), encoding="utf-8", newline="\n")
         (folder / "bench.md").write_text(
-            "\n".join(to_markdown(bench) for bench in benches), encoding="utf-8"
+            "\n".join(to_markdown(bench) for bench in benches), encoding="utf-8", newline="\n"
         )
         for bench in benches:
             for what, plot in plots(bench).items():
