@@ -14,6 +14,7 @@ import camgen
 from camgen import guide, starters
 from camgen.errors import FileError, file_errors
 from camgen.extras import install_line
+from camgen.machines import MECHANISMS
 
 _HERE = Path(__file__).parent
 _PAGES = _HERE.parent
@@ -108,17 +109,20 @@ def _gallery(folder: Path, reports: bool) -> str:
     """A picture of each machine that has one, what it is and how to make it."""
     entries = ["# Gallery"]
     pictures = starters.pictures()
+    alone = {*MECHANISMS, *starters.examples()}
     for picture in sorted(pictures.glob("*.svg")):
         name = picture.stem
         if not any(starters.folder().rglob(f"{name}.toml")):
             continue
         shutil.copy(picture, folder / f"gallery-{picture.name}")
         title, _, about = starters.summary(name).partition(": ")
-        make = f"```sh\ncamgen new {name} {name}.toml\ncamgen build {name}.toml\n```"
+        make = f"camgen new {name} {name}.toml\ncamgen build {name}.toml"
+        if name not in alone:
+            make = f"camgen build specs/{name}.toml  # in a checkout"
         entries += [f"## {name}", f"{title}: {about}" if about else title]
         entries += [f"![{name}](gallery-{picture.name})"]
         entries += [_report(name, folder)] if reports else []
-        entries += [make]
+        entries += [f"```sh\n{make}\n```"]
     return "\n\n".join(entries)
 
 
