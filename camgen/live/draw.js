@@ -251,11 +251,14 @@ function draw(seen) {
   const follows = event => !byId("hold").checked || event.altKey;
   const moves = event => ({ op: "move", points: drag.places, follow: follows(event) });  // what a drag of a point is
 
-  function onCircle(name, place, event) {  // of a point of the ground: about the one other that holds it
-    const held = !ground().includes(name) || follows(event) ? []
-      : lengths(ground()).filter(([a, b, length]) => length && (a === name || b === name));
+  function onCircle(name, place, event, rest) {  // of a point that one length alone holds: about the other end, so that nothing else moves
+    const fixed = ground().includes(name);
+    const held = follows(event) ? [] : Object.entries(seen.sheet.lengths)
+      .map(([key, length]) => [key.split("-").map(end => end.trim()), length])
+      .filter(([ends]) => ends.includes(name) && (!fixed || ends.every(end => ground().includes(end))));
     if (held.length !== 1) return place;
-    const [a, b, [, length]] = held[0], pivot = seen.sheet.points[a === name ? b : a], far = away(place, pivot) || 1;
+    const [[a, b], length] = held[0], other = a === name ? b : a, pivot = rest[other] || seen.sheet.points[other];
+    const far = away(place, pivot) || 1;
     return place.map((x, k) => pivot[k] + (x - pivot[k]) * length / far);
   }
 
@@ -299,7 +302,7 @@ function draw(seen) {
     if (drag.pan) centre = [drag.pan[0] - (event.clientX - drag.pressed.clientX) / scale, drag.pan[1] + (event.clientY - drag.pressed.clientY) / scale];
     else if (drag.point && drag.places) {
       const rest = tried && tried.start && !follows(event) ? { ...tried.start, ...drag.still } : drag.whole;  // held, they go on from where they are
-      drag.places = Object.fromEntries(Object.entries({ ...rest, [drag.point]: onCircle(drag.point, snapped(event), event) })
+      drag.places = Object.fromEntries(Object.entries({ ...rest, [drag.point]: onCircle(drag.point, snapped(event), event, rest) })
         .map(([name, place]) => [name, place.map(x => Math.round(x * 1e4) / 1e4)]));
       attempt(moves(event));
       if (seen.start) return;  // drawn with the answer
@@ -447,8 +450,14 @@ function draw(seen) {
 
   async function report() {
     const answer = await ask("preview", { quick: false });
-    if (answer.page) show(frame => { frame.srcdoc = answer.page; });
+    show(frame => { frame.srcdoc = answer.page || noReport(answer); });
     tell(answer, "by the design's own limits, before any file is made");
+  }
+
+  function noReport(answer) {  // why there is none
+    const said = Object.assign(document.createElement("p"), { textContent: ["No report yet: " + answer.verdict, ...answer.errors || []].join("\n") });
+    said.style = "margin: 2em; white-space: pre-line; color-scheme: light dark; font: 15px system-ui, sans-serif";
+    return said.outerHTML;
   }
 
   function play(time) {

@@ -7,6 +7,7 @@ import dataclasses
 import functools
 import math
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +45,11 @@ EXAMPLE = {
     "geometry.plate_to_spreader": 8,
     "geometry.blade_length": 32,
 }
+
+
+def files_in(folder: Path) -> Callable[[str, str], Path]:
+    """Where the files of a part lie, by part and kind."""
+    return lambda part, kind: folder / f"x-{part}.{kind}"
 
 
 def machine(changes: dict[str, Any] | None = None) -> ChainStitchLooper:
@@ -421,7 +427,7 @@ def least(m: ChainStitchLooper, folder: Path, poses: Any = None) -> float:
     return min(
         f.measured
         for f in judge_clearance(
-            "stl", folder, "x", m.assembly.passing[:4], poses or m.assembly.poses, 0.001
+            "stl", files_in(folder), m.assembly.passing[:4], poses or m.assembly.poses, 0.001
         ).findings
     )
 
@@ -570,7 +576,7 @@ def test_search_gives_a_spec_that_builds_and_clears(tmp_path: Path) -> None:
     for part in again.assembly.parts[:4]:
         write_stl(tmp_path / f"x-{part.name}.stl", solid(part, 0.001), part.name)
     cleared = judge_clearance(
-        "stl", tmp_path, "x", again.assembly.passing, again.assembly.poses, 0.001
+        "stl", files_in(tmp_path), again.assembly.passing, again.assembly.poses, 0.001
     )
     assert min(f.measured for f in cleared.findings[:4]) == pytest.approx(
         min(clearances(again.stitch)), abs=2e-3
