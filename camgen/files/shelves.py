@@ -31,9 +31,9 @@ def shelf(name: str) -> str:
 
 
 def located(path: Path) -> Path:
-    """A file of a build where it lies, flat or on its shelf; the path itself where it is nowhere."""
+    """A file of a build where it lies, on its shelf or flat; a stray copy beside the shelves does not count."""
     shelved = path.parent / shelf(path.name) / path.name
-    return shelved if not path.exists() and shelved.exists() else path
+    return shelved if shelved.exists() else path
 
 
 def shelved(folder: Path, pattern: str = "*") -> list[Path]:

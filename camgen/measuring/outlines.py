@@ -79,7 +79,7 @@ def read_outline(path: Path, hints: Hints = AS_IT_IS, contour: int | None = None
     are turned into them, with a finding. A file of a build is found on its shelf, too.
     FileError where the file cannot be read, is empty, too large, or not what its ending says.
     """
-    path = located(path)
+    path = path if path.exists() else located(path)
     kind = {".bgcode": ".gcode", **PICTURES}.get(path.suffix.lower(), path.suffix.lower())
     if kind not in ENDINGS:
         raise FileError(

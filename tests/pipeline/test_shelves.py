@@ -115,6 +115,17 @@ def test_it_is_judged_again_and_a_changed_drawing_is_named_by_its_path(
         check(folder)
 
 
+def test_a_stray_copy_beside_the_shelves_is_not_judged(shelved: Path, tmp_path: Path) -> None:
+    """Neither where it is sound nor in place of what lies on the shelf."""
+    folder = tmp_path / "many"
+    shutil.copytree(shelved, folder)
+    shutil.copy(folder / "cad" / "many-outer.dxf", folder / "many-inner.dxf")
+    assert check(folder).ok
+    shutil.move(folder / "many-inner.dxf", folder / "cad" / "many-inner.dxf")
+    shutil.copy(shelved / "cad" / "many-inner.dxf", folder / "many-inner.dxf")
+    assert not check(folder).ok
+
+
 def test_another_part_in_place_of_one_on_its_shelf_fails(shelved: Path, tmp_path: Path) -> None:
     folder = tmp_path / "many"
     shutil.copytree(shelved, folder)
