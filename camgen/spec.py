@@ -583,9 +583,14 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
         path, node, table = _locate(item["loc"][: -1 if key else None], data, root)
         expected = in_words(node, root)
         nearest = None
-        no_such = item["type"] == "extra_forbidden"
+        keys = list(keys_of(table, root))
+        value = _at(data, path)
+        tables = all(each.get("type") == "object" for each in members_of(node or {}, root))
+        misspelt = tables and path and path[-1] not in keys and not isinstance(value, dict | list)
+        no_such = item["type"] == "extra_forbidden" or bool(
+            misspelt
+        )  # where names of tables are free
         if no_such:
-            keys = list(keys_of(table, root))
             close = get_close_matches(str(path[-1]), keys, 1)
             nearest = close[0] if close else None
             expected = f"{UNKNOWN}; known here: {', '.join(keys)}"
@@ -610,7 +615,6 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
             expected = item["msg"]
         elif item["type"] == "value_error":
             expected = str(item["ctx"]["error"])
-        value = _at(data, path)
         if node is not None and not (no_such or key):
             expected = _meant(path, value, node) or expected
         if (

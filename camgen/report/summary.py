@@ -29,7 +29,7 @@ _OTHERS = (
     ("Torque needed", "DRIVE_TORQUE", "drive torque"),
     ("Motion error", "MOTION_ERROR", ""),
     ("Least gap", "INTERFERENCE", ""),
-    ("Mass printed", "", "mass"),
+    ("Mass", "", "mass"),
     ("Time to print", "", "print time"),
 )
 
