@@ -101,7 +101,11 @@ def test_whole_is_built_judged_and_built_again(
     """Every joint of host and module is measured, a hole that is off in the module's file is found at its output, and the
     resolved spec needs no other file."""
     data = include(root, tables, {"spec": "thread-take-up.toml", "at": [0, 120], "phase_deg": 30})
-    report = build({**data, "name": "two"}, tmp_path, frozenset({"dxf"}))
+    data |= {
+        "name": "two",
+        "motor": {"torque_n_m": 20},
+    }  # the take-up needs more than its host's own
+    report = build(data, tmp_path, frozenset({"dxf"}))
     assert report.ok
     folder = tmp_path / "two"
     head = (folder / "motion.csv").read_text(encoding="utf-8").split("\n")[0].split(",")

@@ -64,7 +64,7 @@ def walls(m: UniformSwing) -> tuple[float, list[float]]:
 @pytest.mark.parametrize("count", [0, 1, 5])
 def test_windows_keep_the_wall(shaft: str, wall: float, count: int) -> None:
     m = design(
-        parts__shaft=shaft,
+        parts__bore_shape=shaft,
         parts__wall=wall,
         parts__windows=count,
         parts__pin_diameter=2.0,
@@ -82,7 +82,7 @@ def test_windows_keep_the_wall(shaft: str, wall: float, count: int) -> None:
 
 @pytest.mark.parametrize("shaft", SHAFTS)
 def test_area_is_that_of_its_polygons(shaft: str) -> None:
-    region = design(parts__shaft=shaft).assembly.parts[0].region
+    region = design(parts__bore_shape=shaft).assembly.parts[0].region
     expected = polygon(region.outer).area - sum(polygon(h).area for h in region.holes)
     assert region.area == pytest.approx(expected, rel=1e-5)
 
@@ -90,7 +90,7 @@ def test_area_is_that_of_its_polygons(shaft: str) -> None:
 @pytest.mark.parametrize("shaft", SHAFTS)
 def test_turned_over_it_fits_itself(shaft: str) -> None:
     """Turned about Oy, bore and pin holes come to lie on themselves; the rim does not."""
-    region = design(parts__shaft=shaft).assembly.parts[0].region
+    region = design(parts__bore_shape=shaft).assembly.parts[0].region
     fixed = shapely.union_all([polygon(h, 1e-5) for h in region.holes[:3]])
     turned = affinity.scale(fixed, -1, 1, origin=(0, 0))
     assert fixed.symmetric_difference(turned).area < 1.1e-5 * fixed.length
@@ -113,7 +113,7 @@ def test_turned_over_it_fits_itself(shaft: str) -> None:
     ],
 )
 def test_bores(shaft: str, area: float, top: float) -> None:
-    bore = design(parts__shaft=shaft).assembly.parts[0].region.holes[0]
+    bore = design(parts__bore_shape=shaft).assembly.parts[0].region.holes[0]
     assert abs(bore.area) == pytest.approx(area, rel=1e-9)
     assert polygon(bore, 1e-6).bounds[3] == pytest.approx(top, abs=1e-6)
 
@@ -155,7 +155,7 @@ def test_second_tip_rides_on_the_turned_cam() -> None:
     [
         ({"parts__bore": 30.0}, "parts.bore", 23.241),
         ({"parts__bore": 1000.0}, "parts.bore", 23.241),
-        ({"parts__bore": 23.0, "parts__shaft": "keyway"}, "parts.bore", 23.241),
+        ({"parts__bore": 23.0, "parts__bore_shape": "keyway"}, "parts.bore", 23.241),
         ({"parts__pin_diameter": 20.0}, "wall", 0.8),
         ({"geometry__tip_radius": 15.0}, "tip_radius", 14.6078),
         ({"geometry__tip_radius": 1e6}, "tip_radius", 14.6078),
@@ -202,8 +202,8 @@ def test_sharp_bore_limit() -> None:
         ({"parts__wall": 0.3}, "parts.wall"),
         ({"limits__min_wall": 0.3}, "limits.min_wall"),
         ({"parts__mark_depth": 6.0}, "parts.mark_depth"),
-        ({"parts__shaft": "d-flat", "parts__flat_depth": 8.0}, "parts.flat_depth"),
-        ({"parts__shaft": "keyway", "parts__key_width": 8.0}, "parts.key_width"),
+        ({"parts__bore_shape": "d-flat", "parts__flat_depth": 8.0}, "parts.flat_depth"),
+        ({"parts__bore_shape": "keyway", "parts__key_width": 8.0}, "parts.key_width"),
         ({"geometry__reversal_blend_deg": 0.001}, "geometry.reversal_blend_deg"),
         ({"geometry__reversal_blend_deg": 179.9999}, "geometry.reversal_blend_deg"),
     ],

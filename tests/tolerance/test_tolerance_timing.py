@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 from pathlib import Path
 
@@ -65,7 +66,8 @@ def test_play_takes_of_the_timing_and_spreaders_keep_together(found: dict[str, T
 def test_tolerance_of_a_looper_tells_its_timing(
     found: dict[str, Timing], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("camgen.tolerance.report.timings", lambda mechanism: list(found.values()))
+    module = importlib.import_module("camgen.tolerance.report")
+    monkeypatch.setattr(module, "timings", lambda mechanism: list(found.values()))
     told = tolerance(LOOPER)
     assert told.numbers["timing_tolerance_deg"] == pytest.approx(
         math.degrees(min(found["N2/P2"].loose))
