@@ -137,8 +137,8 @@ def test_a_file_of_no_such_build_is_told(folder: Path) -> None:
 
 
 def digit(data: bytes) -> bytes:
-    """After the middle the first digit of a number is one more, unless it is a 9; of packed bytes any digit."""
-    first, any_ = re.compile(rb"(?<=[ ,])[0-8]"), re.compile(rb"[0-8]")
+    """After the middle the first digit of a number that is not tiny is one more, unless it is a 9; of packed bytes any digit."""
+    first, any_ = re.compile(rb"(?<=[ ,])[0-8](?![\d.]*e-)"), re.compile(rb"[0-8]")
     match = first.search(data, len(data) // 2) or any_.search(data, len(data) // 2)
     assert match is not None
     return data[: match.start()] + bytes([match[0][0] + 1]) + data[match.end() :]
