@@ -237,14 +237,20 @@ def tolerance(
         return copies(spec, (), PrintRun(samples, seed, worst, judged))
 
 
-def explain(code: str | Finding | None = None) -> Explanation:
+def explain(
+    code: str | Finding | None = None,
+    spec: str | PathLike[str] | Mapping[str, Any] | Mechanism | None = None,
+) -> Explanation:
     """What a finding's code means, its formula, where its limit comes from and what helps; without a code all, a line each.
 
-    Raises SpecError, with the nearest, for a code that there is none of.
+    spec: explains it in this spec: its numbers before files are made, the key of its limit, and which keys move it by how
+    much, found by trying each of them.
+    Raises SpecError, with the nearest, for a code that there is none of, and for the spec.
     """
     from camgen.guide import explanation
 
-    return explanation(code if code is None or isinstance(code, str) else code.code)
+    with file_errors():
+        return explanation(code if code is None or isinstance(code, str) else code.code, spec)
 
 
 for _function in (design, motion, sweep, tolerance):

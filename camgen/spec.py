@@ -512,6 +512,8 @@ def _checked(
     else:
         changed = {key for key in {*data, *old} if data.get(key) is not old.get(key)}
         faults = record.faults_beside(made, changed)
+    if faults and made is not None:
+        return _checked(cls, data, hints)  # a dwell may have taken the rest of another turn
     if faults:
         raise SpecError(faults)
     return record

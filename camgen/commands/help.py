@@ -37,11 +37,21 @@ def list_() -> None:
 
 
 @click.command()
-@click.argument("codes", metavar="[CODE]...", nargs=-1, shell_complete=completed(guide.entries))
+@click.argument(
+    "codes", metavar="[CODE]... [SPEC]", nargs=-1, shell_complete=completed(guide.entries)
+)
 def explain(codes: Sequence[str]) -> None:
-    """Explain a finding: its meaning, its formula, the source of its limit and what helps; without a CODE, list them."""
-    if codes:
-        show("\n".join(map(guide.explanation, codes)))
+    """Explain a finding: its meaning, its formula, the source of its limit and what helps; without a CODE, list them.
+
+    With a SPEC (a file that ends in .toml) also by the numbers of this machine: how near it is to its limit, which key sets
+    the limit, and which keys move it, by how much. Each key is tried, which takes some seconds.
+    """
+    spec = codes[-1] if codes and codes[-1].endswith(".toml") else None
+    names = codes if spec is None else codes[:-1]
+    if spec is not None and not names:
+        raise click.UsageError("a CODE before the SPEC, such as PRESSURE_ANGLE")
+    if names:
+        show("\n".join(guide.explanation(code, spec) for code in names))
         return
     for code, entry in guide.entries().items():
         click.echo(f"{code:<20} {guide.in_short(entry)}")

@@ -5,6 +5,10 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from camgen.machines.sources import Source
 
 _PAGES = Path(__file__).parent
 
@@ -67,10 +71,11 @@ class Explanation(str):
         return str(self)
 
 
-def explanation(code: str | None = None) -> Explanation:
+def explanation(code: str | None = None, spec: Source | None = None) -> Explanation:
     """What a code means, its formula, where its limit comes from and what helps; without one all codes, a line each.
 
-    SpecError, with the nearest, for a code that there is none of.
+    spec: in which it is explained as well, by its numbers and keys.
+    SpecError, with the nearest, for a code that there is none of, and for the spec.
     """
     known = entries()
     if code is None:
@@ -82,7 +87,11 @@ def explanation(code: str | None = None) -> Explanation:
 
         fault = replace(unknown(("CODE",), name, known), expected="one that 'camgen explain' lists")
         raise SpecError([fault], "command line")
-    return Explanation(known[name])
+    if spec is None:
+        return Explanation(known[name])
+    from camgen.sweep.influence import influence_text
+
+    return Explanation(f"{known[name]}\n{influence_text(spec, name)}")
 
 
 def in_short(entry: str) -> str:

@@ -253,6 +253,15 @@ class Mechanism(Spec, ABC):
             reduce(getitem, tables, data)[last] = value
         return validate(type(self), data)
 
+    def settled_tables(self) -> Data:
+        """The spec's tables as they were read, with what camgen works out filled in; DesignError where nothing fits.
+
+        What follows from other keys, such as a dwell that takes the rest of the turn, stays open.
+        """
+        return reduce(
+            lambda data, item: assigned(data, *item), self._found().items(), self.source_tables
+        )
+
     def remarks(self) -> Remarks:
         """What is to be said of it beside its findings."""
         return Remarks()

@@ -1,0 +1,291 @@
+"""What moves a finding of one spec: each number of it is changed alone, a little, and the machine judged anew.
+
+The margin of a finding is how far its measured value is within its limit, below 0 where it fails. A key acts on the limit
+where the measured value stays; else it acts on the machine, and the secant method finds the value at which the margin is 0.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from camgen.errors import CamgenError, DesignError, Key, dotted
+from camgen.findings import Finding
+from camgen.machines.mechanism import Mechanism
+from camgen.machines.sources import Source, Template, read_mechanism
+from camgen.schemas import keys_of, step_below, unit_of
+from camgen.settings import setting_of
+
+_STEP = 0.02  # by which a number is changed, as a share of it
+_STEP_AT_ZERO = 0.1  # the same of a 0, in its unit
+_FELT = 1e-4  # least change of a margin that counts, as a share of limit and measured value
+_MOST = 6  # keys that are told
+_LONGEST = 12  # numbers of a list that are changed; longer lists are tables of points
+_SECANTS = 8
+_WIDEST = 4.0  # how far a value is looked for, as a share of the one that is
+_DIGITS = 3  # of a value at which the limit is reached
+_FORM = frozenset(
+    {"files", "drawing", "name", "mechanism"}
+)  # tables that say how files are written
+
+
+@dataclass(frozen=True)
+class KeyEffect:
+    """What a number of the spec does to a finding, or several of one list that go together, such as a rise and its return."""
+
+    keys: Sequence[str]  # as for `--set`
+    value: float  # as it is
+    tried: float
+    measured: float  # of the finding, where the key has the value tried
+    limit: float  # the same; some limits follow the machine's size
+    last: float | None  # value at which the finding just holds, tried; None: none was found
+
+
+@dataclass(frozen=True)
+class Influence:
+    """The findings of one code in a spec, and what moves the one that is nearest to its limit."""
+
+    findings: Sequence[Finding]  # none: the code is judged on files alone, or not of this machine
+    nearest: Finding | None
+    limit_keys: Sequence[str]
+    effects: Sequence[KeyEffect]  # the strongest first
+
+
+def influence(spec: Source, code: str) -> Influence:
+    """What a finding says of this spec before files are made, and which keys move it.
+
+    SpecError for the spec, DesignError where no such mechanism exists.
+    """
+    mechanism = read_mechanism(spec)
+    tables = mechanism.source_tables
+    with suppress(DesignError):
+        tables = mechanism.settled_tables()
+    judge = _judge(mechanism, code)
+    findings = judge(mechanism)
+    known = [k for k, each in enumerate(findings) if math.isfinite(_margin(each))]
+    if not known:
+        return Influence(findings, None, (), ())
+    number = min(known, key=lambda k: _margin(findings[k]) / (abs(findings[k].limit) or 1.0))
+    template = Template(tables, "spec", Path())
+    trial = _Trial(mechanism, template, judge, number, findings[number])
+    limit_keys: list[str] = []
+    effects = []
+    for keys, value, tried, found in trial.changes():
+        if trial.felt(found.measured - trial.finding.measured):
+            change = abs(_margin(found) - trial.margin)
+            effects.append((change, keys, value, tried, found))
+        elif math.isclose(found.limit, tried) and trial.felt(found.limit - trial.finding.limit):
+            limit_keys += keys
+    limit_keys += trial.unset_limits()
+    effects.sort(key=lambda each: -each[0])
+    told = [
+        KeyEffect(keys, value, tried, found.measured, found.limit, trial.last(keys, value, tried))
+        for _, keys, value, tried, found in effects[:_MOST]
+    ]
+    return Influence(findings, trial.finding, limit_keys, told)
+
+
+def _judge(mechanism: Mechanism, code: str) -> Callable[[Mechanism], Sequence[Finding]]:
+    """Findings of one code: of the limits alone, where they have it, for what is known of files takes longer."""
+
+    def limits(each: Mechanism) -> Sequence[Finding]:
+        return [finding for finding in each.limits() if finding.code == code]
+
+    def forecast(each: Mechanism) -> Sequence[Finding]:
+        return [finding for finding in each.forecast() if finding.code == code]
+
+    return limits if limits(mechanism) else forecast
+
+
+def _margin(finding: Finding) -> float:
+    """How far a finding is within its limit."""
+    within = finding.measured - finding.limit
+    return within if finding.floor else -within
+
+
+def _numbers(value: Any, path: Key = ()) -> Iterator[tuple[Key, float]]:
+    """The numbers of a spec's tables by their keys, without tables of points and what concerns files alone."""
+    if isinstance(value, bool | str) or (path and path[0] in _FORM):
+        return
+    if isinstance(value, int | float):
+        yield path, value
+    elif isinstance(value, Mapping):
+        for key, item in value.items():
+            yield from _numbers(item, (*path, key))
+    elif isinstance(value, list | tuple) and len(value) <= _LONGEST:
+        for k, item in enumerate(value):
+            yield from _numbers(item, (*path, k))
+
+
+def _nearby(value: float) -> tuple[float, float]:
+    """A little more, and a little less where that is refused."""
+    if isinstance(value, int):
+        return value + 1, value - 1
+    step = _STEP * abs(value) or _STEP_AT_ZERO
+    return value + step, value - step
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """A machine, judged anew with some keys changed."""
+
+    mechanism: Mechanism
+    template: Template  # its tables, with what camgen works out
+    judge: Callable[[Mechanism], Sequence[Finding]]
+    number: int  # of the finding among those of its code
+    finding: Finding
+
+    @property
+    def keys(self) -> Mapping[str, Any]:
+        """The spec's tables with every default."""
+        return self.mechanism.model_dump(by_alias=True, exclude_none=True)
+
+    @property
+    def margin(self) -> float:
+        """Of the machine as it is."""
+        return _margin(self.finding)
+
+    def felt(self, change: float) -> bool:
+        """Whether a change is more than rounding."""
+        size = max(abs(self.finding.measured), abs(self.finding.limit))
+        return abs(change) > _FELT * size if size else change != 0
+
+    def changes(self) -> Iterator[tuple[Sequence[str], float, float, Finding]]:
+        """Keys, their value, another one near it and the finding then; what is refused alone goes with its likes in a list."""
+        refused: dict[tuple[str, float], list[str]] = {}
+        for path, value in _numbers(self.keys):
+            keys = [dotted(path)]
+            change = self._changed(keys, value)
+            if change is not None:
+                yield keys, value, *change
+            elif len(path) > 2 and isinstance(path[-2], int):
+                refused.setdefault((dotted((*path[:-2], path[-1])), value), []).extend(keys)
+        for (_, value), keys in refused.items():
+            change = self._changed(keys, value) if len(keys) > 1 else None
+            if change is not None:
+                yield keys, value, *change
+
+    def _changed(self, keys: Sequence[str], value: float) -> tuple[float, Finding] | None:
+        """A value near that of the keys, and the finding then; None where both ways are refused."""
+        for tried in _nearby(value):
+            found = self(keys, tried)
+            if found is not None:
+                return tried, found
+        return None
+
+    def __call__(self, keys: Sequence[str], value: float) -> Finding | None:
+        """The finding of the machine with this value of the keys; None where there is none, or no such machine."""
+        settings = [setting_of(key, value) for key in keys]
+        (variant,) = self.template.variants([settings])
+        if isinstance(variant, CamgenError):
+            return None
+        try:
+            findings = self.judge(variant)
+        except CamgenError:
+            return None
+        if self.number >= len(findings) or not math.isfinite(_margin(findings[self.number])):
+            return None
+        return findings[self.number]
+
+    def unset_limits(self) -> list[str]:
+        """Keys of [limits] that are not set and would set this limit."""
+        schema = type(self.mechanism).model_json_schema(by_alias=True)
+        rules = keys_of(step_below(schema, "limits", schema), schema)
+        given = self.keys.get("limits", {})
+        keys = []
+        for key, rule in rules.items():
+            if key in given or unit_of(rule) != self.finding.unit:
+                continue
+            wanted = self.finding.limit * (1 + _STEP) or _STEP
+            found = self([f"limits.{key}"], wanted)
+            if found is not None and math.isclose(found.limit, wanted):
+                keys.append(f"limits.{key}")
+        return keys
+
+    def last(self, keys: Sequence[str], value: float, tried: float) -> float | None:
+        """The value of the keys, to three digits, at which the finding just holds."""
+        margins = [(value, self.margin)]
+        at = tried
+        for _ in range(_SECANTS):
+            found = self(keys, at)
+            if found is None:
+                return None
+            margins.append((at, _margin(found)))
+            (before, first), (now, second) = margins[-2:]
+            if not self.felt(second) or first == second:
+                break
+            at = now - second * (now - before) / (second - first)
+            if value and not 0 < at / value < _WIDEST:
+                at = value * (_WIDEST if at / value > 1 else 1 / _WIDEST)
+        holding = math.copysign(1.0, (at - value) * -self.margin)  # the way in which it holds
+        last = _rounded(at, holding)
+        if isinstance(value, int) or last == value:
+            return None
+        found = self(keys, last)
+        return last if found is not None and found.ok else None
+
+
+def _rounded(value: float, way: float) -> float:
+    """A number to three digits, rounded up (way above 0) or down."""
+    if value == 0:
+        return 0.0
+    digit = 10.0 ** (math.floor(math.log10(abs(value))) + 1 - _DIGITS)
+    steps = value / digit
+    whole = math.ceil(steps - 1e-9) if way > 0 else math.floor(steps + 1e-9)
+    return float(f"{whole * digit:.{_DIGITS}g}")
+
+
+def influence_text(spec: Source, code: str) -> str:
+    """The same as Markdown, to stand behind what is said of the code."""
+    found = influence(spec, code)
+    lines = [f"### {code} in {_title(spec)}"]
+    if not found.findings:
+        lines.append(
+            "Nothing is known of it before files are made: `camgen build` judges it, if the machine has it."
+        )
+    for each in found.findings:
+        sign = "at least" if each.floor else "at most"
+        state = "Holds" if each.ok else "Fails"
+        place = f" ({each.where})" if str(each.where) else ""
+        numbers = f"{_number(each.measured, each)}, {sign} {_number(each.limit, each)}"
+        lines.append(f"- {state}{place}: {numbers}")
+        if not each.ok and each.message:
+            lines.append(f"  {each.message}")
+    if found.limit_keys:
+        keys = " and ".join(f"`{key}`" for key in found.limit_keys)
+        lines.append(f"- {keys} {'sets' if len(found.limit_keys) == 1 else 'set'} the limit")
+    if found.effects and found.nearest is not None:
+        several = "; of the one nearest to its limit" if len(found.findings) > 1 else ""
+        lines.append(f"- What moves it, each key alone, the strongest first{several}:")
+        lines += [f"  - {_effect_text(each, found.nearest)}" for each in found.effects]
+    elif found.findings:
+        lines.append("- No number of the spec moves it by a change of 2 %.")
+    return "\n".join(lines) + "\n"
+
+
+def _title(spec: Source) -> str:
+    """What a spec is called."""
+    if isinstance(spec, Mechanism):
+        return spec.name
+    return str(spec.get("name", "this spec")) if isinstance(spec, Mapping) else Path(spec).name
+
+
+def _effect_text(effect: KeyEffect, finding: Finding) -> str:
+    keys = " and ".join(f"`{key}`" for key in effect.keys)
+    result = _number(effect.measured, finding)
+    text = f"{keys}, now {effect.value:.6g}: {effect.tried:.6g} gives {result}"
+    if effect.limit != finding.limit:
+        text += f" against {_number(effect.limit, finding)}"
+    if effect.last is None:
+        return text
+    verb = "it holds as far as" if finding.ok else "it holds from"
+    return f"{text}; {verb} {effect.last:.6g}"
+
+
+def _number(value: float, finding: Finding) -> str:
+    """A measured value or limit with its unit."""
+    return f"{value:.4g} {finding.unit}" if finding.unit != "1" else f"{value:.4g}"

@@ -1,0 +1,133 @@
+"""What moves a finding of a spec: what is told of a key is what the machine with that key has."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+from test_cli import run as run  # noqa: F401  a fixture
+
+import camgen
+from camgen.errors import SpecError
+from camgen.sweep import influence as sweep_influence
+from camgen.sweep.influence import influence, influence_text
+
+SPECS = Path(__file__).resolve().parents[2] / "specs"
+STEEP: dict[str, Any] = {
+    "mechanism": "disc-cam",
+    "name": "steep",
+    "geometry": {
+        "base_radius": 12,
+        "follower": {"motion": "translating", "shape": "roller", "radius": 5},
+    },
+    "motor": {"speed_rpm": 60},
+    "segment": [
+        {"kind": "rise", "span_deg": 90, "lift": 25, "law": "cycloidal"},
+        {"kind": "dwell"},
+        {"kind": "return", "span_deg": 150, "lift": 25, "law": "cycloidal"},
+    ],
+}
+
+
+def least_angle(crank: float, coupler: float, rocker: float, frame: float) -> float:
+    """Least transmission angle of a crank-rocker, deg, where crank and frame lie in one line: the law of cosines."""
+    angles = []
+    for diagonal in (frame - crank, frame + crank):
+        cosine = (coupler**2 + rocker**2 - diagonal**2) / (2 * coupler * rocker)
+        angle = math.degrees(math.acos(cosine))
+        angles.append(min(angle, 180 - angle))
+    return min(angles)
+
+
+def test_each_length_of_a_four_bar_moves_its_transmission_angle_as_the_law_of_cosines_says() -> (
+    None
+):
+    found = influence(SPECS / "linkage.toml", "TRANSMISSION_ANGLE")
+    lengths = {"O-A": 20.0, "A-B": 60.0, "C-B": 50.0, "O-C": 70.0}
+    assert found.nearest is not None
+    assert found.nearest.measured == pytest.approx(least_angle(*lengths.values()), abs=1e-9)
+    assert found.limit_keys == ["limits.transmission_angle_deg"]
+    changes = {}
+    for effect in found.effects:
+        (key,) = effect.keys
+        changed = {**lengths, key.removeprefix("lengths."): effect.tried}
+        assert effect.measured == pytest.approx(least_angle(*changed.values()), abs=1e-9)
+        changes[key] = abs(effect.measured - found.nearest.measured)
+        if effect.last is not None:
+            last = least_angle(*{**lengths, key.removeprefix("lengths."): effect.last}.values())
+            assert found.nearest.limit <= last < found.nearest.limit * 1.02
+    assert sorted(changes) == [f"lengths.{key}" for key in sorted(lengths)]
+    assert list(changes.values()) == sorted(changes.values(), reverse=True)
+
+
+def test_of_a_limit_that_fails_the_nearest_values_that_keep_it_are_found() -> None:
+    found = influence(STEEP, "PRESSURE_ANGLE")
+    steep = camgen.load(STEEP)
+    assert found.nearest is not None and not found.nearest.ok
+    last = {tuple(each.keys): each.last for each in found.effects}
+    base_radius = last["geometry.base_radius",]
+    lift = last["segment.0.lift", "segment.2.lift"]  # neither goes alone: the turn would not close
+    assert base_radius is not None and lift is not None and ("segment.0.span_deg",) in last
+    for keys, value, less in (
+        (["geometry.base_radius"], base_radius, 0.99 * base_radius),
+        (["segment.0.lift", "segment.2.lift"], lift, 1.01 * lift),
+    ):
+        assert steep.replace(dict.fromkeys(keys, value)).limits()[0].ok
+        assert not steep.replace(dict.fromkeys(keys, less)).limits()[0].ok
+
+
+@pytest.fixture
+def one_number(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One number of a spec in place of all: each takes its time."""
+    one = [(("print", "press_clearance"), 0.0)]
+    monkeypatch.setattr(sweep_influence, "_numbers", lambda tables: one)
+
+
+@pytest.mark.usefixtures("one_number")
+def test_a_key_that_is_not_set_is_named_where_it_would_set_the_limit() -> None:
+    found = influence(SPECS / "linkage.toml", "LASH")
+    assert len(found.findings) == 2 and found.limit_keys == ["limits.lash"]
+    assert [each.keys for each in found.effects] == [["print.press_clearance"]]
+
+
+def test_what_is_judged_on_files_alone_says_so() -> None:
+    found = influence(SPECS / "disc-cam.toml", "MOTION_ERROR")
+    assert (found.findings, found.nearest, found.effects) == ([], None, ())
+    assert "`camgen build` judges it" in influence_text(SPECS / "disc-cam.toml", "MOTION_ERROR")
+
+
+@pytest.mark.usefixtures("one_number")
+def test_no_number_moves_a_check_that_is_exact() -> None:
+    text = influence_text(SPECS / "disc-cam.toml", "UNDERCUT")
+    assert "- Holds (exact profile): 0 mm, at most 0 mm\n" in text
+    assert "No number of the spec moves it" in text
+
+
+@pytest.mark.usefixtures("one_number")
+def test_explain_takes_a_spec_behind_the_codes(run: Any, tmp_path: Path) -> None:  # noqa: F811
+    spec = tmp_path / "steep.toml"
+    spec.write_text(str(camgen.load(STEEP)), encoding="utf-8")
+    code, out, _ = run("explain", "pressure-angle", str(spec))
+    assert code == 0 and out.startswith(camgen.explain("PRESSURE_ANGLE"))
+    assert out.rstrip("\n") == camgen.explain("PRESSURE_ANGLE", spec).rstrip("\n")
+    assert (
+        "### PRESSURE_ANGLE in steep.toml\n- Fails (exact profile): 49.45 deg, at most 30 deg"
+        in out
+    )
+    assert "- `limits.pressure_angle_deg` sets the limit\n" in out
+    code, out, err = run("explain", str(spec))
+    assert (code, out) == (2, "") and "a CODE before the SPEC" in err
+    code, out, err = run("explain", "UNDERCUT", str(tmp_path / "none.toml"))
+    assert code == 4 and "none.toml" in err
+
+
+def test_an_open_dwell_takes_the_rest_of_a_turn_that_is_changed() -> None:
+    steep = camgen.load(STEEP)
+    wide = steep.replace({"segment.0.span_deg": 110})
+    assert [each.span_deg for each in wide.segment] == [110, 100, 150]
+    with pytest.raises(SpecError, match="nothing is left of the turn"):
+        steep.replace({"segment.0.span_deg": 300})
+    swept = camgen.sweep(STEEP, {"segment.0.span_deg": [90, 110]})
+    assert swept["pressure_angle_deg"][1] < swept["pressure_angle_deg"][0]
