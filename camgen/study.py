@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
 
@@ -125,16 +125,47 @@ class Plot:
 
 
 @dataclass(frozen=True)
+class Mate:
+    """Where a part that comes goes on, or through, one that is there; where the machine stands at theta = 0.
+
+    how: "glue"; "press", such as a bearing's ring, without glue; "free", where a drop of glue would lock a joint.
+    """
+
+    how: Literal["glue", "press", "free"]
+    label: str  # of the hole, as its drawing names it, or ""
+    place: tuple[float, float, float]  # middle of what both have in common, mm
+    diameter: float = 0.0  # mm, of what goes through; 0 of faces that slide
+    height: float = 0.0  # mm, of what both have in common
+    comes: bool = False  # whether what goes through is the part that comes
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step of assembly.
+
+    A sub-assembly is built by itself in the steps that name it and have copies; the one that names it and has none puts it in.
+    """
+
+    title: str  # what comes, and where it goes
+    copies: Sequence[
+        str
+    ] = ()  # that come, by name, such as cam-1; none where nothing is made for it
+    way: Literal[-1, 1] = -1  # along z, in which they come: from above, or from below
+    mates: Sequence[Mate] = ()
+    group: str = ""  # the sub-assembly
+
+
+@dataclass(frozen=True)
 class Table:
     """A table of the report: rows of text or numbers under the columns' names.
 
-    digits: of its numbers on the page, 3 where they are estimates. copies: of steps of assembly, what each row lays on: names of copies, such as cam-1, or of parts, for all their copies.
+    digits: of its numbers on the page, 3 where they are estimates. steps: of an order of assembly, one for each row.
     """
 
     title: str
     columns: Sequence[str]
     rows: Sequence[Sequence[object]]
-    copies: Sequence[Sequence[str]] = ()
+    steps: Sequence[Step] = ()
     digits: int = 6
 
 
@@ -161,14 +192,6 @@ class Plate:
 
     file: str
     copies: Sequence[tuple[str, Floats]]
-
-
-@dataclass(frozen=True)
-class Step:
-    """A step of assembly: what it is, and the copies that it lays on, by name; none where nothing is made for it."""
-
-    title: str
-    copies: Sequence[str]
 
 
 @dataclass(frozen=True)

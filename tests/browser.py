@@ -73,6 +73,23 @@ PROBE = """(async () => {
   small.scrollIntoView();
   await until(() => small.dataset.seen);
   found.small = small.getContext("2d").getImageData(0, 0, 320, 220).data.filter(value => value > 0).length;
+  const bench = byId("bench");
+  if (bench) {  // on to the second step by the button and back by a key: what comes is drawn
+    const count = byId("count"), ink = () => {
+      const copy = Object.assign(document.createElement("canvas"), { width: 200, height: 150 }), flat = copy.getContext("2d");
+      flat.drawImage(bench, 0, 0, 200, 150);
+      return flat.getImageData(0, 0, 200, 150).data.filter((value, k) => k % 4 == 3 && value > 0).length;
+    };
+    bench.scrollIntoView();
+    await until(() => count.value && bench.dataset.drawn);
+    found.steps = [count.value];
+    byId("next").click();
+    found.steps.push(count.value);
+    bench.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft", bubbles: true, cancelable: true }));
+    found.steps.push(count.value);
+    await new Promise(done => requestAnimationFrame(() => { found.bench = ink(); done(); }));
+    found.said = byId("said").textContent;
+  }
   found.wide = document.documentElement.scrollWidth - document.documentElement.clientWidth;
   return found;
 })()"""
@@ -224,6 +241,11 @@ def chromium(path: Path) -> str:
         [] if found["hidden"] == 0 and found["drawing"] == "hidden" else ["hidden parts are seen"]
     )
     wrong += [] if found["small"] > 100 else ["no small views"]
+    if "steps" in found:
+        first, second, third = (text[: len("Step 1")] for text in found["steps"])
+        turned = (first, second, third) == ("Step 1", "Step 2", "Step 1")
+        wrong += [] if turned and found["said"] else [f"steps on the bench: {found['steps']}"]
+        wrong += [] if found["bench"] > 100 else [f"bench: {found['bench']} pixels drawn"]
     wrong += [f"{found['edges']} pixels at the edges"] if found["edges"] else []
     wrong += [] if found["wheel"] == [True, False] else ["the wheel scrolls where it is to zoom"]
     wrong += [] if found["part"] else ["no part is named"]

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from operator import getitem
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Self, TypeVar
+from typing import TYPE_CHECKING, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -65,9 +65,6 @@ class Mechanism(Spec, ABC):
     """Base of all mechanisms; theta is the input angle, rad, counter-clockwise."""
 
     load: Weight | None = Field(default=None, description="what pulls on what is made")
-    fixed: ClassVar[str] = (
-        "pressed and glued"  # how parts go together that do not turn on each other
-    )
 
     def __repr__(self) -> str:
         """Its kind and name, and how to see more."""
@@ -183,7 +180,7 @@ class Mechanism(Spec, ABC):
         return Process(
             tolerance,
             max(0.0, 0.8 * slide / 2 - 2 * tolerance),
-            Fixing((press + slide) / 2 if press < slide else -math.inf, self.fixed),
+            Fixing((press + slide) / 2 if press < slide else -math.inf),
             self.material.name,
             printed_density(self.material),
             None if self.laser is None else self.laser.thickness,

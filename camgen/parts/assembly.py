@@ -42,8 +42,9 @@ from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.sheets import why_not
 from camgen.parts.springs import WorkingSpring
-from camgen.parts.steps import Fixing, order
-from camgen.study import Later, Table
+from camgen.parts.standing import standing_copies
+from camgen.parts.steps import Fixing, mated, order
+from camgen.study import Later, Step, Table
 
 
 @dataclass(frozen=True)
@@ -369,21 +370,24 @@ def bodies_in_motion(assembly: Assembly) -> SweptMachine:
 
 def order_of_assembly(assembly: Assembly) -> Table:
     """In which order it goes together, and where."""
-    if assembly.work:
-        return assembly.work[0]
     poses = assembly.poses(np.zeros(1))
-    table = order(
-        assembly.parts, assembly.mounts, poses, assembly.features, assembly.process.fixing
-    )
+    fixing = assembly.process.fixing
+    if assembly.work:
+        table = assembly.work[0]
+        copies = standing_copies(assembly.parts, assembly.mounts, poses)
+        return replace(table, steps=mated(table.steps, copies, assembly.features, fixing))
+    table = order(assembly.parts, assembly.mounts, poses, assembly.features, fixing)
     if not assembly.board:
         return table
-    rows = list(zip(table.rows, table.copies, strict=True))
+    rows = list(zip(table.rows, table.steps, strict=True))
     for coil in assembly.coils:
         row = (0, "extension spring", coil.stringing, "", 1, coil.eyes[0], "as bought")
         first = next(
-            (k for k, (_, copies) in enumerate(rows) if set(coil.heads) & set(copies)), len(rows)
+            (k for k, (_, step) in enumerate(rows) if set(coil.heads) & set(step.copies)),
+            len(rows),
         )
-        rows.insert(first, (row, ()))
-    rows.append(((0, "board", f"Stands on {assembly.board}", "", 1, 0.0, "as yours"), ()))
-    steps = tuple((count, *row[1:]) for count, (row, _) in enumerate(rows, 1))
-    return replace(table, rows=steps, copies=tuple(copies for _, copies in rows))
+        rows.insert(first, (row, Step(coil.stringing)))
+    stands = f"Stands on {assembly.board}"
+    rows.append(((0, "board", stands, "", 1, 0.0, "as yours"), Step(stands)))
+    numbered = tuple((count, *row[1:]) for count, (row, _) in enumerate(rows, 1))
+    return replace(table, rows=numbered, steps=tuple(step for _, step in rows))

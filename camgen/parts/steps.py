@@ -1,112 +1,27 @@
-"""In which order a machine goes together, and where each part goes: on which shaft, how far from its end, over which hole.
+"""In which order a machine goes together, and where each part goes: on which shaft, how high, over which hole.
 
-A part of layers is, for this, round things on an axis each: its holes, and outlines that are a circle with or without flats;
-and slots. Where a hole of one part and an outline of another have one axis and heights in common, the one goes on the other;
-where two holes have one axis, they lie over each other and a pin comes through.
+Where a hole of one part and an outline of another have one axis and heights in common, the one goes on the other; where two holes
+have one axis, they lie over each other and a pin comes through.
 
-    tight    a hole that is hardly wider than what goes through it: there both are fixed on each other. It is said of the one that
-             comes later, so that what is pressed in or on is held by something that is there
+    tight         a hole that is hardly wider than what goes through it: there both are fixed on each other. It is said of the one
+                  that comes later, so that what is pressed in or on is held by something that is there
+    sub-assembly  parts of one body that begin at one height and are fixed on each other: built by itself, then put in
 """
 
 from __future__ import annotations
 
-import cmath
-import math
-from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
-from camgen.geometry.outlines import Arc, Contour
-from camgen.machine.features import Mount, PartPose, PinEyes, heights
-from camgen.parts.part import HoldingNote, Layer, Part
-from camgen.study import Table
+from camgen.machine.features import Mount, PartPose, PinEyes, SlideFaces
+from camgen.parts.part import HoldingNote, Part
+from camgen.parts.standing import Round, Slot, StandingCopy, standing_copies
+from camgen.study import Mate, Step, Table
 from camgen.tolerances import SAME_POINT
 
-_ONE_AXIS = 1e-3  # mm, far below any play
-_LOOSE = 1.0  # mm, by which a hole may be wider than what it goes on
-_HALF_TURN = 1e-6  # rad, by which the ends of a slot may miss half a circle
-_LONG = 3.0  # diameters, from which on a round thing has ends from which one measures
 COLUMNS = ("step", "part", "what", "where", "count", "underside at z, mm", "lies")
-
-
-@dataclass(frozen=True)
-class Round:
-    """A hole or a round outline in the assembly: axis, heights, diameter, mm; of the part's point there its name."""
-
-    at: complex
-    low: float
-    high: float
-    diameter: float
-    name: str
-
-    def in_line(self, other: Round) -> bool:
-        """Whether both have one axis."""
-        return abs(self.at - other.at) < _ONE_AXIS
-
-    def is_one_with(self, other: Round) -> bool:
-        """Whether both are one hole, in layers one above the other."""
-        touching = max(self.low, other.low) - min(self.high, other.high) < SAME_POINT
-        return self.in_line(other) and touching and abs(self.diameter - other.diameter) < SAME_POINT
-
-    def holds(self, outline: Round) -> bool:
-        """Whether a round outline goes through this hole."""
-        return (
-            self.in_line(outline)
-            and _common(self, outline)
-            and abs(self.diameter - outline.diameter) < _LOOSE
-        )
-
-
-@dataclass(frozen=True)
-class Slot:
-    """A slot in the assembly: both ends of its middle line, heights, width, mm."""
-
-    a: complex
-    b: complex
-    low: float
-    high: float
-    diameter: float
-
-    def in_line(self, other: Round) -> bool:
-        """Whether the other one's axis is on the middle line."""
-        off = (other.at - self.a) * (self.b - self.a).conjugate() / abs(self.b - self.a)
-        return (
-            -_ONE_AXIS < off.real < abs(self.b - self.a) + _ONE_AXIS and abs(off.imag) < _ONE_AXIS
-        )
-
-    def holds(self, outline: Round) -> bool:
-        """Whether a round outline stands in this slot."""
-        fits = abs(self.diameter - outline.diameter) < _LOOSE
-        return self.in_line(outline) and _common(self, outline) and fits
-
-
-def _common(hole: Round | Slot, outline: Round) -> bool:
-    """Whether both have heights in common."""
-    return min(hole.high, outline.high) - max(hole.low, outline.low) > SAME_POINT
-
-
-def standing(part: Part, pose: PartPose, layer: Layer, at: complex, radius: float) -> Round:
-    """A circle of a part's layer, its centre and radius in the part's frame, mm, where a copy stands."""
-    centre = -at.conjugate() if pose.flipped else at
-    place = complex(pose.place[0]) + cmath.exp(1j * float(pose.angle[0])) * centre
-    name = next((name for name, point in part.points if abs(point - at) < SAME_POINT), "")
-    return Round(place, *heights(pose, part.thickness, layer.z0, layer.z1), 2 * radius, name)
-
-
-@dataclass(frozen=True)
-class _StandingCopy:
-    """A copy of a part where it stands."""
-
-    part: Part
-    low: float
-    holes: Sequence[Round]
-    slots: Sequence[Slot]
-    outlines: Sequence[Round]
-
-    @property
-    def slender(self) -> bool:
-        """Whether it is a shaft or a pin: its longest outline alone is long."""
-        return any(each.high - each.low >= _LONG * each.diameter for each in self.outlines)
+_RESTS = 1.0  # mm, at most between a part and what lies under it
 
 
 @dataclass(frozen=True)
@@ -114,19 +29,34 @@ class Fixing:
     """What of two parts that go through each other is fixed."""
 
     play: float  # greatest of a hole that is tight, mm
-    said: str = "pressed and glued"  # how, in words
     rings: frozenset[str] = frozenset()  # names of ball bearings, which are pressed and not glued
 
-    def words(self, hole: Round | Slot, holder: Part, outline: Round, held: Part) -> str:
-        """How an outline is fixed in a hole; "" where it goes through with play, or both are bought to go together."""
-        if (
-            hole.diameter - outline.diameter > self.play
-            or holder.process == held.process == "bought"
-        ):
-            return ""
-        if holder.name in self.rings:
-            return ""  # the ring turns with its pin, and holds it by nothing
-        return "pressed" if held.name in self.rings else self.said
+    def how(
+        self, hole: Round | Slot, holder: Part, outline: Round, held: Part
+    ) -> Literal["glue", "press", "free"]:
+        """How an outline is fixed in a hole: "free" where it goes through with play, or both are bought to go together."""
+        if hole.diameter - outline.diameter > self.play:
+            return "free"
+        if holder.process == held.process == "bought" or holder.name in self.rings:
+            return "free"  # a bearing's ring turns with its pin, and holds it by nothing
+        return "press" if held.name in self.rings else "glue"
+
+
+_WORDS = {"glue": "pressed and glued", "press": "pressed", "free": ""}
+
+
+# level, first part of the sub-assembly, its name, whether no bearing, part, whether turned over, underside
+_Key = tuple[float, int, str, bool, int, bool, float]
+
+
+@dataclass(frozen=True)
+class _Laying:
+    """Copies of one part that come in one step."""
+
+    copies: Sequence[StandingCopy]
+    z: float  # of their undersides, mm
+    turned_over: bool
+    cluster: Sequence[StandingCopy]  # the sub-assembly that they are of; empty where of none
 
 
 def order(
@@ -141,58 +71,126 @@ def order(
 
     poses: of each part's copies, at one angle; pairs: what joints are measured on.
     """
+    fixing = _with_rings(fixing, pairs)
+    copies = standing_copies(parts, mounts, poses)
+    rows = list[tuple[object, ...]]()
+    steps = list[Step]()
+    there = list[StandingCopy]()
+    bench = list[StandingCopy]()  # the sub-assembly that is being built
+    for laying in _layings(copies, pairs, fixing):
+        cluster = laying.cluster
+        part = laying.copies[0].part
+        begun = any(copy in there for copy in cluster)
+        alone = bool(bench) or (bool(cluster and there) and not begun)
+        group = cluster[0].part.name if alone else ""
+        where = _places(laying.copies, bench if alone else there, fixing)
+        where = where or ("by itself" if alone else "")
+        lies = "turned over" if laying.turned_over else "as drawn"
+        row: tuple[object, ...]
+        row = (part.name, _holding_notes(part), where, len(laying.copies), laying.z, lies)
+        rows.append((len(rows) + 1, *row))
+        names = [copy.name for copy in laying.copies]
+        steps.append(Step(_title(row, len(names)), names, group=group))
+        (bench if alone else there).extend(laying.copies)
+        if bench and len(bench) == len(cluster):
+            row = _put_in(cluster, there, fixing)
+            rows.append((len(rows) + 1, *row))
+            steps.append(Step(_title(row), group=group))
+            there += bench
+            bench = []
+    title = "Assembly from the bottom up, by height"
+    return Table(title, COLUMNS, rows, mated(steps, copies, pairs, fixing))
+
+
+def _put_in(
+    cluster: Sequence[StandingCopy], there: Sequence[StandingCopy], fixing: Fixing
+) -> tuple[object, ...]:
+    """The row of a sub-assembly that is built; the first of its copies names it."""
+    first = cluster[0]
+    others = dict.fromkeys(copy.part.name for copy in cluster[1:])
+    where = _places([copy for copy in cluster if _mates([copy], there, fixing)], there, fixing)
+    what = f"{first.part.title} with {', '.join(others)}, put in"
+    return (first.part.name, what, where, "", first.mount.z, "as drawn")
+
+
+def _with_rings(fixing: Fixing, pairs: Sequence[object]) -> Fixing:
+    """The fixing that knows the ball bearings of joints."""
+    eyes = [each for each in pairs if isinstance(each, PinEyes)]
+    return replace(fixing, rings=frozenset(ring.part for each in eyes for ring in each.rings))
+
+
+def _title(row: Sequence[object], count: int = 1) -> str:
+    """What a step says above its picture."""
+    what = f"{row[1]}{f' × {count}' if count > 1 else ''}"
+    return f"{what}; {row[2]}" if row[2] else what
+
+
+def _layings(
+    copies: Sequence[StandingCopy], pairs: Sequence[object], fixing: Fixing
+) -> list[_Laying]:
+    """All copies by steps, in their order; those of a sub-assembly one after the other."""
     eyes = [each for each in pairs if isinstance(each, PinEyes)]
     seats = {
         ring.part: {eye.part for each in eyes for eye in (each.a, each.b)}
         for each in eyes
         for ring in each.rings
     }
-    fixing = replace(fixing, rings=frozenset(seats))
-    number = Counter[str]()
-    places = {part.name: k for k, part in enumerate(parts)}
-    copies: dict[tuple[float, bool, int, bool, float], list[tuple[str, _StandingCopy]]] = {}
-    for mount in mounts:
-        k = places[mount.part]
-        part = parts[k]
-        number[mount.part] = number[mount.part] + 1
-        height = mount.z + (part.thickness if mount.flipped else 0.0)
-        holders = seats.get(part.name, set())
-        height = min(
-            [
-                height,
-                *(each.z for each in mounts if each.body == mount.body and each.part in holders),
-            ]
-        )
-        step = (
-            round(height, 6) + 0.0,
-            part.name not in seats,
-            k,
-            mount.flipped,
-            round(mount.z, 6) + 0.0,
-        )
-        stands = _standing_copy(part, poses[part.name][number[part.name] - 1])
-        copies.setdefault(step, []).append((f"{part.name}-{number[part.name]}", stands))
-    rows = list[tuple[object, ...]]()
-    below = list[_StandingCopy]()
-    by_height = sorted(copies.items(), key=lambda each: each[0])
-    for count, ((_, _, k, over, z), group) in enumerate(by_height, 1):
-        where = "; ".join(
-            dict.fromkeys(filter(None, (_where(each, below, fixing) for _, each in group)))
-        )
-        rows.append(
-            (
-                count,
-                parts[k].name,
-                _holding_notes(parts[k]),
-                where,
-                len(group),
-                z,
-                "turned over" if over else "as drawn",
+    place = {name: k for k, name in enumerate(dict.fromkeys(copy.part.name for copy in copies))}
+
+    def height(copy: StandingCopy) -> float:
+        mount = copy.mount
+        holders = seats.get(copy.part.name, set())
+        beside = [each.mount for each in copies if each.mount.body == mount.body]
+        over = copy.part.thickness if mount.flipped else 0.0
+        undersides = [each.z for each in beside if each.part in holders]
+        return round(min([mount.z + over, *undersides]), 6) + 0.0
+
+    levels = {copy.name: height(copy) for copy in copies}
+    found: dict[_Key, list[StandingCopy]] = {}
+    clusters: dict[_Key, list[StandingCopy]] = {}
+    for cluster in _clusters(copies, levels, fixing):
+        cluster.sort(key=lambda copy: place[copy.part.name])
+        alone = len(cluster) == 1
+        for copy in cluster:
+            key = (
+                levels[copy.name],
+                place[cluster[0].part.name],
+                "" if alone else cluster[0].name,
+                copy.part.name not in seats,
+                place[copy.part.name],
+                copy.mount.flipped,
+                round(copy.mount.z, 6) + 0.0,
             )
-        )
-        below += [each for _, each in group]
-    names = [[name for name, _ in group] for _, group in by_height]
-    return Table("Assembly from the bottom up, by height", COLUMNS, rows, names)
+            found.setdefault(key, []).append(copy)
+            clusters[key] = [] if alone else cluster
+    return [
+        _Laying(found[key], found[key][0].mount.z, found[key][0].mount.flipped, clusters[key])
+        for key in sorted(found)
+    ]
+
+
+def _clusters(
+    copies: Sequence[StandingCopy], levels: Mapping[str, float], fixing: Fixing
+) -> list[list[StandingCopy]]:
+    """Copies of one body that begin at one height, as drawn, and are fixed on each other; all others each by itself."""
+    clusters: list[list[StandingCopy]] = []
+    for copy in copies:
+        joined = [copy]
+        rest = []
+        for cluster in clusters:
+            first = cluster[0]
+            beside = (
+                first.mount.body == copy.mount.body
+                and levels[first.name] == levels[copy.name]
+                and not (first.mount.flipped or copy.mount.flipped)
+            )
+            fixed = beside and any(mate.how != "free" for mate in _mates([copy], cluster, fixing))
+            if fixed:
+                joined = [*cluster, *joined]
+            else:
+                rest.append(cluster)
+        clusters = [*rest, joined]
+    return clusters
 
 
 def _holding_notes(part: Part) -> str:
@@ -201,7 +199,101 @@ def _holding_notes(part: Part) -> str:
     return f"{part.title}: {'; '.join(notes)}" if notes else part.title
 
 
-def _where(copy: _StandingCopy, below: Sequence[_StandingCopy], fixing: Fixing) -> str:
+# ---- where parts meet ------------------------------------------------------------------------------------------------
+
+
+def mated(
+    steps: Sequence[Step],
+    copies: Sequence[StandingCopy],
+    pairs: Sequence[object],
+    fixing: Fixing,
+) -> list[Step]:
+    """Steps with what comes and goes on what is there; names of parts in them stand for all their copies."""
+    fixing = _with_rings(fixing, pairs)
+    slides = [each for each in pairs if isinstance(each, SlideFaces)]
+    there = list[StandingCopy]()
+    bench = list[StandingCopy]()  # what is built by itself
+    found = []
+    for step in steps:
+        named = {*step.copies}
+        coming = [copy for copy in copies if copy.name in named or copy.part.name in named]
+        names = [copy.name for copy in coming]
+        if step.group and coming:
+            mates = _mates(coming, bench, fixing)
+            bench += coming
+        else:
+            coming = coming or (bench if step.group else [])
+            mates = [*_mates(coming, there, fixing), *_sliding(coming, there, slides)]
+            there += coming
+            bench = [] if step.group else bench
+        found.append(replace(step, copies=names, mates=mates))
+    return found
+
+
+def _mates(
+    coming: Iterable[StandingCopy], there: Sequence[StandingCopy], fixing: Fixing
+) -> list[Mate]:
+    """Where what comes goes on what is there, or through it; parts of one body that are loose on each other are left out."""
+    mates = dict[tuple[object, ...], Mate]()
+    for copy in coming:
+        for other in there:
+            for holder, held in ((copy, other), (other, copy)):
+                for mate in _through(holder, held, fixing, held is copy):
+                    if mate.how != "free" or copy.mount.body != other.mount.body:
+                        x, y, z = (round(value, 3) for value in mate.place)
+                        mates.setdefault((mate.how, x, y, z), mate)
+    return list(mates.values())
+
+
+def _through(
+    holder: StandingCopy, held: StandingCopy, fixing: Fixing, comes: bool
+) -> Iterator[Mate]:
+    """Where outlines of one copy go through holes and slots of another."""
+    openings: list[Round | Slot] = [*holder.holes, *holder.slots]
+    for hole in openings:
+        for outline in held.outlines:
+            if not hole.holds(outline):
+                continue
+            low = max(hole.low, outline.low)
+            high = min(hole.high, outline.high)
+            place = (outline.at.real, outline.at.imag, (low + high) / 2)
+            label = hole.name if isinstance(hole, Round) else ""
+            how = (
+                fixing.how(hole, holder.part, outline, held.part)
+                if isinstance(hole, Round)
+                else "free"
+            )
+            yield Mate(how, label, place, outline.diameter, high - low, comes)
+
+
+def _sliding(
+    coming: Iterable[StandingCopy],
+    there: Sequence[StandingCopy],
+    slides: Sequence[SlideFaces],
+) -> Iterator[Mate]:
+    """Where what comes slides on what is there, in the middle of the runner's faces."""
+    for copy in coming:
+        for other in there:
+            for pair in slides:
+                runner, rails = (
+                    (copy, other) if copy.part.name == pair.runner.part else (other, copy)
+                )
+                if (runner.part.name, rails.part.name) == (pair.runner.part, pair.rails.part):
+                    at = runner.at(pair.runner.at)
+                    middle = runner.mount.z + runner.part.thickness / 2
+                    yield Mate("free", "", (at.real, at.imag, middle))
+
+
+# ---- in words --------------------------------------------------------------------------------------------------------
+
+
+def _places(copies: Iterable[StandingCopy], below: Sequence[StandingCopy], fixing: Fixing) -> str:
+    """Where copies go."""
+    words = (_where(copy, below, fixing) for copy in copies)
+    return "; ".join(dict.fromkeys(filter(None, words)))
+
+
+def _where(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> str:
     """Where a copy goes, by what lies there before it; "" where nothing says."""
     if not copy.holes:  # a pin or a shaft
         return _pin_words(copy, below, fixing) or (
@@ -217,12 +309,8 @@ def _where(copy: _StandingCopy, below: Sequence[_StandingCopy], fixing: Fixing) 
             f"{hole.name} " if hole.name and (shaft is None or hole.name != shaft.part.name) else ""
         )
         if shaft is not None and outline is not None:
-            far = (
-                f", underside {hole.low - shaft.low:.4g} mm from its lower end"
-                if shaft.slender
-                else ""
-            )
-            how = fixing.words(hole, copy.part, outline, shaft.part)
+            how = _WORDS[fixing.how(hole, copy.part, outline, shaft.part)]
+            far = f", {_height(hole, shaft, below)}" if how and shaft.slender else ""
             places.append(f"{of_copy}{f'{how} on' if how else 'on'} {shaft.part.name}{far}")
             continue
         under = [
@@ -251,7 +339,27 @@ def _where(copy: _StandingCopy, below: Sequence[_StandingCopy], fixing: Fixing) 
     return ", ".join(dict.fromkeys(places))
 
 
-def _pin_words(copy: _StandingCopy, below: Sequence[_StandingCopy], fixing: Fixing) -> str:
+def _height(hole: Round, shaft: StandingCopy, below: Sequence[StandingCopy]) -> str:
+    """How high a part is fixed on a shaft: flush with an end, or over what lies there, or as far as one measures."""
+    ends = (min(each.low for each in shaft.outlines), max(each.high for each in shaft.outlines))
+    if abs(hole.low - ends[0]) < SAME_POINT:
+        return "flush with its lower end"
+    if abs(hole.high - ends[1]) < SAME_POINT:
+        return "flush with its upper end"
+    under = [
+        (each.high, other.part.name)
+        for other in below
+        for each in other.holes
+        if hole.in_line(each) and -SAME_POINT < hole.low - each.high < _RESTS
+    ]
+    if under:
+        top, name = max(under)
+        gap = hole.low - top
+        return f"{gap:.3g} mm over {name}" if gap > SAME_POINT else f"down on {name}"
+    return f"underside {hole.low - ends[0]:.4g} mm from its lower end"
+
+
+def _pin_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> str:
     """Through what a pin or a shaft goes that lies there, from above, and where it is fixed."""
     round_holes = [
         (hole, other, outline)
@@ -263,7 +371,7 @@ def _pin_words(copy: _StandingCopy, below: Sequence[_StandingCopy], fixing: Fixi
     point = next((f"{hole.name} of " for hole, _, _ in round_holes if hole.name), "")
     words: dict[str, list[str]] = {}
     for hole, other, outline in round_holes:
-        fit = fixing.words(hole, other.part, outline, copy.part)
+        fit = _WORDS[fixing.how(hole, other.part, outline, copy.part)]
         names = words.setdefault(f"{fit} into" if fit else "through", [])
         names += [other.part.name] if other.part.name not in names else []
     ways: list[str] = []
@@ -276,69 +384,10 @@ def _pin_words(copy: _StandingCopy, below: Sequence[_StandingCopy], fixing: Fixi
         for other in reversed(below)
         if any(slot.holds(outline) for slot in other.slots for outline in copy.outlines)
     )
+    flush = not copy.mount.flipped and any(  # what is turned over has a head
+        fixing.how(hole, other.part, outline, copy.part) != "free"
+        and abs(hole.low - min(each.low for each in copy.outlines)) < SAME_POINT
+        for hole, other, outline in round_holes
+    )
+    ways += ["flush with its underside"] if flush else []
     return ", ".join([*ways, *(f"in the slot of {name}" for name in slots)])
-
-
-def _standing_copy(part: Part, pose: PartPose) -> _StandingCopy:
-    """A copy's round things where it stands; of a hole through several layers the lowest and highest end."""
-    outlines = [
-        standing(part, pose, layer, *disc)
-        for layer in part.layers
-        for disc in _disc(layer.region.outer)
-    ]
-    holes: list[Round] = []
-    bored = (
-        (layer, disc)
-        for layer in part.layers
-        for hole in layer.region.holes
-        for disc in _disc(hole)
-    )
-    for each in (standing(part, pose, layer, *disc) for layer, disc in bored):
-        same = next((k for k, other in enumerate(holes) if each.is_one_with(other)), None)
-        if same is None:
-            holes.append(each)
-        else:
-            other = holes[same]
-            holes[same] = replace(
-                each, low=min(each.low, other.low), high=max(each.high, other.high)
-            )
-    slots = [
-        _slot(part, pose, layer, *ends)
-        for layer in part.layers
-        for hole in layer.region.holes
-        for ends in _stadium(hole)
-    ]
-    return _StandingCopy(part, pose.z, holes, slots, outlines)
-
-
-def _slot(part: Part, pose: PartPose, layer: Layer, a: complex, b: complex, radius: float) -> Slot:
-    """A slot of a part's layer where a copy stands."""
-    one = standing(part, pose, layer, a, radius)
-    other = standing(part, pose, layer, b, radius)
-    return Slot(one.at, other.at, one.low, one.high, 2 * radius)
-
-
-def _stadium(contour: Contour) -> Iterator[tuple[complex, complex, float]]:
-    """Both ends of the middle line and the radius of an outline that is a slot."""
-    sweeps: dict[tuple[complex, float], float] = {}
-    for arc in (piece for piece in contour.pieces if isinstance(piece, Arc)):
-        sweeps[arc.centre, arc.radius] = sweeps.get((arc.centre, arc.radius), 0.0) + abs(arc.sweep)
-    (a, radius), *others = sweeps or {(0j, 0.0): 0.0}
-    straight = len([piece for piece in contour.pieces if not isinstance(piece, Arc)])
-    if (
-        straight == 2
-        and len(others) == 1
-        and all(abs(sweep - math.pi) < _HALF_TURN for sweep in sweeps.values())
-    ):
-        yield a, others[0][0], radius
-
-
-def _disc(contour: Contour) -> Iterator[tuple[complex, float]]:
-    """Centre and radius of a circle, with flats or a keyway or without."""
-    widest = max(
-        (piece for piece in contour.pieces if isinstance(piece, Arc)),
-        key=lambda arc: abs(arc.sweep),
-        default=None,
-    )
-    if widest and abs(widest.sweep) > math.pi:
-        yield widest.centre, widest.radius

@@ -24,7 +24,7 @@ from camgen.parts.assembly import cut_of_sheet
 from camgen.parts.catalogue import CUT, TURNED
 from camgen.parts.materials import STEEL
 from camgen.parts.part import Part
-from camgen.parts.steps import standing
+from camgen.parts.standing import standing
 from camgen.tolerances import SAME_POINT
 
 _SAMPLES = 1441  # of a turn

@@ -21,7 +21,7 @@ from camgen.parts.assembly import Assembly, order_of_assembly
 from camgen.parts.coils import spring_sketches
 from camgen.report.animation import Animation, Body
 from camgen.report.colours import part_colour
-from camgen.study import HoleLabel, Plate, Scene, Sketch, Step
+from camgen.study import HoleLabel, Plate, Scene, Sketch
 
 if TYPE_CHECKING:
     from camgen.files.gltf import Shape, Track
@@ -117,24 +117,14 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
 
     parts = mechanism.assembly.parts
     shapes, tracks = solids(mechanism, _FRAMES_3D)
-    parts_of = {copy: parts[k].name for track in tracks for copy, k, _ in track.copies}
-    order = list(parts_of)
+    order = [copy for track in tracks for copy, _, _ in track.copies]
     table = order_of_assembly(mechanism.assembly)
-    steps = []
-    for row, new in zip(table.rows, table.copies or [()] * len(table.rows), strict=True):
-        step_copies = [copy for copy in order if copy in new or parts_of[copy] in new]
-        if mechanism.assembly.work:
-            words = f"{row[1]}: {row[2]}"
-        else:
-            words = f"{row[2]}{f' × {len(step_copies)}' if len(step_copies) > 1 else ''}"
-            words += f"; {row[3]}" if row[3] else ""
-        steps.append(Step(words, step_copies))
     made = glb(mechanism.name, shapes, tracks, mechanism.assembly.cycle.turns)
     return Scene(
         made,
         order,
         plates,
-        steps,
+        table.steps,
         table.title if mechanism.assembly.work else Scene.work,
         [hole_labels(part) for part in parts],
     )

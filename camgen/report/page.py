@@ -8,8 +8,8 @@ from __future__ import annotations
 import base64
 import gzip
 import json
-from collections.abc import Sequence
-from dataclasses import astuple, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, astuple, replace
 from functools import cache
 from html import escape
 from importlib.resources import files
@@ -36,7 +36,7 @@ from camgen.report.tables import (
     value_text,
 )
 from camgen.report.words import rounded, sentence
-from camgen.study import Plot, Scene, Table
+from camgen.study import Plot, Scene, Step, Table
 
 _FIRST_PLOTS = 12  # more curves than this are folded away; it fills rows of two, three and four
 _SERIES_DARK = ("#6db3f2", "#f2a069", "#74cf98", "#c99be8", "#dcc04e", "#f08fbf")
@@ -116,7 +116,7 @@ def _viewer(report: Report, scene: Scene) -> str:
             ]
             for plate in scene.plates
         ],
-        "steps": [[place[copy] for copy in step.copies] for step in scene.steps],
+        "steps": [_on_bench(step, place) for step in scene.steps],
         "parts": [
             [str(part.get("title", "")), [[*astuple(hole)] for hole in holes]]
             for part, holes in zip(report.parts, scene.holes, strict=False)
@@ -129,6 +129,15 @@ def _viewer(report: Report, scene: Scene) -> str:
     said = json.dumps(lying, separators=(",", ":")).replace("<", r"\u003c")
     blocks.append(f'<script type="application/json" id="lying">{said}</script>')
     return "".join(blocks) + f"<script>{_asset('viewer.js')}</script>"
+
+
+def _on_bench(step: Step, place: Mapping[str, int]) -> dict[str, object]:
+    """A step of assembly for the script; place: number of each copy."""
+    mates = [
+        {**asdict(mate), "place": [round(value, 3) for value in mate.place]} for mate in step.mates
+    ]
+    copies = [place[copy] for copy in step.copies]
+    return {"copies": copies, "way": step.way, "group": step.group, "mates": mates}
 
 
 # ---- pieces of text ----
@@ -270,12 +279,23 @@ def _plates(report: Report) -> str:
 def _steps(scene: Scene | None) -> str:
     if scene is None or len(scene.steps) < 2:
         return ""
-    return _cards(
-        [
-            _card(f"Step {k + 1}", step.title, [], f"step-{k}", bool(step.copies))
-            for k, step in enumerate(scene.steps)
-        ]
-    )
+    cards = [
+        _card(f"Step {k + 1}", step.title, [], f"step-{k}", bool(step.copies or step.group))
+        for k, step in enumerate(scene.steps)
+    ]
+    all_steps = f"<details open><summary>All steps</summary>{_cards(cards)}</details>"
+    return _BENCH + all_steps
+
+
+# Steps one after the other, as the script shows them; without it the cards below remain.
+_BENCH = (
+    '<div class="bench" hidden><div class="view"><canvas id="bench" tabindex="0" role="img" aria-label="The step in three '
+    'dimensions; left and right arrow keys: one step back and on; up and down and with Shift: turn; plus and minus: zoom"></canvas>'
+    '<div id="marks" aria-hidden="true"></div><p id="group"></p></div>'
+    '<p id="said" aria-live="polite"></p><div class="controls"><button id="back">Back</button><button id="next">Next</button>'
+    '<output id="count"></output><button id="again">Show again</button>'
+    '<p class="glues"><span class="glue">glue here</span><span class="free">no glue: it moves</span></p></div></div>'
+)
 
 
 def _card(title: str, text: str, links: Sequence[str], view: str, shown: bool) -> str:

@@ -166,6 +166,59 @@
     return new THREE.BufferAttribute(new Float32Array(out), 3);
   }
 
+  // A camera that a person steers: by a pointer, and while its canvas has the focus by the wheel and by keys.
+  // moved: something is to be drawn; home: the first view is wanted; tap: a click or a touch at a place of the window.
+  function steered(canvas, camera, { moved, home, tap }) {
+    const focused = () => document.activeElement === canvas;
+    let pressed = null;
+    canvas.addEventListener("pointerdown", event => {
+      pressed = event.isPrimary ? event : null;
+      if (event.pointerType === "touch" && !focused()) event.stopImmediatePropagation();
+    });
+    canvas.addEventListener("pointerup", event => {
+      if (!pressed || Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY) > 8) return;
+      canvas.focus({ preventScroll: true });
+      tap(event.clientX, event.clientY);
+    });
+    // The wheel and a finger move the page until the view has the focus.
+    canvas.addEventListener("wheel", event => { if (!focused()) event.stopImmediatePropagation(); }, { passive: true });
+    const touched = () => { canvas.style.touchAction = focused() ? "none" : "auto"; };
+    const controls = new THREE.OrbitControls(camera, canvas), before = new THREE.Vector3();
+    const hand = { held: false, aim };  // held: whether a person has turned or moved the view
+    controls.enableDamping = false;
+    ["focus", "blur"].forEach(name => canvas.addEventListener(name, touched));
+    touched();
+    controls.addEventListener("start", () => before.copy(camera.position));
+    controls.addEventListener("end", () => { hand.held ||= !before.equals(camera.position); });
+    controls.addEventListener("change", moved);
+    canvas.addEventListener("keydown", event => {
+      const round = new THREE.Vector3().subVectors(camera.position, controls.target);
+      const turns = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] }[event.key];
+      const zoom = { "+": 1 / 1.1, "=": 1 / 1.1, "-": 1.1 }[event.key];
+      if (turns) {
+        const flat = Math.hypot(round.x, round.y), height = Math.atan2(round.z, flat), far = round.length();
+        const along = Math.atan2(round.y, round.x) + turns[0], up = Math.max(-1.55, Math.min(1.55, height + turns[1]));
+        round.set(far * Math.cos(up) * Math.cos(along), far * Math.cos(up) * Math.sin(along), far * Math.sin(up));
+      } else if (zoom) round.multiplyScalar(zoom);
+      else if (event.key === "0" || event.key === "Home") { home(); return; }
+      else return;
+      event.preventDefault();
+      hand.held = true;
+      camera.position.copy(controls.target).add(round);
+      controls.update();
+      moved();
+    });
+    function aim(points, from) {  // at what is to fill the picture; from where it is now unless said
+      from ||= new THREE.Vector3().subVectors(camera.position, controls.target).normalize();
+      const ball = look(camera, points, from);
+      controls.target.copy(ball.center);
+      controls.update();
+      moved();
+      return ball;
+    }
+    return hand;
+  }
+
   function show(renderer, canvas, machine, lying) {
     const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(28, 1, 1, 1000), sun = lit(scene);
     const { parts, copies, bodies } = machine;
@@ -179,7 +232,7 @@
     copies.forEach((copy, k) => {
       copy.shown = object(copy.part, copy.part.material, edge);
       copy.home = new THREE.Matrix4().fromArray(copy.matrix);
-      copy.step = lying.steps.findIndex(step => step.includes(k));
+      copy.step = lying.steps.findIndex(step => step.copies.includes(k));
       copy.group.add(copy.shown);
     });
     const last = lying.steps.length, steps = [...new Set(copies.map(copy => copy.step < 0 ? last : copy.step))].sort((a, b) => a - b);
@@ -334,20 +387,6 @@
       const hit = ray.intersectObjects(seen, false).find(({ point }) => !cut.axis || plane.distanceToPoint(point) >= 0);
       return hit ? copies.findIndex(copy => copy.shown.children[0] === hit.object) : -1;
     }
-    let pressed = null;
-    canvas.addEventListener("pointerdown", event => {
-      pressed = event.isPrimary ? event : null;
-      if (event.pointerType === "touch" && !focused()) event.stopImmediatePropagation();
-    });
-    canvas.addEventListener("pointerup", event => {
-      if (!pressed || Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY) > 8) return;
-      canvas.focus({ preventScroll: true });
-      pick(under(event.clientX, event.clientY));
-      ask();
-    });
-    // The wheel and a finger move the page until the view has the focus.
-    const focused = () => document.activeElement === canvas;
-    canvas.addEventListener("wheel", event => { if (!focused()) event.stopImmediatePropagation(); }, { passive: true });
     canvas.title = "Drag to turn; click a part for its name, then the wheel zooms";
 
     // -- what the page says of parts --
@@ -377,27 +416,21 @@
         canvas.dataset.drawn = Number(canvas.dataset.drawn || 0) + 1;
       });
     }
-    let held = false;  // whether a person has turned or moved the view
     function fit() {
       const { clientWidth: width, clientHeight: height } = canvas;
       if (!width || !height) return;
       renderer.setSize(width, height, false);
       camera.aspect = width / height;
       camera.updateProjectionMatrix();
-      if (!held) frame(ahead());
+      if (!hand.held) frame(ahead());
       ask();
     }
-    const controls = new THREE.OrbitControls(camera, canvas);
-    controls.enableDamping = false;
     function frame(from) {  // all that comes into sight over a turn
       const lifted = ([place, copy]) => copy ? p.copy(place).setZ(place.z + copy.lift).clone() : place;
-      ball = look(camera, reach.filter(([, copy]) => copy || !apart).map(lifted), from);
-      controls.target.copy(ball.center);
-      controls.update();
-      ask();
+      ball = hand.aim(reach.filter(([, copy]) => copy || !apart).map(lifted), from);
     }
     function home() {  // as at first
-      held = false;
+      hand.held = false;
       byId("explode").value = 0;
       byId("section").value = cut.axis = "";
       byId("cut").hidden = true;
@@ -406,42 +439,17 @@
       spread(0);
       frame(ahead());
     }
-    const touched = () => { canvas.style.touchAction = focused() ? "none" : "auto"; };
-    ["focus", "blur"].forEach(name => canvas.addEventListener(name, touched));
-    touched();
-    const before = new THREE.Vector3();
-    controls.addEventListener("start", () => before.copy(camera.position));
-    controls.addEventListener("end", () => { held ||= !before.equals(camera.position); });
-    controls.addEventListener("change", ask);
     canvas.addEventListener("keydown", event => {
-      if (event.key === " ") {
-        event.preventDefault();
-        byId("play").click();
-        return;
-      }
-      if (event.key === "Enter" || event.key === "Escape") {
+      if (event.key === " ") byId("play").click();
+      else if (event.key === "Enter" || event.key === "Escape") {
         const seen = [...copies.keys()].filter(k => copies[k].shown.visible);
         pick(event.key === "Enter" ? seen.find(k => k > picked) ?? -1 : -1);
         if (event.key === "Escape") canvas.blur();
         ask();
-        return;
       }
-      const round = new THREE.Vector3().subVectors(camera.position, controls.target);
-      const turns = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] }[event.key];
-      const zoom = { "+": 1 / 1.1, "=": 1 / 1.1, "-": 1.1 }[event.key];
-      if (turns) {
-        const flat = Math.hypot(round.x, round.y), height = Math.atan2(round.z, flat), far = round.length();
-        const along = Math.atan2(round.y, round.x) + turns[0], up = Math.max(-1.55, Math.min(1.55, height + turns[1]));
-        round.set(far * Math.cos(up) * Math.cos(along), far * Math.cos(up) * Math.sin(along), far * Math.sin(up));
-      } else if (zoom) round.multiplyScalar(zoom);
-      else if (event.key === "0" || event.key === "Home") { home(); return; }
-      else return;
-      event.preventDefault();
-      held = true;
-      camera.position.copy(controls.target).add(round);
-      controls.update();
-      ask();
+      if (event.key === " ") event.preventDefault();
     });
+    const hand = steered(canvas, camera, { moved: ask, home, tap: (x, y) => { pick(under(x, y)); ask(); } });
 
     // -- the tools --
     const svg = byId("mechanism"), flat = byId("flat");
@@ -483,13 +491,16 @@
     byId("explode").closest("label").hidden = steps.length < 2;
     byId("explode").addEventListener("input", event => {
       spread(Number(event.target.value));
-      frame(p.subVectors(camera.position, controls.target).normalize().clone());
+      frame();
     });
     byId("section").addEventListener("change", event => { cut.axis = event.target.value; byId("cut").hidden = !cut.axis; capped(); ask(); });
     byId("cut").addEventListener("input", event => { cut.share = Number(event.target.value); ask(); });
     document.addEventListener("parts", () => { dress(); ask(); });
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { dress(); ask(); smalls.forEach(paint); });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { dress(); ask(); smalls.forEach(paint); built.dress(); });
 
+    turn(0);
+    const standing = copies.map(({ group, home }) => new THREE.Matrix4().compose(group.position, group.quaternion, group.scale).multiply(home));
+    const built = bench(copies, standing, lying);
     dress();
     plain(false);
     spread(0);
@@ -520,12 +531,9 @@
       if (what === "part") put(parts[number], new THREE.Matrix4(), false);
       if (what === "plate") lying.plates[number].forEach(([k, ...m]) => put(parts[k], new THREE.Matrix4().set(...m, 0, 0, 0, 1), false));
       if (what === "step") {
-        turn(0);
-        for (let step = 0; step <= number; step++) lying.steps[step].forEach(k => {
-          const copy = copies[k], placed = new THREE.Matrix4().compose(copy.group.position, copy.group.quaternion, copy.group.scale);
-          put(copy.part, placed.multiply(copy.home), step < number);
-        });
-        turn(now());
+        const { coming, there } = onBench(lying.steps, Number(number));
+        there.forEach(k => put(copies[k].part, standing[k], true));
+        coming.forEach(k => put(copies[k].part, standing[k], false));
       }
       const view = new THREE.PerspectiveCamera(28, 320 / 220, 1, 1000);
       look(view, ends, ahead());
@@ -545,6 +553,178 @@
       target.dataset.seen = "1";
       paint(target);
     }));
+  }
+
+  // ---- on the bench: one step of assembly after the other ----
+
+  // Copies that come in a step, and those that are there: of what is built by itself its own alone.
+  function onBench(steps, number) {
+    const { copies, group } = steps[number], run = [];
+    for (let k = number - 1; k >= 0 && group && steps[k].group === group && steps[k].copies.length; k--) run.unshift(...steps[k].copies);
+    if (group && copies.length) return { coming: copies, there: run };
+    const coming = copies.length ? copies : run;
+    return { coming, there: steps.slice(0, number).flatMap(step => step.copies).filter(k => !coming.includes(k)) };
+  }
+
+  // A body about z: triangles between rings of a radius and a height each.
+  function turned(...rings) {
+    const out = [], sides = 40, at = ([radius, z], k) => [radius * Math.cos(k * 2 * Math.PI / sides), radius * Math.sin(k * 2 * Math.PI / sides), z];
+    rings.slice(1).forEach((ring, n) => {
+      for (let k = 0; k < sides; k++) out.push(...at(rings[n], k), ...at(ring, k), ...at(ring, k + 1), ...at(rings[n], k), ...at(ring, k + 1), ...at(rings[n], k + 1));
+    });
+    const body = new THREE.BufferGeometry();
+    body.setAttribute("position", new THREE.BufferAttribute(new Float32Array(out), 3));
+    return body;
+  }
+
+  function bench(copies, standing, lying) {
+    const canvas = byId("bench"), cards = [...document.querySelectorAll(".steps .cards li")], steps = lying.steps;
+    if (!canvas) return { dress() {} };
+    const frame = canvas.closest(".bench"), marks = byId("marks"), back = byId("back"), next = byId("next");
+    const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(28, 1, 1, 1000), sun = lit(scene);
+    const plain = surface(), fresh = surface(), edge = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.5 }), coming = new THREE.Group(), there = new THREE.Group();
+    const wait = 700, way = 1500;  // ms, before a part moves, and until it is in
+    const corners = (numbers, more = 0) => numbers.flatMap(k => copies[k].part.ends.map(end => {
+      const place = end.clone().applyMatrix4(standing[k]);
+      return place.setZ(place.z + more);
+    }));
+    const small = 0.12 * new THREE.Box3().setFromPoints(corners([...copies.keys()])).getSize(new THREE.Vector3()).length();
+    let renderer, number = 0, lift = 0, begun = 0, radius = 1, tags = [], wanted = false;
+    scene.add(there, coming);
+    frame.hidden = false;
+    document.querySelector(".steps details").open = false;
+
+    function put(group, k, material) {
+      const item = object(copies[k].part, material, edge);
+      item.matrix.copy(standing[k]);
+      group.add(item);
+    }
+    function mark(group, body, where, tone, more) {
+      const mesh = new THREE.Mesh(body, new THREE.MeshBasicMaterial({ color: variable(tone), side: THREE.DoubleSide, ...more }));
+      mesh.position.set(...where);
+      group.add(mesh);
+    }
+    function go(to) {
+      number = Math.max(0, Math.min(steps.length - 1, to));
+      const { group, copies: own } = steps[number];
+      byId("count").value = "Step " + (number + 1) + " of " + steps.length;
+      byId("said").textContent = cards[number].querySelector("p").textContent;
+      byId("group").textContent = group && (own.length ? "Built by itself: " : "Put in: ") + group.replaceAll("_", " ");
+      back.disabled = !number;
+      next.disabled = number === steps.length - 1;
+      dress();
+      aim();
+      again();
+    }
+    function aim(from) {
+      const now = onBench(steps, number), seen = [...corners(now.there), ...corners(now.coming), ...corners(now.coming, lift)];
+      if (!renderer || !seen.length) return;
+      const middle = new THREE.Box3().setFromPoints(seen).getCenter(new THREE.Vector3());  // small parts stay small
+      hand.aim([...seen, ...[-1, 1].map(side => middle.clone().addScalar(side * small))], from);
+    }
+    function dress() {  // what is seen of this step, in the colours of the page
+      const now = onBench(steps, number), { way: sense, mates } = steps[number], all = [...now.there, ...now.coming];
+      [there, coming].forEach(group => group.clear());
+      radius = new THREE.Box3().setFromPoints(corners(all.length ? all : [0])).getBoundingSphere(new THREE.Sphere()).radius;
+      const box = new THREE.Box3().setFromPoints(corners(now.coming)), high = now.coming.length ? box.max.z - box.min.z : 0;
+      lift = now.coming.length && now.there.length ? -sense * Math.max(1.3 * high, 0.45 * radius) : 0;
+      plain.color.set(variable("--plain"));
+      fresh.color.set(variable("--new"));
+      edge.color.set(variable("--ink"));
+      now.there.forEach(k => put(there, k, now.coming.length ? plain : surface({ color: colour(copies[k].part.number) })));
+      now.coming.forEach(k => put(coming, k, fresh));
+      if (lift) arrows(now.coming, sense, mates);
+      mates.forEach(({ how, place, diameter, height, comes }) => {
+        const wide = diameter / 2 + 0.05, half = height / 2;
+        if (diameter) mark(comes ? coming : there, turned([wide, -half], [wide, half]), place, how === "free" ? "--free" : "--glue", { transparent: true, opacity: 0.75, depthTest: false });
+      });
+      name(now.coming, mates);
+      ask();
+    }
+    function arrows(numbers, sense, mates) {  // over what it goes on or through, else over its middle
+      const box = new THREE.Box3().setFromPoints(corners(numbers)), middle = box.getCenter(new THREE.Vector3());
+      const places = mates.filter(({ diameter }) => diameter).map(({ place: [x, y] }) => [x, y]);
+      const up = -sense * 0.16 * radius, wide = 0.025 * radius, tip = sense < 0 ? box.max.z + 0.04 * radius : box.min.z - 0.04 * radius;
+      const body = turned([0, 0], [2.2 * wide, 0.4 * up], [wide, 0.4 * up], [wide, up], [0, up]);
+      (places.length ? places : [[middle.x, middle.y]]).forEach(place => mark(coming, body, [...place, tip], "--link", { transparent: true, depthTest: false }));
+    }
+    function name(numbers, mates) {  // letters of the holes that come, and of those that they go on or through
+      const words = { glue: "glue", press: "pressed, no glue", free: "no glue" };
+      tags = numbers.flatMap(k => lying.parts[copies[k].part.number][1].map(([label, , at]) => ({
+        label, how: "", moves: true, at: new THREE.Vector3(...at).applyMatrix4(standing[k]),
+      })));
+      mates.forEach(({ how, label, place, comes }) => {
+        const at = new THREE.Vector3(...place);
+        const same = comes ? null : tags.find(tag => !tag.how && Math.hypot(tag.at.x - at.x, tag.at.y - at.y) < 0.01);
+        if (same) same.how = how; else tags.push({ label, how, moves: !comes, at });
+      });
+      if (tags.length > 40) tags = tags.filter(tag => tag.how);
+      marks.replaceChildren(...tags.map(({ label, how }) => {
+        const text = [label, words[how]].filter(Boolean).join(": ");
+        return Object.assign(document.createElement("b"), { textContent: text, className: how });
+      }));
+      ["glue", "free"].forEach(how => { frame.querySelector(".glues ." + how).hidden = !mates.some(mate => mate.how === how); });
+    }
+    function again() { begun = performance.now(); ask(); }
+    function ask() {
+      if (wanted || !renderer) return;
+      wanted = true;
+      requestAnimationFrame(draw);
+    }
+    function draw(time) {
+      wanted = false;
+      const share = calm ? 0 : Math.max(0, Math.min(1, (time - begun - wait) / way)), left = (1 - share) ** 2;
+      const { clientWidth: width, clientHeight: height } = canvas, place = new THREE.Vector3();
+      coming.position.z = lift * left;
+      sun.position.copy(camera.position).addScaledVector(camera.up, radius);
+      renderer.render(scene, camera);
+      tags.forEach(({ at, moves, how }, k) => {
+        place.copy(at).setZ(at.z + (moves ? coming.position.z : 0)).project(camera);
+        const aside = { glue: "-104%", press: "-104%", free: "4%" }[how] || "-50%";
+        marks.children[k].style.transform = "translate(" + (place.x + 1) / 2 * width + "px, " + (1 - place.y) / 2 * height + "px) translate(" + aside + ", -50%)";
+      });
+      canvas.dataset.drawn = Number(canvas.dataset.drawn || 0) + 1;
+      if (!calm && share < 1 && lift) ask();
+    }
+    canvas.addEventListener("keydown", event => {
+      const turn = { ArrowLeft: -1, ArrowRight: 1, PageUp: -1, PageDown: 1 }[event.key];
+      if (!turn || event.shiftKey) return;
+      event.preventDefault();
+      event.stopImmediatePropagation();
+      go(number + turn);
+    });
+    frame.addEventListener("keydown", event => {
+      const turn = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+      if (!turn || event.target === canvas) return;
+      event.preventDefault();
+      go(number + turn);
+    });
+    const home = () => { hand.held = false; aim(ahead()); };
+    const hand = steered(canvas, camera, { moved: ask, home, tap() {} });
+    back.addEventListener("click", () => go(number - 1));
+    next.addEventListener("click", () => go(number + 1));
+    byId("again").addEventListener("click", again);
+    cards.forEach((card, k) => card.addEventListener("click", () => { go(k); frame.scrollIntoView({ block: "nearest" }); }));
+    new ResizeObserver(() => {
+      const { clientWidth: width, clientHeight: height } = canvas;
+      if (!renderer || !width) return;
+      renderer.setSize(width, height, false);
+      camera.aspect = width / height;
+      camera.updateProjectionMatrix();
+      aim(hand.held ? undefined : ahead());
+    }).observe(canvas);
+    new IntersectionObserver((entries, watch) => {  // made when it comes into sight
+      if (!entries.some(entry => entry.isIntersecting)) return;
+      watch.disconnect();
+      renderer = new THREE.WebGLRenderer({ canvas, alpha: true, antialias: !slow });
+      renderer.setPixelRatio(slow ? 1 : Math.min(2, devicePixelRatio));
+      renderer.setSize(canvas.clientWidth, canvas.clientHeight, false);
+      camera.aspect = canvas.clientWidth / canvas.clientHeight;
+      camera.updateProjectionMatrix();
+      go(0);
+      home();
+    }, { rootMargin: "100px" }).observe(canvas);
+    return { dress };
   }
 
   requestAnimationFrame(() => setTimeout(() => start().catch(error => console.error(error)), 0));

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import cmath
 import re
+import sys
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -26,8 +27,10 @@ from camgen.parts.catalogue import SCREWS
 from camgen.parts.generator.layout import Layout
 from camgen.parts.part import Layer, Part
 from camgen.parts.steps import Fixing, order
+from camgen.study import Mate
 
 PLAY = Fixing(0.1)
+MODULE = sys.modules[__name__]
 
 
 @pytest.fixture(scope="module")
@@ -72,20 +75,36 @@ def test_what_stands_over_a_slot_and_what_is_screwed_from_below_is_said(plates: 
     assert said == ["Post: each screwed on from below, through the plate"] * (plates - 1)
 
 
-def test_how_far_from_its_end_a_shaft_holds_each(leg: Mechanism) -> None:
-    """By the undersides of the table: the shaft's at -15, collar's at -3.2, plate's at 0, crank's at 5.2 mm."""
+def test_how_high_a_shaft_holds_each(leg: Mechanism) -> None:
+    """By the undersides of the table: the shaft's at -15, the collar's at -3.2 mm; the crank ends where the shaft does."""
     said, z = (
         where(leg),
         {str(row[1]): float(str(row[5])) for row in order_of_assembly(leg.assembly).rows},
     )
-    for name, point in (
-        ("collar", "pressed and glued "),
-        ("ground", "O "),
-        ("crank", "O pressed and glued "),
-    ):
-        assert said[name].startswith(
-            f"{point}on shaft, underside {z[name] - z['shaft']:.4g} mm from its lower end"
-        ), name
+    far = z["collar"] - z["shaft"]
+    assert said["collar"] == (
+        f"pressed and glued on shaft, underside {far:.4g} mm from its lower end"
+    )
+    assert said["ground"].startswith("O on shaft, C on pin-1"), "what is loose has no height"
+    shaft, crank = leg.assembly.by_name["shaft"], leg.assembly.by_name["crank"]
+    assert z["shaft"] + shaft.thickness == pytest.approx(z["crank"] + crank.thickness)
+    assert said["crank"] == "O pressed and glued on shaft, flush with its upper end"
+
+
+def test_a_height_over_what_lies_there_is_said_by_the_gap() -> None:
+    """A long shaft, a loose plate up to 5 mm, a ring that is fixed 0.2 mm over it, and one that lies on that ring."""
+    shaft = Part("shaft", "Shaft", (Layer(Region(circle(0, 3)), 0, 60),))
+    plate = Part("plate", "Plate", (Layer(Region(circle(0, 9), (circle(0, 3.2),)), 0, 5),))
+    ring = Part("ring", "Ring", (Layer(Region(circle(0, 9), (circle(0, 3),)), 0, 4),))
+    high = {"shaft": [0.0], "plate": [0.0], "ring": [5.2, 9.2, 40.0]}
+    poses = {
+        name: [PartPose(np.zeros(1, complex), np.zeros(1), False, z) for z in heights]
+        for name, heights in high.items()
+    }
+    mounts = [Mount(name, "crank", z=z) for name, heights in high.items() for z in heights]
+    rows = order((shaft, plate, ring), mounts, poses, (), PLAY).rows
+    said = ["0.2 mm over plate", "down on ring", "underside 40 mm from its lower end"]
+    assert [row[3] for row in rows[2:]] == [f"pressed and glued on shaft, {each}" for each in said]
 
 
 def test_what_is_turned_over_goes_where_its_mirror_image_stands() -> None:
@@ -97,7 +116,7 @@ def test_what_is_turned_over_goes_where_its_mirror_image_stands() -> None:
         points=(("P", 5 + 0j),),
     )
     pin = Part("pin", "Pin", (Layer(Region(circle(0, 1)), 0, 30),))
-    for x, expected in ((15.0, "P on pin, underside 10 mm from its lower end"), (25.0, "")):
+    for x, expected in ((15.0, "P on pin"), (25.0, "")):
         poses = {
             "pin": [PartPose(np.array([x + 0j]), np.zeros(1), False, 0.0)],
             "plate": [PartPose(np.array([20 + 0j]), np.zeros(1), True, 10.0)],
@@ -259,20 +278,29 @@ def part_of(copy: str) -> str:
     return copy.rpartition("-")[0]
 
 
-def steps(machine: Mechanism) -> Iterator[tuple[int, str, str, set[str]]]:
-    """Number, where it goes, what it is, and the copies that it lays on."""
+def steps(machine: Mechanism) -> Iterator[tuple[int, str, set[str], set[str]]]:
+    """Number, where it goes, the copies that come, and those that are there: of what is built by itself its own."""
     table = order_of_assembly(machine.assembly)
-    for row, laid in zip(table.rows, table.copies, strict=True):
-        yield int(str(row[0])), str(row[3]), str(row[2]), set(laid)
+    there, bench = set[str](), set[str]()
+    for row, step in zip(table.rows, table.steps, strict=True):
+        laid = set(step.copies)
+        if step.group and laid:
+            yield int(str(row[0])), str(row[3]), laid, set(bench)
+            bench |= laid
+        else:
+            laid = bench if step.group else laid
+            yield int(str(row[0])), str(row[3]), laid, set(there)
+            there |= laid
+            bench = bench if not step.group else set()
+    assert not bench, "what is built is put in"
 
 
 def misnamed(machine: Mechanism) -> list[str]:
     """Steps that name a part which is not there by then."""
-    every, there, found = {part.name for part in machine.assembly.parts}, set[str](), list[str]()
-    for count, where, _, laid in steps(machine):
+    every, found = {part.name for part in machine.assembly.parts}, list[str]()
+    for count, where, _, there in steps(machine):
         said = set(re.findall(r"[\w-]+", where)) & every
-        found += [f"step {count}: {part}" for part in said if part not in there]
-        there |= set(map(part_of, laid))
+        found += [f"step {count}: {part}" for part in said if part not in map(part_of, there)]
     return found
 
 
@@ -288,8 +316,8 @@ def unfixed(machine: Mechanism) -> list[str]:
             bought = made[part_of(hole.copy)] == made[part_of(outline.copy)] == "bought"
             if not bought and part_of(hole.copy) not in rings:
                 tight.add(frozenset((hole.copy, outline.copy)))
-    found, there = list[str](), set[str]()
-    for count, where, _, laid in steps(machine):
+    found = list[str]()
+    for count, where, laid, there in steps(machine):
         said = {
             part
             for clause in re.findall(r"press[a-z ]* (?:on|into) ([^,;]*)", where)
@@ -304,7 +332,6 @@ def unfixed(machine: Mechanism) -> list[str]:
             if other in there
         }
         found += [f"step {count}: {sorted(said)} for {sorted(wanted)}"] if said != wanted else []
-        there |= laid
     return found
 
 
@@ -364,15 +391,122 @@ def test_no_hole_for_a_pin_is_left_empty(name: str) -> None:
     assert not empty(built(name))
 
 
+def body_of(machine: Mechanism) -> dict[str, str]:
+    """The body of each copy."""
+    number, found = Counter[str](), {}
+    for mount in machine.assembly.mounts:
+        number[mount.part] += 1
+        found[f"{mount.part}-{number[mount.part]}"] = mount.body
+    return found
+
+
+def misglued(machine: Mechanism) -> list[str]:
+    """Round fits that are said to be glued and belong to two bodies, or to be free and belong to one."""
+    holes, outlines = edges(machine)
+    bodies, found = body_of(machine), list[str]()
+    for step in order_of_assembly(machine.assembly).steps:
+        for mate in (each for each in step.mates if each.height):
+            at, z = complex(*mate.place[:2]), mate.place[2]
+            through = [
+                ring
+                for ring in outlines
+                if abs(ring.at - at) < 1e-3 and abs(ring.diameter - mate.diameter) < 1e-3
+            ]
+            pairs = {
+                bodies[hole.copy] == bodies[ring.copy]
+                for ring in through
+                for hole in holes
+                if ring.low < z < ring.high and hole.low < z < hole.high
+                if ring.goes_through(hole, 1.0)
+            }
+            if pairs and (mate.how != "free") not in pairs:
+                found.append(f"{step.title}: {mate}")
+    return found
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_glue_is_said_between_parts_of_one_body_and_none_where_two_bodies_move(name: str) -> None:
+    assert not misglued(built(name))
+
+
+def test_glue_in_a_turning_joint_and_none_in_a_fixed_one_are_found(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    whole = MODULE.order_of_assembly(built("drag link").assembly)
+    for how, wrong in (("free", "glue"), ("glue", "free")):
+        steps = [
+            replace(
+                step,
+                mates=[
+                    replace(mate, how=wrong) if mate.how == how else mate for mate in step.mates
+                ],
+            )
+            for step in whole.steps
+        ]
+        monkeypatch.setattr(MODULE, "order_of_assembly", lambda _: replace(whole, steps=steps))  # noqa: B023
+        assert misglued(built("drag link"))
+        monkeypatch.undo()
+
+
+def test_glue_and_none_of_the_leg(leg: Mechanism) -> None:
+    """By the spec's joints: the crank is fixed on its shaft, which turns in the plate; A, B, D, E and F turn on printed pins."""
+    mates = {
+        row[1]: {(mate.how, mate.label) for mate in step.mates}
+        for row, step in zip(
+            order_of_assembly(leg.assembly).rows,
+            order_of_assembly(leg.assembly).steps,
+            strict=True,
+        )
+    }
+    assert mates["ground"] == {("free", "O"), ("free", "C")}
+    assert mates["crank"] == {("glue", "O")}
+    assert mates["hanger"] == {("glue", "C")}, "it is held by the pin that turns in the plate"
+    pins = {("free", letter) for letter in "AE"} | {("glue", letter) for letter in "AE"}
+    assert mates["pin-2"] == pins
+
+
+def test_a_mate_is_where_both_meet() -> None:
+    """A pin of 2 from z = 0 to 30 in a plate of 2 at z = 10, about x = 15."""
+    plate = Part(
+        "plate",
+        "Plate",
+        (Layer(Region(circle(0, 9), (circle(5, 1.2),)), 0, 2),),
+        points=(("P", 5 + 0j),),
+    )
+    pin = Part("pin", "Pin", (Layer(Region(circle(0, 1)), 0, 30),))
+    poses = {
+        "pin": [PartPose(np.array([15 + 0j]), np.zeros(1), False, 0.0)],
+        "plate": [PartPose(np.array([10 + 0j]), np.zeros(1), False, 10.0)],
+    }
+    mounts = (Mount("pin", "ground", 15), Mount("plate", "link", 10, z=10.0))
+    free = Mate("free", "P", (15.0, 0.0, 11.0), 2.0, 2.0)
+    assert list(order((pin, plate), mounts, poses, (), PLAY).steps[1].mates) == [free]
+    loose = (mounts[0], replace(mounts[1], body="ground"))
+    assert not order((pin, plate), loose, poses, (), PLAY).steps[1].mates, "glue locks nothing"
+
+
+def test_what_is_fixed_together_at_one_height_is_built_by_itself_and_put_in() -> None:
+    """Dowels stand in crank and coupler; each with its link is a sub-assembly, and no step is between its own."""
+    steps = order_of_assembly(built("dowels").assembly).steps
+    groups = list(dict.fromkeys(step.group for step in steps if step.group))
+    assert groups
+    for group in groups:
+        at = [k for k, step in enumerate(steps) if step.group == group]
+        assert at == list(range(at[0], at[-1] + 1)) and len(at) >= 3
+        assert [bool(steps[k].copies) for k in at] == [True] * (len(at) - 1) + [False]
+        bodies = body_of(built("dowels"))
+        assert len({bodies[copy] for k in at for copy in steps[k].copies}) == 1
+
+
 def test_damaged_steps_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """The second plate's row first, the last two rows swapped, and a pin said to be pressed into what it only goes through."""
     machine, table = load(BAR), order_of_assembly(load(BAR).assembly)
-    rows, copies = list(table.rows), list(table.copies)
+    rows, laid = list(table.rows), list(table.steps)
     plate = next(k for k, row in enumerate(rows) if row[1] == "second-plate")
     damaged = replace(
         table,
         rows=[rows[plate], *rows[:plate], *rows[plate + 1 :]],
-        copies=[copies[plate], *copies[:plate], *copies[plate + 1 :]],
+        steps=[laid[plate], *laid[:plate], *laid[plate + 1 :]],
     )
     loose = [
         (

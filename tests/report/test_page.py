@@ -23,7 +23,7 @@ from camgen.report.animation import Animation, Body, player
 from camgen.report.page import once, to_html
 from camgen.report.report import Report
 from camgen.report.tables import margins
-from camgen.study import Figure, Figures, HoleLabel, Plate, Plot, Scene, Step, Table
+from camgen.study import Figure, Figures, HoleLabel, Mate, Plate, Plot, Scene, Step, Table
 
 CORNERS = [[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]]
 FACES = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
@@ -41,7 +41,12 @@ def solid() -> Report:
         glb("demo", [Shape("cam", TETRAHEDRON, "#0b62a8")], [moving]),
         ["cam-1", "cam-2"],
         [Plate("demo-plate.3mf", [("cam", lifted)])],
-        [Step("first", ["cam-1"]), Step(EVIL, ["cam-2"]), Step("nut", [])],
+        [
+            Step("first", ["cam-1"]),
+            Step(EVIL, ["cam-2"], 1, [Mate("glue", EVIL, (1.0, 2.0, 3.00001), 4.0, 5.0, True)]),
+            Step("nut"),
+            Step("both by themselves", group=EVIL),
+        ],
         holes=[[HoleLabel(EVIL, "Ø4", (1.0, 2.0, 3.0))]],
     )
     return replace(
@@ -70,9 +75,16 @@ def test_the_machine_is_in_the_page_and_the_library_that_shows_it(page: str) -> 
         and b"http" not in library.replace(b"http://www.w3.org/1999/xhtml", b"")
     )
     lying = json.loads(script(page, "lying"))
+    mate = {"how": "glue", "label": EVIL, "place": [1, 2, 3], "diameter": 4, "height": 5}
+    mate["comes"] = True
     assert lying == {
         "plates": [[[0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 9]]],
-        "steps": [[0], [1], []],
+        "steps": [
+            {"copies": [0], "way": -1, "group": "", "mates": []},
+            {"copies": [1], "way": 1, "group": "", "mates": [mate]},
+            {"copies": [], "way": -1, "group": "", "mates": []},
+            {"copies": [], "way": -1, "group": EVIL, "mates": []},
+        ],
         "parts": [["", [[EVIL, "Ø4", [1, 2, 3]]]]],
     }
 
@@ -118,7 +130,9 @@ def test_parts_plates_and_steps_have_their_files_and_their_views(page: str) -> N
         for tag, attributes in parsed.elements
         if tag == "canvas" and "data-view" in attributes
     ]
-    assert views == ["part-0", "plate-0", "step-0", "step-1"], "for a bought nut nothing is drawn"
+    assert views == ["part-0", "plate-0", "step-0", "step-1", "step-3"], (
+        "for a bought nut nothing is drawn"
+    )
     links = [attributes["href"] for tag, attributes in parsed.elements if tag == "a"]
     assert {"demo-cam.dxf", "demo-cam-drawing.pdf", "demo-plate.3mf", "demo-assembly.glb"} <= set(
         links

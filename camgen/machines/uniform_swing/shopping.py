@@ -5,7 +5,7 @@ from __future__ import annotations
 from camgen.findings import Finding, Where, at_least
 from camgen.machines.uniform_swing.printed import SwingMachine
 from camgen.parts.catalogue import DOWEL_STANDARD, SCREWS, Bought, fixed_motor, nut
-from camgen.study import Table
+from camgen.study import Step, Table
 
 _ENGAGED = 0.8  # diameters of thread that hold a screw in metal
 
@@ -115,5 +115,5 @@ def steps(machine: SwingMachine) -> Table:
         "Assembly, step by step",
         ("step", "what", "how"),
         [(k, what, how) for k, (what, how, _) in enumerate(rows, 1)],
-        [laid for *_, laid in rows],
+        [Step(f"{what}: {how}", laid, 1 if "axle" in laid else -1) for what, how, laid in rows],
     )

@@ -151,11 +151,11 @@ def test_a_spring_comes_before_the_heads_that_are_wider_than_its_eyes(machine: M
         headed = kind.startswith("cap") or kind.startswith("pin") and mount.flipped
         if headed and mount.z + parts[mount.part].thickness > eye:
             over.add(f"{mount.part}-{number[mount.part]}")
-    before = {copy for laid in table.copies[:step] for copy in laid}
+    before = {copy for each in table.steps[:step] for copy in each.copies}
     assert (
         len(over) == 2
         and not over & before
-        and over <= {copy for laid in table.copies[step:] for copy in laid}
+        and over <= {copy for each in table.steps[step:] for copy in each.copies}
     )
     assert [row[0] for row in table.rows] == list(range(1, len(table.rows) + 1))
 

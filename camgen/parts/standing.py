@@ -1,0 +1,186 @@
+"""Copies of parts where they stand, as far as they are round: holes, outlines that are a circle with or without flats, slots."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from camgen.geometry.outlines import Arc, Contour
+from camgen.machine.features import Mount, PartPose, heights
+from camgen.parts.part import Layer, Part
+from camgen.tolerances import SAME_POINT
+
+_ONE_AXIS = 1e-3  # mm, far below any play
+_LOOSE = 1.0  # mm, by which a hole may be wider than what it goes on
+_HALF_TURN = 1e-6  # rad, by which the ends of a slot may miss half a circle
+_LONG = 3.0  # diameters, from which on a round thing has ends from which one measures
+
+
+@dataclass(frozen=True)
+class Round:
+    """A hole or a round outline in the assembly: axis, heights, diameter, mm; of the part's point there its name."""
+
+    at: complex
+    low: float
+    high: float
+    diameter: float
+    name: str
+
+    def in_line(self, other: Round) -> bool:
+        """Whether both have one axis."""
+        return abs(self.at - other.at) < _ONE_AXIS
+
+    def is_one_with(self, other: Round) -> bool:
+        """Whether both are one hole, in layers one above the other."""
+        touching = max(self.low, other.low) - min(self.high, other.high) < SAME_POINT
+        return self.in_line(other) and touching and abs(self.diameter - other.diameter) < SAME_POINT
+
+    def holds(self, outline: Round) -> bool:
+        """Whether a round outline goes through this hole."""
+        return (
+            self.in_line(outline)
+            and _common(self, outline)
+            and abs(self.diameter - outline.diameter) < _LOOSE
+        )
+
+
+@dataclass(frozen=True)
+class Slot:
+    """A slot in the assembly: both ends of its middle line, heights, width, mm."""
+
+    a: complex
+    b: complex
+    low: float
+    high: float
+    diameter: float
+
+    def in_line(self, other: Round) -> bool:
+        """Whether the other one's axis is on the middle line."""
+        off = (other.at - self.a) * (self.b - self.a).conjugate() / abs(self.b - self.a)
+        return (
+            -_ONE_AXIS < off.real < abs(self.b - self.a) + _ONE_AXIS and abs(off.imag) < _ONE_AXIS
+        )
+
+    def holds(self, outline: Round) -> bool:
+        """Whether a round outline stands in this slot."""
+        fits = abs(self.diameter - outline.diameter) < _LOOSE
+        return self.in_line(outline) and _common(self, outline) and fits
+
+
+def _common(hole: Round | Slot, outline: Round) -> bool:
+    """Whether both have heights in common."""
+    return min(hole.high, outline.high) - max(hole.low, outline.low) > SAME_POINT
+
+
+def standing_copies(
+    parts: Sequence[Part], mounts: Sequence[Mount], poses: Mapping[str, Sequence[PartPose]]
+) -> list[StandingCopy]:
+    """Every copy of every part, in the order of the mounts; poses: of each part's copies, at one angle."""
+    number = Counter[str]()
+    by_name = {part.name: part for part in parts}
+    copies = []
+    for mount in mounts:
+        pose = poses[mount.part][number[mount.part]]
+        number[mount.part] += 1
+        name = f"{mount.part}-{number[mount.part]}"
+        copies.append(_standing_copy(name, by_name[mount.part], mount, pose))
+    return copies
+
+
+def standing(part: Part, pose: PartPose, layer: Layer, at: complex, radius: float) -> Round:
+    """A circle of a part's layer, its centre and radius in the part's frame, mm, where a copy stands."""
+    centre = -at.conjugate() if pose.flipped else at
+    place = complex(pose.place[0]) + cmath.exp(1j * float(pose.angle[0])) * centre
+    name = next((name for name, point in part.points if abs(point - at) < SAME_POINT), "")
+    return Round(place, *heights(pose, part.thickness, layer.z0, layer.z1), 2 * radius, name)
+
+
+@dataclass(frozen=True)
+class StandingCopy:
+    """A copy of a part where it stands."""
+
+    name: str  # such as pin-2
+    part: Part
+    mount: Mount
+    pose: PartPose  # at one angle
+    holes: Sequence[Round]
+    slots: Sequence[Slot]
+    outlines: Sequence[Round]
+
+    def at(self, z: complex) -> complex:
+        """A point of the part, complex mm in its frame, where the copy stands."""
+        own = -z.conjugate() if self.pose.flipped else z
+        return complex(self.pose.place[0]) + cmath.exp(1j * float(self.pose.angle[0])) * own
+
+    @property
+    def slender(self) -> bool:
+        """Whether it is a shaft or a pin: its longest outline alone is long."""
+        return any(each.high - each.low >= _LONG * each.diameter for each in self.outlines)
+
+
+def _standing_copy(name: str, part: Part, mount: Mount, pose: PartPose) -> StandingCopy:
+    """A copy's round things where it stands; of a hole through several layers the lowest and highest end."""
+    outlines = [
+        standing(part, pose, layer, *disc)
+        for layer in part.layers
+        for disc in _disc(layer.region.outer)
+    ]
+    holes: list[Round] = []
+    bored = (
+        (layer, disc)
+        for layer in part.layers
+        for hole in layer.region.holes
+        for disc in _disc(hole)
+    )
+    for each in (standing(part, pose, layer, *disc) for layer, disc in bored):
+        same = next((k for k, other in enumerate(holes) if each.is_one_with(other)), None)
+        if same is None:
+            holes.append(each)
+        else:
+            other = holes[same]
+            holes[same] = replace(
+                each, low=min(each.low, other.low), high=max(each.high, other.high)
+            )
+    slots = [
+        _slot(part, pose, layer, *ends)
+        for layer in part.layers
+        for hole in layer.region.holes
+        for ends in _stadium(hole)
+    ]
+    return StandingCopy(name, part, mount, pose, holes, slots, outlines)
+
+
+def _slot(part: Part, pose: PartPose, layer: Layer, a: complex, b: complex, radius: float) -> Slot:
+    """A slot of a part's layer where a copy stands."""
+    one = standing(part, pose, layer, a, radius)
+    other = standing(part, pose, layer, b, radius)
+    return Slot(one.at, other.at, one.low, one.high, 2 * radius)
+
+
+def _stadium(contour: Contour) -> Iterator[tuple[complex, complex, float]]:
+    """Both ends of the middle line and the radius of an outline that is a slot."""
+    sweeps: dict[tuple[complex, float], float] = {}
+    for arc in (piece for piece in contour.pieces if isinstance(piece, Arc)):
+        sweeps[arc.centre, arc.radius] = sweeps.get((arc.centre, arc.radius), 0.0) + abs(arc.sweep)
+    (a, radius), *others = sweeps or {(0j, 0.0): 0.0}
+    straight = len([piece for piece in contour.pieces if not isinstance(piece, Arc)])
+    if (
+        straight == 2
+        and len(others) == 1
+        and all(abs(sweep - math.pi) < _HALF_TURN for sweep in sweeps.values())
+    ):
+        yield a, others[0][0], radius
+
+
+def _disc(contour: Contour) -> Iterator[tuple[complex, float]]:
+    """Centre and radius of a circle, with flats or a keyway or without."""
+    widest = max(
+        (piece for piece in contour.pieces if isinstance(piece, Arc)),
+        key=lambda arc: abs(arc.sweep),
+        default=None,
+    )
+    if widest and abs(widest.sweep) > math.pi:
+        yield widest.centre, widest.radius
