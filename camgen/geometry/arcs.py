@@ -131,14 +131,24 @@ def _arc(a: complex, b: complex, sweep: float) -> Arc:
     return Arc(centre, abs(b - a) / (2 * abs(math.sin(sweep / 2))), cmath.phase(a - centre), sweep)
 
 
+def _ends(piece: Smooth, tolerance: float) -> tuple[Floats, Floats]:
+    """Ends of the fewest biarcs within the tolerance, (n + 1,), and the deviation of each, (n,) mm; once for all images."""
+    key = (piece.t0, piece.t1, tolerance)
+    if key not in piece.fitted:
+        curve = replace(piece.origin, t0=piece.t0, t1=piece.t1) if piece.origin else piece
+        track = Track(curve, _biarc_law(tolerance), _BIARC_TURN)
+        t = fewest(track, lambda ends: deviations(curve, ends), tolerance, 1 / 3)
+        piece.fitted[key] = t, deviations(curve, t)
+    return piece.fitted[key]
+
+
 def _fit_smooth(piece: Smooth, tolerance: float) -> list[Piece]:
     if piece.t1 < piece.t0:
         return [p.reversed() for p in reversed(_fit_smooth(piece.reversed(), tolerance))]
-    track = Track(piece, _biarc_law(tolerance), _BIARC_TURN)
-    t = fewest(track, lambda ends: deviations(piece, ends), tolerance, 1 / 3)
+    t, deviation = _ends(piece, tolerance)
     z = piece.at(t)
     fit = Biarcs.through(z, _tangents(piece, t))
-    allowance = tolerance - deviations(piece, t)
+    allowance = tolerance - deviation
     limit = 1 / (_FLATTEST * max(np.abs(z - z[0]).max(), np.abs(z).max()))
     pieces: list[Piece] = []
     for i in range(t.size - 1):

@@ -122,6 +122,10 @@ class Smooth:
     known: dict[tuple[float, float, float], Floats] = field(
         default_factory=dict, compare=False, repr=False
     )
+    # ends and deviations of the biarcs along any of its images, by the same
+    fitted: dict[tuple[float, float, float], tuple[Floats, Floats]] = field(
+        default_factory=dict, compare=False, repr=False
+    )
 
     def __post_init__(self) -> None:
         _set(self, t0=self.t0 + 0.0, t1=self.t1 + 0.0)
@@ -154,7 +158,7 @@ class Smooth:
             return turn * (np.conj(z) if mirror else z) + (shift if order == 0 else 0)
 
         if abs(abs(turn) - 1) > _CONGRUENT:
-            return replace(self, function=image, origin=None, known={})
+            return replace(self, function=image, origin=None, known={}, fitted={})
         return replace(self, function=image, origin=self.origin or self)
 
 

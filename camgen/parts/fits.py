@@ -207,7 +207,7 @@ def parallel_curve(piece: Smooth, e: float) -> Smooth:
         slope = (curvature(after) - curvature(before)) / (after - before)
         return np.asarray(inner(t, 2) * stretch + d * side * slope)
 
-    return replace(piece, function=function, origin=None, known={})
+    return replace(piece, function=function, origin=None, known={}, fitted={})
 
 
 # ---- parts -----------------------------------------------------------------------------------------------------------

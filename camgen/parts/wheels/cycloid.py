@@ -1,0 +1,153 @@
+"""Cycloidal discs: a disc on an eccentric that rolls inside a circle of pins, and turns back by one lobe a turn.
+
+    c(t)        the pins' centres as seen from the disc, an epitrochoid: R exp(it) - e exp(iNt)
+    outline     parallel to it on the inside, a pin's radius away
+    lobes       pins - 1: the disc turns by -1/lobes while its eccentric turns once
+    equidistant what is cut away more than a pin's radius, mm; the play comes from it
+    offset      by how much smaller a pin circle is that the disc is cut for, mm
+
+[the curve's derivative is i (R exp(it) - eN exp(iNt)), so its normal is that without the i]
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.geometry.outlines import Contour, Floats, Points, Smooth
+
+
+@dataclass(frozen=True)
+class CycloidDisc:
+    """A disc with one lobe less than there are pins."""
+
+    pins: int
+    radius: float  # of the pins' circle, mm
+    pin: float  # radius of a pin, mm
+    eccentricity: float  # mm
+    equidistant: float = 0.0  # mm
+    offset: float = 0.0  # mm
+
+    def __post_init__(self) -> None:
+        if self.pins < 3:
+            raise DesignError("pins of a cycloidal disc", self.pins, 3, "", "", "use more pins")
+        share = self.eccentricity * self.pins / self.cut_radius
+        if not share < 1:
+            raise DesignError(
+                "eccentricity times pins over the pins' circle",
+                share,
+                1,
+                "",
+                "",
+                f"use an eccentricity below {self.cut_radius / self.pins:.4g} mm",
+            )
+        apart = self.radius * math.sin(math.pi / self.pins)
+        if not self.pin < apart:
+            raise DesignError(
+                "radius of the pins", self.pin, apart, "mm", "", "use smaller pins, or fewer"
+            )
+        if not self.cut < self.largest_pin:
+            raise DesignError(
+                "radius of a pin with its air",
+                self.cut,
+                self.largest_pin,
+                "mm",
+                "",
+                "use smaller pins, or a smaller eccentricity",
+            )
+
+    @property
+    def lobes(self) -> int:
+        """Of the disc."""
+        return self.pins - 1
+
+    @property
+    def cut_radius(self) -> float:
+        """Radius of the pin circle that the disc is cut for, mm."""
+        return self.radius - self.offset
+
+    @property
+    def cut(self) -> float:
+        """From the pins' centres to the outline, mm."""
+        return self.pin + self.equidistant
+
+    @property
+    def ratio(self) -> float:
+        """Turns of the disc for one of its eccentric, the pins standing still."""
+        return -1 / self.lobes
+
+    @property
+    def play(self) -> float:
+        """Free angle of the disc, rad, by its pins' greatest lever, e z: the least it has anywhere."""
+        return 2 * self.equidistant / (self.eccentricity * self.lobes)
+
+    @property
+    def largest_pin(self) -> float:
+        """Radius from which on a pin would cut into the lobes' flanks, mm: the trace's least radius of curvature."""
+        a, b, c, d = self._shape
+        places = [-1.0, 1.0]
+        turning = (1.5 * d * a - b * c) / (0.5 * b * d)
+        places += [turning] if abs(turning) < 1 else []
+        return 1 / max((a - b * w) / math.pow(c - d * w, 1.5) for w in places)
+
+    @property
+    def _shape(self) -> tuple[float, float, float, float]:
+        """Numbers a, b, c, d of the trace's curvature (a - b cos zt) / (c - d cos zt)^1.5."""
+        n = self.pins
+        radius = self.cut_radius
+        e = self.eccentricity
+        return (
+            radius**2 + e**2 * n**3,
+            (n + 1) * n * radius * e,
+            radius**2 + e**2 * n**2,
+            2 * radius * e * n,
+        )
+
+    def trace(self, t: Any, order: int = 0) -> Points:
+        """Centre of a pin as the disc sees it, or its derivative, complex mm."""
+        t = np.asarray(t, float)
+        n = self.pins
+        unit = np.exp(1j * t)
+        return np.asarray(
+            1j**order * (self.cut_radius * unit - n**order * self.eccentricity * np.exp(1j * n * t))
+        )
+
+    def _curvature(self, t: Floats) -> tuple[Floats, Floats]:
+        """Of the trace, 1/mm, and its derivative."""
+        a, b, c, d = self._shape
+        z = self.lobes
+        cosine = np.cos(z * t)
+        under = c - d * cosine
+        value = (a - b * cosine) / under**1.5
+        slope = z * np.sin(z * t) * (b / under**1.5 - 1.5 * d * (a - b * cosine) / under**2.5)
+        return value, slope
+
+    def curve(self, t: Floats, order: int) -> Points:
+        """The outline, or its derivatives to t, complex mm."""
+        along = self.trace(t, 1)
+        if order == 0:
+            return np.asarray(self.trace(t) + 1j * self.cut * along / np.abs(along))
+        curvature, change = self._curvature(t)
+        share = 1 - self.cut * curvature
+        if order == 1:
+            return np.asarray(share * along)
+        return np.asarray(share * self.trace(t, 2) - self.cut * change * along)
+
+    def outline(self) -> Contour:
+        """The edge, counter-clockwise about the disc's own axis; lobe by lobe, a hollow on Ox."""
+        step = math.tau / self.lobes
+        one = Smooth(self.curve, 0.0, step)
+        return Contour(tuple(one.moved(np.exp(1j * k * step)) for k in range(self.lobes)))
+
+    def pin_places(self) -> list[complex]:
+        """Centres of the pins about the eccentric's axis, mm, with the eccentric along Ox and the disc's hollow on it."""
+        turn = math.tau / self.pins
+        return [complex(self.radius * np.exp(1j * turn * k)) for k in range(self.pins)]
+
+    def output_hole(self, pin: float, air: float) -> float:
+        """Radius of a hole through which an output pin of this radius takes the turning off, mm."""
+        return pin + self.eccentricity + air

@@ -1,0 +1,240 @@
+"""Geneva drives: a pin on a crank takes a slotted wheel along by one station a turn; a disc holds the wheel meanwhile.
+
+    crank       about the origin, its pin on Ox; the wheel's axis at the distance on Ox when both are in the middle of a drive
+    drive       the crank's angle, -half to +half, over which the pin is in a slot: it enters along it, without an impact
+    lock        the crank's disc, on the level of the wheel, in one of its hollows during the dwell
+    corner      of the wheel, where a hollow meets the rim: it passes the lock's disc as the drive begins and ends
+
+The lock's disc ends on the line of both axes as the drive begins: further on a hollow that turns would meet it. Inside it is
+relieved by what sweeps past: on a circle that clears the rim, then beside a corner's path as the crank sees it, and straight
+from there to its end.  [the wheel's angle is arg(C - r exp(-it)) of the other sense]
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.geometry.outlines import (
+    Arc,
+    Contour,
+    Floats,
+    Line,
+    Piece,
+    Points,
+    Smooth,
+    end_point,
+    start_point,
+)
+from camgen.numerics import halved
+
+
+@dataclass(frozen=True)
+class Geneva:
+    """A crank with one pin and a wheel outside of it."""
+
+    stations: int
+    distance: float  # of the axes, mm
+    pin: float  # radius, mm
+    wall: float  # between a slot and the hollow beside it where they are nearest, mm
+    slot_air: float = 0.05  # on each side of the pin, mm
+    lock_air: float = 0.05  # between lock and hollow, mm
+
+    def __post_init__(self) -> None:
+        if self.stations < 3:
+            raise DesignError("stations of a Geneva wheel", self.stations, 3, "", "", "use more")
+        most = min(
+            self.slot_end * math.sin(self.pitch / 2) - self.slot_air,
+            self.pin + self.lock - self.clear,
+        )
+        if not self.pin < most:
+            raise DesignError(
+                "radius of the pin",
+                self.pin,
+                most,
+                "mm",
+                "",
+                "use a smaller pin, or put the axes further apart",
+            )
+        if not self.horn > 0:
+            raise DesignError(
+                "width of the wheel's rim between slot and hollow",
+                self.horn * self.rim,
+                0,
+                "mm",
+                "",
+                "use a smaller pin, or more stations",
+            )
+
+    @property
+    def pitch(self) -> float:
+        """Angle from station to station, rad."""
+        return math.tau / self.stations
+
+    @property
+    def half(self) -> float:
+        """Half of the crank's angle over which it drives, rad."""
+        return math.pi / 2 - self.pitch / 2
+
+    @property
+    def crank(self) -> float:
+        """From the crank's axis to the middle of its pin, mm: the pin enters along the slot."""
+        return self.distance * math.sin(self.pitch / 2)
+
+    @property
+    def rim(self) -> float:
+        """Radius of the wheel, mm: its slots reach as far as the pin's side as it enters."""
+        return math.hypot(self.distance * math.cos(self.pitch / 2), self.pin)
+
+    @property
+    def slot_end(self) -> float:
+        """From the wheel's axis to the middle of the slots' round ends, mm."""
+        return self.distance - self.crank - self.slot_air
+
+    @property
+    def lock(self) -> float:
+        """Radius of the lock's disc, mm: what slot and wall leave."""
+        return self.crank - self.pin - self.slot_air - self.wall - self.lock_air
+
+    @property
+    def clear(self) -> float:
+        """Radius of the lock's disc where the wheel's rim passes, mm."""
+        return self.distance - self.rim - self.lock_air
+
+    @property
+    def hollow(self) -> float:
+        """Radius of the wheel's hollows, mm."""
+        return self.lock + self.lock_air
+
+    @property
+    def speed(self) -> float:
+        """Greatest speed of the wheel over that of the crank."""
+        sine = math.sin(self.pitch / 2)
+        return sine / (1 - sine)
+
+    @property
+    def _corner_angle(self) -> float:
+        """Of a corner about the wheel's axis, from the middle of its hollow, rad."""
+        rest = self.distance**2 + self.rim**2 - self.hollow**2
+        return math.acos(rest / (2 * self.distance * self.rim))
+
+    @property
+    def _hollow_half(self) -> float:
+        """Half of the angle of a hollow about its own centre, rad."""
+        rest = self.distance**2 + self.hollow**2 - self.rim**2
+        return math.acos(rest / (2 * self.distance * self.hollow))
+
+    @property
+    def _mouth(self) -> float:
+        """Half of the angle of a slot's mouth about the wheel's axis, rad."""
+        return math.asin((self.pin + self.slot_air) / self.rim)
+
+    @property
+    def horn(self) -> float:
+        """Angle of the rim between slot and hollow about the wheel's axis, rad."""
+        return self.pitch / 2 - self._mouth - self._corner_angle
+
+    def motion(self, t: Any, order: int = 0) -> Floats:
+        """The wheel's angle from the middle of the drive while the pin drives, rad, or its derivatives, order 0..3."""
+        spoke = -self.crank * np.exp(-1j * np.asarray(t, float))
+        w = self.distance + spoke
+        if order == 0:
+            return np.asarray(-np.angle(w))
+        first = -1j * spoke / w
+        if order == 1:
+            return np.asarray(-first.imag)
+        second = -spoke / w - first**2
+        if order == 2:
+            return np.asarray(-second.imag)
+        return np.asarray(-(1j * spoke / w - 3 * first * second - first**3).imag)
+
+    def wheel(self) -> Contour:
+        """The wheel's edge, counter-clockwise about its axis, a slot on Ox."""
+        width = self.pin + self.slot_air
+        mouth = cmath.rect(self.rim, self._mouth)
+        end = self.slot_end
+        middle = cmath.rect(self.distance, self.pitch / 2)
+        turn = self._hollow_half
+        one: list[Piece] = [
+            Arc(complex(end), width, -math.pi / 2, -math.pi),
+            Line(end + 1j * width, mouth),
+            Arc(0j, self.rim, self._mouth, self.horn),
+            Arc(middle, self.hollow, self.pitch / 2 + math.pi + turn, -2 * turn),
+            Arc(0j, self.rim, self.pitch - self._mouth - self.horn, self.horn),
+            Line(
+                mouth.conjugate() * cmath.exp(1j * self.pitch),
+                (end - 1j * width) * cmath.exp(1j * self.pitch),
+            ),
+        ]
+        turns = [cmath.exp(1j * self.pitch * k) for k in range(self.stations)]
+        return Contour(tuple(piece.moved(turn) for turn in turns for piece in one))
+
+    @cached_property
+    def _passing(self) -> float:
+        """Crank angle at which the corner is on the line of both axes, rad, below 0."""
+        turned = self.pitch / 2 - self._corner_angle
+        return halved(lambda t: float(self.motion(t)) <= turned, -self.half, 0.0)
+
+    @cached_property
+    def _parting(self) -> float:
+        """Crank angle at which the corner's path, with the air, heads for the end of the lock's disc, rad."""
+        end = cmath.rect(self.lock, self.half)
+
+        def past(t: float) -> bool:
+            along = complex(self._relief(t, 1))
+            return (along.conjugate() * (end - complex(self._relief(t, 0)))).imag >= 0
+
+        return halved(past, self._passing, self.half)
+
+    def _corner(self, t: Any, order: int) -> Points:
+        """The corner that comes in as the drive begins, as the crank sees it, order 0..3, complex mm."""
+        t = np.asarray(t, float)
+        behind = self.pitch / 2 - self._corner_angle
+        arm = -self.rim * np.exp(1j * (self.motion(t) - behind - t))
+        axis = self.distance * np.exp(-1j * t)
+        rate = 1j * (self.motion(t, 1) - 1)
+        if order == 0:
+            return np.asarray(axis + arm)
+        if order == 1:
+            return np.asarray(-1j * axis + rate * arm)
+        change = 1j * self.motion(t, 2)
+        if order == 2:
+            return np.asarray(-axis + (change + rate**2) * arm)
+        third = 1j * self.motion(t, 3) + 3 * rate * change + rate**3
+        return np.asarray(1j * axis + third * arm)
+
+    def _relief(self, t: Any, order: int) -> Points:
+        """The lock's edge beside that path, on its left by the air."""
+        along = self._corner(t, 1)
+        length = np.abs(along)
+        if order == 0:
+            return np.asarray(self._corner(t, 0) + 1j * self.lock_air * along / length)
+        bend = self._corner(t, 2)
+        curvature = (along.conj() * bend).imag / length**3
+        share = 1 - self.lock_air * curvature
+        if order == 1:
+            return np.asarray(share * along)
+        change = (along.conj() * self._corner(t, 3)).imag / length**3
+        change = change - 3 * curvature * (along.conj() * bend).real / length**2
+        return np.asarray(share * bend - self.lock_air * change * along)
+
+    def lock_disc(self) -> Contour:
+        """The lock's edge, counter-clockwise about the crank's axis, its pin on Ox; on the level of the wheel."""
+        path = Smooth(self._relief, self._passing, self._parting)
+        inner = cmath.phase(start_point(path))
+        end = cmath.rect(self.lock, self.half)
+        pieces: tuple[Piece, ...] = (
+            Arc(0j, self.lock, self.half, math.tau - 2 * self.half),
+            Line(end.conjugate(), end_point(path).conjugate()),
+            path.moved(mirror=True).reversed(),
+            Arc(0j, self.clear, -inner, 2 * inner),
+            path,
+            Line(end_point(path), end),
+        )
+        return Contour(pieces)
