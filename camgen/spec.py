@@ -131,23 +131,27 @@ class Print(Record):
     )
     slide_clearance: Clearance = Field(
         default=0.2,
-        description="diametral, of what moves; also the play between what lies on one another",
+        description="diametral clearance of what moves; also the play between what lies on one "
+        "another",
     )
-    press_clearance: Clearance = Field(default=0.0, description="diametral, of what is pressed")
+    press_clearance: Clearance = Field(
+        default=0.0, description="diametral clearance of what is pressed"
+    )
     bed: tuple[Length, Length] = Field(
-        default=(220.0, 220.0), description="width and depth: every part must fit on it"
+        default=(220.0, 220.0), description="width and depth of the bed: every part must fit on it"
     )
     bed_height: Length = Field(default=250.0, description="the tallest that it prints")
     bed_margin: Annotated[float | None, quantity("mm", ge=0, le=1000)] = Field(
         default=None,
-        description="along the bed's edge, that stays free; left out: what a brim needs, where there is "
-        "room",
+        description="strip along the bed's edge that stays free; left out: what a brim needs, where "
+        "there is room",
     )
     hole_compensation: Annotated[float, quantity("mm", ge=-2, le=2)] = Field(
-        default=0.0, description="what it takes from the radius of holes: see camgen guide printing"
+        default=0.0,
+        description="how much the printer takes from the radius of holes: see camgen guide printing",
     )
     profile_compensation: Annotated[float, quantity("mm", ge=-2, le=2)] = Field(
-        default=0.0, description="what it adds to outlines"
+        default=0.0, description="how much the printer adds to outlines"
     )
     shrinkage: Annotated[float, quantity("1", ge=-0.05, le=0.05)] = Field(
         default=0.0, description="share by which the plastic shrinks in the plane, such as 0.003"
@@ -160,11 +164,12 @@ class Print(Record):
     )
     layer: Annotated[float | None, quantity("mm", ge=0.01, le=2)] = Field(
         default=None,
-        description="height of the others: for print time, and for faces that lie between layers",
+        description="height of the other layers: for print time, and for faces that lie between "
+        "layers",
     )
     xy_step: Annotated[float, quantity("mm", ge=0, le=0.2)] = Field(
         default=0.0125,
-        description="of the print head: the most that a slicer may move walls; 1 / steps per mm",
+        description="step of the print head: the most that a slicer may move walls; 1 / steps per mm",
     )
     size_error: Spread = Field(
         default=None,
@@ -172,14 +177,16 @@ class Print(Record):
     )
     place_error: Spread = Field(
         default=None,
-        description="the same of a hole's centre along an axis; size_error / sqrt 2 unless given",
+        description="standard deviation of a hole's centre along an axis; size_error / sqrt 2 unless "
+        "given",
     )
     form_error: Spread = Field(
-        default=None, description="the same of an outline's waves; size_error / 4 unless given"
+        default=None,
+        description="standard deviation of an outline's waves; size_error / 4 unless given",
     )
     form_orders: Annotated[Orders, quantity("1")] | None = Field(
         default=None,
-        description="waves a turn of that form, least and greatest; 2 to 4 unless given",
+        description="number of waves a turn, least and greatest; 2 to 4 unless given",
     )
 
 
@@ -208,7 +215,7 @@ class Material(Record):
         '"16MnCr5" (hardened), "stainless", "aluminium", "brass", "POM", "plywood" or "acrylic"',
     )
     density: Annotated[float, quantity("g/cm^3", gt=0, le=25)] | None = Field(
-        default=None, description="where it differs from the usual one"
+        default=None, description="density where it differs from the usual one"
     )
     infill: Annotated[float, quantity("1", gt=0, le=1)] = Field(
         default=1.0,
@@ -231,12 +238,11 @@ class Files(Record):
     )
     profile_step_deg: Annotated[float | None, quantity("deg", ge=0.01, le=90)] = Field(
         default=None,
-        description="between the rows of a cam's table of radius, normal and curvature; left out: no "
-        "table",
+        description="step of a cam's table of radius, normal and curvature; left out: no table",
     )
     cutter_radius: Annotated[float | None, quantity("mm", gt=0, le=1000)] = Field(
         default=None,
-        description="of the cutter whose centre's path round each cam is drawn; left out: none",
+        description="radius of the cutter whose centre's path round each cam is drawn; left out: none",
     )
 
     @property
@@ -277,7 +283,8 @@ class Drawing(Record):
         | None
     ) = Field(
         default=None,
-        description="of the drawings: K-104-01, K-104-02, ...; left out: the names of their files",
+        description="number of the drawings: K-104-01, K-104-02, ...; left out: the names of their "
+        "files",
     )
     date: (
         Annotated[
@@ -292,27 +299,29 @@ class Drawing(Record):
         | None
     ) = Field(
         default=None,
-        description="of the drawings; left out: none, so that the same spec gives the same bytes on any "
-        "day",
+        description="date of the drawings; left out: none, so that the same spec gives the same "
+        "bytes on any day",
     )
     position: Annotated[float, quantity("mm", ge=0, le=5)] = Field(
         default=0.2,
         description="diameter in which the axes of holes have to lie (ISO 1101); 0: not said",
     )
     profile_step_deg: Annotated[float, quantity("deg", ge=5, le=90)] = Field(
-        default=10.0, description="between the rows of a cam's table of radii on them"
+        default=10.0, description="step of a cam's table of radii on the drawings"
     )
     bore_fit: Fit | None = Field(
         default=None,
-        description='of a bore on its shaft (ISO 286), such as "H7"; left out: "H7" in metal, else none',
+        description='fit of a bore on its shaft (ISO 286), such as "H7"; left out: "H7" in metal, '
+        "else none",
     )
     key_fit: Literal["P9", "JS9", "N9"] | None = Field(
         default=None,
-        description='of a keyway\'s width: "P9" tight, "JS9" light; left out: "JS9" in metal, else none',
+        description='fit of a keyway\'s width: "P9" tight, "JS9" light; left out: "JS9" in metal, '
+        "else none",
     )
     seat_fit: Fit | None = Field(
         default=None,
-        description="of holes into which dowels and bearings are pressed; left out: as bore_fit",
+        description="fit of holes into which dowels and bearings are pressed; left out: as bore_fit",
     )
     profile: Annotated[float, quantity("mm", gt=0, le=1)] | None = Field(
         default=None,
@@ -332,12 +341,14 @@ class Drawing(Record):
         description='such as "case hardened 60+4 HRC, CHD 0.8+0.4"; left out: not said',
     )
     revision: Annotated[str, said(8)] | None = Field(
-        default=None, description="of the drawings, in the title block"
+        default=None, description="revision of the drawings, in the title block"
     )
     drawn_by: Annotated[str, said(30)] | None = Field(
-        default=None, description="name in the title block"
+        default=None, description="name of who drew it, in the title block"
     )
-    checked_by: Annotated[str, said(30)] | None = Field(default=None, description="the same")
+    checked_by: Annotated[str, said(30)] | None = Field(
+        default=None, description="name of who checked it, in the title block"
+    )
 
 
 class Laser(Record):
@@ -346,10 +357,12 @@ class Laser(Record):
     kerf: Annotated[float, quantity("mm", ge=0, le=5)] = Field(
         default=0.15, description="width of the beam"
     )
-    thickness: Length = Field(default=3.0, description="of the sheet")
-    sheet: tuple[Length, Length] = Field(default=(600.0, 400.0), description="width and height")
+    thickness: Length = Field(default=3.0, description="thickness of the sheet")
+    sheet: tuple[Length, Length] = Field(
+        default=(600.0, 400.0), description="width and height of the sheet"
+    )
     gap: Annotated[float, quantity("mm", ge=0, le=100)] = Field(
-        default=2.0, description="between neighbours, half of it to the edge"
+        default=2.0, description="gap between neighbours, half of it to the edge"
     )
 
 
@@ -410,7 +423,7 @@ class Spec(Checked):
         description="what is printed with, or what parts are cut of",
     )
     accuracy: Accuracy = Field(
-        default=Accuracy.model_construct(), description="of the outlines in the files"
+        default=Accuracy.model_construct(), description="how exact the outlines in the files are"
     )
     files: Files = Field(default=Files.model_construct(), description="how files are written")
     drawing: Drawing = Field(

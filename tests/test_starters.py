@@ -116,6 +116,31 @@ def test_schema_describes_every_key(mechanism: str) -> None:
     assert bare(root) == [("Drawing", "profile_step_deg")]
 
 
+# How a description begins that says nothing without its table, such as "of the roller" of a radius.
+_FRAGMENT = re.compile(
+    r"(of|that|or|the same|at|by|from|to|with|between|round|behind|beside|about|as)\b"
+)
+
+
+def fragments(root: dict[str, Any]) -> list[tuple[str, str]]:
+    """Keys whose description is no phrase of its own."""
+    return [
+        (name, key)
+        for name, table in tables(root)
+        for key, node in table.get("properties", {}).items()
+        if _FRAGMENT.match(node.get("description", ""))
+    ]
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+def test_a_key_is_understood_by_its_description_alone(mechanism: str) -> None:
+    """As the tooltip of a slider, an editor and a schema show it."""
+    root = schema(load(mechanism), mechanism)
+    assert fragments(root) == []
+    root["$defs"]["Print"]["properties"]["bed"]["description"] = "of the bed"
+    assert fragments(root) == [("Print", "bed")]
+
+
 @pytest.mark.parametrize("mechanism", MECHANISMS)
 def test_starter_is_as_its_class_says(mechanism: str) -> None:
     """A comment or a default that was changed by hand is written as the field has it; run tests/starter_comments.py."""
@@ -131,7 +156,7 @@ def test_what_is_no_description_stays() -> None:
     """Text of a starter, a key that its table names freely, a second mention, and an example in a list of tables."""
     lines = """\
 # A machine.
-[points]                            # mm, where they are at theta = 0
+[points]                            # mm, where the points are at theta = 0
 O = [0, 0]                          # the shaft
 # [[gear]]                          # angle of b = ratio * angle of a
 # ratio = -2                        # angle of b = ratio * angle of a; below 0: they turn against each other

@@ -200,12 +200,14 @@ class KeyWish(Record):
     least: str | None = Field(
         None, description="a figure, or a key that varies, that is to be as small as can be"
     )
-    most: str | None = Field(None, description="or as great as can be")
+    most: str | None = Field(
+        None, description="a figure, or a key that varies, that is to be as great as can be"
+    )
     figures: dict[str, Bounds] = Field(
         {}, description="figures that must lie between a least and a greatest value"
     )
     effort: Annotated[int, Field(ge=1, le=50)] = Field(
-        1, description="times sixty designs for each key, and a simplex's"
+        1, description="how many designs are tried: sixty for each key times this, and a simplex's"
     )
     seed: Annotated[int, Field(ge=0, le=10**6)] = Field(
         0, description="another one begins from other values"

@@ -303,11 +303,11 @@ class Straight(Record):
 
     tolerance: Near = Field(description="greatest width of the strip")
     range_deg: tuple[Angle, Angle] | None = Field(
-        default=None, description="of theta, from and to: which stretch"
+        default=None, description="the stretch of theta, from and to, that is to be straight"
     )
     length: Near | None = Field(
         default=None,
-        description="from end to end: instead, the straightest stretch that is so long",
+        description="in place of range_deg: the straightest stretch that is so long, from end to end",
     )
 
     def faults(self, path: Key) -> list[Fault]:
@@ -351,9 +351,9 @@ class Dwell(Record):
     code: ClassVar[str] = "DWELL"
 
     span_deg: Annotated[float, quantity("deg", gt=0, le=360)] = Field(
-        description="of theta, at least"
+        description="least span of theta over which it rests"
     )
-    band: Size = Field(description="width")
+    band: Size = Field(description="width of the band within which it rests")
     at: Value | None = Field(
         default=None, description="the middle of the band; anywhere unless given"
     )
@@ -398,7 +398,7 @@ class Advance(Record):
         description="deg, how far it may differ"
     )
     lost: Annotated[float, Field(ge=0, le=360)] = Field(
-        default=0.0, description="deg, that the wheel turns before the freewheel locks"
+        default=0.0, description="deg, turn of the wheel before the freewheel locks"
     )
     forwards: Literal[-1, 1] = Field(default=1, description="sense of the angle in which it locks")
     time: Literal[-1, 1] = Field(default=1, description="sense in which theta runs")

@@ -66,33 +66,31 @@ Condition = tuple[
 class LawChoice(Record):
     """A law with its parameters."""
 
-    name: str = Field(description="of the law, see camgen list")
+    name: str = Field(description="name of the law, see camgen list")
     constant_velocity: Annotated[float, quantity("1")] | None = Field(
         default=None, description="share of the span at constant velocity"
     )
     sines: Terms | None = Field(
-        default=None, description="of the acceleration: sines of 2 pi u, 4 pi u, ..."
+        default=None, description="factors of sin 2 pi u, sin 4 pi u, ... in the acceleration"
     )
     cosines: Terms | None = Field(
-        default=None, description="of the acceleration: cosines of pi u, 3 pi u, ..."
+        default=None, description="factors of cos pi u, cos 3 pi u, ... in the acceleration"
     )
     conditions: Annotated[tuple[Condition, ...], Field(max_length=20)] | None = Field(
         default=None,
-        description="of a polynomial: rows u, order of the derivative, value",
+        description="polynomial: rows of u, order of the derivative, value",
         json_schema_extra={"unit": "1"},
     )
     points: Annotated[tuple[tuple[float, float], ...], Field(max_length=20_000)] | None = Field(
         default=None,
-        description="of a table: rows angle, displacement, in any unit",
+        description="table: rows of angle and displacement, in any unit",
         json_schema_extra={"unit": "1"},
     )
     file: str | None = Field(
-        default=None, description="of a table: two columns, in a file beside the spec"
+        default=None, description="table: a file beside the spec with these two columns"
     )
-    source: str | None = Field(default=None, description="of a table: where it is from")
-    rest: bool | None = Field(
-        default=None, description="of a table: whether it starts and ends at rest"
-    )
+    source: str | None = Field(default=None, description="table: where it is from")
+    rest: bool | None = Field(default=None, description="table: whether it starts and ends at rest")
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -116,7 +114,8 @@ class Span(Record):
     kind: Literal["rise", "dwell", "return"] = Field(description='"rise", "dwell" or "return"')
     span_deg: Annotated[float, quantity("deg", ge=_LEAST_SPAN, le=360)] | None = Field(
         default=None,
-        description="of the turn, or of a drive's period; left out of one dwell: the rest",
+        description="how much of the turn, or of a drive's period, it takes; one dwell may leave it "
+        "out: the rest",
     )
 
 
@@ -145,14 +144,14 @@ class SegmentTable(Span):
     """One segment of a program as a spec gives it; `lift` is how far it rises or returns, `to` where it ends."""
 
     lift: Annotated[float, quantity("mm or deg", ge=1e-3, le=1e6)] | None = Field(
-        default=None, description="how far; or to, the displacement at the end"
+        default=None, description="how far the follower moves; or to, the displacement at the end"
     )
     to: Annotated[float, quantity("mm or deg", ge=-1e6, le=1e6)] | None = Field(
-        default=None, description="where it ends"
+        default=None, description="displacement at the end of the segment"
     )
     law: NamedLaw | None = Field(
         default=None,
-        description="see camgen list; a name, or a table with parameters; not of a dwell",
+        description="law of a rise or return: a name (camgen list), or a table with parameters",
     )
 
 

@@ -20,14 +20,16 @@ from camgen.spec import Length, Record, quantity
 from camgen.vocabulary import OldWords
 
 Thickness = Annotated[float, quantity("mm", ge=0.1, le=1000)]
-Bore = Annotated[Length, Field(description="of the shaft's hole")]
+Bore = Annotated[Length, Field(description="diameter of the shaft's hole")]
 BoreShape = Annotated[
     Literal["plain", "keyway", "d-flat"],
     Field(description='"plain", "keyway" (key_width, key_depth) or "d-flat" (flat_depth), on +y'),
 ]
-KeyWidth = Annotated[Length, Field(description="of the keyway")]
-KeyDepth = Annotated[Length, Field(description="keyway's floor above the bore's circle")]
-FlatDepth = Annotated[Length, Field(description="flat below the bore's circle")]
+KeyWidth = Annotated[Length, Field(description="width of the keyway")]
+KeyDepth = Annotated[
+    Length, Field(description="height of the keyway's floor above the bore's circle")
+]
+FlatDepth = Annotated[Length, Field(description="depth of the flat below the bore's circle")]
 
 LAYOUT = (
     0.01  # mm, facets on which holes are placed; every wall is judged again on the written files
@@ -46,7 +48,8 @@ class ShaftHole(Record):
 
     thickness: Thickness = Field(
         default=6.0,
-        description="of the cam, without its hub; of a machine 4, of links, cams and followers",
+        description="thickness of the cam, without its hub; in a machine 4, of links, cams and "
+        "followers",
     )
     bore: Bore = 8.0
     bore_shape: BoreShape = "plain"
@@ -99,9 +102,9 @@ class ShaftHole(Record):
 class CamParts(ShaftHole):
     """The cam as a body; pins, rim and back belong to a groove."""
 
-    hub_diameter: Length = Field(default=16.0, description="of the hub on top of the cam")
+    hub_diameter: Length = Field(default=16.0, description="diameter of the hub on top of the cam")
     hub_height: Annotated[float, quantity("mm", ge=0, le=1000, examples=[6.0])] = Field(
-        default=0.0, description="on top of the cam; 0: none, as in a groove"
+        default=0.0, description="height of the hub on top of the cam; 0: none, as in a groove"
     )
     set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = Field(
         default="none",
@@ -110,9 +113,9 @@ class CamParts(ShaftHole):
     )
     pin_diameter: Length = Field(
         default=3.0,
-        description="groove: of the pins that join its plates; of a machine 5, of all pins",
+        description="groove: diameter of the pins that join its plates; in a machine 5, of all pins",
     )
-    rim: Length = Field(default=8.0, description="groove: outside its outer wall")
+    rim: Length = Field(default=8.0, description="groove: width of the rim outside its outer wall")
     back: Thickness = Field(default=3.0, description="groove: thickness of the back plate")
 
     def hub(self, min_wall: float) -> SetScrewHub | None:

@@ -37,9 +37,9 @@ _BEYOND = 10.0  # mm that plate and needles are drawn beyond what they need
 class SpreaderParts(Record):
     """Spreaders and plate as bodies."""
 
-    nose_width: Length = Field(default=1.2, description="at the thread's seat")
+    nose_width: Length = Field(default=1.2, description="width of the nose at the thread's seat")
     side_gap: Annotated[float, quantity("mm", ge=0, le=10)] = Field(
-        default=0.1, description="between needle and nose"
+        default=0.1, description="gap between needle and nose"
     )
     shed_deg: Annotated[float, quantity("deg", ge=0, lt=45)] = Field(
         default=3.0, description="widening of the blade to the shank"
@@ -51,16 +51,17 @@ class SpreaderParts(Record):
     )
     edge_radius: Annotated[float, quantity("mm", ge=0, le=10)] = Field(
         default=0.3,
-        description="where thread runs: corners, and long edges of the nose, as seen along it; 0: sharp",
+        description="radius where thread runs: corners, and long edges of the nose, as seen along "
+        "it; 0: sharp",
     )
     running_gap: Annotated[float, quantity("mm", ge=0, le=10)] = Field(
         default=0.0,
-        description="between the spreaders, taken off the underside; 0: they slide on each other",
+        description="gap between the spreaders, taken off the underside; 0: they slide on each other",
     )
-    shank_length: Length = Field(default=12.0, description="behind the blade")
-    shank_width: Length = Field(default=6.0, description="of what is clamped")
+    shank_length: Length = Field(default=12.0, description="length of the shank behind the blade")
+    shank_width: Length = Field(default=6.0, description="width of the shank, which is clamped")
     clamp_hole: Length = Field(default=2.2, description="diameter of the hole in the shank")
-    plate_thickness: Length = Field(default=2.0, description="of the needle plate")
+    plate_thickness: Length = Field(default=2.0, description="thickness of the needle plate")
 
 
 @dataclass(frozen=True)

@@ -30,18 +30,18 @@ class StitchGeometry(Record):
     plate_to_spreader: Length = Field(
         description="e, top of the plate to the top of the upper spreader; 3 to 5 are usual"
     )
-    protrusion: Length = Field(description="l_H, below the nose; 1 to 2")
+    protrusion: Length = Field(description="l_H, how far the blade reaches below the nose; 1 to 2")
     protrusion_deg: Annotated[float, quantity("deg", ge=30, le=90)] = Field(
         description="tau, lean of its front; 75 to 90"
     )
     feed_deg: Annotated[float, quantity("deg", gt=0, lt=360)] = Field(
         description="phi_t, shaft angle while the fabric moves"
     )
-    material_thickness: Length = Field(description="the greatest; m in the source")
+    material_thickness: Length = Field(description="m, greatest thickness of what is sewn")
     velocity_ratio: Annotated[float, quantity("1", gt=0, le=100)] = Field(
-        description="r = dL/dS; the report says from where to where it works"
+        description="r = dL/dS, spreaders to needles; the report says from where to where it works"
     )
-    blade_length: Length = Field(description="nose's tip to the shank")
+    blade_length: Length = Field(description="length of the blade from the nose's tip to the shank")
     mode: Literal["corrected", "published"] = Field(
         default="corrected",
         description='"corrected"; or "published": the source\'s figures with its errors; its design '
@@ -50,7 +50,8 @@ class StitchGeometry(Record):
     stitch_length: Length = Field(default=3.0, description="t, for the thread of a stitch")
     p6_setback: Annotated[float, quantity("mm", ge=0, le=1e3)] = Field(
         default=0.0,
-        description="front of the body behind the path of the needle that comes nearest to it",
+        description="how far the front of the body is behind the path of the needle that comes "
+        "nearest to it",
     )
 
 
@@ -69,14 +70,17 @@ class Timing(Record):
     """How needles and spreaders move: a law for rise and return alike, or a program of its own whose lifts go from 0 to 1."""
 
     needle: Law = Field(
-        default="simple-harmonic", description="any law of `camgen list`, for rise and return alike"
+        default="simple-harmonic",
+        description="law of the needles, for rise and return alike: any of `camgen list`",
     )
-    spreader: Law = Field(default="simple-harmonic", description="the same")
+    spreader: Law = Field(
+        default="simple-harmonic", description="law of the spreaders, as of the needles"
+    )
     needle_segment: Annotated[tuple[StrokeSegment, ...], WholeTurn] = Field(
-        default=(), description="a program of its own instead of a law, from 0 up to 1 and back"
+        default=(), description="program of the needles in place of a law, from 0 up to 1 and back"
     )
     spreader_segment: Annotated[tuple[StrokeSegment, ...], WholeTurn] = Field(
-        default=(), description="the same of the spreaders"
+        default=(), description="program of the spreaders in place of a law"
     )
     distortion: tuple[Distortion, Distortion] = Field(
         default=(0.0, 0.0),
@@ -84,10 +88,10 @@ class Timing(Record):
         "and 0.2",
     )
     lag_deg: Annotated[float, quantity("deg", ge=-180, le=180)] = Field(
-        default=0.0, description="by which the spreaders come after the needles"
+        default=0.0, description="how far the spreaders come after the needles"
     )
     needle_stroke: Length | None = Field(
-        default=None, description="of the needles; left out: as long as the feed asks for"
+        default=None, description="stroke of the needles; left out: as long as the feed asks for"
     )
 
 
@@ -95,7 +99,7 @@ class StitchMotor(Drives):
     """What drives the machine; the shaft's angle is counted in its sense of turning, so either sense makes the same parts."""
 
     speed_rpm: Annotated[Rpm, turning()] = Field(
-        default=3000.0, description="of the main shaft; below 0: clockwise"
+        default=3000.0, description="speed of the main shaft; below 0: clockwise"
     )
 
 
@@ -103,7 +107,7 @@ class StitchLimits(LimitsTable):
     """What the designer accepts; a finding fails beyond it."""
 
     loop_angle_deg: Annotated[float, quantity("deg", ge=0, le=90)] = Field(
-        default=1.0, description="between the two loops at the pierce"
+        default=1.0, description="greatest difference of the two loops' angles at the pierce"
     )
     clearance: Annotated[float, quantity("mm", ge=0, le=100)] = Field(
         default=0.0,
@@ -115,9 +119,9 @@ class StitchLimits(LimitsTable):
 class Wanted(Record):
     """Bounds within which `camgen design` looks for the spec with the largest smallest clearance."""
 
-    nose_over_eye: Both = Field(default=(1.5, 4.0), description="from and to, a1 and a2")
-    loop_rise: Both = Field(default=(1.5, 4.5), description="from and to, S01 and S02")
-    protrusion: Both = Field(default=(1.0, 2.0), description="from and to, l_H")
-    plate_to_spreader: Both = Field(default=(3.0, 8.0), description="from and to, e")
-    spreader_stroke: Length = Field(default=40.0, description="at most")
-    nose_length: Length = Field(default=16.0, description="at most")
+    nose_over_eye: Both = Field(default=(1.5, 4.0), description="least and greatest of a1 and a2")
+    loop_rise: Both = Field(default=(1.5, 4.5), description="least and greatest of S01 and S02")
+    protrusion: Both = Field(default=(1.0, 2.0), description="least and greatest of l_H")
+    plate_to_spreader: Both = Field(default=(3.0, 8.0), description="least and greatest of e")
+    spreader_stroke: Length = Field(default=40.0, description="greatest stroke of the spreaders")
+    nose_length: Length = Field(default=16.0, description="greatest length of the nose")

@@ -44,30 +44,35 @@ Steps = Annotated[
 class CouponGeometry(Record):
     """Nominal sizes, mm, each list from small to large."""
 
-    holes: Sizes = Field(default=(3.0, 4.0, 5.0, 6.0, 8.0, 10.0), description="diameters")
-    gaps: Sizes = Field(default=(2.0, 4.0, 6.0, 8.0), description="between two straight walls")
+    holes: Sizes = Field(
+        default=(3.0, 4.0, 5.0, 6.0, 8.0, 10.0), description="diameters of the holes"
+    )
+    gaps: Sizes = Field(
+        default=(2.0, 4.0, 6.0, 8.0),
+        description="widths of the gaps, each between two straight walls",
+    )
     pins: Sizes = Field(
         default=(3.0, 4.0, 5.0, 6.0, 8.0), description="diameters of pins that stand on the plate"
     )
-    fit_pin: Length = Field(default=5.0, description="of the loose pin")
+    fit_pin: Length = Field(default=5.0, description="diameter of the loose pin")
     clearances: Steps = Field(
         default=(0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8),
-        description="diametral, of the holes for it",
+        description="diametral clearances of the holes for the loose pin",
     )
-    disc: Length = Field(default=40.0, description="its diameter")
+    disc: Length = Field(default=40.0, description="diameter of the disc")
     datum_hole: Length = Field(
         default=8.0, description="diameter of A, B, C and of the disc's bore"
     )
-    length: Length = Field(default=90.0, description="from A to B")
-    width: Length = Field(default=54.0, description="from A to C")
+    length: Length = Field(default=90.0, description="distance from A to B")
+    width: Length = Field(default=54.0, description="distance from A to C")
 
 
 class CouponParts(Record):
     """The bodies of the parts, mm."""
 
-    thickness: Length = Field(default=4.0, description="of plate and disc")
-    pin_height: Length = Field(default=8.0, description="of the standing pins")
-    wall: Length = Field(default=3.0, description="between two holes, at least")
+    thickness: Length = Field(default=4.0, description="thickness of plate and disc")
+    pin_height: Length = Field(default=8.0, description="height of the standing pins")
+    wall: Length = Field(default=3.0, description="least wall between two holes")
 
 
 class Measured(Record):
@@ -77,17 +82,17 @@ class Measured(Record):
         default=0.02, description="standard deviation of one reading"
     )
     runs: Annotated[float, quantity("mm")] | None = Field(
-        default=None, description="the tightest of clearances in which the loose pin turns freely"
+        default=None, description="tightest of clearances in which the loose pin turns freely"
     )
     holds: Annotated[float, quantity("mm")] | None = Field(
-        default=None, description="the widest in which it sits tight"
+        default=None, description="widest of clearances in which the loose pin sits tight"
     )
     sizes: dict[
         str, Length | Annotated[tuple[Length, ...], Field(min_length=1, max_length=100)]
     ] = Field(
         default={},
-        description='by feature: one reading, or several: "hole 5" = [4.78, 4.80]; measure as many as you '
-        "like",
+        description='readings by feature, one or several: "hole 5" = [4.78, 4.80]; measure as many '
+        "as you like",
     )
 
     @model_validator(mode="before")
@@ -105,10 +110,11 @@ class CouponLimits(Record):
 
     uncertainty: Length = Field(
         default=0.05,
-        description="of a compensation, 95 %: a quarter of the usual running clearance",
+        description="greatest uncertainty of a compensation, 95 %: a quarter of the usual running "
+        "clearance",
     )
     departure: Length = Field(
-        default=0.15, description="by which one size may be off what the values give it"
+        default=0.15, description="how far one size may be off what the values give it"
     )
     min_wall: MinWall = 0.8
 

@@ -76,7 +76,7 @@ class DiscCamDrive(CamTables):
 
     geometry: DiscCamGeometry
     segment: Annotated[tuple[SegmentTable, ...], Field(min_length=1, max_length=100), WholeTurn] = (
-        Field(description="of the motion: one after another they make the turn")
+        Field(description="segments of the motion: one after another they make the turn")
     )
     motor: DiscCamMotor = DiscCamMotor.model_construct()
     load: LoadTable | None = Field(

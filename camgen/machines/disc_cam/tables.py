@@ -23,14 +23,18 @@ class FollowerTable(Record):
     shape: Literal["roller", "flat", "knife"] = Field(
         description='"roller" (radius), "flat" or "knife"'
     )
-    radius: Length | None = Field(default=None, description="of the roller")
+    radius: Length | None = Field(default=None, description="radius of the roller")
     offset: Coordinate = Field(
         default=0.0,
-        description="translating: of the slide, to the right of the shaft (below 0: to the left)",
+        description="translating: how far the slide is to the right of the shaft (below 0: to the "
+        "left)",
     )
-    pivot_distance: Length | None = Field(default=None, description="oscillating: from O to A")
+    pivot_distance: Length | None = Field(
+        default=None, description="oscillating: distance from the shaft O to the pivot A"
+    )
     arm: Length | None = Field(
-        default=None, description="oscillating roller or knife: from A to its centre or edge"
+        default=None,
+        description="oscillating roller or knife: distance from A to its centre or edge",
     )
     face_offset: Coordinate = Field(
         default=0.0,
@@ -50,9 +54,8 @@ class DiscCamGeometry(Record):
     follower: FollowerTable = Field(description="what rides on the cam")
     base_radius: Length | None = Field(
         default=None,
-        description="of the circle that touches the cam from within; left out: the smallest that keeps to "
-        "[limits] and\n"
-        "holds its shaft",
+        description="radius of the circle that touches the cam from within; left out: the smallest "
+        "that keeps to [limits] and\nholds its shaft",
     )
     closure: Literal["force", "conjugate", "groove"] = Field(
         default="force",
@@ -69,7 +72,8 @@ class DiscCamMotor(Drives):
 
     speed_rpm: Annotated[Rpm, turning()] = Field(
         default=60.0,
-        description="of the cam; below 0 it turns clockwise: the program runs in the sense of turning",
+        description="speed of the cam; below 0 it turns clockwise: the program runs in the sense of "
+        "turning",
     )
 
 
@@ -81,7 +85,7 @@ class DiscCamLimits(CamLimitsTable):
     """What the designer accepts; a finding fails beyond it."""
 
     undercut: Annotated[float, quantity("mm or deg", ge=0, le=1e6)] = Field(
-        default=0.0, description="motion that may be lost"
+        default=0.0, description="motion that may be lost by undercut"
     )
     lash: Annotated[float, quantity("mm or deg", ge=0, le=1e6)] = Field(
         default=0.25,
@@ -95,16 +99,16 @@ class LoadTable(Weight):
     """What the follower is and bears, a translating one in kg, N and mm, an oscillating one in kg m^2, N m and rad."""
 
     mass_kg: Annotated[float, quantity("kg", ge=0, le=1e6)] = Field(
-        default=0.0, description="of a translating follower and what it moves"
+        default=0.0, description="mass of a translating follower and what it moves"
     )
     inertia_kg_m2: Annotated[float, quantity("kg m^2", ge=0, le=1e6)] = Field(
-        default=0.0, description="of an oscillating one, about its pivot"
+        default=0.0, description="moment of inertia of an oscillating follower about its pivot"
     )
     damping: Annotated[float, quantity("N s/mm or N m s/rad", ge=0, le=1e6)] = Field(
-        default=0.0, description="in proportion to its speed"
+        default=0.0, description="damping of the follower, in proportion to its speed"
     )
     resistance: Annotated[float, quantity("N or N m", ge=0, le=1e6)] = Field(
-        default=0.0, description="constant against its lift"
+        default=0.0, description="constant force or torque against the follower's lift"
     )
     polydyne: bool = Field(
         default=False,
@@ -134,8 +138,9 @@ class SpringTable(Record):
 
     rate: Annotated[float, quantity("N/mm or N m/rad", ge=0, le=1e6)] = Field(
         default=0.0,
-        description="of its force; a machine without [spring] gets one that keeps it on the cam",
+        description="rate of the return spring; a machine without [spring] gets one that keeps the "
+        "follower on the cam",
     )
     preload: Annotated[float, quantity("N or N m", ge=0, le=1e6)] = Field(
-        default=0.0, description="at its lowest place"
+        default=0.0, description="force or torque of the spring where the follower is lowest"
     )

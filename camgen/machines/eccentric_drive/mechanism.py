@@ -58,7 +58,7 @@ class EccentricDrive(Template):
     motor: EccentricMotor
     making: Annotated[EccentricSizes, Field(alias="parts")] = Field(
         default=EccentricSizes.model_validate({}),
-        description="its bodies, as [parts] of a linkage has them: see camgen schema",
+        description="sizes of its bodies, as [parts] of a linkage has them: see camgen schema",
     )
     masses: Masses | None = Field(
         default=None, description="adds joint forces and torque to the report"

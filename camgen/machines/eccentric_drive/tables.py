@@ -37,67 +37,76 @@ ELSEWHERE = {
 class EccentricGeometry(Record):
     """Lengths of the mechanism."""
 
-    eccentricity: Length = Field(description="O to E")
-    rod: Length = Field(description="E to P")
-    offset: Coordinate = Field(default=0.0, description="of the guide from the shaft; 0 is in line")
-    eccentric_diameter: Length = Field(description="of the disc")
-    shaft_diameter: Length = Field(description="of the motor's shaft")
+    eccentricity: Length = Field(description="distance from the shaft O to the disc's centre E")
+    rod: Length = Field(description="length of the rod, from E to the pin P of the slider")
+    offset: Coordinate = Field(
+        default=0.0, description="distance of the guide from the shaft; 0 is in line"
+    )
+    eccentric_diameter: Length = Field(description="diameter of the disc")
+    shaft_diameter: Length = Field(description="diameter of the motor's shaft")
 
 
 class EccentricMotor(Drives):
     """What drives the disc."""
 
     speed_rpm: Annotated[Rpm, turning(0.001)] = Field(
-        description="of the shaft; below 0: clockwise"
+        description="speed of the shaft; below 0: clockwise"
     )
     boss_diameter: Length = Field(
-        default=6.0, description="its collar, which sits in the plate: measure yours"
+        default=6.0,
+        description="diameter of the motor's collar, which sits in the plate: measure yours",
     )
-    diameter: Length = Field(default=21.0, description="of its can, over the flats' corners")
+    diameter: Length = Field(
+        default=21.0, description="diameter of the motor's can, over the flats' corners"
+    )
     length: Length = Field(
-        default=25.0, description="of its can; a bar behind it and two long screws hold it"
+        default=25.0,
+        description="length of the motor's can; a bar behind it and two long screws hold it",
     )
 
 
 class EccentricSizes(sizes.Parts):
     """Sizes of the parts, as [parts] of a linkage, and of the needle's."""
 
-    wall: Length = Field(default=2.0, description="round holes, pins and the disc")
+    wall: Length = Field(default=2.0, description="wall round holes, pins and the disc")
     thickness: Length = Field(
-        default=3.0, description="of the rod with its strap, and of the wire's clamp"
+        default=3.0, description="thickness of the rod with its strap, and of the wire's clamp"
     )
     head: Length = Field(
         default=1.0, description="height of the pin's head and of the disc's keeper"
     )
-    base_thickness: Length = Field(default=5.0, description="of the plate that holds it all")
+    base_thickness: Length = Field(
+        default=5.0, description="thickness of the plate that holds it all"
+    )
     pin: sizes.PinKind = Field(
         default="printed",
-        description='of the slider: "printed"; or "dowel": of steel, where a printed one does not bear the speed',
+        description='pin of the slider: "printed"; or "dowel": of steel, where a printed one does '
+        "not bear the speed",
     )
-    pin_diameter: Length = Field(default=3.0, description="of the pin in the slider")
-    rail_width: Length = Field(default=6.0, description="beside the slider")
-    slider_width: Length = Field(default=8.0, description="across the guide")
+    pin_diameter: Length = Field(default=3.0, description="diameter of the pin in the slider")
+    rail_width: Length = Field(default=6.0, description="width of the rails beside the slider")
+    slider_width: Length = Field(default=8.0, description="width of the slider across the guide")
     slider_thickness: Length = Field(
-        default=4.0, description="of the slider and of the disc's flange"
+        default=4.0, description="thickness of the slider and of the disc's flange"
     )
     wire_diameter: Length = Field(
         default=1.5,
-        description="of the needle, in the slider's groove, clamped at the slider's head",
+        description="diameter of the needle, in the slider's groove, clamped at the slider's head",
     )
     wire_length: Length | None = Field(
         default=None,
-        description="of the needle, from the inner end of its groove to its point; unless given the point "
-        "is flush with the tube's mouth when the slider is innermost",
+        description="length of the needle, from the inner end of its groove to its point; unless "
+        "given the point is flush with the tube's mouth when the slider is innermost",
     )
     tube_length: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
         default=0.0,
-        description="of the tube that guides the needle beyond the slider's head; 0: none",
+        description="length of the tube that guides the needle beyond the slider's head; 0: none",
     )
     screw: Literal["M2", "M2.5", "M3", "M4", "M5", "M6"] = Field(
-        default="M2", description="of motor, wire clamp, tube and mounting"
+        default="M2", description="screws of motor, wire clamp, tube and mounting"
     )
     cover_length: Length = Field(
-        default=10.0, description="along the guide, of its rails and their cover at least"
+        default=10.0, description="least length of the rails and their cover along the guide"
     )
 
     @field_validator("pin", mode="before")
@@ -126,12 +135,14 @@ class EccentricSizes(sizes.Parts):
 class Masses(Record):
     """What moves, for forces; the rod's centre of mass from the disc's centre, and its inertia about it."""
 
-    rod_g: Mass = Field(description="of the rod")
-    rod_centre: Coordinate = Field(description="from E towards P")
-    rod_inertia_g_mm2: Annotated[float, quantity("g mm^2", ge=0, le=1e12)] = Field(
-        description="about the centre of mass"
+    rod_g: Mass = Field(description="mass of the rod")
+    rod_centre: Coordinate = Field(
+        description="distance of the rod's centre of mass from E, towards P"
     )
-    slider_g: Mass = Field(description="of the slider with the needle")
+    rod_inertia_g_mm2: Annotated[float, quantity("g mm^2", ge=0, le=1e12)] = Field(
+        description="moment of inertia of the rod about its centre of mass"
+    )
+    slider_g: Mass = Field(description="mass of the slider with the needle")
 
     def of_linkage(self) -> dict[str, Any]:
         """[masses] of the linkage; the disc counts as balanced."""
@@ -152,9 +163,10 @@ class EccentricLimits(LimitsTable):
         "to 3 mm deep, and play moves its point within that",
     )
     stroke: Annotated[Band, quantity("mm")] | None = Field(
-        default=None, description="least and greatest that serve: how deep the needle is to go"
+        default=None,
+        description="least and greatest stroke that serve: how deep the needle is to go",
     )
     strokes_per_s: Annotated[Band, quantity("1/s")] | None = Field(
-        default=None, description="least and greatest that serve"
+        default=None, description="least and greatest number of strokes a second that serve"
     )
     min_wall: MinWall = 0.8

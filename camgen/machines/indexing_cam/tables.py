@@ -34,20 +34,22 @@ NotNegative = Annotated[float, Field(ge=0, le=1e6)]
 class Arm(Record):
     """The follower: a roller on an arm, and its axle."""
 
-    arm: Length = Field(description="from A to the roller's centre")
-    pivot_distance: Length = Field(description="from O to A")
-    roller_radius: Length = Field(description="of the roller")
+    arm: Length = Field(description="distance from the pivot A to the roller's centre")
+    pivot_distance: Length = Field(description="distance from the shaft O to the pivot A")
+    roller_radius: Length = Field(description="radius of the roller")
 
 
 class IndexingGeometry(Record):
     """Follower, program and gears; the second dwell is what rise, dwell and return leave of the turn."""
 
     follower: Arm = Field(description="the arm that swings")
-    base_radius: Length = Field(description="of the cam in the inner dwell")
-    law: NamedLaw = Field(description="a name (camgen list), or a table with parameters")
+    base_radius: Length = Field(description="radius of the cam in the inner dwell")
+    law: NamedLaw = Field(
+        description="law of the turn: a name (camgen list), or a table with parameters"
+    )
     rise_deg: Span = Field(description="cam angle of a turn of the driven link")
     dwell_deg: Annotated[float, quantity("deg", ge=0, lt=360)] = Field(
-        description="outer dwell; the inner one is what is left of 360"
+        description="cam angle of the outer dwell; the inner one is what is left of 360"
     )
     return_deg: Span | None = Field(
         default=None, description="cam angle of the turn back: that of the rise unless given"
@@ -56,7 +58,7 @@ class IndexingGeometry(Record):
         default=180.0, description="turn of the driven link"
     )
     gear_ratio: Annotated[float, quantity("1", ge=0.1, le=1000)] = Field(
-        description="driven link / follower"
+        description="turn of the driven link / turn of the follower"
     )
     closure: Literal["conjugate", "force"] = Field(
         default="conjugate",
@@ -112,8 +114,8 @@ class IndexingMotor(Drives):
 
     speed_rpm: Annotated[Rpm, turning()] = Field(
         default=30.0,
-        description="of the cam shaft; below 0 it turns clockwise: the program runs in the sense of "
-        "turning",
+        description="speed of the cam shaft; below 0 it turns clockwise: the program runs in the "
+        "sense of turning",
     )
 
 
@@ -123,11 +125,12 @@ class Driver(Record):
 
     crank: Length = Field(
         default=20.0,
-        description="from its shaft to its pin; it turns evenly, twice while the cam turns once",
+        description="distance from the crank's shaft to its pin; it turns evenly, twice while the "
+        "cam turns once",
     )
     offset: Length = Field(
-        description="of the arm's axle from the crank's shaft, less than the crank; the report compares "
-        "with an even drive"
+        description="distance of the arm's axle from the crank's shaft, less than the crank; the "
+        "report compares with an even drive"
     )
 
 
@@ -137,7 +140,7 @@ class Freewheels(Record):
 
     lost_deg: Annotated[float, quantity("deg", ge=0, le=45)] = Field(
         default=1.0,
-        description="of the wheel, before a clutch locks: the follower swings so much further",
+        description="turn of the wheel before a clutch locks: the follower swings so much further",
     )
 
 
@@ -146,22 +149,23 @@ class LoadTable(Weight):
 
     gravity_deg: Direction | None = Field(
         default=None,
-        description="of other machines; refused here: an indexing cam is worked out as it lies flat",
+        description="refused here: an indexing cam is worked out as it lies flat",
     )
     inertia_kg_m2: Annotated[Positive, quantity("kg m^2")] = Field(
-        description="of the driven link with the table"
+        description="moment of inertia of the driven link with the table"
     )
     follower_inertia_kg_m2: Annotated[NotNegative, quantity("kg m^2")] = Field(
-        default=0.0, description="of the follower, about its axle"
+        default=0.0, description="moment of inertia of the follower about its axle"
     )
     friction_n_m: Annotated[NotNegative, quantity("N m")] = Field(
-        default=0.0, description="at the driven link"
+        default=0.0, description="friction torque at the driven link"
     )
     dwell_torque_n_m: Annotated[NotNegative, quantity("N m")] = Field(
-        default=0.0, description="that the process puts on the driven link in a dwell"
+        default=0.0, description="torque that the process puts on the driven link in a dwell"
     )
     closing_n_m: Annotated[NotNegative, quantity("N m")] = Field(
-        default=0.0, description='at the follower\'s axle, with closure "force"'
+        default=0.0,
+        description='torque of the closing spring at the follower\'s axle, with closure "force"',
     )
 
 
@@ -196,19 +200,22 @@ class UnloaderTable(Record):
         json_schema_extra={"unit": "N m"},
     )
     stiffness_n_mm: Annotated[Positive, quantity("N/mm")] | None = Field(
-        default=None, description="the one that leaves least to the cam unless given"
+        default=None,
+        description="rate of the spring; unless given the one that leaves least to the cam",
     )
-    crank: Length | None = Field(default=None, description="radius of the pin")
+    crank: Length | None = Field(
+        default=None, description="distance of the cord's pin from its shaft"
+    )
     guide: Length | None = Field(
-        default=None, description="from the crank's axis to where the cord is guided"
+        default=None, description="distance from the crank's axis to where the cord is guided"
     )
     stretch: Annotated[NotNegative, quantity("mm")] | None = Field(
-        default=None, description="of the spring at mid stroke"
+        default=None, description="stretch of the spring at mid stroke"
     )
     lead_deg: Annotated[float, quantity("deg", ge=0, lt=90)] | None = Field(
         default=None,
-        description="past the dead centre at the ends of the stroke; with [freewheel] before it, where "
-        "the turn ends",
+        description="how far past the dead centre the crank is at the ends of the stroke; with "
+        "[freewheel] before it, where the turn ends",
     )
 
     def faults(self, on: bool) -> list[Fault]:
@@ -274,16 +281,20 @@ class SynthesisTable(Record):
     weights: Annotated[
         tuple[Annotated[float, quantity("1", ge=0, le=1e9)], ...],
         Field(min_length=1, max_length=20),
-    ] = Field(description="of the spring's size against the peak acceleration")
-    sines: Annotated[int, Field(ge=1, le=8)] = Field(default=5, description="terms of the law")
-    cosines: Annotated[int, Field(ge=0, le=3)] = Field(default=1, description="terms of the law")
+    ] = Field(description="weights q of the spring's size against the peak acceleration")
+    sines: Annotated[int, Field(ge=1, le=8)] = Field(
+        default=5, description="number of sine terms of the law"
+    )
+    cosines: Annotated[int, Field(ge=0, le=3)] = Field(
+        default=1, description="number of cosine terms of the law"
+    )
 
 
 class IndexingParts(CamSizes):
     """Sizes of cams alone, and of a machine's bodies; a further table by a link's name is the shape of that link."""
 
     thickness: Thickness = Field(
-        default=8.0, description="of a cam; of a machine 4, of links, cams and followers"
+        default=8.0, description="thickness of a cam; in a machine 4, of links, cams and followers"
     )
     bore: Bore = 12.0
     bore_shape: BoreShape = "keyway"
@@ -291,10 +302,10 @@ class IndexingParts(CamSizes):
     key_depth: KeyDepth = 1.8
     flat_depth: FlatDepth = 1.0
     windows: Annotated[int, Field(ge=0, le=24)] = Field(
-        default=0, description="lightening windows at most"
+        default=0, description="most lightening windows in a cam"
     )
     wall: Length = Field(
-        default=4.0, description="of a cam, what windows keep; of a machine 2, round each hole"
+        default=4.0, description="wall that windows of a cam keep; in a machine 2, round each hole"
     )
 
 
@@ -309,13 +320,15 @@ class IndexingLimits(SwingingCamLimitsTable):
     )
     acceleration_jump: Annotated[NotNegative, quantity("1")] = Field(
         default=3.0,
-        description="at a joint, in strokes per square of the turn's period; MR-13 has 2.55 by design",
+        description="greatest jump of acceleration at a joint, in strokes per square of the turn's "
+        "period; MR-13 has 2.55 by design",
     )
     residual: Annotated[float, quantity("1", ge=0, le=100)] = Field(
         default=0.25, description="share of the peak torque without the unloader, left to the cam"
     )
     advance_deg: Annotated[float, quantity("deg", gt=0, le=360)] = Field(
         default=0.05,
-        description="with [freewheel]: how far a turn of the table may be off; errors of the turns add up",
+        description="how far a turn of the table may be off with [freewheel]; errors of the turns "
+        "add up",
     )
     min_wall: MinWall = 0.8

@@ -98,7 +98,7 @@ class Additions:
 class Linkage(Mechanism):
     """Spec and answers of a linkage; angles rad, places mm."""
 
-    points: t.Points = Field(description="where they are at theta = 0")
+    points: t.Points = Field(description="where the points are at theta = 0")
     links: t.Links = Field(
         description="bodies by their points; two that share a point are pinned there; ground stands still"
     )
@@ -138,7 +138,7 @@ class Linkage(Mechanism):
         default=None, description="a sector of a disc on the shaft of the driven link: balances it"
     )
     masses: dict[Name, t.Masses] = Field(
-        default={}, description="of links, in place of those of their solids"
+        default={}, description="masses of links, in place of those of their solids"
     )
     making: Annotated[Parts, Field(alias="parts")] = Field(
         default=Parts.model_validate({}), description="sizes of the bodies"

@@ -48,9 +48,11 @@ class DriveSegment(Span):
         "= 360",
     )
     to_deg: Annotated[float, quantity("deg", ge=-3600, le=3600)] | None = Field(
-        default=None, description="where it ends"
+        default=None, description="angle of the driven link at the end of the segment"
     )
-    law: NamedLaw | None = Field(default=None, description="see camgen list; not of a dwell")
+    law: NamedLaw | None = Field(
+        default=None, description="law of a rise or return, see camgen list"
+    )
 
 
 class Drive(Record):
@@ -58,11 +60,11 @@ class Drive(Record):
 
     link: Name = Field(description="the driven link; it must be pinned to the ground")
     speed_rpm: Annotated[Rpm, turning(0.001)] = Field(
-        default=60.0, description="below 0: clockwise"
+        default=60.0, description="speed of the driven link; below 0: clockwise"
     )
     range_deg: tuple[Degrees, Degrees] | None = Field(
         default=None,
-        description="from the drawn position, least and greatest: to and fro instead of turns",
+        description="least and greatest angle from the drawn position: to and fro instead of turns",
     )
     segments: Annotated[
         tuple[DriveSegment, ...],
@@ -129,7 +131,7 @@ class Slide(Record):
     on: Name = Field(default="ground", description="the link that guides it")
     along: Two = Field(description="two points of `on`: the guide's direction")
     name: Name | None = Field(
-        default=None, description="of the joint; the link's name unless given"
+        default=None, description="name of the joint; the link's name unless given"
     )
 
 
@@ -142,21 +144,25 @@ class Slot(Record):
         description="two points of `link`: the slot's direction alone; its ends follow from where the pin "
         "goes"
     )
-    name: Name | None = Field(default=None, description="of the joint; pin and link unless given")
+    name: Name | None = Field(
+        default=None, description="name of the joint; pin and link unless given"
+    )
 
 
 class Gear(Record):
     """Two links that turn in proportion: angle of b = ratio * angle of a, seen from the link that carries both."""
 
-    a: Name = Field(description="a link")
-    b: Name = Field(description="another link")
+    a: Name = Field(description="the first link")
+    b: Name = Field(description="the second link")
     ratio: Annotated[float, quantity("1", ge=-1000, le=1000)] = Field(
         description="angle of b = ratio * angle of a; below 0: they turn against each other"
     )
     teeth: Annotated[int, quantity("1", ge=5, le=400)] | None = Field(
-        default=None, description="of the wheel of a; found unless given"
+        default=None, description="teeth of the wheel of a; found unless given"
     )
-    name: Name | None = Field(default=None, description="of the joint; both links unless given")
+    name: Name | None = Field(
+        default=None, description="name of the joint; both links unless given"
+    )
 
 
 class Freewheel(Record):
@@ -168,9 +174,11 @@ class Freewheel(Record):
         default="counter-clockwise", description="the way in which it turns on"
     )
     lost_deg: Annotated[float, quantity("deg", ge=0, le=45)] = Field(
-        default=1.0, description="of the wheel, before its clutch locks"
+        default=1.0, description="turn of the wheel before its clutch locks"
     )
-    name: Name | None = Field(default=None, description="of the joint; both links unless given")
+    name: Name | None = Field(
+        default=None, description="name of the joint; both links unless given"
+    )
 
 
 class CamSegment(Span):
@@ -183,25 +191,28 @@ class CamSegment(Span):
         default=None, description="how far a follower slides; or to, where it ends"
     )
     to: Annotated[float, quantity("mm", ge=-1e6, le=1e6)] | None = Field(
-        default=None, description="where it ends"
+        default=None, description="where the sliding follower ends"
     )
     lift_deg: Annotated[float, quantity("deg", ge=1e-3, le=180)] | None = Field(
         default=None, description="how far a follower swings; or to_deg = 20, where it ends"
     )
     to_deg: Annotated[float, quantity("deg", ge=-180, le=180)] | None = Field(
-        default=None, description="where it ends"
+        default=None, description="where the swinging follower ends"
     )
-    law: NamedLaw | None = Field(default=None, description="see camgen list; not of a dwell")
+    law: NamedLaw | None = Field(
+        default=None, description="law of a rise or return, see camgen list"
+    )
 
 
 class ReturnSpring(Record):
     """The spring that presses a follower on its cam: what is not given is found."""
 
     rate: Annotated[float, quantity("N/mm or N m/rad", ge=0, le=1e6)] = Field(
-        default=0.0, description="of its force on the follower; 0: found"
+        default=0.0, description="rate of the spring, as its force on the follower grows; 0: found"
     )
     preload: Annotated[float, quantity("N or N m", ge=0, le=1e6)] = Field(
-        default=0.0, description="where the follower is lowest; 0: what keeps it on the cam"
+        default=0.0,
+        description="force or torque where the follower is lowest; 0: what keeps it on the cam",
     )
 
 
@@ -217,28 +228,28 @@ class Cam(Record):
     at: Name = Field(
         description="point of the follower: the roller's centre, the edge, or a point of the face"
     )
-    radius: Length | None = Field(default=None, description="of the roller")
+    radius: Length | None = Field(default=None, description="radius of the roller")
     closure: Literal["force", "groove", "conjugate"] = Field(
         default="force",
         description='what holds the follower on the cam: "force", "groove" or "conjugate"',
     )
     face_width: Length | None = Field(
-        default=None, description="of a flat face; as wide as it is touched unless given"
+        default=None, description="width of a flat face; as wide as it is touched unless given"
     )
     face_offset: Coordinate = Field(
         default=0.0,
-        description="of a flat face that swings: how far it lies ahead of its pivot, away from the cam",
+        description="how far a flat face that swings lies ahead of its pivot, away from the cam",
     )
     base_radius: Length | Literal["least"] | None = Field(
         default=None,
-        description='of the circle on which the follower stands at theta = 0; "least": the smallest that '
+        description='radius on which the follower stands at theta = 0; "least": the smallest that '
         "keeps to\n[limits]; left out: as drawn",
     )
     damping: Annotated[float, quantity("N s/mm or N m s/rad", ge=0, le=1e6)] = Field(
-        default=0.0, description="of the follower, in proportion to its speed"
+        default=0.0, description="damping of the follower, in proportion to its speed"
     )
     resistance: Annotated[float, quantity("N or N m", ge=0, le=1e6)] = Field(
-        default=0.0, description="constant against its lift"
+        default=0.0, description="constant force or torque against the follower's lift"
     )
     spring: ReturnSpring | None = Field(
         default=None,
@@ -250,10 +261,12 @@ class Cam(Record):
         "the program at this speed",
     )
     tip_clearance: Air = 0.0
-    name: Name | None = Field(default=None, description="of the joint; both links unless given")
+    name: Name | None = Field(
+        default=None, description="name of the joint; both links unless given"
+    )
     segment: Annotated[tuple[CamSegment, ...], Field(min_length=1, max_length=100), WholeTurn] = (
         Field(
-            description="the program, as a disc cam's; lift_deg of a follower that swings, lift of one that "
+            description="segments of the program: lift_deg where the follower swings, lift where it "
             "slides"
         )
     )
@@ -264,17 +277,18 @@ class Spring(Record):
 
     between: Two = Field(description="two points, of two links: its pins")
     rate: Annotated[float, quantity("N/mm", ge=1e-4, le=1e4)] = Field(
-        description="how its pull grows with its length"
+        description="how the spring's pull grows with its length"
     )
     free: Length | None = Field(
-        default=None, description="length between the points at which it does not pull yet"
+        default=None, description="distance of the points at which the spring does not pull yet"
     )
     preload: Annotated[float, quantity("N", ge=0, le=1e6)] | None = Field(
-        default=None, description="in place of free: its pull where it is shortest"
+        default=None, description="in place of free: the spring's pull where it is shortest"
     )
     name: Name | None = Field(
         default=None,
-        description="of its level and its figures; spring, or with its number, unless given",
+        description="name of the spring, of its level and figures; spring, or with its number, "
+        "unless given",
     )
 
 
@@ -282,7 +296,7 @@ class Wanted(Record):
     """One output that is shown and judged: a point's path, a link's angle, a sliding link's place, or the length of a thread;
     and its targets."""
 
-    name: Name = Field(description="of the output")
+    name: Name = Field(description="name of the output")
     point: Name | None = Field(default=None, description="a point: its path")
     link: Name | None = Field(
         default=None, description="a link: its angle, or its place along its slide"
@@ -292,29 +306,32 @@ class Wanted(Record):
         description="points in their order: the length of a thread over a post at each of them",
     )
     stroke: Stroke | None = Field(
-        default=None, description="wanted: how far it goes; of a path the larger side of its box"
+        default=None, description="how far it is to go; a path by the larger side of its box"
     )
     points: Through | None = Field(
         default=None,
-        description="wanted: places that it passes; in_order = true, or theta_deg = [0, 40]: when",
+        description="places that it is to pass; in_order = true, or theta_deg = [0, 40]: when",
     )
     path: Trace | None = Field(
         default=None,
-        description="wanted: all of it; lines join the places, joined = false: a dense cloud",
+        description="the path that it is to follow; lines join the places, joined = false: a dense "
+        "cloud",
     )
     straightness: Straight | None = Field(
         default=None,
-        description="wanted: a straight stretch, by its length or by range_deg = [310, 370]",
+        description="a stretch that is to be straight, by its length or by range_deg = [310, 370]",
     )
     dwell: Dwell | None = Field(
         default=None,
-        description="wanted: rests within a band for so long; at = 60: about that place",
+        description="how long it is to rest within a band; at = 60: about that place",
     )
     time_ratio: TimeRatio | None = Field(
-        default=None, description="wanted: slower to quicker stroke"
+        default=None,
+        description="ratio that the slower stroke's time is to have to the quicker one's",
     )
     function: Function | None = Field(
-        default=None, description="wanted: pairs of theta and angle, both counted from the first"
+        default=None,
+        description="pairs of theta and angle that it is to keep, both counted from the first",
     )
 
     @property
@@ -339,7 +356,8 @@ class Include(Record):
         description="path of the other spec, seen from this one's folder; or its tables"
     )
     name: Name | None = Field(
-        default=None, description="in front of the names of its parts; its spec's name unless given"
+        default=None,
+        description="name in front of those of its parts; its spec's name unless given",
     )
     at: Place = Field(default=(0.0, 0.0), description="where its origin is on the ground")
     phase_deg: Degrees = Field(default=0.0, description="how far its shaft is ahead of this one's")
@@ -365,12 +383,13 @@ class Include(Record):
 class Masses(Record):
     """Mass of a link; what is left out comes from its solid."""
 
-    mass_g: Annotated[float, quantity("g", ge=0, le=1e6)] = Field(description="of the link")
+    mass_g: Annotated[float, quantity("g", ge=0, le=1e6)] = Field(description="mass of the link")
     centre: Place | None = Field(
-        default=None, description="from its first point, x towards its second"
+        default=None,
+        description="centre of mass, seen from the link's first point, x towards its second",
     )
     inertia_kg_m2: Annotated[float, quantity("kg m^2", ge=0, le=1e6)] = Field(
-        default=0.0, description="about that centre"
+        default=0.0, description="moment of inertia about the centre of mass"
     )
 
 
@@ -385,21 +404,22 @@ class LinkageLimits(CamLimitsTable):
     """What the designer accepts; a finding fails beyond it."""
 
     transmission_angle_deg: Annotated[float, quantity("deg", ge=0, lt=90)] = Field(
-        default=20.0, description="least of each loop"
+        default=20.0, description="least transmission angle of each loop"
     )
     undercut: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
-        default=0.0, description="motion that a follower that slides may lose"
+        default=0.0, description="motion that a sliding follower may lose by undercut"
     )
     undercut_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(
-        default=0.0, description="the same of one that swings"
+        default=0.0, description="motion that a swinging follower may lose by undercut"
     )
     lash: Annotated[float, quantity("mm", ge=0, le=1e6)] | None = Field(
         default=None,
-        description="free play of an output by all joints' play; a quarter of its stroke, or of a path's "
-        "smaller side, unless given",
+        description="greatest play of an output that is a place or path; unless given a quarter of "
+        "its stroke, or of a path's smaller side",
     )
     lash_deg: Annotated[float, quantity("deg", ge=0, le=360)] | None = Field(
-        default=None, description="the same of an angle"
+        default=None,
+        description="greatest play of an output that is an angle; unless given a quarter of its swing",
     )
     min_wall: MinWall = 0.8
 

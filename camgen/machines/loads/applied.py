@@ -31,37 +31,41 @@ class Applied(Record):
     """A load on an output, on a point of a body, or a torque on a body."""
 
     name: _Word | None = Field(
-        default=None, description="of the load; load and its number unless given"
+        default=None, description="name of the load; load and its number unless given"
     )
     output: _Word | None = Field(
         default=None,
-        description="the output that it is on: a way, an angle or a path; or body, and a point of it",
+        description="the output on which it acts: a way, an angle or a path; or give body, and a "
+        "point of it",
     )
     body: _Word | None = Field(
-        default=None, description="or the body that it is on; without a point a torque on it"
+        default=None,
+        description="in place of output: the body on which it acts; without a point as a torque",
     )
     point: _Word | tuple[Coordinate, Coordinate] | None = Field(
-        default=None, description="of the body: a named point, or x, y in its frame"
+        default=None,
+        description="where on the body it acts: a named point, or x, y in the body's frame",
     )
     value: _Size | None = Field(
         default=None,
-        description="constant; above 0 as the output grows; or points = [[0, 0], [90, -0.1], [270, 0]], "
-        "or a file",
+        description="constant value; above 0 as the output grows; or points = [[0, 0], [90, -0.1], "
+        "[270, 0]], or a file",
     )
     points: (
         Annotated[tuple[tuple[_Turn, _Size], ...], Field(min_length=2, max_length=100_000)] | None
     ) = Field(
         default=None,
-        description="or rows of theta, deg, and value; linear between, 0 outside",
+        description="in place of value: rows of theta, deg, and value; linear between, 0 outside",
         json_schema_extra={"unit": "N or N m"},
     )
     file: _Word | None = Field(
-        default=None, description="or the same rows in a text file beside the spec"
+        default=None,
+        description="in place of points: a text file beside the spec with the same rows",
     )
     unit: Literal["N", "N m"] | None = Field(
-        default=None, description="of its values; a file's heading says it"
+        default=None, description="unit of the values; a file's heading says it"
     )
-    source: _Word | None = Field(default=None, description="where they are from")
+    source: _Word | None = Field(default=None, description="where the values are from")
     direction_deg: _Turn | None = Field(
         default=None, description="direction of a force on a point or path, from the x axis"
     )

@@ -67,29 +67,33 @@ class Counterweight(Record):
     )
     moment_g_mm: Moment | None = Field(
         default=None,
-        description="that all that turns with the crank is to have about the shaft; found unless given",
+        description="moment about the shaft that all that turns with the crank is to have; found "
+        "unless given",
     )
     at_deg: Direction | None = Field(
-        default=None, description="where, from the crank's own x axis; goes with moment_g_mm"
+        default=None,
+        description="direction of that moment, from the crank's own x axis; goes with moment_g_mm",
     )
     other_g_mm: Moment = Field(
         default=0.0,
-        description="of what else is on the shaft, such as a needle's crank: balanced with it",
+        description="moment of what else is on the shaft, such as a needle's crank: balanced with it",
     )
     other_deg: Direction = Field(
-        default=0.0, description="where that is, from the crank's own x axis"
+        default=0.0, description="direction of that other moment, from the crank's own x axis"
     )
     made: Literal["printed", "steel"] = Field(
         default="printed", description='"printed"; or "steel": cut from plate, so smaller'
     )
-    thickness: Length | None = Field(default=None, description="that of a link unless given")
+    thickness: Length | None = Field(
+        default=None, description="thickness of the sector; that of a link unless given"
+    )
     half_angle_deg: Annotated[float, quantity("deg", ge=10, le=150)] = Field(
-        default=90.0, description="of the sector, to each side of its middle"
+        default=90.0, description="angle of the sector to each side of its middle"
     )
     pins: Annotated[int, Field(ge=0, le=12)] = Field(
-        default=0, description="of steel, pressed in along the rim of a printed one"
+        default=0, description="number of steel pins, pressed in along the rim of a printed one"
     )
-    pin_diameter: Length = Field(default=6.0, description="of those")
+    pin_diameter: Length = Field(default=6.0, description="diameter of those pins")
 
     def faults(self) -> list[Fault]:
         """What does not go together."""

@@ -44,28 +44,29 @@ class Drives(Record):
         description='"hand crank", or one of the catalogue: stepper, gearmotor, servo; see camgen schema',
     )
     torque_n_m: Annotated[Positive, quantity("N m")] | None = Field(
-        default=None, description="that the motor gives at this speed; counts before that of model"
+        default=None, description="torque of the motor at this speed; counts before that of model"
     )
     stall_torque_n_m: Annotated[Positive, quantity("N m")] | None = Field(
         default=None,
-        description="or of a motor with brushes: at standstill, less and less up to no_load_rpm",
+        description="in place of torque_n_m, of a motor with brushes: torque at standstill, less and "
+        "less up to no_load_rpm",
     )
     no_load_rpm: Annotated[Positive, quantity("rpm")] | None = Field(
-        default=None, description="at which it gives no torque"
+        default=None, description="speed at which a motor with brushes gives no torque"
     )
     shaft_length: Length | None = Field(
         default=None,
-        description="of the motor over its face: a finding where it is too short; that of its frame "
-        "unless given",
+        description="length of the motor's shaft over its face: a finding where it is too short; "
+        "that of its frame unless given",
     )
     fluctuation: Annotated[float, quantity("1", gt=0, le=1)] | None = Field(
         default=None,
-        description="share of its speed, by which it may swing; the report says which flywheel that takes",
+        description="share by which the speed may swing; the report says which flywheel that takes",
     )
     flywheel_kg_m2: Annotated[float, quantity("kg m^2", ge=0, le=1e3)] = Field(
         default=0.0,
-        description="of what turns evenly with the shaft besides the machine's own bodies: flywheel, "
-        "rotor",
+        description="moment of inertia of what turns evenly with the shaft besides the machine's own "
+        "bodies: flywheel, rotor",
     )
 
     @model_validator(mode="after")
@@ -86,13 +87,15 @@ class Weight(Record):
 
     gravity_deg: Direction | None = Field(
         default=None,
-        description="direction of gravity in its plane, from the x axis; left out: it lies flat",
+        description="direction of gravity in the machine's plane, from the x axis; left out: it lies "
+        "flat",
     )
     stiffness: Annotated[Positive, quantity("N/mm or N m/rad")] | None = Field(
-        default=None, description="of a follower from its cam to its mass: tells how it vibrates"
+        default=None,
+        description="stiffness of a follower from its cam to its mass: tells how it vibrates",
     )
     damping_ratio: Annotated[float, quantity("1", ge=0, lt=1)] = Field(
-        default=0.05, description="share of the critical damping of the same"
+        default=0.05, description="damping of that vibration as a share of the critical one"
     )
     friction: Annotated[float, quantity("1", ge=0, le=3)] | None = Field(
         default=None,
@@ -118,20 +121,21 @@ class LimitsTable(Record):
 
     hertz_mpa: Annotated[Positive, quantity("MPa")] | None = Field(
         default=None,
-        description="pressure of a cam's contact; unless given that at which the strongest printed "
-        "plastic flows",
+        description="greatest pressure of a cam's contact; unless given that at which the strongest "
+        "printed plastic flows",
     )
     pv_mpa_m_s: Annotated[Positive, quantity("MPa m/s")] | None = Field(
         default=None,
-        description="pressure times sliding speed of plain bearings; 0.4: of a plastic made for bearings, "
-        "dry",
+        description="greatest pressure times sliding speed of plain bearings; 0.4: of a plastic made "
+        "for bearings, dry",
     )
     pin_stress_mpa: Annotated[Positive, quantity("MPa")] | None = Field(
         default=None,
-        description="bending stress of pins; unless given that of their material; 350: steel",
+        description="greatest bending stress of pins; unless given that of their material; 350: steel",
     )
     bearing_life_h: Annotated[Positive, quantity("h")] | None = Field(
-        default=None, description="that a roller's ball bearing has to run; not judged unless given"
+        default=None,
+        description="hours that ball bearings and cam followers have to run; not judged unless given",
     )
 
     def of_parts(self, sizes: Record | None) -> MaterialLimits:
@@ -155,11 +159,12 @@ class CamLimitsTable(LimitsTable):
     )
     least_radius: Annotated[float, quantity("mm", ge=-1e6, le=1e6)] = Field(
         default=0.0,
-        description="of the convex profile, for wear; below 0 accepts an undercut one, down to that "
-        "radius",
+        description="least radius of the convex profile, for wear; below 0 accepts an undercut one, "
+        "down to that radius",
     )
     speed_ripple: Annotated[float, quantity("1", gt=0, le=10)] = Field(
-        default=0.01, description="share of the follower's greatest speed"
+        default=0.01,
+        description="greatest unevenness of speed, as a share of the follower's greatest speed",
     )
     continuous: Annotated[int, Field(ge=-1, le=3)] = Field(
         default=2,
@@ -178,7 +183,7 @@ class SwingingCamLimitsTable(CamLimitsTable):
 
     undercut_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(
         default=0.0,
-        description="swing that may be lost, as a round tip loses it at a sharp reversal",
+        description="swing that may be lost by undercut, as a round tip loses it at a sharp reversal",
     )
 
     @property

@@ -60,25 +60,31 @@ _ERRATA = (
 class Masses(Record):
     """Moving masses; centres in the link's own axes, mm."""
 
-    coupler_g: Mass = Field(description="of the bell crank")
-    output_crank_g: Mass = Field(description="of the output crank")
+    coupler_g: Mass = Field(description="mass of the bell crank")
+    output_crank_g: Mass = Field(description="mass of the output crank")
     coupler_kg_m2: Annotated[float, quantity("kg m^2", gt=0, le=1e3)] = Field(
-        description="about the centre of mass"
+        description="moment of inertia of the bell crank about its centre of mass"
     )
     output_crank_kg_m2: Annotated[float, quantity("kg m^2", gt=0, le=1e3)] = Field(
-        description="about its centre of mass"
+        description="moment of inertia of the output crank about its centre of mass"
     )
     coupler_centre: tuple[Coordinate, Coordinate] | None = Field(
-        default=None, description="from A, x towards B; left out: centroid of A, B, D"
+        default=None,
+        description="centre of mass of the bell crank from A, x towards B; left out: centroid of A, "
+        "B, D",
     )
     output_crank_centre: Coordinate | None = Field(
-        default=None, description="from C towards B; left out: a third of BC"
+        default=None,
+        description="distance of the output crank's centre of mass from C, towards B; left out: a "
+        "third of BC",
     )
     coupler_weight_radius: Length = Field(
-        default=20.0, description="from B, of the counterweight that balances the coupler"
+        default=20.0,
+        description="distance from B of the counterweight that balances the bell crank",
     )
     output_crank_weight_radius: Length = Field(
-        default=15.0, description="from C, of that which balances the output crank"
+        default=15.0,
+        description="distance from C of the counterweight that balances the output crank",
     )
 
     def bodies(self, t: TakeUp, given: bool = True) -> dict[str, Body]:
@@ -143,10 +149,10 @@ class Consumption(Record):
 
     angles_deg: Annotated[
         tuple[Annotated[float, quantity("deg", ge=0, lt=360)], ...], Field(min_length=2)
-    ] = Field(description="of the input crank")
+    ] = Field(description="angles of the input crank")
     length_mm: Annotated[
         tuple[Annotated[float, quantity("mm", ge=0, le=1e6)], ...], Field(min_length=2)
-    ] = Field(description="drawn there since the feed was greatest")
+    ] = Field(description="thread drawn at these angles since the feed was greatest")
 
     def faults(self) -> list[Fault]:
         """What is wrong between the two lists."""

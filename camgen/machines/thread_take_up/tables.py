@@ -19,18 +19,18 @@ Point = tuple[Coordinate, Coordinate]
 class TakeUpGeometry(Record):
     """Lengths and angles of the mechanism, guides in the machine's axes (origin O)."""
 
-    input_crank: Length = Field(description="O to A")
-    coupler: Length = Field(description="A to B")
-    output_crank: Length = Field(description="B to C")
-    frame: Length = Field(description="O to C")
-    eye_distance: Length = Field(description="B to D")
+    input_crank: Length = Field(description="length of the input crank, O to A")
+    coupler: Length = Field(description="length of the bell crank, A to B")
+    output_crank: Length = Field(description="length of the output crank, B to C")
+    frame: Length = Field(description="distance of the pivots, O to C")
+    eye_distance: Length = Field(description="distance of the eye, B to D")
     eye_angle_deg: Annotated[float, quantity("deg", gt=-180, le=180)] = Field(
-        description="between B-A and B-D, D on the pivots' side"
+        description="angle between B-A and B-D, D on the pivots' side"
     )
     branch: Literal[1, -1] = Field(
         description="+1: B to the left of the way from A to C; -1: to the right"
     )
-    guides: tuple[Point, Point] = Field(description="places of M and N")
+    guides: tuple[Point, Point] = Field(description="places of the guides M and N")
     frame_angle_deg: Annotated[float, quantity("deg", ge=-360, le=360)] = Field(
         default=0.0, description="direction from O to C"
     )
@@ -40,7 +40,7 @@ class TakeUpMotor(Drives):
     """What drives the input crank."""
 
     speed_rpm: Annotated[Rpm, turning(0.001)] = Field(
-        description="of the input shaft; below 0: clockwise"
+        description="speed of the input shaft; below 0: clockwise"
     )
 
 
@@ -56,42 +56,46 @@ class Wanted(Record):
     )
     dwell_deg: Annotated[float, quantity("deg", gt=0, lt=360)] | None = Field(
         default=None,
-        description="from the eye's first entry to its last exit of a circle about its near stop",
+        description="dwell from the eye's first entry to its last exit of a circle about its near "
+        "stop",
     )
-    dwell_radius: Length = Field(default=1.0, description="of that circle")
+    dwell_radius: Length = Field(default=1.0, description="radius of that circle")
     tolerance: Annotated[float, quantity("1", ge=1e-6, le=0.5)] = Field(
-        default=0.01, description="share of each, by which it may be off"
+        default=0.01, description="share by which each may be off"
     )
 
 
 class TakeUpParts(Record):
     """The links as bodies."""
 
-    thickness: Length = Field(default=4.0, description="of a link")
-    wall: Length = Field(default=1.2, description="round every hole: three lines of the nozzle")
-    shaft_diameter: Length = Field(default=6.0, description="of the input shaft")
-    shaft_length: Length = Field(default=12.0, description="below the frame")
+    thickness: Length = Field(default=4.0, description="thickness of a link")
+    wall: Length = Field(
+        default=1.2, description="wall round every hole: three lines of the nozzle"
+    )
+    shaft_diameter: Length = Field(default=6.0, description="diameter of the input shaft")
+    shaft_length: Length = Field(default=12.0, description="length of the shaft below the frame")
     shaft_flat: Length = Field(
         default=0.5, description="depth of the flat that turns the input crank"
     )
-    pin_diameter: Length = Field(default=3.5, description="of pins and dowels")
+    pin_diameter: Length = Field(default=3.5, description="diameter of pins and dowels")
     pins: Literal["printed", "steel", "all-steel"] = Field(
         default="printed",
         description='"printed"; "steel": A, B, dowels and shaft, turned as drawn\n'
         '"all-steel": guides and finger as well, which stand upright and are thin',
     )
     mount_diameter: Length = Field(
-        default=2.5, description="of the frame's holes for screws from behind: core hole of M3"
+        default=2.5,
+        description="diameter of the frame's holes for screws from behind: core hole of M3",
     )
-    finger_diameter: Length = Field(default=2.0, description="of the finger with the eye")
-    guide_diameter: Length = Field(default=2.0, description="of the guides")
+    finger_diameter: Length = Field(default=2.0, description="diameter of the finger with the eye")
+    guide_diameter: Length = Field(default=2.0, description="diameter of the guides")
     thread_height: Length = Field(
-        default=6.0, description="of finger and guides above the bell crank"
+        default=6.0, description="height of finger and guides above the bell crank"
     )
     groove: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
         default=2.0,
-        description="height of their groove, in which the thread is held; 0: plain posts, along which it "
-        "slips",
+        description="height of the groove in which the thread is held; 0: plain posts, along which "
+        "it slips",
     )
 
     def head(self, fits: Print, min_wall: float) -> float:
@@ -137,10 +141,10 @@ class TakeUpLimits(LimitsTable):
         default=40.0, description="least angle between coupler and output crank"
     )
     gap: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
-        default=0.2, description="between what moves and what stands in its way"
+        default=0.2, description="least gap between what moves and what stands in its way"
     )
     excess: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
-        default=7.0, description="thread supplied beyond what is consumed"
+        default=7.0, description="most thread supplied beyond what is consumed"
     )
     lash: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
         default=7.0,

@@ -80,12 +80,12 @@ class UniformSwing(Mechanism):
     base: BaseTable = BaseTable.model_construct()
     frame: FrameTable = FrameTable.model_construct()
     collet: ColletTable = Field(
-        default=ColletTable.model_construct(), description="for a plain shaft"
+        default=ColletTable.model_construct(), description="a collet for a plain shaft"
     )
     nozzle: NozzleTable = NozzleTable.model_construct()
     spring: SpringTable = Field(
         default=SpringTable.model_construct(),
-        description="of force closure, as it acts on the frame",
+        description="the spring of force closure, as it acts on the frame",
     )
     allowed: Annotated[SwingLimits, Field(alias="limits")] = SwingLimits.model_construct()
 

@@ -21,11 +21,13 @@ Tip = Literal["plate", "pin", "MR63", "MR85", "MR105", "623", "624", "625", "626
 class SwingGeometry(Record):
     """Lengths and angles of the mechanism."""
 
-    pivot_distance: Length = Field(description="O to A")
-    arm_offset: Length = Field(description="A to B, the width of the follower")
-    swing_deg: Annotated[float, quantity("deg", gt=0, lt=180)] = Field(description="peak to peak")
+    pivot_distance: Length = Field(description="distance from the shaft O to the pivot A")
+    arm_offset: Length = Field(description="distance from A to B, the width of the follower")
+    swing_deg: Annotated[float, quantity("deg", gt=0, lt=180)] = Field(
+        description="swing from peak to peak"
+    )
     tip_radius: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
-        description="of a round tip or roller; 0 is a knife edge"
+        description="radius of a round tip or roller; 0 is a knife edge"
     )
     closure: Literal["conjugate", "force"] = Field(
         default="conjugate",
@@ -41,7 +43,7 @@ class SwingMotor(Drives):
     """What drives the cam."""
 
     speed_rpm: Annotated[Rpm, turning()] = Field(
-        default=30.0, description="of the cam; below 0: clockwise"
+        default=30.0, description="speed of the cam; below 0: clockwise"
     )
 
 
@@ -63,16 +65,17 @@ class SwingParts(ShaftHole):
     make: Annotated[Literal["printed", "cams"], BeforeValidator(_no_laser)] = Field(
         default="cams", description='"cams": the cams alone; "printed": all parts of the machine'
     )
-    thickness: Length = Field(default=6.0, description="of cams and frame plates")
+    thickness: Length = Field(default=6.0, description="thickness of cams and frame plates")
     pin_diameter: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
-        default=3.0, description="two holes that match when one cam is turned over; 0: none"
+        default=3.0,
+        description="diameter of two holes that match when one cam is turned over; 0: none",
     )
     pins: Literal["printed", "steel"] = Field(
         default="printed",
-        description='"printed"; or "steel": turned; those of the cams and of the frames',
+        description='pins of the cams and of the frames: "printed"; or "steel": turned',
     )
     windows: Annotated[int, Field(ge=0, le=24)] = Field(
-        default=5, description="lightening windows at most; 0: none"
+        default=5, description="most lightening windows; 0: none"
     )
     wall: Length = Field(
         default=3.0,
@@ -103,24 +106,27 @@ class BaseTable(Record):
         default="nema-17",
         description='"nema-8", -11, -14, -17, -23, or "flange" with boss, screw_circle, screws and screw',
     )
-    boss: Length = Field(default=22.0, description='of the motor "flange": its centring boss')
+    boss: Length = Field(
+        default=22.0, description='diameter of the centring boss of the motor "flange"'
+    )
     screw_circle: Length = Field(
-        default=44.0, description='of the motor "flange": diameter on which its screws are'
+        default=44.0, description='diameter of the circle of screws of the motor "flange"'
     )
     screws: Annotated[int, Field(ge=2, le=12)] = Field(
-        default=4, description='of the motor "flange": how many'
+        default=4, description='number of screws of the motor "flange"'
     )
-    screw: Thread = Field(default="M3", description='of the motor "flange": their thread')
-    thickness: Length = Field(default=4.0, description="of the plate")
-    wall: Length = Field(default=3.0, description="round every hole")
+    screw: Thread = Field(default="M3", description='thread of the screws of the motor "flange"')
+    thickness: Length = Field(default=4.0, description="thickness of the plate")
+    wall: Length = Field(default=3.0, description="wall round every hole")
     window: bool = Field(default=True, description="an opening between motor and pivot")
     slot_room: Annotated[float, quantity("mm", ge=0, le=100)] = Field(
-        default=1.0, description="left to the axle at both ends of its arc slot"
+        default=1.0, description="room left to the axle at both ends of its arc slot"
     )
     mount: Thread | Literal["none"] = Field(
-        default="M3", description='of the four screws that hold the base on its stand; or "none"'
+        default="M3",
+        description='thread of the four screws that hold the base on its stand; or "none"',
     )
-    gap: Length = Field(default=0.6, description="between the base and what moves above it")
+    gap: Length = Field(default=0.6, description="gap between the base and what moves above it")
 
     @property
     def face(self) -> MotorFace:
@@ -141,18 +147,20 @@ class FrameTable(Record):
     )
     arm: Length = Field(default=10.0, description="width of the arm")
     wall: Length = Field(
-        default=3.0, description="beside the pivot less where the cam passes near, down to min_wall"
+        default=3.0,
+        description="wall beside the pivot, less where the cam passes near, down to min_wall",
     )
     axle: Length = Field(
         default=6.0,
-        description="both axles, printed with their flanges; thinner where there is no room, down to 3",
+        description="diameter of both axles, printed with their flanges; thinner where there is no "
+        "room, down to 3",
     )
-    axle_flange: Length = Field(default=12.0, description="diameter of their flanges")
-    flange_thickness: Length = Field(default=2.0, description="of their flanges")
+    axle_flange: Length = Field(default=12.0, description="diameter of the axles' flanges")
+    flange_thickness: Length = Field(default=2.0, description="thickness of the axles' flanges")
     slide_at: Length = Field(
-        default=24.0, description="from the pivot to the axle that slides in the arc slot"
+        default=24.0, description="distance from the pivot to the axle that slides in the arc slot"
     )
-    gap: Length = Field(default=1.0, description="between frame and cam off the tip")
+    gap: Length = Field(default=1.0, description="gap between frame and cam off the tip")
 
     @property
     def bearing(self) -> Bearing | None:
@@ -163,10 +171,12 @@ class FrameTable(Record):
 class ColletTable(Record):
     """Collet and clamp ring on a plain shaft."""
 
-    wall: Length = Field(default=2.4, description="of the sleeve; less where the pins need room")
-    length: Length = Field(default=6.0, description="of the sleeve")
-    flange: Length = Field(default=2.0, description="thickness of its flange")
-    slits: Annotated[int, Field(ge=2, le=24)] = Field(default=4, description="how many")
+    wall: Length = Field(
+        default=2.4, description="wall of the sleeve; less where the pins need room"
+    )
+    length: Length = Field(default=6.0, description="length of the sleeve")
+    flange: Length = Field(default=2.0, description="thickness of the collet's flange")
+    slits: Annotated[int, Field(ge=2, le=24)] = Field(default=4, description="number of slits")
     slit: Length = Field(default=1.0, description="width of a slit")
 
 
@@ -174,14 +184,15 @@ class NozzleTable(Record):
     """What the frames carry: two screws across the tail, and the load's inertia about the pivot (0: the frames' alone)."""
 
     screw: Thread = Field(
-        default="M3", description="of two, across the frames' tail, into nuts between the frames"
+        default="M3",
+        description="thread of two screws across the frames' tail, into nuts between the frames",
     )
-    spacing: Length = Field(default=20.0, description="between the two screws")
+    spacing: Length = Field(default=20.0, description="distance of the two screws")
     inertia_kg_m2: Annotated[float, quantity("kg m^2", ge=0, le=1e3)] = Field(
-        default=0.0, description="about the pivot, besides the frames"
+        default=0.0, description="moment of inertia about the pivot, besides the frames"
     )
     friction: Annotated[float, quantity("1", ge=0, le=1)] = Field(
-        default=0.25, description="coefficient, between tip and cam; 0.01 for a bearing"
+        default=0.25, description="coefficient of friction between tip and cam; 0.01 for a bearing"
     )
 
 
@@ -192,14 +203,15 @@ class SpringTable(Record):
     """
 
     rate: Annotated[float, quantity("N m/rad", ge=0, le=1e6)] = Field(
-        default=0.0, description="of the spring that holds the tip on the cam"
+        default=0.0, description="rate of the spring that holds the tip on the cam"
     )
     preload: Annotated[float, quantity("N m", ge=0, le=1e6)] = Field(
-        default=0.0, description="where the tip is nearest to the shaft"
+        default=0.0, description="force of the spring where the tip is nearest to the shaft"
     )
     lever: Length = Field(
         default=24.0,
-        description="from the pivot to a straight spring: the report says what that has to be",
+        description="distance from the pivot to a straight spring: the report says what that has to "
+        "be",
     )
 
 

@@ -45,10 +45,12 @@ class Shape(Record):
     """The body of one link, where it differs from the others."""
 
     hub_diameter: Length | None = Field(
-        default=None, description="of the hubs and, unless width says otherwise, of the bands"
+        default=None,
+        description="diameter of the hubs and, unless width says otherwise, width of the bands",
     )
     width: Length | None = Field(
-        default=None, description="of the band of a link with two holes, whose hubs then stand out"
+        default=None,
+        description="width of the band of a link with two holes, whose hubs then stand out",
     )
     bow: (
         Annotated[
@@ -62,15 +64,17 @@ class Shape(Record):
         description="how far that band is bent, to the left from the first point; 0: not; left out: as "
         "far as needed",
     )
-    thickness: Length | None = Field(default=None, description="that of all links unless given")
+    thickness: Length | None = Field(
+        default=None, description="thickness of this link; that of all links unless given"
+    )
     rails: Length | None = Field(
         default=None,
-        description="length at least of those beyond its holes' way; found unless given",
+        description="least length of rails beyond its holes' way; found unless given",
     )
     stem: Literal["along", "ahead", "behind", "both"] | None = Field(
         default=None,
-        description='of a link that slides: rails "along" its holes\' way, or beyond it "ahead", "behind" '
-        'or "both"',
+        description='rails of a link that slides: "along" its holes\' way, or beyond it "ahead", '
+        '"behind" or "both"',
     )
     outline: str | None = Field(
         default=None,
@@ -92,22 +96,24 @@ PinKind = Literal["printed", "turned", "dowel", "shoulder", "bearing"]
 class Can(Record):
     """A motor with a round can under the plate: its boss sits in the plate, two long screws draw a bar behind it to the plate."""
 
-    boss_diameter: Length = Field(description="of the collar round its shaft")
-    diameter: Length = Field(description="of the can")
-    length: Length = Field(description="of the can")
+    boss_diameter: Length = Field(description="diameter of the collar round its shaft")
+    diameter: Length = Field(description="diameter of the can")
+    length: Length = Field(description="length of the can")
     screw: Literal["M2", "M2.5", "M3", "M4", "M5", "M6"] = Field(
-        default="M2", description="of the two that hold it"
+        default="M2", description="thread of the two screws that hold it"
     )
 
 
 class ThreadPosts(Record):
     """Posts over which threads run, one at each point of a thread, over all links."""
 
-    diameter: Length = Field(default=2.0, description="of the posts")
+    diameter: Length = Field(default=2.0, description="diameter of the posts")
     diameters: dict[Name, Length] = Field(
-        default={}, description="the same of single points: { M = 3 }"
+        default={}, description="diameters of single posts: { M = 3 }"
     )
-    height: Length = Field(default=6.0, description="above the highest link, up to their heads")
+    height: Length = Field(
+        default=6.0, description="height of the posts above the highest link, up to their heads"
+    )
     groove: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
         default=2.0,
         description="height of their groove, in which the thread is held; 0: plain posts, along which it "
@@ -144,7 +150,7 @@ class Parts(Record):
         description='"printed"; or "laser": layers of the sheet of [laser], as thick as it, with pins and '
         "shaft of steel",
     )
-    thickness: Length = Field(default=4.0, description="of links, cams and followers")
+    thickness: Length = Field(default=4.0, description="thickness of links, cams and followers")
     pin: PinKind = Field(
         default="printed",
         description='"printed": with a head; "turned": the same of steel; "dowel": bought, of steel, with a '
@@ -152,21 +158,22 @@ class Parts(Record):
         '"shoulder": a screw and a nut; "bearing": printed, in ball bearings that are pressed into the links',
     )
     pins: dict[Name, PinKind] = Field(
-        default={}, description='the same of single points: { A = "bearing" }'
+        default={}, description='pins of single points in place of pin: { A = "bearing" }'
     )
-    pin_diameter: Length = Field(default=5.0, description="of the pins")
+    pin_diameter: Length = Field(default=5.0, description="diameter of the pins")
     discs: Annotated[dict[Name, Length], Field(min_length=1)] | None = Field(
         default=None,
         description="diameter of pins through which a shaft goes, with a strap round each: of its link, "
         "eccentrics; or of the ground",
     )
-    wall: Length = Field(default=2.0, description="round each hole")
+    wall: Length = Field(default=2.0, description="wall round each hole")
     head: Length = Field(
-        default=1.5, description="of a pin: its height, and how far it stands out all round"
+        default=1.5, description="height of a pin's head, and how far it stands out all round"
     )
-    base_thickness: Length = Field(default=5.0, description="of the ground's plate")
+    base_thickness: Length = Field(default=5.0, description="thickness of the ground's plate")
     shaft_diameter: Length = Field(
-        default=6.0, description="of the shaft that drives, with a flat that turns the driven link"
+        default=6.0,
+        description="diameter of the shaft that drives, with a flat that turns the driven link",
     )
     shaft_flat: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
         default=0.8,
@@ -186,7 +193,7 @@ class Parts(Record):
         description='"printed"; or "steel": turned, with the flat, as are crank pins that join webs of an '
         "interrupted shaft",
     )
-    shaft_length: Length = Field(default=15.0, description="of the shaft below the plate")
+    shaft_length: Length = Field(default=15.0, description="length of the shaft below the plate")
     motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23", "28byj-48"] = (
         Field(
             default="none",
@@ -200,28 +207,33 @@ class Parts(Record):
     )
     set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = Field(
         default="none",
-        description='"none"; or "M2" to "M5": of a collar at the upper end of a motor\'s shaft, so that '
-        "nothing walks off",
+        description="set screw of a collar at the upper end of a motor's shaft, so that nothing "
+        'walks off: "none"; or "M2" to "M5"',
     )
     hand_crank: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
         default=0.0,
-        description="from the shaft to the knob of a crank at its lower end, to turn it by hand; 0: none",
+        description="distance from the shaft to the knob of a crank at its lower end, to turn it by "
+        "hand; 0: none",
     )
     rail_width: Length = Field(
-        default=5.0, description="of the rails on both sides of a link that slides on the plate"
+        default=5.0,
+        description="width of the rails on both sides of a link that slides on the plate",
     )
     cover: bool = Field(
         default=True, description="whether a cover, screwed on the rails, holds down what slides"
     )
     mount_diameter: Length = Field(
-        default=2.5, description="of the plate's holes for screws from behind: core hole of M3"
+        default=2.5,
+        description="diameter of the plate's holes for screws from behind: core hole of M3",
     )
     mount_screws: Literal[2, 3] = Field(
         default=2,
-        description="how many of those: at both ends of the plate; 3: and farthest from their line",
+        description="number of those screws: at both ends of the plate; 3: and farthest from their "
+        "line",
     )
     pen_diameter: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
-        default=3.0, description="of the hole at a point that is an output and no pin; 0: none"
+        default=3.0,
+        description="diameter of the hole at a point that is an output and no pin; 0: none",
     )
     thread_posts: ThreadPosts | None = Field(
         default=None, description="posts over which threads run; as shown unless given"
