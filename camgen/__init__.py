@@ -10,7 +10,8 @@
     explain    code of a finding -> what it means and what helps
 
 Lengths are millimetres and angles radians; keys and figures that end in `_deg` are degrees. Nothing is printed. What a user
-can get wrong is a CamgenError: SpecError, DesignError or FileError. Only what a call needs is imported, when it is called.
+can get wrong, an argument of a wrong type too, is a CamgenError: SpecError, DesignError or FileError. Only what a call needs is
+imported, when it is called.
 """
 
 from __future__ import annotations
@@ -24,7 +25,8 @@ from camgen import motion as _motion  # noqa: F401  of their names
 from camgen import sweep as _sweep  # noqa: F401
 from camgen import tolerance as _tolerance  # noqa: F401
 from camgen._version import __version__ as __version__
-from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, file_errors
+from camgen.arguments import checked
+from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError
 
 if TYPE_CHECKING:
     from camgen.design.run import DesignResult
@@ -85,8 +87,9 @@ def __getattr__(name: str) -> Any:
     return getattr(import_module(f"camgen.{_LATER[name]}"), name)
 
 
-def load(spec: str | PathLike[str] | Mapping[str, Any]) -> Loaded:
-    """The mechanism that a spec describes: a TOML file by its path, or its tables as a dict.
+@checked
+def load(spec: str | PathLike[str] | Mapping[str, Any] | Mechanism) -> Loaded:
+    """The mechanism that a spec describes: a TOML file by its path, or its tables as a dict; of a mechanism itself.
 
     It is a frozen record of the spec's keys, defaults filled in. `motion(theta, order)`, theta (n,) rad, gives its output
     (rad or mm) or a derivative to theta, (n,). `solve(theta)` runs its model: a Run with `run["output"]`, (n,) rad or mm (a path:
@@ -96,10 +99,10 @@ def load(spec: str | PathLike[str] | Mapping[str, Any]) -> Loaded:
     """
     from camgen.machines.sources import read_mechanism
 
-    with file_errors():
-        return cast("Loaded", read_mechanism(spec))
+    return cast("Loaded", read_mechanism(spec))
 
 
+@checked
 def build(
     spec: str | PathLike[str] | Mapping[str, Any] | Mechanism,
     out: str | PathLike[str] = "out",
@@ -118,10 +121,10 @@ def build(
     from camgen.pipeline import build as pipeline
 
     kinds = only.split(",") if isinstance(only, str) else pipeline.KINDS if only is None else only
-    with file_errors():
-        return pipeline.build(spec, Path(out), frozenset(kinds), jobs=jobs)
+    return pipeline.build(spec, Path(out), frozenset(kinds), jobs=jobs)
 
 
+@checked
 def check(
     folder: str | PathLike[str],
     jobs: int = 1,
@@ -139,14 +142,13 @@ def check(
     if plates:
         from camgen.pipeline.sliced import check_gcode
 
-        with file_errors():
-            return check_gcode(Path(folder), plates, line_width)
+        return check_gcode(Path(folder), plates, line_width)
     from camgen.pipeline import build as pipeline
 
-    with file_errors():
-        return pipeline.check(Path(folder), jobs=jobs)
+    return pipeline.check(Path(folder), jobs=jobs)
 
 
+@checked
 def motion(
     file: str | PathLike[str],
     follower: str | PathLike[str] | Mapping[str, Any],
@@ -166,10 +168,10 @@ def motion(
 
     from camgen.measuring.motion import roll
 
-    with file_errors():
-        return roll(Path(file), follower, height, layer, harmonics)
+    return roll(Path(file), follower, height, layer, harmonics)
 
 
+@checked
 def sweep(
     spec: str | PathLike[str] | Mapping[str, Any] | Mechanism,
     vary: Mapping[str, str | Iterable[Any]],
@@ -194,11 +196,11 @@ def sweep(
     from camgen.workers import core_count
 
     kinds = only.split(",") if isinstance(only, str) else tuple(only)
-    with file_errors():
-        task = task_of(spec, variants_of(vary, how), (), (), kinds, Path(out).absolute())
-        return swept(task, core_count(jobs))
+    task = task_of(spec, variants_of(vary, how), (), (), kinds, Path(out).absolute())
+    return swept(task, core_count(jobs))
 
 
+@checked
 def design(
     spec: str | PathLike[str] | Mapping[str, Any] | Mechanism,
     jobs: int = 1,
@@ -213,10 +215,10 @@ def design(
     from camgen.design.run import found
     from camgen.workers import core_count
 
-    with file_errors():
-        return found(spec, jobs=core_count(jobs), say=say)
+    return found(spec, jobs=core_count(jobs), say=say)
 
 
+@checked
 def tolerance(
     spec: str | PathLike[str] | Mapping[str, Any] | Mechanism,
     samples: int = 100_000,
@@ -233,10 +235,10 @@ def tolerance(
     from camgen.tolerance.report import PrintRun
     from camgen.tolerance.report import tolerance as copies
 
-    with file_errors():
-        return copies(spec, (), PrintRun(samples, seed, worst, judged))
+    return copies(spec, (), PrintRun(samples, seed, worst, judged))
 
 
+@checked
 def explain(
     code: str | Finding | None = None,
     spec: str | PathLike[str] | Mapping[str, Any] | Mechanism | None = None,
@@ -249,8 +251,7 @@ def explain(
     """
     from camgen.guide import explanation
 
-    with file_errors():
-        return explanation(code if code is None or isinstance(code, str) else code.code, spec)
+    return explanation(code if code is None or isinstance(code, str) else code.code, spec)
 
 
 for _function in (design, motion, sweep, tolerance):

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
+from numbers import Integral
 from types import TracebackType
 from typing import TYPE_CHECKING, TypeVar
 
@@ -28,7 +29,7 @@ def all_cores() -> int:
 
 def core_count(jobs: int) -> int:
     """So many cores, 0: all; SpecError where that is no such number."""
-    if not isinstance(jobs, int) or jobs < 0:
+    if not isinstance(jobs, Integral) or jobs < 0:
         fault = Fault(("jobs",), repr(jobs), "a whole number of cores, 0: all of them")
         raise SpecError([fault])
     return jobs or all_cores()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cProfile
 import html
+import inspect
 import json
 import math
 import pickle
@@ -427,6 +428,56 @@ def test_the_front_of_a_sweep_is_what_nothing_beats() -> None:
 def test_what_is_asked_wrongly_of_many_is_a_spec_error(call: Any, said: str) -> None:
     with pytest.raises(camgen.SpecError, match=re.escape(said)):
         call()
+
+
+ANY_SPEC = "expected a path, a dict or a machine"
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: camgen.load(None), [f"spec: None - {ANY_SPEC}"]),
+        (lambda: camgen.load(True), [f"spec: true - {ANY_SPEC}"]),
+        (lambda: camgen.build(b"cam.toml", out=3), [f"spec: b'cam.toml' - {ANY_SPEC}", "out: 3"]),
+        (lambda: camgen.build(DISC, only=5), ["only: 5 - expected text, a list or None"]),
+        (lambda: camgen.build(DISC, jobs="2"), ["jobs: '2' - expected a whole number"]),
+        (lambda: camgen.check(3.5), ["folder: 3.5 - expected a path"]),
+        (lambda: camgen.check("out", gcode="a.gcode"), ["gcode: 'a.gcode' - expected a list"]),
+        (lambda: camgen.check("out", line_width="0.4"), ["line_width: '0.4' - expected a number"]),
+        (
+            lambda: camgen.motion(None, 4),
+            ["file: None - expected a path", "follower: 4 - expected a path or a dict"],
+        ),
+        (lambda: camgen.sweep(5, {}), [f"spec: 5 - {ANY_SPEC}"]),
+        (lambda: camgen.sweep(DISC, ["motor.speed_rpm"]), ["vary: ", "expected a dict"]),
+        (lambda: camgen.design(DISC, say="loud"), ["say: 'loud' - expected a function"]),
+        (lambda: camgen.tolerance([]), [f"spec: [] - {ANY_SPEC}"]),
+        (lambda: camgen.tolerance(DISC, seed=1.5), ["seed: 1.5 - expected a whole number"]),
+        (lambda: camgen.explain(5), ["code: 5 - expected text, a finding or None"]),
+    ],
+)
+def test_an_argument_of_a_wrong_type_is_a_spec_error(call: Any, said: list[str]) -> None:
+    with pytest.raises(camgen.SpecError) as caught:
+        call()
+    assert str(caught.value).startswith("camgen.") and all(
+        each in str(caught.value) for each in said
+    )
+
+
+def test_arguments_of_numpy_are_numbers_and_missing_ones_are_pythons() -> None:
+    swept = camgen.sweep(DISC, {"geometry.base_radius": np.array([25.0])}, jobs=np.int64(1))  # type: ignore[arg-type]
+    assert len(swept) == 1
+    with pytest.raises(TypeError, match="missing 1 required positional argument: 'spec'"):
+        camgen.load()  # type: ignore[call-arg]
+
+
+def test_every_function_of_the_package_holds_its_arguments_against_their_types() -> None:
+    for name in camgen.__all__:
+        function = getattr(camgen, name)
+        if isinstance(function, types.FunctionType):
+            first, *_ = inspect.signature(function).parameters
+            with pytest.raises(camgen.SpecError, match=f"{first}: 1.5 - expected"):
+                function(1.5, *([{}] if name in ("motion", "sweep") else []))
 
 
 def test_design_gives_the_machine_whose_text_the_command_prints(

@@ -56,6 +56,7 @@ WINGS = {
 GROUND = {
     "",
     "_version",
+    "arguments",
     "bounds",
     "edits",
     "errors",
