@@ -25,6 +25,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 
 from camgen.geometry.outlines import Floats
+from camgen.parts.level_order import lowest_levels
 from camgen.parts.level_program import LOW, bound_axes, least_levels, program
 from camgen.parts.level_rules import (
     Axis,
@@ -116,7 +117,9 @@ def search(
 ) -> Mapping[str, int] | None:
     """The best levels that keep all rules, by depth first on ever more levels; None where _NODES nodes do not find them."""
     given = dict(fixed)
-    least = least_levels(Things(bands, axes))
+    least = lowest_levels(least_levels(Things(bands, axes)), rules, over, given)
+    if least is None:
+        return None
     about = Counter(name for rule in rules for thing in (rule.a, rule.b) for name in _on(thing))
     names = sorted(least, key=lambda name: (name not in given, -about[name]))
     touching = {
