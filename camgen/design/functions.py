@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from camgen.design.prototype import Prototype, miss, rounded_up
+from camgen.design.prototype import Prototype, miss, prototype, rounded_up
 from camgen.design.wanted import FunctionWish
 from camgen.errors import DesignError
 from camgen.machine.targets import Function
@@ -115,7 +115,7 @@ class Generator:
     def prototype(self) -> Prototype:
         """Whether it can be made, and its play."""
         error = miss(Function.code, math.degrees(self.error), self.wish.allowance, "deg")
-        return Prototype(self.data(self.least_tolerance), error)
+        return prototype(self.data(self.least_tolerance), error)
 
     @cached_property
     def sketch(self) -> Sketch:

@@ -11,7 +11,7 @@ import numpy as np
 
 from camgen.design.chains import Chain
 from camgen.design.paths import ChainDesign
-from camgen.design.prototype import Prototype, miss, rounded_up
+from camgen.design.prototype import Prototype, miss, prototype, rounded_up
 from camgen.machine.targets import Trace, path_distance
 from camgen.numerics import Points
 from camgen.reading import Data
@@ -22,6 +22,7 @@ CRANK = "crank"
 _STEPS = 2000  # angles of a turn, corners of the line in place of the path
 _RESOLUTION = 0.001  # of the distance that is borne, to which the worst one is found
 _DIGITS = 6  # of a coordinate, mm
+_SKETCHED = 200  # places of the wanted path in a sketch
 
 
 @dataclass(frozen=True)
@@ -84,12 +85,15 @@ class Candidate:
             **{f"link{k}": body for k, body in enumerate(bodies[2:], 1)},
         }
 
+    @property
+    def miss(self) -> str:
+        """What of the wish it does not keep; empty where it keeps it."""
+        return miss(Trace.code, self.worst, self.allowance, "mm")
+
     @cached_property
     def prototype(self) -> Prototype:
         """Whether it can be made, and its play."""
-        return Prototype(
-            self.data(self.least_tolerance), miss(Trace.code, self.worst, self.allowance, "mm")
-        )
+        return prototype(self.data(self.least_tolerance), self.miss)
 
     @cached_property
     def sketch(self) -> Sketch:
@@ -98,13 +102,14 @@ class Candidate:
         every = dict(zip(names(chain), self.design.points, strict=True))
         still = [name for k, name in enumerate(every) if k == 0 or 2 <= k < chain.base]
         links = [points for name, points in self.links.items() if name != "ground"]
-        line = self.wanted if self.joined else self.wanted[:0]
+        step = max(1, len(self.wanted) // _SKETCHED)
         return Sketch(
             every,
             links,
             still,
             self.path[:: _STEPS // 120],
-            line[:: max(1, len(self.wanted) // 200)],
+            np.append(self.wanted[::step], self.wanted[-1:]),
+            self.joined,
         )
 
     def row(self, number: int) -> dict[str, Any]:
@@ -113,8 +118,8 @@ class Candidate:
         return {
             "design": number,
             "links": len(chain.bodies),
-            "mean_distance_mm": round(self.design.error / 2, 6),
             "worst_distance_mm": round(self.worst, 6),
+            "mean_distance_mm": round(self.design.error / 2, 6),
             "bars_mm": round(self.design.bars, 4),
             **self.prototype.row,
         }

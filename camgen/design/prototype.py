@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,40 +23,13 @@ _ANGLES = 361  # at which the play is looked at
 
 @dataclass(frozen=True)
 class Prototype:
-    """A design as a machine."""
+    """What is known of a design as a machine."""
 
-    data: Data  # tables of its spec, whose first output is what was wanted
     miss: str  # what of the wish it does not keep; empty where it keeps it
-
-    @cached_property
-    def _mechanism(self) -> Mechanism | CamgenError:
-        from camgen.machines import MECHANISMS, load
-        from camgen.spec import choose, validate
-
-        try:
-            mechanism = validate(load(choose(self.data, MECHANISMS)), self.data)
-            _ = mechanism.assembly
-        except CamgenError as error:
-            return error
-        return mechanism
-
-    @property
-    def obstacle(self) -> str:
-        """Why its parts cannot be made, or do not pass each other; empty where they do."""
-        return (
-            str(self._mechanism).partition("\n")[0]
-            if isinstance(self._mechanism, CamgenError)
-            else ""
-        )
-
-    @cached_property
-    def failures(self) -> Sequence[Finding]:
-        """Limits that it does not keep, if its parts can be made."""
-        return (
-            []
-            if isinstance(self._mechanism, CamgenError)
-            else [each for each in self._mechanism.forecast() if not each.ok]
-        )
+    obstacle: str  # why its parts cannot be made, or do not pass each other; empty where they do
+    failures: Sequence[Finding]  # limits that it does not keep, if its parts can be made
+    lash: float  # free play of the output, mm or deg, as LASH judges it; nan without parts
+    sizes: Mapping[str, Any]  # keys of [parts] that it has beside those of the spec
 
     @property
     def refusal(self) -> str:
@@ -65,21 +38,15 @@ class Prototype:
             beyond(each.code, each.measured, each.limit, each.unit) for each in self.failures
         )
 
-    @cached_property
-    def lash(self) -> float:
-        """Free play of the output, mm or deg, by that of all joints at the worst angle, as LASH judges it; nan without parts."""
-        if isinstance(self._mechanism, CamgenError):
-            return math.nan
-        output = self._mechanism.model.outputs[0]
-        play = self._mechanism.solve(
-            np.linspace(*self._mechanism.assembly.cycle.range, _ANGLES), 1
-        ).play(output.name)
-        return 2 * unit_of(output)[1] * float(np.max(play.total))
-
     @property
     def of_use(self) -> bool:
         """Whether it can be built and is what was wanted."""
         return not self.refusal and not self.miss
+
+    @property
+    def frame(self) -> str:
+        """The keys of [parts] that it has beside those of the spec, as a person types them; empty without any."""
+        return ", ".join(f"parts.{key} = {json.dumps(value)}" for key, value in self.sizes.items())
 
     @property
     def row(self) -> Mapping[str, Any]:
@@ -88,8 +55,30 @@ class Prototype:
         return {
             "lash": lash,
             "verdict": "holds" if self.of_use else "refused",
+            "parts": self.frame,
             "reason": self.refusal or self.miss,
         }
+
+
+def prototype(data: Data, miss: str) -> Prototype:
+    """Of the tables of a linkage's spec, whose first output is what was wanted."""
+    from camgen.machines.linkage.mechanism import Linkage
+    from camgen.spec import validate
+
+    try:
+        machine, change = validate(Linkage, data).on_a_frame()
+        failures = [each for each in machine.forecast() if not each.ok]
+    except CamgenError as error:
+        return Prototype(miss, str(error).partition("\n")[0], (), math.nan, {})
+    return Prototype(miss, "", failures, _lash(machine), change.sizes)
+
+
+def _lash(machine: Mechanism) -> float:
+    """Free play of the first output by that of all joints at the worst angle, mm or deg."""
+    output = machine.model.outputs[0]
+    theta = np.linspace(*machine.assembly.cycle.range, _ANGLES)
+    play = machine.solve(theta, 1).play(output.name)
+    return 2 * unit_of(output)[1] * float(np.max(play.total))
 
 
 def miss(code: str, error: float, limit: float, unit: str) -> str:

@@ -2,32 +2,30 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from camgen import reading
 from camgen import spec as specs
+from camgen.design.candidates import Candidates
 from camgen.design.chains import chains
+from camgen.design.front import Aim, D, Design, Front, acceptable, with_prototype
 from camgen.design.keys import Search
 from camgen.design.linkages import Candidate
 from camgen.design.paths import ChainDesign
-from camgen.design.prototype import Prototype
 from camgen.design.wanted import FunctionWish, KeyWish, PathWish, asked_for, wish, without
 from camgen.edits import edited, with_tables
-from camgen.errors import DesignError, Fault, FileError, SpecError, counted, dotted, file_errors
+from camgen.errors import DesignError, Fault, SpecError, counted, dotted
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import Source, changed, read_mechanism, read_tables, tables_of_text
 from camgen.numerics import Points
-from camgen.report.sketches import Sketch
 from camgen.settings import override
 from camgen.workers import Workers
 
@@ -47,95 +45,9 @@ _MADE = (
     "cam",
     "layers",
 )  # tables that a search makes
-_STEP = 0.02  # least difference of bars of two designs of a front for a path, as a share
-_BEHIND = 0.8  # of the error and bars of a design that could be built: the front reaches to those at most so much worse
-_PROTOTYPES = 60  # designs for a path whose parts are made; a layer more at most
 # of the wanted path's longest chord: error, and length of all bars, that a front reaches to
 _WORST = 0.2
 _MOST = 10.0
-
-
-class Design(Protocol):
-    """A machine that a search found."""
-
-    @property
-    def prototype(self) -> Prototype:
-        """Whether it can be made, and its play."""
-
-    @property
-    def sketch(self) -> Sketch:
-        """What a sketch shows."""
-
-    def data(self, tolerance: float | None = None) -> reading.Data:
-        """Tables of its spec."""
-
-    def row(self, number: int) -> dict[str, Any]:
-        """What a table of the front shows."""
-
-
-D = TypeVar("D", bound=Design)
-
-
-@dataclass(frozen=True, repr=False)
-class Front:
-    """Designs that no other one beats."""
-
-    title: str  # of the page
-    summary: str
-    axes: Mapping[
-        str, str
-    ]  # columns that are drawn, one over the other, and how a person reads them
-    texts: Sequence[str]  # a spec for each design
-    rows: Sequence[Mapping[str, Any]]  # of the table
-    sketches: Sequence[Sketch]
-
-    def __repr__(self) -> str:
-        """Its title and figures."""
-        return "\n".join([self.title, *(f"  {words}" for words in self._captions())])
-
-    def _repr_html_(self) -> str:
-        """For a notebook: its table."""
-        head = "".join(f"<th>{escape(name)}</th>" for name in self.rows[0])
-        rows = [
-            "".join(f"<td>{escape(str(cell))}</td>" for cell in row.values()) for row in self.rows
-        ]
-        body = "".join(f"<tr>{row}</tr>" for row in (head, *rows))
-        return f"<h4>{escape(self.title)}</h4><p>{escape(self.summary)}</p><table>{body}</table>"
-
-    def _captions(self) -> list[str]:
-        """What is said of each design."""
-        captions = []
-        for row in self.rows:
-            figures = ", ".join(text.format(row[column]) for column, text in self.axes.items())
-            captions.append(f"design {row['design']}: {figures}, {row['verdict']}")
-        return captions
-
-    def write(self, folder: Path) -> None:
-        """01.toml, 02.toml, ..., front.csv and front.html; FileError where the folder exists."""
-        from camgen.report.sketches import picture
-        from camgen.report.sweep_page import SweepPage, write_page
-
-        with file_errors():
-            try:
-                folder.mkdir(parents=True)
-            except FileExistsError:
-                raise FileError(
-                    folder, "exists already and is left as it is; choose another folder"
-                ) from None
-            for number, text in enumerate(self.texts, 1):
-                (folder / f"{number:02d}.toml").write_text(text, encoding="utf-8", newline="\n")
-            stream = io.StringIO()
-            table = csv.DictWriter(stream, list(self.rows[0]), lineterminator="\n")
-            table.writeheader()
-            table.writerows(self.rows)
-            (folder / "front.csv").write_text(stream.getvalue(), encoding="utf-8", newline="\n")
-        across, up = self.axes
-        pictures = [
-            (picture(each, words), words)
-            for each, words in zip(self.sketches, self._captions(), strict=True)
-        ]
-        page = SweepPage(self.title, self.summary, list(self.rows[0]), [across], [up], pictures)
-        write_page(folder / "front.html", page, self.rows, len(self.rows))
 
 
 Keep = Callable[[Front], None] | None
@@ -273,13 +185,10 @@ class Request:
         return results
 
     def front_rows(
-        self, front: Sequence[D], title: str, summary: str, axes: Mapping[str, str], note: str
+        self, front: Sequence[D], title: str, summary: str, figures: Mapping[str, str], note: str
     ) -> list[dict[str, Any]]:
         """The rows of a front, which is kept where that is asked for."""
-        rows = []
-        for number, each in enumerate(front, 1):
-            self.say(f"parts of design {number} of {len(front)}")
-            rows.append(each.row(number))
+        rows = [each.row(number) for number, each in enumerate(front, 1)]
         if self.keep is not None:
             texts = [self.spec_of(each, note, None) for each in front]
             name = str(self.data.get("name"))
@@ -287,7 +196,7 @@ class Request:
                 Front(
                     f"{title} of {name}",
                     summary,
-                    axes,
+                    figures,
                     texts,
                     rows,
                     [each.sketch for each in front],
@@ -300,6 +209,9 @@ class Request:
         from camgen.machines import MECHANISMS, load
 
         data = each.data(tolerance)
+        sizes = each.prototype.sizes
+        if sizes:
+            data = {**data, "parts": {**data.get("parts", {}), **sizes}}
         if self.text is None:
             return specs.dump(specs.validate(load(specs.choose(data, MECHANISMS)), data))
         keys = (
@@ -309,9 +221,8 @@ class Request:
             "output",
             *(["limits"] if "lash" in self.data["wanted"] else []),
         )
-        return with_tables(self.text, {key: data[key] for key in keys}, ["wanted"], note).replace(
-            "\n", self.ends
-        )
+        tables = {key: data[key] for key in keys} | ({"parts": sizes} if sizes else {})
+        return with_tables(self.text, tables, ["wanted"], note).replace("\n", self.ends)
 
 
 def _for_keys(request: Request) -> str:
@@ -348,27 +259,36 @@ def _for_function(request: Request) -> str:
     *_, found = request.checked(
         lambda: _refuse_made_tables(request), lambda: _sizes(request), wanted
     )
-    front = functions.search(found, request.with_lash("lash_deg", found.lash))
+    searched = functions.search(found, request.with_lash("lash_deg", found.lash))
+    request.say(f"parts of {len(searched)} designs")
+    with Workers(request.jobs) as workers:
+        weighed = list(workers.map(with_prototype, searched))
+    front = sorted(weighed, key=lambda each: not each.prototype.of_use)
     note = "found by camgen design for a function; output.function: its pairs, and how far this machine may be off"
     summary = (
         f"{len(front)} four-bars: each is nearer to the function than all of better transmission, or transmits better "
-        "than all nearer. Design 1 is 01.toml, and so on; a refused design cannot be built as it is."
+        "than all nearer. Design 1 is 01.toml, and so on. Those that can be built stand first."
     )
-    axes = {
+    figures = {
         "worst_error_deg": "worst error {:.4g} deg",
         "transmission_deg": "transmission {:.4g} deg",
+        "lash": "play {:.3g} deg",
     }
-    rows = request.front_rows(front, "Four-bars for the function", summary, axes, note)
+    rows = request.front_rows(front, "Four-bars for the function", summary, figures, note)
 
     def error(each: functions.Generator) -> float:
         return math.degrees(each.error)
 
-    goal = Aim(found, found.allowance, "deg", "off at the pairs", "the rocker's swing")
-    best = choice(front, goal, error, lambda each: each.transmission, lambda each: -each.error)
+    aim = Aim(found, found.allowance, "deg", "off at the pairs", "the rocker's swing")
+    near = acceptable(front, aim, error)
+    if found.tolerance is None:
+        best = min(near, key=error)
+    else:
+        best = max(near, key=lambda each: each.transmission)
     row = rows[front.index(best)]
     request.say(
         f"design {row['design']} of {len(front)}: at most {row['worst_error_deg']:.4g} deg off at the pairs, "
-        f"transmission angle {row['transmission_deg']:.4g} deg and more"
+        f"transmission angle {row['transmission_deg']:.4g} deg and more, play of {best.prototype.lash:.3g} deg"
     )
     return request.spec_of(best, note, found.tolerance)
 
@@ -399,69 +319,62 @@ def _for_path(request: Request) -> str:
     request.say(
         f"searched: {len(kinds)} chain" + ("s; this takes minutes" if len(kinds) > 1 else "")
     )
+    tables = request.with_lash("lash", wanted.lash)
     with Workers(request.jobs) as workers:
         found = paths.search(goal, kinds, wanted.effort, wanted.seed, workers.map, request.say)
-    if not found:
-        raise DesignError("designs whose chain closes", 0, 1, "", "wanted", wanted.further)
-    tables = request.with_lash("lash", wanted.lash)
-    front = _buildable_front(
-        found, lambda each: Candidate(each, line, tables, aim.allowance, wanted.joined), request.say
-    )
+        if not found:
+            raise DesignError("designs whose chain closes", 0, 1, "", "wanted", wanted.further)
+        candidates = Candidates(
+            lambda each: Candidate(each, line, tables, aim.allowance, wanted.joined),
+            workers.map,
+            request.say,
+        )
+        weighed = candidates.front(found)
+    play = wanted.useful_play(target.chord)
+    front = sorted(weighed, key=lambda each: _merit(each, play))
     name = wanted.path if isinstance(wanted.path, str) else f"{len(wanted.path)} points"
     note = f"found by camgen design for the path {name}; output.path: that path, and how far this machine's may be from it"
     summary = (
         f"{len(front)} designs: each is nearer to the path in the mean than all with less bar, or has less bar than all "
-        "nearer, of all designs or of those that can be built. Design 1 is 01.toml, and so on; a refused design cannot "
-        "be built as it is."
+        "nearer, of all designs or of those that can be built. Design 1 is 01.toml, and so on. Those that can be built stand "
+        f"first: by their greatest distance from the path those whose play is of use, {play:.4g} mm at most."
     )
-    axes = {"mean_distance_mm": "mean distance {:.4g} mm", "bars_mm": "bars {:.4g} mm"}
-    rows = request.front_rows(front, "Linkages for the path", summary, axes, note)
-
-    def worth(each: Candidate) -> float:
-        return (1 - each.design.error / goal.worst) * (1 - each.design.bars / goal.most)
-
-    best = choice(front, aim, lambda each: each.worst, lambda each: -each.design.bars, worth)
-    row = rows[front.index(best)]
-    request.say(
-        f"design {row['design']} of {len(front)}: at most {best.worst:.4g} mm from the path, "
-        f"{row['mean_distance_mm']:.3g} mm in the mean, bars of {best.design.bars:.4g} mm, "
-        f"play of {best.prototype.lash:.3g} mm"
-    )
+    figures = {
+        "worst_distance_mm": "at most {:.3g} mm from the path",
+        "bars_mm": "bars of {:.4g} mm",
+        "mean_distance_mm": "{:.3g} mm in the mean",
+        "lash": "play {:.3g} mm",
+    }
+    request.front_rows(front, "Linkages for the path", summary, figures, note)
+    near = acceptable(front, aim, lambda each: each.worst)
+    best = front[0]
+    request.say(f"design 1 of {len(front)}: {_said(best)}")
+    if best.prototype.lash > play:
+        request.say(
+            f"no design has less play, and of use is {play:.4g} mm at most: set a smaller print.slide_clearance"
+        )
+    shortest = min(near, key=lambda each: each.design.bars)
+    if shortest is not best:
+        request.say(f"design {front.index(shortest) + 1} has the shortest bars: {_said(shortest)}")
     return request.spec_of(best, note, wanted.tolerance)
 
 
-def _buildable_front(
-    designs: Sequence[ChainDesign], candidate: Callable[[ChainDesign], Candidate], say: Say
-) -> list[Candidate]:
-    """The front of all designs, that of those that can be made and that of those that are of use, by rising error.
+def _merit(each: Candidate, play: float) -> tuple[int, float]:
+    """What designs are sorted by: those of use with no more play than that by their error, then the others of use by their
+    play; those that can be built, and those that cannot, by their error."""
+    made = each.prototype
+    if made.of_use:
+        return (0, each.worst) if made.lash <= play else (1, made.lash)
+    return (3 if made.obstacle else 2, each.worst)
 
-    What is of no use leaves room for designs behind it: they are weighed front after front.
-    """
-    from camgen.design import paths
 
-    remaining = paths.apart(paths.near(designs, paths.front(designs), _BEHIND))
-    candidates: dict[ChainDesign, Candidate] = {}
-    useful: list[ChainDesign] = []
-    while remaining and len(candidates) < _PROTOTYPES:
-        layer = paths.front(remaining, _STEP)
-        candidates |= {each: candidate(each) for each in layer}
-        useful += [each for each in layer if candidates[each].prototype.of_use]
-        say(
-            f"{len(candidates)} designs judged, {len(useful)} of them can be built and keep the limits"
-        )
-        remaining = [
-            each
-            for each in remaining
-            if each not in layer
-            and not any(one.error <= each.error and one.bars <= each.bars for one in useful)
-        ]
-    buildable = [each for each in candidates if not candidates[each].prototype.obstacle]
-    front = {
-        *paths.front(candidates, _STEP),
-        *paths.front(buildable, _STEP),
-        *paths.front(useful, _STEP),
-    }
-    return [candidates[each] for each in sorted(front, key=lambda each: (each.error, each.bars))]
+def _said(each: Candidate) -> str:
+    """Error, play and size of a design, in words."""
+    frame = f", with {each.prototype.frame}" if each.prototype.frame else ""
+    return (
+        f"at most {each.worst:.3g} mm from the path, {each.design.error / 2:.3g} mm in the mean, "
+        f"play of {each.prototype.lash:.3g} mm, bars of {each.design.bars:.4g} mm{frame}"
+    )
 
 
 def _refuse_made_tables(request: Request) -> None:
@@ -513,88 +426,3 @@ def _beyond(request: Request, key: str, ends: Sequence[float | str]) -> list[Fau
                     for fault in own_faults
                 ]
     return []
-
-
-@dataclass(frozen=True)
-class Aim:
-    """What a design must keep to be chosen, and how that is said."""
-
-    wish: PathWish | FunctionWish
-    allowance: float  # how far it may be off
-    unit: str  # of that
-    off: str  # what an error is
-    size: str  # that of which a twentieth is borne without a tolerance
-
-
-def choice(
-    front: Sequence[D],
-    aim: Aim,
-    error: Callable[[D], float],
-    within: Callable[[D], float],
-    best: Callable[[D], float],
-) -> D:
-    """Of those that can be built, with no more play and error than is borne: the one of most `within` the tolerance, or without
-    one the `best`; DesignError."""
-    wanted = aim.wish
-    unit = aim.unit
-    buildable = [each for each in front if not each.prototype.obstacle]
-    if not buildable:
-        room = "a larger wanted.frame" if isinstance(wanted, FunctionWish) else wanted.further
-        raise DesignError(
-            "buildable designs",
-            0,
-            1,
-            "",
-            f"front of {len(front)}",
-            f"{room}, or thinner parts",
-        ).saying(
-            f"none of {len(front)} designs can be built; the first: {front[0].prototype.obstacle}"
-        )
-    if wanted.lash is not None:
-        tight = [each for each in buildable if each.prototype.lash <= wanted.lash]
-        if not tight:
-            least = min(each.prototype.lash for each in buildable)
-            remedy = "a smaller print.slide_clearance, or more play"
-            raise DesignError(
-                "wanted.lash", least, wanted.lash, unit, "the tightest buildable design", remedy
-            )
-        buildable = tight
-    can = [each for each in buildable if not each.prototype.failures]
-    if not can:
-        nearest = min(buildable, key=error).prototype
-        many = counted(len(buildable), "buildable design")
-        only_play = {each.code for each in nearest.failures} == {"LASH"}
-        remedy = (
-            "a smaller print.slide_clearance, or a greater wanted.lash"
-            if only_play
-            else "wider [limits]"
-        )
-        message = f"none of {many} keeps its limits; the nearest one: {nearest.refusal}"
-        raise DesignError(
-            "designs that keep their limits",
-            0,
-            1,
-            "",
-            many,
-            remedy,
-        ).saying(message)
-    near = [each for each in can if error(each) <= aim.allowance]
-    least = min(map(error, can))
-    if not near and wanted.tolerance is None:
-        raise DesignError(
-            f"distance {aim.off}",
-            least,
-            aim.allowance,
-            unit,
-            "the nearest buildable design",
-            f"{wanted.further}, or wanted.tolerance = {math.ceil(100 * least) / 100:g}",
-        ).saying(
-            f"the nearest buildable design is {least:.4g} {unit} {aim.off}; without wanted.tolerance the limit is a twentieth of "
-            f"{aim.size}, {aim.allowance:.4g} {unit}"
-        )
-    if not near:
-        remedy = f"{wanted.further}, or a wider wanted.tolerance"
-        raise DesignError(
-            "wanted.tolerance", least, aim.allowance, unit, "the nearest buildable design", remedy
-        )
-    return max(near, key=best if wanted.tolerance is None else within)

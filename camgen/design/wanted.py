@@ -41,10 +41,12 @@ class PathWish(Record):
     )
     tolerance: Length | None = Field(
         None,
-        description="mm, how far path and points may be apart; best trade-off within a twentieth of the size unless given",
+        description="mm, how far path and points may be apart; a twentieth of the size unless given",
     )
     lash: Length | None = Field(
-        None, description="mm, greatest free play of the point by all joints"
+        None,
+        description="mm, greatest free play of the point by all joints; unless given more than a twentieth of the size is "
+        "taken only where no design has less",
     )
     bars: Literal[4, 6, 8] = Field(6, description="most links, the ground among them")
     shortest: Length | None = Field(
@@ -63,6 +65,10 @@ class PathWish(Record):
     def allowance(self, size: float) -> float:
         """How far path and points may be apart, mm; size: the longest chord of the path, mm."""
         return self.tolerance or float(f"{size / _OF_USE:.4g}")
+
+    def useful_play(self, size: float) -> float:
+        """Play with which the path is still of use, mm; size: as of `allowance`."""
+        return self.lash or float(f"{size / _OF_USE:.4g}")
 
     @property
     def further(self) -> str:

@@ -17,13 +17,17 @@ _EDGE = 12.0  # round it
 
 @dataclass(frozen=True)
 class Sketch:
-    """points: places by name, complex mm; links: names of the points of each; still: points at rest; path, wanted: complex mm."""
+    """points: places by name, complex mm; links: names of the points of each; still: points at rest; path, wanted: complex mm.
+
+    joined: whether a line joins the places of the wanted path in their order.
+    """
 
     points: Mapping[str, complex]
     links: Sequence[Sequence[str]]
     still: Collection[str]
     path: Points
     wanted: Points
+    joined: bool = True
 
 
 def picture(drawn: Sketch, said: str) -> str:
@@ -43,7 +47,12 @@ def picture(drawn: Sketch, said: str) -> str:
         shown = " ".join(f"{x:g},{y:g}" for x, y in map(at, places))
         return f'<polyline class="{kind}" points="{shown}"/>' if len(places) > 1 else ""
 
-    parts = [line("wanted", drawn.wanted.tolist()), line("path", drawn.path.tolist())]
+    def dots(kind: str, places: Sequence[complex]) -> str:
+        shown = "".join(f"M{x:g} {y:g}h0" for x, y in map(at, places))
+        return f'<path class="{kind}" d="{shown}"/>' if places else ""
+
+    wanted = (line if drawn.joined else dots)("wanted", drawn.wanted.tolist())
+    parts = [wanted, line("path", drawn.path.tolist())]
     for link in drawn.links:
         parts += [
             line("link", [drawn.points[a], drawn.points[b]]) for a, b in combinations(link, 2)
@@ -57,9 +66,21 @@ def picture(drawn: Sketch, said: str) -> str:
     return f'<svg viewBox="0 0 {_SIDE:g} {height:.4g}" role="img" aria-label="{escape(said)}">{inside}</svg>'
 
 
-def gallery(pictures: Sequence[tuple[str, str]]) -> str:
-    """Pictures with what is said of each, as HTML."""
-    each = (
-        f"<figure>{svg}<figcaption>{escape(said)}</figcaption></figure>" for svg, said in pictures
-    )
-    return f'<h2>The machines</h2>\n<div class="gallery">{"".join(each)}</div>' if pictures else ""
+@dataclass(frozen=True)
+class Gallery:
+    """Pictures under one title."""
+
+    title: str
+    pictures: Sequence[tuple[str, str]]  # SVG, and what is said of each
+
+    def html(self) -> str:
+        """As HTML; empty without pictures."""
+        figures = "".join(
+            f"<figure>{svg}<figcaption>{escape(said)}</figcaption></figure>"
+            for svg, said in self.pictures
+        )
+        return (
+            f'<h2>{escape(self.title)}</h2>\n<div class="gallery">{figures}</div>'
+            if figures
+            else ""
+        )

@@ -12,7 +12,7 @@ from string import Template
 from typing import Any
 
 from camgen.errors import file_errors
-from camgen.report.sketches import gallery
+from camgen.report.sketches import Gallery
 
 MOST = 5_000  # rows that a page bears; of more every second, third... is shown
 
@@ -31,7 +31,7 @@ class SweepPage:
     columns: Sequence[str]
     keys: Sequence[str]  # the columns that were varied
     wishes: Sequence[str] = ()  # columns of the figures of a wish
-    pictures: Sequence[tuple[str, str]] = ()  # SVG, and what is said of each
+    galleries: Sequence[Gallery] = ()
     units: Mapping[str, str] = field(
         default_factory=dict
     )  # of keys; the other columns name theirs last
@@ -55,7 +55,7 @@ def write_page(path: Path, page: SweepPage, rows: Iterable[Mapping[str, Any]], c
     text = template.substitute(
         title=escape(page.title),
         summary=escape(summary),
-        gallery=gallery(page.pictures),
+        galleries="\n".join(each.html() for each in page.galleries),
         data=data,
     )
     with file_errors():

@@ -55,9 +55,7 @@ def test_no_choice_of_levels_is_under_the_bounds(
     least = least_levels(Things(BANDS, axes))
     assume(all(fixed[name] >= least[name] for name in fixed))
     bounds = lowest_levels(least, every, over, fixed)
-    ranges = [
-        [fixed[name]] if name in fixed else range(least[name], MOST + 1) for name in NAMES
-    ]
+    ranges = [[fixed[name]] if name in fixed else range(least[name], MOST + 1) for name in NAMES]
     for choice in product(*ranges):
         level = dict(zip(NAMES, choice, strict=True))
         if sound(level, every, over):

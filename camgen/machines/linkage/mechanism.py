@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
-from camgen.errors import DesignError, Fault
+from camgen.errors import CamgenError, DesignError, Fault, SpecError
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
@@ -62,13 +62,14 @@ from camgen.parts.generator.bodies import Bodies
 from camgen.parts.generator.changes import Change
 from camgen.parts.generator.coils import coils_of
 from camgen.parts.generator.connections import Fitting
+from camgen.parts.generator.cures import frames
 from camgen.parts.generator.joints import part_name, pivot_of
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.mounted import upper_end
 from camgen.parts.generator.posts import posts
 from camgen.parts.generator.sizes import Name, Parts
 from camgen.parts.generator.stacking import first_choice, lacking, with_levels
-from camgen.parts.generator.trials import with_cures
+from camgen.parts.generator.trials import tried, with_cures
 from camgen.parts.journals import journals
 from camgen.parts.part import Part
 from camgen.parts.stiffness import bending_stiffness
@@ -577,11 +578,33 @@ class Linkage(Mechanism):
         return self._laid
 
     def _parts_with(self, change: Change) -> Sequence[Part]:
-        """Those of the spec so changed, on the same chain, by no further cures; DesignError or SpecError where it has none."""
+        """Those of the spec so changed, see `_with`."""
+        return self._with(change).assembly.parts
+
+    def _with(self, change: Change) -> Self:
+        """The spec so changed, on the same chain, its parts made by no further cures; DesignError or SpecError where it has none."""
         other = validate(type(self), change.tables(self._whole_spec()))
         vars(other).update(chain=self.chain, additions=self.additions)
         vars(other)["_balanced"] = other._laid
-        return other.assembly.parts
+        assert other.assembly.parts
+        return other
+
+    def on_a_frame(self) -> tuple[Self, Change]:
+        """The spec as it is, or with the first other plates and shaft that it leaves open by which it has parts, and that change.
+
+        DesignError where there is none: that of the spec as it is, with what was tried.
+        """
+        layout = self._layout
+        as_it_is = Change("")
+        others = frames(self.making)
+        refused: CamgenError | None = None
+        for change in (as_it_is, *others):
+            try:
+                return self._with(change), change
+            except (DesignError, SpecError) as error:
+                refused = refused or error
+        assert refused is not None
+        raise tried(refused, layout, others)
 
     @cached_property
     def _laid(self) -> tuple[Bodies, complex]:

@@ -20,6 +20,7 @@ from camgen.errors import DesignError
 from camgen.parts.generator.changes import Change, Unmade
 from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.sizes import Parts
 from camgen.parts.level_rules import Axis, Band, NoLevels, NoPassage
 
 BOUGHT = ("dowel", "shoulder")  # pins that are sold in some lengths
@@ -30,6 +31,8 @@ _SMALL = "smaller parts"
 _SLIM = "slimmer parts"
 _MOST = 3  # cures that are named
 _WIDEST = 1e5  # mm, bow that is worth a try
+_TWO_PLATES = Change("parts.plates = 2", {"plates": 2})
+_INTERRUPTED = Change('parts.shaft = "interrupted"', {"shaft": "interrupted"})
 
 
 @dataclass(frozen=True)
@@ -97,6 +100,14 @@ def with_cures(
     return refused.mended("; ".join(filter(None, (guess, vain))))
 
 
+def frames(sizes: Parts) -> list[Change]:
+    """Other plates and shafts, the least change first, where the spec leaves them open."""
+    typed = sizes.model_fields_set
+    if sizes.of_sheet or "plates" in typed:
+        return []
+    return [_TWO_PLATES, *([] if "shaft" in typed else [_TWO_PLATES.also(_INTERRUPTED)])]
+
+
 def _first(kinds: Iterable[Kind], makes: Callable[[Change], bool]) -> list[str]:
     """In words the first change of each kind that mends, of the first kinds that do."""
     words = (next((change.words for change in kind.changes if makes(change)), "") for kind in kinds)
@@ -144,8 +155,8 @@ def _kinds(layout: Layout, refused: DesignError) -> Iterator[Kind]:
         return
     if s.pin in BOUGHT:
         yield Kind("pins that are printed", [Change('parts.pin = "printed"', {"pin": "printed"})])
-    two = Change("parts.plates = 2", {"plates": 2})
-    interrupted = Change('parts.shaft = "interrupted"', {"shaft": "interrupted"})
+    two = _TWO_PLATES
+    interrupted = _INTERRUPTED
     through = Change('parts.shaft = "through"', {"shaft": "through"})
     if s.plates == 1:
         both = [two.also(interrupted)] if s.shaft == "through" else []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from camgen.errors import DesignError, SpecError
+from camgen.errors import CamgenError, DesignError, SpecError
 from camgen.machine.run import Run
 from camgen.parts.generator import cures
 from camgen.parts.generator.changes import Change
@@ -35,3 +35,15 @@ def with_cures(
     return cures.with_cures(
         first, refused, makes, why_not, attempts(first) if isinstance(refused, NoPassage) else ()
     )
+
+
+def tried(refused: CamgenError, layout: Layout, changes: Sequence[Change]) -> CamgenError:
+    """The error with what was tried in vain: all ways to lay the layout out, and these changes of its spec."""
+    if not isinstance(refused, DesignError):
+        return refused
+    ways = attempts(layout) if isinstance(refused, NoPassage) else []
+    words = ", ".join([*ways, *(change.words for change in changes)])
+    if not words:
+        return refused
+    guess = "" if isinstance(refused, NoPassage) else refused.remedy
+    return refused.mended("; ".join(filter(None, (guess, f"tried in vain: {words}"))))
