@@ -78,7 +78,7 @@ class Front:
         said = f"design {row['design']}: {', '.join(figures)}"
         if row["parts"]:
             said += f"; with {row['parts']}"
-        return f"{said}; refused: {row['reason']}" if row["reason"] else said
+        return f"{said}; {row['verdict']}: {row['reason']}" if row["reason"] else said
 
     def write(self, folder: Path) -> None:
         """01.toml, 02.toml, ..., front.csv and front.html; FileError where the folder exists."""
@@ -104,12 +104,16 @@ class Front:
         write_page(folder / "front.html", page, self.rows, len(self.rows))
 
     def _galleries(self) -> list[Gallery]:
-        """Those that can be built, and those that are refused."""
+        """Those that can be built as wanted, then the others."""
         shown = [
             (row["verdict"], (picture(sketch, words), words))
             for row, sketch, words in zip(self.rows, self.sketches, self._captions(), strict=True)
         ]
-        titles = {"holds": "Can be built", "refused": "Refused"}
+        titles = {
+            "holds": "Can be built",
+            "fails": "Can be built, but keeps not all that is wanted",
+            "refused": "Cannot be built",
+        }
         return [
             Gallery(title, [each for verdict, each in shown if verdict == wanted])
             for wanted, title in titles.items()

@@ -22,7 +22,7 @@ CRANK = "crank"
 _STEPS = 2000  # angles of a turn, corners of the line in place of the path
 _RESOLUTION = 0.001  # of the distance that is borne, to which the worst one is found
 _DIGITS = 6  # of a coordinate, mm
-_SKETCHED = 200  # places of the wanted path in a sketch
+_SKETCHED = 600  # places of the wanted path in a sketch
 
 
 @dataclass(frozen=True)

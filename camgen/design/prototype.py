@@ -44,6 +44,13 @@ class Prototype:
         return not self.refusal and not self.miss
 
     @property
+    def verdict(self) -> str:
+        """One word: "holds", "fails" where it can be built but keeps not all that is wanted, "refused" where it cannot be built."""
+        if self.obstacle:
+            return "refused"
+        return "holds" if self.of_use else "fails"
+
+    @property
     def frame(self) -> str:
         """The keys of [parts] that it has beside those of the spec, as a person types them; empty without any."""
         return ", ".join(f"parts.{key} = {json.dumps(value)}" for key, value in self.sizes.items())
@@ -54,7 +61,7 @@ class Prototype:
         lash = float(f"{self.lash:.4g}") if math.isfinite(self.lash) else None
         return {
             "lash": lash,
-            "verdict": "holds" if self.of_use else "refused",
+            "verdict": self.verdict,
             "parts": self.frame,
             "reason": self.refusal or self.miss,
         }

@@ -1,0 +1,170 @@
+"""The front of a search: which designs are weighed, what is tried before one is refused, how they stand."""
+
+from __future__ import annotations
+
+import csv
+import math
+import tomllib
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgen.design import paths
+from camgen.design.candidates import Candidates
+from camgen.design.chains import chains
+from camgen.design.linkages import Candidate
+from camgen.design.paths import ChainDesign, Task, solve_task
+from camgen.design.polish import Goal
+from camgen.design.prototype import Prototype, prototype
+from camgen.design.run import Front, _merit, design
+from camgen.design.target import Target
+from camgen.errors import DesignError
+from camgen.findings import Finding
+from camgen.machines.linkage.mechanism import Linkage
+from camgen.spec import validate
+from camgen.workers import Workers
+
+FOUR_BAR = chains(2, 1)[0]
+DRAWN = np.array([[0, 20, 70, 45 + 40j, 20 + 60j]], complex)  # O, A, C, B, P
+PATH = FOUR_BAR.trace(DRAWN, 240)[0][:, 0]
+SIZES = {"thickness": 3, "pin_diameter": 3, "wall": 1.6}
+TABLES: dict[str, Any] = {"mechanism": "linkage", "name": "found", "parts": SIZES}
+# a drag link: its crank passes the pivot of the rocker, and the rocker the shaft
+DRAG_LINK: dict[str, Any] = {
+    "mechanism": "linkage",
+    "name": "drag",
+    "points": {"O": [0, 0], "A": [50, 0], "C": [20, 0], "B": [40, 45]},
+    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "bar": ["A", "B"], "rocker": ["C", "B"]},
+    "drive": {"link": "crank"},
+    "output": [{"name": "way", "link": "rocker"}],
+    "parts": SIZES,
+}
+
+
+def candidate(each: ChainDesign, allowance: float = 1.0) -> Candidate:
+    return Candidate(each, np.append(PATH, PATH[:1]), TABLES, allowance)
+
+
+@pytest.fixture(scope="module")
+def found() -> list[ChainDesign]:
+    target = Target(PATH)
+    goal = Goal(target, 0.2 * target.chord, 10 * target.chord, 6.2, 0.4)
+    return solve_task(goal, Task(FOUR_BAR, (1,)))
+
+
+def test_a_second_plate_is_tried_before_a_design_is_refused() -> None:
+    machine, change = validate(Linkage, DRAG_LINK).on_a_frame()
+    assert change.sizes["plates"] == machine.making.plates == 2
+    made = prototype(DRAG_LINK, "")
+    assert made.verdict == "holds" and made.sizes == change.sizes and made.lash > 0
+    assert made.row["parts"].startswith("parts.plates = 2")
+
+
+def test_a_machine_that_stands_as_it_is_stays_so() -> None:
+    data = candidate(ChainDesign(FOUR_BAR, tuple(DRAWN[0].tolist()), 0.0, 1.0)).data()
+    _, change = validate(Linkage, data).on_a_frame()
+    assert not change.sizes
+    assert prototype(data, "").row["parts"] == ""
+
+
+def test_plates_that_the_spec_says_are_kept_and_the_refusal_says_what_was_tried() -> None:
+    typed = {**DRAG_LINK, "parts": {**SIZES, "plates": 1}}
+    with pytest.raises(DesignError, match="cannot pass") as refused:
+        validate(Linkage, typed).on_a_frame()
+    assert "plates" not in str(refused.value) and "bows" in refused.value.remedy
+    made = prototype(typed, "")
+    assert made.verdict == "refused" and "tried in vain: all orders of the levels" in made.obstacle
+    assert math.isnan(made.lash)
+    points = {**DRAG_LINK["points"], "A": [5, 0], "B": [25, 20]}  # its shaft meets the crank's pin
+    short = prototype({**DRAG_LINK, "points": points, "parts": {**SIZES, "shaft": "through"}}, "")
+    assert short.verdict == "refused" and short.obstacle.endswith("bows, parts.plates = 2")
+
+
+def test_the_front_is_the_same_on_several_cores(found: list[ChainDesign]) -> None:
+    alone = Candidates(candidate, map, lambda text: None).front(found)
+    with Workers(2) as workers:
+        together = Candidates(candidate, workers.map, lambda text: None).front(found)
+    assert [each.row(1) for each in alone] == [each.row(1) for each in together]
+    assert alone and all(not each.miss for each in alone)
+
+
+def test_parts_of_what_misses_the_path_are_made_only_where_nothing_else_can_be_built(
+    found: list[ChainDesign],
+) -> None:
+    def weighed(allowance: float) -> tuple[list[Candidate], list[Candidate]]:
+        looked: list[Candidate] = []
+
+        def run(
+            task: Callable[[Candidate], Candidate], each: Sequence[Candidate]
+        ) -> Iterable[Candidate]:
+            done = list(map(task, each))
+            looked.extend(done)
+            return done
+
+        front = Candidates(lambda each: candidate(each, allowance), run, lambda text: None).front(
+            found
+        )
+        return front, looked
+
+    worst = sorted(candidate(each).worst for each in paths.apart(found))
+    front, looked = weighed(1.01 * worst[1])
+    missed = [each for each in looked if each.miss]
+    assert missed and not any("prototype" in vars(each) for each in missed)
+    assert front and all(each.prototype.of_use for each in front)
+    front, _ = weighed(0.5 * worst[0])
+    assert front and all(each.prototype.verdict == "fails" for each in front)
+
+
+def weighed(
+    worst: float, lash: float, obstacle: str = "", failures: Sequence[Finding] = ()
+) -> Candidate:
+    each = candidate(ChainDesign(FOUR_BAR, tuple(DRAWN[0].tolist()), worst, 100.0), 1.0)
+    miss = "far" if worst > 1 else ""
+    vars(each).update(worst=worst, prototype=Prototype(miss, obstacle, failures, lash, {}))
+    return each
+
+
+def test_the_nearest_of_those_with_useful_play_stands_first() -> None:
+    order = [
+        weighed(0.4, 2.0),
+        weighed(0.6, 0.5),  # less play, but less near
+        weighed(0.2, 6.0),  # nearest of all, its play is of no use
+        weighed(0.1, 7.0),
+        weighed(3.0, 1.0),  # can be built, but misses the path
+        weighed(0.05, math.nan, "no levels"),
+    ]
+    assert sorted(reversed(order), key=lambda each: _merit(each, 5.0)) == order
+
+
+def test_the_page_draws_the_wanted_path_and_what_can_be_built_first(tmp_path: Path) -> None:
+    cloud = [[round(z.real, 3), round(z.imag, 3)] for z in PATH[::3].tolist()]
+    fronts: list[Front] = []
+    said: list[str] = []
+    text = design(
+        {**TABLES, "wanted": {"path": cloud, "joined": False, "bars": 4, "effort": 0}},
+        say=said.append,
+        keep=fronts.append,
+    )
+    (front,) = fronts
+    front.write(tmp_path / "front")
+    with open(tmp_path / "front" / "front.csv", encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    holding = [row["verdict"] == "holds" for row in rows]
+    assert holding[0] and holding == sorted(holding, reverse=True)
+    useful = [
+        float(row["worst_distance_mm"]) for row, holds in zip(rows, holding, strict=True) if holds
+    ]
+    assert useful == sorted(useful)
+    page = (tmp_path / "front" / "front.html").read_text(encoding="utf-8")
+    assert page.count('<path class="wanted"') == len(rows)
+    assert page.index("<h2>Can be built</h2>") < page.index("design 1: at most")
+    assert "play " in page and "<h2>Cannot be built</h2>" not in page
+    # what is written is the first, and the words say its error and its play
+    first = tomllib.loads((tmp_path / "front" / "01.toml").read_text(encoding="utf-8"))
+    assert tomllib.loads(text)["points"] == first["points"]
+    assert any(line.startswith("design 1 of ") and " play of " in line for line in said)
+    least = min(rows, key=lambda row: float(row["bars_mm"]) if row["verdict"] == "holds" else 1e9)
+    assert any(line.startswith(f"design {least['design']} has the shortest") for line in said)
