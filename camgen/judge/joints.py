@@ -192,19 +192,19 @@ def mounts_on_flats(
     """The mounts, those of parts on a pin with a flat where its holes and flats, as found, put them."""
     keyed_mounts = list(mounts)
     for feature in (feature for feature in features if isinstance(feature, SharedFlat)):
-        k, n = (
-            next(k for k, mount in enumerate(keyed_mounts) if mount.part == eye.part)
-            for eye in (feature.a, feature.b)
-        )
+        first = {mount.body: k for k, mount in enumerate(mounts) if mount.part == feature.a.part}
+        second = {mount.body: k for k, mount in enumerate(mounts) if mount.part == feature.b.part}
         (a, b) = readings.facing[feature]
-        on = keyed_mounts[k]
-        angle = on.direction(a) - b
-        centre = on.place(readings.eyes[feature.a].centre)
-        keyed_mounts[n] = replace(
-            keyed_mounts[n],
-            at=centre - cmath.exp(1j * angle) * readings.eyes[feature.b].centre,
-            angle=angle,
-        )
+        for body in first.keys() & second.keys():  # both sides of a machine may have them
+            on = keyed_mounts[first[body]]
+            n = second[body]
+            angle = on.direction(a) - b
+            centre = on.place(readings.eyes[feature.a].centre)
+            keyed_mounts[n] = replace(
+                keyed_mounts[n],
+                at=centre - cmath.exp(1j * angle) * readings.eyes[feature.b].centre,
+                angle=angle,
+            )
     return keyed_mounts
 
 

@@ -86,6 +86,7 @@ class Module:
     phase: float = 0.0  # how far it is ahead of the shaft, rad
     z: float = 0.0  # how far it is raised, mm
     rides: tuple[Ride, ...] = ()  # bodies of it that links of the host carry
+    shared: frozenset[str] = frozenset()  # parts that the host has too, under the same names
 
     def name(self, name: str) -> str:
         """Of a joint, a drive or an output."""
@@ -102,6 +103,8 @@ class Module:
 
     def part(self, name: str) -> str:
         """Of a part or a sketch."""
+        if name in self.shared:
+            return name
         return f"{self.prefix.replace('_', '-')}-{name}"
 
     def machine(self, machine: Machine) -> Machine:

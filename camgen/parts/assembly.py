@@ -370,13 +370,13 @@ def bodies_in_motion(assembly: Assembly) -> SweptMachine:
 
 def order_of_assembly(assembly: Assembly) -> Table:
     """In which order it goes together, and where."""
-    poses = assembly.poses(np.zeros(1))
-    fixing = assembly.process.fixing
     if assembly.work:
         table = assembly.work[0]
+        poses = assembly.poses(np.zeros(1))
         copies = standing_copies(assembly.parts, assembly.mounts, poses)
+        fixing = assembly.process.fixing
         return replace(table, steps=mated(table.steps, copies, assembly.features, fixing))
-    table = order(assembly.parts, assembly.mounts, poses, assembly.features, fixing)
+    table = by_heights(assembly)
     if not assembly.board:
         return table
     rows = list(zip(table.rows, table.steps, strict=True))
@@ -391,3 +391,10 @@ def order_of_assembly(assembly: Assembly) -> Table:
     rows.append(((0, "board", stands, "", 1, 0.0, "as yours"), Step(stands)))
     numbered = tuple((count, *row[1:]) for count, (row, _) in enumerate(rows, 1))
     return replace(table, rows=numbered, steps=tuple(step for _, step in rows))
+
+
+def by_heights(assembly: Assembly, before: Mapping[str, int] | None = None) -> Table:
+    """The order by height of its own parts; before: how many copies of each part are numbered already."""
+    poses = assembly.poses(np.zeros(1))
+    fixing = assembly.process.fixing
+    return order(assembly.parts, assembly.mounts, poses, assembly.features, fixing, before)

@@ -76,16 +76,23 @@ def _common(hole: Round | Slot, outline: Round) -> bool:
 
 
 def standing_copies(
-    parts: Sequence[Part], mounts: Sequence[Mount], poses: Mapping[str, Sequence[PartPose]]
+    parts: Sequence[Part],
+    mounts: Sequence[Mount],
+    poses: Mapping[str, Sequence[PartPose]],
+    before: Mapping[str, int] | None = None,
 ) -> list[StandingCopy]:
-    """Every copy of every part, in the order of the mounts; poses: of each part's copies, at one angle."""
+    """Every copy of every part, in the order of the mounts; poses: of each part's copies, at one angle.
+
+    before: how many copies of each part are numbered already.
+    """
     number = Counter[str]()
+    first = before or {}
     by_name = {part.name: part for part in parts}
     copies = []
     for mount in mounts:
         pose = poses[mount.part][number[mount.part]]
         number[mount.part] += 1
-        name = f"{mount.part}-{number[mount.part]}"
+        name = f"{mount.part}-{first.get(mount.part, 0) + number[mount.part]}"
         copies.append(_standing_copy(name, by_name[mount.part], mount, pose))
     return copies
 

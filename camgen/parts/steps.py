@@ -65,14 +65,16 @@ def order(
     poses: Mapping[str, Sequence[PartPose]],
     pairs: Sequence[object],
     fixing: Fixing,
+    before: Mapping[str, int] | None = None,
 ) -> Table:
     """Steps by the height of undersides; what is turned over, such as a pin with its head up, comes from above: by its top; a
     ball bearing before the link that holds it.
 
-    poses: of each part's copies, at one angle; pairs: what joints are measured on.
+    poses: of each part's copies, at one angle; pairs: what joints are measured on; before: copies that are numbered already, by
+    part.
     """
     fixing = _with_rings(fixing, pairs)
-    copies = standing_copies(parts, mounts, poses)
+    copies = standing_copies(parts, mounts, poses, before)
     rows = list[tuple[object, ...]]()
     steps = list[Step]()
     there = list[StandingCopy]()

@@ -12,7 +12,7 @@ whole period: a harmonic motion from the least angle of the range to the greates
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Annotated, Any, Self
@@ -29,7 +29,7 @@ from camgen.machine.cams.limits import Advice
 from camgen.machine.features import Balance, CamOutline
 from camgen.machine.forces import Forces
 from camgen.machine.freewheels import Ratchet
-from camgen.machine.joining import joined
+from camgen.machine.joining import Module, joined
 from camgen.machine.programs import DriveLaw
 from camgen.machine.reach import refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
@@ -72,6 +72,8 @@ from camgen.parts.generator.stacking import first_choice, lacking, with_levels
 from camgen.parts.generator.trials import tried, with_cures
 from camgen.parts.journals import journals
 from camgen.parts.part import Part
+from camgen.parts.sides import PREFIX as FAR
+from camgen.parts.sides import Mirror, both_sides
 from camgen.parts.stiffness import bending_stiffness
 from camgen.spec import Checked, unknown, validate
 from camgen.study import ROWS, Later, Study, together
@@ -221,6 +223,7 @@ class Linkage(Mechanism):
             for name in self.making.thread_post_sizes.diameters
             if name not in threaded
         ]
+        found += self._side_faults()
         if self.includes and self.drive.segments:
             right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
             found.append(Fault(("drive", "segment"), f"{len(self.drive.segments)} segments", right))
@@ -228,6 +231,28 @@ class Linkage(Mechanism):
             *found,
             *(inc.faults(self.includes, self._host) if self.includes else ()),
         ]
+
+    def _side_faults(self) -> Iterator[Fault]:
+        """Why there cannot be two sides."""
+        if self.making.sides == 1:
+            return
+        key = ("parts", "sides")
+        if self.making.plates == 1:
+            yield Fault(
+                key, "2", "1, or parts.plates = 2 beside it: both second plates lie back to back"
+            )
+        for name, beside in (
+            ("[[include]]", self.includes),
+            ("[[spring]]", self.springs),
+            ("[counterweight]", self.counterweight),
+        ):
+            if beside:
+                yield Fault(key, "2", f"1 beside {name}, which only a machine of one side has")
+        outputs = {each.name for each in self.wanted}
+        for table, names in (("links", {*self.links}), ("output", outputs)):
+            for name in sorted(name for name in names if f"{FAR}_{name}" in names):
+                right = f"another name: the far side's {name} has it"
+                yield Fault((table, f"{FAR}_{name}"), "", right)
 
     def faults_beside(self, before: Checked, changed: Collection[str]) -> Sequence[Fault]:
         """Of other lengths alone: whether links can have them."""
@@ -294,9 +319,10 @@ class Linkage(Mechanism):
         return {**plain, "groove": shaft + wall + 1.5 * sizes.pin_diameter}
 
     def _unloaded(self) -> m.Machine:
-        """The model with its parts' masses and the play of their fits, and what is included; DesignError where no such parts
-        can be made."""
-        return joined(self._fitted, {each.module: each.mechanism.model for each in self.modules})
+        """The model with its parts' masses and the play of their fits, its far side, and what is included; DesignError where no
+        such parts can be made."""
+        own = joined(self._fitted, {far: self._far_fitted for far in self._far_module})
+        return joined(own, {each.module: each.mechanism.model for each in self.modules})
 
     @cached_property
     def modules(self) -> Sequence[inc.IncludedMachine]:
@@ -429,7 +455,8 @@ class Linkage(Mechanism):
 
     @cached_property
     def _whole(self) -> m.Machine:
-        return joined(self.chain, {each.module: each.mechanism.model for each in self.modules})
+        own = joined(self.chain, dict.fromkeys(self._far_module, self.chain))
+        return joined(own, {each.module: each.mechanism.model for each in self.modules})
 
     def run(self, theta: ArrayLike, order: int = 2) -> Run:
         """The chain of this spec alone at theta, (n,) rad."""
@@ -467,7 +494,11 @@ class Linkage(Mechanism):
     def assembly(self) -> Assembly:
         """Ground plate, links, pins, spacers, shaft and collar, and what is included; DesignError where there are joints of
         which no bodies are made."""
-        whole = assemblies.joined(self._own, [each.assembly for each in self.modules], self.model)
+        own = self._made_of(self.bodies, self.model)
+        if self._far_bodies is not None:
+            far = self._made_of(self._far_bodies, self._far_fitted)
+            own = both_sides(own, far, self._mirror, self.model)
+        whole = assemblies.joined(own, [each.assembly for each in self.modules], self.model)
         even = self.drive.range_deg is None and not self.drive.segments
         cams = any(isinstance(each, CamOutline) for each in whole.features)
         name = ("cam angle" if cams else "crank angle") if even else "drive angle"
@@ -481,10 +512,46 @@ class Linkage(Mechanism):
         whole = (n for n in range(1, 9) if all(abs(n * s - round(n * s)) < 1e-9 for s in steps))
         return next(whole, 1)
 
+    # ---- the far side -----------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _far_bodies(self) -> Bodies | None:
+        """The far side before it is reflected: the same on the same levels, without what drives; None where there is none."""
+        if self.making.sides == 1:
+            return None
+        near = self.bodies.layout
+        return Bodies(replace(near, sizes=near.sizes.driven_by_shaft))
+
+    @cached_property
+    def _far_fitted(self) -> m.Machine:
+        """The far side's model with its masses, in step with the near one's."""
+        assert self._far_bodies is not None, "asked for with two sides alone"
+        return self._weighed(self._far_bodies)
+
     @property
-    def _own(self) -> Assembly:
-        """What is made without what is included."""
-        bodies = self.bodies
+    def _far_module(self) -> Sequence[Module]:
+        """How the far side stands in the whole, if there is one."""
+        phase = math.radians(self.making.side_phase_deg)
+        return () if self.making.sides == 1 else (Module(FAR, phase=phase),)
+
+    @property
+    def _mirror(self) -> Mirror:
+        """Between both sides: where both second plates meet; DesignError where no shaft gets there."""
+        end = upper_end(self.bodies.layout)
+        assert end is not None, "a fault of the spec"
+        if end.axis is None:
+            raise DesignError(
+                "shafts in the second plate",
+                0,
+                1,
+                "",
+                f"link {self.drive.link}",
+                'set parts.shaft = "interrupted": its upper end goes on into the far side',
+            )
+        return Mirror(end.top, end.shaft, math.radians(self.making.side_phase_deg))
+
+    def _made_of(self, bodies: Bodies, machine: m.Machine) -> Assembly:
+        """What is made without what is included; machine: its model."""
         plastic = self.material.name
         sizes = bodies.sizes
         features = bodies.features()
@@ -501,7 +568,7 @@ class Linkage(Mechanism):
         sprung = [each.bought(sizes.pin_diameter) for each in self.sprung]
         ways = {each.name: each.way(sizes.pin_diameter) for each in self.sprung}
         made = Assembly(
-            self.model,
+            machine,
             bodies.parts,
             self._process,
             self.cycle,
@@ -510,11 +577,13 @@ class Linkage(Mechanism):
             demands=figures.demands(self._moving, self.allowed),
             stand_ins=bodies.stand_ins(),
             strands=bodies.strands(),
-            balances=() if self.counterweight is None else (self._balance(self.counterweight),),
+            balances=()
+            if self.counterweight is None
+            else (self._balance(self.counterweight, bodies),),
             coils=coils_of(bodies.layout, bodies.parts, bodies.mounts, ways=ways),
             bought=[*bodies.bought(turning_text(self.drive.speed_rpm)), *sprung],
             springs=coils.mounted(self.sprung, by_force(self.chain), sizes.pin_diameter),
-            journals=journals(self.model, features, bodies.parts, bodies.mounts, plastic),
+            journals=journals(machine, features, bodies.parts, bodies.mounts, plastic),
             posts=tuple(
                 posts(bodies, {each.name: each.forces()[1] for each in self.sprung}, plastic)
             ),
@@ -547,10 +616,9 @@ class Linkage(Mechanism):
         modulus = materials.of(self.material.name).elastic.modulus
         return bending_stiffness(arm, held, pushed, modulus) * abs(pushed - held) ** 2 * 1e-3
 
-    def _balance(self, weight: Counterweight) -> Balance:
+    def _balance(self, weight: Counterweight, made: Bodies) -> Balance:
         """What the solids of the driven link with its counterweight are held to."""
         link = self.drive.link
-        made = self.bodies
         whole = self._balanced[1]
         origin = made.layout.at(link, made.layout.shaft_of(link))
         pivot = pivot_of(made.layout, link)

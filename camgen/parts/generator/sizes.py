@@ -188,6 +188,13 @@ class Parts(Record):
         default=1,
         description="2: a second one on posts over all links holds the far ends of pins and shafts",
     )
+    sides: Literal[1, 2] = Field(
+        default=1,
+        description="2: the machine and its mirror image behind its second plate, on one shaft: a walker with legs at both sides",
+    )
+    side_phase_deg: Annotated[float, quantity("deg", ge=-360, le=360)] = Field(
+        default=180.0, description="how far the far side of two is ahead of the near one"
+    )
     shaft_made: Literal["printed", "steel"] = Field(
         default="printed",
         description='"printed"; or "steel": turned, with the flat, as are crank pins that join webs of an '
@@ -251,6 +258,13 @@ class Parts(Record):
             **({"shaft_flat": face.flat} if face.flat else {}),
             **data,
         }
+
+    @property
+    def driven_by_shaft(self) -> Parts:
+        """Of the far side of a machine: nothing but its shaft turns it."""
+        least = self.thickness + 2
+        none = {"motor": "none", "can": None, "set_screw": "none", "hand_crank": 0.0}
+        return self.model_copy(update={**none, "shaft_length": least})
 
     @property
     def shapes(self) -> dict[str, Shape]:

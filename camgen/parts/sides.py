@@ -1,0 +1,220 @@
+"""A machine of two sides: the far one is the mirror image of the near one in a plane over it, on the same shaft.
+
+It has the same motion, so far ahead in phase. What is its own mirror image is the same part on both sides, as it lies or turned
+over; of any other part the far side has the mirror image, which looks in the hand like the near one.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from camgen.geometry.outlines import Arc, Contour, Region, end_point, start_point
+from camgen.machine.features import Eye, Faces, Feature, Flat, Mount, OwnTip, StandIn, mapped
+from camgen.machine.joining import Module
+from camgen.machine.model import Machine
+from camgen.parts.assembly import Assembly, by_heights, joined, renamed
+from camgen.parts.catalogue import Bought
+from camgen.parts.part import Layer, Part
+from camgen.study import Later, Step, Table
+
+PREFIX = "far"  # of the names of the far side
+_DIGITS = 6  # to which places count as one, mm
+
+
+@dataclass(frozen=True)
+class Mirror:
+    """The plane between both sides, and the shaft that goes through it."""
+
+    height: float  # over the near side's underside, mm
+    shaft: str  # the part
+    phase: float  # how far the far side is ahead, rad
+
+    def mount(self, part: Part, mount: Mount) -> Mount:
+        """Where the image of a copy stands."""
+        z = round(2 * self.height - mount.z - part.thickness, 9)
+        return replace(mount, z=z, flipped=mount.flipped is not _turns_over(part))
+
+    def stand_in(self, thing: StandIn) -> StandIn:
+        """The image of what is in the way."""
+        twice = 2 * self.height
+        discs = tuple((at, r, twice - high, twice - low) for at, r, low, high in thing.discs)
+        bars = tuple((a, b, r, twice - high, twice - low) for a, b, r, low, high in thing.bars)
+        return replace(thing, discs=discs, bars=bars)
+
+    def through(self, near: Assembly, far: Assembly) -> Part:
+        """The shaft of both sides in one piece, with the flat of either."""
+        part = near.by_name[self.shaft]
+        lengths = [
+            self.height - next(mount.z for mount in side.mounts if mount.part == self.shaft)
+            for side in (near, far)
+        ]
+        middle = round(lengths[0], 9)
+        region = part.drawn.region
+        turned = region.moved(cmath.exp(1j * self.phase))
+        layers = (
+            Layer(region, 0.0, middle),
+            Layer(turned, middle, round(middle + lengths[1], 9)),
+        )
+        said = f"its upper flat is turned by {math.degrees(self.phase):.4g} deg"
+        return replace(part, title="Shaft of both sides", layers=layers, notes=(*part.notes, said))
+
+
+def _turns_over(part: Part) -> bool:
+    """Whether the image of a part is another part, or it turned over: not the same at all heights."""
+    high = part.thickness
+    there = {
+        (round(high - each.z1, 9), round(high - each.z0, 9), each.region) for each in part.layers
+    }
+    here = {(round(each.z0, 9), round(each.z1, 9), each.region) for each in part.layers}
+    return there != here or bool(part.engraved or part.edges) or part.side_profile is not None
+
+
+def _image(part: Part) -> Part:
+    """The part of which a copy turned over is the image of one of this part."""
+    if not _turns_over(part):
+        return part
+    if not part.points and all(_mirrored(each.region) for each in (*part.layers, *part.engraved)):
+        return part
+
+    def over(layer: Layer) -> Layer:
+        return replace(layer, region=layer.region.moved(-1, mirror=True))
+
+    return replace(
+        part,
+        layers=tuple(map(over, part.layers)),
+        engraved=tuple(map(over, part.engraved)),
+        centres=tuple(map(_over, part.centres)),
+        points=tuple((name, _over(z)) for name, z in part.points),
+        side_profile=part.side_profile and part.side_profile.moved(-1, mirror=True),
+        edges=tuple(each.mirrored for each in part.edges),
+    )
+
+
+def _over(z: complex) -> complex:
+    """A place of a part, as seen when it is turned over."""
+    return complex(-z.conjugate())
+
+
+def _mirrored(region: Region) -> bool:
+    """Whether a region is its own mirror image in Oy."""
+    image = region.moved(-1, mirror=True)
+    holes, others = ({_pieces(hole) for hole in each.holes} for each in (region, image))
+    return _pieces(region.outer) == _pieces(image.outer) and holes == others
+
+
+def _pieces(contour: Contour) -> frozenset[tuple[complex, ...]]:
+    """Middle and ends of each piece, whichever way round; of a circle its centre and radius."""
+
+    def rounded(z: complex) -> complex:
+        return complex(round(z.real, _DIGITS) + 0.0, round(z.imag, _DIGITS) + 0.0)
+
+    found = list[tuple[complex, ...]]()
+    for piece in contour.pieces:
+        if isinstance(piece, Arc) and abs(piece.sweep) > math.tau - 1e-9:
+            found.append((rounded(piece.centre), rounded(complex(piece.radius))))
+            continue
+        ends = sorted(
+            map(rounded, (start_point(piece), end_point(piece))), key=lambda z: (z.real, z.imag)
+        )
+        found.append((rounded(complex(piece.at((piece.t0 + piece.t1) / 2))), *ends))
+    return frozenset(found)
+
+
+def _features(features: Sequence[Feature], turned: frozenset[str]) -> list[Feature]:
+    """Features as they are on the images of parts; turned: parts of which copies lie turned over."""
+
+    def over(_: str, value: Any) -> Any:
+        if isinstance(value, OwnTip):
+            return mapped(value, over)
+        if not isinstance(value, Eye | Faces | Flat) or value.part not in turned:
+            return value
+        if isinstance(value, Faces):
+            return replace(value, at=_over(value.at), angle=math.pi - value.angle)
+        if isinstance(value, Flat):
+            return replace(value, at=_over(value.at), facing=math.pi - value.facing)
+        return replace(value, at=_over(value.at))
+
+    return [mapped(each, over) for each in features]
+
+
+def both_sides(near: Assembly, far: Assembly, mirror: Mirror, machine: Machine) -> Assembly:
+    """One machine of two sides.
+
+    near: the one with what drives it; far: one like it, before it is reflected; machine: the model of both.
+    """
+    further = [part for part in far.parts if part.name != mirror.shaft]
+    images = [_image(part) for part in further]
+    of_both = {each.name for each in images if _same(each, near.by_name.get(each.name))}
+    module = Module(PREFIX, phase=mirror.phase, shared=frozenset({*of_both, mirror.shaft}))
+    turned = frozenset(part.name for part in further if _turns_over(part))
+    mounts = [mount for mount in far.mounts if mount.part != mirror.shaft]
+    alone = renamed(replace(far, parts=further, mounts=mounts), module)
+    own = [each for each in images if each.name not in of_both]
+    features = renamed(replace(far, features=_features(far.features, turned)), module).features
+    there = replace(
+        alone,
+        parts=[
+            replace(each, name=module.part(each.name), title=f"{each.title}, far side")
+            for each in own
+        ],
+        mounts=[module.mount(mirror.mount(far.by_name[mount.part], mount)) for mount in mounts],
+        features=[each for each in features if each not in near.features],
+        stand_ins=[mirror.stand_in(each) for each in alone.stand_ins],
+        bought=(),
+        unjudged=(),
+    )
+    through = mirror.through(near, far)
+    near = replace(
+        near, parts=[through if part.name == mirror.shaft else part for part in near.parts]
+    )
+    copies = Counter(mount.part for mount in there.mounts)
+    parts = [replace(part, count=part.count + copies[part.name]) for part in near.parts]
+    whole = joined(replace(near, parts=parts), [there], machine)
+    order = Later(lambda: [_order(near, alone)])
+    return replace(whole, bought=_bought(near, far), board="", work=order)
+
+
+def _same(part: Part, other: Part | None) -> bool:
+    """Whether two parts differ in their number alone."""
+    return other is not None and replace(part, count=other.count) == other
+
+
+def _bought(near: Assembly, far: Assembly) -> list[Bought]:
+    """What is bought for both sides: what drives is there once, and nothing holds a plate from behind."""
+    counts: Counter[Bought] = Counter()
+    for each in near.bought:
+        counts[replace(each, count=0)] += each.count
+    for each in far.bought:
+        if each.role != "drive":
+            counts[replace(each, count=0)] += each.count
+    return [replace(each, count=n) for each, n in counts.items() if each.role != "mount"]
+
+
+def _order(near: Assembly, far: Assembly) -> Table:
+    """The near side from the bottom up, the far one likewise on its own plate, then one on the other."""
+    before = Counter[str]()
+    for mount in near.mounts:
+        before[mount.part] += 1
+    first = by_heights(near)
+    second = by_heights(far, before)
+    rows = [row[1:] for row in (*first.rows, *second.rows)]
+    last = (
+        "both sides",
+        "Second plate on second plate, glued: the shaft of both sides goes on into the far side",
+        "turn the far side's crank until its flat lets the shaft in, and glue it there",
+        1,
+        0.0,
+        "far side turned over",
+    )
+    numbered = [(count, *row) for count, row in enumerate((*rows, last), 1)]
+    steps = [
+        *first.steps,
+        *(replace(step, way=1 if step.way < 0 else -1) for step in second.steps),
+        Step(f"{last[1]}; {last[2]}"),
+    ]
+    return replace(first, title="Assembly, side by side", rows=numbered, steps=steps)

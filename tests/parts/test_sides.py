@@ -1,0 +1,226 @@
+"""Two sides on one shaft: the far one moves as the near one does a phase later, is its mirror image, and is judged from its files."""
+
+from __future__ import annotations
+
+import csv
+import math
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import ezdxf
+import numpy as np
+import pytest
+import tomli_w
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from judged import wrong
+
+from camgen.errors import DesignError, SpecError
+from camgen.machines.linkage.mechanism import Linkage
+from camgen.parts.assembly import order_of_assembly
+from camgen.parts.sides import Mirror, both_sides
+from camgen.pipeline.build import build
+from camgen.spec import validate
+
+WALKER = {  # a four-bar between two plates; its plates are no mirror images of themselves
+    "mechanism": "linkage",
+    "name": "sides",
+    "drive": {"link": "crank"},
+    "points": {"O": [0, 0], "C": [60, 0], "A": [15, 0], "B": [50, 40]},
+    "links": {
+        "ground": ["O", "C"],
+        "crank": ["O", "A"],
+        "rod": ["A", "B"],
+        "rocker": ["C", "B"],
+    },
+    "output": [{"name": "foot", "link": "rocker"}],
+    "parts": {"plates": 2, "shaft": "interrupted", "sides": 2, "side_phase_deg": 90},
+}
+
+
+def walker(parts: Mapping[str, Any] | None = None, **more: Any) -> Linkage:
+    return validate(Linkage, {**WALKER, **more, "parts": {**WALKER["parts"], **(parts or {})}})
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("sides")
+    (out / "sides.toml").write_text(tomli_w.dumps(WALKER), encoding="utf-8")
+    report = build(out / "sides.toml", out, frozenset({"dxf", "3mf"}))
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    assert not report.not_judged
+    return out / "sides"
+
+
+@pytest.fixture(scope="module")
+def machine() -> Linkage:
+    return walker()
+
+
+def test_the_far_foot_moves_a_phase_later_as_the_files_show(folder: Path) -> None:
+    """motion.csv has a row every quarter degree: 90 deg are 360 rows."""
+    with (folder / "motion.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))[:-1]
+    for kind in ("", "_dxf", "_3mf"):
+        near, far = (
+            np.array([float(row[f"{name}_deg{kind}"]) for row in rows])
+            for name in ("foot", "far_foot")
+        )
+        assert np.ptp(near) > 10
+        np.testing.assert_allclose(far, np.roll(near, -360), atol=1e-4)
+
+
+@settings(max_examples=3, deadline=None)
+@given(phase=st.floats(-math.tau, math.tau), theta=st.floats(0, math.tau))
+@example(phase=0.0, theta=1.0)
+@example(phase=math.pi / 2, theta=0.0)
+def test_each_body_is_the_mirror_image_of_the_near_one(
+    machine: Linkage, phase: float, theta: float
+) -> None:
+    """Of the solids, where they stand: volume, middle and moments of inertia, mirrored in the plane between both sides."""
+    degrees = math.degrees(phase)
+    other = walker({"side_phase_deg": degrees}, layers=machine.resolved().layers)
+    vars(other)["_solids"] = machine._solids  # equal but for the shaft of both sides
+    scenes = {"near": other.scene(theta + phase), "far": other.scene(theta)}
+    plane = other._mirror.height
+    for body in ("crank", "rod", "rocker"):
+        near, far = (
+            [mesh for name, mesh in _copies(scenes[side], prefix + body)]
+            for side, prefix in (("near", ""), ("far", "far_"))
+        )
+        assert near and far
+        near, far = sum(near[1:], near[0]), sum(far[1:], far[0])
+        assert far.volume == pytest.approx(near.volume, rel=1e-4)
+        x, y, z = near.center_mass
+        assert far.center_mass == pytest.approx([x, y, 2 * plane - z], abs=2e-3)
+        signs = np.array([[1, 1, -1], [1, 1, -1], [-1, -1, 1]])
+        scale = np.abs(near.moment_inertia).max()
+        assert np.abs(far.moment_inertia - near.moment_inertia * signs).max() < 1e-3 * scale
+
+
+def _copies(scene: Any, body: str) -> list[tuple[str, Any]]:
+    """Solids on a body in the world, without the shaft, which only one of the sides has."""
+    children = [
+        name for name in scene.graph.nodes_geometry if scene.graph.transforms.parents[name] == body
+    ]
+    found = []
+    for name in children:
+        matrix, geometry = scene.graph[name]
+        if not geometry.startswith(("shaft", "collar", "far-shaft")):
+            mesh = scene.geometry[geometry].copy()
+            mesh.apply_transform(matrix)
+            found.append((name, mesh))
+    return found
+
+
+def test_what_needs_no_image_is_the_same_part_twice(machine: Linkage) -> None:
+    parts = machine.assembly.by_name
+    for name in ("crank", "rod", "rocker", "crank_web2", "crank-pin"):
+        (part,) = (each for each in parts.values() if each.name.removesuffix("-1") == name)
+        assert part.count == 2
+    assert {name for name in parts if name.startswith("far-")} == {
+        "far-ground",
+        "far-shaft",
+        "far-second-plate",
+    }
+    mounts = [mount for mount in machine.assembly.mounts if mount.part == "far-ground"]
+    assert [mount.flipped for mount in mounts] == [True]
+    # one image in the hand is the mirror image of the other
+    near, far = parts["second-plate"], parts["far-second-plate"]
+    assert dict(far.points) == {name: -z.conjugate() for name, z in near.points}
+
+
+def test_one_shaft_reaches_both_sides_with_a_flat_for_either(machine: Linkage) -> None:
+    """The upper half's flat, at the top of its circle, is turned by the phase."""
+    shaft = machine.assembly.by_name["shaft-crank_web2"]
+    assert shaft.count == 1
+    low, high = shaft.layers
+    assert low.z1 == high.z0 == pytest.approx(shaft.thickness / 2)
+    for layer, away in ((low, 1j), (high, -1)):
+        (line,) = (each for each in layer.region.outer.pieces if not hasattr(each, "radius"))
+        middle = (line.a + line.b) / 2
+        assert middle == pytest.approx(away * (3 - 0.8))
+
+
+def test_the_drive_is_there_once(machine: Linkage) -> None:
+    driven = walker({"motor": "nema-17"}).assembly
+    counts = {each.name: each.count for each in driven.bought}
+    assert counts["drive"] == 1 and counts["screw of the motor"] == 4
+    assert counts["screw of a post"] == 16
+    assert {each.name for each in driven.parts if each.name.endswith("shaft")} == {"far-shaft"}
+    assert not any(each.role == "mount" for each in machine.assembly.bought)
+
+
+def test_each_side_is_put_together_alone_and_then_joined(machine: Linkage) -> None:
+    table = order_of_assembly(machine.assembly)
+    steps = [row[1] for row in table.rows]
+    assert steps.index("second-plate") < steps.index("far-ground") < steps.index("far-second-plate")
+    assert steps[-1] == "both sides" and [row[0] for row in table.rows] == [
+        *range(1, len(steps) + 1)
+    ]
+    named = [name for step in table.steps for name in step.copies]
+    assert sorted(named) == sorted(
+        f"{part.name}-{k}" for part in machine.assembly.parts for k in range(1, part.count + 1)
+    )
+
+
+def test_a_hole_of_the_far_side_that_is_elsewhere_is_found(folder: Path, tmp_path: Path) -> None:
+    """Of the rocker's pin, by 0.1 mm: the far foot goes elsewhere, and that joint fits no more."""
+    shutil.copytree(folder, tmp_path / "sides")
+    (path,) = (tmp_path / "sides").rglob("sides-far-ground.dxf")
+    drawing = ezdxf.readfile(path)
+    (hole,) = (
+        each
+        for each in drawing.modelspace().query("CIRCLE")
+        if abs(complex(*each.dxf.center.vec2) + 60) < 1e-6
+    )
+    hole.dxf.center = (-60.1, 0, 0)
+    drawing.saveas(path)
+    found = {finding.code: str(finding.where) for finding in wrong(tmp_path / "sides", "dxf")}
+    assert {"MOTION_ERROR", "ROUND_TRIP"} <= found.keys(), found
+    assert "far_foot" in found["MOTION_ERROR"]
+
+
+@pytest.mark.parametrize(
+    ("spec", "said"),
+    [
+        ({"parts": {**WALKER["parts"], "plates": 1, "shaft": "through"}}, "parts.plates = 2"),
+        (
+            {
+                "links": {**WALKER["links"], "far_rod": ["A", "D"]},
+                "points": {**WALKER["points"], "D": [40, 9]},
+            },
+            "the far side's rod has it",
+        ),
+        ({"counterweight": {}}, "[counterweight]"),
+    ],
+)
+def test_what_has_no_two_sides_is_told(spec: dict[str, Any], said: str) -> None:
+    with pytest.raises(SpecError) as caught:
+        validate(Linkage, {**WALKER, **spec})
+    assert any(said in str(fault) for fault in caught.value.faults)
+
+
+def test_a_shaft_that_ends_before_the_far_side_is_refused() -> None:
+    """Of a motor that stands under the plate, and drives a shaft that goes through no web."""
+    with pytest.raises(DesignError, match="parts.shaft"):
+        _ = walker({"shaft": "through", "motor": "nema-17"}).assembly
+
+
+def test_both_sides_are_made_of_any_two(machine: Linkage) -> None:
+    """A mirror elsewhere only shifts the far side."""
+    far = machine._far_bodies
+    assert far is not None
+    near = machine._made_of(machine.bodies, machine.model)
+    other = machine._made_of(far, machine._far_fitted)
+    mirror = machine._mirror
+    whole, higher = (
+        both_sides(near, other, Mirror(mirror.height + up, mirror.shaft, 0.0), machine.model)
+        for up in (0.0, 7.0)
+    )
+    rises = [b.z - a.z for a, b in zip(whole.mounts, higher.mounts, strict=True)]
+    assert rises == pytest.approx(
+        [0.0] * len(near.mounts) + [14.0] * (len(rises) - len(near.mounts))
+    )
