@@ -17,8 +17,7 @@ def list_() -> None:
     """List the mechanisms and the laws of motion."""
     from camgen import starters
     from camgen.machines import MECHANISMS
-    from camgen.motion.laws import LAWS
-    from camgen.motion.segments import ABOUT, FAMILIES
+    from camgen.motion.segments import ABOUT, FAMILIES, SHOWN
 
     click.echo("Mechanisms")
     for name in MECHANISMS:
@@ -27,21 +26,27 @@ def list_() -> None:
     for name in starters.examples():
         click.echo(f"  {name:<20} {starters.summary(name)}")
     click.echo(
-        f"\n{'Laws of motion':<22}{'C_v':>8}{'C_a':>9}{'C_j':>9}  peaks of v, a, j inside a rise of 1 in unit time"
+        f"\n{'Laws of motion':<24}{'C_v':>8}{'C_a':>9}{'C_a*':>9}{'C_j':>10}{'C_M':>9}  "
+        "peaks of v, a, -a, j, |v a| in a rise of 1 in unit time"
     )
-    for law in LAWS.values():
-        click.echo(f"  {law.name:<20}{law.c_v:>8.4f}{law.c_a:>9.4f}{law.c_j:>9.3f}  {law.source}")
+    for title, law in SHOWN:
+        c_a, c_a_star = law.accelerations
+        sizes = f"{law.c_v:>8.4f}{c_a:>9.4f}{c_a_star + 0.0:>9.4f}{law.c_j:>10.3f}{law.c_m:>9.4f}"
+        click.echo(f"  {title:<22}{sizes}  {law.source}")
     click.echo('\nLaws with parameters, as law = { name = "...", KEY = ... }')
     for name, about in ABOUT.items():
         click.echo(f"  {name:<20} {', '.join(FAMILIES.get(name, ())) or 'no key'}: {about}")
 
 
+def _explained() -> list[str]:
+    return [*guide.entries(), *guide.laws()]
+
+
 @click.command()
-@click.argument(
-    "codes", metavar="[CODE]... [SPEC]", nargs=-1, shell_complete=completed(guide.entries)
-)
+@click.argument("codes", metavar="[CODE]... [SPEC]", nargs=-1, shell_complete=completed(_explained))
 def explain(codes: Sequence[str]) -> None:
-    """Explain a finding: its meaning, its formula, the source of its limit and what helps; without a CODE, list them.
+    """Explain a finding: its meaning, its formula, the source of its limit and what helps; or what a law of motion is for. Without
+    a CODE, list the findings.
 
     With a SPEC (a file that ends in .toml) also by the numbers of this machine: how near it is to its limit, which key sets
     the limit, and which keys move it, by how much. Each key is tried, which takes some seconds.

@@ -15,6 +15,7 @@ _PAGES = Path(__file__).parent
 # The pages in the order in which one reads them.
 TOPICS = (
     "first-cam",
+    "laws",
     "own-linkage",
     "design",
     "sweeps",
@@ -60,6 +61,12 @@ def entries() -> dict[str, str]:
     return {part.partition("\n")[0]: f"## {part.strip()}\n" for part in parts}
 
 
+def laws() -> dict[str, str]:
+    """What is said of each law of motion, as Markdown under its own head, in the order of the page."""
+    parts = re.split(r"^## (?=[a-z0-9-]+$)", page("laws"), flags=re.MULTILINE)[1:]
+    return {part.partition("\n")[0]: f"## {part.strip()}\n" for part in parts}
+
+
 class Explanation(str):
     """What is said of codes, Markdown: a notebook lays it out."""
 
@@ -72,7 +79,8 @@ class Explanation(str):
 
 
 def explanation(code: str | None = None, spec: Source | None = None) -> Explanation:
-    """What a code means, its formula, where its limit comes from and what helps; without one all codes, a line each.
+    """What a code means, its formula, where its limit comes from and what helps, or what a law is for; without one all codes, a line
+    each.
 
     spec: in which it is explained as well, by its numbers and keys.
     SpecError, with the nearest, for a code that there is none of, and for the spec.
@@ -80,6 +88,11 @@ def explanation(code: str | None = None, spec: Source | None = None) -> Explanat
     known = entries()
     if code is None:
         return Explanation("\n".join(f"- `{name}` {in_short(known[name])}" for name in known))
+    from camgen.motion.tasks import SYNONYMS
+
+    law = laws().get(SYNONYMS.get(code, code))
+    if law is not None:
+        return Explanation(law)
     name = code.upper().replace("-", "_")
     if name not in known:
         from camgen.errors import SpecError

@@ -30,7 +30,7 @@ Air = Annotated[  # nothing stiff gives way by more
 ]
 
 
-def still_faults(path: Key, kinds: Sequence[str]) -> list[Fault]:
+def still_faults(path: Key, kinds: Sequence[str | None]) -> list[Fault]:
     """What is wrong with the kinds of a cam's segments: all dwells move nothing."""
     if any(kind != "dwell" for kind in kinds):
         return []

@@ -21,6 +21,7 @@ from camgen.motion.laws import (
     modified_sine,
 )
 from camgen.motion.program import Program, Segment, uniform_swing
+from camgen.motion.tasks import REST, End, law_for
 from camgen.numerics import peak
 
 # C_v, C_a, C_j inside the segment, jerk at the crossover, largest |v a|.   [VDI 2143; Norton]
@@ -34,6 +35,12 @@ _LAWS = {
     "3-4-5": "1.8750 5.7735 60.000 -30.000 6.694",
     "4-5-6-7": "2.1875 7.5132 52.500 -52.500 10.750",
     "modified-sine-20": "1.5275 5.9986 94.23 0.000 5.14",
+}
+# C_v, C_a, C_a*, C_j, C_M between other ends at lambda 1/2.   [closed forms of VDI 2143, worked out with 30 digits elsewhere]
+_TASKS = {
+    ("harmonic-combination", "RU"): "1.65984793 5.21456606 5.21456606 65.5281698 4.85647193",
+    ("modified-trapezoid", "RU"): "1.8482935 4.5173437 4.5173437 56.7666151 6.90922576",
+    ("simple-harmonic", "UU"): "1.57079633 4.9348022 4.9348022 15.5031383 3.87578459",
 }
 # Peaks of v, a, j: 1 in up and down over 90 deg each at 2 pi rad/s, dwells between.   [Norton's running example]
 _DOUBLE_DWELL = {
@@ -58,6 +65,7 @@ def rows() -> Iterator[Row]:
         for label, text, value in zip(labels, published.split(), values, strict=False):
             if text != "-":
                 yield Row(f"{name} {label}", text, value)
+    yield from _tasks()
     for name, published in _DOUBLE_DWELL.items():
         for order, text in enumerate(published.split(), start=1):
             value = _double_dwell_peak(LAWS[name], order)
@@ -65,6 +73,17 @@ def rows() -> Iterator[Row]:
     yield from _mr_13()
     yield from _linkages()
     yield from papers.rows()
+
+
+def _tasks() -> Iterator[Row]:
+    """Laws that end in a reversal, their peaks looked for in their formulas."""
+    for (name, task), published in _TASKS.items():
+        start, end = (End("U", a=None) if letter == "U" else REST for letter in task)
+        law = law_for(name, start, end)
+        values = (_peak(law, 1), *law.accelerations, _peak(law, 3), _power(law))
+        labels = ("C_v", "C_a", "C_a*", "C_j", "C_M")
+        for label, text, value in zip(labels, published.split(), values, strict=True):
+            yield Row(f"{name} {task} {label}", text, value)
 
 
 def _peak(law: Law, order: int) -> float:

@@ -2,6 +2,8 @@
 
     law         displacement of a rise of 1 over the position u = 0..1 in a segment, with derivatives to u
     C_v C_a C_j largest |first|, |second| and |third| derivative inside the segment; inf where a lower one jumps inside
+    C_a*        largest deceleration, -f''; C_a of a law with an inflection is the largest acceleration before it
+    C_M         largest |f' f''|: what an inertia asks of the drive
     smoothness  highest derivative that is continuous where the law joins what it is made to join, mostly a dwell
     break       place inside the segment where a derivative of order 0..3 jumps
 
@@ -21,6 +23,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from camgen.errors import Fault, SpecError
+from camgen.motion.halves import MODIFIED_SINE, PARABOLA, TRAPEZOID, Halves
 from camgen.numerics import Floats as Floats
 from camgen.numerics import greatest
 from camgen.tolerances import LAW_CLOSES
@@ -71,6 +74,17 @@ class Law:
         return self.formula(np.asarray(u, float), order)
 
     # looked for once, for all segments of all programs with this law
+
+    @cached_property
+    def accelerations(self) -> tuple[float, float]:
+        """C_a and C_a*: greatest acceleration and greatest deceleration."""
+        forwards = greatest_between(lambda u: self(u, 2), self.breaks)
+        return forwards, greatest_between(lambda u: -self(u, 2), self.breaks)
+
+    @cached_property
+    def c_m(self) -> float:
+        """C_M, the largest |f' f''|."""
+        return largest(lambda u: self(u, 1) * self(u, 2), self.breaks)
 
     @cached_property
     def end_values(self) -> Sequence[tuple[float, float]]:
@@ -129,16 +143,18 @@ def smoothness(formula: Formula, ends: Ends, peaks: Sequence[float]) -> int:
 
 
 def largest(f: Callable[[Floats], Floats], breaks: Sequence[float] = ()) -> float:
-    """Largest |f(u)| on 0..1 for f smooth between the breaks: even samples, zoomed in on the best of each stretch."""
-    peak = 0.0
+    """Largest |f(u)| on 0..1 for f smooth between the breaks."""
+    return max(0.0, greatest_between(lambda u: np.abs(f(u)), breaks))
+
+
+def greatest_between(f: Callable[[Floats], Floats], breaks: Sequence[float] = ()) -> float:
+    """Greatest f(u) on 0..1 for f smooth between the breaks: even samples, zoomed in on the best of each stretch."""
     marks = [0.0, *breaks, 1.0]
+    peaks = []
     for begin, end in zip(marks, marks[1:], strict=False):
         last = end if end == 1 else math.nextafter(end, begin)
-        peak = max(
-            peak,
-            greatest(lambda u: np.abs(f(u)), begin, last, count=max(33, 4097 // len(marks)))[1],
-        )
-    return peak
+        peaks.append(greatest(f, begin, last, count=max(33, 4097 // len(marks)))[1])
+    return max(peaks)
 
 
 def measured(
@@ -244,66 +260,14 @@ def polynomial_law(conditions: Sequence[Condition]) -> Law:
     return measured("polynomial", formula, f"polynomial from {len(conditions)} boundary conditions")
 
 
-# ---- sine, constant, cosine, coast ----------------------------------------------------------------------------------
+# ---- two halves and a line -------------------------------------------------------------------------------------------
 
 
-def blocks(ramp: float, hold: float, fall: float, coast: float = 0.0) -> Formula:
-    """Formula of a law whose acceleration rises as a sine, holds, falls as a cosine and rests; then the same mirrored.
-
-    The four shares of the segment add up to 1, half of each lies in either half.   [the family SCCA, there b, c, d]
-    """
-    zones = []  # begin, rate of the sines, shares of constant, sine and cosine, speed and displacement at the beginning
-    x = v = s = 0.0
-    for width, constant, sine, cosine in (
-        (ramp, 0, 1, 0),
-        (hold, 1, 0, 0),
-        (fall, 0, 0, 1),
-        (coast, 0, 0, 0),
-    ):
-        if width:
-            zone = (x, math.pi / width if sine or cosine else 1.0, constant, sine, cosine, v, s)
-            zones.append(zone)
-            end = np.asarray(x + width / 2)
-            x = float(end)
-            v = float(_in_zone(zone, end, 1))
-            s = float(_in_zone(zone, end, 0))
-    begins = [zone[0] for zone in zones][1:]
-
-    def formula(u: Floats, order: int) -> Floats:
-        first = u < 0.5
-        x = np.where(first, u, 1 - u)
-        which = np.searchsorted(begins, x, side="right")
-        result = np.empty(u.shape)
-        for k, zone in enumerate(zones):
-            mine = which == k
-            result[mine] = _in_zone(zone, x[mine], order) / (2 * s)
-        if order == 0:
-            return np.where(first, result, 1 - result)
-        return np.where(first, result, (-1) ** (order + 1) * result)
-
-    return formula
-
-
-def _in_zone(zone: tuple[float, ...], x: Floats, order: int) -> Floats:
-    """Motion in one zone of `blocks`, acceleration 1 at its highest."""
-    begin, k, constant, sine, cosine, v, s = zone
-    x = x - begin
-    if order == 0:
-        arc = 2 * np.sin(k * x / 2) ** 2
-        return np.asarray(
-            s
-            + v * x
-            + constant * x**2 / 2
-            + sine * (x - np.sin(k * x) / k) / k
-            + cosine * arc / k**2
-        )
-    if order == 1:
-        return np.asarray(
-            v + constant * x + (sine * 2 * np.sin(k * x / 2) ** 2 + cosine * np.sin(k * x)) / k
-        )
-    if order == 2:
-        return np.asarray(constant + sine * np.sin(k * x) + cosine * np.cos(k * x))
-    return np.asarray(k * (sine * np.cos(k * x) - cosine * np.sin(k * x)))
+def halves_law(name: str, halves: Halves, source: str, ends: Ends = DWELLS) -> Law:
+    """The law of two halves and a line; its constants are closed forms."""
+    peaks = halves.peaks
+    order = smoothness(halves, ends, (1.0, *peaks))
+    return Law(name, halves, order, *peaks, source, halves.breaks, ends)
 
 
 def modified_sine(constant_velocity: float = 0.0) -> Law:
@@ -315,19 +279,10 @@ def modified_sine(constant_velocity: float = 0.0) -> Law:
         raise SpecError(
             [Fault(("constant_velocity",), f"{constant_velocity:g}", "a share >= 0 and < 1")]
         )
-    moving = 1 - constant_velocity
-    c_a = 4 * math.pi**2 / (moving * (4 * math.pi + (4 - 3 * math.pi) * moving))
-    return Law(
-        f"modified-sine-{100 * constant_velocity:g}" if constant_velocity else "modified-sine",
-        blocks(moving / 4, 0.0, 3 * moving / 4, constant_velocity),
-        2,
-        moving / math.pi * c_a,
-        c_a,
-        4 * math.pi / moving * c_a,
-        "VDI 2143: modifizierte Sinuslinie"
-        + (", Gerade in der Mitte" if constant_velocity else ""),
-        (moving / 2, 1 - moving / 2) if constant_velocity else (),
-    )
+    share = f"-{100 * constant_velocity:g}" if constant_velocity else ""
+    line = ", Gerade in der Mitte" if constant_velocity else ""
+    halves = Halves(MODIFIED_SINE, MODIFIED_SINE, line=constant_velocity)
+    return halves_law(f"modified-sine{share}", halves, f"VDI 2143: modifizierte Sinuslinie{line}")
 
 
 def slider_crank(share: float) -> Law:
@@ -505,7 +460,6 @@ _PI = math.pi
 _ROOT3 = math.sqrt(3)
 
 UNIFORM = Law("uniform", polynomial(0, 1), 0, 1.0, 0.0, 0.0, "VDI 2143: gerade Linie")
-_PARABOLIC = blocks(0.0, 1.0, 0.0)
 _DOUBLE_COSINE = (
     (1 + math.sqrt(129)) / 16,
     (1 - math.sqrt(129)) / 16,
@@ -527,9 +481,7 @@ LAWS = {
     law.name: law
     for law in (
         UNIFORM,
-        Law(
-            "parabolic", _PARABOLIC, 1, 2.0, 4.0, math.inf, "VDI 2143: quadratische Parabel", (0.5,)
-        ),
+        halves_law("parabolic", Halves(PARABOLA, PARABOLA), "VDI 2143: quadratische Parabel"),
         Law("cubic", polynomial(0, 0, 3, -2), 1, 1.5, 6.0, 12.0, "polynomial 2-3"),
         Law(
             "simple-harmonic",
@@ -558,13 +510,9 @@ LAWS = {
             4 * _PI**2,
             "VDI 2143: geneigte Sinuslinie",
         ),
-        Law(
+        halves_law(
             "modified-trapezoid",
-            blocks(1 / 4, 1 / 2, 1 / 4),
-            2,
-            2.0,
-            8 * _PI / (_PI + 2),
-            32 * _PI**2 / (_PI + 2),
+            Halves(TRAPEZOID, TRAPEZOID),
             "VDI 2143: modifiziertes Beschleunigungstrapez",
         ),
         modified_sine(),

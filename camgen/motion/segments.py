@@ -1,14 +1,19 @@
 """The `[[segment]]` tables of a spec: from kind, span, lift and law to a program, or to the list of what is wrong.
 
 [[segment]]
-kind = "rise"                                          # "rise", "dwell" or "return"
+kind = "rise"                                          # "rise", "dwell" or "return"; left out where `to` says it
 span_deg = 90                                          # may be left out of one dwell: the rest of the turn
+at_deg = 90                                            # or, of a timing chart, in all segments: the angle at which it ends
 lift = 10                                              # or to = 10: the displacement at the end
-law = "modified-sine"                                  # a name of LAWS, or "matched" (joins its neighbours in v and a)
-law = { name = "modified-sine", constant_velocity = 0.2 }
+task = "RU"                                            # what it joins: rest, uniform motion (G), reversal (U), motion (B)
+end_velocity = 0.1                                     # of G and B; end_acceleration of U and B, end_jerk
+law = "modified-sine"                                  # a name of NAMES, or "matched" (joins its neighbours in v and a)
+law = { name = "modified-sine", constant_velocity = 0.2, lambda = 0.4 }
 law = { name = "fourier", sines = [6.283185307179586] }
 law = { name = "polynomial", conditions = [[0, 0, 0], [0, 1, 0], [1, 0, 1], [1, 1, 0]] }    # u, order, value
 law = { name = "table", file = "rise.csv" }            # angle and displacement in any unit, from the first row to the last
+
+Without a law it is the one of least acceleration.
 """
 
 from __future__ import annotations
@@ -25,29 +30,43 @@ import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from camgen.errors import Fault, Key, SpecError
-from camgen.motion.laws import LAWS, UNIFORM, Law, fourier, modified_sine, polynomial_law, table_law
+from camgen.motion.chart import MATCHED as MATCHED
+from camgen.motion.chart import Chart, Move, Rates, Resolved
+from camgen.motion.laws import LAWS, Law, fourier, modified_sine, polynomial_law, table_law
 from camgen.motion.program import Program, Segment, matched
 from camgen.motion.tables import read_points
+from camgen.motion.tasks import CHOICES, REST, SYNONYMS, End, Form, law_for, least, shifted
+from camgen.motion.tasks import FAMILIES as TASK_LAWS
 from camgen.numerics import Floats, distinct
 from camgen.reading import Reference
-from camgen.spec import Record, quantity, unknown
+from camgen.spec import Record, quantity, text_of_form, unknown
 from camgen.tolerances import LAW_CLOSES
 
-MATCHED = "matched"
 # Laws with parameters: their keys, and what they are.
 FAMILIES = {
-    "modified-sine": ("constant_velocity",),
-    "fourier": ("sines", "cosines"),
+    **{name: family.keys for name, family in TASK_LAWS.items()},
+    "fourier": ("sines", "cosines", "lambda"),
     "polynomial": ("conditions",),
     "table": ("points", "file", "source", "rest"),
+    **dict.fromkeys(CHOICES, ("lambda", "constant_velocity")),
 }
 ABOUT = {
-    "modified-sine": "a share 0 to 1 of the span at constant velocity in its middle",
+    **{name: family.about for name, family in TASK_LAWS.items()},
     "fourier": "acceleration: sines of 2 pi u, 4 pi u, ..., cosines of pi u, 3 pi u, ...",
     "polynomial": "conditions [u, order, value], as many as coefficients; from 0 at u = 0 to 1 at u = 1",
     "table": "C2 spline through points [angle, displacement], or through a file's; rest = false: not from rest to rest",
     MATCHED: "quintic that takes velocity and acceleration from its neighbours ([[segment]] alone)",
+    "least-acceleration": "the law that joins its neighbours with the least C_a; without a law it is this",
+    "least-jerk": "that with the least C_j",
+    "least-torque": "that with the least C_M, of inertia",
 }
+# What a list shows of the laws: their title, and each at lambda 1/2; from reversals those that laws between dwells have not.
+SHOWN = (
+    *LAWS.items(),
+    ("modified-trapezoid RU", law_for("modified-trapezoid", REST, End("U", a=None))),
+    ("harmonic-combination RU", law_for("harmonic-combination", REST, End("U", a=None))),
+    ("simple-harmonic UU", law_for("simple-harmonic", End("U", a=None), End("U", a=None))),
+)
 NAMES = tuple(dict.fromkeys((*LAWS, *ABOUT)))
 _NEEDED = {
     "fourier": ("sines", "cosines"),
@@ -66,9 +85,22 @@ Condition = tuple[
 class LawChoice(Record):
     """A law with its parameters."""
 
-    name: str = Field(description="name of the law, see camgen list")
+    name: Annotated[str, BeforeValidator(lambda name: SYNONYMS.get(str(name), name))] = Field(
+        description="name of the law, see camgen list"
+    )
     constant_velocity: Annotated[float, quantity("1")] | None = Field(
         default=None, description="share of the span at constant velocity"
+    )
+    inflection: Annotated[float, quantity("1", gt=0, lt=1)] | None = Field(
+        default=None,
+        alias="lambda",
+        description="place of the inflection, 0.5 where nothing says it",
+    )
+    ramp: Annotated[float, quantity("1", gt=0, le=1)] | None = Field(
+        default=None, description="share of a trapezoid's half in which it falls to a reversal"
+    )
+    c_a_star: Annotated[float, quantity("1", gt=0, le=1e6)] | None = Field(
+        default=None, description="greatest normal deceleration, in place of lambda"
     )
     sines: Terms | None = Field(
         default=None, description="factors of sin 2 pi u, sin 4 pi u, ... in the acceleration"
@@ -95,7 +127,13 @@ class LawChoice(Record):
     @property
     def parameters(self) -> dict[str, Any]:
         """The parameters that are given, by their keys."""
-        return {key: value for key, value in self if key != "name" and value is not None}
+        given = {key: value for key, value in self if key != "name" and value is not None}
+        return {"lambda" if key == "inflection" else key: value for key, value in given.items()}
+
+    @property
+    def form(self) -> Form:
+        """What is said of a law of halves or a polynomial."""
+        return Form(self.inflection, self.constant_velocity, self.ramp, self.c_a_star)
 
 
 # A law's bare name stands for the table with that name alone.
@@ -108,36 +146,75 @@ NamedLaw = Annotated[
 ]
 
 
-class Span(Record):
-    """A stretch of the turn, by what the program does in it."""
+Kind = Literal["rise", "dwell", "return"]
+Share = Annotated[float, quantity("1", ge=0, lt=1)]
 
-    kind: Literal["rise", "dwell", "return"] = Field(description='"rise", "dwell" or "return"')
+
+class Span(Record):
+    """A stretch of the turn: when, what it joins, and by which law; how far is said by the tables built on it."""
+
+    kind: Kind | None = Field(
+        default=None,
+        description='"rise", "dwell" or "return"; may be left out where the end says it',
+    )
     span_deg: Annotated[float, quantity("deg", ge=_LEAST_SPAN, le=360)] | None = Field(
         default=None,
         description="how much of the turn, or of a drive's period, it takes; one dwell may leave it "
         "out: the rest",
     )
+    at_deg: Annotated[float, quantity("deg", gt=0, le=360)] | None = Field(
+        default=None,
+        description="angle at which the segment ends, as a timing chart has it: in place of span_deg, in all "
+        "segments",
+    )
+    law: NamedLaw | None = Field(
+        default=None,
+        description="law of a rise or return: a name (camgen list), or a table with parameters; left out: "
+        "the one of least acceleration",
+    )
+    task: Annotated[str, text_of_form("two of R, G, U, B, such as RU", "^[RGUB]{2}$")] | None = (
+        Field(
+            default=None,
+            description="motion task, what both ends join: rest (R), constant velocity (G), reversal (U), motion "
+            "(B); left out: found",
+        )
+    )
+    inflection: Annotated[float, quantity("1", gt=0, lt=1)] | None = Field(
+        default=None, alias="lambda", description="place of the law's inflection in the span"
+    )
+    constant_velocity: Share | None = Field(
+        default=None, description="share of the span at constant velocity"
+    )
+    end_velocity: Annotated[float, quantity("mm/deg or deg/deg", ge=-1e6, le=1e6)] | None = Field(
+        default=None,
+        description="velocity where the segment ends, of G and B; left out: a uniform neighbour's",
+    )
+    end_acceleration: (
+        Annotated[float, quantity("mm/deg^2 or deg/deg^2", ge=-1e6, le=1e6)] | None
+    ) = Field(
+        default=None,
+        description="acceleration where the segment ends, of U and B; most laws say it at U",
+    )
+    end_jerk: Annotated[float, quantity("mm/deg^3 or deg/deg^3", ge=-1e6, le=1e6)] | None = Field(
+        default=None, description="jerk where the segment ends, of B, for a polynomial 7"
+    )
 
+    @property
+    def way(self) -> tuple[float | None, float | None]:
+        """How far it goes, and where it ends."""
+        return None, None
 
-S = TypeVar("S", bound=Span)
+    @property
+    def table(self) -> SegmentTable:
+        """As one in a single unit."""
+        return self.going(*self.way)
 
-
-def whole_turn(rows: tuple[S, ...]) -> tuple[S, ...]:
-    """The rows, the one dwell without a span with what the others leave of the turn; as they are where there is none such."""
-    free = [k for k, row in enumerate(rows) if row.span_deg is None]
-    rest = round(360 - _total(rows), 9)
-    if len(free) != 1 or rows[free[0]].kind != "dwell" or rest < _LEAST_SPAN:
-        return rows
-    k = free[0]
-    return (*rows[:k], rows[k].model_copy(update={"span_deg": rest}), *rows[k + 1 :])
-
-
-def _total(rows: Sequence[Span]) -> float:
-    """Sum of the spans that are given, deg."""
-    return math.fsum(row.span_deg or 0.0 for row in rows)
-
-
-WholeTurn = AfterValidator(whole_turn)  # of the segments of one program
+    def going(self, lift: float | None, to: float | None) -> SegmentTable:
+        """As one that goes so far, or up to there."""
+        shared = {
+            field.alias or key: getattr(self, key) for key, field in Span.model_fields.items()
+        }
+        return SegmentTable(**shared, lift=lift, to=to)
 
 
 class SegmentTable(Span):
@@ -149,19 +226,139 @@ class SegmentTable(Span):
     to: Annotated[float, quantity("mm or deg", ge=-1e6, le=1e6)] | None = Field(
         default=None, description="displacement at the end of the segment"
     )
-    law: NamedLaw | None = Field(
-        default=None,
-        description="law of a rise or return: a name (camgen list), or a table with parameters",
+
+    @property
+    def way(self) -> tuple[float | None, float | None]:
+        """Lift, and displacement at the end."""
+        return self.lift, self.to
+
+
+S = TypeVar("S", bound=Span)
+
+
+def whole_turn(rows: tuple[S, ...]) -> tuple[S, ...]:
+    """The rows with what follows from the others: spans of a chart's corners and of the one dwell without, kinds, laws that are
+    chosen. What is at fault stays as it is."""
+    rows = _with_kinds(_with_spans(rows))
+    free = [k for k, row in enumerate(rows) if row.span_deg is None]
+    rest = round(360 - _total(rows), 9)
+    if len(free) == 1 and rows[free[0]].kind == "dwell" and rest >= _LEAST_SPAN:
+        k = free[0]
+        rows = (*rows[:k], _updated(rows[k], span_deg=rest), *rows[k + 1 :])
+    return _with_laws(rows)
+
+
+def _updated(row: S, **values: Any) -> S:
+    return row.model_copy(update=values)
+
+
+def _with_spans(rows: tuple[S, ...]) -> tuple[S, ...]:
+    """Spans for the corners of a chart, where all segments have such, growing up to the whole turn."""
+    corners = [row.at_deg for row in rows]
+    if rows and corners[-1] is None and rows[-1].kind == "dwell" and rows[-1].span_deg is None:
+        corners[-1] = 360.0
+    known = [corner for corner in corners if corner is not None]
+    mixed = len(known) < len(rows) or any(row.span_deg is not None for row in rows)
+    if mixed or _chart_faults(known):
+        return rows
+    spans = [round(b - a, 9) for a, b in zip((0.0, *known), known, strict=False)]
+    return tuple(
+        _updated(row, at_deg=None, span_deg=span) for row, span in zip(rows, spans, strict=True)
     )
 
 
+def _chart_faults(corners: Sequence[float]) -> list[tuple[int, str]]:
+    """Corners that do not make a turn, and what would be right."""
+    wrong = [
+        (k, f"more than {before:g}, where the segment begins")
+        for k, (before, corner) in enumerate(zip((0.0, *corners), corners, strict=False))
+        if corner - before < _LEAST_SPAN
+    ]
+    if not corners or abs(corners[-1] - 360) > _FULL_TURN_SLACK:
+        wrong.append((len(corners) - 1, "360 of the last segment, where the turn ends"))
+    return wrong
+
+
+def _with_kinds(rows: tuple[S, ...]) -> tuple[S, ...]:
+    """Kinds, where `to` says them."""
+    found = []
+    level = 0.0
+    for row in rows:
+        lift, to = row.way
+        if row.kind is None and to is not None and not lift:
+            flat = "dwell" if row.task in (None, "RR") else None
+            kind = "rise" if to > level else "return" if to < level else flat
+            row = _updated(row, kind=kind) if kind else row
+        sign = {"rise": 1, "return": -1}.get(row.kind or "", 0)
+        level = to if to is not None else level + sign * (lift or 0.0)
+        found.append(row)
+    return tuple(found)
+
+
+def _with_laws(rows: tuple[S, ...]) -> tuple[S, ...]:
+    """Laws by name, where they are to be chosen and nothing is at fault."""
+    open_ = [
+        row.kind in ("rise", "return") and (row.law is None or row.law.name in CHOICES)
+        for row in rows
+    ]
+    if not any(open_):
+        return rows
+    tables = tuple(row.table for row in rows)
+    faults = _span_faults(tables, ())
+    levels = _levels(tables, (), "", faults)
+    chart = _chart(tables, levels, (), faults)
+    if faults or chart.resolved[1]:
+        return rows
+    rows = tuple(
+        row
+        if found.end_acceleration is None
+        else _updated(row, end_acceleration=found.end_acceleration)
+        for row, found in zip(rows, chart.resolved[0], strict=True)
+    )
+    return tuple(
+        _updated(row, law=LawChoice(name=found.name), task=found.task)
+        if free and found.name
+        else row
+        for row, free, found in zip(rows, open_, chart.resolved[0], strict=True)
+    )
+
+
+def _total(rows: Sequence[Span]) -> float:
+    """Sum of the spans that are given, deg."""
+    return math.fsum(row.span_deg or 0.0 for row in rows)
+
+
+WholeTurn = AfterValidator(whole_turn)  # of the segments of one program
+
+
 def law_of(choice: str | LawChoice) -> Law:
-    """The law that a spec names; SpecError with paths below the law's where there is none."""
+    """The law between dwells that a spec names; SpecError with paths below the law's where there is none."""
     law = LawChoice(name=choice) if isinstance(choice, str) else choice
-    if law.name in LAWS and law.model_fields_set == {"name"}:
-        return LAWS[law.name]
+    own = _own_law(law)
+    if own is not None:
+        return own
+    try:
+        name = least(law.name, REST, REST, law.form) if law.name in CHOICES else law.name
+        return law_for(name, REST, REST, law.form)
+    except SpecError as error:
+        raise SpecError([_of_law(fault, law) for fault in error.faults]) from None
+
+
+def _of_law(fault: Fault, law: LawChoice) -> Fault:
+    """A fault of a law's task, which the law between dwells has not got, as one of its name."""
+    at = ("name",) if law.parameters else ()
+    return replace(fault, path=at) if fault.path in (("task",), ("law",)) else fault
+
+
+def _own_law(law: LawChoice) -> Law | None:
+    """The law that is the same whatever it joins, or joins dwells; None for one of a family that its ends make.
+
+    SpecError with paths below the law's.
+    """
     name = law.name
     parameters = law.parameters
+    if name in LAWS and not parameters:
+        return LAWS[name]
     if name not in LAWS and name not in FAMILIES:
         raise SpecError([unknown(("name",) if parameters else (), name, NAMES)])
     keys = FAMILIES.get(name, ())
@@ -174,22 +371,27 @@ def law_of(choice: str | LawChoice) -> Law:
         faults.append(Fault(("file",), parameters["file"], "either points or a file"))
     if faults:
         raise SpecError(faults)
-    if name == "table":
-        points = (
-            parameters["points"]
-            if "points" in parameters
-            else read_points(Reference(("file",), "law", parameters).file(Path()))
-        )
-        return table_law(
-            points,
-            parameters.get("source") or parameters.get("file") or "points of the spec",
-            parameters.get("rest", True),
-        )
-    if name == "fourier":
-        return fourier(parameters.get("sines", ()), parameters.get("cosines", ()))
     if name == "polynomial":
         return polynomial_law(parameters["conditions"])
-    return modified_sine(**parameters) if parameters else LAWS[name]
+    if name == "table":
+        return _table_law(parameters)
+    if name == "modified-sine" and parameters.keys() == {"constant_velocity"}:
+        return modified_sine(parameters["constant_velocity"])
+    if name != "fourier":
+        return None
+    plain = fourier(parameters.get("sines", ()), parameters.get("cosines", ()))
+    return plain if law.inflection is None else shifted(plain, law.inflection)
+
+
+def _table_law(parameters: dict[str, Any]) -> Law:
+    """The law through a table's points."""
+    points = (
+        parameters["points"]
+        if "points" in parameters
+        else read_points(Reference(("file",), "law", parameters).file(Path()))
+    )
+    source = parameters.get("source") or parameters.get("file") or "points of the spec"
+    return table_law(points, source, parameters.get("rest", True))
 
 
 def program(
@@ -204,12 +406,13 @@ def program(
     unit: what one of the spec's lifts is in s, such as math.radians(1) for a follower that swings; turn: lift after which all is
     as at the beginning, such as 360 of what turns on and on; suffix: of the keys `lift` and `to` in the spec, such as "_deg".
     """
+    tables = whole_turn(tuple(tables))
     builder = (
         _program
         if all(table.law is None or table.law.file is None for table in tables)
         else _program.__wrapped__
     )
-    return builder(tuple(tables), unit, path, turn, suffix)
+    return builder(tables, unit, path, turn, suffix)
 
 
 # variants of a sweep mostly share their program, and with it all that is known of it
@@ -219,7 +422,7 @@ def _program(
 ) -> Program:
     faults: list[Fault] = []
     levels = _levels(tables, path, suffix, faults)
-    laws = [_law(table, (*path, k, "law"), faults) for k, table in enumerate(tables)]
+    chart = _chart(tables, levels, path, faults)
     faults += _span_faults(tables, path)
     rounding = 1e-12 * float(np.nanmax(np.abs(levels)))
     whole = (
@@ -232,10 +435,13 @@ def _program(
         right = "a last segment that ends at 0, where the first begins"
         right += f", or at a multiple of {turn:g}" if math.isfinite(turn) else ""
         faults.append(Fault(last, f"ends at {levels[-1]:.12g}", right))
+    if not faults:
+        faults += chart.resolved[1]
     if faults:
         raise SpecError(faults)
     levels[-1] = whole
-    program = Program(tuple(_segments(tables, [unit * level for level in levels], laws)))
+    resolved = [replace(found, scale=unit * found.scale) for found in chart.resolved[0]]
+    program = Program(tuple(_segments(tables, [unit * level for level in levels], resolved)))
     faults = [
         fault
         for k, segment in enumerate(program.segments)
@@ -257,6 +463,9 @@ def program_faults(tables: Sequence[SegmentTable], path: Key = ("segment",)) -> 
 
 def _span_faults(tables: Sequence[SegmentTable], path: Key) -> list[Fault]:
     """What is wrong with spans that are left out, or with the sum of all."""
+    corners = [k for k, table in enumerate(tables) if table.at_deg is not None]
+    if corners:
+        return _corner_faults(tables, corners, path)
     free = [k for k, table in enumerate(tables) if table.span_deg is None]
     total = _total(tables)
     if not free and not abs(total - 360) <= _FULL_TURN_SLACK:
@@ -271,6 +480,24 @@ def _span_faults(tables: Sequence[SegmentTable], path: Key) -> list[Fault]:
     return [Fault((*path, k, "span_deg"), "", taken) for k in free]
 
 
+def _corner_faults(
+    tables: Sequence[SegmentTable], corners: Sequence[int], path: Key
+) -> list[Fault]:
+    """What is wrong with a chart's corners."""
+    spans = [k for k, table in enumerate(tables) if table.span_deg is not None]
+    either = "either at_deg in all segments of a cam, or span_deg in all"
+    if spans:
+        return [Fault((*path, k, "span_deg"), f"{tables[k].span_deg:g}", either) for k in spans]
+    missing = [k for k in range(len(tables)) if k not in corners]
+    if missing:
+        right = "missing: every segment of a timing chart says where it ends"
+        return [Fault((*path, k, "at_deg"), "", right) for k in missing]
+    angles = [tables[k].at_deg or 0.0 for k in corners]
+    return [
+        Fault((*path, k, "at_deg"), f"{angles[k]:g}", right) for k, right in _chart_faults(angles)
+    ]
+
+
 def _levels(
     tables: Sequence[SegmentTable], path: Key, suffix: str, faults: list[Fault]
 ) -> list[float]:
@@ -282,6 +509,9 @@ def _levels(
         level = levels[-1]
         at = (*path, k)
         to = table.to
+        if table.kind is None:
+            levels.append(_level_of_any(table, level, at, faults))
+            continue
         sign = {"rise": 1, "dwell": 0, "return": -1}[table.kind]
         end = math.nan if to is None else to
         if sign == 0:
@@ -322,27 +552,80 @@ def _levels(
     return levels
 
 
-def _law(table: SegmentTable, path: Key, faults: list[Fault]) -> Law | None:
-    """The segment's law; None for a matched one, and where there is a fault. A dwell's is any, of lift 0."""
+def _chart(
+    tables: Sequence[SegmentTable], levels: Sequence[float], path: Key, faults: list[Fault]
+) -> Chart:
+    """The segments as a timing chart; adds the faults of their laws by themselves."""
+    moves = [_move(table, levels[k : k + 2], (*path, k), faults) for k, table in enumerate(tables)]
+    return Chart(tuple(moves), path)
+
+
+def _level_of_any(table: SegmentTable, level: float, path: Key, faults: list[Fault]) -> float:
+    """Displacement at the end of a segment that neither rises nor returns nor stands, or that does not say so."""
+    if table.to == level and not table.lift:
+        return level
+    right = 'missing: "rise", "dwell" or "return", or where it ends'
+    faults.append(Fault((*path, "kind"), "", right))
+    return math.nan
+
+
+def _move(table: SegmentTable, ends: Sequence[float], path: Key, faults: list[Fault]) -> Move:
+    """One segment."""
+    rates = Rates(table.end_velocity, table.end_acceleration, table.end_jerk)
+    span = table.span_deg or math.nan
+    begin, end = ends
     if table.kind == "dwell":
-        return UNIFORM
-    if table.law is None:
-        faults.append(Fault(path, "", f"missing: one of {', '.join(NAMES)}"))
-        return None
-    if table.law.name == MATCHED:
         faults += [
-            Fault((*path, key), "", f"nothing here: '{MATCHED}' takes no parameters")
-            for key in table.law.parameters
+            Fault((*path, key), "", "nothing here: a dwell stays where it is")
+            for key, value in (
+                ("lambda", table.inflection),
+                ("constant_velocity", table.constant_velocity),
+            )
+            if value is not None
         ]
-        return None
+        return Move(span, begin, end, None, task=table.task, rates=rates)
+    law = _stated(table, path, faults)
     try:
-        law = law_of(table.law)
+        own = None if law.name == MATCHED else _own_law(law)
     except SpecError as error:
-        faults += [replace(fault, path=(*path, *fault.path)) for fault in error.faults]
-        return None
-    wrong = turning_rows(table.law)
-    faults += [replace(fault, path=(*path, *fault.path)) for fault in wrong]
-    return None if wrong else law
+        faults += [replace(f, path=_law_place(table, f.path, path)) for f in error.faults]
+        return Move(span, begin, end, None, rates=rates)
+    wrong = turning_rows(law)
+    faults += [replace(fault, path=(*path, "law", *fault.path)) for fault in wrong]
+    return Move(span, begin, end, law.name, own, law.form, table.task, rates)
+
+
+def _stated(table: SegmentTable, path: Key, faults: list[Fault]) -> LawChoice:
+    """A segment's law with the parameters that stand beside it."""
+    law = table.law or LawChoice(name=CHOICES[0])
+    beside = {"inflection": table.inflection, "constant_velocity": table.constant_velocity}
+    for key, value in beside.items():
+        known = getattr(law, key)
+        if value is None:
+            continue
+        if known is not None:
+            word = "lambda" if key == "inflection" else key
+            right = f"either here or in law, which has {known:g}"
+            faults.append(Fault((*path, word), f"{value:g}", right))
+        law = law.model_copy(update={key: value})
+    if law.name == MATCHED:
+        faults += [
+            Fault(
+                _law_place(table, (key,), path),
+                "",
+                f"nothing here: '{MATCHED}' takes no parameters",
+            )
+            for key in law.parameters
+        ]
+    return law
+
+
+def _law_place(table: SegmentTable, key: Key, path: Key) -> Key:
+    """Where a parameter of the law stands: in its table, or beside it."""
+    beside = {"lambda": table.inflection, "constant_velocity": table.constant_velocity}
+    if len(key) == 1 and beside.get(str(key[0])) is not None:
+        return (*path, *key)
+    return (*path, "law", *key)
 
 
 def turning_rows(choice: LawChoice) -> list[Fault]:
@@ -361,15 +644,15 @@ def turning_rows(choice: LawChoice) -> list[Fault]:
 
 
 def _segments(
-    tables: Sequence[SegmentTable], levels: Sequence[float], laws: Sequence[Law | None]
+    tables: Sequence[SegmentTable], levels: Sequence[float], resolved: Sequence[Resolved]
 ) -> list[Segment]:
     """The segments; those without a law are matched to their neighbours."""
     spans = [math.radians(table.span_deg or 0.0) for table in tables]
     segments = [
-        None if law is None else Segment(table.kind, span, begin, end - begin, law)
-        for table, law, span, begin, end in zip(
-            tables, laws, spans, levels, levels[1:], strict=False
-        )
+        None
+        if found.law is None
+        else Segment(table.kind or "reversal", span, begin, found.scale, found.law)
+        for table, found, span, begin in zip(tables, resolved, spans, levels, strict=False)
     ]
     n = len(segments)
     if not any(segments):
@@ -404,7 +687,7 @@ def _against(law: Law, forwards: bool) -> Floats:
 
 def backwards(segment: Segment, path: Key) -> Fault | None:
     """A fault at `path` where a rise falls or a return rises on its way; None where the law only goes one way."""
-    if segment.kind == "dwell":
+    if segment.kind in ("dwell", "reversal"):
         return None
     wrong = _against(segment.law, (segment.scale > 0) == (segment.kind == "rise"))
     if not len(wrong):

@@ -18,6 +18,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen.errors import SpecError
+from camgen.motion.halves import INCLINED_SINE, QUARTER_COSINE, Halves
 from camgen.motion.laws import (
     DWELLS,
     LAWS,
@@ -27,7 +28,6 @@ from camgen.motion.laws import (
     TURN_PEAK,
     UNIFORM,
     Law,
-    blocks,
     coefficients_from,
     end_speed,
     fourier,
@@ -290,11 +290,12 @@ def test_ends_and_peak() -> None:
 # ---- laws with parameters --------------------------------------------------------------------------------------------
 
 
-def test_blocks_hold_the_family() -> None:
-    """Sine, constant and cosine also make the cycloid (ramp and fall), the harmonic (fall) and the straight line (coast)."""
-    for shares, name in (((0.5, 0, 0.5), "cycloidal"), ((0, 0, 1), "simple-harmonic")):
+def test_halves_hold_the_family() -> None:
+    """Two inclined sines are the cycloid, two quarter cosines the simple harmonic."""
+    for shape, name in ((INCLINED_SINE, "cycloidal"), (QUARTER_COSINE, "simple-harmonic")):
         for order in range(4):
-            np.testing.assert_allclose(blocks(*shares)(U, order), LAWS[name](U, order), atol=1e-12)
+            made = Halves(shape, shape)(U, order)
+            np.testing.assert_allclose(made, LAWS[name](U, order), atol=1e-12)
     assert float(np.max(np.abs(modified_sine(0.9999)(U) - U))) < 1e-4
 
 

@@ -329,8 +329,8 @@ class DiscCamDrive(CamTables):
     @staticmethod
     def _segment(row: SegmentTable, suffix: str) -> dict[str, Any]:
         """As a [[cam.segment]]."""
-        given = ((key, value) for key, value in row if value is not None)
-        return {f"{key}{suffix}" if key in ("lift", "to") else key: value for key, value in given}
+        names = {"lift": f"lift{suffix}", "to": f"to{suffix}", "inflection": "lambda"}
+        return {names.get(key, key): value for key, value in row if value is not None}
 
     @property
     def _touching(self) -> complex:

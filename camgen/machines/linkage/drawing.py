@@ -32,7 +32,7 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.links import shape
 from camgen.motion.polydyne import Lag, polydyne
 from camgen.motion.program import Program
-from camgen.motion.segments import SegmentTable, program
+from camgen.motion.segments import program
 from camgen.parts.generator.wheels import SECOND, Ridden, follower_of, level_of, pivot
 
 GROUND = m.GROUND
@@ -243,13 +243,7 @@ class Drawing:
         """A cam's segments one after the other."""
         swings = self.slide_of(cam.follower) is None
         rows = tuple(
-            SegmentTable(
-                kind=row.kind,
-                span_deg=row.span_deg,
-                law=row.law,
-                lift=row.lift_deg if swings else row.lift,
-                to=row.to_deg if swings else row.to,
-            )
+            row.going(*((row.lift_deg, row.to_deg) if swings else (row.lift, row.to)))
             for row in cam.segment
         )
         unit, suffix = (math.radians(1), "_deg") if swings else (1.0, "")

@@ -27,7 +27,7 @@ from camgen.machine.targets import (
 from camgen.machines.loads.tables import CamLimitsTable
 from camgen.machines.pairs import Air
 from camgen.motion.program import Program
-from camgen.motion.segments import NamedLaw, SegmentTable, Span, WholeTurn, program
+from camgen.motion.segments import Kind, Span, WholeTurn, program
 from camgen.parts.generator.sizes import Name
 from camgen.spec import Coordinate, Length, MinWall, Record, Rpm, quantity, turning
 
@@ -39,8 +39,10 @@ Degrees = Annotated[float, quantity("deg", ge=-36000, le=36000)]
 class DriveSegment(Span):
     """One segment of a drive's program, such as a stepper runs; a rise turns the driven link counter-clockwise."""
 
-    kind: Literal["rise", "dwell", "return"] = Field(
-        description='"rise": counter-clockwise; "return": clockwise; or "dwell"'
+    kind: Kind | None = Field(
+        default=None,
+        description='"rise": counter-clockwise; "return": clockwise; or "dwell"; may be left out '
+        "where to_deg says it",
     )
     lift_deg: Annotated[float, quantity("deg", ge=1e-3, le=3600)] | None = Field(
         default=None,
@@ -50,9 +52,11 @@ class DriveSegment(Span):
     to_deg: Annotated[float, quantity("deg", ge=-3600, le=3600)] | None = Field(
         default=None, description="angle of the driven link at the end of the segment"
     )
-    law: NamedLaw | None = Field(
-        default=None, description="law of a rise or return, see camgen list"
-    )
+
+    @property
+    def way(self) -> tuple[float | None, float | None]:
+        """How far the link turns, and where it ends, deg."""
+        return self.lift_deg, self.to_deg
 
 
 class Drive(Record):
@@ -77,12 +81,7 @@ class Drive(Record):
 
     def program(self) -> Program | None:
         """Of the driven link from its drawn angle, rad over a period of 2 pi; None where it turns evenly; SpecError."""
-        rows = tuple(
-            SegmentTable(
-                kind=row.kind, span_deg=row.span_deg, law=row.law, lift=row.lift_deg, to=row.to_deg
-            )
-            for row in self.segments
-        )
+        rows = tuple(row.table for row in self.segments)
         return program(rows, math.radians(1), ("drive", "segment"), 360.0, "_deg") if rows else None
 
     def faults(self) -> list[Fault]:
@@ -184,8 +183,10 @@ class Freewheel(Record):
 class CamSegment(Span):
     """One segment of a cam's program; lift_deg and to_deg for a follower that swings, lift and to for one that slides."""
 
-    kind: Literal["rise", "dwell", "return"] = Field(
-        description='"rise": away from the cam\'s shaft; "return": back to it; or "dwell"'
+    kind: Kind | None = Field(
+        default=None,
+        description='"rise": away from the cam\'s shaft; "return": back to it; or "dwell"; may be '
+        "left out where its end says it",
     )
     lift: Length | None = Field(
         default=None, description="how far a follower slides; or to, where it ends"
@@ -199,9 +200,12 @@ class CamSegment(Span):
     to_deg: Annotated[float, quantity("deg", ge=-180, le=180)] | None = Field(
         default=None, description="where the swinging follower ends"
     )
-    law: NamedLaw | None = Field(
-        default=None, description="law of a rise or return, see camgen list"
-    )
+
+    @property
+    def way(self) -> tuple[float | None, float | None]:
+        """How far the follower goes, and where it ends, mm or deg."""
+        swings = self.lift_deg is not None or self.to_deg is not None
+        return (self.lift_deg, self.to_deg) if swings else (self.lift, self.to)
 
 
 class ReturnSpring(Record):
