@@ -29,7 +29,7 @@ from camgen.live.preview import failure, preview
 from camgen.live.server import Answer, LastBuild, asset, served
 from camgen.machines import load
 from camgen.machines.linkage.mechanism import Linkage
-from camgen.machines.linkage.traces import angles, idle, traces
+from camgen.machines.linkage.traces import angles, cam_shapes, idle, traces
 from camgen.machines.sources import changed, opened_tables
 from camgen.numerics import Points
 from camgen.report.report import Report
@@ -140,10 +140,12 @@ class Board:
         return self._step(self.future, self.past)
 
     def idle(self, _request: Answer) -> Answer:
-        """Keys of [points] that have no effect."""
+        """Keys of [points] that have no effect, and the cams' outlines: what takes a moment."""
         linkage = self.linkage
-        keys = [] if linkage is None or self.reason else idle(linkage)
-        return Answer(ok=True, idle=[f"points.{key}" for key in keys])
+        if linkage is None or self.reason:
+            return Answer(ok=True, idle=[], cams=[])
+        keys = [f"points.{key}" for key in idle(linkage)]
+        return Answer(ok=True, idle=keys, cams=_cams(linkage))
 
     def limits(self, _request: Answer) -> Answer:
         """The verdict of the design's own limits, which may take seconds; none of what is no machine yet."""
@@ -364,6 +366,20 @@ def _motion(linkage: Linkage | None, points: Any = None, lengths: Any = None) ->
         "paths": {name: _flat(z[1:]) for name, z in found.items()},
         "reason": "" if closed.all() else _part_of_turn(np.degrees(theta), closed[1:]),
     }
+
+
+def _cams(linkage: Linkage) -> list[Answer]:
+    """Each cam's outline about its pivot (x, y, x, y, ..., mm), and its angle over the turn, rad, as the paths have theirs."""
+    theta = angles(linkage)
+    return [
+        Answer(
+            link=each.link,
+            pivot=each.pivot,
+            outline=_flat(each.outline),
+            angles=np.round(each.turns * theta, 4).tolist(),
+        )
+        for each in cam_shapes(linkage)
+    ]
 
 
 def _part_of_turn(theta: Any, closed: Any) -> str:

@@ -17,6 +17,8 @@ const TOOLS = [
   ["ground", "g", "Ground", "Click the points that stand still; once more lets one go."],
   ["slide", "s", "Slide", "Press on a point, or on a link, and drag in the direction in which it slides."],
   ["slot", "t", "Slot", "Press on a point and drag onto the link in whose slot it runs."],
+  ["gear", "e", "Gear", "Drag from a link to another one; both turn on the ground. Once more takes the gear away. Its ratio is among the keys."],
+  ["cam", "c", "Cam", "Press on the link that turns as the cam, drag to the point of the follower that has the roller. Once more takes the cam away."],
   ["drive", "d", "Drive", "Click the link that drives; it is pinned to the ground."],
   ["output", "o", "Output", "Click the point whose path counts, or a link whose motion does; once more takes it away."],
   ["delete", "x", "Delete", "Click a point or a link to take it away."],
@@ -24,7 +26,7 @@ const TOOLS = [
 
 function draw(seen) {
   const svg = byId("sheet"), pointers = new Map();
-  let tool = "move", picked = null, drag = null, tried = null, values = null, playing = 0, scale = 4, centre = [0, 0], idle = [], note = "";
+  let tool = "move", picked = null, drag = null, tried = null, values = null, playing = 0, scale = 4, centre = [0, 0], idle = [], cams = [], note = "";
 
   // ---- places ----
 
@@ -55,6 +57,14 @@ function draw(seen) {
     }));
   }
 
+  function turned(angles) {  // of angles over the turn the one that is shown
+    const at = Number(byId("turn").value) * (angles.length - 1), k = Math.min(Math.floor(at), angles.length - 2);
+    return angles[k] + (angles[k + 1] - angles[k]) * (at - k);
+  }
+
+  const pivotOf = link => (seen.sheet.links[link] || []).find(point => ground().includes(point));
+  const linkOf = what => what.link || moving().filter(([, points]) => points.includes(what.point)).map(([name]) => name)[0];
+
   function hit(event, no = () => false) {  // the point, or else the link, beneath a pointer
     const at = places(), here = onPaper(event), near = (event.pointerType === "touch" ? 22 : 11) / scale;
     const points = Object.keys(at).filter(name => !no(name)).map(name => [away(at[name], here), name]).sort((a, b) => a[0] - b[0]);
@@ -75,7 +85,8 @@ function draw(seen) {
   }
 
   function fit() {
-    const all = Object.values(seen.sheet.points).concat(shownPaths().flatMap(name => pairs(seen.paths[name])));
+    const all = Object.values(seen.sheet.points).concat(shownPaths().flatMap(name => pairs(seen.paths[name])),
+      cams.flatMap(({ pivot, outline }) => pairs(outline).map(place => place.map((x, k) => x + seen.sheet.points[pivot][k]))));
     const [w, h] = size(), xs = all.map(p => p[0]), ys = all.map(p => p[1]);
     if (!all.length) { scale = 4; centre = [0, 0]; return; }
     const low = [Math.min(...xs), Math.min(...ys)], high = [Math.max(...xs), Math.max(...ys)];
@@ -120,6 +131,19 @@ function draw(seen) {
       const [a, b] = row.along.map(to);
       if (row.along.every(there)) out.push(`<path class="rail" d="M${a}L${b}"/>`);
     }
+    const circle = ([x, y], radius, kind) => out.push(`<circle class="${kind}" cx="${x}" cy="${y}" r="${radius * scale}"/>`);
+    for (const { a, b, ratio } of seen.sheet.gear) {  // by their pitch circles; inner teeth are not made
+      const p = pivotOf(a), q = pivotOf(b);
+      if (!p || !q || !there(p) || !there(q) || !(ratio < 0)) continue;
+      const far = away(at[p], at[q]), first = far * -ratio / (1 - ratio);
+      circle(to(p), first, "wheel");
+      circle(to(q), far - first, "wheel");
+    }
+    for (const { pivot, outline, angles } of tried ? [] : cams) {
+      const turn = turned(angles), [c, s] = [Math.cos(turn), Math.sin(turn)], [x, y] = at[pivot];
+      out.push(`<path class="cam" d="${curve(pairs(outline).flatMap(([u, v]) => [x + c * u - s * v, y + s * u + c * v]))}Z"/>`);
+    }
+    for (const row of seen.sheet.cam) if (row.radius && (row.shape || "roller") === "roller" && there(row.at)) circle(to(row.at), row.radius, "roller");
     moving().forEach(([name, points], k) => {
       if (!points.length || !points.every(there)) return;
       const kind = `link k${k % 6}${name === seen.sheet.drive ? " drives" : ""}${name === chosen.link ? " picked" : ""}`, shape = points.map(to);
@@ -215,10 +239,12 @@ function draw(seen) {
   }
 
   async function rest() {  // what takes a moment; the limits when the hand rests
-    const of = seen, { idle: keys } = await ask("idle", {});
+    const of = seen, slow = await ask("idle", {});
     if (of !== seen) return;
-    idle = keys || [];
+    idle = slow.idle || [];
+    cams = slow.cams || [];
     grey();
+    render();
     await new Promise(done => setTimeout(done, 400));
     if (of !== seen || drag) return;
     const answer = await ask("limits", {});
@@ -365,11 +391,13 @@ function draw(seen) {
         if (on.link && !on.point && made.sheet) await commit({ op: "point", link: on.link, at: newest(made) });
       }
     } else if (tool === "point") {
-      const link = mine.link || moving().filter(([, points]) => points.includes(mine.point)).map(([name]) => name)[0];
+      const link = linkOf(mine);
       if (link) await commit({ op: "point", link, at: end });
       else { drag = null; note = "press on a link, not on the ground"; }
     } else if (tool === "slide") await commit({ op: "slide", ...(mine.point ? { point: mine.point } : { link: mine.link }), 
       along: [mine.from.map((x, k) => short((x + mine.to[k]) / 2)), mine.to.map(short)] });
+    else if (tool === "gear" && linkOf(on)) await commit({ op: "gear", a: linkOf(mine), b: linkOf(on) });
+    else if (tool === "cam" && on.point) await commit({ op: "cam", cam: linkOf(mine), point: on.point });
     else if (tool === "slot" && on.link) await commit({ op: "slot", point: mine.point, link: on.link });
     drag = null;
     render();
@@ -388,7 +416,7 @@ function draw(seen) {
   function click(what) {
     if (tool === "ground" && what.point) commit({ op: "ground", point: what.point });
     else if (tool === "drive" && (what.link || what.point)) {
-      const link = what.link || moving().filter(([, points]) => points.includes(what.point)).map(([name]) => name)[0];
+      const link = linkOf(what);
       if (link) commit({ op: "drive", link });
     } else if (["output", "delete"].includes(tool) && (what.point || what.link)) commit({ op: tool, ...what });
   }

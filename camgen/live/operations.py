@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import count
 from typing import Any
 
@@ -22,6 +22,11 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 FILE_NAME = re.compile(r"(?=.{1,60}$)[a-z0-9]+(-[a-z0-9]+)*")
 _BESIDE = 5.0  # mm, between points that were one
 _FAR = 1e4  # mm, that a place may be from the origin
+# Of a cam that is drawn.
+_LIFT = 0.4  # share of the follower's distance from the shaft
+_MOST_LIFT = 30.0  # deg or mm
+_ROLLER = 6.0  # mm, its largest radius
+_NEAREST = 8.0  # mm, of a follower's point from the cam's shaft
 _OF_POINTS = ("along", "pin", "at", "point", "thread", "between")  # keys that name points
 _OF_LINKS = ("link", "on", "a", "b", "cam", "follower", "wheel")
 _TABLES = ("points", "links", "lengths", "drive")
@@ -157,10 +162,16 @@ class Draft:
             self.document.pop(table, None)
             self.document.add(tomlkit.nl())
             self.document.add(table, tomlkit.aot())
-        made = tomlkit.table()
-        for key, value in row.items():
-            made[key] = value
-        self.document[table].append(made)
+        self.document[table].append(_made(row))
+
+    def within(self, holder: Any, table: str, rows: Sequence[Mapping[str, Any]]) -> None:
+        """A list of tables within a row of another."""
+        import tomlkit
+
+        made = tomlkit.aot()
+        for row in rows:
+            made.append(_made(row))
+        holder.append(table, made)
 
     def drive_if_none(self) -> None:
         """Let the first link on the ground drive, where none does."""
@@ -223,6 +234,16 @@ class Draft:
                     put(rows[k], key, other)
                 elif _holds(value, name):
                     value[value.index(name)] = other
+
+
+def _made(row: Mapping[str, Any]) -> Any:
+    """A table of the document."""
+    import tomlkit
+
+    made = tomlkit.table()
+    for key, value in row.items():
+        made[key] = value
+    return made
 
 
 def _holds(value: Any, name: str) -> bool:
@@ -355,6 +376,89 @@ def _slot(draft: Draft, request: Request) -> None:
     draft.append("slot", {"pin": pin, "link": link, "along": points[:2]})
 
 
+def _pivot(draft: Draft, link: str) -> str | None:
+    """The point at which a link turns on the ground."""
+    ground = draft.links.get(GROUND, ())
+    return next((point for point in draft.links[link] if point in ground), None)
+
+
+def _turning(draft: Draft, request: Request, key: str) -> tuple[str, str]:
+    """A link of the request that turns on the ground, and the point at which it does."""
+    link = draft.named(request, key, [name for name in draft.links if name != GROUND])
+    pivot = _pivot(draft, link)
+    if pivot is None:
+        raise refused(key, link, "a link that is pinned to the ground")
+    return link, pivot
+
+
+def _taken_away(draft: Draft, table: str, row: Mapping[str, str]) -> bool:
+    """Take the rows away that have these values; whether there were any."""
+    rows = draft.document.get(table, [])
+    found = [k for k, each in enumerate(rows) if row.items() <= dict(each).items()]
+    for k in reversed(found):
+        rows.pop(k)
+    if found and not rows:
+        draft.document.pop(table)
+    return bool(found)
+
+
+def _gear(draft: Draft, request: Request) -> None:
+    """Join two links that turn on the ground by a pair of equal wheels, or no longer."""
+    a, pivot_a = _turning(draft, request, "a")
+    b, pivot_b = _turning(draft, request, "b")
+    if a == b or pivot_a == pivot_b:
+        raise refused("b", b, f"a link with another axis than {a}")
+    if _taken_away(draft, "gear", {"a": a, "b": b}) or _taken_away(draft, "gear", {"a": b, "b": a}):
+        return
+    draft.append("gear", {"a": a, "b": b, "ratio": -1})
+
+
+def _cam(draft: Draft, request: Request) -> None:
+    """Let a link that turns move another by a cam and a roller at a point of it, or no longer.
+
+    The follower rises by 0.4 of its distance from the cam's shaft in a third of a turn: of a modified sine that is a pressure
+    angle of some 16 deg, where it moves straight off the shaft.
+    """
+    cam, shaft = _turning(draft, request, "cam")
+    point = draft.named(request, "point", draft.points)
+    sliding = [row.get("link") for row in draft.document.get("slide", [])]
+    able = [
+        name
+        for name, points in draft.links.items()
+        if point in points
+        and name not in (GROUND, cam)
+        and (name in sliding or _pivot(draft, name) not in (None, point))
+    ]
+    if not able:
+        raise refused(
+            "point",
+            point,
+            f"a moving point of a link beside {cam} that turns or slides on the ground",
+        )
+    follower = able[0]
+    if _taken_away(draft, "cam", {"cam": cam, "follower": follower}):
+        return
+    distance = _drawn(draft, point, shaft)
+    if distance < _NEAREST:
+        raise refused("point", point, f"a point at least {_NEAREST:g} mm from {shaft}")
+    if follower in sliding:
+        end = "lift", "to"
+        lift = _LIFT * distance
+    else:
+        end = "lift_deg", "to_deg"
+        lift = math.degrees(_LIFT * distance / _drawn(draft, point, str(_pivot(draft, follower))))
+    rise, back = end
+    law = {"span_deg": 120, "law": "modified-sine"}
+    rows: list[dict[str, Any]] = [
+        {"kind": "rise", rise: max(1, round(min(lift, _MOST_LIFT))), **law},
+        {"kind": "dwell"},
+        {"kind": "return", back: 0, **law},
+    ]
+    radius = max(1, round(min(_ROLLER, distance / 6)))
+    draft.append("cam", {"cam": cam, "follower": follower, "at": point, "radius": radius})
+    draft.within(draft.document["cam"][-1], "segment", rows)
+
+
 def _drive(draft: Draft, request: Request) -> None:
     """The link that drives."""
     link = draft.named(request, "link", [name for name in draft.links if name != GROUND])
@@ -462,6 +566,8 @@ OPERATIONS: dict[str, Callable[[Draft, Request], None]] = {
     "unpin": _unpin,
     "slide": _slide,
     "slot": _slot,
+    "gear": _gear,
+    "cam": _cam,
     "drive": _drive,
     "output": _output,
     "length": _length,

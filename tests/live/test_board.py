@@ -111,6 +111,30 @@ DONE: list[tuple[dict[str, Any], set[str], set[str]]] = [
         {"[[slot]]", 'pin = "B"', 'link = "crank"', 'along = ["O", "A"]'},
     ),
     (
+        {"op": "gear", "a": "crank", "b": "rocker"},
+        set(),
+        {"[[gear]]", 'a = "crank"', 'b = "rocker"', "ratio = -1"},
+    ),
+    (
+        {"op": "cam", "cam": "crank", "point": "B"},
+        set(),
+        {
+            "[[cam]]",
+            'cam = "crank"',
+            'follower = "rocker"',
+            'at = "B"',
+            "radius = 6",
+            "[[cam.segment]]",
+            'kind = "rise"',
+            "lift_deg = 30",
+            "span_deg = 120",
+            'law = "modified-sine"',
+            'kind = "dwell"',
+            'kind = "return"',
+            "to_deg = 0",
+        },
+    ),
+    (
         {"op": "drive", "link": "rocker"},
         {'link = "crank"'},
         {'link = "rocker"'},
@@ -171,6 +195,11 @@ DONE: list[tuple[dict[str, Any], set[str], set[str]]] = [
     ({"op": "rename", "to": "leg-2"}, {'name = "bar"'}, {'name = "leg-2"'}),
 ]
 REFUSED: list[tuple[dict[str, Any], str]] = [
+    ({"op": "gear", "a": "crank", "b": "coupler"}, "b: coupler - expected a link that is pinned"),
+    ({"op": "gear", "a": "crank", "b": "crank"}, "a link with another axis than crank"),
+    ({"op": "cam", "cam": "coupler", "point": "B"}, "a link that is pinned to the ground"),
+    ({"op": "cam", "cam": "crank", "point": "A"}, "a moving point of a link beside crank"),
+    ({"op": "cam", "cam": "crank", "point": "C"}, "a moving point of a link beside crank"),
     ({}, "op"),
     ({"op": "explode"}, "op"),
     ({"op": "move", "points": {"Z": [0, 0]}}, "points: 'Z'"),
@@ -329,6 +358,83 @@ def test_coordinates_without_effect_are_those_that_lengths_decide(tmp_path: Path
         value = drawn.tables["points"][at][int(axis)] + 0.2
         after = read_mechanism(drawn.spec or "", [f"{key}={value}"]).solve(theta, 0)["foot"]
         assert (float(np.abs(after - before).max()) < 1e-9) == (key in keys), key
+
+
+CAM = """mechanism = "linkage"
+name = "cam"
+[points]
+O = [0, 0]
+A = [15, 0]
+F = [50, 0]
+P = [10, 30]
+D = [-60, 0]
+E = [-60, 15]
+G = [0, -60]
+H = [0, -100]
+R = [0, -40]
+T = [0, -50]
+[links]
+ground = ["O", "F", "D", "G", "H"]
+crank = ["O", "A"]
+arm = ["F", "P"]
+wheel = ["D", "E"]
+stem = ["R", "T"]
+[[slide]]
+link = "stem"
+along = ["G", "H"]
+[drive]
+link = "crank"
+speed_rpm = 30
+[[output]]
+name = "swing"
+link = "arm"
+[[output]]
+name = "lift"
+link = "stem"
+[[output]]
+name = "turn"
+link = "wheel"
+"""
+DRAWN = (
+    {"op": "cam", "cam": "crank", "point": "P"},
+    {"op": "gear", "a": "crank", "b": "wheel"},
+    {"op": "cam", "cam": "wheel", "point": "R"},
+)
+
+
+def test_gears_and_cams_that_are_drawn_hold_and_go_again(tmp_path: Path) -> None:
+    """Each roller touches the outline that is shown, at each place of the turn: of a cam on the drive, and behind a gear."""
+    drawn = board(tmp_path, CAM)
+    for each in DRAWN[:2]:
+        drawn.draw(each)
+    last = drawn.draw({"op": "cam", "cam": "crank", "point": "R"})
+    cams = drawn.idle({})["cams"]
+    assert [each["link"] for each in cams] == ["crank", "crank"] and last["start"]
+    for shown, row in zip(cams, last["sheet"]["cam"], strict=True):
+        outline = np.array(shown["outline"]).reshape(-1, 2) @ [1, 1j]
+        pivot = complex(*last["sheet"]["points"][shown["pivot"]])
+        tip = np.array(last["paths"][row["at"]]).reshape(-1, 2) @ [1, 1j]
+        for angle, at in zip(shown["angles"], tip, strict=True):
+            corners = pivot + np.exp(1j * angle) * outline
+            ends = np.roll(corners, -1) - corners
+            share = np.clip(((at - corners) * ends.conj()).real / np.abs(ends) ** 2, 0, 1)
+            assert np.abs(at - corners - share * ends).min() == pytest.approx(
+                row["radius"], abs=0.06
+            )
+    machine = drawn.linkage
+    assert machine is not None and machine.assembly.parts
+    assert [each.code for each in machine.limits() if not each.ok] == []
+    for each in (*DRAWN[:2], {"op": "cam", "cam": "crank", "point": "R"}):
+        drawn.draw(each)
+    assert tomllib.loads(drawn.text or "") == tomllib.loads(CAM)
+
+
+def test_a_cam_behind_a_gear_turns_with_its_wheel(tmp_path: Path) -> None:
+    drawn = board(tmp_path, CAM.replace("R = [0, -40]", "R = [-60, -40]"))
+    for each in DRAWN:
+        drawn.draw(each)
+    _, cam = drawn.idle({})["cams"]
+    assert cam["link"] == "wheel" and cam["angles"][-1] == pytest.approx(-math.tau, abs=1e-3)
 
 
 def test_sliders_of_a_drawn_sheet_are_undone_like_all_else(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -330,6 +330,14 @@ class Drawing:
         assert isinstance(joint, m.Cam)
         sign: Literal[1, -1] = 1 if joint.leaves > 0 else -1
         return joint, follower_of(self._open, joint, self.ridden[name], cam.at, sign)
+
+    def disc(self, cam: t.Cam) -> DiscCam[Any]:
+        """A cam about its axis, as it lies at theta = 0; DesignError where it cannot be made."""
+        joint, follower = self._follower(cam)
+        assert isinstance(joint.law, CamLaw)
+        base = self.bases.get(self.cam_name(cam))
+        on_base = follower if base is None else follower.on_base(base)
+        return DiscCam(joint.law.signed, on_base, cam.tip_clearance)
 
     @cached_property
     def bases(self) -> dict[str, float]:

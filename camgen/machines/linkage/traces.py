@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from contextlib import suppress
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from camgen.errors import DesignError
+from camgen.geometry.facets import facet_contour
 from camgen.machine.model import GROUND
 from camgen.machine.run import solve
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.numerics import Floats, Points
 
+_SEEN = 0.05  # mm, that an outline on a screen may be off
 COUNT = 73  # angles of a turn, both ends included: a path is smooth to the eye
 
 Places = Mapping[str, tuple[float, float]]
@@ -67,3 +71,32 @@ def idle(linkage: Linkage) -> list[str]:
             if moved <= 1e-9 * size:
                 found.append(f"{name}.{axis}")
     return found
+
+
+@dataclass(frozen=True)
+class CamShape:
+    """A cam as it lies at theta = 0."""
+
+    link: str
+    pivot: str
+    outline: Points  # (n,) about its axis, mm, the first place not repeated
+    turns: float  # for one of the driven link
+
+
+def cam_shapes(linkage: Linkage) -> list[CamShape]:
+    """The cams to be seen; none of those that cannot be made as they are drawn."""
+    drawing = linkage._drawing
+    shapes = []
+    for cam in linkage.cams:
+        with suppress(DesignError, ValueError):
+            pivot = drawing.pivot(cam.cam)
+            assert pivot is not None, "drawing_faults has looked"
+            shapes.append(
+                CamShape(
+                    cam.cam,
+                    pivot,
+                    facet_contour(drawing.disc(cam).outline, _SEEN),
+                    drawing.turns_of(cam.cam) or 1.0,
+                )
+            )
+    return shapes
