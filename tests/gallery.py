@@ -25,6 +25,7 @@ FRAMES = {
     "quick-return": 12,
     "stitch-head": 20,
     "four-leg-walker": 12,
+    "walker": 12,
     "scotch-yoke": 8,
     "elliptic-trammel": 8,
 }  # frame of the moving picture that shows most

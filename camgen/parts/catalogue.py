@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
 
@@ -139,11 +139,14 @@ class MotorFace:
     plain: bool = False  # whether the holes have no thread
     standard: str = "NEMA ICS 16"  # "" where it has none
     flat: float = 0.0  # usual depth of the shaft's flat, 0 where none is known
-    length: float = 0.0  # of a round can between its face and the bar that holds it, mm; 0: square
+    length: float = 0.0  # of a can between its face and its end, mm; 0: square
+    width: float = 0.0  # of a gearbox with square corners, which a sleeve holds, mm; 0: none
 
     @property
     def title(self) -> str:
         """What it is, as a list of parts says it."""
+        if self.width:
+            return f"gearbox {2 * self.half:g} x {self.width:g}, {self.length:g} long, collar {self.boss:g}"
         if self.length:
             return f"can {2 * self.half:g} x {self.length:g}, collar {self.boss:g}"
         if self.standard:
@@ -354,6 +357,15 @@ def in_bar(
     return MotorFace(
         "can", boss, 0.0, places, screw, half, shaft, length + bar, True, "", length=length
     )
+
+
+def in_sleeve(
+    gearbox: tuple[float, float, float], boss: float, shaft: float, thread: str, high: float
+) -> MotorFace:
+    """A motor whose gearbox, so long, wide and deep with its motor, is pressed into a sleeve that two screws hold; mm."""
+    long, wide, deep = gearbox
+    bar = in_bar(long, deep, boss, shaft, thread, 0.0)
+    return replace(bar, name="gearbox", depth=high, width=wide)
 
 
 MOTOR_FACES = {

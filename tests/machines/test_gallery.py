@@ -14,12 +14,15 @@ from camgen.pipeline.making import parts_table
 
 ONLY = frozenset({"dxf"})
 STANDING = "dial-table"  # of 29 parts; what of it is judged without files
+WALKER = "walker"  # of 54 parts, the same
 
 
 @pytest.mark.parametrize(
     "path",
     sorted(
-        path for path in (starters.folder() / "gallery").glob("*.toml") if path.stem != STANDING
+        path
+        for path in (starters.folder() / "gallery").glob("*.toml")
+        if path.stem not in (STANDING, WALKER)
     ),
     ids=lambda path: path.stem,
 )
@@ -54,6 +57,19 @@ def test_standing_indexing_cams_hold_on_shafts_of_steel(name: str) -> None:
     broken = [finding for finding in assess(load(tables)).findings if not finding.ok]
     assert {finding.code for finding in broken} == {"PIN_STRESS"} and broken
     assert all('parts.shaft_made = "steel"' in finding.message for finding in broken)
+
+
+def test_the_walker_has_legs_at_both_sides_a_motor_and_batteries() -> None:
+    """Eight feet, each with its sole; one motor, whose shaft reaches its web, turns all of them."""
+    machine = load(tomllib.loads(starters.text(WALKER)))
+    found = assess(machine)
+    assert all(finding.ok for finding in (*machine.limits(), *found.findings))
+    assert not found.warnings and not found.not_judged
+    assert len(machine.model.outputs) == 8
+    parts = machine.assembly.by_name
+    assert all(parts[f"leg{k}"].count == 2 for k in range(1, 5))
+    assert {"motor-bar", "far-battery-frame"} <= parts.keys()
+    assert sum(each.count for each in machine.assembly.bought if each.role == "drive") == 1
 
 
 def test_an_example_is_named_once_and_none_needs_another_file() -> None:

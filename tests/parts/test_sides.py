@@ -223,3 +223,52 @@ def test_both_sides_are_made_of_any_two(machine: Linkage) -> None:
     assert rises == pytest.approx(
         [0.0] * len(near.mounts) + [14.0] * (len(rises) - len(near.mounts))
     )
+
+
+def test_a_sole_is_round_about_the_foot() -> None:
+    """As wide as asked, and concentric with the foot's hole, on which its path is measured."""
+    links = {**WALKER["links"], "rocker": ["C", "B", "F"]}
+    points = {**WALKER["points"], "F": [50, 90]}
+    foot = [{"name": "foot", "point": "F"}]
+    machine = walker({"rocker": {"sole_diameter": 14}}, links=links, points=points, output=foot)
+    rocker = machine.assembly.by_name["rocker"]
+    at = dict(rocker.points)["F"]
+    radii = [
+        piece.radius for piece in rocker.region.outer.pieces if getattr(piece, "centre", None) == at
+    ]
+    assert set(radii) == {7.0}
+    with pytest.raises(SpecError, match="sole_diameter"):
+        walker({"crank": {"sole_diameter": 14}})
+
+
+N20 = {"boss_diameter": 4, "diameter": 12, "width": 10, "length": 26}
+
+
+def test_a_gearbox_with_square_corners_is_held_by_a_sleeve() -> None:
+    """Its hole is the gearbox with its fit; its screws pass beside it; the motor's shaft ends in the first web."""
+    machine = walker({"can": N20, "shaft_diameter": 3, "shaft_flat": 0.5})
+    sleeve = machine.assembly.by_name["motor-bar"]
+    opening = max(sleeve.region.holes, key=lambda hole: abs(hole.area))
+    press = machine.print.press_clearance
+    assert abs(opening.area) == pytest.approx((12 + press) * (10 + press))
+    (mount,) = (mount for mount in machine.assembly.mounts if mount.part == "motor-bar")
+    assert mount.z == -sleeve.thickness
+    layout = machine.bodies.layout
+    assert machine.bodies.shaft_reach == pytest.approx(layout.top(layout.level["crank"]))
+    # below the sleeve nothing but the motor
+    (motor,) = (each for each in machine.assembly.stand_ins if each.name == "motor")
+    assert motor.discs[0][2:] == (-26, -sleeve.thickness)
+
+
+def test_batteries_lie_in_a_frame_under_the_far_plate() -> None:
+    battery = {"length": 40, "width": 20, "at": [20, 30]}
+    machine = walker({"battery": battery})
+    frame = machine.assembly.by_name["far-battery-frame"]
+    far = next(each for each in machine.assembly.mounts if each.part == "far-ground")
+    (mount,) = (each for each in machine.assembly.mounts if each.part == frame.name)
+    assert mount.at == 20 + 30j
+    assert mount.z == pytest.approx(far.z + machine.making.base_thickness)
+    with pytest.raises(DesignError, match="parts.battery.at"):
+        _ = walker({"battery": {**battery, "at": [0, 0]}}).assembly
+    with pytest.raises(SpecError, match="parts.battery"):
+        walker({"battery": battery, "sides": 1})

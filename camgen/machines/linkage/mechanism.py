@@ -66,6 +66,7 @@ from camgen.parts.generator.cures import frames
 from camgen.parts.generator.joints import part_name, pivot_of
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.mounted import upper_end
+from camgen.parts.generator.plates import battery_frame
 from camgen.parts.generator.posts import posts
 from camgen.parts.generator.sizes import Name, Parts
 from camgen.parts.generator.stacking import first_choice, lacking, with_levels
@@ -233,8 +234,16 @@ class Linkage(Mechanism):
         ]
 
     def _side_faults(self) -> Iterator[Fault]:
-        """Why there cannot be two sides."""
+        """Why there cannot be two sides, and soles without a foot."""
+        feet = {each.point for each in self.wanted}
+        for name, shape in self.making.shapes.items():
+            if shape.sole_diameter is not None and feet.isdisjoint(self.links.get(name, ())):
+                right = f"nothing here, or an [[output]] at a point of {name} that is its foot"
+                yield Fault(("parts", name, "sole_diameter"), f"{shape.sole_diameter:g}", right)
         if self.making.sides == 1:
+            if self.making.battery is not None:
+                right = "nothing here, or parts.sides = 2: it lies under the far side's plate"
+                yield Fault(("parts", "battery"), "", right)
             return
         key = ("parts", "sides")
         if self.making.plates == 1:
@@ -520,7 +529,9 @@ class Linkage(Mechanism):
         if self.making.sides == 1:
             return None
         near = self.bodies.layout
-        return Bodies(replace(near, sizes=near.sizes.driven_by_shaft))
+        far = replace(near, sizes=near.sizes.driven_by_shaft)
+        parts = (*far.fitted.parts, *battery_frame(far))
+        return Bodies(replace(far, fitted=replace(far.fitted, parts=parts)))
 
     @cached_property
     def _far_fitted(self) -> m.Machine:

@@ -138,7 +138,10 @@ class Bodies:
     @property
     def shaft_reach(self) -> float:
         """How far the shaft that drives stands over the plate's underside, the motor's face, mm."""
-        top = self.layout.on(self.layout.shaft_of(self.layout.driven))[-1][2]
+        layout = self.layout
+        top = layout.on(layout.shaft_of(layout.driven))[-1][2]
+        if layout.webs:  # it ends in the first of them
+            top = layout.top(layout.level[layout.driven])
         return top if self.collar is None else top + self.collar.height
 
     @property
@@ -203,7 +206,9 @@ class Bodies:
             return [*own]
         at = self.layout.at(GROUND, self.layout.shaft_of(self.layout.driven))
         wide = face.half if face.length else face.reach
-        return [StandIn("motor", GROUND, ((at, wide, -(face.length or 2 * face.half), 0.0),)), *own]
+        high = -self.sizes.base_thickness if face.width else 0.0  # where its sleeve ends
+        low = -(face.length or 2 * face.half)
+        return [StandIn("motor", GROUND, ((at, wide, low, high),)), *own]
 
     # ---- links and plate --------------------------------------------------------------------------------------------
 

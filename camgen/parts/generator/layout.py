@@ -284,6 +284,9 @@ class Layout(Connections):
         """Radius of a link's hub, mm, whichever fit its hole gets."""
         if point in self.pens or point in self.thread_posts or self.on_motor(point, link):
             hole = self.hole(point, link)
+            sole = self.sizes.shape(link).sole_diameter
+            if sole is not None and point in self.pens:
+                return sole / 2
         else:
             bearing = None if link in self._fixing(point) else self.bearing(point)
             turning = self.turning(point) if bearing is None else bearing.outside

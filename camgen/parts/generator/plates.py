@@ -17,7 +17,7 @@ import numpy as np
 
 from camgen.errors import DesignError, listed
 from camgen.geometry.convex import distance
-from camgen.geometry.outlines import Contour, Points, circle
+from camgen.geometry.outlines import Contour, Points, circle, rectangle
 from camgen.machine.features import Mount
 from camgen.parts.catalogue import HEAD_ROOM, Bought
 from camgen.parts.generator.connections import Sleeve
@@ -214,27 +214,71 @@ def _refuse_rails(layout: Layout, motor: complex) -> None:
 
 
 def motor_bar(layout: Layout) -> Iterator[tuple[Part, Mount]]:
-    """What holds a motor with a round can from behind."""
+    """What holds a motor with a can: a bar behind it, or a sleeve round its gearbox."""
     s = layout.sizes
     face = layout.sizes.face
     if face is None or not face.length:
         return
-    boss = (face.boss + layout.fits.slide_clearance) / 2
     hole = face.screw.clearance / 2
     rim = layout.rim
-    outer = hull([(0j, boss + rim), *((z, hole + rim) for z in face.screws)])
     holes = {f"screw {k}": circle(z, hole) for k, z in enumerate(face.screws, 1)}
-    region = plate("motor bar", outer, {"boss": circle(0j, boss), **holes}, layout.min_wall)
+    if face.width:
+        corner = complex(2 * face.half, face.width) / 2
+        corner += complex(1, 1) * layout.fits.press_clearance / 2
+        round_it = [(z, rim) for z in (corner, -corner, corner.conjugate(), -corner.conjugate())]
+        opening = rectangle(-corner, corner)
+        z = -s.base_thickness
+        said = "round the motor's gearbox, pressed; two screws draw it to the plate"
+    else:
+        boss = (face.boss + layout.fits.slide_clearance) / 2
+        round_it = [(0j, boss + rim)]
+        opening = circle(0j, boss)
+        z = -face.length - s.base_thickness
+        said = "behind the motor; two long screws draw both to the plate"
+    outer = hull([*round_it, *((z, hole + rim) for z in face.screws)])
+    region = plate("motor bar", outer, {"motor": opening, **holes}, layout.min_wall)
     part = Part(
         "motor-bar",
         "Motor bar",
         (Layer(region, 0.0, s.base_thickness),),
         centres=(0j, *face.screws),
         min_wall=layout.min_wall,
-        notes=("behind the motor; two long screws draw both to the plate",),
+        notes=(said,),
     )
     at = layout.at(GROUND, layout.shaft_of(layout.driven))
-    yield part, Mount(part.name, GROUND, at, z=-face.length - s.base_thickness)
+    yield part, Mount(part.name, GROUND, at, z=z)
+
+
+def battery_frame(layout: Layout) -> Iterator[tuple[Part, Mount]]:
+    """Under the plate of a far side, glued on; DesignError where the shaft or its collar is in its way."""
+    s = layout.sizes
+    battery = s.battery
+    if battery is None:
+        return
+    at = complex(*battery.at)
+    play = layout.fits.slide_clearance + layout.fits.press_clearance
+    inner = complex(battery.length + play, battery.width + play) / 2
+    shaft = layout.at(GROUND, layout.shaft_of(layout.driven)) - at
+    aside = complex(max(0.0, abs(shaft.real) - inner.real), max(0.0, abs(shaft.imag) - inner.imag))
+    room = abs(aside) - s.wall
+    needed = s.shaft_diameter / 2 + s.head + s.wall + play
+    if room < needed:
+        remedy = "put it elsewhere: parts.battery.at"
+        raise DesignError(
+            "room beside the shaft's collar", room, needed, "mm", "frame of the battery", remedy
+        )
+    corners = (inner, -inner, inner.conjugate(), -inner.conjugate())
+    outer = hull([(z, s.wall) for z in corners])
+    region = plate("frame of the battery", outer, {"holder": rectangle(-inner, inner)}, s.wall / 2)
+    part = Part(
+        "battery-frame",
+        "Frame of the battery",
+        (Layer(region, 0.0, battery.height),),
+        centres=(0j,),
+        min_wall=layout.min_wall,
+        notes=(HoldingNote("glued under the plate; the holder lies in it"),),
+    )
+    yield part, Mount(part.name, GROUND, at, z=-battery.height)
 
 
 def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:

@@ -22,6 +22,7 @@ from camgen.parts.catalogue import (
     Screw,
     ShoulderScrew,
     in_bar,
+    in_sleeve,
 )
 from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Coordinate, Length, Record, quantity, text_of_form, unknown
@@ -67,6 +68,10 @@ class Shape(Record):
     thickness: Length | None = Field(
         default=None, description="thickness of this link; that of all links unless given"
     )
+    sole_diameter: Length | None = Field(
+        default=None,
+        description="diameter of the round sole at its points that are outputs and no pins, such as a foot's",
+    )
     rails: Length | None = Field(
         default=None,
         description="least length of rails beyond its holes' way; found unless given",
@@ -94,13 +99,30 @@ PinKind = Literal["printed", "turned", "dowel", "shoulder", "bearing"]
 
 
 class Can(Record):
-    """A motor with a round can under the plate: its boss sits in the plate, two long screws draw a bar behind it to the plate."""
+    """A motor under the plate, by its sizes: its boss sits in the plate, two screws draw to the plate what holds it.
+
+    A bar behind a round can; round the gearbox of one with square corners a sleeve, into which that is pressed.
+    """
 
     boss_diameter: Length = Field(description="diameter of the collar round its shaft")
-    diameter: Length = Field(description="diameter of the can")
-    length: Length = Field(description="length of the can")
+    diameter: Length = Field(description="diameter of the can; of a gearbox its longer side")
+    length: Length = Field(description="length of the can, with its gears")
+    width: Length | None = Field(
+        default=None, description="shorter side of a gearbox with square corners, such as an N20's"
+    )
     screw: Literal["M2", "M2.5", "M3", "M4", "M5", "M6"] = Field(
         default="M2", description="thread of the two screws that hold it"
+    )
+
+
+class Battery(Record):
+    """A frame under the far side's plate, in which a holder of batteries lies; it is glued on."""
+
+    length: Length = Field(description="length of the holder, along x")
+    width: Length = Field(description="width of the holder, along y")
+    height: Length = Field(default=8.0, description="height of the frame")
+    at: tuple[Coordinate, Coordinate] = Field(
+        description="its middle, in the coordinates of [points]"
     )
 
 
@@ -211,6 +233,10 @@ class Parts(Record):
     can: Can | None = Field(
         default=None,
         description="a motor with a round can in its place, held by a bar behind it",
+    )
+    battery: Battery | None = Field(
+        default=None,
+        description="a frame for a holder of batteries, under the plate of the far side",
     )
     set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = Field(
         default="none",
@@ -332,8 +358,11 @@ class Parts(Record):
         if self.can is None:
             return MOTOR_FACES.get(self.motor)
         c = self.can
-        rim = (c.diameter, c.length, c.boss_diameter)
-        return in_bar(*rim, self.shaft_diameter, c.screw, self.base_thickness)
+        bar = self.base_thickness
+        if c.width is not None:
+            gearbox = c.diameter, c.width, c.length
+            return in_sleeve(gearbox, c.boss_diameter, self.shaft_diameter, c.screw, bar)
+        return in_bar(c.diameter, c.length, c.boss_diameter, self.shaft_diameter, c.screw, bar)
 
     @property
     def shaft_text(self) -> str:
