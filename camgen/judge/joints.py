@@ -52,7 +52,6 @@ from camgen.numerics import Floats
 from camgen.tolerances import SAME_POINT
 
 _STEEP = 0.25  # cosine of a pressure angle (75 deg) that no cam is meant to reach, so that a wrong one widens no limit
-_PRESSURE = math.radians(20)  # of gears' flanks
 _KNOWN = 8  # answers of a rolled follower that are kept
 _SLOPE = 1e-6  # rad of cam angle, over which the slope of a rolled motion is taken: shorter than any facet
 
@@ -216,6 +215,15 @@ class _Side:
     nominal: float  # its size, mm
     size: float  # as measured, mm
     shift: float  # of its centre, mm
+
+
+def _opened(pressure: float, stretched: float) -> float:
+    """Play along the pitch circles that axes further apart add, over the distance that was meant; stretched: how it grows.
+
+    Flanks of the same base circles mesh at another pressure angle; play along them is 2 (inv' - inv) times both base radii.
+    """
+    angle = math.acos(min(1.0, math.cos(pressure) / stretched))
+    return 2 * (math.tan(angle) - angle - math.tan(pressure) + pressure)
 
 
 class _Builder:
@@ -437,7 +445,7 @@ class _Builder:
         count = feature.b.count
         radius = feature.b.radius
         phase = joint.phase + ((feature.a.count + count) * lean - off) / count
-        wider = 2 * (abs(line) - abs(meant_line)) * math.tan(_PRESSURE)
+        wider = _opened(feature.pressure, abs(line) / abs(meant_line)) * abs(meant_line)
         gaps = [
             sum(each.thickness for each in pair)
             for pair in (

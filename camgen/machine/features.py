@@ -169,7 +169,7 @@ class CamOutline:
 
 @dataclass(frozen=True)
 class Teeth:
-    """The teeth of a wheel about its part's origin."""
+    """The teeth of a wheel about its part's origin; its pitch circle is the one that rolls on the mate's."""
 
     part: str
     count: int
@@ -186,6 +186,7 @@ class GearTeeth:
     a: Teeth
     b: Teeth
     turns: tuple[str, str]  # Pins about which they turn on the ground
+    pressure: float = math.radians(20)  # between the flanks' normal and the common tangent, rad
 
 
 @dataclass(frozen=True)

@@ -281,7 +281,8 @@ def test_a_geared_five_bar_draws_a_straight_line(tmp_path: Path) -> None:
         ({"ratio": -math.pi}, "ratio .*take one of whole teeth"),
         ({"ratio": -97 / 89}, "module"),
         ({"teeth": 21}, "multiple of 2"),
-        ({"teeth": 12}, "roll at which the tips begin to touch"),
+        ({"teeth": 10}, "contact ratio .*use more teeth"),
+        ({"teeth": 12, "shift_b": 0.9}, "tooth's tip .*6 teeth"),
     ],
 )
 def test_wheels_that_cannot_be(tmp_path: Path, change: dict[str, Any], said: str) -> None:

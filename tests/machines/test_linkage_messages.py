@@ -17,7 +17,7 @@ from camgen.geometry.rings import Ring
 from camgen.judge.contours import contour_error
 from camgen.machine.targets import Course, Straight
 from camgen.machines.linkage.mechanism import Linkage
-from camgen.parts.gears import pair
+from camgen.parts.gears import GearWish, pair
 from camgen.pipeline.build import long_run
 from camgen.reading import read
 from camgen.report.terminal import Bar
@@ -168,7 +168,7 @@ def test_a_ratio_of_no_wheels_is_told_with_one_that_can_be(ratio: float, near: f
     with pytest.raises(
         DesignError, match="of at most 400 teeth; take one of whole teeth, such as "
     ) as caught:
-        pair(40, ratio, 0.1, 0.0, None, "gears")
+        pair(40, ratio, 0.1, 0.0, GearWish(), "gears")
     shown, value = caught.value.remedy.split("such as ")[1].split(" = ")
     a, b = (abs(int(part)) for part in shown.split("/"))
     assert (

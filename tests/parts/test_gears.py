@@ -9,16 +9,17 @@ import pytest
 
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Region
-from camgen.parts.gears import Spur, pair
+from camgen.parts.gears import GearWish, pair, table, windows
+from camgen.parts.wheels.involute import BasicRack, Wheel
 
 
 def test_sizes_are_those_of_the_standard() -> None:
     """Norton, table 9-1: addendum 1, dedendum 1.25 of the module; half the circular pitch is a tooth."""
-    wheel = Spur(20, 2.0, 0.0)
+    wheel = Wheel(20, BasicRack(2.0))
     rim = np.abs(facet_contour(wheel.outline(), 1e-3))
     assert (rim.min(), rim.max()) == (pytest.approx(17.5, abs=1e-3), pytest.approx(22.0, abs=1e-3))
     assert wheel.thickness == pytest.approx(math.pi)
-    assert 0.98 < Region(wheel.outline()).area / (math.pi * 19.9**2) < 1.0
+    assert 0.97 < Region(wheel.outline()).area / (math.pi * 19.9**2) < 1.0
 
 
 @pytest.mark.parametrize("ratio", [-1.0, -0.5, -3.0])
@@ -27,7 +28,8 @@ def test_flanks_stay_in_touch_at_the_ratio(ratio: float) -> None:
     import shapely
     from shapely.affinity import rotate, translate
 
-    a, b = pair(60.0, ratio, 0.0, 0.5, None, "gear")
+    mesh = pair(60.0, ratio, 0.0, 0.5, GearWish(), "gear")
+    a, b = mesh.a, mesh.b
     first, second = (
         shapely.Polygon([(z.real, z.imag) for z in facet_contour(w.outline(), 1e-4)])
         for w in (a, b)
@@ -42,6 +44,66 @@ def test_flanks_stay_in_touch_at_the_ratio(ratio: float) -> None:
 
 
 def test_backlash_is_the_free_way_along_the_pitch_circle() -> None:
-    a, b = pair(60.0, -2.0, 0.2, 0.5, None, "gear")
+    mesh = pair(60.0, -2.0, 0.2, 0.5, GearWish(), "gear")
+    a, b = mesh.a, mesh.b
     assert a.thickness + b.thickness == pytest.approx(math.pi * a.module - 0.2)
-    assert (a.teeth, b.pitch + a.pitch) == (2 * b.teeth, pytest.approx(60.0))
+    assert (a.teeth, b.reference + a.reference) == (2 * b.teeth, pytest.approx(60.0))
+
+
+@pytest.mark.parametrize(
+    "wish",
+    [
+        GearWish(12, (0.4, 0.2)),
+        GearWish(12, None),
+        GearWish(12, (0.3, -0.3), relief=0.02),
+        GearWish(None, (0.5, 0.0)),
+    ],
+)
+def test_any_shifts_go_with_any_distance(wish: GearWish) -> None:
+    """The module follows: the wheels' own involutes mesh at the distance that was asked for."""
+    mesh = pair(60.0, -12 / 30, 0.1, 0.5, wish, "gear")
+    assert mesh.distance == pytest.approx(60.0)
+    assert mesh.contact_ratio > 1.05
+    if wish.shifts is None:
+        assert mesh.sliding[0] == pytest.approx(mesh.sliding[1], rel=0.01)
+        assert mesh.a.shift + mesh.b.shift == 0
+    assert (mesh.a.relief is None) is (wish.relief == 0)
+
+
+def test_span_over_teeth_is_what_a_caliper_shows() -> None:
+    """Parallel jaws about k teeth touch where their flanks are widest apart; 20 teeth: cos 20 deg (2.5 pi + 20 inv 20 deg)."""
+    count, span = Wheel(20, BasicRack(1.0)).span
+    assert (count, span) == (3, pytest.approx(7.6604, abs=5e-5))
+    wheel = Wheel(25, BasicRack(2.0), 0.3, 0.05)
+    count, span = wheel.span
+    half = (count - 1) / 2
+    points = facet_contour(wheel.outline(), 1e-4)
+    turned = points * np.exp(-1j * half * wheel.pitch)
+    angle = np.angle(turned)
+    within = (np.abs(angle) < (half + 0.5) * wheel.pitch) & (np.abs(points) > wheel.form)
+    assert np.ptp(turned[within].imag) == pytest.approx(span, abs=1e-3)
+
+
+def test_windows_leave_spokes_rim_and_hub() -> None:
+    wheel = Wheel(40, BasicRack(1.5))
+    openings = windows(wheel, 5, 24.0, 4.0)
+    assert len(openings) == 5
+    rim = np.concatenate([facet_contour(each, 1e-3) for each in openings])
+    assert np.abs(rim).min() == pytest.approx(12.0, abs=1e-2)
+    assert np.abs(rim).max() == pytest.approx(wheel.root - 4.0, abs=1e-2)
+    first, second = (facet_contour(each, 1e-3) for each in openings[:2])
+    gap = np.abs(first[:, None] - second[None, :]).min()
+    assert gap == pytest.approx(4.0, abs=0.1)
+    pointed = windows(wheel, 8, 8.0, 4.0)[0]
+    assert pointed.area > 0 and np.abs(facet_contour(pointed, 1e-3)).min() > 4.0
+    assert windows(Wheel(12, BasicRack(1.0)), 5, 9.0, 4.0) == []
+
+
+def test_a_workshop_reads_the_wheels_data() -> None:
+    mesh = pair(43.099985989, -12 / 30, 0.08, 0.5, GearWish(12, (0.4, 0.2)), "gear")
+    rows = table(mesh, mesh.b)
+    assert rows[0] == "30 teeth, module 2, pressure angle 20 deg"
+    assert "shift x +0.200, tip circle 64.600" in rows[1]
+    assert (
+        "mate 12 teeth at 43.100, working pressure angle 23.693 deg, contact ratio 1.33" in rows[3]
+    )

@@ -716,7 +716,7 @@ class Linkage(Mechanism):
 
     def _whole_layout(self, springs: Sequence[coils.MountedSpring]) -> Layout:
         cams = self._drawing.ridden
-        gears = {Drawing.gear_name(gear): gear.teeth for gear in self.gears}
+        gears = {Drawing.gear_name(gear): gear.wish for gear in self.gears}
         return Layout(
             self.chain,
             self.drive.link,

@@ -28,6 +28,7 @@ from camgen.machines.loads.tables import CamLimitsTable
 from camgen.machines.pairs import Air
 from camgen.motion.program import Program
 from camgen.motion.segments import Kind, Span, WholeTurn, program
+from camgen.parts.gears import GearWish
 from camgen.parts.generator.sizes import Name
 from camgen.spec import Coordinate, Length, MinWall, Record, Rpm, quantity, turning
 
@@ -159,9 +160,35 @@ class Gear(Record):
     teeth: Annotated[int, quantity("1", ge=5, le=400)] | None = Field(
         default=None, description="teeth of the wheel of a; found unless given"
     )
+    shift_a: Annotated[float, quantity("1", ge=-1, le=2)] | None = Field(
+        default=None,
+        description="profile shift of the wheel of a, in modules; above 0: thicker feet, no undercut; 0 unless given",
+    )
+    shift_b: Annotated[float, quantity("1", ge=-1, le=2)] | None = Field(
+        default=None, description="profile shift of the wheel of b, in modules; 0 unless given"
+    )
+    shift: Literal["balanced"] | None = Field(
+        default=None,
+        description='"balanced": both profile shifts are found, their sum 0, so that both flanks slide alike',
+    )
+    relief: Annotated[float, quantity("mm", ge=0, le=1)] = Field(
+        default=0.0,
+        description="relief of the tips of both wheels: how far their flanks draw back there",
+    )
+    spokes: Annotated[int, quantity("1", ge=3, le=12)] | None = Field(
+        default=None,
+        description="spokes of both wheels, where there is room; full discs unless given",
+    )
     name: Name | None = Field(
         default=None, description="name of the joint; both links unless given"
     )
+
+    @property
+    def wish(self) -> GearWish:
+        """What is asked of its wheels."""
+        given = self.shift_a or 0.0, self.shift_b or 0.0
+        shifts = None if self.shift == "balanced" else given
+        return GearWish(self.teeth, shifts, self.relief, self.spokes or 0)
 
 
 class Freewheel(Record):

@@ -19,6 +19,7 @@ from camgen.machine import model as m
 from camgen.machine.features import Mount, StandIn
 from camgen.machine.jets import thread_length
 from camgen.parts.catalogue import Bearing, Bought
+from camgen.parts.gears import GearWish
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.generator.webs import throws, webs, with_webs
 from camgen.parts.generator.wheels import (
@@ -116,7 +117,7 @@ class Connections:
     given: Mapping[str, int]  # levels that are asked for
     strokes: Mapping[str, tuple[float, float]]  # least and greatest place along slots and slides
     cams: Mapping[str, Ridden] = field(default_factory=dict)  # what touches each
-    gears: Mapping[str, int | None] = field(default_factory=dict)  # teeth of the first; None: open
+    gears: Mapping[str, GearWish] = field(default_factory=dict)  # what is asked of each pair
     stems: Mapping[str, str] = field(default_factory=dict)  # how slides' runners reach their rails
     sunk: bool = False  # whether the ground's pins turn in the plate, heads under it
     springs: Mapping[str, StretchedSpring] = field(default_factory=dict)

@@ -19,6 +19,7 @@ from camgen.machine.features import Mount
 from camgen.parts.catalogue import TURNED
 from camgen.parts.disc_cams import CamParts as Disc
 from camgen.parts.disc_cams import disc_parts
+from camgen.parts.gears import table, windows
 from camgen.parts.generator.layout import GROUND, Layout, pivot_name
 from camgen.parts.generator.pins import MountedPart
 from camgen.parts.generator.wheels import GearWheel, Tip, groove_rim, groove_wall, named, outline
@@ -109,11 +110,11 @@ def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
 
 def gear_part(layout: Layout, wheel: GearWheel) -> MountedPart:
     """A gear's wheel on its link's shaft, as drawn at theta = 0."""
-    spur = wheel.spur
+    gear = wheel.gear
     sizes = layout.sizes
     press = layout.fits.press_clearance
     start = float(layout.machine.start_of(wheel.link).angle)
-    edge = spur.outline().moved(cmath.exp(1j * wheel.tooth))
+    edge = gear.outline().moved(cmath.exp(1j * wheel.tooth))
     bore = d_bore(sizes.shaft_diameter + press, sizes.shaft_flat).moved(cmath.exp(1j * start))
     held = f"pressed and glued on the shaft of {wheel.link}"
     wide = sizes.shaft_diameter + press
@@ -122,11 +123,14 @@ def gear_part(layout: Layout, wheel: GearWheel) -> MountedPart:
         wide = clutch.outside + press
         bore = circle(0j, wide / 2)
         held = f"turns on the shaft of {on}, a one-way clutch {clutch.name} pressed in"
-    region = plate(f"wheel of {wheel.link}", edge, {"bore": bore}, layout.min_wall)
+    hub = wide + 2 * sizes.wall
+    openings = windows(gear, wheel.spokes, hub, max(sizes.wall, gear.module))
+    holes = {"bore": bore} | {f"window {k + 1}": each for k, each in enumerate(openings)}
+    region = plate(f"wheel of {wheel.link}", edge, holes, layout.min_wall)
     notes = (
         f"drawn at theta = 0, level {layout.level[wheel.level]}",
         held,
-        f"{spur.teeth} teeth, module {spur.module:.6g}, pressure angle 20 deg",
+        *table(wheel.mesh, gear),
     )
     layer = Layer(region, 0.0, layout.wheel_thickness(wheel.link))
     part = Part(

@@ -110,7 +110,9 @@ def features_of(layout: Layout, pins: Sequence[Mount]) -> Sequence[Feature]:
                 found.append(PinEyes(joint.name, *eyes, pin, rings))
     for one, other in zip(layout.gear_wheels[0::2], layout.gear_wheels[1::2], strict=True):
         turns = (pivot_of(layout, one.link), pivot_of(layout, other.link))
-        found.append(GearTeeth(one.joint.name, one.teeth, other.teeth, turns))
+        found.append(
+            GearTeeth(one.joint.name, one.teeth, other.teeth, turns, one.mesh.working_angle)
+        )
     found += [outline for tip in layout.tips for outline in _outlines(layout, tip)]
     found += [*_keyed(layout), *_steady(layout, pins)]
     marks = (*layout.pens.items(), *layout.thread_posts.items())

@@ -35,8 +35,10 @@ from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Teeth
 from camgen.machine.programs import CamLaw
 from camgen.numerics import peak
-from camgen.parts.gears import Spur, pair
+from camgen.parts.gears import GearWish, pair
 from camgen.parts.generator.sizes import Parts
+from camgen.parts.wheels import involute
+from camgen.parts.wheels.mesh import Mesh
 
 SECOND = "_2"  # of names: the other cam of a conjugate pair, and where its roller is
 _ROUND = np.linspace(0, math.tau, 721)
@@ -82,7 +84,9 @@ class GearWheel:
     level: str
     joint: m.Gear
     link: str
-    spur: Spur
+    mesh: Mesh  # of both wheels
+    gear: involute.Wheel  # this one
+    spokes: int
     tooth: float  # rad on the ground, direction of a tooth as drawn
 
     @property
@@ -93,12 +97,15 @@ class GearWheel:
     @property
     def teeth(self) -> Teeth:
         """On what it is measured."""
-        return Teeth(self.part, self.spur.teeth, self.spur.pitch, self.spur.thickness, self.tooth)
+        teeth = self.gear.teeth
+        radius = self.mesh.distance * teeth / (self.mesh.a.teeth + self.mesh.b.teeth)
+        thickness = 2 * radius * self.gear.half_angle(radius)
+        return Teeth(self.part, teeth, radius, thickness, self.tooth)
 
     @property
     def wheel(self) -> Wheel:
         """Its disc."""
-        return Wheel(self.level, self.link, self.spur.tip, f"wheel of {self.link}")
+        return Wheel(self.level, self.link, self.gear.tip, f"wheel of {self.link}")
 
 
 @dataclass(frozen=True)
@@ -291,14 +298,14 @@ def with_touches(joint: m.Cam, tips: Sequence[Tip], at: complex) -> m.Cam:
 
 
 def gear_wheels(
-    machine: m.Machine, gears: Mapping[str, int | None], backlash: float, least: float
+    machine: m.Machine, gears: Mapping[str, GearWish], backlash: float, least: float
 ) -> list[GearWheel]:
     """Both wheels of each gear, a's tooth in b's gap on the line of their axes.
 
-    gears: teeth of a, None where they are open; least: module that can be made, mm.
+    gears: what is asked of each; least: module that can be made, mm.
     """
     wheels = []
-    for name, teeth in gears.items():
+    for name, wish in gears.items():
         joint = machine.joint(name)
         where = name if name.startswith("gear") else f"gear {name}"
         assert isinstance(joint, m.Gear)
@@ -314,12 +321,13 @@ def gear_wheels(
                 remedy,
             ).saying(said)
         way = pivot(machine, joint.b)[1] - pivot(machine, joint.a)[1]
-        first, second = pair(abs(way), joint.ratio, backlash, least, teeth, where)
+        mesh = pair(abs(way), joint.ratio, backlash, least, wish, where)
+        assert isinstance(mesh.b, involute.Wheel)
         line = cmath.phase(way)
-        opposite = line + math.pi + math.pi / second.teeth
+        opposite = line + math.pi + math.pi / mesh.b.teeth
         level = level_of(name)
-        wheels.append(GearWheel(level, joint, joint.a, first, line))
-        wheels.append(GearWheel(level, joint, joint.b, second, opposite))
+        wheels.append(GearWheel(level, joint, joint.a, mesh, mesh.a, wish.spokes, line))
+        wheels.append(GearWheel(level, joint, joint.b, mesh, mesh.b, wish.spokes, opposite))
     return wheels
 
 

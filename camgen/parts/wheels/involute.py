@@ -167,6 +167,15 @@ class Wheel(Teeth):
         return 2 * self.half_angle(self.tip) * self.tip
 
     @property
+    def span(self) -> tuple[int, float]:
+        """Teeth over which a caliper measures near half of their height, and the length that it shows, mm."""
+        thick = 2 * self.half_angle(self.base) * self.base
+        step = self.pitch * self.base
+        wanted = 2 * self.tangent(self.reference + self.shift * self.module)
+        count = max(1, round((wanted - thick) / step) + 1)
+        return count, (count - 1) * step + thick
+
+    @property
     def undercut(self) -> bool:
         """Whether the cutter's tip takes off a part of the involute."""
         return self.shift < self.rack.least_shift(self.teeth)

@@ -21,6 +21,7 @@ LEAST_RATIO = 1.0  # of contact: below, a pair of teeth parts before the next on
 _AIR = (
     0.01  # of the module: how far a ring's tips stay outside of what its pinion's involutes reach
 )
+_LOW = 0.05  # rad, roll of the foot of an involute
 _FURTHEST = 1.5  # shift that is looked at, either way
 _LOOKS = 61
 
@@ -164,6 +165,12 @@ class Mesh:
         if self.side > 0:
             end = min(end, self._across(self.b.tangent(self.b.form)))
         return max(begin, self.a.tangent(self.a.form)), end
+
+    @property
+    def begins_low(self) -> bool:
+        """Whether a tip of either reaches the foot of the other's involutes, where they bend most."""
+        roll = self.line - self.b.tangent(self.b.tip), self.line - self.a.tangent(self.a.tip)
+        return roll[0] < _LOW * self.a.base or roll[1] < _LOW * self.b.base
 
     @property
     def base_pitch(self) -> float:
