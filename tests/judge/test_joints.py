@@ -104,7 +104,7 @@ def test_measured_teeth_lie_in_each_others_gaps(
     thick: tuple[float, float],
 ) -> None:
     """Axes and teeth off: on the line of the axes the middle of a gap still faces the middle of each tooth, at any angle; what
-    is left between flanks is the space on the pitch circle and twice the shift apart by the tangent of 20 deg."""
+    is left between flanks is the space on the pitch circle and what the involutes open as their axes part, 2 a (inv' - inv)."""
     line = sum(RADII) * cmath.exp(1j * bearing)
     machine, features = pair(line, tooth, 3.0)
     gear = features[2]
@@ -134,7 +134,14 @@ def test_measured_teeth_lie_in_each_others_gaps(
     second = (closed.q[:, 5] + made[1].tooth - lean - math.pi) / pitches[1]
     assert np.allclose((first + second) % 1, 0.5, atol=1e-9)
     fit = closable.fits["mesh"]
-    space, wider = math.pi * MODULE, 2 * (abs(apart) - abs(line)) * math.tan(math.radians(20))
+    space = math.pi * MODULE
+    inv = [
+        math.tan(angle) - angle
+        for angle in (
+            math.acos(abs(line / away) * math.cos(math.radians(20))) for away in (line, apart)
+        )
+    ]
+    wider = 2 * abs(line) * (inv[1] - inv[0])
     assert fit.play == pytest.approx(space - sum(thick) + wider, abs=1e-9)
     assert fit.nominal == pytest.approx(space - 6.0, abs=1e-9)
     assert fit.misfit == pytest.approx(
