@@ -4,6 +4,7 @@
     build      spec -> files in OUT/<name>/, read back and judged -> Report
     check      folder of an earlier build -> Report, from its files alone
     motion     an outline in any drawing or mesh, a follower -> the follower's motion
+    drives     two outlines in any drawings or meshes -> where the driven one is free, over the driver's angle
     sweep      spec, values of its keys -> SweepTable: each variant judged, a row each
     design     spec with what is wanted -> DesignResult: the machine that fulfils it
     tolerance  spec -> Report: what print errors do to the motion
@@ -18,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, Unpack, cast
 
 from camgen import design as _design  # noqa: F401  wings, loaded first: later on they would take the place of the functions
 from camgen import motion as _motion  # noqa: F401  of their names
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from camgen.machine.forces import Forces
     from camgen.machine.run import Play, Run
     from camgen.machines.mechanism import Mechanism
+    from camgen.measuring.drives import Driven, DriveOptions
     from camgen.measuring.motion import Recovered
     from camgen.report.report import Report
     from camgen.sweep.results import SweepTable
@@ -61,6 +63,7 @@ __all__ = [
     "build",
     "check",
     "design",
+    "drives",
     "explain",
     "load",
     "motion",
@@ -169,6 +172,30 @@ def motion(
     from camgen.measuring.motion import roll
 
     return roll(Path(file), follower, height, layer, harmonics)
+
+
+@checked
+def drives(
+    driver: str | PathLike[str],
+    driven: str | PathLike[str],
+    distance: float | None = None,
+    **options: Unpack[DriveOptions],
+) -> Driven:
+    """Where one outline lets another be, over the driver's angle: gears, racks, Geneva wheels, any two contours of any maker.
+
+    Both turn about their files' origins, the driven one `distance` mm to the right; or it slides: slides, direction in rad.
+    ratio: driven turns for one of the driver, less than 0 against it; spring: "low" or "high", the end on which the driven one
+    is held; inside: the driver runs within the driven contour; start: rad or mm, near which the driven one begins; height, layer:
+    of a mesh's section, mm, and of a DXF.
+    All (n,), every quarter degree: `theta` rad; `low`, `high` and `play` rad or mm, nan where open; `free`; `error`, of the pushing
+    flank less ratio x theta, and `transmission_error`, its peak to peak; `proven`, that nothing is skipped between samples.
+    Raises SpecError for the options, FileError for a file, DesignError where they never touch or always overlap.
+    """
+    from pathlib import Path
+
+    from camgen.measuring.drives import drives as pair
+
+    return pair(Path(driver), Path(driven), distance, options)
 
 
 @checked

@@ -1,7 +1,9 @@
-"""`camgen motion`: a follower rolled on any outline."""
+"""`camgen motion`: a follower rolled on any outline, or one outline that drives another."""
 
 from __future__ import annotations
 
+import math
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,15 +14,73 @@ from camgen.commands.running import each
 
 if TYPE_CHECKING:
     from camgen.commands.running import Work
+    from camgen.measuring.drives import Drive
+    from camgen.measuring.outlines import Hints
+
+
+def _ratio(context: click.Context, option: click.Parameter, value: str | None) -> float | None:
+    """A number, or a fraction of two."""
+    try:
+        return None if value is None else float(Fraction(value.replace(" ", "")))
+    except (ValueError, ArithmeticError):
+        raise click.BadParameter(f"{value!r} is no ratio such as -12/30 or -0.4") from None
+
+
+# options that go with --drives alone
+_OF_DRIVES = ("distance", "slides", "ratio", "tolerance", "spring", "inside", "start")
+# and those that go with --follower alone
+_OF_FOLLOWER = ("second_follower", "second", "against")
 
 
 @click.command(epilog=EXIT_CODES)
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option(
     "--follower",
-    required=True,
     metavar="TABLE",
     help="The follower: a TOML file, or KEY=VALUE,... as above.",
+)
+@click.option(
+    "--drives",
+    metavar="DRIVEN",
+    type=click.Path(path_type=Path),
+    help="In place of a follower: the outline that FILE drives, pivoted at its file's origin.",
+)
+@click.option("--distance", type=float, metavar="A", help="The driven pivot is at (A, 0), mm.")
+@click.option(
+    "--slides",
+    type=float,
+    metavar="DEG",
+    help="In place of --distance: the driven outline slides in that direction.",
+)
+@click.option(
+    "--ratio",
+    callback=_ratio,
+    metavar="R",
+    help="Driven turns for one of the driver, -12/30 or -0.4; less than 0: against it. Of a slide mm a radian.",
+)
+@click.option(
+    "--tolerance",
+    type=float,
+    metavar="DEG",
+    help="Of the transmission error, peak to peak, deg (mm on a slide).",
+)
+@click.option(
+    "--spring",
+    type=click.Choice(["low", "high"]),
+    help="Where a spring holds the driven outline: at the low or the high end of what is free.",
+)
+@click.option(
+    "--driven-inside",
+    "inside",
+    is_flag=True,
+    help="The driver runs inside the driven contour, as in an inner gear.",
+)
+@click.option(
+    "--start-deg",
+    "start",
+    type=float,
+    default=0.0,
+    help="Near which the driven outline begins, deg (mm on a slide).  [default: 0, as drawn]",
 )
 @click.option(
     "--second-follower",
@@ -84,7 +144,7 @@ if TYPE_CHECKING:
 def motion(
     file: Path, out: Path, as_json: bool, quiet: bool, verbose: bool, **options: Any
 ) -> None:
-    """Roll a follower on the outline in FILE (DXF, mesh, G-code, scan or points of any maker) and report its motion.
+    """Roll a follower on the outline in FILE (DXF, mesh, G-code, scan or points of any maker), or let it drive the one in DRIVEN.
 
     The largest closed contour is the outline; the cam turns counter-clockwise about the shaft. TABLE is a TOML file with
     a table [follower], or its keys on one line:
@@ -123,21 +183,23 @@ def motion(
 
     Writes OUT/<file>-motion/ with report.html, report.json and motion.csv: displacement, speed,
     acceleration, pressure angle.
+
+    \b
+      camgen motion pinion.dxf --drives wheel.dxf --distance 42 --ratio -12/30 --tolerance 0.01
+    lets one outline drive another. Each turns about its file's origin; motion.csv has both ends of what is
+    free for the driven one, every quarter degree of the driver. Writes OUT/<file>-drives-<driven>/.
     """
 
-    def work() -> Work:
-        from camgen.measuring import motion as outline_motion
-        from camgen.measuring.outlines import Hints
-        from camgen.measuring.scan import Scanning
+    _refuse_mixed(options)
 
-        scanning = Scanning(options["dpi"], tuple(options["others"]), options["across"])
-        hints = Hints(
-            options["height"],
-            options["layer"],
-            options["line_width"],
-            scanning,
-            options["probe"],
-        )
+    def work() -> Work:
+        from camgen.measuring import drives
+        from camgen.measuring import motion as outline_motion
+
+        hints = _hints(options)
+        if options["drives"] is not None:
+            wanted = drives.Request(options["drives"], _drive(options), options["tolerance"], hints)
+            return lambda path, progress, jobs: drives.run(path, wanted, out, progress)
         request = outline_motion.Request(
             options["follower"],
             options["second_follower"],
@@ -149,3 +211,46 @@ def motion(
         return lambda path, progress, jobs: outline_motion.run(path, request, out, progress)
 
     each([file], work, as_json=as_json, quiet=quiet, verbose=verbose)
+
+
+def _refuse_mixed(options: dict[str, Any]) -> None:
+    """UsageError where neither or both of --follower and --drives are given, or options of the other one."""
+    follower = options["follower"] is not None
+    if follower == (options["drives"] is not None):
+        raise click.UsageError("give --follower, or --drives")
+    others = _OF_DRIVES if follower else _OF_FOLLOWER
+    given = [name for name in others if options[name]]
+    if given:
+        option = "--driven-inside" if given[0] == "inside" else f"--{given[0].replace('_', '-')}"
+        raise click.UsageError(
+            f"{option} does not go with {'--follower' if follower else '--drives'}"
+        )
+
+
+def _hints(options: dict[str, Any]) -> Hints:
+    from camgen.measuring.outlines import Hints
+    from camgen.measuring.scan import Scanning
+
+    scanning = Scanning(options["dpi"], tuple(options["others"]), options["across"])
+    return Hints(
+        options["height"],
+        options["layer"],
+        options["line_width"],
+        scanning,
+        options["probe"],
+    )
+
+
+def _drive(options: dict[str, Any]) -> Drive:
+    from camgen.measuring.drives import Drive
+
+    slides = options["slides"]
+    start = options["start"]
+    return Drive(
+        options["distance"],
+        None if slides is None else math.radians(slides),
+        options["ratio"],
+        options["spring"],
+        options["inside"],
+        math.radians(start) if slides is None else start,
+    )

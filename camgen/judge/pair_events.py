@@ -1,0 +1,327 @@
+"""Where two features of outlines touch: closed forms, for a body that turns or slides while the other one stands.
+
+    y, e      driver's feature: its centre, or a line's first point, as seen from the driven one's pivot; and how it is turned
+    x         the same of the driven one's feature, in its own frame
+    phi       freedom of the driven one, rad, or mm along a slide
+    gap       by how much both stand apart as they touch, mm; 0 of a contact, more of a driver that is grown
+    closing   as phi grows both come to overlap: the touch may end what is free upwards; else it may end it downwards
+
+A first touch has a round on one side at least, and opposite outward normals.
+
+    round, round or hollow    the centres are D = ra + rb + gap apart, radii of hollows counting as negative; seen from the
+                              pivot, X and Y away, they form a triangle:  X Y cos o = (X^2 + Y^2 - D^2) / 2
+    line of the driver        the round's centre is h = rb + gap + n y from the pivot along its normal n:  X cos o = h
+    line of the driven one    X, rb, n y become Y, ra, n p, p the line's first point
+    on a slide                the same as a square root, and of a line as a quotient
+
+Of both roots the sign tells which one is closing. A root counts where the normals lie in both ranges, and the foot on the line.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from camgen.geometry.rings import Floats, Ints, Points
+from camgen.judge.pair_features import Features
+
+SAME_NORMAL = 1e-9  # rad: arcs with one tangent leave gaps of 1e-10 between their ranges
+SAME_FOOT = 1e-9  # mm
+
+
+@dataclass(frozen=True)
+class Meetings:
+    """Pairs of features at given poses, each (m,): places i in the features a and j in b, and the pose of a's.
+
+    gap: mm, one for all.
+    """
+
+    a: Features
+    b: Features
+    i: Ints
+    j: Ints
+    y: Points
+    e: Points
+    gap: float
+
+    def take(self, index: Ints) -> Meetings:
+        """Those with the given places."""
+        return Meetings(
+            self.a,
+            self.b,
+            self.i[index],
+            self.j[index],
+            self.y[index],
+            self.e[index],
+            self.gap,
+        )
+
+
+@dataclass(frozen=True)
+class Events:
+    """Touches: place in the list of meetings, closing or opening, freedom, outward normal of the driven body on the ground."""
+
+    index: Ints
+    closing: np.ndarray
+    phi: Floats
+    normal: Points
+
+    def take(self, index: Ints | np.ndarray) -> Events:
+        """Those with the given places, or for which a mask holds."""
+        return Events(self.index[index], self.closing[index], self.phi[index], self.normal[index])
+
+
+class Freedom(Protocol):
+    """How the driven body moves."""
+
+    @property
+    def period(self) -> float:
+        """After which it stands as before: a turn, or inf."""
+
+    def turned(self, phi: Floats) -> Points:
+        """How it is turned, unit complex."""
+
+    def moved(self, phi: Floats) -> Points:
+        """Where its origin is, mm."""
+
+    def velocity(self, place: Points) -> Points:
+        """Velocity per unit of phi of its material at a place, mm."""
+
+    def across(self, place: Points) -> Floats:
+        """What of a place it keeps as phi changes: its distance from the pivot, or from the slide; mm."""
+
+    def rounds(self, m: Meetings) -> Events:
+        """Touches of two rounds, or of a round in a hollow."""
+
+    def driver_lines(self, m: Meetings) -> Events:
+        """Touches of lines of the driver with rounds."""
+
+    def driven_lines(self, m: Meetings) -> Events:
+        """Touches of rounds with lines of the driven body."""
+
+
+def touches(m: Meetings, freedom: Freedom) -> Events:
+    """All touches of the pairs, those of two lines and of two hollows left out: there are none."""
+    line_a = m.a.straight[m.i]
+    line_b = m.b.straight[m.j]
+    kinds = (
+        (~line_a & ~line_b, freedom.rounds),
+        (line_a & ~line_b & (m.b.radius[m.j] >= 0), freedom.driver_lines),
+        (~line_a & line_b & (m.a.radius[m.i] >= 0), freedom.driven_lines),
+    )
+    found = []
+    for mask, formula in kinds:
+        chosen = np.flatnonzero(mask)
+        if len(chosen):
+            events = formula(m.take(chosen))
+            found.append(Events(chosen[events.index], events.closing, events.phi, events.normal))
+    if not found:
+        none = np.zeros(0)
+        return Events(none.astype(np.int64), none.astype(bool), none, none.astype(complex))
+    return Events(
+        np.concatenate([each.index for each in found]),
+        np.concatenate([each.closing for each in found]),
+        np.concatenate([each.phi for each in found]),
+        np.concatenate([each.normal for each in found]),
+    )
+
+
+def in_range(
+    features: Features, place: Ints, normal: Points, spare: Floats | float = 0.0
+) -> np.ndarray:
+    """Whether unit normals lie in the ranges of the features at those places: by the chord between them, which keeps its digits at small angles."""
+    limit = np.minimum(features.half[place] + SAME_NORMAL + spare, np.pi)
+    return np.asarray(np.abs(normal - features.middle[place]) <= 2 * np.sin(limit / 2))
+
+
+def _both(events: list[Events]) -> Events:
+    first, second = events
+    return Events(
+        np.concatenate([first.index, second.index]),
+        np.concatenate([first.closing, second.closing]),
+        np.concatenate([first.phi, second.phi]),
+        np.concatenate([first.normal, second.normal]),
+    )
+
+
+def _reach(m: Meetings) -> tuple[Floats, np.ndarray]:
+    """Sum of the radii and the gap, negative in a hollow; and whether such two can touch."""
+    total = m.a.radius[m.i] + m.b.radius[m.j] + m.gap
+    hollow = (m.a.radius[m.i] < 0) | (m.b.radius[m.j] < 0)
+    both = (m.a.radius[m.i] < 0) & (m.b.radius[m.j] < 0)
+    return total, np.where(hollow, total < 0, total > 0) & ~both
+
+
+@dataclass(frozen=True)
+class Turn:
+    """The driven body turns about its origin, the pivot; phi in rad."""
+
+    period: float = 2 * np.pi
+
+    def turned(self, phi: Floats) -> Points:
+        """Of the body."""
+        return np.asarray(np.exp(1j * phi))
+
+    def moved(self, phi: Floats) -> Points:
+        """Nowhere."""
+        return np.zeros(np.shape(phi), complex)
+
+    def velocity(self, place: Points) -> Points:
+        """Square to the line from the pivot."""
+        return 1j * place
+
+    def across(self, place: Points) -> Floats:
+        """Distance from the pivot."""
+        return np.abs(place)
+
+    def rounds(self, m: Meetings) -> Events:
+        """Both places of the centre x on its circle."""
+        total, possible = _reach(m)
+        d = np.abs(total)
+        x = np.abs(m.b.centre[m.j])
+        y = np.abs(m.y)
+        kept = np.flatnonzero(possible & (np.abs(x - y) < d) & (d < x + y))
+        m = m.take(kept)
+        d, x, y, total = d[kept], x[kept], y[kept], total[kept]
+        sine = np.sqrt((d - x + y) * (d + x - y) * (x + y - d) * (x + y + d))
+        cosine = (x - d) * (x + d) + y * y
+        events = []
+        for sign in (1, -1):
+            centre = m.y * (cosine - 1j * sign * np.sign(total) * sine) / (2 * y * y)
+            normal = (m.y - centre) / total
+            turn = centre / m.b.centre[m.j]
+            local = normal * np.conj(turn) / np.abs(turn)
+            valid = in_range(m.b, m.j, local) & in_range(m.a, m.i, -normal * np.conj(m.e))
+            events.append(_of_turn(kept, valid, sign > 0, turn, normal))
+        return _both(events)
+
+    def driver_lines(self, m: Meetings) -> Events:
+        """The round's centre comes to the line, moved out by the radius, from either side."""
+        n = m.e * m.a.middle[m.i]
+        local_y = np.conj(n) * m.y
+        h = m.b.radius[m.j] + m.gap + local_y.real
+        x = np.abs(m.b.centre[m.j])
+        kept = np.flatnonzero(np.abs(h) < x)
+        m = m.take(kept)
+        n, local_y, h, x = n[kept], local_y[kept], h[kept], x[kept]
+        w = np.sqrt((x - h) * (x + h))
+        events = []
+        for sign in (1, -1):
+            foot = sign * w - local_y.imag
+            turn = n * (h + 1j * sign * w) / m.b.centre[m.j]
+            local = -n * np.conj(turn) / np.abs(turn)
+            valid = (
+                (foot >= -SAME_FOOT)
+                & (foot <= m.a.length[m.i] + SAME_FOOT)
+                & in_range(m.b, m.j, local)
+            )
+            events.append(_of_turn(kept, valid, sign > 0, turn, -n))
+        return _both(events)
+
+    def driven_lines(self, m: Meetings) -> Events:
+        """The same, seen from the driven body."""
+        n = m.b.middle[m.j]
+        local_p = np.conj(n) * m.b.centre[m.j]
+        h = m.a.radius[m.i] + m.gap + local_p.real
+        y = np.abs(m.y)
+        kept = np.flatnonzero(np.abs(h) < y)
+        m = m.take(kept)
+        n, local_p, h, y = n[kept], local_p[kept], h[kept], y[kept]
+        w = np.sqrt((y - h) * (y + h))
+        events = []
+        for sign in (1, -1):
+            foot = -sign * w - local_p.imag
+            turn = m.y / (n * (h - 1j * sign * w))
+            normal = n * turn / np.abs(turn)
+            valid = (
+                (foot >= -SAME_FOOT)
+                & (foot <= m.b.length[m.j] + SAME_FOOT)
+                & in_range(m.a, m.i, -normal * np.conj(m.e))
+            )
+            events.append(_of_turn(kept, valid, sign > 0, turn, normal))
+        return _both(events)
+
+
+def _of_turn(kept: Ints, valid: np.ndarray, closing: bool, turn: Points, normal: Points) -> Events:
+    chosen = np.flatnonzero(valid)
+    phi = np.angle(turn[chosen])
+    return Events(kept[chosen], np.full(len(chosen), closing), phi, normal[chosen])
+
+
+@dataclass(frozen=True)
+class Slide:
+    """The driven body slides along a unit vector; phi in mm."""
+
+    along: complex
+    period: float = np.inf
+
+    def turned(self, phi: Floats) -> Points:
+        """Never."""
+        return np.ones(np.shape(phi), complex)
+
+    def moved(self, phi: Floats) -> Points:
+        """Along the slide."""
+        return self.along * np.asarray(phi, complex)
+
+    def velocity(self, place: Points) -> Points:
+        """Along the slide, everywhere."""
+        return np.full(np.shape(place), self.along)
+
+    def across(self, place: Points) -> Floats:
+        """Signed distance from the slide through the origin."""
+        return np.imag(place * np.conj(self.along))
+
+    def rounds(self, m: Meetings) -> Events:
+        """Both places of the centre on its line."""
+        total, possible = _reach(m)
+        d = np.abs(total)
+        z = (m.y - m.b.centre[m.j]) * np.conj(self.along)
+        kept = np.flatnonzero(possible & (np.abs(z.imag) < d))
+        m = m.take(kept)
+        d, z, total = d[kept], z[kept], total[kept]
+        w = np.sqrt((d - z.imag) * (d + z.imag)) * np.sign(total)
+        events = []
+        for sign in (1, -1):
+            phi = z.real - sign * w
+            normal = self.along * (sign * w + 1j * z.imag) / total
+            valid = in_range(m.b, m.j, normal) & in_range(m.a, m.i, -normal * np.conj(m.e))
+            chosen = np.flatnonzero(valid)
+            sense = np.full(len(chosen), sign > 0)
+            events.append(Events(kept[chosen], sense, phi[chosen], normal[chosen]))
+        return _both(events)
+
+    def driver_lines(self, m: Meetings) -> Events:
+        """One place, unless the line runs along the slide."""
+        n = m.e * m.a.middle[m.i]
+        rate = np.real(np.conj(n) * self.along)
+        kept = np.flatnonzero(np.abs(rate) > SAME_NORMAL)
+        m = m.take(kept)
+        n, rate = n[kept], rate[kept]
+        off = np.conj(n) * (m.b.centre[m.j] - m.y)
+        phi = (m.b.radius[m.j] + m.gap - off.real) / rate
+        foot = off.imag + phi * np.imag(np.conj(n) * self.along)
+        valid = (
+            (foot >= -SAME_FOOT) & (foot <= m.a.length[m.i] + SAME_FOOT) & in_range(m.b, m.j, -n)
+        )
+        chosen = np.flatnonzero(valid)
+        return Events(kept[chosen], rate[chosen] < 0, phi[chosen], -n[chosen])
+
+    def driven_lines(self, m: Meetings) -> Events:
+        """The same, seen from the driven body."""
+        n = m.b.middle[m.j]
+        rate = np.real(np.conj(n) * self.along)
+        kept = np.flatnonzero(np.abs(rate) > SAME_NORMAL)
+        m = m.take(kept)
+        n, rate = n[kept], rate[kept]
+        off = np.conj(n) * (m.y - m.b.centre[m.j])
+        phi = (off.real - m.a.radius[m.i] - m.gap) / rate
+        foot = off.imag - phi * np.imag(np.conj(n) * self.along)
+        valid = (
+            (foot >= -SAME_FOOT)
+            & (foot <= m.b.length[m.j] + SAME_FOOT)
+            & in_range(m.a, m.i, -n * np.conj(m.e))
+        )
+        chosen = np.flatnonzero(valid)
+        return Events(kept[chosen], rate[chosen] > 0, phi[chosen], n[chosen])

@@ -1,0 +1,559 @@
+"""Two outlines, made by any tool, one of which drives the other: where the driven one can be, at every angle of the driver.
+
+low, high          ends of what is free, rad about the driven file's origin, or mm along its slide
+pushing flank      the one of both that the driver moves: high where the driven body turns backwards, else low; with a spring the
+                   one on which it holds
+transmission error peak to peak of the pushing flank less ratio x theta
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Literal, TypedDict
+
+import numpy as np
+
+from camgen.errors import DesignError, Fault, FileError, SpecError
+from camgen.files.folder import StagingFolder, write_manifest
+from camgen.findings import Finding, Where, at_least, at_most, in_file
+from camgen.geometry.rings import Floats, Points, Ring
+from camgen.judge.pair_events import Slide, Turn
+from camgen.judge.pairs import Body as Solid
+from camgen.judge.pairs import Jump, OutlinePair, PairMotion, hollow, pivots_apart
+from camgen.machine.features import PartPose
+from camgen.measuring.outlines import AS_IT_IS, Hints, Outline, read_outline
+from camgen.report.animation import Animation, Body
+from camgen.report.page import write_html
+from camgen.report.report import Report, write_csv, write_json
+from camgen.study import Figure, Plot, Table
+
+MOST_TURNS = 60
+_PER_TURN = 1440  # samples: every quarter degree
+_REPEATS = 1e-4  # of a turn, by which a pair may be off after its turns
+_TYPED = 1e-6  # by which a ratio that is typed in decimals may be off a fraction
+_ALLOWED = 2e-3  # mm, overlap of pairs that are drawn without any clearance
+_FRAMES = 120
+_ROWS = 50  # of jumps that are listed
+_PACKAGES = ("numpy", "pydantic", "ezdxf", "lib3mf", "scipy", "shapely", "trimesh")
+
+Spring = Literal["low", "high"]
+
+
+class DriveOptions(TypedDict, total=False):
+    """What `camgen.drives` takes beside the distance, as Drive and Hints have it."""
+
+    slides: float
+    ratio: float
+    spring: Spring
+    inside: bool
+    start: float
+    height: float
+    layer: str
+
+
+@dataclass(frozen=True)
+class Drive:
+    """How one outline drives another: driver at (0, 0), driven body's pivot at (distance, 0), or its slide through (0, 0).
+
+    slides: direction, rad. ratio: turns of the driven body for one of the driver, of a slide mm for a radian; less than 0: they
+    turn against each other. inside: the driver runs within the driven contour. start: rad or mm, near which the driven body begins.
+    """
+
+    distance: float | None = None
+    slides: float | None = None
+    ratio: float | None = None
+    spring: Spring | None = None
+    inside: bool = False
+    start: float = 0.0
+
+    @property
+    def unit(self) -> tuple[str, float]:
+        """Of the driven body, and how many of it a rad or mm has."""
+        return ("deg", math.degrees(1)) if self.slides is None else ("mm", 1.0)
+
+    @property
+    def turns(self) -> int:
+        """Turns of the driver until the pair stands as before."""
+        if self.ratio is None or self.slides is not None:
+            return 1
+        exact = self.exact_ratio
+        off = [abs(n * exact - round(n * exact)) for n in range(1, MOST_TURNS + 1)]
+        return next((n for n, each in enumerate(off, 1) if each <= _REPEATS), MOST_TURNS)
+
+    @property
+    def exact_ratio(self) -> float:
+        """The ratio, as a fraction of small numbers where it is one but for its last decimals."""
+        assert self.ratio is not None
+        near = Fraction(self.ratio).limit_denominator(MOST_TURNS)
+        return float(near) if abs(near - self.ratio) <= _TYPED and near else self.ratio
+
+    def faults(self) -> Iterator[Fault]:
+        """What is wrong with it, by the options."""
+        if (self.distance is None) == (self.slides is None):
+            yield _fault("", "one of both", "--distance, --slides")
+        if self.distance is not None and not 0 < self.distance < math.inf:
+            yield _fault(f"{self.distance:g}", "a distance above 0, mm", "--distance")
+        if self.slides is not None and not math.isfinite(self.slides):
+            yield _fault(f"{self.slides:g}", "a direction, deg", "--slides")
+        if self.ratio is not None and not 0 < abs(self.ratio) < math.inf:
+            yield _fault(f"{self.ratio:g}", "a ratio other than 0", "--ratio")
+        if self.spring not in (None, "low", "high"):
+            yield _fault(str(self.spring), "low or high", "--spring")
+        if not math.isfinite(self.start):
+            yield _fault(f"{self.start:g}", "a finite number", "--start-deg")
+
+
+@dataclass(frozen=True, eq=False)
+class Driven:
+    """Where the driven body is free over the driver's angle, (n,) each.
+
+    theta: rad. low, high: rad or mm, nan where open or where nothing is free. free: whether anything is. error: of the pushing
+    flank less ratio x theta, nan without a ratio. proven: that nothing was skipped since the sample before. allowed: mm by which the
+    outlines overlap.
+    """
+
+    theta: Floats
+    low: Floats
+    high: Floats
+    free: np.ndarray
+    error: Floats
+    proven: np.ndarray
+    allowed: float
+    motion: PairMotion
+
+    @property
+    def play(self) -> Floats:
+        """High less low."""
+        return self.high - self.low
+
+    @property
+    def transmission_error(self) -> float:
+        """Peak to peak, nan without a ratio."""
+        known = self.error[np.isfinite(self.error)]
+        return float(np.ptp(known)) if len(known) else math.nan
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a person wants of `camgen motion DRIVER --drives DRIVEN`."""
+
+    driven: Path
+    drive: Drive
+    tolerance: float | None = None  # of the transmission error, deg or mm
+    hints: Hints = AS_IT_IS
+
+    def check(self) -> None:
+        """SpecError with all that is wrong."""
+        faults = list(self.drive.faults())
+        if self.tolerance is not None:
+            if not 0 < self.tolerance < math.inf:
+                faults.append(_fault(f"{self.tolerance:g}", "a tolerance above 0", "--tolerance"))
+            if self.drive.ratio is None:
+                faults.append(_fault("", "the ratio that is wanted beside --tolerance", "--ratio"))
+        if faults:
+            raise SpecError(faults, "command line")
+
+
+def _fault(value: str, expected: str, source: str) -> Fault:
+    return Fault((), value, expected, None, source)
+
+
+# ---- the pair --------------------------------------------------------------------------------------------------------
+
+
+def drives(driver: Path, driven: Path, distance: float | None, options: DriveOptions) -> Driven:
+    """Motion of the outline in one file, driven by that in another.
+
+    SpecError for the options, TypeError for one that there is none of, FileError where a file holds no closed outline.
+    """
+    unknown = options.keys() - DriveOptions.__annotations__.keys()
+    if unknown:
+        raise TypeError(f"drives() got an unexpected keyword argument {min(unknown)!r}")
+    drive = Drive(
+        distance,
+        options.get("slides"),
+        options.get("ratio"),
+        options.get("spring"),
+        options.get("inside", False),
+        options.get("start", 0.0),
+    )
+    hints = Hints(options.get("height"), options.get("layer"))
+    faults = list(drive.faults())
+    if faults:
+        raise SpecError(faults, "drives")
+    outlines = _read(driver, driven, drive, hints)
+    for path, outline in zip((driver, driven), outlines, strict=True):
+        if outline.ring is None:
+            failed = [f"{f.code}: {f.message}" for f in outline.findings if not f.ok]
+            raise FileError(path, "; ".join(failed))
+    first, second = (outline.ring for outline in outlines)
+    assert first is not None and second is not None
+    return driven_by(first, second, drive)
+
+
+def driven_by(driver: Ring, driven: Ring, drive: Drive) -> Driven:
+    """Motion of an outline that another one drives; DesignError where they never touch, or overlap throughout."""
+    reach = [float(np.max(np.abs(ring.samples()))) for ring in (driver, driven)]
+    if drive.distance is not None and drive.distance > sum(reach):
+        remedy = "they never touch: bring the pivots together"
+        raise DesignError(
+            "distance of the pivots", drive.distance, sum(reach), "mm", "any angle", remedy
+        )
+    theta: Floats = np.linspace(0, math.tau * drive.turns, _PER_TURN * drive.turns + 1)
+    motion = _followed(driver, driven, drive, theta, 0.0)
+    if not motion.samples.free.all():
+        loose = _followed(driver, driven, drive, theta, _ALLOWED)
+        if loose.samples.free.all():
+            motion = loose
+    bounds = motion.samples
+    if not bounds.free.any():
+        remedy = "they overlap at every angle of both: is the distance too small, or a file's origin not its pivot?"
+        distance = drive.distance or 0.0
+        raise DesignError(
+            "distance of the pivots", distance, sum(reach), "mm", "all angles", remedy
+        )
+    if np.isnan(bounds.low).all() and np.isnan(bounds.high).all():
+        remedy = "they never touch: check distance, origins of the files and --driven-inside"
+        distance = drive.distance or 0.0
+        raise DesignError("distance of the pivots", distance, sum(reach), "mm", "any angle", remedy)
+    low, high = _without_overlap(motion)
+    error = np.full(len(theta), np.nan)
+    if drive.ratio is not None:
+        flank = low if _pushing(drive, motion) == "low" else high
+        error = flank - drive.exact_ratio * theta
+    return Driven(theta, low, high, bounds.free, error, bounds.proven, motion.pair.overlap, motion)
+
+
+def _followed(
+    driver: Ring, driven: Ring, drive: Drive, theta: Floats, overlap: float
+) -> PairMotion:
+    """The pair, followed over all angles."""
+    contour = hollow(driven) if drive.inside else driven
+    slides = drive.slides is not None
+    pair = OutlinePair(
+        Solid((driver,)),
+        Solid((contour,)),
+        pivots_apart(drive.distance or 0.0),
+        Slide(complex(np.exp(1j * (drive.slides or 0.0)))) if slides else Turn(),
+        overlap,
+        drive.spring or "play",
+    )
+    return pair.follow(theta, drive.start)
+
+
+def _pushing(drive: Drive, motion: PairMotion) -> Literal["low", "high"]:
+    """The bound that the driver moves."""
+    if drive.spring is not None:
+        return drive.spring
+    rate = drive.ratio
+    if rate is None:
+        known = motion.samples
+        middle = np.nanmean(np.vstack([known.low, known.high]), axis=0)
+        rate = float(np.nansum(np.diff(middle)))
+    return "high" if rate < 0 else "low"
+
+
+def _without_overlap(motion: PairMotion) -> tuple[Floats, Floats]:
+    """Both bounds less what the allowed overlap adds to them, to first order."""
+    bounds = motion.samples
+    overlap = motion.pair.overlap
+    if not overlap:
+        return bounds.low, bounds.high
+    low = motion.touch(bounds, "low")
+    high = motion.touch(bounds, "high")
+    return bounds.low + overlap / low.lever, bounds.high - overlap / high.lever
+
+
+def _read(driver: Path, driven: Path, drive: Drive, hints: Hints) -> tuple[Outline, Outline]:
+    """Outlines of both files: the largest contour, or of a driven one round the driver the smallest that has room for it."""
+    first = read_outline(driver, hints, 1)
+    second = read_outline(driven, hints, 1)
+    if not drive.inside or first.ring is None or second.ring is None:
+        return first, second
+    area = abs(first.ring.area)
+    pivot = -(drive.distance or 0.0) * complex(np.exp(-1j * drive.start))
+    rank = 1
+    while True:
+        rank += 1
+        try:
+            smaller = read_outline(driven, hints, rank)
+        except FileError:
+            return first, second
+        ring = smaller.ring
+        if ring is None or abs(ring.area) <= area:
+            return first, second
+        if ring.encloses(pivot):
+            second = smaller
+
+
+# ---- the report ------------------------------------------------------------------------------------------------------
+
+
+def run(
+    path: Path, request: Request, out: Path, progress: Callable[[str], None] = lambda _: None
+) -> Report:
+    """Read both outlines, let the one drive the other, write OUT/<driver>-drives-<driven>/ with report.html, report.json, motion.csv.
+
+    Raises SpecError, FileError or DesignError; where an outline is open or crosses itself, a finding says so.
+    """
+    request.check()
+    progress(f"reading {path.name} and {request.driven.name}")
+    outlines = _read(path, request.driven, request.drive, request.hints)
+    findings = [finding for outline in outlines for finding in outline.findings]
+    report = Report(
+        f"{_name(path)}-drives-{_name(request.driven)}",
+        "one outline drives another",
+        list(dict.fromkeys(findings)),
+    )
+    columns: dict[str, Floats] = {}
+    first, second = (outline.ring for outline in outlines)
+    if first is not None and second is not None:
+        progress("following the pair")
+        driven = driven_by(first, second, request.drive)
+        columns = _columns(driven, request.drive)
+        report = _filled(report, driven, request, path, (first, second))
+        remarks = tuple(
+            f"{file.name}: {outline.remark}"
+            for file, outline in zip((path, request.driven), outlines, strict=True)
+        )
+        report = replace(report, notes=(*remarks, *report.notes))
+    with StagingFolder(out / report.name) as folder:
+        if columns:
+            progress("writing the report")
+            write_csv(folder / "motion.csv", columns)
+            write_html(folder / "report.html", report)
+        write_json(folder / "report.json", report)
+        write_manifest(folder, _PACKAGES)
+    return replace(report, folder=out / report.name)
+
+
+def _name(path: Path) -> str:
+    return re.sub("[^a-z0-9]+", "-", path.stem.lower()).strip("-")[:30] or "outline"
+
+
+def _columns(driven: Driven, drive: Drive) -> dict[str, Floats]:
+    name, scale = drive.unit
+    return {
+        "theta_deg": np.degrees(driven.theta),
+        f"driven_low_{name}": driven.low * scale,
+        f"driven_high_{name}": driven.high * scale,
+    }
+
+
+def _filled(
+    empty: Report,
+    driven: Driven,
+    request: Request,
+    path: Path,
+    rings: tuple[Ring, Ring],
+) -> Report:
+    """The report with findings, figures, curves and pictures."""
+    drive = request.drive
+    name, scale = drive.unit
+    play = driven.play * scale
+    known = play[np.isfinite(play)]
+    least = float(known.min()) if len(known) else math.nan
+    most = float(known.max()) if len(known) else math.nan
+    numbers = [Figure("play least", least, name), Figure("play most", most, name)]
+    findings = [*empty.findings, _contact(driven, request)]
+    if drive.ratio is not None:
+        numbers.append(Figure("transmission error", driven.transmission_error * scale, name))
+    if request.tolerance is not None:
+        findings.append(_transmission(driven, request, request.tolerance))
+    side = _pushing(drive, driven.motion)
+    touch = driven.motion.touch(driven.motion.samples, side)
+    if np.isfinite(touch.pressure_angle).any():
+        steepest = float(np.nanmax(np.abs(touch.pressure_angle)))
+        numbers.append(Figure("pressure angle", math.degrees(steepest), "deg"))
+    jumps = driven.motion.jumps(side)
+    numbers.append(Figure("jumps", len(jumps)))
+    return replace(
+        empty,
+        findings=findings,
+        numbers=empty.numbers | numbers,
+        plots=_plots(driven, drive, rings),
+        tables=_tables(jumps, side, drive),
+        notes=tuple(_notes(driven, drive)),
+        animation=_animation(driven, drive, rings),
+        remarks=tuple(_summary(driven, drive, jumps)),
+        files=("motion.csv", "report.json", "manifest.json"),
+    )
+
+
+def _contact(driven: Driven, request: Request) -> Finding:
+    """CONTACT: at how many angles anything is free."""
+    share = 100 * float(np.mean(driven.free))
+    where = in_file(request.driven)
+    if not driven.free.all():
+        theta = float(driven.theta[np.flatnonzero(~driven.free)[0]])
+        where = replace(where, theta=theta, angle="driver angle")
+    message = "of the driver's angles the driven outline is free somewhere without overlap"
+    if driven.allowed:
+        message += f"; both may overlap by {driven.allowed:g} mm, else they jam"
+    return at_least("CONTACT", share, 100, "percent", where, message)
+
+
+def _transmission(driven: Driven, request: Request, limit: float) -> Finding:
+    """TRANSMISSION_ERROR, at the angle where the pushing flank is farthest from its middle."""
+    name, scale = request.drive.unit
+    error = driven.error
+    middle = float(np.nanmedian(error)) if np.isfinite(error).any() else 0.0
+    off = np.abs(error - middle)
+    where: Where = in_file(request.driven)
+    message = "the pushing flank less ratio x theta, peak to peak"
+    if np.isfinite(off).any():
+        k = int(np.nanargmax(off))
+        where = replace(where, theta=float(driven.theta[k]), angle="driver angle")
+        message += _place_of(driven, request.drive, k)
+    value = driven.transmission_error * scale
+    return at_most("TRANSMISSION_ERROR", value, limit, name, where, message)
+
+
+def _place_of(driven: Driven, drive: Drive, k: int) -> str:
+    """Where both outlines touch at a sample, in words."""
+    motion = driven.motion
+    side = _pushing(drive, motion)
+    touch = motion.touch(motion.samples, side)
+    point = complex(touch.point[k])
+    if math.isnan(point.real):
+        return ""
+    theta = float(driven.theta[k])
+    phi = float((driven.low if side == "low" else driven.high)[k])
+    own = complex(drive.distance or 0.0) + point
+    first = math.degrees(float(np.angle(own * np.exp(-1j * theta)))) % 360
+    text = f"; most at {first:.1f} deg of the driver's outline"
+    if drive.slides is None:
+        second = math.degrees(float(np.angle(point * np.exp(-1j * phi)))) % 360
+        text += f", {second:.1f} deg of the driven one's"
+    return text
+
+
+def _plots(driven: Driven, drive: Drive, rings: tuple[Ring, Ring]) -> list[Plot]:
+    name, scale = drive.unit
+    label = "driver angle, deg"
+    theta = np.degrees(driven.theta)
+    plots = [
+        Plot(
+            "Where the driven outline is free",
+            label,
+            name,
+            [("low", theta, driven.low * scale), ("high", theta, driven.high * scale)],
+        )
+    ]
+    if np.isfinite(driven.play).any():
+        plots.append(Plot("Play", label, name, [("play", theta, driven.play * scale)]))
+    if drive.ratio is not None:
+        plots.append(
+            Plot(
+                "Transmission error",
+                label,
+                name,
+                [("pushing flank less ratio x theta", theta, driven.error * scale)],
+            )
+        )
+    plots.append(_picture(driven, drive, rings))
+    return plots
+
+
+def _picture(driven: Driven, drive: Drive, rings: tuple[Ring, Ring]) -> Plot:
+    """Both outlines in contact, at the first angle at which they are."""
+    rest = _rest(driven, drive)
+    k = int(np.flatnonzero(np.isfinite(rest))[0]) if np.isfinite(rest).any() else 0
+    theta = float(driven.theta[k])
+    phi = float(rest[k]) if math.isfinite(rest[k]) else drive.start
+    freedom = driven.motion.pair.freedom
+    turn = complex(freedom.turned(np.array([phi]))[0])
+    shift = complex(freedom.moved(np.array([phi]))[0]) + (drive.distance or 0.0)
+    shapes = (
+        rings[0].moved(complex(np.exp(1j * theta))),
+        rings[1].moved(turn, shift),
+    )
+    series = []
+    for label, ring in zip(("driver", "driven"), shapes, strict=True):
+        z: Points = ring.facetted(0.02)
+        z = np.append(z, z[:1])
+        series.append((label, z.real, z.imag))
+    title = f"Both in contact, driver at {math.degrees(theta):g} deg"
+    return Plot(title, "x, mm", "y, mm", series, equal=True)
+
+
+def _rest(driven: Driven, drive: Drive) -> Floats:
+    """Where the driven body is shown: on its pushing flank, else on the other one, (n,)."""
+    sides = {"low": driven.low, "high": driven.high}
+    first = _pushing(drive, driven.motion)
+    other = "low" if first == "high" else "high"
+    return np.where(np.isnan(sides[first]), sides[other], sides[first])
+
+
+def _tables(jumps: list[Jump], side: str, drive: Drive) -> list[Table]:
+    if not jumps:
+        return []
+    name, scale = drive.unit
+    rows = [[math.degrees(each.theta), each.before * scale, each.after * scale] for each in jumps]
+    columns = ("driver angle, deg", f"before, {name}", f"after, {name}")
+    return [Table(f"Jumps of the {side} bound", columns, rows[:_ROWS])]
+
+
+def _notes(driven: Driven, drive: Drive) -> Iterator[str]:
+    name, _ = drive.unit
+    yield (
+        "The driver turns counter-clockwise about its file's origin; angles of the driven outline count from its file's pose, "
+        "counter-clockwise."
+        if name == "deg"
+        else "The driver turns counter-clockwise about its file's origin; the driven outline's way counts from its file's place."
+    )
+    open_count = np.count_nonzero(~driven.proven[1:])
+    if open_count:
+        at = math.degrees(float(driven.theta[1:][~driven.proven[1:]][0]))
+        yield (
+            f"{open_count} of {len(driven.theta) - 1} steps between samples are not proven, the first before {at:g} deg: a thin "
+            "obstacle could be skipped there."
+        )
+    else:
+        yield "Proven between the samples as well: no obstacle is skipped."
+    if driven.allowed:
+        yield (
+            f"The outlines jam as they are drawn. They may overlap by {driven.allowed:g} mm here; low and high are without it, so "
+            "that play below 0 is overlap."
+        )
+
+
+def _summary(driven: Driven, drive: Drive, jumps: list[Jump]) -> Iterator[str]:
+    """What a person asked for, in a few lines."""
+    name, scale = drive.unit
+    play = driven.play[np.isfinite(driven.play)] * scale
+    if len(play):
+        yield f"play is {play.min():.4g} to {play.max():.4g} {name}"
+    if drive.ratio is not None:
+        value = driven.transmission_error * scale
+        yield f"transmission error is {value:.4g} {name} peak to peak over {drive.turns} turns of the driver"
+    if jumps:
+        largest = max(abs(each.after - each.before) for each in jumps) * scale
+        yield f"{len(jumps)} jumps, {largest:.4g} {name} at most: impacts where a spring holds the driven outline there"
+
+
+def _animation(driven: Driven, drive: Drive, rings: tuple[Ring, Ring]) -> Animation:
+    """The first turn of the driver."""
+    step = _PER_TURN // _FRAMES
+    rows = np.arange(0, _PER_TURN, step)
+    theta = driven.theta[rows]
+    phi = _rest(driven, drive)[rows]
+    freedom = driven.motion.pair.freedom
+    still = np.zeros(len(theta), complex)
+    place = freedom.moved(phi) + (drive.distance or 0.0)
+    angle = phi if drive.slides is None else still.real
+    name, scale = drive.unit
+    bodies = [
+        Body("driver", [PartPose(still, theta)], [(rings[0].points, rings[0].bulges)]),
+        Body(
+            "driven",
+            [PartPose(np.where(np.isnan(phi), np.nan, place), np.asarray(angle))],
+            [(rings[1].points, rings[1].bulges)],
+        ),
+    ]
+    return Animation(theta, bodies, phi * scale, "driven", name)
