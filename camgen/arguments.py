@@ -45,7 +45,10 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         faults = [
             Fault((name,), shown(value), _expected(annotations[name]))
             for name, value in given.items()
-            if not any(_is(value, each) for each in _names(annotations[name]))
+            if not annotations[name].startswith(
+                "Unpack"
+            )  # options, which the function checks itself
+            and not any(_is(value, each) for each in _names(annotations[name]))
         ]
         if faults:
             raise SpecError(faults, f"camgen.{function.__name__}")

@@ -174,6 +174,13 @@ def drives(driver: Path, driven: Path, distance: float | None, options: DriveOpt
     unknown = options.keys() - DriveOptions.__annotations__.keys()
     if unknown:
         raise TypeError(f"drives() got an unexpected keyword argument {min(unknown)!r}")
+    wrong = [
+        _fault(repr(options[name]), "a number", name)
+        for name in ("slides", "ratio", "start", "height")
+        if name in options and not _is_number(options[name])
+    ]
+    if wrong:
+        raise SpecError(wrong, "drives")
     drive = Drive(
         distance,
         options.get("slides"),
@@ -194,6 +201,10 @@ def drives(driver: Path, driven: Path, distance: float | None, options: DriveOpt
     first, second = (outline.ring for outline in outlines)
     assert first is not None and second is not None
     return driven_by(first, second, drive)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float | np.number) and not isinstance(value, bool)
 
 
 def driven_by(driver: Ring, driven: Ring, drive: Drive) -> Driven:

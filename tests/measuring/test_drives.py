@@ -128,5 +128,7 @@ def test_python_gives_the_same_arrays(gears: Path) -> None:
     assert driven.transmission_error < 1e-5
     with pytest.raises(camgen.SpecError, match="one of both"):
         camgen.drives(gears / "pinion.dxf", gears / "wheel.dxf")
+    with pytest.raises(camgen.SpecError, match="a number"):
+        camgen.drives(gears / "pinion.dxf", gears / "wheel.dxf", 42.0, ratio="-12/30")  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="unexpected keyword"):
         camgen.drives(gears / "pinion.dxf", gears / "wheel.dxf", 42.0, sping="low")  # type: ignore[call-arg]
