@@ -33,6 +33,7 @@ TOPICS = (
     "theory-chain-stitch-looper",
     "theory-indexing-cam",
     "theory-linkage",
+    "theory-pairs",
 )
 
 

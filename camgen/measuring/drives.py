@@ -413,8 +413,7 @@ def _transmission(driven: Driven, request: Request, limit: float) -> Finding:
     """TRANSMISSION_ERROR, at the angle where the pushing flank is farthest from its middle."""
     name, scale = request.drive.unit
     error = driven.error
-    middle = float(np.nanmedian(error)) if np.isfinite(error).any() else 0.0
-    off = np.abs(error - middle)
+    off = np.abs(error - _middle(error))
     where: Where = in_file(request.driven)
     message = "the pushing flank less ratio x theta, peak to peak"
     if np.isfinite(off).any():
@@ -423,6 +422,11 @@ def _transmission(driven: Driven, request: Request, limit: float) -> Finding:
         message += _place_of(driven, request.drive, k)
     value = driven.transmission_error * scale
     return at_most("TRANSMISSION_ERROR", value, limit, name, where, message)
+
+
+def _middle(values: Floats) -> float:
+    """Median of those that are known, 0 of none."""
+    return float(np.nanmedian(values)) if np.isfinite(values).any() else 0.0
 
 
 def _place_of(driven: Driven, drive: Drive, k: int) -> str:
@@ -461,10 +465,10 @@ def _plots(driven: Driven, drive: Drive, rings: tuple[Ring, Ring]) -> list[Plot]
     if drive.ratio is not None:
         plots.append(
             Plot(
-                "Transmission error",
+                "Transmission error, from its median",
                 label,
                 name,
-                [("pushing flank less ratio x theta", theta, driven.error * scale)],
+                [("pushing flank", theta, (driven.error - _middle(driven.error)) * scale)],
             )
         )
     plots.append(_picture(driven, drive, rings))

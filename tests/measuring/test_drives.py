@@ -90,6 +90,24 @@ def test_an_error_above_the_tolerance_fails_and_names_the_place(gears: Path) -> 
     assert "TRANSMISSION_ERROR" in text and "of the driver's outline" in text
 
 
+def test_a_flank_that_is_off_by_20_um_is_seen_at_its_tooth(gears: Path) -> None:
+    """Tooth 7 of the wheel, its falling flank thinner: only the bound that it makes changes, while it is in mesh."""
+    ring = Wheel(2, 30).ring()
+    tooth = len(ring.points) // 30
+    rows = slice(7 * tooth + 13, 7 * tooth + 22)
+    points = ring.points.copy()
+    points[rows] *= np.exp(0.02j / np.abs(points[rows]) * -1)
+    damaged = write(gears / "damaged.dxf", Ring(points, ring.bulges))
+    sound = camgen.drives(gears / "pinion.dxf", gears / "wheel.dxf", 42.0, ratio=-12 / 30)
+    off = camgen.drives(gears / "pinion.dxf", damaged, 42.0, ratio=-12 / 30)
+    changes = [
+        float(np.max(np.abs(getattr(off, side) - getattr(sound, side)))) * Wheel(2, 30).rb
+        for side in ("low", "high")
+    ]
+    assert max(changes) == pytest.approx(0.02, rel=0.15)
+    assert min(changes) < 1e-3
+
+
 @pytest.mark.parametrize(
     "options, code, word",
     [
