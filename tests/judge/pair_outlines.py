@@ -149,6 +149,21 @@ class Wheel:
         return closed(parts)
 
 
+def inner_ring(space: Wheel, tip: float, root: float, per_flank: int = 8) -> Ring:
+    """Contour of an inner gear whose spaces are the teeth of a wheel, from its tip radius out to its root, mm; ccw."""
+    roll = np.linspace(
+        math.sqrt(tip**2 - space.rb**2), math.sqrt(root**2 - space.rb**2), 2 * per_flank + 1
+    )
+    radius = np.hypot(space.rb, roll)
+    up = radius * np.exp(-1j * space.half_angle(radius))
+    down = np.conj(up)[::-1]
+    top = np.array([math.tan(np.angle(down[0] / up[-1]) / 4)])
+    bottom = np.array([math.tan((math.tau / space.z - np.angle(down[-1] / up[0])) / 4)])
+    tooth = [through(up), (up[-1:], top), through(down), (down[-1:], bottom)]
+    turns = np.exp(1j * math.tau * np.arange(space.z) / space.z)
+    return closed([(turn * points, bulges) for turn in turns for points, bulges in tooth])
+
+
 def centre_distance(first: Wheel, second: Wheel) -> tuple[float, float]:
     """Distance without backlash of unthinned wheels, mm, and working pressure angle, rad."""
     total = first.z + second.z

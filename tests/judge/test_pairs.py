@@ -11,7 +11,7 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pair_outlines import ALPHA, Wheel, centre_distance, inv
+from pair_outlines import ALPHA, Wheel, centre_distance, inner_ring, inv
 
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge import pairs
@@ -85,6 +85,19 @@ def test_ten_microns_of_centre_distance_are_seen(off: float, closed: float, foun
     motion, wheel = meshed(first, second, off)
     assert np.mean(motion.samples.play) == pytest.approx(found, rel=1e-5)
     assert error_um(motion, wheel, -0.4)[0] == pytest.approx(KNOWN["centre_off"]["te_um"], rel=0.01)
+
+
+def test_an_inner_gear_has_the_backlash_of_the_outer_one() -> None:
+    known = KNOWN["inner_gears"]
+    space = Wheel(2, 30, thin=-0.04)
+    ring = inner_ring(space, known["tip"], 32.5)
+    pinion = Body([Wheel(2, 12).ring()])
+    pair = OutlinePair(pinion, Body([pairs.hollow(ring)]), pivots_apart(known["distance"]))
+    motion = pair.follow(np.linspace(0, math.pi / 3, 1201), 0.0)
+    samples = motion.samples
+    assert samples.proven[1:].all()
+    assert [np.min(samples.play), np.max(samples.play)] == pytest.approx(known["play"], rel=1e-3)
+    assert error_um(motion, space, 0.4)[0] == pytest.approx(known["te_um"], rel=0.1)
 
 
 # ---- closed forms ----------------------------------------------------------------------------------------------------
