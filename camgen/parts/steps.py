@@ -45,8 +45,8 @@ class Fixing:
 _WORDS = {"glue": "pressed and glued", "press": "pressed", "free": ""}
 
 
-# level, first part of the sub-assembly, its name, whether no bearing, part, whether turned over, underside
-_Key = tuple[float, int, str, bool, int, bool, float]
+# level, first part of the sub-assembly, its name, part, whether turned over, underside
+_Key = tuple[float, int, str, int, bool, float]
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ def order(
     before: Mapping[str, int] | None = None,
 ) -> Table:
     """Steps by the height of undersides; what is turned over, such as a pin with its head up, comes from above: by its top; a
-    ball bearing before the link that holds it.
+    ball bearing with the link that holds it.
 
     poses: of each part's copies, at one angle; pairs: what joints are measured on; before: copies that are numbered already, by
     part.
@@ -158,7 +158,6 @@ def _layings(
                 levels[copy.name],
                 place[cluster[0].part.name],
                 "" if alone else cluster[0].name,
-                copy.part.name not in seats,
                 place[copy.part.name],
                 copy.mount.flipped,
                 round(copy.mount.z, 6) + 0.0,
@@ -297,7 +296,8 @@ def _places(copies: Iterable[StandingCopy], below: Sequence[StandingCopy], fixin
 
 def _where(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> str:
     """Where a copy goes, by what lies there before it; "" where nothing says."""
-    if not copy.holes:  # a pin or a shaft
+    held = (mate.comes and mate.how != "free" for mate in _mates([copy], below, fixing))
+    if not copy.holes or any(held):  # a pin, a shaft, a ball bearing
         return _pin_words(copy, below, fixing) or (
             "by itself, until what is fixed on it comes" if copy.outlines else ""
         )
@@ -388,6 +388,7 @@ def _pin_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing
     )
     flush = not copy.mount.flipped and any(  # what is turned over has a head
         fixing.how(hole, other.part, outline, copy.part) != "free"
+        and abs(hole.low - other.mount.z) < SAME_POINT
         and abs(hole.low - min(each.low for each in copy.outlines)) < SAME_POINT
         for hole, other, outline in round_holes
     )
