@@ -233,6 +233,10 @@ class Files(Record):
         default=False, description="true: marks at centres, on a layer CENTER"
     )
     engrave: bool = Field(default=False, description="true: what is engraved, on a layer ENGRAVE")
+    hole_letters: bool | None = Field(
+        default=None,
+        description="true: the letters of their holes are engraved in the links of a linkage, 0.4 mm deep",
+    )
     step: bool | None = Field(
         default=None, description="true: a whole build makes exact solids as well (STEP)"
     )

@@ -34,12 +34,14 @@ PART_LAYERS = {"CUT": (7, 25), "CENTER": (1, 13), "ENGRAVE": (5, 13)}
 class Section:
     """What cuts through some heights (mm) should show: these separate pieces, facetted within the chord tolerance.
 
-    sent: as it is in a file for the printer, such as the chamfer of its foot; otherwise as it prints.
+    sent: as it is in a file for the printer, such as the chamfer of its foot; otherwise as it prints. pocket: through an
+    engraving, between whose strokes no wall is asked for.
     """
 
     heights: tuple[float, ...]
     shapes: tuple[Shape, ...]
     sent: bool = False
+    pocket: bool = False
 
 
 @dataclass(frozen=True)
@@ -323,7 +325,9 @@ def _judge_sections(
             "its joints' eyes lie elsewhere in its outline, all of them moved or turned together"
         )
     findings.append(at_most("ROUND_TRIP", off, limit, "mm", where, remark))
-    printed_sections = [(section, shapes) for section, shapes in sections if not section.sent]
+    printed_sections = [
+        (section, shapes) for section, shapes in sections if not section.sent and not section.pocket
+    ]
     wall = min(_wall(shape) for shapes in _distinct(printed_sections) for shape in shapes)
     if math.isfinite(wall):  # a part without holes has no wall between contours
         facets = 2 * max(
@@ -344,15 +348,16 @@ def _judge_sections(
 
 
 def pieces_of(rings: Sequence[Ring]) -> tuple[Shape, ...]:
-    """Separate flat parts: each ring that lies in no other one, with the rings inside it."""
+    """Separate flat parts: each ring that lies in no other one, or in a hole of one, with its holes."""
     ordered = sorted(rings, key=lambda ring: -abs(ring.area))
     groups: list[list[Ring]] = []
     for ring in ordered:
-        home = next((group for group in groups if group[0].encloses(complex(ring.points[0]))), None)
-        if home is None:
+        place = complex(ring.points[0])
+        round_it = [group for group in groups if group[0].encloses(place)]
+        if not round_it or any(hole.encloses(place) for hole in round_it[-1][1:]):
             groups.append([ring])
         else:
-            home.append(ring)
+            round_it[-1].append(ring)
     return tuple(shape_of(group) for group in groups)
 
 

@@ -133,14 +133,14 @@ def _standing_copy(name: str, part: Part, mount: Mount, pose: PartPose) -> Stand
     outlines = [
         standing(part, pose, layer, *disc)
         for layer in part.layers
-        for disc in _disc(layer.region.outer)
+        for disc in discs(layer.region.outer)
     ]
     holes: list[Round] = []
     bored = (
         (layer, disc)
         for layer in part.layers
         for hole in layer.region.holes
-        for disc in _disc(hole)
+        for disc in discs(hole)
     )
     for each in (standing(part, pose, layer, *disc) for layer, disc in bored):
         same = next((k for k, other in enumerate(holes) if each.is_one_with(other)), None)
@@ -182,7 +182,7 @@ def _stadium(contour: Contour) -> Iterator[tuple[complex, complex, float]]:
         yield a, others[0][0], radius
 
 
-def _disc(contour: Contour) -> Iterator[tuple[complex, float]]:
+def discs(contour: Contour) -> Iterator[tuple[complex, float]]:
     """Centre and radius of a circle, with flats or a keyway or without."""
     widest = max(
         (piece for piece in contour.pieces if isinstance(piece, Arc)),

@@ -104,11 +104,11 @@ def _sections(part: Part, tolerance: float, low: float) -> tuple[list[Section], 
             Section(tuple(bottom + (top - bottom) * fraction for fraction in _HEIGHTS), shapes)
         )
         if pockets and len(shapes) == 1 and part.side_profile is None:
-            rings = tuple(facetted(layer.region, tolerance).outer for layer in pockets)
+            cut = [facetted(layer.region, tolerance) for layer in pockets]
+            face = Shape(shapes[0].outer, (*shapes[0].holes, *(each.outer for each in cut)))
+            islands = tuple(Shape(hole, ()) for each in cut for hole in each.holes)
             middle = (top + min(layer.z1 for layer in pockets)) / 2
-            engraved.append(
-                Section((middle,), (Shape(shapes[0].outer, (*shapes[0].holes, *rings)),))
-            )
+            engraved.append(Section((middle,), (face, *islands), pocket=True))
     return sections, engraved
 
 

@@ -145,9 +145,11 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
             )
     elif mechanism.laser is not None:
         sentences.append("[laser] has no effect without DXF: the sheets are made with it")
-    if mechanism.files.engrave and not any(part.engraved for part in mechanism.assembly.parts):
-        sentences.append("files.engrave = true: no part has anything engraved")
-    elif mechanism.files.engrave and not any(kind in kinds for kind in DRAWN):
+    plain = not any(part.engraved for part in mechanism.assembly.parts)
+    asked = {"engrave": mechanism.files.engrave, "hole_letters": mechanism.files.hole_letters}
+    none = [key for key, wanted in asked.items() if wanted and plain]
+    sentences += [f"files.{key} = true: no part has anything engraved" for key in none]
+    if mechanism.files.engrave and not plain and not any(kind in kinds for kind in DRAWN):
         sentences.append(f"files.engrave = true has no effect without {drawn}")
     idle = mechanism.remarks().unused
     if idle:

@@ -580,7 +580,7 @@ class Linkage(Mechanism):
         ways = {each.name: each.way(sizes.pin_diameter) for each in self.sprung}
         made = Assembly(
             machine,
-            bodies.parts,
+            self._engraved(bodies.parts),
             self._process,
             self.cycle,
             bodies.mounts,
@@ -608,6 +608,20 @@ class Linkage(Mechanism):
             follower=FollowerFacts(self._arm_stiffness),
         )
         return made if self._beneath is None else self._beneath.added(made)
+
+    def _engraved(self, parts: Sequence[Part]) -> Sequence[Part]:
+        """Parts with what is to be engraved in them: a text in a link, letters of holes in what has named points."""
+        texts = {
+            part_name(link): (shape.engrave, f"parts.{link}.engrave")
+            for link in self.links
+            if (shape := self.making.shape(link)).engrave
+        }
+        letters = bool(self.files.hole_letters)
+        if not (texts or letters):
+            return parts
+        from camgen.parts.engraving import engraved
+
+        return [engraved(part, letters, *texts.get(part.name, ())) for part in parts]
 
     @property
     def _arm_stiffness(self) -> float | None:

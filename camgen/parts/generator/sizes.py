@@ -93,6 +93,17 @@ class Shape(Record):
     outline_at: tuple[Coordinate, Coordinate] = Field(
         default=(0.0, 0.0), description="where the origin of that file lies"
     )
+    engrave: (
+        Annotated[
+            str,
+            text_of_form(
+                "a text of up to 40 letters, digits and signs but $",
+                r"^[!-#%-~]([ -#%-~]*[!-#%-~])?$",
+                40,
+            ),
+        ]
+        | None
+    ) = Field(default=None, description="a text that is engraved in the link, 0.4 mm deep")
 
 
 PinKind = Literal["printed", "turned", "dowel", "shoulder", "bearing"]
