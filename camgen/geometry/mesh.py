@@ -53,17 +53,28 @@ class Mesh:
         return Mesh(product(self.vertices, transform[:, :3].T) + transform[:, 3], self.faces)
 
 
+_UPRIGHT = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+
+
 def placing(
-    angle: float, position: complex, z: float, thickness: float, flipped: bool = False
+    angle: float,
+    position: complex,
+    z: float,
+    thickness: float,
+    flipped: bool = False,
+    upright: bool = False,
 ) -> Floats:
     """Transform (3, 4) of a part turned by angle (rad) about z and moved to position (complex mm) and height z, mm.
 
     flipped: first turned over about Oy, (x, y, z) -> (-x, y, thickness - z): a rotation, no mirror image.
+    upright: first stood up on its y = 0, (x, y, z) -> (x, -z, y).
     """
     turn = np.array(
         [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
     )
     over = np.diag([-1.0, 1.0, -1.0]) if flipped else np.eye(3)
+    if upright:
+        over = _UPRIGHT
     shift = [position.real, position.imag, z + (thickness if flipped else 0)]
     return np.column_stack([product(turn, over), shift]) + 0.0
 

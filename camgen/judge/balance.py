@@ -12,16 +12,16 @@ import numpy as np
 from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.mesh import Mesh
+from camgen.geometry.rings import Floats
 from camgen.judge.assembly import standing
 from camgen.machine.features import Balance, SweptMachine
 
 
-def first_moment(mesh: Mesh) -> tuple[float, complex]:
-    """Volume of a closed mesh, mm^3, and its first moment over the plane's axes, complex mm^4: of the tetrahedra on its faces."""
+def first_moment(mesh: Mesh) -> tuple[float, Floats]:
+    """Volume of a closed mesh, mm^3, and its first moment, (3,) mm^4: of the tetrahedra on its faces."""
     corners = mesh.vertices[mesh.faces]
     volumes = np.einsum("ij,ij->i", corners[:, 0], mesh.across) / 6
-    place = corners[:, :, 0].sum(axis=1) + 1j * corners[:, :, 1].sum(axis=1)
-    return float(volumes.sum()), complex(np.sum(volumes * place) / 4)
+    return float(volumes.sum()), np.asarray(volumes @ corners.sum(axis=1) / 4)
 
 
 def judge_balance(path: Path, machine: SweptMachine, balance: Balance) -> Finding:
@@ -32,7 +32,8 @@ def judge_balance(path: Path, machine: SweptMachine, balance: Balance) -> Findin
     moment_of_crank = 0j
     for _, item, body in standing(read_3mf(path), machine):
         if body == balance.body:
-            volume, moment = first_moment(item.placed)
+            volume, (x, y, _) = first_moment(item.placed)
+            moment = complex(x, y)
             moment_of_crank += balance.density[item.name] * (moment - volume * pivot) / turn
     remark = (
         f"{abs(moment_of_crank):.5g} g mm at {math.degrees(cmath.phase(moment_of_crank)):.2f} deg in the crank's axes, {abs(balance.moment):.5g} at "

@@ -24,7 +24,8 @@ _STEPS = 8  # float32 roundings of a place and, through quaternions, of a turn
 @dataclass(frozen=True, eq=False)
 class Flight:
     """Where a copy of a part is to be: angle (n,) rad and place (n,) complex mm at even times, the end as the beginning, nan
-    where the machine cannot go; z: height, mm; flipped: turned over about its own y axis first, within its thickness, mm.
+    where the machine cannot go; z: height, mm; flipped: turned over about its own y axis first, within its thickness, mm;
+    upright: first stood up, y as -z and z as y.
 
     reach: of the part's farthest point from its origin, mm.
     """
@@ -36,6 +37,7 @@ class Flight:
     flipped: bool
     thickness: float
     reach: float
+    upright: bool = False
 
     @property
     def transforms(self) -> Floats:
@@ -45,20 +47,13 @@ class Flight:
         zero = 0 * self.angle
         ones = 1 + 0 * self.angle
         side, height = (-1, self.z + self.thickness) if self.flipped else (1, self.z)
-        rows = [
-            side * cosine,
-            -sine,
-            zero,
-            self.place.real,
-            side * sine,
-            cosine,
-            zero,
-            self.place.imag,
-            zero,
-            zero,
-            side * ones,
-            height * ones,
-        ]
+        x = side * cosine, side * sine, zero
+        y = -sine, cosine, zero
+        z = zero, zero, side * ones
+        if self.upright:
+            y, z = z, (sine, -cosine, zero)
+        place = self.place.real, self.place.imag, height * ones
+        rows = [each for row in zip(x, y, z, place, strict=True) for each in row]
         return np.stack(rows, axis=1).reshape(-1, 3, 4)
 
 

@@ -222,14 +222,18 @@ Feature = PinEyes | SlideFaces | SlotFaces | CamOutline | GearTeeth | SharedFlat
 
 @dataclass(frozen=True)
 class Mount:
-    """One copy of a part on a body: body = at + exp(i angle) * part, first turned over about its Oy where `flipped`."""
+    """One copy of a part on a body: body = at + exp(i angle) * part, first turned over about its Oy where `flipped`.
+
+    One that is `upright` is first stood up, (x, y, z) -> (x, -z, y): its outline stands on the plane.
+    """
 
     part: str
     body: str
     at: complex = 0j  # mm
     angle: float = 0.0  # rad
     flipped: bool = False
-    z: float = 0.0  # height of its underside in the assembly, mm
+    z: float = 0.0  # height of its underside in the assembly, mm; of its y = 0 where it is upright
+    upright: bool = False
 
     def place(self, z: complex) -> complex:
         """A point of the part in the body's frame, complex mm."""
@@ -242,10 +246,11 @@ class Mount:
 
 @dataclass(frozen=True)
 class PartPose(Pose):
-    """A part's pose in the assembly: ground = place + exp(i angle) * part, first turned over about its Oy where `flipped`."""
+    """A part's pose in the assembly: ground = place + exp(i angle) * part, first turned over about its Oy where `flipped`, or stood up."""
 
     flipped: bool = False  # x is -x, z is thickness - z
-    z: float = 0.0  # height of its underside, mm
+    z: float = 0.0  # height of its underside, mm; of its y = 0 where it is upright
+    upright: bool = False  # y is -z, z is y
 
 
 def heights(stands: Mount | PartPose, part: float, low: float, high: float) -> tuple[float, float]:

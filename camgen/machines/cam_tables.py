@@ -100,6 +100,11 @@ class CamTables(Template):
             faults += sheets.faults(sizes, self.laser, int(slides), int(grooves))
         else:
             faults = sizes.misfits()
+            if sizes.stand != "none":
+                right = (
+                    'nothing here, or parts.make = "printed" or "laser": cams alone have no plate'
+                )
+                faults.append(Fault(("parts", "stand"), repr(sizes.stand), right))
         if sizes.shaft != "through":
             right = '"through": no link turns on a point of the cam'
             faults.append(Fault(("parts", "shaft"), repr(sizes.shaft), right))

@@ -151,6 +151,8 @@ def _mechanism(each: Include, host: Host) -> Mechanism:
     """The mechanism of an included spec, printed as the host is and at the host's speed; SpecError with its faults."""
     assert not isinstance(each.spec, str), "a fault of the spec"
     data = {**each.spec, **{key: host.tables[key] for key in _WHOLE}}
+    if isinstance(data.get("parts"), Mapping):  # the host has the stand
+        data["parts"] = {key: value for key, value in data["parts"].items() if key != "stand"}
     table = "drive" if "drive" in data else "motor"
     if isinstance(data.get(table), Mapping):
         data[table] = {**data[table], "speed_rpm": host.speed_rpm}

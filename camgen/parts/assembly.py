@@ -7,7 +7,7 @@ makes one machine of several, `renamed` puts a machine where it stands in anothe
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -99,6 +99,14 @@ class Shaft:
 
 
 @dataclass(frozen=True)
+class Support:
+    """What a machine stands on: which way is down, a unit vector, and its parts in the order in which they come, with where."""
+
+    down: tuple[float, float, float]
+    steps: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
 class FollowerFacts:
     """What forces need to know of a cam's follower."""
 
@@ -145,6 +153,7 @@ class Assembly:
     motor: MotorSeat = MotorSeat()
     shaft: Shaft | None = None
     follower: FollowerFacts = FollowerFacts()
+    support: Support | None = None  # its stand, where it has one
     board: str = ""  # what it stands on, as the last step says; "" where nothing is said
     work: Sequence[Table] = ()  # the order of assembly, where it is not by height
     material_limits: MaterialLimits = MaterialLimits()
@@ -200,7 +209,7 @@ class Assembly:
             body = courses[mount.body]
             place = body.place + np.exp(1j * body.angle) * mount.at
             poses[mount.part].append(
-                PartPose(place, body.angle + mount.angle, mount.flipped, mount.z)
+                PartPose(place, body.angle + mount.angle, mount.flipped, mount.z, mount.upright)
             )
         return poses
 
@@ -387,14 +396,33 @@ def order_of_assembly(assembly: Assembly) -> Table:
             len(rows),
         )
         rows.insert(first, (row, Step(coil.stringing)))
-    stands = f"Stands on {assembly.board}"
-    rows.append(((0, "board", stands, "", 1, 0.0, "as yours"), Step(stands)))
+    rows += _last_rows(assembly)
     numbered = tuple((count, *row[1:]) for count, (row, _) in enumerate(rows, 1))
     return replace(table, rows=numbered, steps=tuple(step for _, step in rows))
 
 
 def by_heights(assembly: Assembly, before: Mapping[str, int] | None = None) -> Table:
-    """The order by height of its own parts; before: how many copies of each part are numbered already."""
+    """The order by height of its own parts but the stand's; before: how many copies of each part are numbered already."""
+    standing = {name for name, _ in assembly.support.steps} if assembly.support else set()
+    mounts = [mount for mount in assembly.mounts if mount.part not in standing]
     poses = assembly.poses(np.zeros(1))
     fixing = assembly.process.fixing
-    return order(assembly.parts, assembly.mounts, poses, assembly.features, fixing, before)
+    return order(assembly.parts, mounts, poses, assembly.features, fixing, before)
+
+
+def _last_rows(assembly: Assembly) -> Iterator[tuple[tuple[object, ...], Step]]:
+    """What the machine is put on at the end."""
+    if assembly.support is None:
+        yield (0, "board", assembly.board, "", 1, 0.0, "as yours"), Step(assembly.board)
+        return
+    for each in (each for each in assembly.bought if each.role == "mount"):
+        row = 0, each.name, each.size, "", each.count, 0.0, "as bought"
+        yield row, Step(f"{each.count} × {each.name}: {each.size}")
+    for name, where in assembly.support.steps:
+        mounts = [mount for mount in assembly.mounts if mount.part == name]
+        copies = [f"{name}-{k + 1}" for k in range(len(mounts))]
+        low = min(mount.z for mount in mounts)
+        title = assembly.by_name[name].title
+        row = 0, name, title, where, len(mounts), low, "upright"
+        yield row, Step(f"{title}; {where}", copies)
+    yield (0, "table", assembly.board, "", 1, 0.0, "as yours"), Step(assembly.board)

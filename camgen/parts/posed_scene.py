@@ -60,7 +60,9 @@ def posed_scene(assembly: Assembly, solids: Mapping[str, Mesh], theta: float) ->
     for mount in assembly.mounts:
         part = assembly.by_name[mount.part]
         copies[part.name] += 1
-        stands = placing(mount.angle, complex(mount.at), mount.z, part.thickness, mount.flipped)
+        at = complex(mount.at)
+        thick = part.thickness
+        stands = placing(mount.angle, at, mount.z, thick, mount.flipped, mount.upright)
         graph.update(
             frame_from=mount.body,
             frame_to=f"{part.name}-{copies[part.name]}",

@@ -181,6 +181,10 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
                 ("BALANCE",), "the balanced crank, weighed in the assembly", ("3mf",), weigh_crank
             )
         )
+    if mechanism.assembly.support is not None:
+        stages.append(
+            Stage(("TIPPING",), "the machine on its stand, weighed in the assembly", ("3mf",), tip)
+        )
     if mechanism.assembly.strands:
         codes = ("THREAD_HELD", "THREAD_CLEAR")
         stages.append(
@@ -340,6 +344,18 @@ def weigh_crank(case: Case, kinds: Sequence[str]) -> Outcome:
     return Outcome(
         [judge_balance(assembly, machine, balance) for balance in case.mechanism.assembly.balances]
     )
+
+
+def tip(case: Case, kinds: Sequence[str]) -> Outcome:
+    """TIPPING of a machine that has a stand."""
+    from camgen.judge.tipping import Standing, judge_tipping
+
+    made = case.mechanism.assembly
+    assert made.support is not None, "the stage of a machine with a stand"
+    densities = {part.name: 1e-6 * made.solids.density_of(part) for part in made.parts}
+    densities |= {part.name: 0.0 for part in made.parts if part.process in ("bought", "dummy")}
+    stands = Standing(made.support.down, densities)
+    return Outcome([judge_tipping(case.file("assembly", "3mf"), bodies_in_motion(made), stands)])
 
 
 def judge_threads(case: Case, kinds: Sequence[str]) -> Outcome:

@@ -197,7 +197,12 @@ def assembly_copies(mechanism: Mechanism) -> list[PartCopy]:
             part.name,
             f"{part.name}-{k + 1}",
             placing(
-                float(pose.angle[0]), complex(pose.place[0]), pose.z, part.thickness, pose.flipped
+                float(pose.angle[0]),
+                complex(pose.place[0]),
+                pose.z,
+                part.thickness,
+                pose.flipped,
+                pose.upright,
             ),
         )
         for part in mechanism.assembly.parts

@@ -11,7 +11,7 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.arcs import bulges, fit_arcs
-from camgen.geometry.outlines import extent
+from camgen.geometry.outlines import Contour, extent, rectangle
 from camgen.machine.features import PartPose, heights
 from camgen.machine.model import Output, Path, Pose, unit_of
 from camgen.machine.run import solve
@@ -54,7 +54,10 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
     bodies = []
     for part in assembly.parts:
         region = part.region
-        rings = [bulges(fit_arcs(contour, _DRAWN)) for contour in (region.outer, *region.holes)]
+        contours: Sequence[Contour] = region.outer, *region.holes
+        if any(pose.upright for pose in poses[part.name]):
+            contours = [_edge_on(part)]
+        rings = [bulges(fit_arcs(contour, _DRAWN)) for contour in contours]
         bodies.append(Body(part.name, poses[part.name], rings))
     shapes = mechanism.study().sketches if sketches is None else sketches
     for s in (*shapes, *spring_sketches(assembly.coils, assembly.courses)):
@@ -78,13 +81,20 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
     )
 
 
+def _edge_on(part: Part) -> Contour:
+    """What is seen from above of a part that stands upright, in its own x and, downwards, its thickness."""
+    low, high = extent([layer.region.outer for layer in part.layers])
+    return rectangle(complex(low.real, -part.thickness), complex(high.real))
+
+
 def _heights(assembly: Assembly, sketch: Sketch) -> tuple[float, float] | None:
     """From where to where a sketch reaches, mm: a line among the parts of a body in the middle of the largest of them; a body
     without parts, such as the follower of cams alone, along all that are there."""
     if sketch.z is not None:
         return sketch.z, sketch.z
     parts = {part.name: part for part in assembly.parts}
-    plates = [(mount, parts[mount.part], parts[mount.part].drawn) for mount in assembly.mounts]
+    lying = [mount for mount in assembly.mounts if not mount.upright]
+    plates = [(mount, parts[mount.part], parts[mount.part].drawn) for mount in lying]
     reach = [heights(mount, part.thickness, at.z0, at.z1) for mount, part, at in plates]
     level = sketch.level or sketch.body
     own = [
@@ -147,7 +157,9 @@ def solids(mechanism: Mechanism, frames: int) -> tuple[list[Shape], list[Track]]
     for mount in mechanism.assembly.mounts:
         copies[mount.part] += 1
         k = number[mount.part]
-        stands = placing(mount.angle, complex(mount.at), mount.z, parts[k].thickness, mount.flipped)
+        at = complex(mount.at)
+        thick = parts[k].thickness
+        stands = placing(mount.angle, at, mount.z, thick, mount.flipped, mount.upright)
         bodies.setdefault(mount.body, []).append((f"{mount.part}-{copies[mount.part]}", k, stands))
     tracks = [
         Track(name, *_over(courses[name], frames * mechanism.assembly.cycle.turns), copies_of_body)
@@ -195,7 +207,14 @@ def flights(mechanism: Mechanism) -> dict[str, Flight]:
             angle = np.broadcast_to(pose.angle, frames)
             place = np.broadcast_to(np.asarray(pose.place, complex), frames)
             flights_of[f"{part.name}-{k + 1}"] = Flight(
-                part.name, angle, place, pose.z, pose.flipped, part.thickness, reach
+                part.name,
+                angle,
+                place,
+                pose.z,
+                pose.flipped,
+                part.thickness,
+                reach,
+                pose.upright,
             )
     return flights_of
 

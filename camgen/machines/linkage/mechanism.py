@@ -11,6 +11,7 @@ whole period: a harmonic motion from the least angle of the range to the greates
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -70,6 +71,7 @@ from camgen.parts.generator.plates import battery_frame
 from camgen.parts.generator.posts import posts
 from camgen.parts.generator.sizes import Name, Parts
 from camgen.parts.generator.stacking import first_choice, lacking, with_levels
+from camgen.parts.generator.table_stand import TableStand, on_stand
 from camgen.parts.generator.trials import tried, with_cures
 from camgen.parts.journals import journals
 from camgen.parts.part import Part
@@ -511,7 +513,16 @@ class Linkage(Mechanism):
         even = self.drive.range_deg is None and not self.drive.segments
         cams = any(isinstance(each, CamOutline) for each in whole.features)
         name = ("cam angle" if cams else "crank angle") if even else "drive angle"
-        return replace(whole, cycle=replace(self.cycle, name=name, turns=self.turns))
+        whole = replace(whole, cycle=replace(self.cycle, name=name, turns=self.turns))
+        if self.making.stand == "none":
+            return whole
+        deg = None if self.load is None else self.load.gravity_deg
+        up = 1j if deg is None else -cmath.exp(1j * math.radians(deg))
+        sizes = self.bodies.sizes
+        kind = self.making.stand
+        return on_stand(
+            TableStand(whole, kind, sizes, self.print, self.allowed.min_wall, complex(up))
+        )
 
     @property
     def turns(self) -> int:

@@ -87,6 +87,9 @@ class TakeUpParts(Record):
         default=2.5,
         description="diameter of the frame's holes for screws from behind: core hole of M3",
     )
+    stand: Literal["none", "board", "box"] = Field(
+        default="none", description="what the frame is screwed on, as of any linkage"
+    )
     finger_diameter: Length = Field(default=2.0, description="diameter of the finger with the eye")
     guide_diameter: Length = Field(default=2.0, description="diameter of the guides")
     thread_height: Length = Field(
@@ -112,7 +115,7 @@ class TakeUpParts(Record):
 
     def of_linkage(self, frame: float, fits: Print, min_wall: float) -> Parts:
         """The sizes of the linkage; frame: from O to C, mm."""
-        same = {"thickness", "wall", "pin_diameter", "mount_diameter"}
+        same = {"thickness", "wall", "pin_diameter", "mount_diameter", "stand"}
         same |= {"shaft_diameter", "shaft_length", "shaft_flat"}
         steel = self.pins != "printed"
         found = {

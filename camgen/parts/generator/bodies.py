@@ -183,20 +183,29 @@ class Bodies:
 
     @property
     def stands(self) -> str:
-        """On what the plate stands, which is not made, and what turns the shaft."""
+        """On what the plate stands, and what turns the shaft."""
+        if self.sizes.stand != "none":
+            return f"Stands on the table. {self._turned}"
         count = "two" if self.sizes.mount_screws == 2 else "three"
         screws = f"{count} screws from behind, in the plate's outermost holes, hold it"
-        board = f"a board or frame of yours: {self.layout.fitted.holder or screws}."
+        board = f"Stands on a board or frame of yours: {self.layout.fitted.holder or screws}."
         if self.sizes.face is not None:
-            return f"{board} The motor under the plate turns it: leave it room there"
+            return f"{board} {self._turned}: leave it room there"
         deep = -min(mount.z for mount in self.mounts)
         if deep > 0:
             board += f" It is open under the shaft, {deep:.4g} mm deep at least."
+        return f"{board} {self._turned}"
+
+    @property
+    def _turned(self) -> str:
+        """What turns the shaft."""
+        if self.sizes.face is not None:
+            return "The motor under the plate turns it"
         if self.sizes.hand_crank:
-            return f"{board} The hand crank turns it from below"
+            return "The hand crank turns it from below"
         flat = self.sizes.shaft_flat
         by = f", by its flat {flat:g} deep" if flat else ""
-        return f"{board} What is coupled to the shaft's lower end turns it{by}"
+        return f"What is coupled to the shaft's lower end turns it{by}"
 
     def stand_ins(self) -> list[StandIn]:
         """The motor under the plate, and what is fitted."""

@@ -148,6 +148,8 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
         }
     if s.hand_crank:  # screws lie beside its way
         beside.append((motor, s.hand_crank + s.pin_diameter + s.head + s.mount_diameter))
+    if s.stand != "none":  # heads under the plate pass the stand's panel beside the screws
+        beside += [(z, s.pin_diameter / 2 + s.head + s.mount_diameter) for z in points.values()]
     beside += [(z, wide / 2 + s.mount_diameter) for z, wide in layout.feet]
     posts, through, sunk = _posts(layout)
     hubs += posts

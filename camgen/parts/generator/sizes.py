@@ -270,6 +270,11 @@ class Parts(Record):
         default=2.5,
         description="diameter of the plate's holes for screws from behind: core hole of M3",
     )
+    stand: Literal["none", "board", "box"] = Field(
+        default="none",
+        description='"none": a board or frame of yours; "board": the plate stands up on a foot under all that moves;\n'
+        '"box": it lies on walls with finger joints, round a motor; sheets as thick as thickness',
+    )
     mount_screws: Literal[2, 3] = Field(
         default=2,
         description="number of those screws: at both ends of the plate; 3: and farthest from their "
@@ -407,6 +412,7 @@ class Parts(Record):
             *self._motor_faults(nozzle),
             *self._post_faults(nozzle),
             *self._shaft_faults(),
+            *self._stand_faults(),
             *(self.thread_posts.faults(nozzle, self.head) if self.thread_posts else ()),
             *(
                 self._fault(key, f"at least the nozzle, {nozzle:g} mm")
@@ -505,6 +511,15 @@ class Parts(Record):
         if self.base_thickness < least:
             right = f"at least {least:g} mm: the sunk heads of the posts' screws, and a floor"
             yield self._fault("base_thickness", right)
+
+    def _stand_faults(self) -> Iterator[Fault]:
+        """Of what the plate stands on."""
+        if self.stand == "box" and self.hand_crank:
+            right = '"board", or no parts.hand_crank: no hand turns it in a box'
+            yield self._fault("stand", right)
+        if self.stand != "none" and self.sides == 2:
+            right = "nothing here beside parts.sides = 2: a machine of two sides stands by itself"
+            yield self._fault("stand", right)
 
     def _shaft_faults(self) -> Iterator[Fault]:
         """Of the driven shaft, its flat and its hand crank."""

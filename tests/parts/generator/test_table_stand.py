@@ -1,0 +1,210 @@
+"""What a machine stands on: its tabs fit their slots, nothing of the machine meets it or the table, and it does not tip."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from camgen.errors import SpecError
+from camgen.files.threemf import write_3mf
+from camgen.findings import Finding
+from camgen.geometry.mesh import Mesh
+from camgen.judge.assembly import sweep
+from camgen.judge.tipping import Standing, judge_tipping
+from camgen.machines.mechanism import Mechanism
+from camgen.parts.assembly import Assembly, bodies_in_motion, order_of_assembly
+from camgen.parts.generator.table_stand import sweeps
+from camgen.parts.solids import solid
+from camgen.pipeline import build as pipeline
+from camgen.pipeline.making import assembly_copies
+
+SPECS = Path(__file__).resolve().parents[3] / "specs"
+KINDS = (
+    ("board", "parts.hand_crank=25"),
+    ("box", "parts.hand_crank=0", "parts.motor='nema-17'", "motor.model='17HS19-2004S1'"),
+)
+
+
+@cache
+def machine(*keys: str) -> Mechanism:
+    """The four-bar of the gallery."""
+    stand, *rest = keys
+    more = [f"parts.stand='{stand}'", "accuracy.chord_tolerance=0.01", *rest]
+    return pipeline.read_mechanism(SPECS / "gallery/four-bar.toml", more)
+
+
+@cache
+def solids(*keys: str) -> Mapping[str, Mesh]:
+    made = machine(*keys).assembly
+    return {part.name: solid(part, 0.01) for part in made.parts}
+
+
+def moved(mesh: Mesh, *shift: float) -> Mesh:
+    return Mesh(mesh.vertices + np.array(shift), mesh.faces)
+
+
+def judged(path: Path, keys: Sequence[str], **changed: Mesh) -> list[Finding]:
+    """Sweep and tipping of the written assembly, in which some solids are others."""
+    found = machine(*keys)
+    own = {name.replace("_", "-"): mesh for name, mesh in changed.items()}
+    write_3mf(path, {**solids(*keys), **own}, assembly_copies(found), "key")
+    made = found.assembly
+    densities = dict.fromkeys(made.by_name, 1.2e-3)
+    assert made.support is not None
+    machine_in_motion = bodies_in_motion(made)
+    tips = judge_tipping(path, machine_in_motion, Standing(made.support.down, densities))
+    return [*sweep(path, machine_in_motion)[0], tips]
+
+
+def failing(found: Sequence[Finding]) -> dict[str, list[str]]:
+    fails: dict[str, list[str]] = {}
+    for each in found:
+        if not each.ok:
+            fails.setdefault(each.code, []).append(str(each.where))
+    return fails
+
+
+@pytest.mark.parametrize("keys", KINDS, ids=lambda keys: keys[0])
+def test_it_stands_free_of_all_that_moves(keys: Sequence[str], tmp_path: Path) -> None:
+    found = judged(tmp_path / "a.3mf", keys)
+    assert failing(found) == {}
+    assert [each.code for each in found][-1] == "TIPPING"
+
+
+def test_a_slot_out_of_its_place_is_found(tmp_path: Path) -> None:
+    """The foot 1 mm to the side: its slots meet the tabs of panel and gussets."""
+    foot = solids(*KINDS[0])["stand-foot"]
+    fails = failing(judged(tmp_path / "a.3mf", KINDS[0], stand_foot=moved(foot, 1.0, 0, 0)))
+    assert set(fails) == {"INTERFERENCE"}
+    assert any("stand-panel-1" in where for where in fails["INTERFERENCE"])
+    assert any("stand-gusset-1" in where for where in fails["INTERFERENCE"])
+
+
+def test_fingers_out_of_their_places_are_found(tmp_path: Path) -> None:
+    end = solids(*KINDS[1])["stand-end"]
+    fails = failing(judged(tmp_path / "a.3mf", KINDS[1], stand_end=moved(end, 0, 1.0, 0)))
+    assert any("stand-side" in where for where in fails["INTERFERENCE"])
+
+
+def test_a_board_that_is_too_low_is_found(tmp_path: Path) -> None:
+    """The foot 45 mm higher: the hand crank meets it. Its own z points down."""
+    foot = solids(*KINDS[0])["stand-foot"]
+    fails = failing(judged(tmp_path / "a.3mf", KINDS[0], stand_foot=moved(foot, 0, 0, -45)))
+    assert any("crank" in where and "stand-foot" in where for where in fails["INTERFERENCE"])
+
+
+def test_a_foot_that_is_too_short_tips(tmp_path: Path) -> None:
+    foot = solids(*KINDS[0])["stand-foot"]
+    short = Mesh(foot.vertices * np.array([1, 0.05, 1]), foot.faces)
+    fails = failing(judged(tmp_path / "a.3mf", KINDS[0], stand_foot=short))
+    assert "TIPPING" in fails
+
+
+def test_a_brick_tips_at_the_angle_of_its_edge(tmp_path: Path) -> None:
+    """Of the foot alone: about the nearer edge at atan(half its depth / half its thickness), its slots shift that by little."""
+    found = machine(*KINDS[0])
+    made = found.assembly
+    densities = {name: float(name == "stand-foot") for name in made.by_name}
+    path = tmp_path / "a.3mf"
+    write_3mf(path, solids(*KINDS[0]), assembly_copies(found), "key")
+    assert made.support is not None
+    finding = judge_tipping(path, bodies_in_motion(made), Standing(made.support.down, densities))
+    foot = made.by_name["stand-foot"]
+    z = solids(*KINDS[0])["stand-foot"].vertices
+    expected = math.degrees(math.atan2(np.ptp(z[:, 1]) / 2, foot.thickness / 2))
+    assert finding.measured == pytest.approx(expected, abs=0.5)
+
+
+def _rings(made: Assembly, part: str) -> list[np.ndarray]:
+    return [
+        np.array([complex(piece.at(piece.t0)) for piece in hole.pieces])
+        for hole in made.by_name[part].region.holes
+        if len(hole.pieces) == 4
+    ]
+
+
+@settings(max_examples=8, deadline=None)
+@given(
+    press=st.floats(0.0, 0.4),
+    thickness=st.floats(3.0, 6.0),
+    reach=st.floats(60.0, 140.0),
+    gravity=st.sampled_from([-90.0, 180.0, 37.0]),
+)
+def test_tabs_fit_their_slots_whatever_the_machine(
+    press: float, thickness: float, reach: float, gravity: float
+) -> None:
+    """A slot is wider and longer than its tab by the press fit; all that moves stays over the foot, whichever way is down."""
+    keys = {
+        "print.press_clearance": press,
+        "print.slide_clearance": 0.5,
+        "parts.thickness": thickness,
+        "lengths.A-P": reach,
+        "lengths.B-P": reach - 37.5,
+        "limits.lash": 50,
+        "load.gravity_deg": gravity,
+    }
+    found = machine("board", "parts.hand_crank=30", *(f"{k}={v!r}" for k, v in keys.items()))
+    made = found.assembly
+    slots = _rings(made, "stand-foot")
+    tabs = made.by_name["stand-panel"].region.outer
+    low = min(complex(piece.at(piece.t0)).imag for piece in tabs.pieces)
+    ends = sorted(
+        complex(piece.at(piece.t0)).real
+        for piece in tabs.pieces
+        if abs(complex(piece.at(piece.t0)).imag - low) < 1e-6
+    )
+    wide = sorted((z.real.min(), z.real.max()) for z in slots if np.ptp(z.real) > 2 * thickness)
+    for (a, b), tab in zip(wide, (ends[:2], ends[2:]), strict=True):
+        assert (b - a) - (tab[1] - tab[0]) == pytest.approx(press, abs=1e-6)
+        assert (a + b) / 2 == pytest.approx(sum(tab) / 2, abs=1e-6)
+    across = [min(np.ptp(z.real), np.ptp(z.imag)) for z in slots]
+    assert across == pytest.approx([thickness + press] * 4, abs=1e-6)
+    (foot,) = (each for each in made.mounts if each.part == "stand-foot")
+    down = np.exp(1j * math.radians(gravity))
+    assert foot.upright and abs(np.exp(1j * foot.angle) - 1j * down) < 1e-9
+    floor = (foot.at / -down).real
+    own = replace(
+        made,
+        mounts=[each for each in made.mounts if not each.part.startswith("stand")],
+        stand_ins=[each for each in made.stand_ins if each.name != "table"],
+    )
+    lowest = min(each.box[0].imag for each in sweeps(own, complex(-down / 1j)))
+    assert lowest - floor >= 2.0 - 1e-6
+
+
+def test_the_last_step_is_a_machine_on_the_table() -> None:
+    table = order_of_assembly(machine(*KINDS[0]).assembly)
+    rows = [(row[1], row[2]) for row in table.rows]
+    assert rows[-1] == ("table", "Stands on the table. The hand crank turns it from below")
+    names = [name for name, _ in rows]
+    assert names.index("stand-panel") < names.index("ground")
+    assert names[-4:] == [
+        "screw of the plate, through the stand",
+        "stand-gusset",
+        "stand-foot",
+        "table",
+    ]
+    assert not any("of yours" in str(cell) for row in table.rows for cell in row)
+
+
+def test_no_hand_turns_a_crank_in_a_box() -> None:
+    with pytest.raises(SpecError, match="no hand turns it in a box"):
+        machine("box", "parts.hand_crank=25")
+
+
+def test_cams_alone_have_no_stand() -> None:
+    with pytest.raises(SpecError, match="cams alone have no plate"):
+        pipeline.read_mechanism(SPECS / "disc-cam.toml", ["parts.make='cams'", "parts.stand='box'"])
+
+
+def test_a_machine_of_two_sides_has_no_stand() -> None:
+    with pytest.raises(SpecError, match="stands by itself"):
+        machine("board", "parts.sides=2")
