@@ -30,6 +30,7 @@ INLINE = {
     "CamSegment",
     "DriveSegment",
     "Applied",
+    "Battery",
     "Can",
     "ThreadPosts",
 }
