@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from camgen import load, starters
@@ -70,6 +72,23 @@ def test_the_walker_has_legs_at_both_sides_a_motor_and_batteries() -> None:
     assert all(parts[f"leg{k}"].count == 2 for k in range(1, 5))
     assert {"motor-bar", "far-battery-frame"} <= parts.keys()
     assert sum(each.count for each in machine.assembly.bought if each.role == "drive") == 1
+
+
+def test_the_walkers_plates_stay_off_the_floor() -> None:
+    """At each angle the lowest sole of either side reaches at least 5 mm below the lowest edge of all plates."""
+    machine = load(tomllib.loads(starters.text(WALKER)))
+    run = machine.solve(np.linspace(0, math.tau, 721), 0)
+    sole = 12 / 2
+    for side in ("", "far_"):
+        feet = [np.imag(run[f"{side}foot{k}"]) - sole for k in range(1, 5)]
+        floor = np.min(feet, axis=0)
+        for name in ("ground", "second-plate", "far-ground", "far-second-plate"):
+            outer = machine.assembly.by_name[name].region.outer
+            edge = min(
+                float(np.min(np.imag(piece.at(np.linspace(piece.t0, piece.t1, 50)))))
+                for piece in outer.pieces
+            )
+            assert np.all(floor < edge - 5)
 
 
 def test_an_example_is_named_once_and_none_needs_another_file() -> None:
