@@ -41,7 +41,7 @@ _FRAMES = 120
 _ROWS = 50  # of jumps that are listed
 _PACKAGES = ("numpy", "pydantic", "ezdxf", "lib3mf", "scipy", "shapely", "trimesh")
 
-Spring = Literal["low", "high"]
+Side = Literal["low", "high"]  # the bound that is meant
 
 
 class DriveOptions(TypedDict, total=False):
@@ -49,7 +49,7 @@ class DriveOptions(TypedDict, total=False):
 
     slides: float
     ratio: float
-    spring: Spring
+    spring: Side
     inside: bool
     start: float
     height: float
@@ -67,7 +67,7 @@ class Drive:
     distance: float | None = None
     slides: float | None = None
     ratio: float | None = None
-    spring: Spring | None = None
+    spring: Side | None = None
     inside: bool = False
     start: float = 0.0
 
@@ -113,8 +113,8 @@ class Driven:
     """Where the driven body is free over the driver's angle, (n,) each.
 
     theta: rad. low, high: rad or mm, nan where open or where nothing is free. free: whether anything is. error: of the pushing
-    flank less ratio x theta, nan without a ratio. proven: that nothing was skipped since the sample before. allowed: mm by which the
-    outlines overlap.
+    flank less ratio x theta, nan without a ratio; back_error: of the other flank. proven: that nothing was skipped since the sample
+    before. allowed: mm by which the outlines overlap.
     """
 
     theta: Floats
@@ -122,6 +122,7 @@ class Driven:
     high: Floats
     free: np.ndarray
     error: Floats
+    back_error: Floats
     proven: np.ndarray
     allowed: float
     motion: PairMotion
@@ -133,9 +134,18 @@ class Driven:
 
     @property
     def transmission_error(self) -> float:
-        """Peak to peak, nan without a ratio."""
-        known = self.error[np.isfinite(self.error)]
-        return float(np.ptp(known)) if len(known) else math.nan
+        """Of the pushing flank, peak to peak; nan without a ratio."""
+        return _peak_to_peak(self.error)
+
+    @property
+    def back_transmission_error(self) -> float:
+        """Of the other flank, peak to peak; nan without a ratio."""
+        return _peak_to_peak(self.back_error)
+
+
+def _peak_to_peak(error: Floats) -> float:
+    known = error[np.isfinite(error)]
+    return float(np.ptp(known)) if len(known) else math.nan
 
 
 @dataclass(frozen=True)
@@ -233,11 +243,12 @@ def driven_by(driver: Ring, driven: Ring, drive: Drive) -> Driven:
         distance = drive.distance or 0.0
         raise DesignError("distance of the pivots", distance, sum(reach), "mm", "any angle", remedy)
     low, high = _without_overlap(motion)
-    error = np.full(len(theta), np.nan)
-    if drive.ratio is not None:
-        flank = low if _pushing(drive, motion) == "low" else high
-        error = flank - drive.exact_ratio * theta
-    return Driven(theta, low, high, bounds.free, error, bounds.proven, motion.pair.overlap, motion)
+    pushing, back = (low, high) if _pushing(drive, motion) == "low" else (high, low)
+    nominal = np.full(len(theta), np.nan) if drive.ratio is None else drive.exact_ratio * theta
+    errors = pushing - nominal, back - nominal
+    return Driven(
+        theta, low, high, bounds.free, *errors, bounds.proven, motion.pair.overlap, motion
+    )
 
 
 def _followed(
@@ -257,7 +268,7 @@ def _followed(
     return pair.follow(theta, drive.start)
 
 
-def _pushing(drive: Drive, motion: PairMotion) -> Literal["low", "high"]:
+def _pushing(drive: Drive, motion: PairMotion) -> Side:
     """The bound that the driver moves."""
     if drive.spring is not None:
         return drive.spring
@@ -374,8 +385,11 @@ def _filled(
     findings = [*empty.findings, _contact(driven, request)]
     if drive.ratio is not None:
         numbers.append(Figure("transmission error", driven.transmission_error * scale, name))
+        numbers.append(
+            Figure("back transmission error", driven.back_transmission_error * scale, name)
+        )
     if request.tolerance is not None:
-        findings.append(_transmission(driven, request, request.tolerance))
+        findings += _transmission(driven, request, request.tolerance)
     side = _pushing(drive, driven.motion)
     touch = driven.motion.touch(driven.motion.samples, side)
     if np.isfinite(touch.pressure_angle).any():
@@ -409,19 +423,31 @@ def _contact(driven: Driven, request: Request) -> Finding:
     return at_least("CONTACT", share, 100, "percent", where, message)
 
 
-def _transmission(driven: Driven, request: Request, limit: float) -> Finding:
-    """TRANSMISSION_ERROR, at the angle where the pushing flank is farthest from its middle."""
+def _transmission(driven: Driven, request: Request, limit: float) -> Iterator[Finding]:
+    """TRANSMISSION_ERROR of the flank that pushes; BACK_FLANK_ERROR of the other one, where no spring keeps it off."""
+    pushing = _pushing(request.drive, driven.motion)
+    yield _flank_error("TRANSMISSION_ERROR", driven, request, limit, pushing)
+    if request.drive.spring is None:
+        yield _flank_error("BACK_FLANK_ERROR", driven, request, limit, _other(pushing))
+
+
+def _other(side: Side) -> Side:
+    return "low" if side == "high" else "high"
+
+
+def _flank_error(code: str, driven: Driven, request: Request, limit: float, side: Side) -> Finding:
+    """One flank's error, at the angle where it is farthest from its middle."""
     name, scale = request.drive.unit
-    error = driven.error
+    pushes = code == "TRANSMISSION_ERROR"
+    error = driven.error if pushes else driven.back_error
     off = np.abs(error - _middle(error))
     where: Where = in_file(request.driven)
-    message = "the pushing flank less ratio x theta, peak to peak"
+    message = f"the {'pushing' if pushes else 'other'} flank less ratio x theta, peak to peak"
     if np.isfinite(off).any():
         k = int(np.nanargmax(off))
         where = replace(where, theta=float(driven.theta[k]), angle="driver angle")
-        message += _place_of(driven, request.drive, k)
-    value = driven.transmission_error * scale
-    return at_most("TRANSMISSION_ERROR", value, limit, name, where, message)
+        message += _place_of(driven, request.drive, k, side)
+    return at_most(code, _peak_to_peak(error) * scale, limit, name, where, message)
 
 
 def _middle(values: Floats) -> float:
@@ -429,10 +455,9 @@ def _middle(values: Floats) -> float:
     return float(np.nanmedian(values)) if np.isfinite(values).any() else 0.0
 
 
-def _place_of(driven: Driven, drive: Drive, k: int) -> str:
-    """Where both outlines touch at a sample, in words."""
+def _place_of(driven: Driven, drive: Drive, k: int, side: Side) -> str:
+    """Where both outlines touch at a sample, on one of the bounds, in words."""
     motion = driven.motion
-    side = _pushing(drive, motion)
     touch = motion.touch(motion.samples, side)
     point = complex(touch.point[k])
     if math.isnan(point.real):
@@ -468,7 +493,14 @@ def _plots(driven: Driven, drive: Drive, rings: tuple[Ring, Ring]) -> list[Plot]
                 "Transmission error, from its median",
                 label,
                 name,
-                [("pushing flank", theta, (driven.error - _middle(driven.error)) * scale)],
+                [
+                    ("pushing flank", theta, (driven.error - _middle(driven.error)) * scale),
+                    (
+                        "other flank",
+                        theta,
+                        (driven.back_error - _middle(driven.back_error)) * scale,
+                    ),
+                ],
             )
         )
     plots.append(_picture(driven, drive, rings))
@@ -501,8 +533,7 @@ def _rest(driven: Driven, drive: Drive) -> Floats:
     """Where the driven body is shown: on its pushing flank, else on the other one, (n,)."""
     sides = {"low": driven.low, "high": driven.high}
     first = _pushing(drive, driven.motion)
-    other = "low" if first == "high" else "high"
-    return np.where(np.isnan(sides[first]), sides[other], sides[first])
+    return np.where(np.isnan(sides[first]), sides[_other(first)], sides[first])
 
 
 def _tables(jumps: list[Jump], side: str, drive: Drive) -> list[Table]:

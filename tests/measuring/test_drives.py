@@ -106,6 +106,14 @@ def test_a_flank_that_is_off_by_20_um_is_seen_at_its_tooth(gears: Path) -> None:
     ]
     assert max(changes) == pytest.approx(0.02, rel=0.15)
     assert min(changes) < 1e-3
+    sound_code, sound_text = call(gears, "--distance", "42", *RATIO, "--tolerance", "0.01")
+    assert sound_code == 0, sound_text
+    words = [str(gears / "pinion.dxf"), "--drives", str(damaged), "--distance", "42", *RATIO]
+    for extra, code in (([], 1), (["--spring", "high"], 1), (["--spring", "low"], 0)):
+        options = ["motion", *words, "--tolerance", "0.01", "-o", str(gears / "off"), *extra]
+        result = CliRunner().invoke(cli, options)
+        assert result.exit_code == code, (extra, result.output)
+        assert not extra or "BACK_FLANK_ERROR" not in result.output
 
 
 @pytest.mark.parametrize(
