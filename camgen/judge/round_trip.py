@@ -352,13 +352,20 @@ def pieces_of(rings: Sequence[Ring]) -> tuple[Shape, ...]:
     ordered = sorted(rings, key=lambda ring: -abs(ring.area))
     groups: list[list[Ring]] = []
     for ring in ordered:
-        place = complex(ring.points[0])
-        round_it = [group for group in groups if group[0].encloses(place)]
-        if not round_it or any(hole.encloses(place) for hole in round_it[-1][1:]):
+        round_it = [group for group in groups if _lies_in(ring, group[0])]
+        if not round_it or any(_lies_in(ring, hole) for hole in round_it[-1][1:]):
             groups.append([ring])
         else:
             round_it[-1].append(ring)
     return tuple(shape_of(group) for group in groups)
+
+
+def _lies_in(ring: Ring, other: Ring) -> bool:
+    """Whether a ring lies in a larger one; not where it stands out over its box, as one of two that overlap does."""
+    box = np.asarray(ring.box)
+    room = np.asarray(other.box)
+    nested = np.all(box[:2] >= room[:2]) and np.all(box[2:] <= room[2:])
+    return bool(nested) and other.encloses(complex(ring.points[0]))
 
 
 def _distinct(sections: Sequence[tuple[Section, tuple[Shape, ...]]]) -> list[tuple[Shape, ...]]:
