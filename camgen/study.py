@@ -153,6 +153,8 @@ class Step:
     way: Literal[-1, 1] = -1  # along z, in which they come: from above, or from below
     mates: Sequence[Mate] = ()
     group: str = ""  # the sub-assembly
+    # what is built by itself from many steps, such as a far side; the step that names it, without copies and group, joins it
+    apart: str = ""
 
 
 @dataclass(frozen=True)

@@ -175,7 +175,7 @@ def both_sides(near: Assembly, far: Assembly, mirror: Mirror, machine: Machine) 
     copies = Counter(mount.part for mount in there.mounts)
     parts = [replace(part, count=part.count + copies[part.name]) for part in near.parts]
     whole = joined(replace(near, parts=parts), [there], machine)
-    order = Later(lambda: [_order(near, alone)])
+    order = Later(lambda: [_order(near, alone, mirror.shaft)])
     return replace(whole, bought=_bought(near, far), board="", work=order)
 
 
@@ -195,8 +195,8 @@ def _bought(near: Assembly, far: Assembly) -> list[Bought]:
     return [replace(each, count=n) for each, n in counts.items() if each.role != "mount"]
 
 
-def _order(near: Assembly, far: Assembly) -> Table:
-    """The near side from the bottom up, the far one likewise on its own plate, then one on the other."""
+def _order(near: Assembly, far: Assembly, shaft: str) -> Table:
+    """The near side from the bottom up, the far one likewise on its own plate, then one on the other, by the named shaft."""
     before = Counter[str]()
     for mount in near.mounts:
         before[mount.part] += 1
@@ -206,7 +206,7 @@ def _order(near: Assembly, far: Assembly) -> Table:
     last = (
         "both sides",
         "Second plate on second plate, glued: the shaft of both sides goes on into the far side",
-        "turn the far side's crank until its flat lets the shaft in, and glue it there",
+        f"pressed and glued on {shaft}, its flat in line: turn the far side's crank until it goes on",
         1,
         0.0,
         "far side turned over",
@@ -214,7 +214,7 @@ def _order(near: Assembly, far: Assembly) -> Table:
     numbered = [(count, *row) for count, row in enumerate((*rows, last), 1)]
     steps = [
         *first.steps,
-        *(replace(step, way=1 if step.way < 0 else -1) for step in second.steps),
-        Step(f"{last[1]}; {last[2]}"),
+        *(replace(step, way=1 if step.way < 0 else -1, apart=PREFIX) for step in second.steps),
+        Step(f"{last[1]}; {last[2]}", apart=PREFIX),
     ]
     return replace(first, title="Assembly, side by side", rows=numbered, steps=steps)

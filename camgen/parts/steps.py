@@ -10,6 +10,7 @@ have one axis, they lie over each other and a pin comes through.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -212,18 +213,23 @@ def mated(
     """Steps with what comes and goes on what is there; names of parts in them stand for all their copies."""
     fixing = _with_rings(fixing, pairs)
     slides = [each for each in pairs if isinstance(each, SlideFaces)]
-    there = list[StandingCopy]()
-    bench = list[StandingCopy]()  # what is built by itself
+    built = defaultdict[str, list[StandingCopy]](list)  # by what is built apart
+    bench = list[StandingCopy]()  # the sub-assembly
     found = []
     for step in steps:
         named = {*step.copies}
         coming = [copy for copy in copies if copy.name in named or copy.part.name in named]
         names = [copy.name for copy in coming]
+        there = built[step.apart]
         if step.group and coming:
             mates = _mates(coming, bench, fixing)
             bench += coming
         else:
-            coming = coming or (bench if step.group else [])
+            if not coming and step.group:
+                coming = bench
+            elif not coming and step.apart:
+                coming = there
+                there = built[""]
             mates = [*_mates(coming, there, fixing), *_sliding(coming, there, slides)]
             there += coming
             bench = [] if step.group else bench

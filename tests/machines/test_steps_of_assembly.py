@@ -6,7 +6,7 @@ from __future__ import annotations
 import cmath
 import re
 import sys
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
@@ -281,9 +281,11 @@ def part_of(copy: str) -> str:
 def steps(machine: Mechanism) -> Iterator[tuple[int, str, set[str], set[str]]]:
     """Number, where it goes, the copies that come, and those that are there: of what is built by itself its own."""
     table = order_of_assembly(machine.assembly)
-    there, bench = set[str](), set[str]()
+    built, bench = defaultdict[str, set[str]](set), set[str]()
     for row, step in zip(table.rows, table.steps, strict=True):
-        laid = set(step.copies)
+        laid, there = set(step.copies), built[step.apart]
+        if step.apart and not laid and not step.group:
+            laid, there = built.pop(step.apart), built[""]
         if step.group and laid:
             yield int(str(row[0])), str(row[3]), laid, set(bench)
             bench |= laid
@@ -412,8 +414,10 @@ def misglued(machine: Mechanism) -> list[str]:
                 for ring in outlines
                 if abs(ring.at - at) < 1e-3 and abs(ring.diameter - mate.diameter) < 1e-3
             ]
+            # one shaft turns the cranks of both sides, but nothing of theirs is loose on the other's
+            side = "far_" if mate.how == "glue" else ""
             pairs = {
-                bodies[hole.copy] == bodies[ring.copy]
+                bodies[hole.copy].removeprefix(side) == bodies[ring.copy].removeprefix(side)
                 for ring in through
                 for hole in holes
                 if ring.low < z < ring.high and hole.low < z < hole.high
