@@ -16,9 +16,10 @@ from click.testing import CliRunner
 import camgen
 from camgen.cli import cli
 from camgen.geometry.rings import Ring
+from camgen.measuring.drives import Drive, driven_by
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "judge"))
-from pair_outlines import Wheel  # noqa: E402
+from pair_outlines import Wheel, centre_distance  # noqa: E402
 
 RATIO = ["--ratio", "-12/30"]
 
@@ -158,3 +159,74 @@ def test_python_gives_the_same_arrays(gears: Path) -> None:
         camgen.drives(gears / "pinion.dxf", gears / "wheel.dxf", 42.0, ratio="-12/30")  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="unexpected keyword"):
         camgen.drives(gears / "pinion.dxf", gears / "wheel.dxf", 42.0, sping="low")  # type: ignore[call-arg]
+
+
+PAIRS = [
+    (z, k, x, -x if k > 1 else x)
+    for z, k, x in (
+        *((z, 1, 0.0) for z in (18, 23, 31)),
+        *((z, 2, x) for z in (17, 20, 25) for x in (0.0, 0.2, 0.35)),
+        *((z, 3, x) for z in (18, 22) for x in (0.0, 0.3)),
+    )
+]
+LEAST = (
+    0.005  # mm along the line of action, that a sound pair stays below and a damaged one exceeds
+)
+
+
+def errors(pinion: Wheel, wheel: Wheel, driven: Ring | None = None) -> tuple[float, float]:
+    """Transmission errors of the pushing and the other flank, mm along the line of action."""
+    distance, _ = centre_distance(pinion, wheel)
+    drive = Drive(distance, ratio=-pinion.z / wheel.z)
+    found = driven_by(pinion.ring(), driven or wheel.ring(), drive)
+    assert found.free.all() and found.proven[1:].all()
+    return found.transmission_error * wheel.rb, found.back_transmission_error * wheel.rb
+
+
+@pytest.mark.parametrize("z, k, x1, x2", PAIRS)
+def test_sound_pairs_are_no_false_alarm(z: int, k: int, x1: float, x2: float) -> None:
+    pinion, wheel = Wheel(1.5, z, x1), Wheel(1.5, k * z, x2)
+    assert max(errors(pinion, wheel)) < LEAST
+
+
+def tooth_of(wheel: Wheel, number: int) -> tuple[Ring, slice]:
+    """The outline and the rows of one tooth: root, flank, tip, flank."""
+    ring = wheel.ring()
+    rows = len(ring.points) // wheel.z
+    return ring, slice(number * rows, (number + 1) * rows)
+
+
+@pytest.mark.parametrize("off", [0.01, 0.02, -0.01, -0.02])
+@pytest.mark.parametrize("side", ["rising", "falling"])
+def test_a_flank_of_one_tooth_that_is_off_is_found_on_its_side(off: float, side: str) -> None:
+    """The tooth is thicker by `off`, mm, on one flank, thinner below 0; a thinner one is borne in part by its neighbours."""
+    pinion, wheel = Wheel(1.5, 20), Wheel(1.5, 40)
+    ring, rows = tooth_of(wheel, 7)
+    points = ring.points.copy()
+    half = (rows.stop - rows.start) // 2
+    own = (
+        slice(rows.start + 4, rows.start + half)
+        if side == "rising"
+        else slice(rows.start + half, rows.stop - 4)
+    )
+    outwards = -off if side == "rising" else off
+    points[own] *= np.exp(1j * outwards / np.abs(points[own]))
+    pushing, back = errors(pinion, wheel, Ring(points, ring.bulges))
+    assert max(pushing, back) == pytest.approx(abs(off), rel=0.2)
+    assert min(pushing, back) < LEAST
+    # The driver turns counter-clockwise and pushes the driven tooth's flank that looks counter-clockwise.
+    assert (pushing > back) == (side == "falling")
+
+
+def test_a_lost_tooth_and_a_burr_on_a_tip_are_found() -> None:
+    pinion, wheel = Wheel(1.5, 20), Wheel(1.5, 40)
+    ring, rows = tooth_of(wheel, 7)
+    kept = np.r_[0 : rows.start, rows.stop : len(ring.points)]
+    gap = math.tan(math.tau / wheel.z / 4)
+    bulges = ring.bulges[kept].copy()
+    bulges[rows.start - 1] = math.tan(math.atan(bulges[rows.start - 1]) + math.atan(gap))
+    assert max(errors(pinion, wheel, Ring(ring.points[kept], bulges))) > LEAST
+    points = ring.points.copy()
+    tip = rows.start + int(np.argmax(np.abs(points[rows])))
+    points[tip] *= 1 + 0.05 / abs(points[tip]) * np.exp(-0.5j * math.pi)
+    assert max(errors(pinion, wheel, Ring(points, ring.bulges))) > LEAST
