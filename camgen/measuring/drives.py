@@ -36,6 +36,7 @@ MOST_TURNS = 60
 _PER_TURN = 1440  # samples: every quarter degree
 _REPEATS = 1e-4  # of a turn, by which a pair may be off after its turns
 _TYPED = 1e-6  # by which a ratio that is typed in decimals may be off a fraction
+_STEEPEST = 1e4  # ratio that is taken, either way
 _ALLOWED = 2e-3  # mm, overlap of pairs that are drawn without any clearance
 _FRAMES = 120
 _ROWS = 50  # of jumps that are listed
@@ -100,8 +101,9 @@ class Drive:
             yield _fault(f"{self.distance:g}", "a distance above 0, mm", "--distance")
         if self.slides is not None and not math.isfinite(self.slides):
             yield _fault(f"{self.slides:g}", "a direction, deg", "--slides")
-        if self.ratio is not None and not 0 < abs(self.ratio) < math.inf:
-            yield _fault(f"{self.ratio:g}", "a ratio other than 0", "--ratio")
+        if self.ratio is not None and not 1 / _STEEPEST <= abs(self.ratio) <= _STEEPEST:
+            right = f"a ratio other than 0, at most {_STEEPEST:g} or 1 to {_STEEPEST:g}"
+            yield _fault(f"{self.ratio:g}", right, "--ratio")
         if self.spring not in (None, "low", "high"):
             yield _fault(str(self.spring), "low or high", "--spring")
         if not math.isfinite(self.start):
