@@ -74,6 +74,9 @@ class Form:
     deceleration: float | None = None  # C_a*
 
 
+PLAIN = Form()
+
+
 @dataclass(frozen=True)
 class Trigonometric:
     """A family of two halves and a line."""
@@ -327,7 +330,7 @@ def _level(name: str) -> Fault:
 
 @lru_cache(maxsize=1024)
 def law_for(
-    name: str, start: End = REST, end: End = REST, form: Form = Form(), lift: float = 1.0
+    name: str, start: End = REST, end: End = REST, form: Form = PLAIN, lift: float = 1.0
 ) -> Law:
     """A family's law between these ends; lift 0: it comes back to where it began. SpecError where there is none."""
     family = FAMILIES[name]
