@@ -206,7 +206,8 @@ class Wheel(Teeth):
                 return angle, abs(complex(self._trochoid(angle, 0)))
         sine = math.sin(rack.pressure)
         deep = rack.depth - rack.module * (self.shift - rack.fillet * sine)
-        way = max(0.0, self.reference * sine - deep / sine)
+        # below 0 of a wheel that is hardly undercut: its trochoid begins as far beyond the base circle, beside the flank there
+        way = abs(self.reference * sine - deep / sine)
         return rack.pressure, math.hypot(self.base, way)
 
     def _outside(self, angle: Floats) -> Floats:
