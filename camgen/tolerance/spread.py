@@ -118,7 +118,8 @@ class Spread:
             ]
             if max(errors, default=0.0) > _NOTHING:
                 rows.append([where, kind, self.modes[members[0]].size, *errors])
-        rows.sort(key=lambda row: -float(str(row[3])))
+        # what differs by rounding alone stays in the order of the joints, whatever adds the sums
+        rows.sort(key=lambda row: -float(f"{float(str(row[3])):.9g}"))
         everything = range(len(self.modes))
         rows.append(
             [
