@@ -407,7 +407,7 @@ def _filled(
         tables=_tables(jumps, side, drive),
         notes=tuple(_notes(driven, drive)),
         animation=_animation(driven, drive, rings),
-        remarks=tuple(_summary(driven, drive, jumps)),
+        remarks=tuple(_summary(driven, request, jumps)),
         files=("motion.csv", "report.json", "manifest.json"),
     )
 
@@ -571,15 +571,24 @@ def _notes(driven: Driven, drive: Drive) -> Iterator[str]:
         )
 
 
-def _summary(driven: Driven, drive: Drive, jumps: list[Jump]) -> Iterator[str]:
+def _summary(driven: Driven, request: Request, jumps: list[Jump]) -> Iterator[str]:
     """What a person asked for, in a few lines."""
+    drive = request.drive
     name, scale = drive.unit
     play = driven.play[np.isfinite(driven.play)] * scale
     if len(play):
         yield f"play is {play.min():.4g} to {play.max():.4g} {name}"
     if drive.ratio is not None:
-        value = driven.transmission_error * scale
-        yield f"transmission error is {value:.4g} {name} peak to peak over {drive.turns} turns of the driver"
+        pushing = driven.transmission_error * scale
+        back = driven.back_transmission_error * scale
+        held = "" if request.tolerance else "; no limit is set: --tolerance"
+        turns = "one turn" if drive.turns == 1 else f"{drive.turns} turns"
+        yield (
+            f"transmission error is {pushing:.4g} {name} peak to peak over {turns} of the driver, {back:.4g} {name} of the other "
+            f"flank{held}"
+        )
+    elif drive.slides is None:
+        yield "one turn of the driver: give --ratio, so that every tooth of both is seen"
     if jumps:
         largest = max(abs(each.after - each.before) for each in jumps) * scale
         yield f"{len(jumps)} jumps, {largest:.4g} {name} at most: impacts where a spring holds the driven outline there"

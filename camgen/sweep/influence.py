@@ -75,6 +75,8 @@ def influence(spec: Source, code: str) -> Influence:
     limit_keys: list[str] = []
     effects = []
     for keys, value, tried, found in trial.changes():
+        if trial.only_worsens(keys, value, tried, found):
+            continue
         if trial.felt(found.measured - trial.finding.measured):
             change = abs(_margin(found) - trial.margin)
             effects.append((change, keys, value, tried, found))
@@ -191,6 +193,11 @@ class _Trial:
             return None
         return findings[self.number]
 
+    def only_worsens(self, keys: Sequence[str], value: float, tried: float, found: Finding) -> bool:
+        """Whether a key stands at 0 and its only way from there makes a finding that fails fail by more."""
+        worse = not self.finding.ok and _margin(found) < self.margin
+        return worse and value == 0 and self(keys, -tried) is None
+
     def unset_limits(self) -> list[str]:
         """Keys of [limits] that are not set and would set this limit."""
         schema = type(self.mechanism).model_json_schema(by_alias=True)
@@ -282,8 +289,9 @@ def _effect_text(effect: KeyEffect, finding: Finding) -> str:
         text += f" against {_number(effect.limit, finding)}"
     if effect.last is None:
         return text
-    verb = "it holds as far as" if finding.ok else "it holds from"
-    return f"{text}; {verb} {effect.last:.6g}"
+    way = "up" if effect.last > effect.value else "down"
+    ends = f"{way} to {effect.last:.6g}" if finding.ok else f"from {effect.last:.6g} {way}"
+    return f"{text}; it holds {ends}"
 
 
 def _number(value: float, finding: Finding) -> str:

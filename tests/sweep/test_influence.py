@@ -131,3 +131,32 @@ def test_an_open_dwell_takes_the_rest_of_a_turn_that_is_changed() -> None:
         steep.replace({"segment.0.span_deg": 300})
     swept = camgen.sweep(STEEP, {"segment.0.span_deg": [90, 110]})
     assert swept["pressure_angle_deg"][1] < swept["pressure_angle_deg"][0]
+
+
+def test_what_only_makes_it_worse_is_no_remedy_and_the_way_is_said() -> None:
+    """Play of pins: pressed ones have none, and cannot have less; what slides has it from its clearance, so less holds."""
+    mill = {
+        "mechanism": "linkage",
+        "name": "mill",
+        "points": {"O": [0, 0], "C": [80, 10], "A": [18, 0], "B": [70, 60], "P": [50, 85]},
+        "links": {
+            "ground": ["O", "C"],
+            "crank": ["O", "A"],
+            "coupler": ["A", "B", "P"],
+            "rocker": ["C", "B"],
+        },
+        "drive": {"link": "crank", "speed_rpm": 30},
+        "output": [{"name": "path", "point": "P"}],
+    }
+    found = influence(mill, "LASH")
+    assert found.nearest is not None and not found.nearest.ok
+    named = {key: effect for effect in found.effects for key in effect.keys}
+    assert "print.press_clearance" not in named
+    last = named["print.slide_clearance"].last
+    assert last is not None and last < 0.2
+    text = influence_text(mill, "LASH")
+    assert f"it holds from {last:.6g} down" in text and " up" in text
+    within = camgen.load({**mill, "print": {"slide_clearance": last}}).forecast()
+    beyond = camgen.load({**mill, "print": {"slide_clearance": last * 1.02}}).forecast()
+    holds = [all(each.ok for each in some if each.code == "LASH") for some in (within, beyond)]
+    assert holds == [True, False]
