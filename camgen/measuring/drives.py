@@ -235,11 +235,12 @@ def driven_by(driver: Ring, driven: Ring, drive: Drive) -> Driven:
             motion = loose
     bounds = motion.samples
     if not bounds.free.any():
-        remedy = "they overlap at every angle of both: is the distance too small, or a file's origin not its pivot?"
         distance = drive.distance or 0.0
+        remedy = "take a greater distance, or check that each file's origin is its pivot"
+        apart = f"with pivots {distance:g} mm apart" if drive.distance else "where it slides"
         raise DesignError(
             "distance of the pivots", distance, sum(reach), "mm", "all angles", remedy
-        )
+        ).saying(f"the outlines overlap at every angle {apart}")
     if np.isnan(bounds.low).all() and np.isnan(bounds.high).all():
         remedy = "they never touch: check distance, origins of the files and --driven-inside"
         distance = drive.distance or 0.0
