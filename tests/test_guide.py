@@ -70,6 +70,8 @@ def test_explain_shows_entries_and_names_the_nearest(run: Any) -> None:  # noqa:
     assert code == 0 and [line.split()[0] for line in out.splitlines()] == list(guide.entries())
     code, out, _ = run("explain", "undercut", "MIN_WALL")
     assert (code, out) == (0, f"{guide.entries()['UNDERCUT']}\n{guide.entries()['MIN_WALL']}")
+    code, out, err = run("explain", "modified-sin")
+    assert code == 2 and "'modified-sin'" in err and "did you mean 'modified-sine'?" in err
     code, out, err = run("explain", "UNDERCUTS")
     assert (code, out) == (2, "") and "did you mean 'UNDERCUT'?" in err
 

@@ -99,7 +99,12 @@ def explanation(code: str | None = None, spec: Source | None = None) -> Explanat
         from camgen.errors import SpecError
         from camgen.spec import unknown
 
-        fault = replace(unknown(("CODE",), name, known), expected="one that 'camgen explain' lists")
+        fault = unknown(("CODE",), name, known)
+        if not fault.nearest:
+            fault = unknown(("CODE",), code, laws())
+        fault = replace(
+            fault, expected="a finding that 'camgen explain' lists, or a law of 'camgen list'"
+        )
         raise SpecError([fault], "command line")
     if spec is None:
         return Explanation(known[name])
