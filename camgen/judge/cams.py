@@ -120,7 +120,7 @@ class FollowerOnOutline:
             0.0,
             "mm",
             self.place(worst),
-            f"contact beyond the face's end (below 0: short of it); it runs from {np.min(place):.3f} to {np.max(place):.3f} mm",
+            f"contact beyond the face's end (below 0: short of it); it runs from {np.min(place):z.3f} to {np.max(place):z.3f} mm",
         )
 
     def ripple(self) -> Finding | None:
@@ -296,7 +296,7 @@ def _own_tip(
         return at_most("TIP_MOTION", math.nan, 2 * motion.limit, motion.unit, file, reason), []
     radius = getattr(outline.own.contact.form, "tip_radius", 0.0) - outline.feature.free
     what = "roller on the frame's pin" if own.radius is not None else "frame's own tip"
-    remark = f"the {what}, radius {radius:.4f} mm, on the cam, both from the files"
+    remark = f"the {what}, radius {radius:z.4f} mm, on the cam, both from the files"
     finding = at_most(
         "TIP_MOTION",
         motion.measured,

@@ -307,13 +307,13 @@ def _finding(pair: Passing, least: Least, slack: float, where: Where) -> Finding
     degrees = math.degrees(least.theta)
     if least.distance < -slack:
         ranges = " and ".join(
-            f"{math.degrees(a):.1f} to {math.degrees(b):.1f}" for a, b in least.overlaps
+            f"{math.degrees(a):z.1f} to {math.degrees(b):z.1f}" for a, b in least.overlaps
         )
-        words = f"strikes: overlaps from {ranges} deg, deepest at {degrees:.2f} deg"
+        words = f"strikes: overlaps from {ranges} deg, deepest at {degrees:z.2f} deg"
     elif least.distance <= slack:
-        words = f"grazes at {degrees:.2f} deg"
+        words = f"grazes at {degrees:z.2f} deg"
     else:
-        words = f"clear by {least.distance:.3f} mm at the least, at {degrees:.2f} deg"
+        words = f"clear by {least.distance:z.3f} mm at the least, at {degrees:z.2f} deg"
     return at_least(
         "CLEARANCE",
         round(least.distance, _DIGITS) + 0.0,

@@ -566,9 +566,9 @@ def interference(
     touching = [(c.proven + c.allowed, c) for c in clearances if c.allowed is not None]
     for c in _worst(apart):
         words = (
-            f"smallest gap seen {c.gap:.4f} mm"
+            f"smallest gap seen {c.gap:z.4f} mm"
             if c.gap > 0
-            else f"they overlap by {abs(c.gap):.4f} mm or more"
+            else f"they overlap by {abs(c.gap):z.4f} mm or more"
         )
         remark = (
             f"nearest of {counted(len(apart), 'pair')} that must stay apart; {words}; {_PROVEN}"
@@ -577,7 +577,7 @@ def interference(
             at_least("INTERFERENCE", c.proven, needed, "mm", _place(c, "gap", angle), remark)
         )
     for c in _worst(touching):
-        words = f"overlap seen {max(0.0, -c.gap):.4f} mm"
+        words = f"overlap seen {max(0.0, -c.gap):z.4f} mm"
         remark = (
             f"deepest of {counted(len(touching), 'pair')} that touch by design; {words}; {_PROVEN}"
         )

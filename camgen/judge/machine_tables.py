@@ -510,7 +510,7 @@ def judge_path(
     off = point_to_ring(z, cut.points)
     worst = int(np.argmax(off))
     remark = (
-        f"distance of the outline from the path cut with radius {radius:g} mm, at x {z[worst].real:.3f}, y {z[worst].imag:.3f} mm; "
+        f"distance of the outline from the path cut with radius {radius:g} mm, at x {z[worst].real:z.3f}, y {z[worst].imag:z.3f} mm; "
         "a cutter that is too large for a hollow needs a smaller files.cutter_radius"
     )
     spare = float(np.max(point_to_ring(cut.points, target)))

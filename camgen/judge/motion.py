@@ -333,7 +333,7 @@ class _OutputResult:
         """STROKE_ERROR."""
         measured = self.scale * self.measured_stroke
         nominal = self.scale * self.nominal_stroke
-        remark = f"{measured:.6f} {self.unit} recovered, {nominal:.6f} {self.unit} wanted"
+        remark = f"{measured:z.6f} {self.unit} recovered, {nominal:z.6f} {self.unit} wanted"
         return self._finding(
             "STROKE_ERROR",
             abs(self.measured_stroke - self.nominal_stroke),
@@ -383,7 +383,7 @@ def _fit(fits: Mapping[str, Fit], limit: float, where: Where) -> Finding:
         limit,
         "mm",
         replace(where, joint=worst),
-        f"play {fit.play:.4f} mm, {fit.nominal:.4f} mm wanted; worst of {len(fits)} joints, by each "
+        f"play {fit.play:z.4f} mm, {fit.nominal:z.4f} mm wanted; worst of {len(fits)} joints, by each "
         "hole's diameter and by the centres at several heights",
     )
 

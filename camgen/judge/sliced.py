@@ -117,13 +117,15 @@ class Copy:
         gaps = [(layer.low - top, top) for top, layer in zip(tops, self.layers, strict=False)]
         gap, under = max(gaps)
         count = sum(size > _SAME for size, _ in gaps)
-        words = f"layers are missing in {counted(count, 'place')}, the most over z = {under:.3f} mm"
+        words = (
+            f"layers are missing in {counted(count, 'place')}, the most over z = {under:z.3f} mm"
+        )
         remark = words if count else "no layer is missing"
         lying = self.known.solid.vertices @ self.known.turn[2]
         off = tops[-1] - float(np.ptp(lying))
         last = self.layers[-1]
         half = (last.top - last.low) / 2 + _SAME
-        high = f"its last layer ends at {tops[-1]:.3f} mm, its top lies at {np.ptp(lying):.3f}; half a layer may be off"
+        high = f"its last layer ends at {tops[-1]:z.3f} mm, its top lies at {np.ptp(lying):z.3f}; half a layer may be off"
         return [
             at_most(
                 "ROUND_TRIP",

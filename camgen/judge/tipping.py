@@ -69,7 +69,7 @@ def judge_tipping(path: Path, machine: SweptMachine, stands: Standing) -> Findin
     lean = np.degrees(np.arctan2(off, low - centre @ down))
     k = int(np.argmin(lean))
     remark = (
-        f"the centre of mass of {mass:.4g} g stays {off[k]:.1f} mm inside the edge of its stand, {low - float(centre[k] @ down):.1f} mm "
-        f"over the table, at {math.degrees(phase[k]):.0f} deg; without what is bought"
+        f"the centre of mass of {mass:.4g} g stays {off[k]:z.1f} mm inside the edge of its stand, {low - float(centre[k] @ down):z.1f} mm "
+        f"over the table, at {math.degrees(phase[k]):z.0f} deg; without what is bought"
     )
     return at_least("TIPPING", float(lean[k]), LEAST_DEG, "deg", in_file(path), remark)
