@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Sequence
-from itertools import zip_longest
+from itertools import repeat, zip_longest
 from pathlib import Path
 
 from camgen.bounds import Bound, bounded
@@ -31,9 +31,9 @@ def judge_list(path: Path, table: Table) -> Finding:
     faults = [line for line in lines if not _same(line[1], line[2])]
     remark = f"{len(table.rows)} rows: what is made, cut, turned or bought, and how many"
     if faults:
-        k, *pair = faults[0]
-        row_text, wanted_text = (", ".join(map(str, row[1:4])) or "nothing" for row in pair)
-        remark = f"line {k} has {row_text} instead of {wanted_text}"
+        k, row, wanted = faults[0]
+        columns = table.columns if k > 1 else ()
+        remark = f"line {k} has {_difference(row, wanted, columns)}"
     return at_most("PARTS_LIST", len(faults), 0, "rows", in_file(path), remark)
 
 
@@ -42,6 +42,26 @@ def _same(row: Sequence[str], wanted: Sequence[object]) -> bool:
     return len(row) == len(wanted) and all(
         _cell(text, value) for text, value in zip(row, wanted, strict=True)
     )
+
+
+def _difference(row: Sequence[str], wanted: Sequence[object], columns: Sequence[str]) -> str:
+    """What a wrong row has instead of what is meant: the cells that differ, each by its column; of the head by themselves."""
+    if not (row and wanted):
+        found, meant = (", ".join(map(str, cells[1:4])) or "nothing" for cells in (row, wanted))
+        return f"{found} instead of {meant}"
+    if len(row) != len(wanted):
+        return f"{len(row)} cells instead of {len(wanted)}"
+    names = (f"{column} " for column in columns) if columns else repeat("")
+    return "; ".join(
+        f"{name}{text or 'nothing'} instead of {_written(value)}"
+        for name, text, value in zip(names, row, wanted, strict=False)
+        if not _cell(text, value)
+    )
+
+
+def _written(value: object) -> str:
+    """A cell that is meant; a number to the digits by which a wrong one differs."""
+    return f"{value:.4g}" if isinstance(value, float) else str(value) or "nothing"
 
 
 def _cell(text: str, value: object) -> bool:

@@ -56,11 +56,17 @@ def test_each_cell_is_read(
     rows[line][column] = cell
     found = judged(tmp_path / "parts.csv", rows)
     assert not found.ok and found.measured == 1
-    wanted = [*map(str, (HEAD, *ROWS)[line][1:4])]
-    assert (
-        found.message
-        == f"line {line + 1} has {', '.join(rows[line][1:4])} instead of {', '.join(wanted)}"
-    )
+    name = f"{HEAD[column]} " if line else ""
+    wanted = ["0" if cell == 0.0 else str(cell) for cell in (HEAD, *ROWS)[line]][column]
+    assert found.message == f"line {line + 1} has {name}{cell or 'nothing'} instead of {wanted}"
+
+
+def test_all_cells_that_differ_are_named_by_their_columns(
+    tmp_path: Path, rows: list[list[str]]
+) -> None:
+    rows[2][3:] = ["5", "3.2"]
+    found = judged(tmp_path / "parts.csv", rows)
+    assert found.message == "line 3 has count 5 instead of 4; mass_g 3.2 instead of 3.081"
 
 
 @pytest.mark.parametrize(
@@ -81,7 +87,8 @@ def test_rows_lost_doubled_or_longer_are_told(tmp_path: Path, rows: list[list[st
     more = judged(path, [*rows, rows[3]])
     assert more.measured == 1 and more.message == "line 5 has plate, cut, 2 instead of nothing"
     assert judged(path, [rows[0], *rows[2:]]).measured == 3
-    assert judged(path, [rows[0], [*rows[1], "5"], *rows[2:]]).measured == 1
+    longer = judged(path, [rows[0], [*rows[1], "5"], *rows[2:]])
+    assert longer.measured == 1 and longer.message == "line 2 has 6 cells instead of 5"
     assert judged(path, []).measured == 4
 
 
