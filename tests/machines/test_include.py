@@ -406,6 +406,53 @@ def test_machines_with_shafts_alike_in_line_have_one_shaft_and_one_plate(root: P
     ]
 
 
+def cam_machine(root: Path) -> dict[str, Any]:
+    cam = read(root / "specs" / "disc-cam.toml")
+    return {**cam, "parts": {"make": "machine"}}
+
+
+def test_a_mounted_cam_machine_stands_on_posts_beside_the_line(root: Path) -> None:
+    """Posts under the screw holes of its frame as it is alone, from the second plate up to it; unmounted it has none."""
+    cam = cam_machine(root)
+    own = read_mechanism(cam).assembly
+    assert own.frame is not None
+    screws = sorted((z + 90 for z, _ in own.frame.fixings), key=abs)
+    table = {"spec": cam, "mounted": True, "at": [90, 0]}
+    made = read_mechanism({**STACKED, "include": [table]}).assembly
+    poses = made.poses(np.zeros(1))
+    posts = poses["post-disc-cam"]
+    places = sorted((complex(pose.place[0]) for pose in posts), key=abs)
+    assert len(screws) >= 2 and places == pytest.approx(screws)
+    plate = made.by_name["second-plate"].thickness + poses["second-plate"][0].z
+    for post in posts:
+        assert post.z == pytest.approx(plate)
+        assert post.z + made.by_name["post-disc-cam"].thickness == pytest.approx(
+            poses["disc-cam-ground"][0].z
+        )
+    alone = read_mechanism({**STACKED, "include": [{**table, "mounted": False}]}).assembly
+    assert "post-disc-cam" not in alone.by_name
+
+
+def test_a_mounted_cam_machine_in_line_is_turned_by_the_hosts_shaft(root: Path) -> None:
+    """Shafts alike: it has none of its own, its cam's tip and springs stand on the plate, and its follower moves as alone."""
+    cam = cam_machine(root)
+    machine = read_mechanism({**STACKED, "include": [{"spec": cam, "mounted": True}]})
+    made = machine.assembly
+    poses = made.poses(np.zeros(1))
+    assert not {f"disc-cam-{name}" for name in ("ground", "shaft", "collar")} & made.by_name.keys()
+    shaft, wheel = (
+        (poses[name][0].z, poses[name][0].z + made.by_name[name].thickness)
+        for name in ("shaft-crank_web2", "disc-cam-cam-contact")
+    )
+    assert shaft[0] < wheel[0] < wheel[1] <= shaft[1] + 1e-9
+    assert not [each for each in made.bought if "belt" in each.name]
+    alone = read_mechanism(cam)
+    (output,) = alone.model.outputs
+    run = solve(machine.model, THETA)
+    assert np.ptp(run[f"disc_cam_{output.name}"]) == pytest.approx(12)  # the program's lift
+    assert run[f"disc_cam_{output.name}"] == pytest.approx(alone.solve(THETA)[output.name])
+
+
 @pytest.mark.parametrize(
     ("host", "change", "said"),
     [
