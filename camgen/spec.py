@@ -396,8 +396,11 @@ class Checked(Record):
         return self.faults()
 
 
+DEVICES = r"con|prn|aux|nul|(com|lpt)\d"  # names that no file or folder of Windows can have
+
+
 def _no_device(name: str) -> str:
-    if re.fullmatch(r"con|prn|aux|nul|(com|lpt)\d", name):
+    if re.fullmatch(DEVICES, name):
         raise ValueError(
             "another name: no folder of Windows can have this one, which is a device's"
         )

@@ -179,7 +179,7 @@ def test_name_that_is_no_folder_name(name: str) -> None:
     assert "a-z" in fault.expected and "hyphens" in fault.expected and fault.value
 
 
-@pytest.mark.parametrize("name", ["con", "nul", "com1", "lpt9"])
+@pytest.mark.parametrize("name", ["con", "prn", "aux", "nul", "com1", "lpt9"])
 def test_name_that_windows_keeps_for_a_device(name: str) -> None:
     assert "Windows" in faults(box() | {"name": name})["name"].expected
 

@@ -24,7 +24,7 @@ from camgen.errors import DesignError, Fault, FileError, SpecError, file_errors
 from camgen.findings import Finding
 from camgen.live.gallery import cards, usable
 from camgen.live.numbers import numbers, overrides, write
-from camgen.live.operations import FILE_NAME, ROWS, applied, moved
+from camgen.live.operations import FILE_NAME, NAMED_FILE, ROWS, applied, moved
 from camgen.live.preview import failure, preview
 from camgen.live.server import Answer, LastBuild, asset, served
 from camgen.machines import load
@@ -270,7 +270,7 @@ class Board:
         name = self.tables.get("name")
         if not isinstance(name, str) or not FILE_NAME.fullmatch(name):
             raise SpecError(
-                [Fault(("name",), str(name), "a name of small letters a-z, digits and hyphens")],
+                [Fault(("name",), str(name), NAMED_FILE)],
                 "sheet",
             )
         path = Path(f"{name}.toml")

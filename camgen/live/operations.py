@@ -15,11 +15,12 @@ from camgen.edits import put
 from camgen.errors import Fault, SpecError
 from camgen.machines.linkage.tables import pair
 from camgen.schemas import shortened
-from camgen.spec import unknown
+from camgen.spec import DEVICES, unknown
 
 GROUND = "ground"
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
-FILE_NAME = re.compile(r"(?=.{1,60}$)[a-z0-9]+(-[a-z0-9]+)*")
+NAMED_FILE = "a name of small letters a-z, digits and hyphens, at most 60, and none of a device of Windows, such as con"
+FILE_NAME = re.compile(rf"(?!({DEVICES})$)(?=.{{1,60}}$)[a-z0-9]+(-[a-z0-9]+)*")
 _BESIDE = 5.0  # mm, between points that were one
 _FAR = 1e4  # mm, that a place may be from the origin
 # Of a cam that is drawn.
@@ -527,7 +528,7 @@ def _rename(draft: Draft, request: Request) -> None:
     if request.keys().isdisjoint(("point", "link")):
         name = request.get("to")
         if not isinstance(name, str) or not FILE_NAME.fullmatch(name):
-            raise refused("to", name, "a name of small letters a-z, digits and hyphens, at most 60")
+            raise refused("to", name, NAMED_FILE)
         put(draft.document, "name", name)
         return
     is_point = "point" in request

@@ -222,6 +222,7 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"op": "rename", "link": "crank", "to": "no name"}, "a name of letters"),
     ({"op": "rename", "link": "crank", "to": "Rocker"}, "not taken"),
     ({"op": "rename", "to": "../up"}, "small letters"),
+    ({"op": "rename", "to": "con"}, "device of Windows"),
 ]
 
 
