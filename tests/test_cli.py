@@ -612,6 +612,29 @@ def test_step_is_named_from_the_start_on_a_terminal(
     assert (b"turning the handle" in seen) is shown and b"that was all" in seen
 
 
+@pytest.mark.parametrize(
+    "words, code",
+    [
+        (["list"], 0),
+        (["explain", "PRESSURE_ANGLE"], 0),
+        (["explain", "\u00fc"], 2),
+        (["build", "--only", "dxf", "{spec}", "-o", "{folder}"], 0),
+        (["build", "N\u00fc.toml"], 4),
+    ],
+)
+def test_a_console_of_ascii_alone(tmp_path: Path, words: list[str], code: int) -> None:
+    spec = starters.folder() / "disc-cam.toml"
+    said = [word.format(spec=spec, folder=tmp_path / "\u03b8") for word in words]
+    done = subprocess.run(
+        [sys.executable, "-m", "camgen", *said],
+        env={**os.environ, "PYTHONIOENCODING": "ascii:strict"},
+        capture_output=True,
+        timeout=120,
+    )
+    assert done.returncode == code and b"Traceback" not in done.stderr, done.stderr
+    assert done.stderr if code else done.stdout
+
+
 def test_a_console_without_utf_8_and_a_path_with_spaces(tmp_path: Path) -> None:
     folder = tmp_path / "my cams \u03b8"
     folder.mkdir()
