@@ -114,7 +114,9 @@ def make_sheets(case: Case) -> None:
 
 def sheet_files(case: Case) -> list[Path]:
     """The files of all sheets that are there, and their list."""
-    return [path for path in (*case.files("sheet-*"), case.file("sheets", "csv")) if path.exists()]
+    return [
+        path for path in (*case.files("sheet-[0-9]*"), case.file("sheets", "csv")) if path.exists()
+    ]
 
 
 def _listed(path: Path) -> dict[int, list[SheetCopy]]:

@@ -20,7 +20,7 @@ from camgen.study import Plate, Scene
 
 def plates_of(case: Case) -> list[Path]:
     """The plate files of a build, in their order."""
-    return case.files("plate*.3mf")
+    return [*case.files("plate.3mf"), *case.files("plate-[0-9]*.3mf")]
 
 
 def rendered_file(case: Case, folder: Path, kind: str) -> Path:

@@ -344,6 +344,9 @@ def many(e: dict[str, Any]) -> None:
         (lambda e: e["lengths"].update({"O-A": 40}), DesignError, "change point"),
         (many, SpecError, "at most 60"),
         (lambda e: e["links"].update(ROCKER=["C", "B"]), SpecError, "capitals alone"),
+        (lambda e: e["links"].update(Assembly=["C", "B"]), SpecError, "taken for the assembly"),
+        (lambda e: e["links"].update(drawing=["C", "B"]), SpecError, "taken for a dimensioned"),
+        (lambda e: e["links"].update(timing=["C", "B"]), SpecError, "taken for the timing"),
         (long_crank, DesignError, "drive.range_deg = ["),
         (
             lambda e: e.update(gear=[{"a": "crank", "b": "rocker", "ratio": 2}]),
@@ -380,6 +383,31 @@ def test_links_called_as_what_is_made_have_parts_of_their_own(four_bar: dict[str
         "shaft",
         "collar",
     } <= set(parts)
+
+
+@pytest.mark.parametrize(
+    ("name", "tables"),
+    [
+        ("Counterweight", {"counterweight": {}}),
+        ("Post", {"parts": {"plates": 2, "shaft": "interrupted"}}),
+        ("knob", {"parts": {"hand_crank": 40}}),
+    ],
+)
+def test_a_link_called_as_another_part_is_told_by_its_key(
+    four_bar: dict[str, Any], name: str, tables: dict[str, Any]
+) -> None:
+    """Their files would have one name, with its capitals or, where a system does not tell these apart, without."""
+    assert validate(Linkage, four_bar | tables).assembly.parts
+    four_bar["links"] = {
+        name if link == "coupler" else link: points for link, points in four_bar["links"].items()
+    }
+    for output in four_bar["output"]:
+        if output.get("link") == "coupler":
+            output["link"] = name
+    with pytest.raises(SpecError) as told:
+        _ = validate(Linkage, four_bar | tables).assembly
+    assert [fault.key for fault in told.value.faults] == [f"links.{name}"]
+    assert name.lower() in told.value.faults[0].expected
 
 
 def test_to_and_fro_within_its_range(four_bar: dict[str, Any]) -> None:

@@ -6,14 +6,20 @@ import json
 import re
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 from urllib.parse import unquote
 
 import pytest
 
 from camgen.errors import FileError
 from camgen.files.shelves import listed, located, put_away, shelf
+from camgen.machines.mechanism import Mechanism
 from camgen.measuring.motion import Request, run
 from camgen.pipeline.build import build, check
+from camgen.pipeline.case import Case
+from camgen.pipeline.laser import sheet_files
+from camgen.pipeline.summary import plates_of
 
 GROOVE = """
 mechanism = "disc-cam"
@@ -80,6 +86,15 @@ def test_few_files_lie_flat_and_one_more_does_not(
     put_away(tmp_path, ["manifest.json", "report.json"])
     assert located(tmp_path / "a.dxf") == tmp_path / "cad" / "a.dxf"
     assert listed(tmp_path, "a.*") == [tmp_path / "cad" / "a.dxf", tmp_path / "print" / "a.stl"]
+
+
+def test_parts_of_a_machine_called_plate_or_sheet_are_none(tmp_path: Path) -> None:
+    """Parts of an included machine have its name in front of theirs."""
+    for name in ("plate.3mf", "plate-2.3mf", "plate-crank.3mf", "sheet-1.dxf", "sheet-crank.dxf"):
+        (tmp_path / f"a-{name}").touch()
+    case = Case(cast(Mechanism, SimpleNamespace(name="a")), tmp_path)
+    assert [path.name for path in plates_of(case)] == ["a-plate.3mf", "a-plate-2.3mf"]
+    assert [path.name for path in sheet_files(case)] == ["a-sheet-1.dxf"]
 
 
 def test_the_manifest_tells_each_path_and_the_top_holds_what_is_read(shelved: Path) -> None:

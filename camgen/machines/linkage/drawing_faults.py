@@ -16,6 +16,12 @@ from camgen.tolerances import SAME_POINT
 
 MOST_LINKS = 60  # they close together: the time grows with the cube of their number, 40 take a third of a minute
 
+_TAKEN = {  # names of links whose files would have the names of others, or lie on their shelf
+    "assembly": "the assembly",
+    "drawing": "a dimensioned drawing",
+    "timing": "the timing diagram",
+}
+
 
 def drawing_faults(drawing: Drawing) -> list[Fault]:
     """Names that are not there, points on no link, lengths between points of no link, links that nothing holds."""
@@ -44,6 +50,9 @@ def _link_faults(drawing: Drawing) -> Iterable[Fault]:
     for name in drawing.links:
         if seen.setdefault(name.lower(), name) != name:
             right = f"another name: {seen[name.lower()]} differs in its capitals alone, and so would their files"
+            yield Fault(("links", name), "", right)
+        if name.lower() in _TAKEN:
+            right = f"another name: files of its part would be taken for {_TAKEN[name.lower()]}"
             yield Fault(("links", name), "", right)
     yield from _point_faults(drawing)
     for name in drawing.links:

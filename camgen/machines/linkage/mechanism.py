@@ -42,6 +42,7 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.asked_range import refuse_range
 from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.linkage.drawing_faults import drawing_faults, shape_faults
+from camgen.machines.linkage.part_names import refuse_alike
 from camgen.machines.linkage.weights import counterbalanced, under_faults, weight_faults
 from camgen.machines.loads.applied import efforts
 from camgen.machines.loads.bearing import LoadCheck
@@ -667,7 +668,9 @@ class Linkage(Mechanism):
         unmade = lacking(self._layout)
         if unmade is not None:
             raise unmade
-        return self._balanced[0]
+        bodies = self._balanced[0]
+        refuse_alike(bodies.parts, self.links, self.making.discs or ())
+        return bodies
 
     @cached_property
     def _balanced(self) -> tuple[Bodies, complex]:

@@ -34,8 +34,8 @@ from camgen.parts.generator.wheels import Tip, pivot
 
 
 def part_name(link: str) -> str:
-    """Name of a link's part: such that its files are not taken for those of the whole machine, or of its shaft."""
-    taken = link.lower().startswith(("plate", "assembly", "parts")) or link.lower() in (
+    """Name of a link's part: such that its files are not taken for plates and lists, or for those of its shaft."""
+    taken = link.lower().startswith(("plate", "parts")) or link.lower() in (
         "shaft",
         "collar",
         "shaft-collar",
