@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property, lru_cache, partial
 from typing import Any, Protocol
@@ -61,6 +62,7 @@ class Law:
     smooth: bool = (
         False  # whether at the breaks only the third derivative jumps: one curve runs through all
     )
+    rounding: float = 0.0  # of a table: share of C_a that the rounding of its rows can make
 
     def __post_init__(self) -> None:
         order = smoothness(self.formula, self.ends, (1.0, self.c_v, self.c_a, self.c_j))
@@ -386,7 +388,20 @@ def fourier(sines: Sequence[float], cosines: Sequence[float] = (), source: str =
 # ---- tables ----------------------------------------------------------------------------------------------------------
 
 
+_FEWEST_ROWS = 16  # of a table whose digits are judged: a shorter one is typed by hand, and exact
 _SAME_ANGLE = 1e-9  # of a table's range; rows nearer than this give speeds that are rounding
+
+
+def last_digit(points: Sequence[tuple[float, float]]) -> float:
+    """The unit of the last decimal with which the displacements are written."""
+    return 10.0 ** min(int(Decimal(repr(row[1])).normalize().as_tuple().exponent) for row in points)
+
+
+def rounding_share(u: Floats, step: float, peak: float) -> float:
+    """Acceleration that rounding to a step can make of rows at u, as a share of the peak: 4 step / h^2 of the narrowest h."""
+    if len(u) < _FEWEST_ROWS or not peak:
+        return 0.0
+    return float(4 * step / np.min(np.diff(u)) ** 2 / peak)
 
 
 def table_law(points: Sequence[tuple[float, float]], source: str, rest: bool = True) -> Law:
@@ -441,6 +456,7 @@ def table_law(points: Sequence[tuple[float, float]], source: str, rest: bool = T
         return np.asarray(spline(u, order))
 
     knots = tuple(float(x) for x in u[1:-1])
+    step = last_digit(points) / abs(float(table[-1, 1] - table[0, 1]))
     return Law(
         "table",
         formula,
@@ -451,6 +467,7 @@ def table_law(points: Sequence[tuple[float, float]], source: str, rest: bool = T
         source,
         knots,
         smooth=True,
+        rounding=rounding_share(u, step, a),
     )
 
 

@@ -32,6 +32,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from camgen.errors import Fault, Key, SpecError
 from camgen.motion.chart import MATCHED as MATCHED
 from camgen.motion.chart import Chart, Move, Rates, Resolved
+from camgen.motion.closed import closed_program
 from camgen.motion.laws import LAWS, Law, fourier, modified_sine, polynomial_law, table_law
 from camgen.motion.program import Program, Segment, matched
 from camgen.motion.tables import read_points
@@ -47,14 +48,14 @@ FAMILIES = {
     **{name: family.keys for name, family in TASK_LAWS.items()},
     "fourier": ("sines", "cosines", "lambda"),
     "polynomial": ("conditions",),
-    "table": ("points", "file", "source", "rest"),
+    "table": ("points", "file", "source", "rest", "tolerance"),
     **dict.fromkeys(CHOICES, ("lambda", "constant_velocity")),
 }
 ABOUT = {
     **{name: family.about for name, family in TASK_LAWS.items()},
     "fourier": "acceleration: sines of 2 pi u, 4 pi u, ..., cosines of pi u, 3 pi u, ...",
     "polynomial": "conditions [u, order, value], as many as coefficients; from 0 at u = 0 to 1 at u = 1",
-    "table": "C2 spline through points [angle, displacement], or through a file's; rest = false: not from rest to rest",
+    "table": "spline through points [angle, displacement], or a file's; rest = false: not from rest to rest; over 360 deg it closes",
     MATCHED: "quintic that takes velocity and acceleration from its neighbours ([[segment]] alone)",
     "least-acceleration": "the law that joins its neighbours with the least C_a; without a law it is this",
     "least-jerk": "that with the least C_j",
@@ -123,6 +124,11 @@ class LawChoice(Record):
     )
     source: str | None = Field(default=None, description="table: where it is from")
     rest: bool | None = Field(default=None, description="table: whether it starts and ends at rest")
+    tolerance: Annotated[float, quantity("mm or deg", gt=0, le=1e3)] | None = Field(
+        default=None,
+        description="table over the whole turn: how far the motion may be off its rows, as smooth as that "
+        "allows",
+    )
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -239,6 +245,8 @@ S = TypeVar("S", bound=Span)
 def whole_turn(rows: tuple[S, ...]) -> tuple[S, ...]:
     """The rows with what follows from the others: spans of a chart's corners and of the one dwell without, kinds, laws that are
     chosen. What is at fault stays as it is."""
+    if closes(rows):
+        return rows
     rows = _with_kinds(_with_spans(rows))
     free = [k for k, row in enumerate(rows) if row.span_deg is None]
     rest = round(360 - _total(rows), 9)
@@ -385,13 +393,22 @@ def _own_law(law: LawChoice) -> Law | None:
 
 def _table_law(parameters: dict[str, Any]) -> Law:
     """The law through a table's points."""
-    points = (
-        parameters["points"]
-        if "points" in parameters
-        else read_points(Reference(("file",), "law", parameters).file(Path()))
-    )
-    source = parameters.get("source") or parameters.get("file") or "points of the spec"
-    return table_law(points, source, parameters.get("rest", True))
+    if "tolerance" in parameters:
+        right = "nothing here: of a table over the whole turn, without kind and lift"
+        raise SpecError([Fault(("tolerance",), f"{parameters['tolerance']:g}", right)])
+    points = _table_points(parameters)
+    return table_law(points, _table_source(parameters), parameters.get("rest", True))
+
+
+def _table_points(parameters: dict[str, Any]) -> Sequence[tuple[float, float]]:
+    """Rows of angle and displacement."""
+    if "points" in parameters:
+        return tuple(parameters["points"])
+    return read_points(Reference(("file",), "law", parameters).file(Path()))
+
+
+def _table_source(parameters: dict[str, Any]) -> str:
+    return str(parameters.get("source") or parameters.get("file") or "points of the spec")
 
 
 def program(
@@ -407,12 +424,53 @@ def program(
     as at the beginning, such as 360 of what turns on and on; suffix: of the keys `lift` and `to` in the spec, such as "_deg".
     """
     tables = whole_turn(tuple(tables))
+    if closes(tables):
+        return _closed(tables[0], unit, (*path, 0))
     builder = (
         _program
         if all(table.law is None or table.law.file is None for table in tables)
         else _program.__wrapped__
     )
     return builder(tables, unit, path, turn, suffix)
+
+
+def closes(rows: Sequence[Span]) -> bool:
+    """Whether they are one table over the whole turn: a law's that neither rises nor returns."""
+    if len(rows) != 1:
+        return False
+    row = rows[0]
+    return (
+        row.kind is None
+        and row.way == (None, None)
+        and row.law is not None
+        and row.law.name == "table"
+    )
+
+
+def _closed(table: SegmentTable, unit: float, path: Key) -> Program:
+    """The program of a table over the whole turn; SpecError with every fault."""
+    law = table.law
+    assert law is not None
+    others = ("task", "constant_velocity", "end_velocity", "end_acceleration", "end_jerk")
+    given = {key: getattr(table, key) for key in others} | {"lambda": table.inflection}
+    nothing = "nothing here: a table over the whole turn joins itself"
+    faults = [Fault((*path, key), str(x), nothing) for key, x in given.items() if x is not None]
+    if table.span_deg not in (None, 360) or table.at_deg not in (None, 360):
+        where = "span_deg" if table.span_deg else "at_deg"
+        value = table.span_deg or table.at_deg or 0.0
+        faults.append(
+            Fault((*path, where), f"{value:g}", "360: a table without kind and lift closes")
+        )
+    if law.rest is not None:
+        faults.append(Fault((*path, "law", "rest"), "", nothing))
+    try:
+        points = _table_points(law.parameters)
+        found = closed_program(points, _table_source(law.parameters), unit, law.tolerance)
+    except SpecError as error:
+        faults += [replace(f, path=(*path, "law", *f.path)) for f in error.faults]
+    if faults:
+        raise SpecError(faults)
+    return found
 
 
 # variants of a sweep mostly share their program, and with it all that is known of it

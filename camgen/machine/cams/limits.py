@@ -2,6 +2,7 @@
 
     PRESSURE_ANGLE, UNDERCUT, CURVATURE   of each of the joint's cams
     MOTION_JUMP                           of the follower's program
+    TABLE_ROUNDING                        of a program with a table
     FACE_WIDTH                            of a flat face whose width is given
     INTERFERENCE                          of cams alone, with the axle of a follower that swings
 
@@ -40,6 +41,7 @@ class CamLimits:
         0.0  # mm, of the convex profile; below 0 an undercut one is accepted, down to that radius
     )
     ripple: float = 0.01  # of the speed, as a share of the greatest
+    rounding: float = 0.1  # of a table's rows, as a share of its greatest acceleration
     continuous: int = 2  # highest derivative of s that must not jump; -1: no check
 
     def steepest(self, cam: DiscCam[Any]) -> float:
@@ -101,6 +103,7 @@ def cam_findings(
     findings = [finding for each in cams for finding in _profile(each, limits, chord_tolerance)]
     if face_width is not None:
         findings.append(_face_width(cams, face_width))
+    findings += _rounding(cams[0], limits.rounding, program)
     if limits.continuous >= 0:
         findings.append(_jumps(cams[0], limits.continuous, program))
     return findings
@@ -185,6 +188,19 @@ def _face_width(cams: Sequence[ExactCam], width: float) -> Finding:
         Where(cams[0].where),
         "width over which the face is touched",
     )
+
+
+def _rounding(exact: ExactCam, most: float, where: str) -> list[Finding]:
+    """TABLE_ROUNDING: what the last digit of a table's rows makes of its acceleration; nothing without a table."""
+    tables = [s.law for s in exact.cam.program.segments if s.scale and s.law.rounding]
+    if not tables:
+        return []
+    message = (
+        "share of the greatest acceleration that the last digit of the table's rows can make: more digits, fewer rows, or "
+        "over 360 deg a tolerance of its law lower it"
+    )
+    share = max(law.rounding for law in tables)
+    return [at_most("TABLE_ROUNDING", share, most, "1", Where(where), message)]
 
 
 def _jumps(exact: ExactCam, highest: int, where: str) -> Finding:

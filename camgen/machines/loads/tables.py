@@ -171,10 +171,20 @@ class CamLimitsTable(LimitsTable):
         description="what must not jump: 0 displacement, 1 velocity, 2 acceleration, 3 jerk; -1: no check",
     )
 
+    table_rounding: Annotated[float, quantity("1", gt=0, le=100)] = Field(
+        default=0.1,
+        description="share of the greatest acceleration that the last digit of a table's rows may make",
+    )
+
     def of_cams(self, undercut: float) -> CamLimits:
         """What is accepted of a joint; undercut: loss of s, mm or rad."""
         return CamLimits(
-            self.pressure_angle_deg, undercut, self.least_radius, self.speed_ripple, self.continuous
+            self.pressure_angle_deg,
+            undercut,
+            self.least_radius,
+            self.speed_ripple,
+            self.table_rounding,
+            self.continuous,
         )
 
 
