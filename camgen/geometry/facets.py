@@ -36,6 +36,8 @@ LAST_STEP = 1e-4
 # term (at an inflection) the error only halves each time, elsewhere two are enough.
 _ROUNDS = 16
 _LEAST_ROUNDS = 4
+# Times a stretch that is off is halved where spreading does not settle; what is off after these is rounding.
+_HALVINGS = 12
 # The stationary points leave this much of a sagitta unsaid.
 _SPARE = 1e-7
 
@@ -143,25 +145,32 @@ def fewest(
     """Ends (n + 1,) of the fewest stretches whose deviation(ends), (n,) mm, is nowhere above the tolerance.
 
     Deviation goes with the (1 / power)th power of a stretch's share, so the measured ones tell the true shares and
-    the ends are spread again; n is raised where the measured shares do not fit into it, or after _ROUNDS rounds.
+    the ends are spread again; n is raised where the measured shares do not fit into it, or after _ROUNDS rounds. A curve
+    with waves finer than its stretches has no such power: there those that are off are halved, a few more than the fewest.
     Raises ValueError where rounding hides the tolerance.
     """
     n = max(1, math.ceil(track.share.sum()))
     rounds = 0
     t = track.even(n)
-    for attempt in range(20 * _ROUNDS):
+    for attempt in range(10 * _ROUNDS):
         deviations = deviation(t)
         if deviations.max() <= tolerance:
             return t
         share = np.maximum((deviations / tolerance) ** power, track.least_share(t))
         rounds += 1
         if rounds == _ROUNDS or (rounds >= _LEAST_ROUNDS and share.sum() > n):
-            # One at a time; faster where rounding blurs very many, or nothing has helped for long.
-            n = n + 1 + n * attempt // 1_000_000 + (n // 50 if attempt > 10 * _ROUNDS else 0)
+            # One at a time; faster where rounding blurs very many.
+            n = n + 1 + n * attempt // 1_000_000
             rounds = 0
         t = _spread(t, share, n)
+    for _ in range(_HALVINGS):
+        deviations = deviation(t)
+        off = np.flatnonzero(deviations > tolerance)
+        if not off.size:
+            return t
+        t = np.insert(t, off + 1, (t[off] + t[off + 1]) / 2)
     raise ValueError(
-        f"no {n} stretches keep within {tolerance:.3g} mm; rounding leaves {deviations.max():.3g} mm"
+        f"no {t.size - 1} stretches keep within {tolerance:.3g} mm; rounding leaves {deviations.max():.3g} mm"
     )
 
 

@@ -213,6 +213,21 @@ def test_a_fit_is_that_of_its_own_contour() -> None:
     }
 
 
+def test_waves_finer_than_the_arcs() -> None:
+    """A circle of 40 mm with 171 waves of half a tolerance each way: arcs that skip waves hold, and no number of even ones does."""
+
+    def waves(t: np.ndarray, order: int) -> np.ndarray:
+        amplitudes = ((1, 40), (172, 2.5e-4), (-170, 2.5e-4))
+        terms = [c * (1j * k) ** order * np.exp(1j * k * np.asarray(t)) for k, c in amplitudes]
+        return np.asarray(sum(terms))
+
+    piece = Smooth(waves, 0.0, math.tau)
+    fitted = fit_arcs(Contour((piece,)), 1e-3)
+    places = np.concatenate([p.at(np.linspace(p.t0, p.t1, 9)) for p in fitted.pieces])
+    assert np.max(distance_to_curve(places, piece)) <= 1.001e-3
+    assert np.max(distance_to_pieces(piece.at(piece.spread(2001)), fitted.pieces)) <= 1.001e-3
+
+
 def test_refused() -> None:
     """No tolerance, no length, no arcs."""
     for tolerance in (0.0, -1.0, math.nan, math.inf):

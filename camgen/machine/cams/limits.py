@@ -196,8 +196,8 @@ def _rounding(exact: ExactCam, most: float, where: str) -> list[Finding]:
     if not tables:
         return []
     message = (
-        "share of the greatest acceleration that the last digit of the table's rows can make: more digits, fewer rows, or "
-        "over 360 deg a tolerance of its law lower it"
+        "share of the greatest acceleration that the last digit of the table's rows can make: more digits, fewer rows, or, "
+        "over 360 deg, law.tolerance lower it"
     )
     share = max(law.rounding for law in tables)
     return [at_most("TABLE_ROUNDING", share, most, "1", Where(where), message)]
