@@ -1,8 +1,9 @@
-"""`camgen motion`: a follower rolled on any outline, or one outline that drives another."""
+"""`camgen motion`: a follower rolled on any outline, one outline that drives another, or a servo drive by its cam table."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -188,14 +189,21 @@ def motion(
       camgen motion pinion.dxf --drives wheel.dxf --distance 42 --ratio -12/30 --tolerance 0.01
     lets one outline drive another. Each turns about its file's origin; motion.csv has both ends of what is
     free for the driven one, every quarter degree of the driver. Writes OUT/<file>-drives-<driven>/.
+
+    \b
+      camgen motion disc-cam-contact-codesys.st --against disc-cam.toml
+    without both: FILE is the cam table of a servo drive, as `camgen build --only servo` writes them (CODESYS,
+    TwinCAT, S7), or a CSV of master, deg, and slave.
     """
 
     _refuse_mixed(options)
 
     def work() -> Work:
-        from camgen.measuring import drives
+        from camgen.measuring import drives, servo
         from camgen.measuring import motion as outline_motion
 
+        if options["follower"] is None and options["drives"] is None:
+            return lambda path, progress, jobs: servo.run(path, options["against"], out, progress)
         hints = _hints(options)
         if options["drives"] is not None:
             wanted = drives.Request(options["drives"], _drive(options), options["tolerance"], hints)
@@ -214,17 +222,25 @@ def motion(
 
 
 def _refuse_mixed(options: dict[str, Any]) -> None:
-    """UsageError where neither or both of --follower and --drives are given, or options of the other one."""
+    """UsageError where both of --follower and --drives are given, or options of another one."""
     follower = options["follower"] is not None
-    if follower == (options["drives"] is not None):
+    drives = options["drives"] is not None
+    if follower and drives:
         raise click.UsageError("give --follower, or --drives")
-    others = _OF_DRIVES if follower else _OF_FOLLOWER
+    others: Sequence[str]
+    if not follower and not drives:
+        others = (*_OF_DRIVES, "second_follower", "second")
+        reader = "a cam table: give --follower for an outline"
+    elif follower:
+        others = _OF_DRIVES
+        reader = "--follower"
+    else:
+        others = _OF_FOLLOWER
+        reader = "--drives"
     given = [name for name in others if options[name]]
     if given:
         option = "--driven-inside" if given[0] == "inside" else f"--{given[0].replace('_', '-')}"
-        raise click.UsageError(
-            f"{option} does not go with {'--follower' if follower else '--drives'}"
-        )
+        raise click.UsageError(f"{option} does not go with {reader}")
 
 
 def _hints(options: dict[str, Any]) -> Hints:

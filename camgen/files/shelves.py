@@ -3,7 +3,7 @@
 print      plates, parts as STL and 3MF
 laser      sheets to cut
 drawings   dimensioned drawings
-cad        outlines and paths to cut, exact solids, the assembly
+cad        outlines and paths to cut, exact solids, the assembly, tables for servo drives
 the top    report, lists, texts, curves, spec and manifest
 """
 
@@ -16,7 +16,7 @@ from pathlib import Path
 
 MOST_FLAT = 20  # files
 _SHELVES = (
-    ("cad", re.compile(r".*-assembly\.(3mf|glb|step)|.*-(path|profile)\.csv")),
+    ("cad", re.compile(r".*-assembly\.(3mf|glb|step)|.*-(path|profile|servo)\.csv|.*\.st")),
     ("drawings", re.compile(r".*-drawing\.(pdf|dxf)")),
     ("laser", re.compile(r".*-sheet-\d+\.(dxf|svg)")),
     ("print", re.compile(r".*\.(stl|3mf)")),

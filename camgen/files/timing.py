@@ -27,7 +27,7 @@ _STILL = 1e-9  # of the greatest speed
 
 @dataclass(frozen=True)
 class Motion:
-    """What a cam's follower does over a turn of its shaft: (n,) deg from 0 to 360, (n,) mm or deg, and its rate."""
+    """What a cam's follower does over a turn of its shaft: (n,) deg from 0 to 360, (n,) mm or deg, and its rate per deg."""
 
     name: str
     unit: str

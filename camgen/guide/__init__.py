@@ -21,6 +21,7 @@ TOPICS = (
     "sweeps",
     "printing",
     "laser",
+    "servo",
     "report",
     "findings",
     "python",

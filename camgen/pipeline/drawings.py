@@ -18,6 +18,7 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Points
 from camgen.machine.features import PinEyes
 from camgen.machine.model import Cam
+from camgen.machines.follower_motions import follower_motions
 from camgen.machines.mechanism import Mechanism
 from camgen.parts import materials
 from camgen.parts.assembly import cut_of_sheet
@@ -76,19 +77,11 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
 
 def timing_of(mechanism: Mechanism) -> list[Motion]:
     """What the followers of a machine's cams do over a turn of their shafts, by the angle by which these have turned."""
-    sense = mechanism.assembly.cycle.sense
-    degrees = np.linspace(0.0, 360.0, _SAMPLES)
-    motions = []
-    for joint in mechanism.model.joints:
-        if not isinstance(joint, Cam):
-            continue
-        turned = sense * np.radians(degrees) - joint.phase
-        swings = joint.slide is None
-        scale = np.degrees(1.0) if swings else 1.0
-        stroke = scale * joint.law(turned, 0)
-        rate = sense * scale * joint.law(turned, 1)
-        motions.append(Motion(joint.name, "deg" if swings else "mm", degrees, stroke, rate))
-    return motions
+    x = np.linspace(0.0, 360.0, _SAMPLES)
+    return [
+        Motion(each.name, each.unit, x, each.law(x, 0), each.law(x, 1))
+        for each in follower_motions(mechanism)
+    ]
 
 
 def timing_facts(mechanism: Mechanism) -> Facts:

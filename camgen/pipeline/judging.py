@@ -38,6 +38,7 @@ from camgen.pipeline.making import (
 )
 from camgen.pipeline.reading import Read, budget_of, judge_motion, judge_part, moved_by
 from camgen.pipeline.scope import ANY, Outcome, Stage, not_judged, of_parts, unheard
+from camgen.pipeline.servo import servo_files
 from camgen.pipeline.summary import plates_of
 from camgen.progress import Progress
 from camgen.report.report import Report
@@ -195,6 +196,8 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
         stages.append(Stage((), "sheets for the laser", DRAWN, judge_laser))
     if mechanism.files.machining:
         stages.append(Stage((), "tables for machine tools", DRAWN, judge_machining))
+    if "servo" in kinds:
+        stages.append(Stage(("SERVO_TABLE",), "cam tables for servo drives", (), judge_servo))
     if any(kind in EXACT for kind in kinds):
         stages.append(
             Stage((), "copies of exact solids in the assembly", EXACT, judge_exact_assembly)
@@ -322,6 +325,13 @@ def judge_machining(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.pipeline.machining import judge_tables
 
     return Outcome(judge_tables(case))
+
+
+def judge_servo(case: Case, kinds: Sequence[str]) -> Outcome:
+    """Cam tables for servo drives, against the motion of the followers."""
+    from camgen.pipeline.servo import judge_servo_tables
+
+    return judge_servo_tables(case)
 
 
 def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -508,7 +518,7 @@ def _machine_files(case: Case) -> list[str]:
         case.folder / f"{case.mechanism.name}-{name}" for name in case.mechanism.assembly.texts
     ]
     drawings = [case.file(f"{name}-drawing", "pdf") for name in (*case.parts, "timing")]
-    others = (*plates_of(case), *cut_files(case), *texts, *drawings)
+    others = (*plates_of(case), *cut_files(case), *servo_files(case), *texts, *drawings)
     return [path.name for path in (*single, *others) if path.exists()]
 
 

@@ -73,6 +73,10 @@ def put_together(case: Case, only: frozenset[str], solids: Made, progress: Progr
         from camgen.pipeline.machining import make_tables
 
         make_tables(case)
+    if "servo" in only:
+        from camgen.pipeline.servo import make_servo_tables
+
+        make_servo_tables(case)
     if "step" in only:
         write_exact_assembly(case)
     if "3mf" not in only:

@@ -32,6 +32,7 @@ from camgen.pipeline.case import Case
 from camgen.pipeline.laser import sheet_files
 from camgen.pipeline.making import lying_sides, write_parts_list, written
 from camgen.pipeline.scope import Outcome
+from camgen.pipeline.servo import servo_files
 from camgen.pipeline.summary import (
     Summary,
     draw_part,
@@ -104,6 +105,8 @@ def _files(case: Case, kind: str) -> list[Path]:
     """Files that a build makes of a kind, where nothing else asks for them."""
     if kind == "report":
         return [case.folder / "report.html", case.file("assembly", "glb")]
+    if kind == "servo":
+        return servo_files(case)
     if kind in RENDERED:
         return [rendered_file(case, case.folder, kind)]
     if kind == "plots":
@@ -113,7 +116,7 @@ def _files(case: Case, kind: str) -> list[Path]:
 
 def judged_files(case: Case, names: Collection[str]) -> set[str]:
     """Those of the files, as the manifest names them, that are judged by what they hold."""
-    paths = [path for kind in FORMATS for path in _files(case, kind)]
+    paths = [path for kind in (*FORMATS, "servo") for path in _files(case, kind)]
     parts = {case.place(path) for path in (*paths, *sheet_files(case))}
     return parts | {SPEC} | {name for name in names if name.endswith((".3mf", ".step"))}
 

@@ -67,5 +67,5 @@ def test_a_machines_cams_are_those_of_its_model() -> None:
     assert [motion.name for motion in motions] == ["lower_cam", "upper_cam"]
     for motion in motions:
         assert motion.stroke[0] == pytest.approx(motion.stroke[-1])
-        slope = np.gradient(motion.stroke, np.radians(DEGREES))
-        assert np.allclose(motion.rate[5:-5], slope[5:-5], atol=1e-3 * np.ptp(motion.stroke))
+        slope = np.gradient(motion.stroke, DEGREES)
+        assert np.allclose(motion.rate[5:-5], slope[5:-5], atol=2e-5 * np.ptp(motion.stroke))

@@ -1,0 +1,133 @@
+"""Cam tables for servo drives: what the follower of each cam does, written in the texts of the makers, read back and judged.
+
+<name>-<cam>-codesys.st, -twincat.st   rows with velocity and acceleration, between which the drive lays quintics
+<name>-<cam>-s7.st                     points alone, every half degree
+<name>-<cam>-servo.csv                 the rows of the first two, for any other drive
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from camgen.errors import Fault, SpecError
+from camgen.files.servo import DIALECTS, PLAIN, CamTable, plain_text, read_cam_table
+from camgen.findings import Finding, Where, at_most
+from camgen.geometry.outlines import Floats
+from camgen.machines.follower_motions import FollowerMotion, follower_motions
+from camgen.numerics import distinct
+from camgen.pipeline.case import Case
+from camgen.pipeline.scope import Outcome
+from camgen.study import Table
+
+CODE = "SERVO_TABLE"
+_WIDEST = 30.0  # deg, between two rows
+_NARROWEST = 0.02  # deg: nearer rows do not help, since something jumps between them
+_OFF = 1e-6  # of the stroke, by which quintics between rows may leave the motion
+_LIMIT = 1e-5  # of the stroke, of what is read back
+_STEP = 0.5  # deg, between points without velocity
+_INSIDE = np.linspace(0, 1, 10)[1:-1]  # places between two rows that are looked at
+_SAME_ANGLE = 1e-7  # deg
+
+
+def _rows(motion: FollowerMotion) -> CamTable:
+    """Rows at all breaks, and so many more that quintics between them keep to the motion."""
+    ends = distinct(np.arange(0, 360 + _WIDEST, _WIDEST), motion.breaks)
+    allowed = _OFF * motion.stroke
+    table = _table(motion, ends)
+    while True:
+        x = table.master
+        inside = x[:-1, None] + np.diff(x)[:, None] * _INSIDE
+        off = np.abs(table.curve()(inside, 0) - motion.law(inside, 0)).max(axis=1)
+        wide = np.flatnonzero((off > allowed) & (np.diff(x) > _NARROWEST))
+        if not wide.size:
+            return table
+        table = _table(motion, np.insert(x, wide + 1, (x[wide] + x[wide + 1]) / 2))
+
+
+def _table(motion: FollowerMotion, x: Floats) -> CamTable:
+    return CamTable(motion.unit, x, *(motion.law(x, order) for order in range(3)))
+
+
+def _even_points(motion: FollowerMotion, most: int) -> CamTable:
+    """Even points, with those at breaks as far as there is room."""
+    even = np.arange(0, 360 + _STEP, _STEP)
+    every = distinct(even, motion.breaks)
+    x = every if len(every) <= most else even
+    return CamTable(motion.unit, x, motion.law(x, 0))
+
+
+def _files(case: Case, motion: FollowerMotion) -> dict[str, Path]:
+    """The file of each dialect, and of the plain table."""
+    name = motion.name.replace(" ", "-")
+    found = {}
+    for key, ending in (*((key, d.ending) for key, d in DIALECTS.items()), ("csv", PLAIN)):
+        what, _, kind = ending.partition(".")
+        found[key] = case.file(f"{name}-{what}", kind)
+    return found
+
+
+def make_servo_tables(case: Case) -> None:
+    """Write the tables of all cams; SpecError where the machine has none."""
+    motions = list(follower_motions(case.mechanism))
+    if not motions:
+        kind = case.mechanism.mechanism
+        raise SpecError([Fault(("only",), "servo", f"no servo tables: this {kind} has no cam")])
+    for motion in motions:
+        files = _files(case, motion)
+        rows = _rows(motion)
+        title = f"{case.mechanism.name}-{motion.name}"
+        for key, dialect in DIALECTS.items():
+            table = rows if dialect.rates else _even_points(motion, dialect.most)
+            _write(files[key], dialect.text(title, table))
+        _write(files["csv"], plain_text(rows))
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def servo_files(case: Case) -> list[Path]:
+    """Tables that a build may have made and that are there."""
+    endings = (*(dialect.ending for dialect in DIALECTS.values()), PLAIN)
+    return [path for ending in endings for path in case.files(f"*-{ending}")]
+
+
+def judge_servo_tables(case: Case) -> Outcome:
+    """SERVO_TABLE of each file: the drive's curve through the rows that are read back, against the motion of the follower."""
+    findings: list[Finding] = []
+    rows: list[tuple[object, ...]] = []
+    for motion in follower_motions(case.mechanism):
+        for path in _files(case, motion).values():
+            finding, row = _judged(path, motion)
+            findings.append(finding)
+            rows.append(row)
+    columns = ("file", "rows", "unit", "off by", "acceleration off by, of its peak")
+    return Outcome(findings, tables=[Table("Cam tables for servo drives", columns, rows)])
+
+
+def _judged(path: Path, motion: FollowerMotion) -> tuple[Finding, tuple[object, ...]]:
+    """Finding and row of the report on one file."""
+    table = read_cam_table(path)
+    curve = table.curve()
+    stroke = motion.stroke or 1.0
+    off = motion.off(curve)
+    of_acceleration = motion.off(curve, 2) / (motion.off(_still, 2) or 1.0)
+    complete = abs(table.master[0]) + abs(table.master[-1] - 360) < _SAME_ANGLE
+    gap = _STEP if table.velocity is None else _NARROWEST
+    limit = _LIMIT + motion.corner * gap / 4 / stroke
+    measured = off / stroke if complete else math.nan
+    message = (
+        f"off the follower's way by at most {off:.2g} {motion.unit} of {stroke:.4g} {motion.unit}, of {len(table.master)} rows"
+        if complete
+        else f"from {table.master[0]:g} to {table.master[-1]:g} deg, not from 0 to 360"
+    )
+    where = Where(file=path.name, kind=path.suffix[1:], output=motion.name)
+    finding = at_most(CODE, 100 * measured, 100 * limit, "percent", where, message)
+    return finding, (path.name, len(table.master), motion.unit, off, of_acceleration)
+
+
+def _still(x: Floats, order: int) -> Floats:
+    return np.zeros(np.shape(x))
