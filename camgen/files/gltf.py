@@ -1,6 +1,6 @@
 """GLB: the machine with one turn as its animation, for viewers, Blender and the report's own page (glTF 2.0, binary).
 
-    root     turned by -90 deg about x and scaled by 0.001: z up and mm become y up and m, as glTF has them
+    root     turned so that what is up becomes y, and scaled by 0.001: mm become m, as glTF has them
     body     a node that moves, every copy of a part on it a node that stands where it is mounted
     mesh     one for each part, coarse and without normals: flat faces, as glTF says of such meshes
 
@@ -57,8 +57,29 @@ class Track:
     copies: Sequence[tuple[str, int, Floats]]
 
 
-def glb(name: str, shapes: Sequence[Shape], bodies: Sequence[Track], turns: int = 1) -> bytes:
-    """The file's bytes; turns: over which the bodies are given."""
+LYING = (0.0, 0.0, -1.0)  # which way is down where the plate lies on the table
+
+
+def upright(down: tuple[float, float, float]) -> list[float]:
+    """Quaternion (x, y, z, w) that turns the machine's axes into those of glTF: up is y, what is seen from the front z.
+
+    down: a unit vector, along z or across it. A machine that lies is seen from its -y, one that stands up from its z.
+    """
+    half = math.sqrt(0.5)
+    if down[2]:
+        return [math.copysign(half, down[2]), 0, 0, half]
+    angle = math.pi / 2 - math.atan2(-down[1], -down[0])
+    return [0, 0, math.sin(angle / 2), math.cos(angle / 2)]
+
+
+def glb(
+    name: str,
+    shapes: Sequence[Shape],
+    bodies: Sequence[Track],
+    turns: int = 1,
+    down: tuple[float, float, float] = LYING,
+) -> bytes:
+    """The file's bytes; turns: over which the bodies are given; down: a unit vector, see `upright`."""
     pack = _Pack()
     meshes = []
     materials = []
@@ -78,9 +99,8 @@ def glb(name: str, shapes: Sequence[Shape], bodies: Sequence[Track], turns: int 
             "roughnessFactor": 0.7,
         }
         materials.append({"name": shape.name, "pbrMetallicRoughness": factor})
-    half = -math.sqrt(0.5)
     nodes: list[dict[str, Any]] = [
-        {"name": name, "rotation": [half, 0, 0, -half], "scale": [0.001] * 3, "children": []}
+        {"name": name, "rotation": upright(down), "scale": [0.001] * 3, "children": []}
     ]
     channels: list[dict[str, Any]] = []
     samplers: list[dict[str, Any]] = []
@@ -229,7 +249,6 @@ _COPY = {"name", "mesh", "matrix"}
 _VIEW = {"buffer", "byteOffset", "byteLength", "target"}
 _TOOK = {_FLOAT: "<f4", _SHORT: "<u2", _LONG: "<u4"}
 _WIDTH = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}
-_UPRIGHT = ([-math.sqrt(0.5), 0, 0, math.sqrt(0.5)], [0.001] * 3)  # z up becomes y up, mm become m
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,10 +265,11 @@ class Course:
     copies: Sequence[tuple[str, str, Floats]]
 
 
-def read_glb(path: Path) -> list[Course]:
-    """The bodies of a machine as `glb` writes it; FileError of a file that holds or says anything else."""
+def read_glb(path: Path, down: tuple[float, float, float] = LYING) -> list[Course]:
+    """The bodies of a machine as `glb` writes it; FileError of a file that holds or says anything else, or has another side
+    down."""
     try:
-        return _Glb(read_bytes(path, _SIZE)).courses()
+        return _Glb(read_bytes(path, _SIZE)).courses(down)
     except (
         ArithmeticError,
         AttributeError,
@@ -297,13 +317,13 @@ class _Glb:
             )
         return values
 
-    def courses(self) -> list[Course]:
+    def courses(self, down: tuple[float, float, float]) -> list[Course]:
         """All bodies."""
         root = self.node(0, _ROOT)
         if (self.whole["scene"], self.whole["scenes"]) != (0, [{"nodes": [0]}]):
             raise ValueError("another scene")
         if not np.allclose(
-            [*root["rotation"], *root["scale"]], [*_UPRIGHT[0], *_UPRIGHT[1]], rtol=0, atol=1e-7
+            [*root["rotation"], *root["scale"]], [*upright(down), *[0.001] * 3], rtol=0, atol=1e-7
         ):
             raise ValueError("the whole is turned or scaled otherwise")
         tracks = self.moved()

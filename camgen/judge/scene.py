@@ -57,11 +57,19 @@ class Flight:
         return np.stack(rows, axis=1).reshape(-1, 3, 4)
 
 
-def judge_scene(path: Path, flights: Mapping[str, Flight], seconds: float) -> Finding:
-    """ROUND_TRIP of a GLB: how far a point of a copy is out of its place, mm, at any frame of an animation of so many seconds."""
+def judge_scene(
+    path: Path,
+    flights: Mapping[str, Flight],
+    seconds: float,
+    down: tuple[float, float, float] = (0.0, 0.0, -1.0),
+) -> Finding:
+    """ROUND_TRIP of a GLB: how far a point of a copy is out of its place, mm, at any frame of an animation of so many seconds.
+
+    down: which way is down, a unit vector.
+    """
     copies = [
         (copy, part, course, transform)
-        for course in read_glb(path)
+        for course in read_glb(path, down)
         for copy, part, transform in course.copies
     ]
     if sorted((copy, part) for copy, part, *_ in copies) != sorted(

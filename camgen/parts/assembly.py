@@ -107,6 +107,14 @@ class Support:
 
 
 @dataclass(frozen=True)
+class Feet:
+    """What a machine walks on: which way is down, a unit vector, and the parts that end in soles, by their names."""
+
+    down: tuple[float, float, float]
+    parts: frozenset[str]
+
+
+@dataclass(frozen=True)
 class FollowerFacts:
     """What forces need to know of a cam's follower."""
 
@@ -154,6 +162,7 @@ class Assembly:
     shaft: Shaft | None = None
     follower: FollowerFacts = FollowerFacts()
     support: Support | None = None  # its stand, where it has one
+    feet: Feet | None = None  # where it stands on its own feet
     board: str = ""  # what it stands on, as the last step says; "" where nothing is said
     work: Sequence[Table] = ()  # the order of assembly, where it is not by height
     material_limits: MaterialLimits = MaterialLimits()
@@ -186,6 +195,12 @@ class Assembly:
     def by_name(self) -> Mapping[str, Part]:
         """Its parts by their names."""
         return {part.name: part for part in self.parts}
+
+    @property
+    def down(self) -> tuple[float, float, float]:
+        """Which way is down, a unit vector: by its stand, by its feet, or as its plate lies on the table."""
+        standing = self.support or self.feet
+        return standing.down if standing else (0.0, 0.0, -1.0)
 
     @property
     def solids(self) -> Solids:

@@ -449,9 +449,9 @@ def judge_animation(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.pipeline.shown import flights
 
     path = case.file("assembly", "glb")
-    return Outcome(
-        [judge_scene(path, flights(case.mechanism), case.mechanism.assembly.cycle.turns * SECONDS)]
-    )
+    made = case.mechanism.assembly
+    seconds = made.cycle.turns * SECONDS
+    return Outcome([judge_scene(path, flights(case.mechanism), seconds, made.down)])
 
 
 def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:

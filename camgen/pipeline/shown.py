@@ -125,18 +125,18 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
     """The machine in three dimensions, from coarse solids of its exact parts; plates: what was laid out."""
     from camgen.files.gltf import glb
 
-    parts = mechanism.assembly.parts
+    assembly = mechanism.assembly
     shapes, tracks = solids(mechanism, _FRAMES_3D)
     order = [copy for track in tracks for copy, _, _ in track.copies]
-    table = order_of_assembly(mechanism.assembly)
-    made = glb(mechanism.name, shapes, tracks, mechanism.assembly.cycle.turns)
+    table = order_of_assembly(assembly)
+    made = glb(mechanism.name, shapes, tracks, assembly.cycle.turns, assembly.down)
     return Scene(
         made,
         order,
         plates,
         table.steps,
-        table.title if mechanism.assembly.work else Scene.work,
-        [hole_labels(part) for part in parts],
+        table.title if assembly.work else Scene.work,
+        [hole_labels(part) for part in assembly.parts],
     )
 
 
@@ -173,7 +173,7 @@ def rendered(mechanism: Mechanism, kind: str) -> bytes:
     from camgen.report import render
 
     draw = render.picture if kind == "picture" else render.film
-    return draw(*solids(mechanism, _FRAMES), animation(mechanism))
+    return draw(*solids(mechanism, _FRAMES), animation(mechanism), mechanism.assembly.down)
 
 
 def hole_labels(part: Part) -> list[HoleLabel]:

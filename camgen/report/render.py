@@ -4,7 +4,7 @@
     span       a row of pixels that a triangle covers; of all spans over a pixel the nearest is seen
     ghost      what is not made, such as the follower of a cam alone: what lies behind shines through
 
-The eye is far away, in front of the machine, above and to the right, as in the report.
+The eye is far away, in front of the machine, above and to the right, as in the report; what is up is up in the picture.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from camgen.files.gltf import Shape, Track
+from camgen.files.gltf import LYING, Shape, Track, upright
 from camgen.numerics import Floats, Points
 from camgen.report.animation import Animation
 from camgen.report.colours import part_colour
@@ -27,13 +27,12 @@ if TYPE_CHECKING:
 
 Ints = np.ndarray[Any, np.dtype[np.int64]]
 Bools = np.ndarray[Any, np.dtype[np.bool_]]
+Vector = tuple[float, float, float]
 Kind = Literal["part", "ghost", "line"]  # a line has no edges
 
-_EYE = np.array([0.55, -1.0, 0.9]) / np.linalg.norm([0.55, -1.0, 0.9])
-_RIGHT = np.cross([0.0, 0.0, 1.0], _EYE) / np.linalg.norm(np.cross([0.0, 0.0, 1.0], _EYE))
-_UP = np.cross(_EYE, _RIGHT)
-_SCREEN = np.array([_RIGHT, -_UP, _EYE])  # rows: the axes of the screen in the ground's
-_SUN = (_EYE + 0.25 * _UP) / np.linalg.norm(_EYE + 0.25 * _UP)
+_EYE = np.array([0.55, 0.9, 1.0]) / np.linalg.norm([0.55, 0.9, 1.0])  # y up, z towards the front
+_RIGHT = np.cross([0.0, 1.0, 0.0], _EYE) / np.linalg.norm(np.cross([0.0, 1.0, 0.0], _EYE))
+_SUN = np.array([0.0, -0.25, 1.0]) / np.linalg.norm([0.0, -0.25, 1.0])  # in the axes of the screen
 _AMBIENT = 0.45  # share of a colour that a face has which the sun does not reach
 _GHOST = 0.45  # share of a ghost's colour over what is behind
 _FINE = 2  # pixels drawn for each that is shown, each way
@@ -65,8 +64,12 @@ class _Solid:
 
 @dataclass(frozen=True)
 class _View:
-    """Which part of the screen is shown: its upper left corner, mm, px for each mm, and the size in px."""
+    """Which part of the screen is shown: its upper left corner, mm, px for each mm, and the size in px.
 
+    screen: (3, 3), its rows the axes of the screen in those of the ground.
+    """
+
+    screen: Floats
     left: float
     top: float
     scale: float
@@ -74,18 +77,23 @@ class _View:
     high: int
 
 
-def picture(shapes: Sequence[Shape], tracks: Sequence[Track], animation: Animation) -> bytes:
-    """The machine at the first angle, as PNG."""
+def picture(
+    shapes: Sequence[Shape], tracks: Sequence[Track], animation: Animation, down: Vector = LYING
+) -> bytes:
+    """The machine at the first angle, as PNG; down: a unit vector, along z or across it."""
     solids = _solids(shapes, tracks, animation)
-    return _encoded(_image(solids, animation, 0, _view(solids, animation, _PICTURE)), "PNG")
+    view = _view(solids, animation, _PICTURE, _screen(down))
+    return _encoded(_image(solids, animation, 0, view), "PNG")
 
 
-def film(shapes: Sequence[Shape], tracks: Sequence[Track], animation: Animation) -> bytes:
-    """One period of the machine as a GIF that is repeated; of what does not move, a picture."""
+def film(
+    shapes: Sequence[Shape], tracks: Sequence[Track], animation: Animation, down: Vector = LYING
+) -> bytes:
+    """One period of the machine as a GIF that is repeated; of what does not move, a picture; down: see `picture`."""
     from PIL import Image
 
     solids = _solids(shapes, tracks, animation)
-    view = _view(solids, animation, _FILM)
+    view = _view(solids, animation, _FILM, _screen(down))
     count = len(animation.theta) if animation.moves else 1
     wanted = min(_FRAMES * animation.turns, _MOST_FRAMES)
     chosen = range(0, count, max(1, count // wanted))
@@ -193,18 +201,34 @@ def _courses(animation: Animation, frame: int) -> list[_Solid]:
 # ---- the screen ------------------------------------------------------------------------------------------------------
 
 
-def _on_screen(solid: _Solid, frame: int) -> tuple[Floats, Floats]:
-    """Corners (n, 3, 3), mm, in the axes of the screen, and normals (n, 3) in those of the ground, at a frame."""
+def _screen(down: Vector) -> Floats:
+    """The axes of the screen, (3, 3), rows: to the right, downwards, towards the eye."""
+    x, y, z, w = upright(down)
+    upright_axes = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    screen: Floats = np.array([_RIGHT, -np.cross(_EYE, _RIGHT), _EYE]) @ upright_axes
+    return screen
+
+
+def _on_screen(solid: _Solid, frame: int, screen: Floats) -> tuple[Floats, Floats]:
+    """Corners (n, 3, 3), mm, and normals (n, 3) in the axes of the screen, at a frame."""
     angle = solid.angle[frame]
     place = solid.place[frame]
     turn = np.array(
         [[math.cos(angle), -math.sin(angle), 0], [math.sin(angle), math.cos(angle), 0], [0, 0, 1]]
     )
-    shift = _SCREEN @ [place.real, place.imag, 0.0]
-    return solid.corners @ (_SCREEN @ turn).T + shift, solid.normals @ turn.T
+    axes = (screen @ turn).T
+    return solid.corners @ axes + screen @ [place.real, place.imag, 0.0], solid.normals @ axes
 
 
-def _view(solids: Sequence[_Solid], animation: Animation, most: tuple[int, int]) -> _View:
+def _view(
+    solids: Sequence[_Solid], animation: Animation, most: tuple[int, int], screen: Floats
+) -> _View:
     """What holds the machine over all frames."""
     lows = []
     highs = []
@@ -212,7 +236,7 @@ def _view(solids: Sequence[_Solid], animation: Animation, most: tuple[int, int])
     moved = [(solid, k) for solid in solids for k in frames if _finite(solid, k)]
     moved += [(each, k) for k in frames for each in _courses(animation, k)]
     for solid, frame in moved:
-        places = _on_screen(solid, frame)[0].reshape(-1, 3)
+        places = _on_screen(solid, frame, screen)[0].reshape(-1, 3)
         if len(places):
             lows.append(places.min(axis=0))
             highs.append(places.max(axis=0))
@@ -221,7 +245,7 @@ def _view(solids: Sequence[_Solid], animation: Animation, most: tuple[int, int])
     scale = min((1 - 2 * _MARGIN) * most[0] / size[0], (1 - 2 * _MARGIN) * most[1] / size[1])
     edge = _MARGIN * max(most) / scale
     wide, high = (math.ceil(scale * (length + 2 * edge)) for length in size[:2])
-    return _View(low[0] - edge, low[1] - edge, scale, wide, high)
+    return _View(screen, low[0] - edge, low[1] - edge, scale, wide, high)
 
 
 def _finite(solid: _Solid, frame: int) -> bool:
@@ -252,8 +276,8 @@ def _drawn(solids: Sequence[_Solid], frame: int, view: _View) -> tuple[Floats, F
     colours = [np.zeros((0, 3))]
     things = [np.zeros(0, int)]
     for k, solid in enumerate(solids):
-        places, facing = _on_screen(solid, frame)
-        seen = facing @ _EYE > 1e-9
+        places, facing = _on_screen(solid, frame, view.screen)
+        seen = facing[:, 2] > 1e-9
         corners.append(places[seen])
         normals.append(facing[seen])
         light = _AMBIENT + (1 - _AMBIENT) * np.maximum(facing[seen] @ _SUN, 0)

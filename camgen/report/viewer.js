@@ -50,7 +50,8 @@
       node.children.forEach(child => copies.push({ part: parts[file.nodes[child].mesh], matrix: file.nodes[child].matrix || [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], group }));
       return { group, channels: channels.filter(channel => channel.node === number) };
     });
-    return { parts, copies, bodies };
+    // The file's root says what is up: it turns the machine so that up is y and its front z.
+    return { parts, copies, bodies, stands: new THREE.Quaternion().fromArray(file.nodes[0].rotation).invert() };
   }
 
   // Corners with normals that are shared over edges of less than 30 deg, and the sharper edges as lines.
@@ -122,11 +123,17 @@
   const surface = more => new THREE.MeshLambertMaterial({ polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1, ...more });
   const variable = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
   const colour = k => new THREE.Color(variable("--p" + k) || "#888888");
-  const ahead = () => new THREE.Vector3(0.55, -1, 0.9).normalize();  // the first view: from the front, above and right
+  // The first view: from the front, above and right. stands: turns y up and z forward into the machine's axes.
+  const ahead = stands => new THREE.Vector3(0.55, 0.9, 1).normalize().applyQuaternion(stands);
+  const lain = () => new THREE.Quaternion(Math.SQRT1_2, 0, 0, Math.SQRT1_2);  // z is up: parts by themselves, and what is on the bench
+  function eye(stands) {
+    const camera = new THREE.PerspectiveCamera(28, 1, 1, 1000);
+    camera.up.set(0, 1, 0).applyQuaternion(stands);
+    return camera;
+  }
   const fill = 0.94;  // share of the picture
   function look(camera, points, from) {  // from a direction, so that the points just fit the picture
     const up = fill * Math.tan(camera.fov * Math.PI / 360), across = up * camera.aspect, place = new THREE.Vector3();
-    camera.up.set(0, 0, 1);
     camera.position.copy(from);
     camera.lookAt(place);
     const turned = camera.quaternion.clone().invert();
@@ -184,6 +191,7 @@
     canvas.addEventListener("wheel", event => { if (!focused()) event.stopImmediatePropagation(); }, { passive: true });
     const touched = () => { canvas.style.touchAction = focused() ? "none" : "auto"; };
     const controls = new THREE.OrbitControls(camera, canvas), before = new THREE.Vector3();
+    const upright = new THREE.Quaternion().setFromUnitVectors(camera.up, new THREE.Vector3(0, 1, 0));
     const hand = { held: false, aim };  // held: whether a person has turned or moved the view
     controls.enableDamping = false;
     ["focus", "blur"].forEach(name => canvas.addEventListener(name, touched));
@@ -196,9 +204,11 @@
       const turns = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] }[event.key];
       const zoom = { "+": 1 / 1.1, "=": 1 / 1.1, "-": 1.1 }[event.key];
       if (turns) {
-        const flat = Math.hypot(round.x, round.y), height = Math.atan2(round.z, flat), far = round.length();
-        const along = Math.atan2(round.y, round.x) + turns[0], up = Math.max(-1.55, Math.min(1.55, height + turns[1]));
-        round.set(far * Math.cos(up) * Math.cos(along), far * Math.cos(up) * Math.sin(along), far * Math.sin(up));
+        round.applyQuaternion(upright);  // y is up
+        const flat = Math.hypot(round.x, round.z), height = Math.atan2(round.y, flat), far = round.length();
+        const along = Math.atan2(round.x, round.z) + turns[0], up = Math.max(-1.55, Math.min(1.55, height + turns[1]));
+        round.set(far * Math.cos(up) * Math.sin(along), far * Math.sin(up), far * Math.cos(up) * Math.cos(along));
+        round.applyQuaternion(upright.clone().invert());
       } else if (zoom) round.multiplyScalar(zoom);
       else if (event.key === "0" || event.key === "Home") { home(); return; }
       else return;
@@ -220,8 +230,8 @@
   }
 
   function show(renderer, canvas, machine, lying) {
-    const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(28, 1, 1, 1000), sun = lit(scene);
-    const { parts, copies, bodies } = machine;
+    const { parts, copies, bodies, stands } = machine;
+    const scene = new THREE.Scene(), camera = eye(stands), sun = lit(scene);
     const plane = new THREE.Plane(), cut = { axis: "", share: 0.5 };
     const edge = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.55 });
     renderer.localClippingEnabled = true;
@@ -422,7 +432,7 @@
       renderer.setSize(width, height, false);
       camera.aspect = width / height;
       camera.updateProjectionMatrix();
-      if (!hand.held) frame(ahead());
+      if (!hand.held) frame(ahead(stands));
       ask();
     }
     function frame(from) {  // all that comes into sight over a turn
@@ -437,7 +447,7 @@
       pick(-1);
       capped();
       spread(0);
-      frame(ahead());
+      frame(ahead(stands));
     }
     canvas.addEventListener("keydown", event => {
       if (event.key === " ") byId("play").click();
@@ -504,7 +514,7 @@
     dress();
     plain(false);
     spread(0);
-    frame(ahead());
+    frame(ahead(stands));
     if (matchMedia("(pointer: coarse)").matches) {
       name.textContent = "Tap, then turn and zoom";
       name.hidden = false;
@@ -535,8 +545,8 @@
         there.forEach(k => put(copies[k].part, standing[k], true));
         coming.forEach(k => put(copies[k].part, standing[k], false));
       }
-      const view = new THREE.PerspectiveCamera(28, 320 / 220, 1, 1000);
-      look(view, ends, ahead());
+      const view = Object.assign(eye(lain()), { aspect: 320 / 220 });
+      look(view, ends, ahead(lain()));
       sun.position.copy(view.position).addScaledVector(view.up, 50);
       small.render(scene, view);
       const context = target.getContext("2d");
@@ -581,7 +591,7 @@
     const canvas = byId("bench"), cards = [...document.querySelectorAll(".steps .cards li")], steps = lying.steps;
     if (!canvas) return { dress() {} };
     const frame = canvas.closest(".bench"), marks = byId("marks"), back = byId("back"), next = byId("next");
-    const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(28, 1, 1, 1000), sun = lit(scene);
+    const scene = new THREE.Scene(), camera = eye(lain()), sun = lit(scene);
     const plain = surface(), fresh = surface(), edge = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.5 }), coming = new THREE.Group(), there = new THREE.Group();
     const wait = 700, way = 1500;  // ms, before a part moves, and until it is in
     const corners = (numbers, more = 0) => numbers.flatMap(k => copies[k].part.ends.map(end => {
@@ -699,7 +709,7 @@
       event.preventDefault();
       go(number + turn);
     });
-    const home = () => { hand.held = false; aim(ahead()); };
+    const home = () => { hand.held = false; aim(ahead(lain())); };
     const hand = steered(canvas, camera, { moved: ask, home, tap() {} });
     back.addEventListener("click", () => go(number - 1));
     next.addEventListener("click", () => go(number + 1));
@@ -711,7 +721,7 @@
       renderer.setSize(width, height, false);
       camera.aspect = width / height;
       camera.updateProjectionMatrix();
-      aim(hand.held ? undefined : ahead());
+      aim(hand.held ? undefined : ahead(lain()));
     }).observe(canvas);
     new IntersectionObserver((entries, watch) => {  // made when it comes into sight
       if (!entries.some(entry => entry.isIntersecting)) return;

@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgen.errors import FileError
-from camgen.files.gltf import SECONDS, Shape, Track, glb, read_glb
+from camgen.files.gltf import SECONDS, Shape, Track, glb, read_glb, upright
 from camgen.geometry.mesh import Mesh, placing
 
 
@@ -144,6 +144,31 @@ def test_a_body_waits_where_the_machine_cannot_go() -> None:
     rotation = values(data, file["animations"][0]["samplers"][0]["output"])
     waits = np.flatnonzero((THETA > 1) & (THETA < 2))
     assert np.isfinite(rotation).all() and np.all(rotation[waits] == rotation[waits[0] - 1])
+
+
+def turned(quaternion: list[float], vector: list[float]) -> np.ndarray:
+    """v + 2 u x (u x v + w v) of a unit quaternion (u, w)."""
+    axis, w = np.array(quaternion[:3]), quaternion[3]
+    v = np.array(vector, float)
+    return v + 2 * np.cross(axis, np.cross(axis, v) + w * v)
+
+
+@given(st.floats(0, math.tau))
+def test_what_is_up_becomes_y_and_the_front_z(angle: float) -> None:
+    down = [math.cos(angle), math.sin(angle), 0.0]
+    standing = upright((down[0], down[1], down[2]))
+    assert turned(standing, down) == pytest.approx([0, -1, 0], abs=1e-12)
+    assert turned(standing, [0, 0, 1]) == pytest.approx([0, 0, 1], abs=1e-12)
+    lying = upright((0.0, 0.0, -1.0))
+    assert turned(lying, [0, 0, -1]) == pytest.approx([0, -1, 0], abs=1e-12)
+    assert turned(lying, [0, -1, 0]) == pytest.approx([0, 0, 1], abs=1e-12)
+
+
+def test_a_machine_that_stands_up_is_no_file_of_one_that_lies(tmp_path: Path) -> None:
+    (path := tmp_path / "a.glb").write_bytes(glb("demo", SHAPES, BODIES, 1, (0.0, -1.0, 0.0)))
+    assert len(read_glb(path, (0.0, -1.0, 0.0))) == len(BODIES)
+    with pytest.raises(FileError, match="the whole is turned"):
+        read_glb(path)
 
 
 # ---- read back -------------------------------------------------------------------------------------------------------

@@ -237,6 +237,9 @@ def test_a_sole_is_round_about_the_foot() -> None:
         piece.radius for piece in rocker.region.outer.pieces if getattr(piece, "centre", None) == at
     ]
     assert set(radii) == {7.0}
+    feet = machine.assembly.feet
+    assert feet is not None and feet.parts == {"rocker", "far-rocker"}
+    assert machine.assembly.down == feet.down == (0, -1, 0)
     with pytest.raises(SpecError, match="sole_diameter"):
         walker({"crank": {"sole_diameter": 14}})
 

@@ -91,6 +91,18 @@ def test_a_box_covers_what_its_faces_do() -> None:
     assert len(top) > len(front) > len(side)
 
 
+def test_what_is_up_is_up_in_the_picture() -> None:
+    """A box 40 by 20 by 10 that stands on its smallest side is the highest, on its largest the lowest."""
+    up = math.sqrt(1 - EYE[2] ** 2)  # share of a height that is seen from the eye
+    for down, high, wide, deep in (((-1.0, 0.0, 0.0), 40, 20, 10), ((0.0, 0.0, -1.0), 10, 40, 20)):
+        seen = pixels(picture(*shown(np.zeros(120), np.zeros(120, complex)), down))
+        drawn = (seen < 250).any(axis=2)
+        rows, columns = (np.flatnonzero(drawn.any(axis=k)) for k in (1, 0))
+        height = up * high + EYE[2] * (np.abs(EYE[:2]) / up @ [wide, deep])
+        width = np.abs([EYE[1], EYE[0]]) / up @ [wide, deep]
+        assert np.ptp(rows) / np.ptp(columns) == pytest.approx(height / width, rel=0.01)
+
+
 def common_colours(seen: np.ndarray) -> list[np.ndarray]:
     """The three that are seen most, but white."""
     packed, counts = np.unique(seen @ [65536, 256, 1], return_counts=True)

@@ -55,7 +55,7 @@ from camgen.machines.return_spring import SAMPLES
 from camgen.motion.program import Program
 from camgen.parts import assembly as assemblies
 from camgen.parts import materials
-from camgen.parts.assembly import Assembly, Cycle, FollowerFacts, Frame, MotorSeat
+from camgen.parts.assembly import Assembly, Cycle, Feet, FollowerFacts, Frame, MotorSeat
 from camgen.parts.catalogue import CLUTCHES, Bearing, turning_text
 from camgen.parts.counterweights import NAME
 from camgen.parts.generator import webs, wheels
@@ -509,7 +509,7 @@ class Linkage(Mechanism):
         own = self._made_of(self.bodies, self.model)
         if self._far_bodies is not None:
             far = self._made_of(self._far_bodies, self._far_fitted)
-            own = both_sides(own, far, self._mirror, self.model)
+            own = replace(both_sides(own, far, self._mirror, self.model), feet=self._feet)
         whole = assemblies.joined(own, [each.assembly for each in self.modules], self.model)
         even = self.drive.range_deg is None and not self.drive.segments
         cams = any(isinstance(each, CamOutline) for each in whole.features)
@@ -517,13 +517,25 @@ class Linkage(Mechanism):
         whole = replace(whole, cycle=replace(self.cycle, name=name, turns=self.turns))
         if self.making.stand == "none":
             return whole
-        deg = None if self.load is None else self.load.gravity_deg
-        up = 1j if deg is None else -cmath.exp(1j * math.radians(deg))
         sizes = self.bodies.sizes
         kind = self.making.stand
         return on_stand(
-            TableStand(whole, kind, sizes, self.print, self.allowed.min_wall, complex(up))
+            TableStand(whole, kind, sizes, self.print, self.allowed.min_wall, -self._down)
         )
+
+    @property
+    def _feet(self) -> Feet:
+        """What a machine of two sides walks on."""
+        soled = (name for name, shape in self.making.shapes.items() if shape.sole_diameter)
+        near = [part_name(link) for link in soled if link in self.links]
+        far = [module.part(part) for module in self._far_module for part in near]
+        return Feet((self._down.real, self._down.imag, 0.0), frozenset([*near, *far]))
+
+    @property
+    def _down(self) -> complex:
+        """Where gravity points, a unit complex."""
+        deg = None if self.load is None else self.load.gravity_deg
+        return -1j if deg is None else cmath.exp(1j * math.radians(deg))
 
     @property
     def turns(self) -> int:
