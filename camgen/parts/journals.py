@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from camgen.geometry.outlines import Arc, Contour
+from camgen.machine.cams.limits import MotionLimits
 from camgen.machine.features import Eye, Faces, Feature, Mount, PinEyes, SlotFaces, heights
 from camgen.machine.model import Machine, Pin, Place, Slot
 from camgen.parts.catalogue import BEARINGS, Bearing
@@ -38,12 +39,13 @@ class Journal:
 
 @dataclass(frozen=True)
 class MaterialLimits:
-    """What a spec says that its materials bear, None where it says nothing; and how it says what pins are made of."""
+    """What a spec says that its materials and followers bear, None where it says nothing; how it says what pins are made of."""
 
     hertz: float | None = None  # MPa, of contacts
     pv: float | None = None  # MPa m/s, of plain bearings
     pin_stress: float | None = None  # MPa
     bearing_life: float | None = None  # h, of ball bearings
+    motion: MotionLimits = MotionLimits()  # of the followers of cams
     keys: frozenset[str] = frozenset()  # of [parts], with the sizes of pins and shafts
 
 

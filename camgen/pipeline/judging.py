@@ -27,6 +27,7 @@ from camgen.parts import materials
 from camgen.parts.assembly import bodies_in_motion, order_of_assembly, printed_parts
 from camgen.parts.part import Part
 from camgen.pipeline.case import Case
+from camgen.pipeline.drawings import timing_of
 from camgen.pipeline.expectation import nominal_part
 from camgen.pipeline.making import (
     PLATE_GAP,
@@ -50,6 +51,7 @@ _CLOCKWISE = (
     "The input shaft turns clockwise. Angles are counted counter-clockwise all the same, so time runs from right to left in "
     "curves over them; speeds and torques are positive counter-clockwise."
 )
+_STRIP = 1.25  # height of a strip of a timing chart, in strokes
 _DRAWN = 0.01  # mm, chord tolerance of an outline that is only to be packed
 
 
@@ -219,6 +221,7 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     return [
         *stages,
         Stage((), work=list_parts),
+        Stage((), work=chart_cams),
         Stage((), work=bear_loads),
         *([Stage((), work=print_errors)] if printed else []),
         *of_parts(mechanism),
@@ -498,6 +501,22 @@ def bear_loads(case: Case, kinds: Sequence[str]) -> Outcome:
         warnings=loads.warnings,
         notes=study.notes,
     )
+
+
+def chart_cams(case: Case, kinds: Sequence[str]) -> Outcome:
+    """The timing chart of several cams: what each follower does over a turn, one strip below the other."""
+    motions = timing_of(case.mechanism)
+    if len(motions) < 2:
+        return Outcome()
+    strips = []
+    for k, motion in enumerate(motions):
+        stroke = motion.stroke - float(np.min(motion.stroke))
+        size = float(np.max(stroke))
+        foot = _STRIP * (len(motions) - 1 - k)
+        label = f"{motion.name}, {size:.4g} {motion.unit}"
+        strips.append((label, motion.angle, foot + stroke / (size or 1.0)))
+    unit = "each follower from its least to its greatest"
+    return Outcome(plots=[Plot("Timing chart of the cams", "cam angle, deg", unit, strips)])
 
 
 def print_errors(case: Case, kinds: Sequence[str]) -> Outcome:

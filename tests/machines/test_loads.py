@@ -741,3 +741,41 @@ def test_a_spring_that_cannot_be_wound_is_told() -> None:
         len(found("SPRING_STRESS", "disc-cam", "load.mass_kg=0.1", "spring={rate=1,preload=5}"))
         == 1
     )
+
+
+# ---- limits of a follower --------------------------------------------------------------------------------------------
+
+# closed forms: C_v, C_a, C_j of the modified sine, 12 mm over 100 deg at 60 rpm
+TURNING = 2 * math.pi / math.radians(100)
+FOLLOWER = {
+    "FOLLOWER_VELOCITY": ("velocity", 12 * 1.75960339 * TURNING),
+    "FOLLOWER_ACCELERATION": ("acceleration", 12 * 5.52795707 * TURNING**2),
+    "FOLLOWER_JERK": ("jerk", 12 * 69.4663573 * TURNING**3),
+}
+
+
+@pytest.mark.parametrize("share, holds", [(1.001, True), (0.999, False)])
+def test_limits_of_a_follower(share: float, holds: bool) -> None:
+    settings = [f"limits.{key}={share * value}" for key, value in FOLLOWER.values()]
+    own = {each.code: each for each in judged("disc-cam", *settings).findings}
+    for code, (_, value) in FOLLOWER.items():
+        assert own[code].measured == pytest.approx(value, rel=1e-6) and own[code].ok is holds
+
+
+def test_a_jerk_without_end() -> None:
+    """A parabola's acceleration jumps; a swinging follower counts in degrees."""
+    settings = ("segment.0.law='parabolic'", "limits.continuous=1", "limits.jerk=1e9")
+    (jerk,) = found("FOLLOWER_JERK", "disc-cam", *settings)
+    assert not jerk.ok and math.isinf(jerk.measured)
+    (velocity,) = found("FOLLOWER_VELOCITY", "uniform-swing", "limits.velocity=1")
+    assert velocity.unit == "deg/s" and not velocity.ok
+
+
+def test_a_followers_own_frequency() -> None:
+    """sqrt(k / m) / w: 200 N/mm, 0.2 kg, one turn a second; without a stiffness it is not judged."""
+    settings = ("load.mass_kg=0.2", "limits.frequency_ratio=160")
+    (ratio,) = found("FOLLOWER_FREQUENCY", "disc-cam", "load.stiffness=200", *settings)
+    assert ratio.measured == pytest.approx(math.sqrt(200e3 / 0.2) / math.tau, rel=1e-3)
+    assert not ratio.ok
+    left_out = [each.code for each in judged("disc-cam", *settings).not_judged]
+    assert "FOLLOWER_FREQUENCY" in left_out

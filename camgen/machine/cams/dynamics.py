@@ -28,6 +28,7 @@ from camgen.numerics import Floats
 _LEAST = 1e-9  # damping ratio, so that resonance is large and not endless
 _STEPS = 4096  # of a rise, over which its integral is taken
 _FASTEST = 20.0  # times the speed, up to which the loss of contact is looked for
+_SLOWEST = 1e-6  # of it: a follower that nothing presses on is off at any speed
 _FINE = 200  # speeds that are tried up to there
 
 
@@ -125,7 +126,7 @@ class Elastic:
             if self._loses(cam, fast, preload, leaves):
                 low = before
                 high = fast
-                while abs(high - low) > 1e-4 * abs(high):
+                while abs(high - low) > max(1e-4 * abs(high), _SLOWEST * abs(speed)):
                     middle = (low + high) / 2
                     low, high = (
                         (low, middle)

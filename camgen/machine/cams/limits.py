@@ -61,6 +61,21 @@ class Advice:
 
 
 @dataclass(frozen=True)
+class MotionLimits:
+    """What a cam's follower may do at the machine's speed, in mm or deg and s; None where nothing is said."""
+
+    velocity: float | None = None
+    acceleration: float | None = None
+    jerk: float | None = None
+    frequency_ratio: float | None = None  # least, of its own frequency to that of its cam's turns
+
+    @property
+    def orders(self) -> tuple[float | None, float | None, float | None]:
+        """Of the first, second and third derivative to time."""
+        return self.velocity, self.acceleration, self.jerk
+
+
+@dataclass(frozen=True)
 class ExactCam:
     """One cam of a joint before it is made."""
 

@@ -99,7 +99,8 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         Figures(torque.figures).get("drive_torque_n_m", 0.0),
         mechanism.material.name,
     )
-    elastic = follower.elastic(run, load)
+    elastic = follower.elastic(run, load, assembly.limits_of)
+    rates = follower.motion_limits(run, assembly.limits_of)
     springs = follower.springs(assembly.springs, machine.speed)
     facts = assembly.follower
     notes, not_judged = pairs.remarks(forces, machine, assembly.outlines, facts.arm_stiffness)
@@ -111,7 +112,7 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         needs = "another spring.preload or spring.rate, or a spring of another kind"
         not_judged.append(NotJudged("SPRING_STRESS", why, needs))
     tips = LoadCheck(not_judged=not_judged)
-    checks = (reach, tips, pins, posts, cams, torque, hub, elastic, springs)
+    checks = (reach, tips, pins, posts, cams, torque, hub, elastic, rates, springs)
     figures = [Figure("shaking force", peak(forces.shaking), "N")]
     for name, reaction in forces.reactions.items():
         figures.append(Figure("reaction {joint}", peak(reaction), "N", joint=name))

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from camgen.findings import Where, at_least, at_most
+from camgen.findings import NotJudged, Where, at_least, at_most
 from camgen.machine.balancing import crank_weight
 from camgen.machine.cams.machine import lift_off
 from camgen.machine.constraints import Constraints, solved
@@ -27,6 +27,7 @@ from camgen.study import Figure, Plot, Table
 
 if TYPE_CHECKING:
     from camgen.machine.cams.dynamics import Elastic
+    from camgen.parts.journals import MaterialLimits
     from camgen.parts.springs import WorkingSpring
 
 # times the cam's turns, that a spring's own frequency is to be; 15 to 20 is usual advice
@@ -34,14 +35,22 @@ _SURGE = 15.0
 _AT_JOINT = 1e-9  # rad, to either side of a dwell's ends
 _STEP = 1e-3  # of the stroke, by which a follower is displaced to see what holds it
 _ROUNDING = 1e-9  # of the contact's force, that is none
+_EVEN = 1e-9  # of a cam's turning, by which its rate may change
+_RATES = ("FOLLOWER_VELOCITY", "FOLLOWER_ACCELERATION", "FOLLOWER_JERK")
 
 
-def elastic(run: Run, load: Weight | None) -> LoadCheck:
-    """LIFT_OFF, vibration and the speed without contact of each cam whose follower's stiffness is given."""
+def elastic(run: Run, load: Weight | None, limits_of: Callable[[str], MaterialLimits]) -> LoadCheck:
+    """LIFT_OFF, FOLLOWER_FREQUENCY, vibration and the speed without contact of each cam whose follower's stiffness is given."""
     check = LoadCheck()
     cams = [joint for joint in run.machine.joints if isinstance(joint, Cam)]
+    unknown = LoadCheck()
+    if any(limits_of(cam.name).motion.frequency_ratio for cam in cams):
+        why = "a follower's own frequency is known of a machine with one cam, by stiffness and mass"
+        unknown.not_judged.append(
+            NotJudged("FOLLOWER_FREQUENCY", why, "load.stiffness and a mass of the follower")
+        )
     if load is None or load.stiffness is None or len(cams) != 1:
-        return check
+        return unknown
     from camgen.machine.cams.dynamics import Elastic, Excitation
     from camgen.motion.polydyne import Polydyne
 
@@ -51,7 +60,7 @@ def elastic(run: Run, load: Weight | None) -> LoadCheck:
     mass = effective_inertia(run, cam)
     rate, drag = restraint(run, cam)
     if not mass or load.stiffness + rate <= 0:
-        return check
+        return unknown
     unit, scale = ("mm", 1.0) if cam.slide else ("deg", math.degrees(1))
     heavy = mass * MM if cam.slide else mass  # with s in mm and k in N/mm
     model = Elastic(heavy, load.stiffness, load.damping_ratio, rate, drag)
@@ -62,6 +71,14 @@ def elastic(run: Run, load: Weight | None) -> LoadCheck:
     bend = (cam.law(angle - _AT_JOINT, 2) + cam.law(angle + _AT_JOINT, 2)) / 2
     excited = Excitation(cam.law(angle, 0), bend * turned[1] ** 2 + cam.law(angle, 1) * turned[2])
     response = model.response(excited, speed)
+    least = limits_of(cam.name).motion.frequency_ratio
+    if least is not None:
+        ratio = model.frequency / (abs(speed) * peak(turned[1]))
+        message = (
+            "times the turns of its cam: a stiffer or lighter follower, or a lower speed raises it"
+        )
+        where = Where(joint=cam.name)
+        check.findings.append(at_least("FOLLOWER_FREQUENCY", ratio, least, "", where, message))
     rigid = peak(excited.acceleration) * speed**2
     factor = peak(response.acceleration) / rigid if rigid else 1.0
     check.figures += [
@@ -108,6 +125,47 @@ def elastic(run: Run, load: Weight | None) -> LoadCheck:
         )
     check.tables += _laws(program, model, abs(speed))
     return check
+
+
+def motion_limits(run: Run, limits_of: Callable[[str], MaterialLimits]) -> LoadCheck:
+    """FOLLOWER_VELOCITY, FOLLOWER_ACCELERATION and FOLLOWER_JERK of each cam of which the spec limits them."""
+    check = LoadCheck()
+    for cam in (joint for joint in run.machine.joints if isinstance(joint, Cam)):
+        limits = limits_of(cam.name).motion
+        if not any(limits.orders):
+            continue
+        unit, scale = ("mm", 1.0) if cam.slide else ("deg", math.degrees(1))
+        peaks = _rates(run, cam)
+        for k, (code, limit) in enumerate(zip(_RATES, limits.orders, strict=True)):
+            if limit is None:
+                continue
+            if math.isnan(peaks[k]):
+                why = f"the cam of {cam.name} turns unevenly, or its law is no program of segments"
+                check.not_judged.append(NotJudged(code, why, "a cam that turns evenly"))
+                continue
+            jumps = "" if math.isfinite(peaks[k]) else "the one before it jumps; "
+            message = f"{jumps}a longer span, less lift, another law or a lower speed lowers it"
+            where = Where(joint=cam.name)
+            per = ("s", "s^2", "s^3")[k]
+            check.findings.append(
+                at_most(code, scale * peaks[k], limit, f"{unit}/{per}", where, message)
+            )
+    return check
+
+
+def _rates(run: Run, cam: Cam) -> list[float]:
+    """Greatest size of the follower's derivatives of order 1 to 3 to time, nan of those that are not known."""
+    turned = run.angle(cam.cam)
+    speed = abs(run.machine.speed)
+    program = program_of(cam)
+    even = peak(turned[2]) <= _EVEN and np.ptp(turned[1]) <= _EVEN
+    if even and program is not None:
+        rate = speed * peak(turned[1])
+        return [program.peak(order) * rate**order for order in (1, 2, 3)]
+    angle = turned[0] - cam.phase
+    velocity = cam.law(angle, 1) * turned[1] * speed
+    bend = cam.law(angle, 2) * turned[1] ** 2 + cam.law(angle, 1) * turned[2]
+    return [peak(velocity), peak(bend) * speed**2, math.nan]
 
 
 def program_of(cam: Cam) -> Program | None:

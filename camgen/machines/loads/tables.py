@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from camgen.machine.cams.limits import CamLimits
+from camgen.machine.cams.limits import CamLimits, MotionLimits
 from camgen.machines.loads.applied import Applied
 from camgen.parts.journals import MaterialLimits
 from camgen.spec import Length, Record, quantity
@@ -138,6 +138,11 @@ class LimitsTable(Record):
         description="hours that ball bearings and cam followers have to run; not judged unless given",
     )
 
+    @property
+    def of_motion(self) -> MotionLimits:
+        """Of the followers of cams."""
+        return MotionLimits()
+
     def of_parts(self, sizes: Record | None) -> MaterialLimits:
         """As data, with the keys of [parts], which says what pins are made of."""
         return MaterialLimits(
@@ -145,6 +150,7 @@ class LimitsTable(Record):
             self.pv_mpa_m_s,
             self.pin_stress_mpa,
             self.bearing_life_h,
+            self.of_motion,
             frozenset() if sizes is None else frozenset(type(sizes).model_fields),
         )
 
@@ -170,11 +176,30 @@ class CamLimitsTable(LimitsTable):
         default=2,
         description="what must not jump: 0 displacement, 1 velocity, 2 acceleration, 3 jerk; -1: no check",
     )
-
     table_rounding: Annotated[float, quantity("1", gt=0, le=100)] = Field(
         default=0.1,
         description="share of the greatest acceleration that the last digit of a table's rows may make",
     )
+
+    velocity: Annotated[Positive, quantity("mm/s or deg/s")] | None = Field(
+        default=None, description="greatest velocity of a follower; not judged unless given"
+    )
+    acceleration: Annotated[float, quantity("mm/s^2 or deg/s^2", gt=0, le=1e9)] | None = Field(
+        default=None, description="greatest acceleration of a follower; not judged unless given"
+    )
+    jerk: Annotated[float, quantity("mm/s^3 or deg/s^3", gt=0, le=1e12)] | None = Field(
+        default=None, description="greatest jerk of a follower; not judged unless given"
+    )
+    frequency_ratio: Annotated[float, quantity("1", gt=0, le=1e4)] | None = Field(
+        default=None,
+        description="least ratio of a follower's own frequency, by load.stiffness, to the turns of its cam, such as 10; not "
+        "judged unless given",
+    )
+
+    @property
+    def of_motion(self) -> MotionLimits:
+        """Of the followers of cams."""
+        return MotionLimits(self.velocity, self.acceleration, self.jerk, self.frequency_ratio)
 
     def of_cams(self, undercut: float) -> CamLimits:
         """What is accepted of a joint; undercut: loss of s, mm or rad."""
