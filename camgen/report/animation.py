@@ -163,15 +163,19 @@ def _copies(animation: Animation) -> list[tuple[int, PartPose]]:
 
 
 def frames(animation: Animation) -> dict[str, object]:
-    """What the page's script needs: of each copy its [deg, x, y] by frame (a single one where it rests)."""
-    poses = []
+    """What the page's script needs: of each copy its [deg, x, y] by frame (a single one where it rests), or the number of an
+    earlier copy that moves with it."""
+    poses: list[object] = []
+    first: dict[str, int] = {}
     for _, pose in _copies(animation):
         angle, position = _pose_rows(pose, len(animation.theta))
         rows = (
             np.round(np.column_stack([np.degrees(angle), position.real, position.imag]), 3) + 0.0
         ).tolist()
         states = [row if all(map(math.isfinite, row)) else None for row in rows]
-        poses.append(states[:1] if all(state == states[0] for state in states) else states)
+        still = all(state == states[0] for state in states)
+        known = first.setdefault(repr(states), len(poses))
+        poses.append(states[:1] if still else states if known == len(poses) else known)
     output = [] if animation.output is None else np.asarray(animation.output, float).tolist()
     return {
         "frames": len(animation.theta),

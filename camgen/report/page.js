@@ -2,6 +2,7 @@
 // Whoever wants to follow it asks with camgen.follow(deg => ...).
 const camgen = (() => {
   const data = JSON.parse(document.getElementById("frames").textContent);
+  const poses = data.frames && data.poses.map((states, _, all) => Array.isArray(states) ? states : all[states]);  // a number: as of that copy
   const byId = id => document.getElementById(id);
   const followers = [];
   const secondsPerTurn = 8;  // at the usual speed
@@ -61,7 +62,7 @@ const camgen = (() => {
   }
   function poseAt(k, turned = present()) {  // of a copy: deg, x and y, null where the machine cannot go
     const place = turned % 1 * data.frames, i = Math.floor(place), share = place - i;
-    const states = data.poses[k], a = states[i % states.length], b = states[(i + 1) % data.frames % states.length];
+    const states = poses[k], a = states[i % states.length], b = states[(i + 1) % data.frames % states.length];
     if (!a || !b) return null;
     const turn = b[0] - a[0] - 360 * Math.round((b[0] - a[0]) / 360);
     return [a[0] + turn * share, between(a[1], b[1], share), between(a[2], b[2], share)];

@@ -290,10 +290,11 @@ def _steps(scene: Scene | None) -> str:
 # Steps one after the other, as the script shows them; without it the cards below remain.
 _BENCH = (
     '<div class="bench" hidden><div class="view"><canvas id="bench" tabindex="0" role="img" aria-label="The step in three '
-    'dimensions; left and right arrow keys: one step back and on; up and down and with Shift: turn; plus and minus: zoom"></canvas>'
+    "dimensions; left and right arrow keys: one step back and on; Home and End: first and last step; up and down and with Shift: turn; "
+    'plus and minus: zoom"></canvas><div id="whole" aria-hidden="true" hidden></div>'
     '<div id="marks" aria-hidden="true"></div><p id="group"></p></div>'
     '<p id="said" aria-live="polite"></p><div class="controls"><button id="back">Back</button><button id="next">Next</button>'
-    '<output id="count"></output><button id="again">Show again</button>'
+    '<input id="seek" type="range" min="1" value="1" aria-label="step"><output id="count"></output><button id="again">Show again</button>'
     '<p class="glues"><span class="glue">glue here</span><span class="free">no glue: it moves</span></p></div></div>'
 )
 

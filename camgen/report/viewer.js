@@ -192,7 +192,7 @@
     const touched = () => { canvas.style.touchAction = focused() ? "none" : "auto"; };
     const controls = new THREE.OrbitControls(camera, canvas), before = new THREE.Vector3();
     const upright = new THREE.Quaternion().setFromUnitVectors(camera.up, new THREE.Vector3(0, 1, 0));
-    const hand = { held: false, aim };  // held: whether a person has turned or moved the view
+    const hand = { held: false, aim, target: controls.target };  // held: whether a person has turned or moved the view
     controls.enableDamping = false;
     ["focus", "blur"].forEach(name => canvas.addEventListener(name, touched));
     touched();
@@ -590,7 +590,8 @@
   function bench(copies, standing, lying) {
     const canvas = byId("bench"), cards = [...document.querySelectorAll(".steps .cards li")], steps = lying.steps;
     if (!canvas) return { dress() {} };
-    const frame = canvas.closest(".bench"), marks = byId("marks"), back = byId("back"), next = byId("next");
+    const frame = canvas.closest(".bench"), marks = byId("marks"), back = byId("back"), next = byId("next"), seek = byId("seek");
+    const inset = byId("whole"), over = eye(lain());  // where what comes is small: the whole in a corner of the picture
     const scene = new THREE.Scene(), camera = eye(lain()), sun = lit(scene);
     const plain = surface(), fresh = surface(), edge = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.5 }), coming = new THREE.Group(), there = new THREE.Group();
     const wait = 700, way = 1500;  // ms, before a part moves, and until it is in
@@ -598,8 +599,9 @@
       const place = end.clone().applyMatrix4(standing[k]);
       return place.setZ(place.z + more);
     }));
-    const small = 0.12 * new THREE.Box3().setFromPoints(corners([...copies.keys()])).getSize(new THREE.Vector3()).length();
-    let renderer, number = 0, lift = 0, begun = 0, radius = 1, tags = [], wanted = false;
+    const least = 0.03 * new THREE.Box3().setFromPoints(corners([...copies.keys()])).getSize(new THREE.Vector3()).length();
+    let renderer, number = 0, lift = 0, begun = 0, radius = 1, near = [], whole = [], tags = [], wanted = false;
+    seek.max = steps.length;
     scene.add(there, coming);
     frame.hidden = false;
     document.querySelector(".steps details").open = false;
@@ -620,6 +622,7 @@
       byId("count").value = "Step " + (number + 1) + " of " + steps.length;
       byId("said").textContent = cards[number].querySelector("p").textContent;
       byId("group").textContent = group && (own.length ? "Built by itself: " : "Put in: ") + group.replaceAll("_", " ");
+      seek.value = number + 1;
       back.disabled = !number;
       next.disabled = number === steps.length - 1;
       dress();
@@ -627,17 +630,26 @@
       again();
     }
     function aim(from) {
-      const now = onBench(steps, number), seen = [...corners(now.there), ...corners(now.coming), ...corners(now.coming, lift)];
-      if (!renderer || !seen.length) return;
-      const middle = new THREE.Box3().setFromPoints(seen).getCenter(new THREE.Vector3());  // small parts stay small
-      hand.aim([...seen, ...[-1, 1].map(side => middle.clone().addScalar(side * small))], from);
+      if (renderer && near.length) hand.aim(near, from);
+    }
+    // What fills the picture: what comes with some of its surroundings, or all where that is not much more.
+    function focus({ coming, there }, mates) {
+      whole = corners([...there, ...coming]);
+      const all = new THREE.Box3().setFromPoints(whole.length ? whole : corners([0])), size = new THREE.Vector3();
+      const close = new THREE.Box3().setFromPoints([...corners(coming), ...mates.map(({ place }) => new THREE.Vector3(...place))]);
+      close.expandByScalar(Math.max(least, close.getSize(size).length() / 4));
+      inset.hidden = !coming.length || close.getSize(size).length() > 0.5 * all.getSize(size).length();
+      const shown = inset.hidden ? all.expandByScalar(Math.max(0, least - all.getSize(size).length() / 4)) : close;
+      radius = shown.getSize(size).length() / 2;
+      return shown;
     }
     function dress() {  // what is seen of this step, in the colours of the page
       const now = onBench(steps, number), { way: sense, mates } = steps[number], all = [...now.there, ...now.coming];
       [there, coming].forEach(group => group.clear());
-      radius = new THREE.Box3().setFromPoints(corners(all.length ? all : [0])).getBoundingSphere(new THREE.Sphere()).radius;
-      const box = new THREE.Box3().setFromPoints(corners(now.coming)), high = now.coming.length ? box.max.z - box.min.z : 0;
+      const shown = focus(now, mates), box = new THREE.Box3().setFromPoints(corners(now.coming)), high = now.coming.length ? box.max.z - box.min.z : 0;
       lift = now.coming.length && now.there.length ? -sense * Math.max(1.3 * high, 0.45 * radius) : 0;
+      near = inset.hidden ? [...whole, shown.min, shown.max] : [0, 1, 2, 3, 4, 5, 6, 7].map(k => new THREE.Vector3(...["x", "y", "z"].map((axis, n) => shown[k >> n & 1 ? "max" : "min"][axis])));
+      near.push(...corners(now.coming, lift));
       plain.color.set(variable("--plain"));
       fresh.color.set(variable("--new"));
       edge.color.set(variable("--ink"));
@@ -688,6 +700,18 @@
       coming.position.z = lift * left;
       sun.position.copy(camera.position).addScaledVector(camera.up, radius);
       renderer.render(scene, camera);
+      if (!inset.hidden) {
+        const { offsetLeft: left, offsetTop: top, clientWidth: wide, clientHeight: high } = inset;
+        over.aspect = wide / high;
+        look(over, whole, place.subVectors(camera.position, hand.target).normalize().clone());
+        renderer.setScissorTest(true);
+        [[left, height - top - high, wide, high], [0, 0, width, height]].forEach((window, last) => {
+          renderer.setViewport(...window);
+          renderer.setScissor(...window);
+          if (!last) renderer.render(scene, over);
+        });
+        renderer.setScissorTest(false);
+      }
       tags.forEach(({ at, moves, how }, k) => {
         place.copy(at).setZ(at.z + (moves ? coming.position.z : 0)).project(camera);
         const aside = { glue: "-104%", press: "-104%", free: "4%" }[how] || "-50%";
@@ -696,15 +720,16 @@
       canvas.dataset.drawn = Number(canvas.dataset.drawn || 0) + 1;
       if (!calm && share < 1 && lift) ask();
     }
+    const turns = { ArrowLeft: -1, ArrowRight: 1, Home: -Infinity, End: Infinity };
     canvas.addEventListener("keydown", event => {
-      const turn = { ArrowLeft: -1, ArrowRight: 1, PageUp: -1, PageDown: 1 }[event.key];
+      const turn = { ...turns, PageUp: -1, PageDown: 1 }[event.key];
       if (!turn || event.shiftKey) return;
       event.preventDefault();
       event.stopImmediatePropagation();
       go(number + turn);
     });
     frame.addEventListener("keydown", event => {
-      const turn = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+      const turn = turns[event.key];
       if (!turn || event.target === canvas) return;
       event.preventDefault();
       go(number + turn);
@@ -713,6 +738,7 @@
     const hand = steered(canvas, camera, { moved: ask, home, tap() {} });
     back.addEventListener("click", () => go(number - 1));
     next.addEventListener("click", () => go(number + 1));
+    seek.addEventListener("input", () => go(seek.value - 1));
     byId("again").addEventListener("click", again);
     cards.forEach((card, k) => card.addEventListener("click", () => { go(k); frame.scrollIntoView({ block: "nearest" }); }));
     new ResizeObserver(() => {

@@ -303,6 +303,18 @@ def test_page_frames_follow_the_poses(page: str) -> None:
     np.testing.assert_allclose(np.abs(tip - 12 * np.exp(1j * theta)), 35, atol=2e-3)
 
 
+def test_copies_that_move_alike_are_told_once() -> None:
+    theta = np.array([0.0, 2.0, 4.0])
+    still, turning = np.zeros(3, complex), PartPose(np.zeros(3, complex), theta)
+    bodies = [
+        Body("a", [turning]),
+        Body("b", [PartPose(still, theta, z=3.0), PartPose(still, -theta)]),
+    ]
+    poses = frames(Animation(theta, bodies))["poses"]
+    turned = [[0, 0, 0], [114.592, 0, 0], [229.183, 0, 0]]
+    assert poses == [turned, [[-deg, x, y] for deg, x, y in turned], 0]
+
+
 def test_pose_without_an_answer_hides_the_body() -> None:
     theta = np.array([0.0, 2.0, 4.0])
     body = Body(
