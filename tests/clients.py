@@ -680,6 +680,54 @@ def test_a_sheet_is_the_same_in_other_programs(tmp_path: Path) -> None:
         assert sheet_svg(path), whole
 
 
+DRAGS = """(() => {
+  %s
+  const { sheet, chain, drags } = %s;
+  return drags.map(asked => motion(chain, moved(asked, sheet)));
+})()"""
+
+
+def page_off_camgen(script: str, name: str) -> float:
+    """How far the places that the page computes while points are dragged are from camgen's, mm; inf where it differs in what closes."""
+    from browser import tab
+
+    from camgen import starters
+    from camgen.live.board import Board
+
+    board = Board(next(starters.folder().rglob(f"{name}.toml")), Path("out"))
+    sheet = json.loads(board.page().split('id="data">')[1].split("</script>")[0])
+    points = sheet["sheet"]["points"].items()
+    drags = [
+        {"op": "move", "points": {point: [x + 1, y - 3]}, "follow": follow}
+        for point, (x, y) in points
+        for follow in (False, True)
+    ]
+    with tab() as page:
+        asked = {"sheet": sheet["sheet"], "chain": sheet["chain"], "drags": drags}
+        answers = page.run(DRAGS % (script, json.dumps(asked)))
+    worst = 0.0
+    for drag, answer in zip(drags, answers, strict=True):
+        wanted = board.draw(drag | {"try": True})
+        if wanted["start"] is None:
+            continue
+        if answer["start"] is None or answer["reason"] != wanted["reason"]:
+            return np.inf
+        for point, path in wanted["paths"].items():
+            off = np.abs(np.array(path, float) - np.array(answer["paths"][point], float))
+            gaps = [x is None for x in path] != [x is None for x in answer["paths"][point]]
+            worst = np.inf if gaps else max(worst, float(np.nanmax(off)))
+    return worst
+
+
+@pytest.mark.parametrize("name", ["walking-leg", "beak"])
+def test_the_page_places_a_dragged_linkage_as_camgen_does(name: str) -> None:
+    """camgen answers in thousandths of a millimetre; the other side of a triangle is seen."""
+    needed(chromium)
+    script = (ROOT / "camgen" / "live" / "apexes.js").read_text(encoding="utf-8")
+    assert page_off_camgen(script, name) < 6e-4
+    assert page_off_camgen(script.replace("? -1 : 1", "? 1 : -1"), name) > 1
+
+
 # ---- each client is seen to fail -------------------------------------------------------------------------------------
 
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

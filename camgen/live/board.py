@@ -29,7 +29,7 @@ from camgen.live.preview import failure, preview
 from camgen.live.server import Answer, LastBuild, asset, served
 from camgen.machines import load
 from camgen.machines.linkage.mechanism import Linkage
-from camgen.machines.linkage.traces import angles, cam_shapes, idle, traces
+from camgen.machines.linkage.traces import angles, apexes, cam_shapes, idle, traces
 from camgen.machines.sources import changed, opened_tables
 from camgen.numerics import Points
 from camgen.report.report import Report
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from starlette.applications import Starlette
 
 _MOST_UNDONE = 500
+_GAPS = "closes at PERCENT % of the angles of its drive: the others are drawn as gaps"
 _EMPTY = """# Drawn with camgen explore.
 
 mechanism = "linkage"
@@ -261,6 +262,7 @@ class Board:
             changed=self.text != self.saved,
             text=self.text,
             numbers=[vars(number) for number in self._numbers()],
+            chain=_chain(self.linkage),
             **(_motion(self.linkage) | ({"reason": self.reason} if self.reason else {})),
         )
 
@@ -364,8 +366,22 @@ def _motion(linkage: Linkage | None, points: Any = None, lengths: Any = None) ->
     return {
         "start": {name: [z[0].real, z[0].imag] for name, z in found.items()},
         "paths": {name: _flat(z[1:]) for name, z in found.items()},
-        "reason": "" if closed.all() else _part_of_turn(np.degrees(theta), closed[1:]),
+        "reason": ""
+        if closed.all()
+        else _GAPS.replace("PERCENT", f"{100 * closed[1:].mean():.0f}"),
     }
+
+
+def _chain(linkage: Linkage | None) -> Answer | None:
+    """What the page needs to place all points by itself while a hand drags; None where it has to ask."""
+    steps = None if linkage is None else apexes(linkage)
+    if linkage is None or steps is None:
+        return None
+    return Answer(
+        apexes=steps,
+        angles=np.append(0.0, angles(linkage)).tolist(),
+        gaps=_GAPS,
+    )
 
 
 def _cams(linkage: Linkage) -> list[Answer]:
@@ -380,11 +396,6 @@ def _cams(linkage: Linkage) -> list[Answer]:
         )
         for each in cam_shapes(linkage)
     ]
-
-
-def _part_of_turn(theta: Any, closed: Any) -> str:
-    share = f"closes at {100 * closed.mean():.0f} % of the angles of its drive"
-    return f"{share}: the others are drawn as gaps"
 
 
 def _flat(places: Points) -> list[float | None]:

@@ -1,5 +1,5 @@
 // The sheet of `camgen explore`: a linkage drawn with mouse, finger or keys. Every operation is done by camgen in the spec's text;
-// while a hand drags, camgen says where all points go, and nothing is written.
+// while a hand drags, the page places the points itself (apexes.js) or camgen does, and nothing is written.
 "use strict";
 
 function start() {  // the page before: an empty sheet, or one of the gallery
@@ -41,7 +41,6 @@ function draw(seen) {
     const to = event.shiftKey ? 0.01 : step();
     return place.map(x => Number((Math.round(x / to) * to).toFixed(3)));
   };
-  const away = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
   const ground = () => seen.sheet.links.ground || [];
   const moving = () => Object.entries(seen.sheet.links).filter(([name]) => name !== "ground");
   const now = () => tried || seen;
@@ -67,7 +66,7 @@ function draw(seen) {
 
   function hit(event, no = () => false) {  // the point, or else the link, beneath a pointer
     const at = places(), here = onPaper(event), near = (event.pointerType === "touch" ? 22 : 11) / scale;
-    const points = Object.keys(at).filter(name => !no(name)).map(name => [away(at[name], here), name]).sort((a, b) => a[0] - b[0]);
+    const points = Object.keys(at).filter(name => !no(name)).map(name => [distance(at[name], here), name]).sort((a, b) => a[0] - b[0]);
     if (points.length && points[0][0] < near) return { point: points[0][1] };
     const links = moving().map(([name, points]) => [fromLink(here, points.map(point => at[point])), name]).sort((a, b) => a[0] - b[0]);
     return links.length && links[0][0] < near ? { link: links[0][1] } : {};
@@ -78,7 +77,7 @@ function draw(seen) {
     corners.forEach((a, k) => {
       const b = corners[(k + 1) % corners.length], way = [b[0] - a[0], b[1] - a[1]], long = way[0] ** 2 + way[1] ** 2;
       const share = long ? Math.max(0, Math.min(1, ((here[0] - a[0]) * way[0] + (here[1] - a[1]) * way[1]) / long)) : 0;
-      best = Math.min(best, away(here, [a[0] + share * way[0], a[1] + share * way[1]]));
+      best = Math.min(best, distance(here, [a[0] + share * way[0], a[1] + share * way[1]]));
       if (a[1] > here[1] !== b[1] > here[1] && here[0] < a[0] + way[0] * (here[1] - a[1]) / way[1]) inside = !inside;
     });
     return inside && corners.length > 2 ? 0 : best;
@@ -135,7 +134,7 @@ function draw(seen) {
     for (const { a, b, ratio } of seen.sheet.gear) {  // by their pitch circles; inner teeth are not made
       const p = pivotOf(a), q = pivotOf(b);
       if (!p || !q || !there(p) || !there(q) || !(ratio < 0)) continue;
-      const far = away(at[p], at[q]), first = far * -ratio / (1 - ratio);
+      const far = distance(at[p], at[q]), first = far * -ratio / (1 - ratio);
       circle(to(p), first, "wheel");
       circle(to(q), far - first, "wheel");
     }
@@ -153,7 +152,7 @@ function draw(seen) {
         out.push(`<rect class="${kind}" x="${x - 16}" y="${y - 10}" width="32" height="20" rx="3" transform="rotate(${turn} ${x} ${y})"/>`);
       } else out.push(`<path class="${kind}" d="M${shape.join("L")}${points.length > 2 ? "Z" : ""}"/>`);
       if (name === chosen.link) for (const [a, b, held] of lengths(points)) {
-        const p = to(a), q = to(b), value = held ? held[1] : away(at[a], at[b]);
+        const p = to(a), q = to(b), value = held ? held[1] : distance(at[a], at[b]);
         out.push(words([(p[0] + q[0]) / 2, (p[1] + q[1]) / 2 - 6], (held ? "= " : "") + Number(value.toFixed(2)), held ? "size held" : "size",
           `data-between="${a} ${b}"`));
       }
@@ -174,7 +173,7 @@ function draw(seen) {
       if (of.length) out.push(words([of.reduce((s, p) => s + p[0], 0) / of.length + 9, of.reduce((s, p) => s + p[1], 0) / of.length + 18], text, "wrong"));
     }
     if (!now().start) for (const [key, value] of Object.entries(seen.sheet.lengths)) {  // held lengths that the drawing does not have
-      const [a, b] = key.split("-").map(end => end.trim()), drawn = there(a) && there(b) ? away(at[a], at[b]) : value;
+      const [a, b] = ends(key), drawn = there(a) && there(b) ? distance(at[a], at[b]) : value;
       if (Math.abs(drawn - value) > 0.01 * value) out.push(words([(to(a)[0] + to(b)[0]) / 2 + 9, (to(a)[1] + to(b)[1]) / 2 + 16],
         `${key} = ${value}, drawn ${drawn.toFixed(1)}`, "wrong"));
     }
@@ -190,7 +189,7 @@ function draw(seen) {
   function lengths(points) {  // pairs of a link's points, each with the length that is held
     const held = Object.entries(seen.sheet.lengths);
     return points.flatMap((a, k) => points.slice(k + 1).map(b => [a, b,
-      held.find(([key]) => { const ends = key.split("-").map(end => end.trim()); return ends.includes(a) && ends.includes(b); })]));
+      held.find(([key]) => ends(key).includes(a) && ends(key).includes(b))]));
   }
 
   // ---- operations ----
@@ -259,19 +258,24 @@ function draw(seen) {
     });
   }
 
-  let flying = false, waiting = null;
-  async function attempt(asked, stamp = performance.now()) {  // one request at a time, always the last one
+  let flying = false, waiting = null, latest = 0;
+  async function attempt(asked, stamp = performance.now()) {  // in the page where circles do it; else one request at a time, always the last
+    const mine = asked.op === "move" && seen.chain && motion(seen.chain, moved(asked, seen.sheet));
+    if (mine && mine.start) { waiting = null; showTry(mine, stamp); return; }
     if (flying) { waiting = [asked, stamp]; return; }
     flying = true;
     const of = seen, answer = await ask("draw", { ...asked, try: true });
     flying = false;
-    if (of === seen && (drag || asked.op === "set")) {
-      if (answer.paths) tried = answer;
-      render();
-      lags.push(performance.now() - stamp);
-      document.body.dataset.tries = lags.length;
-    }
+    if (of === seen && (drag || asked.op === "set") && stamp > latest) showTry(answer, stamp);
     if (waiting) { const next = waiting; waiting = null; attempt(...next); }
+  }
+
+  function showTry(answer, stamp) {
+    if (answer.paths) tried = answer;
+    latest = stamp;
+    render();
+    lags.push(performance.now() - stamp);
+    document.body.dataset.tries = lags.length;
   }
 
   const follows = event => !byId("hold").checked || event.altKey;
@@ -280,11 +284,11 @@ function draw(seen) {
   function onCircle(name, place, event, rest) {  // of a point that one length alone holds: about the other end, so that nothing else moves
     const fixed = ground().includes(name);
     const held = follows(event) ? [] : Object.entries(seen.sheet.lengths)
-      .map(([key, length]) => [key.split("-").map(end => end.trim()), length])
-      .filter(([ends]) => ends.includes(name) && (!fixed || ends.every(end => ground().includes(end))));
+      .map(([key, length]) => [ends(key), length])
+      .filter(([pair]) => pair.includes(name) && (!fixed || pair.every(end => ground().includes(end))));
     if (held.length !== 1) return place;
     const [[a, b], length] = held[0], other = a === name ? b : a, pivot = rest[other] || seen.sheet.points[other];
-    const far = away(place, pivot) || 1;
+    const far = distance(place, pivot) || 1;
     return place.map((x, k) => pivot[k] + (x - pivot[k]) * length / far);
   }
 
@@ -330,7 +334,7 @@ function draw(seen) {
       const rest = tried && tried.start && !follows(event) ? { ...tried.start, ...drag.still } : drag.whole;  // held, they go on from where they are
       drag.places = Object.fromEntries(Object.entries({ ...rest, [drag.point]: onCircle(drag.point, snapped(event), event, rest) })
         .map(([name, place]) => [name, place.map(x => Math.round(x * 1e4) / 1e4)]));
-      attempt(moves(event));
+      attempt(moves(event), event.timeStamp);
       if (seen.start) return;  // drawn with the answer
     } else drag.to = aim(event);
     render();
@@ -339,7 +343,7 @@ function draw(seen) {
   function aim(event) {  // where a rubber line ends: at a point, on the grid, nearly level or upright made so
     const what = hit(event, name => tool !== "link" && name === drag.point), place = snapped(event);
     if (what.point && tool !== "slide") return places()[what.point];
-    if (tool === "slide") for (const axis of [0, 1]) if (Math.abs(place[axis] - drag.from[axis]) < 0.08 * away(place, drag.from)) place[axis] = drag.from[axis];
+    if (tool === "slide") for (const axis of [0, 1]) if (Math.abs(place[axis] - drag.from[axis]) < 0.08 * distance(place, drag.from)) place[axis] = drag.from[axis];
     return place;
   }
 
@@ -379,7 +383,7 @@ function draw(seen) {
       if (last.start) tried = last;
       const answer = await commit({ ...moves(event), points: changed(mine, event) });
       const before = mine.whole[mine.point];
-      if (answer.start && before && !follows(event) && away(answer.start[mine.point], before) < 0.2 * away(mine.places[mine.point], before)) {
+      if (answer.start && before && !follows(event) && distance(answer.start[mine.point], before) < 0.2 * distance(mine.places[mine.point], before)) {
         note = `${mine.point} is held by lengths: hold Alt while you drag, and they follow`;
         render();
       }
@@ -410,7 +414,7 @@ function draw(seen) {
   function changed(mine, event) {  // places that differ from the drawn ones, where they came to rest
     if (follows(event) || !tried || !tried.start) return { [mine.point]: mine.places[mine.point] };
     const rest = { ...tried.start, ...mine.still }, point = ground().includes(mine.point) ? { [mine.point]: mine.places[mine.point] } : {};
-    return Object.fromEntries(Object.entries({ ...rest, ...point }).filter(([name, place]) => away(place, seen.sheet.points[name]) > 0.006));
+    return Object.fromEntries(Object.entries({ ...rest, ...point }).filter(([name, place]) => distance(place, seen.sheet.points[name]) > 0.006));
   }
 
   function click(what) {
@@ -423,7 +427,7 @@ function draw(seen) {
 
   function lock(a, b) {  // hold a length, or let it follow
     const held = lengths([a, b])[0][2], at = places();
-    commit({ op: "length", between: [a, b], value: held ? null : short(away(at[a], at[b])) });
+    commit({ op: "length", between: [a, b], value: held ? null : short(distance(at[a], at[b])) });
   }
 
   // ---- what is picked ----
@@ -443,7 +447,7 @@ function draw(seen) {
       if (answer.sheet && picked) { picked = { [key]: to }; panel(); render(); }
     }))];
     if (key === "link") for (const [a, b, held] of lengths(seen.sheet.links[name] || [])) {
-      const value = held ? held[1] : short(away(places()[a], places()[b]));
+      const value = held ? held[1] : short(distance(places()[a], places()[b]));
       rows.push(line(`${a}-${b}`, input("text", value, made => commit({ op: "length", between: [a, b], value: Number(made.value) })),
         input("checkbox", Boolean(held), () => lock(a, b)), "held"));
     }

@@ -40,7 +40,12 @@ _POLICY = (
     "frame-src 'self'; frame-ancestors 'self'"
 )
 
-_FILES = {"live.js": "javascript", "draw.js": "javascript", "live.css": "css"}
+_FILES = {
+    "live.js": "javascript",
+    "apexes.js": "javascript",
+    "draw.js": "javascript",
+    "live.css": "css",
+}
 
 Answer = dict[str, Any]
 

@@ -3,8 +3,8 @@
     PYTHONPATH=tests python tests/bench/bench_draw.py            prints the table; needs Chromium
     PYTHONPATH=tests python tests/bench/bench_draw.py PICTURE    writes the picture of the sheet that the README shows
 
-Milliseconds. answer: camgen alone, where all points go over the turn. mouse to curve: in the page, from the event that says where the
-mouse is, over the request and the answer, until the new paths are in the document; the next frame paints them.
+Milliseconds. answer: camgen alone, where all points go over the turn. mouse to curve: in the page, from when the browser has the place of the
+mouse until the new paths are in the document, computed there or asked of camgen; the next frame paints them.
 """
 
 from __future__ import annotations

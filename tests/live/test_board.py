@@ -335,6 +335,20 @@ def test_a_drag_shows_where_all_points_go_and_writes_nothing(tmp_path: Path) -> 
     assert math.dist(held["start"]["P"], drawn.tables["points"]["P"]) < 0.02
 
 
+def test_the_page_places_points_by_itself_where_circles_do_it(tmp_path: Path) -> None:
+    """The leg in the order in which one draws it with compasses; a slide, or a shape that is balanced, is asked for."""
+    chain = board(tmp_path, LEG).draw({"op": "move", "points": {}})["chain"]
+    placed = {"O", "C", "A"}
+    assert [step.point for step in chain["apexes"]] == ["B", "D", "E", "F", "P"]
+    for step in chain["apexes"]:
+        assert {step.a, step.b} <= placed
+        placed.add(step.point)
+    slid = board(tmp_path, starters.text("scotch-yoke")).draw({"op": "move", "points": {}})
+    assert slid["chain"] is None and slid["start"]
+    balanced = LEG.replace('"C-D" = 40.1', '# "C-D" = 40.1')
+    assert board(tmp_path, balanced).draw({"op": "move", "points": {}})["chain"] is None
+
+
 def test_what_does_not_close_is_drawn_as_drawn(tmp_path: Path) -> None:
     drawn = board(tmp_path)
     long = drawn.draw({"op": "length", "between": ["A", "B"], "value": 500})

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence, Set
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,6 +20,15 @@ from camgen.numerics import Floats, Points
 
 _SEEN = 0.05  # mm, that an outline on a screen may be off
 COUNT = 73  # angles of a turn, both ends included: a path is smooth to the eye
+
+
+class Apex(NamedTuple):
+    """A point that two others and its distances from them place, on the side where it is drawn."""
+
+    point: str
+    a: str
+    b: str
+
 
 Places = Mapping[str, tuple[float, float]]
 Lengths = Mapping[str, float]
@@ -53,6 +64,57 @@ def traces(
         for body in reversed(machine.bodies)
         for point in body.points
     }
+
+
+def apexes(linkage: Linkage) -> list[Apex] | None:
+    """Points in the order in which circles about two placed ones give each, those of the ground and of the driven link first.
+
+    None where this does not place all of them, or where [lengths] and drawing have to be balanced in the shape of a link.
+    """
+    joints = (linkage.slides, linkage.slots, linkage.gears, linkage.cams, linkage.freewheels)
+    if any(joints) or not all(_is_plain(linkage, name) for name in linkage.links):
+        return None
+    rest = dict(linkage.links)
+    ground = rest.pop(GROUND)
+    driven = rest.pop(linkage.drive.link)
+    if len(set(ground) & set(driven)) != 1:
+        return None
+    placed = {*ground, *driven}
+    steps = []
+    while rest:
+        dyad = _dyad(rest, placed)
+        if dyad is None:
+            return None
+        links, step = dyad
+        steps.append(step)
+        placed.add(step.point)
+        for name in links:
+            points = rest.pop(name)
+            a, b = (point for point in points if point in placed)
+            steps += [Apex(point, a, b) for point in points if point not in placed]
+            placed.update(points)
+    return steps
+
+
+def _is_plain(linkage: Linkage, name: str) -> bool:
+    """Whether a link is as it is drawn, or its lengths alone say what it is."""
+    points = linkage.links[name]
+    given = len(linkage._drawing.lengths_of(points))
+    return not given or len(points) == 2 or len(points) == 3 == given
+
+
+def _dyad(
+    links: Mapping[str, Sequence[str]], placed: Set[str]
+) -> tuple[tuple[str, str], Apex] | None:
+    """Two links, each with one placed point, and the pin that they share; None where there are none."""
+    ends = {name: [point for point in points if point in placed] for name, points in links.items()}
+    for first, second in combinations(links, 2):
+        shared = [point for point in links[first] if point in links[second]]
+        if len(ends[first]) == len(ends[second]) == len(shared) == 1:
+            a, b, point = *ends[first], *ends[second], *shared
+            if len({a, b, point}) == 3:
+                return (first, second), Apex(point, a, b)
+    return None
 
 
 def idle(linkage: Linkage) -> list[str]:
