@@ -1,4 +1,4 @@
-"""Arguments of the Python functions, held against their annotations before a call: what is of another type is a SpecError."""
+"""Arguments of functions and methods for Python, held against their annotations before a call: what is of another type is a SpecError."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ _TYPES: Mapping[str, tuple[type, str]] = {
     "Callable": (Callable, "a function"),  # type: ignore[dict-item]
     "int": (Integral, "a whole number"),
     "float": (Real, "a number"),
+    "ArrayLike": (Real | Iterable, "a number or a list of numbers"),  # type: ignore[dict-item]
     "None": (type(None), "None"),
 }
 # Classes that are not imported for this: an argument has them by their name.
@@ -45,13 +46,15 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         faults = [
             Fault((name,), shown(value), _expected(annotations[name]))
             for name, value in given.items()
-            if not annotations[name].startswith(
+            if name in annotations  # self has none
+            and not annotations[name].startswith(
                 "Unpack"
             )  # options, which the function checks itself
             and not any(_is(value, each) for each in _names(annotations[name]))
         ]
         if faults:
-            raise SpecError(faults, f"camgen.{function.__name__}")
+            owner = "camgen" if function.__qualname__ == function.__name__ else "machine"
+            raise SpecError(faults, f"{owner}.{function.__name__}")
         with file_errors():
             return function(*args, **kwargs)
 
@@ -79,7 +82,11 @@ def _is(value: object, name: str) -> bool:
     """Whether a value is of a type; a text is no list, and true is no number."""
     if name in _CLASSES:
         return any(each.__name__ == name for each in type(value).__mro__)
-    if name == "Iterable" and isinstance(value, str) or isinstance(value, bool):
+    if (
+        name in ("Iterable", "ArrayLike")
+        and isinstance(value, str | bytes | Mapping)
+        or isinstance(value, bool)
+    ):
         return False
     return isinstance(value, _TYPES[name][0])
 

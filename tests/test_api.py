@@ -464,6 +464,30 @@ def test_an_argument_of_a_wrong_type_is_a_spec_error(call: Any, said: list[str])
     )
 
 
+@pytest.mark.parametrize("spec", ["linkage.toml", "disc-cam.toml"])
+def test_methods_of_a_machine_refuse_in_words(spec: str) -> None:
+    machine: Any = camgen.load(SPECS / spec)
+    numbers = "expected a number or a list of numbers"
+    calls = {
+        "changes: None - expected a dict": lambda: machine.replace(None),
+        "changes: 'x' - expected a dict": lambda: machine.replace("x"),
+        f"theta: 'x' - {numbers}": lambda: machine.solve("x"),
+        f"theta: None - {numbers}": lambda: machine.solve(None),
+        "theta: [[1, 2], [3]] - expected angles in rad": lambda: machine.solve([[1, 2], [3]]),
+        "theta: nan - expected finite angles in rad": lambda: machine.solve([0.0, math.nan]),
+        "order: 7 - expected 0, 1 or 2": lambda: machine.solve(0.0, 7),
+        "order: 'x' - expected a whole number": lambda: machine.solve(0.0, "x"),
+        "theta: 'x' - expected a number": lambda: machine.scene("x"),
+        "theta: inf - expected finite angles": lambda: machine.scene(math.inf),
+    }
+    for said, call in calls.items():
+        with pytest.raises(camgen.SpecError, match=re.escape(said)) as caught:
+            call()
+        assert str(caught.value).startswith("machine.")
+    assert machine.solve(np.float32(1)).theta.shape == (1,)
+    assert machine.solve([0, 1], np.int64(1)).theta.shape == (2,)
+
+
 def test_arguments_of_numpy_are_numbers_and_missing_ones_are_pythons() -> None:
     swept = camgen.sweep(DISC, {"geometry.base_radius": np.array([25.0])}, jobs=np.int64(1))  # type: ignore[arg-type]
     assert len(swept) == 1

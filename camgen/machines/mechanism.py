@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field
 
+from camgen.arguments import checked
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, NotJudged
 from camgen.geometry.outlines import Floats
@@ -42,6 +43,7 @@ from camgen.parts.journals import MaterialLimits, journals
 from camgen.parts.part import Part
 from camgen.parts.steps import Fixing
 from camgen.reading import Data
+from camgen.schemas import shown
 from camgen.settings import assigned
 from camgen.spec import Spec, dump, validate
 from camgen.study import Later, Study
@@ -81,6 +83,7 @@ class Mechanism(Spec, ABC):
         head = f"<b>{escape(self.name)}</b> ({escape(self.mechanism)})"
         return f"<details><summary>{head}</summary><pre>{escape(str(self))}</pre></details>"
 
+    @checked
     def replace(self, changes: Mapping[str, object]) -> Self:
         """The same machine with some keys of its spec set anew: `machine.replace({"geometry.base_radius": 30})`.
 
@@ -112,12 +115,21 @@ class Mechanism(Spec, ABC):
             return machine
         return replace(machine, loads=(*machine.loads, *efforts(self.load.on, machine)))
 
-    def solve(self, theta: ArrayLike, order: int = 2) -> Run:
-        """The machine at theta, (n,) rad, with derivatives up to the order: outputs, rates, poses, forces, play.
+    @cached_property
+    def _whole(self) -> Machine:
+        """The model with those of the machines that it includes."""
+        return self.model
 
-        Its forces are those of the report: see `_weighed_machine`.
+    @checked
+    def solve(self, theta: ArrayLike, order: int = 2) -> Run:
+        """The machine at theta, (n,) rad, with derivatives up to the order, 0..2: outputs, rates, poses, forces, play.
+
+        Its forces are those of the report, for which its solids are made: see `_weighed_machine`.
+        SpecError for angles that are no finite numbers.
         """
-        return solve(self.model, theta, order, self._weighed_machine)
+        if order not in (0, 1, 2):
+            raise SpecError([Fault(("order",), str(order), "0, 1 or 2")], "machine.solve")
+        return solve(self._whole, _finite(theta, "machine.solve"), order, self._weighed_machine)
 
     def _weighed_machine(self) -> Machine:
         """The model with all that it bears: loads, springs and gravity of the spec, masses of its solids, friction in its joints.
@@ -186,16 +198,19 @@ class Mechanism(Spec, ABC):
             None if self.laser is None else self.laser.thickness,
         )
 
+    @checked
     def scene(self, theta: float) -> Scene:
         """All bodies where they stand at theta, rad, the angle that `solve` takes: a scene of trimesh, mm, z up.
 
         Nodes are the bodies and on them the copies of parts, "rocker-1"; its geometry are the parts by name, each in its own
         frame, as designed, within the spec's chord tolerance. `scene.to_mesh()` is one mesh of all, `scene.show()` draws it.
-        DesignError where the machine does not close at theta, or a part's solid cannot be made.
+        DesignError where the machine does not close at theta, or a part's solid cannot be made; SpecError for an angle that is
+        no finite number.
         """
         from camgen.parts.posed_scene import posed_scene
 
-        return posed_scene(self.assembly, self._solids, theta)
+        (angle,) = _finite(theta, "machine.scene")
+        return posed_scene(self.assembly, self._solids, float(angle))
 
     @cached_property
     def _solids(self) -> Mapping[str, Mesh]:
@@ -269,6 +284,18 @@ class Mechanism(Spec, ABC):
 
 
 M = TypeVar("M", bound=Mechanism)
+
+
+def _finite(theta: ArrayLike, function: str) -> Floats:
+    """Angles that a person gives, (n,) rad; SpecError where one is no finite number."""
+    try:
+        angles = np.ravel(np.asarray(theta, float))
+    except (TypeError, ValueError):
+        raise SpecError([Fault(("theta",), shown(theta), "angles in rad")], function) from None
+    wrong = angles[~np.isfinite(angles)]
+    if wrong.size:
+        raise SpecError([Fault(("theta",), str(wrong[0]), "finite angles in rad")], function)
+    return angles
 
 
 def made(

@@ -461,10 +461,6 @@ class Linkage(Mechanism):
             math.radians(low), math.radians(high), sense=self._sense, to_and_fro=to_and_fro
         )
 
-    def solve(self, theta: ArrayLike, order: int = 2) -> Run:
-        """The machine at theta, (n,) rad; its solids are made only for its forces."""
-        return solve(self._whole, theta, order, self._weighed_machine)
-
     @cached_property
     def _whole(self) -> m.Machine:
         own = joined(self.chain, dict.fromkeys(self._far_module, self.chain))
