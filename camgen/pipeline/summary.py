@@ -17,6 +17,11 @@ from camgen.report.page import once, write_html
 from camgen.report.report import Report, write_csv, write_json
 from camgen.study import Plate, Scene
 
+_WITHOUT_SOLIDS = (
+    "This page has no view in three dimensions and no steps of assembly, since no solids were built: "
+    "build with --only 3mf,report, or without --only"
+)
+
 
 def plates_of(case: Case) -> list[Path]:
     """The plate files of a build, in their order."""
@@ -90,6 +95,7 @@ def write_report(summary: Summary, case: Case, folder: Path) -> None:
             summary.report,
             animation=animation(case.mechanism),
             scene=summary.scene,
+            why_flat="" if summary.scene else _WITHOUT_SOLIDS,
             places=case.places,
         )
         write_html(folder / "report.html", report)

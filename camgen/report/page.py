@@ -53,6 +53,7 @@ def to_html(report: Report) -> str:
     scene = report.scene
     first = summary(report)
     machine = player(report.animation, scene is not None) if report.animation else ""
+    machine += f'<p class="flat">{escape(sentence(report.why_flat))}</p>' if report.why_flat else ""
     return Template(_asset("page.html")).substitute(
         name=escape(report.name),
         mechanism=escape(report.mechanism),

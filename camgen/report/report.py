@@ -37,7 +37,7 @@ class Report:
     parts: one mapping each with `name`, `count`, `material_mm3` and more; `files` in it lists the part's file names.
     animation, scene: the machine in motion, drawn and in three dimensions; budget: the error budget by stage; files: further
     files of the folder to which the page links, and places: those that do not lie at the top, by name; not_judged: codes that were left out; warnings: sentences that a person should
-    read before the parts are made; remarks: what this run did beside the result, and folder: where it wrote, told but not
+    read before the parts are made; why_flat: a sentence on what to build for a view in three dimensions; remarks: what this run did beside the result, and folder: where it wrote, told but not
     written: the same spec gives the same files; summary: the verdict of a report without findings.
     """
 
@@ -57,6 +57,7 @@ class Report:
     remarks: Sequence[str] = ()
     folder: Path | None = None
     scene: Scene | None = None
+    why_flat: str = ""
     summary: str = "Nothing is judged here"
     places: Mapping[str, str] = field(default_factory=dict)
 

@@ -89,6 +89,12 @@ def test_the_machine_is_in_the_page_and_the_library_that_shows_it(page: str) -> 
     }
 
 
+def test_a_page_without_solids_says_what_to_build() -> None:
+    said = "this page has no view in three dimensions: build 3mf & report"
+    assert "build 3mf &amp; report" in to_html(replace(made_up(), why_flat=said))
+    assert 'class="flat"' not in to_html(made_up())
+
+
 def test_the_bundle_is_what_its_entry_file_makes_and_bears_its_licence() -> None:
     folder = files("camgen.report")
     packed = folder.joinpath("three.bundle.js.gz").read_bytes()
