@@ -24,7 +24,7 @@ from camgen.judge.copies import judge_copies, judge_exact_copies
 from camgen.judge.round_trip import judge_solid
 from camgen.machines.mechanism import Mechanism
 from camgen.parts import materials
-from camgen.parts.assembly import bodies_in_motion, order_of_assembly, printed_parts
+from camgen.parts.assembly import Assembly, bodies_in_motion, order_of_assembly, printed_parts
 from camgen.parts.part import Part
 from camgen.pipeline.case import Case
 from camgen.pipeline.drawings import timing_of
@@ -184,10 +184,7 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
                 ("BALANCE",), "the balanced crank, weighed in the assembly", ("3mf",), weigh_crank
             )
         )
-    if mechanism.assembly.support is not None:
-        stages.append(
-            Stage(("TIPPING",), "the machine on its stand, weighed in the assembly", ("3mf",), tip)
-        )
+    stages += _on_the_table(mechanism.assembly)
     if mechanism.assembly.strands:
         codes = ("THREAD_HELD", "THREAD_CLEAR")
         stages.append(
@@ -226,6 +223,16 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
         *([Stage((), work=print_errors)] if printed else []),
         *of_parts(mechanism),
     ]
+
+
+def _on_the_table(made: Assembly) -> Iterator[Stage]:
+    """The stages of what stands or walks by itself."""
+    if made.support is not None:
+        words = "the machine on its stand, weighed in the assembly"
+        yield Stage(("TIPPING",), words, ("3mf",), tip)
+    if made.feet is not None and made.feet.parts:
+        words = "the machine on its feet, in the assembly"
+        yield Stage(("FLOOR_CLEARANCE",), words, ("3mf",), walk)
 
 
 def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -369,6 +376,17 @@ def tip(case: Case, kinds: Sequence[str]) -> Outcome:
     densities |= {part.name: 0.0 for part in made.parts if part.process in ("bought", "dummy")}
     stands = Standing(made.support.down, densities)
     return Outcome([judge_tipping(case.file("assembly", "3mf"), bodies_in_motion(made), stands)])
+
+
+def walk(case: Case, kinds: Sequence[str]) -> Outcome:
+    """FLOOR_CLEARANCE of a machine that has feet."""
+    from camgen.judge.floor import judge_floor
+
+    made = case.mechanism.assembly
+    assert made.feet is not None, "the stage of a machine with feet"
+    machine = bodies_in_motion(made)
+    path = case.file("assembly", "3mf")
+    return Outcome([judge_floor(path, machine, made.feet.down, made.feet.parts)])
 
 
 def judge_threads(case: Case, kinds: Sequence[str]) -> Outcome:

@@ -18,10 +18,16 @@ from hypothesis import strategies as st
 from judged import wrong
 
 from camgen.errors import DesignError, SpecError
+from camgen.files.threemf import write_3mf
+from camgen.findings import Finding
+from camgen.geometry.mesh import Mesh
+from camgen.judge.floor import judge_floor
 from camgen.machines.linkage.mechanism import Linkage
-from camgen.parts.assembly import order_of_assembly
+from camgen.parts.assembly import bodies_in_motion, order_of_assembly
 from camgen.parts.sides import Mirror, both_sides
+from camgen.parts.solids import solid
 from camgen.pipeline.build import build
+from camgen.pipeline.making import assembly_copies
 from camgen.spec import validate
 
 WALKER = {  # a four-bar between two plates; its plates are no mirror images of themselves
@@ -275,3 +281,35 @@ def test_batteries_lie_in_a_frame_under_the_far_plate() -> None:
         _ = walker({"battery": {**battery, "at": [0, 0]}}).assembly
     with pytest.raises(SpecError, match="parts.battery"):
         walker({"battery": battery, "sides": 1})
+
+
+def test_what_hangs_lower_than_the_feet_is_found(tmp_path: Path) -> None:
+    """By its drawing the crank is the lowest beside the feet; a plate that reaches so far down leaves 1 mm."""
+    links = {**WALKER["links"], "rocker": ["C", "B", "F"]}
+    points = {**WALKER["points"], "F": [62, -70]}
+    foot = [{"name": "foot", "point": "F"}]
+    walking = walker({"rocker": {"sole_diameter": 14}}, links=links, points=points, output=foot)
+    made = walking.assembly
+    assert made.feet is not None
+    meshes = {part.name: solid(part, 0.02) for part in made.parts}
+    path = tmp_path / "a.3mf"
+
+    def judged() -> Finding:
+        write_3mf(path, meshes, assembly_copies(walking), "key")
+        assert made.feet is not None
+        return judge_floor(path, bodies_in_motion(made), made.feet.down, made.feet.parts)
+
+    run = walking.solve(np.linspace(0, math.tau, 721), 0)
+    floor = np.minimum(*(np.imag(run[f"{side}foot"]) - 14 / 2 for side in ("", "far_")))
+    theta = np.linspace(0, math.tau, 721)
+    hub = walking.bodies.layout.hub("A", "crank")
+    lowest = np.minimum(15 * np.sin(theta), 15 * np.sin(theta + math.pi / 2)) - hub
+    whole = judged()
+    assert whole.ok and whole.message.startswith("crank-")
+    assert whole.measured == pytest.approx(float(np.min(lowest - floor)), abs=0.05)
+    mesh = meshes["ground"]
+    far = float(mesh.vertices[:, 1].min() - floor.max()) - 1
+    meshes["ground"] = Mesh(mesh.vertices - np.array([0, far, 0]), mesh.faces)
+    damaged = judged()
+    assert not damaged.ok and damaged.measured == pytest.approx(1, abs=0.05)
+    assert damaged.message.startswith("ground-1")
