@@ -31,6 +31,7 @@ class Standing:
 
     down: tuple[float, float, float]
     densities: Mapping[str, float]  # g/mm^3, 0 of what is bought
+    unweighed: str = "what is bought"  # as people call it
 
 
 def judge_tipping(path: Path, machine: SweptMachine, stands: Standing) -> Finding:
@@ -70,6 +71,6 @@ def judge_tipping(path: Path, machine: SweptMachine, stands: Standing) -> Findin
     k = int(np.argmin(lean))
     remark = (
         f"the centre of mass of {mass:.4g} g stays {off[k]:z.1f} mm inside the edge of its stand, {low - float(centre[k] @ down):z.1f} mm "
-        f"over the table, at {math.degrees(phase[k]):z.0f} deg; without what is bought"
+        f"over the table, at {math.degrees(phase[k]):z.0f} deg; without {stands.unweighed}"
     )
     return at_least("TIPPING", float(lean[k]), LEAST_DEG, "deg", in_file(path), remark)

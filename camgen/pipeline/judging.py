@@ -374,7 +374,9 @@ def tip(case: Case, kinds: Sequence[str]) -> Outcome:
     assert made.support is not None, "the stage of a machine with a stand"
     densities = {part.name: 1e-6 * made.solids.density_of(part) for part in made.parts}
     densities |= {part.name: 0.0 for part in made.parts if part.process in ("bought", "dummy")}
-    stands = Standing(made.support.down, densities)
+    driven = any(each.role == "drive" for each in made.bought)
+    unweighed = f"{'its motor and ' if driven else ''}what is bought"
+    stands = Standing(made.support.down, densities, unweighed)
     return Outcome([judge_tipping(case.file("assembly", "3mf"), bodies_in_motion(made), stands)])
 
 

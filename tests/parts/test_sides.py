@@ -16,11 +16,14 @@ import tomli_w
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from judged import wrong
+from shapely import Polygon
 
 from camgen.errors import DesignError, SpecError
 from camgen.files.threemf import write_3mf
 from camgen.findings import Finding
+from camgen.geometry.facets import facet_contour
 from camgen.geometry.mesh import Mesh
+from camgen.geometry.outlines import Contour
 from camgen.judge.floor import judge_floor
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.parts.assembly import bodies_in_motion, order_of_assembly
@@ -269,6 +272,11 @@ def test_a_gearbox_with_square_corners_is_held_by_a_sleeve() -> None:
     assert motor.discs[0][2:] == (-26, -sleeve.thickness)
 
 
+def xy(contour: Contour) -> np.ndarray:
+    rim = facet_contour(contour, 0.01)
+    return np.column_stack([rim.real, rim.imag])
+
+
 def test_batteries_lie_in_a_frame_under_the_far_plate() -> None:
     battery = {"length": 40, "width": 20, "at": [20, 30]}
     machine = walker({"battery": battery})
@@ -277,6 +285,9 @@ def test_batteries_lie_in_a_frame_under_the_far_plate() -> None:
     (mount,) = (each for each in machine.assembly.mounts if each.part == frame.name)
     assert mount.at == 20 + 30j
     assert mount.z == pytest.approx(far.z + machine.making.base_thickness)
+    plate, rim = (each.region.outer for each in (machine.assembly.by_name["far-ground"], frame))
+    area = Polygon(xy(plate) * [-1, 1]).buffer(0.02)  # it lies turned over
+    assert area.contains(Polygon(xy(rim) + [20, 30])), "all of it is glued on"
     with pytest.raises(DesignError, match="parts.battery.at"):
         _ = walker({"battery": {**battery, "at": [0, 0]}}).assembly
     with pytest.raises(SpecError, match="parts.battery"):

@@ -68,7 +68,7 @@ from camgen.parts.generator.cures import frames
 from camgen.parts.generator.joints import part_name, pivot_of
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.mounted import upper_end
-from camgen.parts.generator.plates import battery_frame
+from camgen.parts.generator.plates import with_battery
 from camgen.parts.generator.posts import posts
 from camgen.parts.generator.sizes import Name, Parts
 from camgen.parts.generator.stacking import first_choice, lacking, with_levels
@@ -549,9 +549,7 @@ class Linkage(Mechanism):
         if self.making.sides == 1:
             return None
         near = self.bodies.layout
-        far = replace(near, sizes=near.sizes.driven_by_shaft)
-        parts = (*far.fitted.parts, *battery_frame(far))
-        return Bodies(replace(far, fitted=replace(far.fitted, parts=parts)))
+        return Bodies(with_battery(replace(near, sizes=near.sizes.driven_by_shaft)))
 
     @cached_property
     def _far_fitted(self) -> m.Machine:

@@ -103,6 +103,7 @@ class Fitting:
     keep_outs: tuple[
         tuple[complex, float], ...
     ] = ()  # discs on the ground that posts keep clear of
+    hubs: tuple[tuple[complex, float], ...] = ()  # further discs that the plate holds
 
 
 @dataclass(frozen=True)

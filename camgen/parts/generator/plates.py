@@ -163,6 +163,7 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
         screws.append(_third([*beside, *posts], a[0], way, radius))
     holes |= {f"screw {k}": circle(z, radius) for k, z in enumerate(screws, 1)}
     holes |= layout.fitted.holes
+    hubs += layout.fitted.hubs
     holes |= {f"foot {k}": circle(z, wide / 2) for k, (z, wide) in enumerate(layout.feet, 1)}
     hubs += [(z, wide / 2 + layout.rim) for z, wide in layout.feet]
     outer = hull([*hubs, *((z, radius + s.wall) for z in screws)])
@@ -251,12 +252,13 @@ def motor_bar(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     yield part, Mount(part.name, GROUND, at, z=z)
 
 
-def battery_frame(layout: Layout) -> Iterator[tuple[Part, Mount]]:
-    """Under the plate of a far side, glued on; DesignError where the shaft or its collar is in its way."""
+def with_battery(layout: Layout) -> Layout:
+    """The layout of a far side with a frame glued under its plate, which holds all of it; DesignError where the shaft or its
+    collar is in its way."""
     s = layout.sizes
     battery = s.battery
     if battery is None:
-        return
+        return layout
     at = complex(*battery.at)
     play = layout.fits.slide_clearance + layout.fits.press_clearance
     inner = complex(battery.length + play, battery.width + play) / 2
@@ -269,8 +271,8 @@ def battery_frame(layout: Layout) -> Iterator[tuple[Part, Mount]]:
         raise DesignError(
             "room beside the shaft's collar", room, needed, "mm", "frame of the battery", remedy
         )
-    corners = (inner, -inner, inner.conjugate(), -inner.conjugate())
-    outer = hull([(z, s.wall) for z in corners])
+    corners = [(z, s.wall) for z in (inner, -inner, inner.conjugate(), -inner.conjugate())]
+    outer = hull(corners)
     region = plate("frame of the battery", outer, {"holder": rectangle(-inner, inner)}, s.wall / 2)
     part = Part(
         "battery-frame",
@@ -280,7 +282,11 @@ def battery_frame(layout: Layout) -> Iterator[tuple[Part, Mount]]:
         min_wall=layout.min_wall,
         notes=(HoldingNote("glued under the plate; the holder lies in it"),),
     )
-    yield part, Mount(part.name, GROUND, at, z=-battery.height)
+    mount = Mount(part.name, GROUND, at, z=-battery.height)
+    fitted = layout.fitted
+    parts = (*fitted.parts, (part, mount))
+    hubs = (*fitted.hubs, *((at + z, wide) for z, wide in corners))
+    return replace(layout, fitted=replace(fitted, parts=parts, hubs=hubs))
 
 
 def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
