@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from difflib import get_close_matches
+from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
@@ -24,6 +25,16 @@ _STEP = re.compile(r"""\s*(?:"((?:[^"\\]|\\.)*)"|'([^']*)'|([^.=]*?))\s*([.=])""
 _PLAIN = re.compile(r"[\w-]+(\.[\w-]+)*=")  # most settings
 
 _DECIMAL = re.compile(r"-?(0|[1-9]\d*)\.\d+")  # as TOML has it, too
+
+
+def quotient(value: object) -> object:
+    """A ratio that is typed as text, "-12/30" or "-0.4", as a number; anything else as it is."""
+    if not isinstance(value, str):
+        return value
+    try:
+        return float(Fraction(value.replace(" ", "")))
+    except (ValueError, ArithmeticError):
+        return value
 
 
 def split_setting(setting: str) -> tuple[list[str], str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ import click
 
 from camgen.commands.options import EXIT_CODES, json_option, quiet_option, verbose_option
 from camgen.commands.running import each
+from camgen.settings import quotient
 
 if TYPE_CHECKING:
     from camgen.commands.running import Work
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
 def _ratio(context: click.Context, option: click.Parameter, value: str | None) -> float | None:
     """A number, or a fraction of two."""
-    try:
-        return None if value is None else float(Fraction(value.replace(" ", "")))
-    except (ValueError, ArithmeticError):
-        raise click.BadParameter(f"{value!r} is no ratio such as -12/30 or -0.4") from None
+    ratio = None if value is None else quotient(value)
+    if ratio is None or isinstance(ratio, float):
+        return ratio
+    raise click.BadParameter(f"{value!r} is no ratio such as -12/30 or -0.4")
 
 
 # options that go with --drives alone

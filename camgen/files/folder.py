@@ -32,6 +32,7 @@ MANIFEST = "manifest.json"
 _MANIFEST_SIZE = Bound("a manifest", 10_000_000)
 SPEC = "spec.toml"
 
+_LONGEST_NAME = 50  # characters
 _STAGING = re.compile(r"\.(.+)-[a-z0-9_]{8}")
 _EDITED = re.compile(r"spec\.toml\.edited(-\d+)?")
 _LOCK = "camgen.lock"
@@ -42,6 +43,19 @@ _EXCHANGE = 2
 _in_use: set[Path] = (
     set()
 )  # staging folders of this process, whose locks do not hold against itself
+
+
+def name_of(path: Path) -> str:
+    """Name of a folder for what is read from a file: its stem in small letters, digits and hyphens, at most 50 characters.
+
+    Blanks are hyphens. Where more is left out, six digits of the stem's SHA-256 stand behind it: no two such stems share a folder.
+    """
+    stem = path.stem.lower().replace(" ", "-")
+    name = re.sub("[^a-z0-9]+", "-", stem).strip("-")
+    if name == stem and len(name) <= _LONGEST_NAME:
+        return name
+    digest = hashlib.sha256(stem.encode("utf-8", "surrogateescape")).hexdigest()[:6]
+    return "-".join(filter(None, (name[: _LONGEST_NAME - 7].rstrip("-"), digest)))
 
 
 class StagingFolder:

@@ -9,7 +9,6 @@ transmission error peak to peak of the pushing flank less ratio x theta
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -19,7 +18,7 @@ from typing import Literal, TypedDict
 import numpy as np
 
 from camgen.errors import DesignError, Fault, FileError, SpecError
-from camgen.files.folder import StagingFolder, write_manifest
+from camgen.files.folder import StagingFolder, name_of, write_manifest
 from camgen.findings import Finding, Where, at_least, at_most, in_file
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.pair_events import Slide, Turn
@@ -331,7 +330,7 @@ def run(
     outlines = _read(path, request.driven, request.drive, request.hints)
     findings = [finding for outline in outlines for finding in outline.findings]
     report = Report(
-        f"{_name(path)}-drives-{_name(request.driven)}",
+        f"{name_of(path)}-drives-{name_of(request.driven)}",
         "one outline drives another",
         list(dict.fromkeys(findings)),
     )
@@ -355,10 +354,6 @@ def run(
         write_json(folder / "report.json", report)
         write_manifest(folder, _PACKAGES)
     return replace(report, folder=out / report.name)
-
-
-def _name(path: Path) -> str:
-    return re.sub("[^a-z0-9]+", "-", path.stem.lower()).strip("-")[:30] or "outline"
 
 
 def _columns(driven: Driven, drive: Drive) -> dict[str, Floats]:

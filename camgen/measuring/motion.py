@@ -8,7 +8,6 @@ lash   free play of a follower with two tips, on one outline or on two that turn
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
@@ -18,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from camgen.errors import DesignError, Fault, FileError, SpecError
-from camgen.files.folder import StagingFolder, write_manifest
+from camgen.files.folder import StagingFolder, name_of, write_manifest
 from camgen.findings import Finding, Where, at_least, at_most, in_file
 from camgen.geometry.rings import Floats, Ring
 from camgen.judge.contact import contact
@@ -192,7 +191,7 @@ def run(
         progress(f"reading {file.name}")
         outlines[file, contour] = read_outline(file, request.hints, contour)
     findings = [finding for outline in outlines.values() for finding in outline.findings]
-    name = re.sub("[^a-z0-9]+", "-", path.stem.lower()).strip("-")[:50] or "outline"
+    name = name_of(path)
     report = Report(f"{name}-motion", "motion of an outline", list(dict.fromkeys(findings)))
     columns: Mapping[str, Floats] = {}
     if all(outline.ring is not None for outline in outlines.values()):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from camgen.errors import Fault, SpecError
-from camgen.files.folder import StagingFolder, write_manifest
+from camgen.files.folder import StagingFolder, name_of, write_manifest
 from camgen.files.servo import CamTable, read_cam_table
 from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.rings import Floats
@@ -64,7 +63,7 @@ def run(
     progress(f"reading {path.name}")
     table = read_cam_table(path)
     driven = _Driven(path, table, table.curve())
-    name = re.sub("[^a-z0-9]+", "-", path.stem.lower()).strip("-")[:50] or "table"
+    name = name_of(path)
     x = np.linspace(table.master[0], table.master[-1], ROWS)
     columns: dict[str, Floats] = {"master_deg": x}
     plots = []

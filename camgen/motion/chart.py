@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from camgen.errors import Fault, Key, SpecError
+from camgen.errors import Fault, Key, SpecError, dotted
 from camgen.motion.laws import LAWS, Law
 from camgen.motion.tasks import (
     CHOICES,
@@ -136,7 +136,7 @@ class Chart:
             except SpecError as error:
                 found.append(Resolved(task))
                 faults += [replace(f, path=self._place(k, f.path)) for f in error.faults]
-        return found, faults
+        return found, sorted(faults, key=lambda fault: fault.path[len(self.path)])
 
     # ---- joints ------------------------------------------------------------------------------------------------------
 
@@ -162,13 +162,21 @@ class Chart:
         if rates.velocity is None and letter == "G":
             uniform = [each.lift / each.span for each in (last, move) if each.uniform]
             if not uniform:
-                right = "missing: the velocity of G, as no neighbour is uniform"
-                faults.append(Fault((*self.path, row, "end_velocity"), "", right))
+                faults.append(self._speedless(row, k, typed[0] == " "))
             rates = replace(rates, velocity=uniform[0] if uniform else 0.0)
         acceleration = rates.acceleration
         if acceleration is None and letter != "U":
             acceleration = 0.0
         return Joint(sides[0], sides[1], rates.velocity or 0.0, acceleration, rates.jerk or 0.0)
+
+    def _speedless(self, row: int, k: int, begins: bool) -> Fault:
+        """Of a joint G with no speed, named where it is typed: where segment k begins, or where the one before it ends."""
+        if begins:
+            end = dotted((*self.path, row, "end_velocity"))
+            right = f"R, or the speed where it begins: {end}"
+            return Fault((*self.path, k, "task"), f"'{self.moves[k].task}'", right)
+        right = "missing: the velocity of G, as no neighbour is uniform"
+        return Fault((*self.path, row, "end_velocity"), "", right)
 
     def _letter(self, last: Move, move: Move) -> str:
         """Of a joint of which no task says anything."""

@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -141,10 +142,16 @@ class _Trial:
     number: int  # of the finding among those of its code
     finding: Finding
 
-    @property
+    @cached_property
     def keys(self) -> Mapping[str, Any]:
         """The spec's tables with every default."""
         return self.mechanism.model_dump(by_alias=True, exclude_none=True)
+
+    @property
+    def numbers(self) -> Mapping[Key, float]:
+        """Numbers of the spec by their keys, with those that are typed and stand for others, such as at_deg for span_deg."""
+        typed = {path: float(value) for path, value in _numbers(self.mechanism.source_tables)}
+        return typed | dict(_numbers(self.keys))
 
     @property
     def margin(self) -> float:
@@ -159,7 +166,7 @@ class _Trial:
     def changes(self) -> Iterator[tuple[Sequence[str], float, float, Finding]]:
         """Keys, their value, another one near it and the finding then; what is refused alone goes with its likes in a list."""
         refused: dict[tuple[str, float], list[str]] = {}
-        for path, value in _numbers(self.keys):
+        for path, value in self.numbers.items():
             keys = [dotted(path)]
             change = self._changed(keys, value)
             if change is not None:

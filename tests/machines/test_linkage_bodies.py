@@ -17,6 +17,7 @@ from judged import wrong
 
 from camgen.errors import DesignError, SpecError
 from camgen.machines.linkage.mechanism import Linkage
+from camgen.machines.sources import read_mechanism
 from camgen.pipeline.build import build
 from camgen.reading import read
 from camgen.spec import validate
@@ -417,3 +418,16 @@ def test_links_that_change_their_levels_in_the_assembly_are_found(tmp_path: Path
         for name, data in files.items():
             package.writestr(name, text.encode() if name == "3D/3dmodel.model" else data)
     assert {"INTERFERENCE", "ROUND_TRIP"} <= failing(folder)
+
+
+def test_a_ratio_of_teeth_is_the_number_that_it_makes() -> None:
+    """As --ratio of camgen motion takes it; text that is no ratio is refused by its key."""
+
+    def geared(ratio: object) -> object:
+        head = {"mechanism": "linkage", "name": "own", "drive": {"link": "crank", "speed_rpm": 60}}
+        return read_mechanism(head | GEARED | {"gear": [GEARED["gear"][0] | {"ratio": ratio}]})
+
+    assert geared("-24/12") == geared("-2.0") == geared(-2)
+    for text in ("-24/0", "two", "1e400"):
+        with pytest.raises(SpecError, match=f"gear.0.ratio: '{text}' - expected a number"):
+            geared(text)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import re
 import sys
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from click.testing import CliRunner
 
 import camgen
 from camgen.cli import cli
+from camgen.files.folder import name_of
 from camgen.geometry.rings import Ring
 from camgen.measuring.drives import Drive, driven_by
 
@@ -148,6 +150,21 @@ def test_files_that_hold_no_outline_are_refused(gears: Path) -> None:
         words = ["motion", pinion, "--drives", str(wheel), "--distance", "42"]
         result = CliRunner().invoke(cli, words)
         assert result.exit_code == 4, result.output
+
+
+def test_pairs_whose_names_differ_in_signs_or_late_letters_have_folders_of_their_own(
+    tmp_path: Path,
+) -> None:
+    """Names that stay as they are; and twelve that a plain cut or a plain replacement would make two of."""
+    assert [name_of(Path(name)) for name in ("pinion-12.dxf", "Wheel.STL")] == [
+        "pinion-12",
+        "wheel",
+    ]
+    long = "a-very-long-name-of-an-outline-that-somebody-has-exported"
+    stems = ["a_L+", "a_L-", "a L", "+", "-", "ä", "ö", long, long + "-2", long[:50], "a.b", "a-b"]
+    names = [name_of(Path(f"{stem}.dxf")) for stem in stems]
+    assert len(set(names)) == len(stems)
+    assert all(re.fullmatch("[a-z0-9]+(-[a-z0-9]+)*", name) and len(name) <= 50 for name in names)
 
 
 def test_python_gives_the_same_arrays(gears: Path) -> None:

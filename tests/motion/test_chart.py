@@ -267,6 +267,11 @@ REMAINS = "at_deg = 360; to = 0"
             "missing: the velocity of G",
         ),
         (
+            (RISE + "; task = 'GR'", BACK, REMAINS),
+            "segment.0.task",
+            "R, or the speed where it begins: segment.2.end_velocity",
+        ),
+        (
             (RISE + "; task = 'RU'", BACK, REMAINS),
             "segment.0.end_acceleration",
             "missing: polynomials leave",

@@ -133,6 +133,24 @@ def test_an_open_dwell_takes_the_rest_of_a_turn_that_is_changed() -> None:
     assert swept["pressure_angle_deg"][1] < swept["pressure_angle_deg"][0]
 
 
+def test_the_corners_of_a_timing_chart_are_tried_under_the_keys_that_are_typed() -> None:
+    """The same rise by its corner and by its span, the dwell behind it taking what is left."""
+    spans = STEEP["segment"]
+    ends = (90, 210, 360)
+    lifts = (25, 25, 0)
+    corners = [
+        {"at_deg": end, "to": lift, "law": row.get("law")}
+        for row, end, lift in zip(spans, ends, lifts, strict=True)
+    ]
+    corners[1].pop("law")
+    chart = influence({**STEEP, "segment": corners}, "PRESSURE_ANGLE")
+    spanned = influence(STEEP, "PRESSURE_ANGLE")
+    (corner,) = [each for each in chart.effects if list(each.keys) == ["segment.0.at_deg"]]
+    (span,) = [each for each in spanned.effects if list(each.keys) == ["segment.0.span_deg"]]
+    assert (corner.value, corner.tried) == (span.value, span.tried) == (90, 91.8)
+    assert corner.measured == pytest.approx(span.measured, rel=1e-12)
+
+
 def test_what_only_makes_it_worse_is_no_remedy_and_the_way_is_said() -> None:
     """Play of pins: pressed ones have none, and cannot have less; what slides has it from its clearance, so less holds."""
     mill = {

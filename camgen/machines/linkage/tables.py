@@ -30,6 +30,7 @@ from camgen.motion.program import Program
 from camgen.motion.segments import Kind, Span, WholeTurn, program
 from camgen.parts.gears import GearWish
 from camgen.parts.generator.sizes import Name
+from camgen.settings import quotient
 from camgen.spec import Coordinate, Length, MinWall, Record, Rpm, quantity, turning
 
 Place = tuple[Coordinate, Coordinate]
@@ -154,8 +155,9 @@ class Gear(Record):
 
     a: Name = Field(description="the first link")
     b: Name = Field(description="the second link")
-    ratio: Annotated[float, quantity("1", ge=-1000, le=1000)] = Field(
-        description="angle of b = ratio * angle of a; below 0: they turn against each other"
+    ratio: Annotated[float, quantity("1", ge=-1000, le=1000), BeforeValidator(quotient)] = Field(
+        description="angle of b = ratio * angle of a, a number or teeth of a over those of b, "
+        '"-12/30"; below 0: they turn against each other'
     )
     teeth: Annotated[int, quantity("1", ge=5, le=400)] | None = Field(
         default=None, description="teeth of the wheel of a; found unless given"
