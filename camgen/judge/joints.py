@@ -18,6 +18,7 @@ from camgen.judge.contact import RollingContact, contact
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, Form, SlideTip
 from camgen.judge.measured import Readings
+from camgen.judge.meshes import MeshedWheel, Meshing
 from camgen.machine.features import (
     CamOutline,
     Demand,
@@ -33,6 +34,7 @@ from camgen.machine.features import (
     SlideFaces,
     SlotFaces,
     Steady,
+    Teeth,
 )
 from camgen.machine.model import (
     GROUND,
@@ -146,13 +148,14 @@ class Nominal:
 class Closable:
     """The machine as measured; the fit of each joint that was, and the outlines of each cam, the one that drives first.
 
-    radii: of each Gear the pitch radius of b, mm, at which a way along the flanks turns it.
+    radii: of each Gear the pitch radius of b, mm, at which a way along the flanks turns it; meshings: its wheels' outlines.
     """
 
     machine: Machine
     fits: Mapping[str, Fit]
     outlines: Mapping[str, Sequence[Outline]]
     radii: Mapping[str, float]
+    meshings: Sequence[Meshing]
 
 
 def measured_machine(
@@ -182,6 +185,7 @@ def measured_machine(
         builder.fits,
         builder.outlines,
         builder.radii,
+        builder.meshings,
     )
 
 
@@ -245,6 +249,7 @@ class _Builder:
         self.fits: dict[str, Fit] = {}
         self.outlines: dict[str, list[Outline]] = {}
         self.radii: dict[str, float] = {}
+        self.meshings: list[Meshing] = []
 
     def put(
         self, feature: PinEyes | Steady | SlideFaces | SlotFaces | CamOutline | GearTeeth
@@ -460,7 +465,19 @@ class _Builder:
         )
         self.fits[joint.name] = Fit(space - gaps[1] + wider, space - gaps[0], max(thin, abs(wider)))
         self.radii[joint.name] = radius
+        a, b = (
+            self._wheel(*each)
+            for each in zip((feature.a, feature.b), feature.turns, (joint.a, joint.b), strict=True)
+        )
+        base = radius * math.cos(feature.pressure)
+        self.meshings.append(Meshing(joint.name, a, b, line, joint.ratio, phase, base))
         return replace(joint, phase=phase)
+
+    def _wheel(self, teeth: Teeth, pin: str, body: str) -> MeshedWheel:
+        """A wheel on its body, about the pin that holds it."""
+        pivot = self._pin_places(pin, body)[0]
+        mount = self.made[self._mount(teeth.part, Place(body, pivot), 0j)]
+        return MeshedWheel(teeth.part, self.found.wheels[teeth], teeth.count, mount, pivot)
 
     def _own(self, feature: CamOutline, joint: Cam) -> RollingLaw | None:
         """What the follower's own tip rolls to; None where it is lost or does not fit the cam."""

@@ -187,6 +187,7 @@ class Readings:
     flats: dict[Flat, Flat] = field(default_factory=dict)
     rings: dict[CamOutline, Ring] = field(default_factory=dict)
     teeth: dict[Teeth, Teeth] = field(default_factory=dict)
+    wheels: dict[Teeth, Ring] = field(default_factory=dict)
     facing: dict[SharedFlat, tuple[float, float]] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)  # sentences on what they do not show
 
@@ -277,12 +278,14 @@ class _Reader:
     def teeth(self, joint: str, nominal: Teeth) -> None:
         """The teeth of one wheel of a pair."""
         teeth = measure_teeth(nominal, self.files[nominal.part])
-        if teeth is None:
+        outline = _outline(self.files[nominal.part], inside=False)
+        if teeth is None or outline is None:
             self._lost(
                 f"{joint}: no {nominal.count} teeth of {nominal.part} cross the pitch circle"
             )
         else:
             self.readings.teeth[nominal] = teeth
+            self.readings.wheels[nominal] = outline
 
     def flats(self, feature: SharedFlat) -> None:
         """The flats of two holes on one pin."""

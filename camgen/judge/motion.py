@@ -16,6 +16,7 @@ from camgen.findings import Finding, NotJudged, Where, at_most
 from camgen.judge.cams import judge_cams, named
 from camgen.judge.joints import Closable, Fit, Nominal, Outline, measured_machine
 from camgen.judge.measured import Files, Sections, read
+from camgen.judge.meshes import judge_mesh
 from camgen.judge.proof import Proof, with_laws
 from camgen.machine.features import CamOutline, Demand, judged_outputs, parts_of
 from camgen.machine.model import GROUND, Cam, Clutch, Output, bodies_of, unit_of
@@ -97,6 +98,9 @@ def judge_machine(
     )
     findings += on_cams.findings
     numbers |= on_cams.figures
+    for meshing in measured.meshings:
+        pair = named(files.where, {meshing.a.part, meshing.b.part})
+        findings.append(judge_mesh(meshing, off + slack, pair))
     unseen = _nominal(nominal)
     if any(math.isinf(each.error) for each in judged):
         return Verdict(tuple(findings), numbers, not_judged=unseen)

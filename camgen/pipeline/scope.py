@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from camgen.files.formats import DRAWN, EXACT, SOLID
 from camgen.findings import Finding, NotJudged
 from camgen.geometry.outlines import Floats
-from camgen.machine.features import CamOutline, Flat
+from camgen.machine.features import CamOutline, Flat, GearTeeth
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.sheets import why_not
 from camgen.study import Figures, Plot, Table
@@ -82,6 +82,8 @@ def of_parts(mechanism: Mechanism) -> list[Stage]:
         stages.append(Stage(("TIP_MOTION",), "the frame's own tip on the cam", READ))
     if any(isinstance(cam.tip, Flat) and math.isfinite(cam.tip.width) for cam in cams):
         stages.append(Stage(("FACE_WIDTH",), "where the face is touched", READ))
+    if any(isinstance(feature, GearTeeth) for feature in features):
+        stages.append(Stage(("GEAR_MESH",), "the outlines of gears, one driving the other", READ))
     if len(cams) < len(features):
         wishes = mechanism.assembly.demands
         codes = dict.fromkeys(target.code for each in wishes for target in each.targets)

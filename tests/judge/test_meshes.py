@@ -1,0 +1,103 @@
+"""GEAR_MESH: a pair of wheels from its own files, sound, and with one flank, bore or tooth that is off."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import ezdxf
+import numpy as np
+import pytest
+
+import camgen
+from camgen.findings import Finding
+from camgen.machines.sources import read_mechanism
+from camgen.numerics import Points
+from camgen.pipeline.case import Case
+from camgen.pipeline.reading import judge_motion, judge_part
+
+TEETH = 36  # of the crank's wheel, which has twice as many as the drum's
+SPEC = {
+    "mechanism": "linkage",
+    "name": "pair",
+    "points": {"O": [0, 0], "A": [20, 0], "C": [60, 0], "B": [70, 0]},
+    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "drum": ["C", "B"]},
+    "drive": {"link": "crank"},
+    "gear": [{"a": "crank", "b": "drum", "ratio": -2, "teeth": TEETH, "name": "pair"}],
+    "output": [{"name": "out", "link": "drum"}],
+}
+WHEEL = "pair-gear-pair-crank.dxf"
+
+
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("pair")
+    report = camgen.build(SPEC, out, ["dxf"])
+    assert report.ok, [str(finding) for finding in report.findings if not finding.ok]
+    return out / "pair"
+
+
+def meshing(folder: Path) -> Finding:
+    """What the judge says of the folder's drawings."""
+    case = Case(read_mechanism(folder / "spec.toml"), folder)
+    parts = {name: judge_part(case, name, ["dxf"], dimensioned=False)[1] for name in case.parts}
+    result = judge_motion(case.mechanism, "dxf", parts, np.linspace(0, math.tau, 9))
+    assert result is not None
+    (found,) = [each for each in result[0].findings if each.code == "GEAR_MESH"]
+    return found
+
+
+def damaged(folder: Path, to: Path, change: Callable[[Points], Points]) -> Finding:
+    """The pair with other points of the crank's wheel."""
+    shutil.copytree(folder, to / "pair")
+    path = to / "pair" / WHEEL
+    drawing = ezdxf.readfile(path)
+    line = max(drawing.modelspace().query("LWPOLYLINE"), key=len)
+    rows = np.array(line.get_points("xyseb"))
+    points = change(rows[:, 0] + 1j * rows[:, 1])
+    rows[:, :2] = np.column_stack([points.real, points.imag])
+    line.set_points(rows.tolist(), "xyseb")
+    drawing.saveas(path)
+    return meshing(to / "pair")
+
+
+def flank(points: Points, by: float, tooth: int = 3) -> Points:
+    """The later flank of one tooth turned by so many mm."""
+    radius = np.abs(points)
+    turned = points * np.exp(-2j * math.pi * tooth / TEETH)
+    off = (np.angle(turned) > 0) & (np.angle(turned) < 0.9 * math.pi / TEETH)
+    off &= radius > radius.min() + 0.4 * np.ptp(radius)
+    return points * np.where(off, np.exp(1j * by / radius), 1)
+
+
+def test_a_sound_pair_turns_evenly_within_its_arcs(sound: Path) -> None:
+    found = meshing(sound)
+    assert found.ok and 0 < found.measured < found.limit
+    assert found.limit == pytest.approx(4 * 0.001, rel=1e-6)
+
+
+@pytest.mark.parametrize("by", [-0.02, 0.02])
+def test_a_flank_that_is_off_is_seen_as_much_and_named(
+    sound: Path, tmp_path: Path, by: float
+) -> None:
+    found = damaged(sound, tmp_path, lambda points: flank(points, by))
+    assert not found.ok
+    # along the normal a flank moves by the cosine of the pressure angle; neighbours carry a part of what is missing
+    assert found.measured == pytest.approx(0.02 * math.cos(math.radians(20)), abs=0.003)
+    where = float(found.message.split("most at ")[1].split(" deg")[0])
+    # the damaged tooth stands at 30 deg; the one beside it takes over where a flank is missing
+    assert where == pytest.approx(30.0, abs=10.1)
+
+
+def test_teeth_beside_the_bore_s_middle_are_told(sound: Path, tmp_path: Path) -> None:
+    """By 10 um: twice that from peak to peak, along a normal that leans by the pressure angle."""
+    found = damaged(sound, tmp_path, lambda points: points + 0.01)
+    assert not found.ok and found.measured == pytest.approx(0.02, rel=0.2)
+
+
+def test_a_tooth_that_fills_its_gap_jams(sound: Path, tmp_path: Path) -> None:
+    found = damaged(sound, tmp_path, lambda points: flank(points, 0.6))
+    assert not found.ok
+    assert math.isinf(found.measured) or found.measured > 0.4
