@@ -11,7 +11,6 @@ import click
 
 from camgen.commands.options import EXIT_CODES, json_option, quiet_option, verbose_option
 from camgen.commands.running import each
-from camgen.settings import quotient
 
 if TYPE_CHECKING:
     from camgen.commands.running import Work
@@ -21,6 +20,8 @@ if TYPE_CHECKING:
 
 def _ratio(context: click.Context, option: click.Parameter, value: str | None) -> float | None:
     """A number, or a fraction of two."""
+    from camgen.settings import quotient
+
     ratio = None if value is None else quotient(value)
     if ratio is None or isinstance(ratio, float):
         return ratio
