@@ -106,7 +106,7 @@ def left_out(not_judged: Sequence[NotJudged]) -> str:
 
 
 def worst_of_each(findings: Sequence[Finding]) -> list[tuple[Finding, str]]:
-    """Of findings of one check the worst, with all the places where they were made, such as several files or parts.
+    """Of findings of one check the worst, with how many there are and where they were made, such as several files or parts.
 
     One check: of one code, unit and limit, on one output of one machine. Two at the very same place are two checks.
     """
@@ -122,7 +122,8 @@ def worst_of_each(findings: Sequence[Finding]) -> list[tuple[Finding, str]]:
     rows = []
     for group in groups.values():
         worst = max(group, key=lambda each: -each.measured if each.floor else each.measured)
-        rows.append((worst, "; ".join(dict.fromkeys(str(each.where) for each in group))))
+        places = "; ".join(filter(None, dict.fromkeys(str(each.where) for each in group)))
+        rows.append((worst, f"worst of {len(group)}: {places}" if len(group) > 1 else places))
     return rows
 
 

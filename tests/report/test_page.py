@@ -221,7 +221,7 @@ def test_one_fault_in_all_files_is_one_row() -> None:
         ]
     )
     assert [(finding.measured, where) for finding, where in told] == [
-        (0.6, "design, cam angle 57.296 deg; dxf, cam angle 114.592 deg"),
+        (0.6, "worst of 2: design, cam angle 57.296 deg; dxf, cam angle 114.592 deg"),
         (0.7, "stl"),
         (1, "a"),
     ]

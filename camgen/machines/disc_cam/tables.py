@@ -21,7 +21,7 @@ class FollowerTable(Record):
         description='"translating" or "oscillating"'
     )
     shape: Literal["roller", "flat", "knife"] = Field(
-        description='"roller" (radius), "flat" or "knife"'
+        description='"roller" (with its radius), "flat" or "knife"; there is no default'
     )
     radius: Length | None = Field(default=None, description="radius of the roller")
     offset: Coordinate = Field(

@@ -256,7 +256,7 @@ class Cam(Record):
     follower: Name = Field(description="a link that swings or slides on the ground")
     shape: Literal["roller", "knife", "flat"] = Field(
         default="roller",
-        description='what of the follower touches the cam: "roller", "knife" or "flat"',
+        description='what of the follower touches the cam: "roller" (with its radius), "knife" or "flat"; a roller unless given',
     )
     at: Name = Field(
         description="point of the follower: the roller's centre, the edge, or a point of the face"
