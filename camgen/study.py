@@ -282,5 +282,7 @@ def data_frame(columns: Mapping[str, Sequence[object] | Floats]) -> DataFrame:
     try:
         import pandas
     except ImportError:
-        raise CamgenError("to_dataframe needs pandas: pip install pandas") from None
+        from camgen.extras import pip_line
+
+        raise CamgenError(f"to_dataframe needs pandas: {pip_line('pandas')}") from None
     return pandas.DataFrame(columns)

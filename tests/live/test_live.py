@@ -433,7 +433,7 @@ def test_without_the_extra_its_name_is_told(
     with pytest.raises(SystemExit) as done:
         main([command, str(spec)])
     assert done.value.code == 4
-    assert re.search(r'needs uvicorn: pip install ".+\[live\]"', capsys.readouterr().err)
+    assert re.search(r'needs uvicorn: (\S+ -m )?pip install ".+\[live\]"', capsys.readouterr().err)
 
 
 @pytest.mark.parametrize("command", ["watch", "explore"])
