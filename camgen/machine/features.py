@@ -176,6 +176,7 @@ class Teeth:
     radius: float  # of the pitch circle, mm
     thickness: float  # of a tooth there, mm
     tooth: float = 0.0  # direction of the middle of one of them, rad
+    bends: float = math.nan  # stress at its root by a force on its tip, MPa mm of width per N
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from camgen.machines.loads.follower import effective_inertia
 from camgen.machines.loads.rubbing import with_friction
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
+from camgen.parts import materials
 from camgen.parts.catalogue import BEARINGS
 from camgen.parts.solids import solid
 
@@ -779,3 +780,37 @@ def test_a_followers_own_frequency() -> None:
     assert not ratio.ok
     left_out = [each.code for each in judged("disc-cam", *settings).not_judged]
     assert "FOLLOWER_FREQUENCY" in left_out
+
+
+def test_teeth_bear_the_torque_that_goes_through_them() -> None:
+    """By Lewis's formula with the table's factor, and Hertz's at the pitch point, worked out here by hand."""
+    spec = {
+        "mechanism": "linkage",
+        "name": "pair",
+        "points": {"O": [0, 0], "A": [20, 0], "C": [60, 0], "B": [70, 0]},
+        "links": {"ground": ["O", "C"], "crank": ["O", "A"], "drum": ["C", "B"]},
+        "drive": {"link": "crank", "speed_rpm": 1},
+        "gear": [{"a": "crank", "b": "drum", "ratio": -1.5, "teeth": 30, "name": "pair"}],
+        "output": [{"name": "out", "link": "drum"}],
+        "load": {"on": [{"output": "out", "value": -2}]},
+    }
+    mechanism = read_mechanism(spec).resolved()
+    found = assess(mechanism)
+    (stress,) = [each for each in found.findings if each.code == "TOOTH_STRESS"]
+    (hertz,) = [each for each in found.findings if each.code == "HERTZ"]
+    module = 60 / 25
+    tangential = 2000 / (20 * module / 2)
+    width = mechanism.assembly.by_name["gear-pair-drum"].drawn
+    thick = width.z1 - width.z0
+    assert stress.measured == pytest.approx(tangential / (thick * module * 0.322), rel=0.05)
+    assert stress.where.part == "gear-pair-drum"
+    normal = tangential / math.cos(math.radians(20))
+    radii = [module * teeth / 2 * math.sin(math.radians(20)) for teeth in (20, 30)]
+    elastic = materials.of(mechanism.material.name).elastic
+    pressure = math.sqrt(
+        normal * sum(1 / r for r in radii) / (math.pi * thick * 2 * elastic.compliance)
+    )
+    assert hertz.measured == pytest.approx(pressure, rel=0.02)
+    heavier = spec | {"load": {"on": [{"output": "out", "value": -200}]}}
+    worse = assess(read_mechanism(heavier).resolved())
+    assert not all(each.ok for each in worse.findings if each.code in ("TOOTH_STRESS", "HERTZ"))

@@ -299,3 +299,18 @@ def test_what_cannot_be_is_refused_by_its_quantity(made: Any, what: str) -> None
     with pytest.raises(DesignError) as refused:
         made()
     assert what in refused.value.quantity
+
+
+@pytest.mark.parametrize(("teeth", "factor"), REFERENCE["lewis"]["rows"])
+def test_a_tooth_bends_as_lewis_tabulates_it(teeth: int, factor: float) -> None:
+    """Y = cos(lean) / (module * bends): within what the cutters' roundings make."""
+    wheel = Wheel(teeth, RACK)
+    lean = math.acos(wheel.base / wheel.tip) - wheel.half_angle(wheel.tip)
+    assert math.cos(lean) / RACK.module / wheel.bends == pytest.approx(factor, rel=0.04)
+
+
+def test_an_undercut_tooth_bends_more_and_a_shift_mends_it() -> None:
+    undercut = Wheel(10, RACK)
+    assert undercut.undercut
+    assert undercut.bends > Wheel(17, RACK).bends > Wheel(17, RACK, 0.3).bends
+    assert Wheel(10, RACK, 0.4).bends < 0.8 * undercut.bends

@@ -80,6 +80,7 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
     pins = bearing.plain_bearings(run, on_pins, journals, assembly.limits_of, load)
     posts = bearing.bent_posts(on_pins, assembly.posts, assembly.limits_of, not machine.loads)
     cams = bearing.contacts(run, forces, assembly, load)
+    gears = bearing.gears(run, forces, assembly)
     lives = {each.code for check in (pins, cams) for each in check.findings}
     lives |= {each.code for check in (pins, cams) for each in check.not_judged}
     asked = any(assembly.limits_of(joint.name).bearing_life is not None for joint in machine.joints)
@@ -112,7 +113,7 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         needs = "another spring.preload or spring.rate, or a spring of another kind"
         not_judged.append(NotJudged("SPRING_STRESS", why, needs))
     tips = LoadCheck(not_judged=not_judged)
-    checks = (reach, tips, pins, posts, cams, torque, hub, elastic, rates, springs)
+    checks = (reach, tips, pins, posts, cams, gears, torque, hub, elastic, rates, springs)
     figures = [Figure("shaking force", peak(forces.shaking), "N")]
     for name, reaction in forces.reactions.items():
         figures.append(Figure("reaction {joint}", peak(reaction), "N", joint=name))

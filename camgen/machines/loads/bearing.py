@@ -1,4 +1,4 @@
-"""What a machine's contacts, pins and plain bearings bear at its speed: HERTZ, PV, PIN_STRESS, BEARING_LIFE.
+"""What a machine's contacts, teeth, pins and bearings bear at its speed: HERTZ, TOOTH_STRESS, PV, PIN_STRESS, BEARING_LIFE.
 
 Reactions have the friction of the joints in them. Where no limit is published for a plastic, a finding fails
 only beyond what every plastic bears, or beyond what the spec itself says; the table ranks all.
@@ -15,11 +15,11 @@ import numpy as np
 
 from camgen.findings import Finding, NotJudged, Where, at_least, at_most
 from camgen.machine import strength
-from camgen.machine.features import CamOutline
+from camgen.machine.features import CamOutline, GearTeeth
 from camgen.machine.flywheel import mean_torque
 from camgen.machine.forces import Forces
 from camgen.machine.friction import circle
-from camgen.machine.model import GROUND, Cam, Pin, Slot
+from camgen.machine.model import GROUND, MM, Cam, Pin, Slot
 from camgen.machine.run import Run
 from camgen.machines.loads.pins import STILL, PinLoad
 from camgen.machines.loads.rubbing import coefficient
@@ -265,6 +265,53 @@ def contacts(run: Run, forces: Forces, assembly: Assembly, load: Weight | None) 
             turning = turns * math.tau * run.machine.speed / float(np.ptp(theta))
             ball = BallLoad(joint.name, roller, force, turning, "roller")
             _bearing_life(check, ball, limits.bearing_life)
+    return check
+
+
+def gears(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
+    """TOOTH_STRESS and HERTZ of every pair of gears: one tooth bears all, at its tip, and at the pitch point.
+
+    Sharing by a second pair of teeth and what a root's rounding adds are left out.
+    """
+    check = LoadCheck()
+    own = materials.of(assembly.process.material)
+    for feature in assembly.features:
+        if not isinstance(feature, GearTeeth):
+            continue
+        torque = _finite(forces.gears[feature.joint])
+        base = feature.b.radius * math.cos(feature.pressure)
+        push = np.abs(torque) / MM / base
+        k = int(np.argmax(push))
+        force = float(push[k])
+        if not force > STILL:
+            continue
+        layers = [assembly.by_name[each.part].drawn for each in (feature.a, feature.b)]
+        width = min(layer.z1 - layer.z0 for layer in layers)
+        weak = max((feature.a, feature.b), key=lambda each: each.bends)
+        stress = force * weak.bends / width
+        check.figures.append(Figure("tooth stress {of}", stress, "MPa", feature.joint))
+        where = Where(part=weak.part, joint=feature.joint, theta=float(run.theta[k]), digits=1)
+        remark = (
+            f"at the root, by {force:.4g} N on the tip of one tooth {width:.4g} mm wide; {own.name} bears "
+            f"{own.bears:g}: more or wider teeth, or less load"
+        )
+        check.findings.append(at_most("TOOTH_STRESS", stress, own.bears, "MPa", where, remark))
+        curvature = sum(
+            1 / (each.radius * math.sin(feature.pressure)) for each in (feature.a, feature.b)
+        )
+        pressure = float(
+            strength.line_contact(force, width, curvature, own.elastic, own.elastic)[0]
+        )
+        check.figures.append(Figure("hertz pressure {of}", pressure, "MPa", feature.joint))
+        limits = assembly.limits_of(feature.joint)
+        limit = limits.hertz or own.hertz
+        if limit is None:
+            why = f"{pressure:.4g} MPa at {feature.joint}, and no limit is published for {own.name}"
+            check.not_judged.append(NotJudged("HERTZ", why, "limits.hertz_mpa"))
+            continue
+        by = "limits.hertz_mpa" if limits.hertz else own.hertz_source
+        remark = f"at the pitch point, by {force:.4g} N on teeth {width:.4g} mm wide, {own.name} on its like; {by}"
+        check.findings.append(at_most("HERTZ", pressure, limit, "MPa", where, remark))
     return check
 
 

@@ -100,7 +100,7 @@ class GearWheel:
         teeth = self.gear.teeth
         radius = self.mesh.distance * teeth / (self.mesh.a.teeth + self.mesh.b.teeth)
         thickness = 2 * radius * self.gear.half_angle(radius)
-        return Teeth(self.part, teeth, radius, thickness, self.tooth)
+        return Teeth(self.part, teeth, radius, thickness, self.tooth, self.gear.bends)
 
     @property
     def wheel(self) -> Wheel:

@@ -185,6 +185,18 @@ class Wheel(Teeth):
         return self._half(radius, -self.thinner)
 
     @property
+    def bends(self) -> float:
+        """Stress at the root of a tooth that alone bears a force on its tip, MPa mm of width per N: a beam, worst section.
+
+        The force along the line of action meets the tooth's middle at base / cos(lean); the section is where the root's trochoid
+        makes 6 cos(lean) arm / width^2 greatest: Lewis's inscribed parabola.
+        """
+        lean = math.acos(self.base / self.tip) - self.half_angle(self.tip)
+        root = self._trochoid(np.linspace(self._join[0], math.pi / 2, _PLACES), 0)
+        arm = self.base / math.cos(lean) - root.real
+        return float(np.max(6 * math.cos(lean) * arm / (2 * root.imag) ** 2))
+
+    @property
     def _cutter_half(self) -> float:
         """Half of the flat of the cutter's tip, mm, which reaches to the centre of its rounding."""
         rack = self.rack
