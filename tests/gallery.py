@@ -43,7 +43,8 @@ def moving(name: str, seconds: float = 6.0) -> str:
     mechanism = pipeline.read_mechanism(TOP / "specs" / f"{name}.toml")
     animation = shown(mechanism)
     rules, numbers = [], iter(range(10**6))
-    poses: Any = frames(animation)["poses"]
+    told: Any = frames(animation)["poses"]
+    poses = [told[each] if isinstance(each, int) else each for each in told]
 
     def placed(found: re.Match[str]) -> str:
         k = next(numbers)

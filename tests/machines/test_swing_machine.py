@@ -25,6 +25,7 @@ from camgen.judge.assembly import sweep
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.assembly import bodies_in_motion, order_of_assembly
 from camgen.parts.solids import solid
+from camgen.parts.standing import discs
 from camgen.pipeline import build as pipeline
 from camgen.pipeline import making
 from camgen.pipeline.case import Case
@@ -35,6 +36,9 @@ NAME = "uniform-swing"
 FORCED = ("geometry.closure='force'", "geometry.reversal_blend_deg=20", "spring.preload=0.01")
 COARSE = ("accuracy.chord_tolerance=0.01", "limits.speed_ripple=0.1")  # for speed
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+YOURS = ("nozzle-foot", "stand-rail")  # dummies
 
 
 def machine(*settings: str) -> Mechanism:
@@ -62,6 +66,26 @@ def failing(folder: Path, kind: str) -> set[tuple[str, str]]:
 # ---- what is there ---------------------------------------------------------------------------------------------------
 
 
+def test_what_you_bring_meets_the_holes_of_base_and_frames() -> None:
+    """Rails and the nozzle's foot are dummies; their holes lie on those of what they are screwed on, and the rails hang free."""
+    made = machine().assembly
+
+    def places(name: str) -> set[tuple[float, float]]:
+        holes = [
+            mount.place(complex(z))
+            for mount in made.mounts
+            if mount.part == name
+            for hole in made.by_name[name].drawn.region.holes
+            for z, _ in discs(hole)
+        ]
+        return {(round(z.real, 6), round(z.imag, 6)) for z in holes}
+
+    for yours, ours, count in (("stand-rail", "base", 4), ("nozzle-foot", "frame", 2)):
+        assert made.by_name[yours].process == "dummy"
+        assert len(places(yours)) == count and places(yours) <= places(ours)
+    assert "stand-rail" not in machine("base.mount='none'").assembly.by_name
+
+
 def test_all_parts_of_the_table_are_made_in_their_counts(made: Path) -> None:
     counts = {part.name: part.count for part in machine().assembly.parts}
     assert counts == {
@@ -75,13 +99,15 @@ def test_all_parts_of_the_table_are_made_in_their_counts(made: Path) -> None:
         "clamp-ring": 1,
         "cam-pin": 2,
         "frame-pin": 2,
+        "nozzle-foot": 1,
+        "stand-rail": 2,
     }
     for name in counts:
         assert all((made / f"{NAME}-{name}.{kind}").exists() for kind in ("dxf", "stl", "3mf"))
-    for file in ("assembly.3mf", "plate.3mf", "parts.csv"):
-        copies = made / f"{NAME}-{file}"
-        if copies.suffix == ".3mf":
-            assert Counter(item.name for item in read_3mf(copies).items) == counts
+    printed = {name: count for name, count in counts.items() if name not in YOURS}
+    for file, wanted in (("assembly.3mf", counts), ("plate.3mf", printed)):
+        items = read_3mf(made / f"{NAME}-{file}").items
+        assert Counter(item.name for item in items) == wanted
 
 
 def test_the_spring_that_force_closure_asks_for_is_listed() -> None:

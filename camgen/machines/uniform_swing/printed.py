@@ -17,7 +17,7 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Points, circle
+from camgen.geometry.outlines import Points, Region, circle
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Mount, StandIn
 from camgen.machine.model import GROUND
@@ -25,7 +25,7 @@ from camgen.machines.uniform_swing.cam_plate import CamPlate
 from camgen.machines.uniform_swing.plates import Base, Frame, overlap, swept_box
 from camgen.machines.uniform_swing.room import LEAST_AXLE
 from camgen.machines.uniform_swing.tables import SwingSizes
-from camgen.parts.catalogue import DOWEL_STANDARD, SCREWS, TURNED, dowel
+from camgen.parts.catalogue import DOWEL_STANDARD, SCREWS, TURNED, Screw, dowel
 from camgen.parts.disc_cams import LAYOUT
 from camgen.parts.hardware import Collet, headed, plate, spacer
 from camgen.parts.journals import Journal
@@ -33,6 +33,8 @@ from camgen.parts.part import Layer, Part, hull, rod
 from camgen.study import Figure, Figures, Study
 
 _TOUCHING = 0.1  # mm beyond the tip's own surface, where cam and finger may seem to overlap because the tip touches the cam
+_RAIL = 20.0  # mm, height of the rails that are drawn for a stand
+_FOOT = 4.0  # mm, thickness of the foot that is drawn for a nozzle
 _PLACES = 361  # cam angles at which it does; `gap` is there for what lies between
 
 
@@ -360,7 +362,7 @@ class SwingMachine:
             made.append(self._spacer())
         if s.plain:
             made += [self._collet.sleeve(s.min_wall), self._collet.ring()]
-        return (*made, *self._pins())
+        return (*made, *self._pins(), *self._yours())
 
     @cached_property
     def frame_part(self) -> Part:
@@ -390,6 +392,28 @@ class SwingMachine:
             for name, title, length in wanted
             if length
         ]
+
+    def _yours(self) -> list[Part]:
+        """What you bring, drawn as far as it meets the machine: rails under the base, the foot of the nozzle."""
+        s = self.sizes
+        base = self.base_plate
+        screw = SCREWS[s.nozzle.screw]
+        tail = complex(0, s.nozzle.spacing / 2)
+        spread = f"two screws {screw.thread}, {s.nozzle.spacing:g} mm apart"
+        said = f"{spread}, {s.frame.slide_at:g} mm from the pivot, square to the frames' line"
+        found = [_bar("nozzle-foot", "Foot of your nozzle", screw, _FOOT, (tail, -tail))]
+        found[0] = replace(found[0], notes=(said, "the nozzle itself is yours"))
+        if base.mount:
+            ends = 0j, complex(base.pivot)
+            rail = _bar("stand-rail", "Rail of your stand", base.mount, _RAIL, ends)
+            free = s.frame.flange_thickness + self.play
+            apart = abs(base.mounts[0] - base.mounts[1])
+            notes = (
+                f"two screws {base.mount.thread}, {base.pivot:.4g} mm apart; both rails {apart:.4g} mm apart",
+                f"at least {free:g} mm high, for the axles' flanges; the motor hangs between them",
+            )
+            found.append(replace(rail, count=2, notes=notes))
+        return found
 
     def _spacer(self) -> Part:
         """Washer between the cams, small enough to pass between the tips."""
@@ -446,6 +470,9 @@ class SwingMachine:
             mounts.append(Mount("clamp-ring", "cam", z=home))
         if self.cam_pin_length:
             mounts += [Mount("cam-pin", "cam", at=z, z=low) for z in self.plate.pins]
+        mounts.append(Mount("nozzle-foot", "follower", at=complex(f.slide_at), z=self.last))
+        rails = self.base_plate.mounts[:2]
+        mounts += [Mount("stand-rail", GROUND, at=z, z=-_RAIL) for z in rails]
         return tuple(mounts)
 
     def journals(self, printed: str) -> dict[str, Journal]:
@@ -471,9 +498,9 @@ class SwingMachine:
             disc
             for z in (tail, tail.conjugate())
             for disc in (
-                (z, screw.nominal / 2, self.foot, last),
+                (z, screw.nominal / 2, self.foot, last + _FOOT),
                 (z, screw.flats / 2, middle - half, middle + half),
-                (z, screw.head / 2, last, last + screw.height),
+                (z, screw.head / 2, last + _FOOT, last + _FOOT + screw.height),
             )
         ]
         bought = [
@@ -512,3 +539,11 @@ class SwingMachine:
                 discs.append((z, s.frame.bearing.outside / 2, middle - half, middle + half))
             found.append(tuple(discs))
         return found
+
+
+def _bar(name: str, title: str, screw: Screw, height: float, ends: tuple[complex, complex]) -> Part:
+    """A bar with a hole for a screw at each end, which stands for a thing of the user's; mm."""
+    outer = hull([(z, screw.head / 2) for z in ends])
+    region = Region(outer, tuple(circle(z, screw.clearance / 2) for z in ends))
+    layers = (Layer(region, 0.0, height),)
+    return Part(name, f"{title}, not to be made", layers, centres=ends, process="dummy")

@@ -104,13 +104,15 @@ def steps(machine: SwingMachine) -> Table:
     ]
     if m.base_plate.mounts:
         free = f"{sizes.frame.flange_thickness + m.play:g} mm free below for the axles"
-        said = f"on its stand, {free}, before the frames cover the screws"
-        rows.append(("base", said, ()))
+        said = f"on your stand, {free}, before the frames cover the screws"
+        rows.append(("base", said, ("stand-rail",)))
     rows += [(what, how, laid) for _, what, how, laid in sorted(layers)]
     if sizes.plain:
         ring = "collet glued on the upper cam; ring over it, wide end first, pushed home"
         rows.append(("collet, clamp ring", ring, ("collet", "clamp-ring")))
-    rows.append(("nozzle", "on the frames, its screws from above into the nuts", ()))
+    rows.append(
+        ("nozzle", "yours, on the frames, its screws from above into the nuts", ("nozzle-foot",))
+    )
     return Table(
         "Assembly, step by step",
         ("step", "what", "how"),
