@@ -314,7 +314,7 @@ def _syntax_in_words(line: str, reason: str) -> str:
         return f'quotes round text: "{word[1]}"'
     if _TWICE.fullmatch(reason) and line.startswith("[") and not line.startswith("[["):
         name = line.partition("]")[0].strip("[ ")
-        return f"[{name}] once only; each row of a list begins with [[{name}]]"
+        return f"[{name}] once only: put its keys together, or write [[{name}]] for each row if it is a list"
     if reason == "Cannot overwrite a value" and line.startswith("[["):
         name = line.partition("]")[0].strip("[ ")
         return f"[[{name}]] at each row of a list: above it stands otherwise, such as [{name}]"

@@ -224,7 +224,10 @@ def test_syntax_fault_has_line_and_column(
         ("width = 12,5  # mm", "a decimal point, not a comma: 12.5"),
         ("width = 25 mm", "a number without a unit: 25"),
         ("side = left", 'quotes round text: "left"'),
-        ("[shape]", "[shape] once only; each row of a list begins with [[shape]]"),
+        (
+            "[shape]",
+            "[shape] once only: put its keys together, or write [[shape]] for each row if it is a list",
+        ),
         (
             "[[shape]]",
             "[[shape]] at each row of a list: above it stands otherwise, such as [shape]",
