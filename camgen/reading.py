@@ -162,8 +162,9 @@ def references(data: Data, path: Key = ()) -> Iterator[Reference]:
         if isinstance(each, dict) and isinstance(each.get("outline"), str):
             yield Reference((*path, "parts", name, "outline"), "outline", each)
     wanted = data.get("wanted")
-    if isinstance(wanted, dict) and isinstance(wanted.get("path"), str):
-        yield Reference((*path, "wanted", "path"), "path", wanted)
+    for key in ("path", "drawing"):
+        if isinstance(wanted, dict) and isinstance(wanted.get(key), str):
+            yield Reference((*path, "wanted", key), "path", wanted)
     rest = {key: value for key, value in data.items() if key != "include"}
     yield from (Reference((*at, "file"), "law", law) for at, law in _laws(rest, path))
 

@@ -20,7 +20,15 @@ from camgen.design.front import Aim, D, Design, Front, acceptable, with_prototyp
 from camgen.design.keys import Search
 from camgen.design.linkages import Candidate
 from camgen.design.paths import ChainDesign
-from camgen.design.wanted import FunctionWish, KeyWish, PathWish, asked_for, wish, without
+from camgen.design.wanted import (
+    DrawingWish,
+    FunctionWish,
+    KeyWish,
+    PathWish,
+    asked_for,
+    wish,
+    without,
+)
 from camgen.edits import edited, with_tables
 from camgen.errors import DesignError, Fault, SpecError, counted, dotted
 from camgen.machines.mechanism import Mechanism
@@ -48,6 +56,7 @@ _MADE = (
 # of the wanted path's longest chord: error, and length of all bars, that a front reaches to
 _WORST = 0.2
 _MOST = 10.0
+_OF_DRAWING = 0.9  # of its tolerance, that the pen's motion takes; files and facets leave the rest
 
 
 Keep = Callable[[Front], None] | None
@@ -85,13 +94,18 @@ def design(
         mechanism = read_mechanism(spec, settings)
         designed = getattr(mechanism, "designed", None)
         if designed is None:
-            right = 'a table with path = "..." or function = [...] (a linkage for it), or vary = { key = [least, most] } and '
+            right = 'a table with path = "..." or function = [...] (a linkage for it), drawing = "..." (cams that draw it), or vary = { key = [least, most] } and '
             raise SpecError(
                 [Fault(("wanted",), "", f'missing: {right}least = "figure"; camgen guide design')],
                 source,
             )
         return specs.dump(designed())
-    search = {"path": _for_path, "function": _for_function, "vary": _for_keys}[kind]
+    search = {
+        "path": _for_path,
+        "function": _for_function,
+        "drawing": _for_drawing,
+        "vary": _for_keys,
+    }[kind]
     return search(Request(data, source, folder, text, ends, jobs, say, keep))
 
 
@@ -357,6 +371,35 @@ def _for_path(request: Request) -> str:
     if shortest is not best:
         request.say(f"design {front.index(shortest) + 1} has the shortest bars: {_said(shortest)}")
     return request.spec_of(best, note, wanted.tolerance)
+
+
+def _for_drawing(request: Request) -> str:
+    from camgen.design.drawings import plotter_tables
+    from camgen.design.pen import peak_acceleration, pen_motion
+
+    def drawing() -> tuple[DrawingWish, Points]:
+        found = wish(request.data, request.source)
+        assert isinstance(found, DrawingWish)
+        return found, found.line(request.folder)
+
+    *_, (wanted, line) = request.checked(
+        lambda: _refuse_made_tables(request), lambda: _sizes(request), drawing
+    )
+    pen = pen_motion(line, _OF_DRAWING * wanted.tolerance)
+    request.say(f"peak acceleration of the pen: {peak_acceleration(pen):.4g} mm/rad^2")
+    closed = np.append(line, line[0])
+    rest = request.with_lash("lash", wanted.lash)
+    data, found = plotter_tables(pen, closed, wanted.tolerance, rest, wanted.roller_radius)
+    request.say(
+        f"arms of {found.arm:.4g} mm, rods of {found.rod:.4g} mm, cams of {found.cam:.4g} mm in the middle"
+    )
+    name = wanted.drawing if isinstance(wanted.drawing, str) else f"{len(wanted.drawing)} points"
+    note = f"found by camgen design for the drawing {name}; output.path: that line, and how far the pen may be off"
+    if request.text is None:
+        return specs.dump(changed(data, request.source, request.folder))
+    keys = ("points", "links", "drive", "cam", "output", *(["limits"] if wanted.lash else []))
+    tables = {key: data[key] for key in keys}
+    return with_tables(request.text, tables, ["wanted"], note).replace("\n", request.ends)
 
 
 def _merit(each: Candidate, play: float) -> tuple[int, float]:

@@ -12,14 +12,17 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import Fault, FileError, SpecError
+from camgen.machines.spec_files import stroke_of
 from camgen.motion.tables import read_table
 from camgen.numerics import Points
 from camgen.reading import Data, references
 from camgen.spec import Checked, Length, Record, validate
+from camgen.tolerances import SAME_POINT
 
 _MOST_POINTS = 20_000
 _DENSE = 500  # points of a path that is joined by lines
 _OF_USE = 20  # of the size of what is wanted: a design that is off by more is of no use, unless a tolerance says so
+_OF_USE_CLOSED = 1 / 20  # of its size: a line whose ends are nearer is closed
 _TWICE = 3.0  # times the sides of its box: a line through points in order is shorter
 
 Coordinate = Annotated[float, Field(ge=-1e5, le=1e5)]
@@ -77,7 +80,9 @@ class PathWish(Record):
 
     def line(self, folder: Path) -> Points:
         """Its corners in their order, or its places where no lines join them; SpecError or FileError where they are no path."""
-        corners = _table(_named(self.path, folder)) if isinstance(self.path, str) else self.path
+        corners = (
+            _table(_named("path", self.path, folder)) if isinstance(self.path, str) else self.path
+        )
         z = np.array([complex(*place) for place in corners], complex)
         z = z[np.abs(np.diff(z, prepend=np.nan)) != 0] if self.joined else np.unique(z)
         box = max(np.ptp(z.real), np.ptp(z.imag)) if z.size else 0.0
@@ -105,6 +110,48 @@ class PathWish(Record):
         at = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(line)))])
         along = np.linspace(0.0, at[-1], max(_DENSE, 2 * line.size))
         return np.asarray(np.interp(along, at, line.real) + 1j * np.interp(along, at, line.imag))
+
+
+class DrawingWish(Record):
+    """A line that a pen is to draw over one turn of two cams; [points], [links], [[cam]] and [[output]] are found."""
+
+    drawing: str | tuple[tuple[Coordinate, Coordinate], ...] = Field(
+        description="one line: an SVG or DXF, a CSV of points, or [x, y] of its corners in order, mm; an open one is drawn there and back"
+    )
+    tolerance: Annotated[float, Field(ge=0.01, le=5)] = Field(
+        0.1, description="mm, how far the pen may be off the line, either way"
+    )
+    width: Annotated[float, Field(ge=3, le=300)] | None = Field(
+        None, description="mm, width of the drawing; as drawn unless given"
+    )
+    roller_radius: Annotated[float, Field(ge=1, le=20)] = Field(
+        5.0, description="mm, radius of the rollers in the grooves"
+    )
+    lash: Length | None = Field(None, description="mm, greatest free play of the pen by all joints")
+
+    def line(self, folder: Path) -> Points:
+        """Corners of the closed line, the first not repeated, mm; SpecError or FileError where it is no line."""
+        if isinstance(self.drawing, str):
+            path = _named("drawing", self.drawing, folder)
+            if path.suffix.lower() in (".svg", ".dxf"):
+                z, closed = stroke_of(path)
+            else:
+                z = np.array([complex(*place) for place in _table(path)], complex)
+                closed = False
+        else:
+            z = np.array([complex(*place) for place in self.drawing], complex)
+            closed = False
+        z = z[np.abs(np.diff(z, prepend=np.nan)) != 0]
+        size = max(np.ptp(z.real), np.ptp(z.imag)) if z.size else 0.0
+        if z.size < 3 or size < 1:
+            right = "a line of at least 3 different points, 1 mm across or more"
+            raise SpecError([Fault(("wanted", "drawing"), f"{z.size} points", right)])
+        if self.width is not None:
+            z = z * (self.width / np.ptp(z.real))
+        near = abs(z[-1] - z[0]) < _OF_USE_CLOSED * size
+        if closed or near:
+            return np.asarray(z[:-1] if abs(z[-1] - z[0]) < SAME_POINT else z)
+        return np.concatenate([z, z[-2:0:-1]])
 
 
 Turn = Annotated[float, Field(ge=-720, le=720)]
@@ -273,6 +320,10 @@ class _AsksFunction(Checked):
         return self.wanted.faults()
 
 
+class _AsksDrawing(Checked):
+    wanted: DrawingWish
+
+
 class _AsksKeys(Checked):
     wanted: KeyWish
 
@@ -281,23 +332,27 @@ class _AsksKeys(Checked):
         return self.wanted.faults()
 
 
-_KINDS: dict[str, Any] = {"path": _AsksPath, "function": _AsksFunction, "vary": _AsksKeys}
+_KINDS: dict[str, Any] = {
+    "path": _AsksPath,
+    "function": _AsksFunction,
+    "drawing": _AsksDrawing,
+    "vary": _AsksKeys,
+}
+Wish = PathWish | FunctionWish | DrawingWish | KeyWish
 
 
 def asked_for(data: Mapping[str, Any]) -> str:
-    """What a spec's wish is for: "path", "function" or "vary"; "" where it is the machine's own, or there is none."""
+    """What a spec's wish is for: "path", "function", "drawing" or "vary"; "" where it is the machine's own, or there is none."""
     table = data.get("wanted")
     return next((key for key in _KINDS if isinstance(table, dict) and key in table), "")
 
 
-def wish(data: Mapping[str, Any], source: str) -> PathWish | FunctionWish | KeyWish | None:
+def wish(data: Mapping[str, Any], source: str) -> Wish | None:
     """The wish of a spec's tables; None where it is the machine's own, or there is none; SpecError with its faults."""
     kind = asked_for(data)
     if not kind:
         return None
-    record: PathWish | FunctionWish | KeyWish = validate(
-        _KINDS[kind], {"wanted": data["wanted"]}, source
-    ).wanted
+    record: Wish = validate(_KINDS[kind], {"wanted": data["wanted"]}, source).wanted
     return record
 
 
@@ -306,9 +361,9 @@ def without(data: Data) -> Data:
     return {key: value for key, value in data.items() if key != "wanted"}
 
 
-def _named(path: str, folder: Path) -> Path:
-    """The file that a wish names, seen from the folder of its spec."""
-    (reference,) = references({"wanted": {"path": path}})
+def _named(key: str, path: str, folder: Path) -> Path:
+    """The file that a wish names by this key, seen from the folder of its spec."""
+    (reference,) = references({"wanted": {key: path}})
     return reference.file(folder)
 
 

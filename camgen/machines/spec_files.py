@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from camgen.errors import Fault, FileError, Key, SpecError, counted
 from camgen.geometry import dxf_curves, svg_curves
 from camgen.geometry.chains import Chain, joined, nearest_gap
 from camgen.geometry.distances import inside
-from camgen.geometry.rings import Points, Ring
+from camgen.geometry.rings import Floats, Points, Ring
 from camgen.motion.tables import load_table, read_points
 from camgen.reading import Data, references, too_large
 
@@ -70,15 +71,9 @@ def contours_of(path: Path, key: Key) -> list[list[list[float]]]:
 
     FileError where it cannot be read; SpecError where it is no outline of one plate.
     """
-    kind = path.suffix.lower()
-    if kind not in (".svg", ".dxf"):
+    if path.suffix.lower() not in (".svg", ".dxf"):
         raise SpecError([Fault(key, repr(path.name), "a file that ends in .svg or .dxf")])
-    content = read_bytes(path, _DRAWING)
-    if kind == ".svg":
-        chains, others = svg_curves.curves(path, content, _CHORDS)
-    else:
-        chains, others = _dxf_chains(path, content)
-    rings, loose = joined(chains)
+    rings, loose, others = _lines(path)
     if loose:
         _, gap = nearest_gap(loose)
         many = counted(len(loose), "open line")
@@ -94,6 +89,47 @@ def contours_of(path: Path, key: Key) -> list[list[list[float]]]:
         ]
         for ring in ordered
     ]
+
+
+def stroke_of(path: Path) -> tuple[Points, bool]:
+    """The one line of an SVG or DXF: its corners in order, mm, arcs as chords, and whether it closes; FileError where it is not one."""
+    rings, loose, others = _lines(path)
+    many = len(rings) + len(loose)
+    if many != 1:
+        left = f" ({others} cannot be read: make paths of it)" if others else ""
+        raise FileError(path, f"holds {counted(many, 'line')} apart{left}: a pen draws one line")
+    if rings:
+        (ring,) = rings
+        return _corners(np.append(ring.points, ring.points[0]), ring.bulges)[:-1], True
+    (chain,) = loose
+    return _corners(chain.points, chain.bulges), False
+
+
+def _corners(points: Points, bulges: Floats) -> Points:
+    """Corners of edges, each arc as chords."""
+    corners = [points[:1]]
+    for a, b, bulge in zip(points[:-1], points[1:], bulges, strict=True):
+        if not bulge:
+            corners.append(np.array([b]))
+            continue
+        half = 2 * math.atan(bulge)
+        radius = abs(b - a) / (2 * abs(math.sin(half)))
+        count = max(1, math.ceil(abs(half) / math.acos(max(0.0, 1 - _CHORDS / radius))))
+        share = np.arange(1, count + 1) / count
+        corners.append(
+            a + (b - a) * np.sin(share * half) / math.sin(half) * np.exp(1j * half * (share - 1))
+        )
+    return np.concatenate(corners)
+
+
+def _lines(path: Path) -> tuple[list[Ring], list[Chain], str]:
+    """The lines of an SVG or DXF, closed and open ones, mm, and what it does not read."""
+    content = read_bytes(path, _DRAWING)
+    if path.suffix.lower() == ".svg":
+        chains, others = svg_curves.curves(path, content, _CHORDS)
+    else:
+        chains, others = _dxf_chains(path, content)
+    return *joined(chains), others
 
 
 def _dxf_chains(path: Path, content: bytes) -> tuple[list[Chain], str]:

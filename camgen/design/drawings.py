@@ -1,0 +1,290 @@
+"""A machine that draws a line: two cams on one shaft rock two arms, and two rods from these meet at the pen.
+
+        Q pen         S shaft of both cams; O1, O2 pivots of the arms; T1, T2 rollers, each on a lever of its arm that stands square to
+       / \\            the way to the shaft where the arm is in the middle of its swing.
+      A   B           Where the pen is in the middle, rods and arms stand square to each other, 45 deg to the frame: each cam moves the
+       \\ /            pen along its own rod, so both have the same to do. The pen is on the right rod, beyond the joint P of both.
+      O1 O2
+        S
+
+Sizes are the least at which the cams keep to their pressure angle and radius, the plates of grooves clear the pivots, and the spec's
+own limits hold: the cams are tried from small to large, with longer and longer arms.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from camgen.errors import CamgenError, DesignError, SpecError
+from camgen.findings import Finding
+from camgen.machines.sources import read_mechanism
+from camgen.numerics import Floats, Points, peak
+from camgen.reading import Data
+
+_HALF = 26.0  # mm, of the distance of the arms' pivots: room for hubs and pins between them
+_NIB = 14.0  # mm, of the pen beyond the joint of both rods
+_LEAST_ARM = 40.0  # mm
+_ARMS = 1.06  # step of the arms' lengths
+_LONGEST_ARM = 170.0  # mm
+_CAMS = tuple(22 * 1.08**k for k in range(19))  # mm, middle distance of a roller from the shaft
+_CORE = 14.0  # mm, of a cam within its groove: shaft, pins and walls
+_WALLS = 20.0  # mm, of a groove's outer plate and a pivot's hub beyond the roller's centre
+_HUBS = 16.0  # mm, of both ends of a link beyond its points, and the bed's margin
+_STEEP = math.radians(
+    42
+)  # of the pressure angle in the first estimate; the spec's own limit is judged after it
+_ROWS = (90, 180, 360, 720)
+_OF_ROWS = 0.02  # of the tolerance, that rows of a table may take
+_GAIN = 2.0  # way of the pen for that of an arm's end, at most
+_DIGITS = 6  # of rows, deg, and of points, mm
+_TRIES = 12
+_NORTH_WEST = np.exp(0.75j * math.pi)
+
+
+@dataclass(frozen=True)
+class Plotter:
+    """Sizes of a machine, mm: arms O-A and O-B, rods to P and to the pen, levers O-T, middle distance of rollers from the shaft.
+
+    line: places of the pen at even angles, in the middle of which is 0.
+    """
+
+    line: Points
+    arm: float
+    lever: float
+    cam: float
+    radius: float  # of the rollers
+
+    @property
+    def rod(self) -> float:
+        """Of both, from the arm to P."""
+        return self.arm + _HALF * math.sqrt(2)
+
+    @property
+    def longest(self) -> float:
+        """Across the longest part, mm: the right rod with its hubs, or a groove's outer plate."""
+        swing = max(float(np.ptp(each)) for each in self.swings) / 2
+        plate = 2 * (self.cam + self.lever * swing + _WALLS)
+        return max(self.rod + _NIB + _HUBS, plate)
+
+    @property
+    def pivots(self) -> tuple[complex, complex]:
+        """Of the left and the right arm, seen from the shaft."""
+        high = math.sqrt(self.cam**2 + self.lever**2 - _HALF**2)
+        return complex(-_HALF, high), complex(_HALF, high)
+
+    @property
+    def middle(self) -> complex:
+        """Where the middle of the drawing is, seen from the shaft."""
+        joint = self.pivots[0].imag + (self.arm + self.rod) / math.sqrt(2)
+        return complex(1j * joint + _NIB * _NORTH_WEST)
+
+    def places(self, pen: Points) -> dict[str, Points]:
+        """Points A, B, P for places of the pen, each (m,)."""
+        left, right = self.pivots
+        b = _joint(right, pen, self.arm, self.rod + _NIB, -1)
+        p = b + (pen - b) * (self.rod / (self.rod + _NIB))
+        return {"A": _joint(left, p, self.arm, self.rod, 1), "B": b, "P": p, "Q": pen}
+
+    def arms(self, pen: Points) -> tuple[Floats, Floats]:
+        """Angles of both arms, (m,) rad."""
+        places = self.places(pen)
+        left, right = self.pivots
+        return np.unwrap(np.angle(places["A"] - left)), np.unwrap(np.angle(places["B"] - right))
+
+    @cached_property
+    def swings(self) -> tuple[Floats, Floats]:
+        """Angles of both arms at the line's places, from the middle of their swings, (n,) rad."""
+        found = self.arms(self.line + self.middle)
+        return tuple(each - (each.max() + each.min()) / 2 for each in found)  # type: ignore[return-value]
+
+    def rollers(self, k: int, swing: Floats) -> Points:
+        """Places of the left (0) or the right roller (1)."""
+        pivot = self.pivots[k]
+        side = (-1, 1)[k]
+        square = np.angle(-pivot) + side * math.acos(self.lever / abs(pivot))
+        return np.asarray(pivot + self.lever * np.exp(1j * (square + swing)))
+
+    @property
+    def likely(self) -> bool:
+        """Whether the estimates of the pressure angle and of both walls' radii hold."""
+        for swing in self.swings:
+            if not np.isfinite(swing).all():
+                return False
+            way, rate, bend = (self.lever * _derivative(swing, order) for order in range(3))
+            distance = self.cam + way
+            if distance.min() <= self.radius + _CORE or peak(rate / distance) > math.tan(_STEEP):
+                return False
+            square = distance**2 + rate**2
+            curvature = (square + rate**2 - distance * bend) / square**1.5
+            if peak(curvature) * (self.radius + 1.0) > 1:
+                return False
+        return True
+
+    def tables(self, rows: int) -> tuple[Data, float]:
+        """Points, links, drive, cams of the spec, and how far the rows of the cams' tables leave the line, mm."""
+        from scipy.interpolate import make_interp_spline
+
+        pen = self.line + self.middle
+        theta = np.linspace(0, 360, len(pen) + 1)
+        at = np.linspace(0, 360, rows + 1)
+        cams = []
+        off = 0.0
+        places = self.places(pen[:1])
+        for k, swing in enumerate(self.swings):
+            outwards = np.sign(np.diff(np.abs(self.rollers(k, np.array([-1e-3, 1e-3]))))[0])
+            turned = outwards * np.degrees(np.append(swing, swing[0]) - swing[0])
+            shown = np.round(_even(turned[:-1], rows), _DIGITS)
+            shown -= shown[0]
+            shown = np.round(np.append(shown, shown[0]), _DIGITS)
+            spline = make_interp_spline(at, shown, k=5, bc_type="periodic")
+            off += _GAIN * self.arm * math.radians(peak(spline(theta) - turned))
+            law = {
+                "name": "table",
+                "points": [list(row) for row in zip(at.tolist(), shown.tolist(), strict=True)],
+            }
+            name = ("left", "right")[k]
+            places[f"T{k + 1}"] = self.rollers(k, swing[:1])
+            cams.append(
+                {
+                    "name": f"{name}_cam",
+                    "cam": "disc",
+                    "follower": f"{name}_arm",
+                    "at": f"T{k + 1}",
+                    "radius": self.radius,
+                    "closure": "groove",
+                    "segment": [{"law": law}],
+                }
+            )
+        left, right = self.pivots
+        places |= {"S": np.zeros(1), "O1": np.array([left]), "O2": np.array([right])}
+        points = {
+            name: [round(float(z[0].real), _DIGITS) + 0.0, round(float(z[0].imag), _DIGITS) + 0.0]
+            for name, z in sorted(places.items())
+        }
+        links = {
+            "ground": ["S", "O1", "O2"],
+            "disc": ["S"],
+            "left_arm": ["O1", "A", "T1"],
+            "right_arm": ["O2", "B", "T2"],
+            "left_rod": ["A", "P"],
+            "right_rod": ["B", "P", "Q"],
+        }
+        return {"points": points, "links": links, "cam": cams}, off
+
+
+def _joint(start: complex, end: Points, first: float, second: float, side: int) -> Points:
+    """Middle joints of two links from a pivot to places, on the left (1) or the right (-1) of the way; nan out of reach."""
+    way = end - start
+    reach = np.abs(way)
+    with np.errstate(invalid="ignore"):
+        bend = np.arccos((first**2 + reach**2 - second**2) / (2 * first * reach))
+    return np.asarray(start + first * np.exp(1j * (np.angle(way) + side * bend)))
+
+
+def _derivative(values: Floats, order: int) -> Floats:
+    """Of values at even angles of a turn, (n,)."""
+    k = np.fft.rfftfreq(len(values), 1 / len(values))
+    return np.asarray(np.fft.irfft((1j * k) ** order * np.fft.rfft(values), len(values)))
+
+
+def _even(values: Floats, count: int) -> Floats:
+    """Fewer of the values at even angles of a turn, between them by their harmonics, (count,)."""
+    spectrum = np.fft.rfft(values)
+    k = np.arange(len(spectrum))
+    theta = np.linspace(0, math.tau, count, endpoint=False)
+    kept = k[: min(len(k), 2000)]
+    terms = spectrum[kept] * np.where(kept > 0, 2.0, 1.0) / len(values)
+    return np.asarray((np.exp(1j * np.outer(theta, kept)) @ terms).real)
+
+
+def plotters(line: Points, radius: float) -> list[Plotter]:
+    """Those whose estimates hold, the smallest first; line: as of `Plotter`."""
+    reach = float(np.abs(line).max())
+    likely = []
+    arm = max(_LEAST_ARM, 2 * reach)
+    while arm <= max(_LONGEST_ARM, 2.1 * reach):
+        for cam in _CAMS:
+            found = _with_lever(line, arm, cam, radius)
+            if found is not None and found.likely:
+                likely.append(found)
+        arm *= _ARMS
+    return sorted(likely, key=lambda each: each.cam + each.middle.imag)
+
+
+def _with_lever(line: Points, arm: float, cam: float, radius: float) -> Plotter | None:
+    """The one with the shortest levers at which its grooves' outer plates clear the pivots; None where there is none."""
+    lever = 30.0
+    for _ in range(30):
+        found = Plotter(line, arm, lever, cam, radius)
+        half = max(float(np.ptp(swing)) for swing in found.swings) / 2
+        least = cam + lever * half + _WALLS
+        needed = math.sqrt(max(least**2 - cam**2, 30.0**2))
+        if not math.isfinite(needed) or needed > 4 * arm:
+            return None
+        if abs(needed - lever) < 0.01:
+            return found
+        lever = needed
+    return None
+
+
+def plotter_tables(
+    line: Points, drawn: Points, tolerance: float, rest: Data, radius: float
+) -> tuple[Data, Plotter]:
+    """Tables of the spec whose own limits hold as well, and its sizes; DesignError where none was found.
+
+    line: places of the pen at even angles; drawn: corners of what it is to draw, closed; rest: the spec's other tables.
+    """
+    centre = complex(
+        (line.real.max() + line.real.min()) / 2, (line.imag.max() + line.imag.min()) / 2
+    )
+    moved = line - centre
+    worst: Finding | CamgenError | None = None
+    tries = 0
+    for found in plotters(moved, radius):
+        if tries == _TRIES:
+            break
+        tables = _tables(found, drawn - centre, tolerance, rest)
+        try:
+            machine = read_mechanism(tables)
+            if found.longest > min(machine.print.bed):
+                continue
+            limits = machine.limits()
+            machine.assembly  # noqa: B018
+        except SpecError:
+            raise
+        except CamgenError as error:
+            worst = error
+            tries += 1
+            continue
+        tries += 1
+        failing = [each for each in limits if not each.ok]
+        if not failing:
+            return tables, found
+        worst = failing[0]
+    size = 2 * float(np.abs(moved).max())
+    said = "" if worst is None else f": {worst.code if isinstance(worst, Finding) else worst}"
+    remedy = f"a smaller drawing, fewer loops or a greater wanted.tolerance{said}"
+    raise DesignError("size of the drawing", size, 0.0, "mm", "its cams", remedy).saying(
+        f"no cams up to {_CAMS[-1]:.3g} mm draw a line of {size:.4g} mm across"
+    )
+
+
+def _tables(found: Plotter, drawn: Points, tolerance: float, rest: Data) -> Data:
+    """Tables of the whole spec, with as few rows as keep to their share of the tolerance."""
+    for rows in _ROWS:
+        made, off = found.tables(rows)
+        if off <= _OF_ROWS * tolerance:
+            break
+    at = [
+        [round(float(z.real), _DIGITS), round(float(z.imag), _DIGITS)] for z in drawn + found.middle
+    ]
+    output: list[dict[str, Any]] = [
+        {"name": "pen", "point": "Q", "path": {"at": at, "tolerance": tolerance}}
+    ]
+    drive = {"link": "disc", **rest.get("drive", {})}
+    return {**rest, **made, "drive": drive, "output": output}
