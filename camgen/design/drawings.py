@@ -100,7 +100,7 @@ class Plotter:
     def swings(self) -> tuple[Floats, Floats]:
         """Angles of both arms at the line's places, from the middle of their swings, (n,) rad."""
         found = self.arms(self.line + self.middle)
-        return tuple(each - (each.max() + each.min()) / 2 for each in found)  # type: ignore[return-value]
+        return tuple(each - (each.max() + each.min()) / 2 for each in found)
 
     def rollers(self, k: int, swing: Floats) -> Points:
         """Places of the left (0) or the right roller (1)."""
@@ -161,7 +161,7 @@ class Plotter:
                 }
             )
         left, right = self.pivots
-        places |= {"S": np.zeros(1), "O1": np.array([left]), "O2": np.array([right])}
+        places |= {"S": np.zeros(1, complex), "O1": np.array([left]), "O2": np.array([right])}
         points = {
             name: [round(float(z[0].real), _DIGITS) + 0.0, round(float(z[0].imag), _DIGITS) + 0.0]
             for name, z in sorted(places.items())
