@@ -195,8 +195,9 @@ function draw(seen) {
   // ---- operations ----
 
   async function commit(asked, path = "draw") {
-    const answer = await ask(path, asked);
-    drag = tried = null;
+    const before = drag, answer = await ask(path, asked);
+    if (drag === before) drag = null;  // else the hand is at its next one
+    tried = null;
     note = "";
     if (answer.sheet) take(answer);
     else { tell(answer, ""); note = answer.errors.join("; "); }
@@ -376,6 +377,7 @@ function draw(seen) {
   async function finish(event) {  // what a drag has come to
     const on = hit(event, name => name === drag.point && tool !== "link"), mine = drag;
     const end = on.point || mine.to;
+    if (tool !== "move") drag = null;  // it is done; the answer may take a moment
     if (tool === "move") {
       waiting = null;
       if (on.point && !sameLink(on.point, mine.point)) { await commit({ op: "join", point: mine.point, to: on.point }); return; }
@@ -403,7 +405,7 @@ function draw(seen) {
     else if (tool === "gear" && linkOf(on)) await commit({ op: "gear", a: linkOf(mine), b: linkOf(on) });
     else if (tool === "cam" && on.point) await commit({ op: "cam", cam: linkOf(mine), point: on.point });
     else if (tool === "slot" && on.link) await commit({ op: "slot", point: mine.point, link: on.link });
-    drag = null;
+    if (drag === mine) drag = null;
     render();
   }
 
