@@ -148,14 +148,13 @@ class Nominal:
 class Closable:
     """The machine as measured; the fit of each joint that was, and the outlines of each cam, the one that drives first.
 
-    radii: of each Gear the pitch radius of b, mm, at which a way along the flanks turns it; meshings: its wheels' outlines.
+    meshings: of each Gear its wheels.
     """
 
     machine: Machine
     fits: Mapping[str, Fit]
     outlines: Mapping[str, Sequence[Outline]]
-    radii: Mapping[str, float]
-    meshings: Sequence[Meshing]
+    meshings: Mapping[str, Meshing]
 
 
 def measured_machine(
@@ -184,7 +183,6 @@ def measured_machine(
         replace(machine, joints=joints, outputs=outputs),
         builder.fits,
         builder.outlines,
-        builder.radii,
         builder.meshings,
     )
 
@@ -221,15 +219,6 @@ class _Side:
     shift: float  # of its centre, mm
 
 
-def _opened(pressure: float, stretched: float) -> float:
-    """Play along the pitch circles that axes further apart add, over the distance that was meant; stretched: how it grows.
-
-    Flanks of the same base circles mesh at another pressure angle; play along them is 2 (inv' - inv) times both base radii.
-    """
-    angle = math.acos(min(1.0, math.cos(pressure) / stretched))
-    return 2 * (math.tan(angle) - angle - math.tan(pressure) + pressure)
-
-
 class _Builder:
     """Joints, put one by one where their features are."""
 
@@ -248,8 +237,7 @@ class _Builder:
         self.nominal = {joint.name: joint for joint in machine.joints if isinstance(joint, Pin)}
         self.fits: dict[str, Fit] = {}
         self.outlines: dict[str, list[Outline]] = {}
-        self.radii: dict[str, float] = {}
-        self.meshings: list[Meshing] = []
+        self.meshings: dict[str, Meshing] = {}
 
     def put(
         self, feature: PinEyes | Steady | SlideFaces | SlotFaces | CamOutline | GearTeeth
@@ -431,53 +419,37 @@ class _Builder:
 
     def _gear(self, feature: GearTeeth, joint: Gear) -> Gear:
         """A pair whose teeth lie in each other's gaps on the line of their axes, with the play that is left there."""
-        before = []
-        after = []
-        off = 0.0
+        meant_axes = []
+        axes = []
+        wheels = []
         for teeth, pin, body in zip(
             (feature.a, feature.b), feature.turns, (joint.a, joint.b), strict=True
         ):
-            reading = self.found.teeth[teeth]
-            if not self._on(teeth.part, body):
-                raise ValueError(f"{joint.name}: {teeth.part} is not mounted on {body}")
-            off += teeth.count * (reading.tooth - teeth.tooth)
             nominal = self.nominal[pin]
-            before.append(nominal.a.at if nominal.a.body == GROUND else nominal.b.at)
-            after.append(self._pin_places(pin, body)[1])
-        meant_line = before[1] - before[0]
-        line = after[1] - after[0]
-        lean = cmath.phase(line / meant_line)
-        count = feature.b.count
+            meant_axes.append(nominal.a.at if nominal.a.body == GROUND else nominal.b.at)
+            axes.append(self._pin_places(pin, body)[1])
+            wheels.append(self._wheel(joint.name, teeth, pin, body))
+        line = axes[1] - axes[0]
+        lean = cmath.phase(line / (meant_axes[1] - meant_axes[0]))
+        start = joint.phase + (1 - joint.ratio) * lean
         radius = feature.b.radius
-        phase = joint.phase + ((feature.a.count + count) * lean - off) / count
-        wider = _opened(feature.pressure, abs(line) / abs(meant_line)) * abs(meant_line)
-        gaps = [
-            sum(each.thickness for each in pair)
-            for pair in (
-                (feature.a, feature.b),
-                (self.found.teeth[feature.a], self.found.teeth[feature.b]),
-            )
-        ]
-        space = 2 * math.pi * radius / count
-        thin = max(
-            abs(self.found.teeth[each].thickness - each.thickness)
-            for each in (feature.a, feature.b)
-        )
-        self.fits[joint.name] = Fit(space - gaps[1] + wider, space - gaps[0], max(thin, abs(wider)))
-        self.radii[joint.name] = radius
-        a, b = (
-            self._wheel(*each)
-            for each in zip((feature.a, feature.b), feature.turns, (joint.a, joint.b), strict=True)
-        )
         base = radius * math.cos(feature.pressure)
-        self.meshings.append(Meshing(joint.name, a, b, line, joint.ratio, phase, base))
-        return replace(joint, phase=phase)
+        meshing = Meshing(joint.name, wheels[0], wheels[1], line, joint.ratio, start, base)
+        space = 2 * math.pi * radius / feature.b.count
+        meant = space - feature.a.thickness - feature.b.thickness
+        play = radius * meshing.play
+        # each wheel answers for one half
+        self.fits[joint.name] = Fit(play, meant, abs(play - meant) / 2)
+        self.meshings[joint.name] = meshing
+        return replace(joint, phase=start + meshing.lead)
 
-    def _wheel(self, teeth: Teeth, pin: str, body: str) -> MeshedWheel:
+    def _wheel(self, joint: str, teeth: Teeth, pin: str, body: str) -> MeshedWheel:
         """A wheel on its body, about the pin that holds it."""
+        if not self._on(teeth.part, body):
+            raise ValueError(f"{joint}: {teeth.part} is not mounted on {body}")
         pivot = self._pin_places(pin, body)[0]
         mount = self.made[self._mount(teeth.part, Place(body, pivot), 0j)]
-        return MeshedWheel(teeth.part, self.found.wheels[teeth], teeth.count, mount, pivot)
+        return MeshedWheel(teeth, self.found.wheels[teeth], mount, pivot)
 
     def _own(self, feature: CamOutline, joint: Cam) -> RollingLaw | None:
         """What the follower's own tip rolls to; None where it is lost or does not fit the cam."""

@@ -35,7 +35,8 @@ _FLAT = 0.35  # of the diameter: a longer straight piece of a hole is a flat
 _SAME_HOLE = 0.25  # of the diameter: a ring that is nearer than this in place and size is the eye
 _HEAD = 1.0  # mm, a ring that is larger by more is a pin's head, not its shank
 _SHANK = 0.5  # mm, what is wider than the thinnest ring by more is a head as well
-_FINE = 1e-5  # mm, to which arcs of a wheel's outline are taken as facets
+_SAME_HEIGHTS = 1e-9  # mm
+_FINE = 1e-5  # mm, to which arcs are taken as facets where heights differ
 _ON_TIP = (
     0.02  # of the diameter: points of an outline so near to its nominal circle are on a rounded end
 )
@@ -186,7 +187,6 @@ class Readings:
     faces: dict[Faces, MeasuredFaces] = field(default_factory=dict)
     flats: dict[Flat, Flat] = field(default_factory=dict)
     rings: dict[CamOutline, Ring] = field(default_factory=dict)
-    teeth: dict[Teeth, Teeth] = field(default_factory=dict)
     wheels: dict[Teeth, Ring] = field(default_factory=dict)
     facing: dict[SharedFlat, tuple[float, float]] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)  # sentences on what they do not show
@@ -276,15 +276,11 @@ class _Reader:
                 measured[own.tip] = end
 
     def teeth(self, joint: str, nominal: Teeth) -> None:
-        """The teeth of one wheel of a pair."""
-        teeth = measure_teeth(nominal, self.files[nominal.part])
-        outline = _outline(self.files[nominal.part], inside=False)
-        if teeth is None or outline is None:
-            self._lost(
-                f"{joint}: no {nominal.count} teeth of {nominal.part} cross the pitch circle"
-            )
+        """One wheel of a pair."""
+        outline = _toothed(self.files[nominal.part])
+        if outline is None:
+            self._lost(f"{joint}: the outline of {nominal.part} is lost")
         else:
-            self.readings.teeth[nominal] = teeth
             self.readings.wheels[nominal] = outline
 
     def flats(self, feature: SharedFlat) -> None:
@@ -299,37 +295,38 @@ class _Reader:
         self.readings.facing[feature] = angles[0], angles[1]
 
 
-def measure_teeth(teeth: Teeth, sections: Sections) -> Teeth | None:
-    """Teeth as found: mean direction and thickness, at all heights; None where not so many cross the pitch circle."""
-    teeth_of_heights = []
-    for ring in (
-        max((shape.outer for shape in shapes), key=lambda ring: abs(ring.area))
-        for shapes in sections
-        if shapes
-    ):
-        points = ring.facetted(_FINE)
-        height = np.abs(points) - teeth.radius
-        k = np.flatnonzero(np.sign(height) * np.sign(np.roll(height, -1)) < 0)
-        if len(k) != 2 * teeth.count:
-            return None
-        a = points[k]
-        b = np.roll(points, -1)[k]
-        way = b - a
-        half = (a.conj() * way).real
-        size = np.abs(way) ** 2
-        root = np.sqrt(half**2 - size * (np.abs(a) ** 2 - teeth.radius**2))
-        fraction = (-half + np.where(height[k] < 0, root, -root)) / size
-        angles = np.unwrap(np.angle(a + fraction * way))
-        if height[k[0]] > 0:  # the first crossing ends a tooth
-            angles = np.append(angles[1:], angles[0] + math.tau)
-        middles = (angles[0::2] + angles[1::2]) / 2
-        phase = np.exp(1j * teeth.count * (middles - teeth.tooth))
-        tooth = teeth.tooth + float(np.angle(phase.mean())) / teeth.count
-        teeth_of_heights.append((tooth, teeth.radius * float(np.mean(angles[1::2] - angles[0::2]))))
-    if not teeth_of_heights:
+def _toothed(sections: Sections) -> Ring | None:
+    """A wheel's outline, what stands on it left out: of heights that differ all that any of them shows; None without any."""
+    outlines: list[Ring] = []
+    for shapes in sections:
+        if shapes:
+            ring = max((shape.outer for shape in shapes), key=lambda each: abs(each.area))
+            if not any(_same(ring, other) for other in outlines):
+                outlines.append(ring)
+    if not outlines:
         return None
-    tooth, thickness = np.mean(teeth_of_heights, axis=0)
-    return replace(teeth, tooth=float(tooth), thickness=float(thickness))
+    return (outlines[0] if len(outlines) == 1 else _union(outlines)).counter_clockwise()
+
+
+def _union(rings: Sequence[Ring]) -> Ring:
+    """The outer edge of all, in facets."""
+    import shapely
+
+    edges = [ring.facetted(_FINE) for ring in rings]
+    polygons = [
+        shapely.make_valid(shapely.Polygon(np.column_stack([z.real, z.imag]))) for z in edges
+    ]
+    whole = max(shapely.get_parts(shapely.union_all(polygons)), key=lambda each: each.area)
+    x, y = shapely.get_coordinates(whole.exterior)[:-1].T
+    return Ring(x + 1j * y, np.zeros(len(x)))
+
+
+def _same(one: Ring, other: Ring) -> bool:
+    """Whether two heights of a prism show it: the same corners, to the last digits."""
+    return one.points.shape == other.points.shape and bool(
+        np.allclose(one.points, other.points, rtol=0, atol=_SAME_HEIGHTS)
+        and np.allclose(one.bulges, other.bulges, rtol=0, atol=_SAME_HEIGHTS)
+    )
 
 
 def _facing(eye: Eye, facing: float, sections: Sections) -> float | None:

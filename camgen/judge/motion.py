@@ -98,7 +98,7 @@ def judge_machine(
     )
     findings += on_cams.findings
     numbers |= on_cams.figures
-    for meshing in measured.meshings:
+    for meshing in measured.meshings.values():
         pair = named(files.where, {meshing.a.part, meshing.b.part})
         findings.append(judge_mesh(meshing, off + slack, pair))
     unseen = _nominal(nominal)

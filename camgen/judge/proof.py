@@ -107,7 +107,7 @@ class Proof:
         self.fits = measured.fits
         self._laws = laws
         self.plays = {joint.name: joint.clearance for joint in self.machine.joints}
-        self._radii = measured.radii
+        self._radii = {name: each.b.radius for name, each in measured.meshings.items()}
         self.plays |= {
             name: fit.play / self._radii.get(name, 1.0) for name, fit in self.fits.items()
         }

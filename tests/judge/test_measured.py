@@ -21,7 +21,6 @@ from camgen.judge.measured import (
     measure_bore,
     measure_end,
     measure_faces,
-    measure_teeth,
     read,
 )
 from camgen.machine.features import (
@@ -57,51 +56,26 @@ def wheel(
     return Ring(z, np.zeros(len(z)))
 
 
-@settings(max_examples=40)
-@given(
-    count=st.integers(6, 40),
-    tooth=st.floats(-3, 3),
-    off=st.floats(-0.3, 0.3),
-    thick=st.floats(0.3, 0.7),
-    lean=st.floats(-0.3, 0.3),
-    start=st.integers(0, 30),
-)
-def test_teeth_are_where_their_flanks_cross_the_pitch_circle(
-    count: int, tooth: float, off: float, thick: float, lean: float, start: int
-) -> None:
-    """Off by a share of the pitch, and as thick as a share of it; the outline begins on a tooth or in a gap."""
-    radius, pitch = 2.0 * count, math.tau / count
-    middles = tooth + (off + np.arange(count)) * pitch
-    flanks = [(m - thick * pitch / 2, m + thick * pitch / 2) for m in middles]
-    ring = wheel(radius, flanks, complex(2, lean), start % (4 * count))
-    found = measure_teeth(Teeth("wheel", count, radius, 1.0, tooth), [[Shape(ring, ())]])
-    assert found is not None
-    assert found.tooth == pytest.approx(tooth + off * pitch, abs=1e-9)
-    assert found.thickness == pytest.approx(thick * pitch * radius, abs=1e-9)
+def evenly(count: int, turned: float = 0.0) -> Ring:
+    """Equal teeth."""
+    middles = turned + np.arange(count) * math.tau / count
+    return wheel(20.0, np.column_stack([middles - 0.15, middles + 0.15]).tolist(), 2 + 0.3j)
 
 
-def test_teeth_that_differ_count_with_their_means() -> None:
-    """One tooth of ten turned by 0.05 rad and 0.1 rad thicker; a second height turned by 0.02 rad: the mean of all."""
-    middles = np.arange(10) * math.tau / 10
-    halves = np.full(10, 0.15)
-    middles[3] += 0.05
-    halves[3] += 0.05
-    teeth = Teeth("wheel", 10, 20.0, 6.0, 0.0)
-    flanks = [
-        np.column_stack([middles + by - halves, middles + by + halves]).tolist() for by in (0, 0.02)
-    ]
-    heights = [[Shape(wheel(20.0, each, 2 + 0.3j), ())] for each in flanks]
-    found = measure_teeth(teeth, heights)
-    assert found is not None
-    lone = np.angle(9 + cmath.exp(0.5j)) / 10  # the mean direction, modulo the pitch
-    assert found.tooth == pytest.approx(lone + 0.01, abs=1e-9)
-    assert found.thickness == pytest.approx(20 * (9 * 0.3 + 0.4) / 10, abs=1e-9)
+def test_a_wheel_is_what_any_height_shows_of_it() -> None:
+    """Equal heights count once, to the last digit; of two that differ the wider teeth count at every place; a hub does not."""
+    teeth = Teeth("wheel", 10, 20.0, 6.0)
+    mate = Teeth("mate", 10, 20.0, 6.0)
     hub = Shape(Ring(5 * np.exp(1j * np.arange(7)), np.zeros(7)), ())
-    assert measure_teeth(teeth, [[hub, heights[0][0]]]) == measure_teeth(
-        teeth, heights[:1]
-    )  # the wheel, not what is on it
-    assert measure_teeth(Teeth("wheel", 11, 20.0, 6.0, 0.0), heights) is None
-    assert measure_teeth(teeth, [[]]) is None
+    one, other = Shape(evenly(10), ()), Shape(evenly(10, 0.02), ())
+    files = {"wheel": [[hub, one], [one]], "mate": [[one], [], [other]]}
+    found = read([GearTeeth("mesh", teeth, mate, ("O", "P"))], files, drawing=False).wheels
+    assert np.array_equal(found[teeth].points, one.outer.points)
+    both = found[mate].points
+    first, low, high = (
+        np.angle(z)[np.abs(np.angle(z)) < 0.3] for z in (both, one.outer.points, other.outer.points)
+    )
+    assert (first.min(), first.max()) == pytest.approx((low.min(), high.max()), abs=1e-12)
 
 
 # ---- flats of holes ----------------------------------------------------------------------------------------------------
@@ -492,14 +466,12 @@ def test_what_a_drawing_does_not_show_counts_as_meant() -> None:
     assert set(found.faces) == {runner, rails} and found.eyes == {slot.eye: MeasuredEye(0j, 4.0)}
 
 
-def test_teeth_that_are_lost_are_told() -> None:
-    middles = np.arange(12) * math.tau / 12
-    ring = wheel(12.0, np.column_stack([middles - 0.1, middles + 0.1]).tolist(), 2 + 0.1j)
-    a, b = Teeth("a", 12, 12.0, 2.4), Teeth("b", 20, 20.0, 2.4)
+def test_a_wheel_that_is_lost_is_told() -> None:
+    a, b = Teeth("a", 10, 20.0, 6.0), Teeth("b", 20, 40.0, 6.0)
     found = read(
         [GearTeeth("mesh", a, b, ("O", "P"))],
-        {"a": [[Shape(ring, ())]], "b": [[Shape(ring, ())]]},
+        {"a": [[Shape(evenly(10), ())]], "b": [[]]},
         drawing=False,
     )
-    assert found.teeth[a].thickness == pytest.approx(2.4) and b not in found.teeth
-    assert found.lost == ["mesh: no 20 teeth of b cross the pitch circle"]
+    assert list(found.wheels) == [a]
+    assert found.lost == ["mesh: the outline of b is lost"]

@@ -86,18 +86,31 @@ def test_a_flank_that_is_off_is_seen_as_much_and_named(
     assert not found.ok
     # along the normal a flank moves by the cosine of the pressure angle; neighbours carry a part of what is missing
     assert found.measured == pytest.approx(0.02 * math.cos(math.radians(20)), abs=0.003)
-    where = float(found.message.split("most at ")[1].split(" deg")[0])
-    # the damaged tooth stands at 30 deg; the one beside it takes over where a flank is missing
-    assert where == pytest.approx(30.0, abs=10.1)
+    assert "unlike the others is at 30.0 deg of gear-pair-crank" in found.message
 
 
 def test_teeth_beside_the_bore_s_middle_are_told(sound: Path, tmp_path: Path) -> None:
     """By 10 um: twice that from peak to peak, along a normal that leans by the pressure angle."""
     found = damaged(sound, tmp_path, lambda points: points + 0.01)
     assert not found.ok and found.measured == pytest.approx(0.02, rel=0.2)
+    assert "the teeth of each wheel are alike" in found.message
 
 
 def test_a_tooth_that_fills_its_gap_jams(sound: Path, tmp_path: Path) -> None:
     found = damaged(sound, tmp_path, lambda points: flank(points, 0.3))
     assert not found.ok
     assert math.isinf(found.measured) or found.measured > 0.1
+    assert "unlike the others is at 30.0 deg of gear-pair-crank" in found.message
+
+
+def test_a_tooth_that_is_missing_is_named(sound: Path, tmp_path: Path) -> None:
+    """Its neighbours carry on, and the wheels fall back between them."""
+
+    def broken(points: Points) -> Points:
+        radius = np.abs(points)
+        off = np.abs(np.angle(points * np.exp(-2j * math.pi * 5 / TEETH))) < 0.9 * math.pi / TEETH
+        return points * np.where(off, radius.min() / radius, 1)
+
+    found = damaged(sound, tmp_path, broken)
+    assert not found.ok and found.measured > 0.05
+    assert "unlike the others is at 50.0 deg of gear-pair-crank" in found.message
