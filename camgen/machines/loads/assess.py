@@ -126,7 +126,7 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         Figures(each for each in figures if math.isfinite(each.value)),
         [*torque.plots, *cams.plots, *elastic.plots],
         [_mass_table(masses), *pins.tables, *elastic.tables],
-        notes=[*notes, *jumps(machine)],
+        notes=[*notes, *gears.notes, *jumps(machine)],
     )
     if assembly.balances:
         counterweight = getattr(mechanism, "counterweight", None)
