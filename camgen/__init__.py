@@ -124,7 +124,7 @@ def build(
     from camgen.pipeline import build as pipeline
 
     kinds = only.split(",") if isinstance(only, str) else pipeline.KINDS if only is None else only
-    return pipeline.build(spec, Path(out), frozenset(kinds), jobs=jobs)
+    return pipeline.build(spec, Path(out), frozenset(map(str, kinds)), jobs=jobs)
 
 
 @checked
@@ -222,7 +222,7 @@ def sweep(
     from camgen.sweep.variants import variants_of
     from camgen.workers import core_count
 
-    kinds = only.split(",") if isinstance(only, str) else tuple(only)
+    kinds = only.split(",") if isinstance(only, str) else tuple(map(str, only))
     task = task_of(spec, variants_of(vary, how), (), (), kinds, Path(out).absolute())
     return swept(task, core_count(jobs))
 

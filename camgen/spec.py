@@ -629,7 +629,7 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
                 if isinstance(beside, dict)
                 else []
             )
-            close = get_close_matches(str(path[-1]), extra, 1)
+            close = get_close_matches(str(path[-1]), map(str, extra), 1)
             expected = f"missing: {expected}" + (f" ('{close[0]}' is no key)" if close else "")
         elif (
             item["type"] not in get_args(ErrorType) or node is None

@@ -438,8 +438,9 @@ class _Builder:
         space = 2 * math.pi * radius / feature.b.count
         meant = space - feature.a.thickness - feature.b.thickness
         play = radius * meshing.play
-        # each wheel answers for one half
-        self.fits[joint.name] = Fit(play, meant, abs(play - meant) / 2)
+        # each wheel answers for one half, square to its flanks: as far as its outline may lie off
+        misfit = abs(play - meant) / 2 * math.cos(feature.pressure)
+        self.fits[joint.name] = Fit(play, meant, misfit)
         self.meshings[joint.name] = meshing
         return replace(joint, phase=start + meshing.lead)
 

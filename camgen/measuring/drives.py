@@ -185,10 +185,16 @@ def drives(driver: Path, driven: Path, distance: float | None, options: DriveOpt
     unknown = options.keys() - DriveOptions.__annotations__.keys()
     if unknown:
         raise TypeError(f"drives() got an unexpected keyword argument {min(unknown)!r}")
+    kinds: list[tuple[str, Callable[[object], bool], tuple[str, ...]]] = [
+        ("a number", _is_number, ("slides", "ratio", "start", "height")),
+        ("text", lambda value: isinstance(value, str), ("spring", "layer")),
+        ("True or False", lambda value: isinstance(value, bool), ("inside",)),
+    ]
     wrong = [
-        _fault(repr(options[name]), "a number", name)
-        for name in ("slides", "ratio", "start", "height")
-        if name in options and not _is_number(options[name])
+        _fault(repr(options[name]), right, name)  # type: ignore[literal-required]
+        for right, fits, names in kinds
+        for name in names
+        if name in options and not fits(options[name])  # type: ignore[literal-required]
     ]
     if wrong:
         raise SpecError(wrong, "drives")

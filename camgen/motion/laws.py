@@ -394,7 +394,9 @@ _SAME_ANGLE = 1e-9  # of a table's range; rows nearer than this give speeds that
 
 def last_digit(points: Sequence[tuple[float, float]]) -> float:
     """The unit of the last decimal with which the displacements are written."""
-    return 10.0 ** min(int(Decimal(repr(row[1])).normalize().as_tuple().exponent) for row in points)
+    return 10.0 ** min(
+        int(Decimal(repr(float(row[1]))).normalize().as_tuple().exponent) for row in points
+    )
 
 
 def rounding_share(u: Floats, step: float, peak: float) -> float:

@@ -351,9 +351,8 @@ def least(choice: str, start: End, end: End, form: Form) -> str:
     laws = _joining(start, end, form)
     if not laws:
         task = start.letter + end.letter
-        raise SpecError(
-            [Fault(("law",), f"'{choice}'", f"a law by its name: none joins {task} so")]
-        )
+        right = "ends that a law joins here; left out, the task follows from the corners beside it"
+        raise SpecError([Fault(("task",), f"'{task}'", right)])
     return min(laws, key=lambda name: _QUANTITIES[choice](laws[name]))
 
 

@@ -114,3 +114,12 @@ def test_a_tooth_that_is_missing_is_named(sound: Path, tmp_path: Path) -> None:
     found = damaged(sound, tmp_path, broken)
     assert not found.ok and found.measured > 0.05
     assert "unlike the others is at 50.0 deg of gear-pair-crank" in found.message
+
+
+def test_facets_of_a_sound_pair_fit(tmp_path: Path) -> None:
+    """Facets lie inside by as much as they may on all four flanks: play grows, and the fit holds."""
+    gear = {"a": "crank", "b": "drum", "ratio": "-12/30", "name": "pair"}
+    points = {**SPEC["points"], "C": [63, 0], "B": [73, 0]}  # type: ignore[dict-item]
+    spec = {**SPEC, "points": points, "gear": [gear]}
+    report = camgen.build(spec, tmp_path, ["stl"])
+    assert report.ok, [str(finding) for finding in report.findings if not finding.ok]

@@ -16,6 +16,7 @@ from click.testing import CliRunner
 
 import camgen
 from camgen.cli import cli
+from camgen.errors import SpecError
 from camgen.files.folder import name_of
 from camgen.geometry.rings import Ring
 from camgen.measuring.drives import Drive, driven_by
@@ -249,3 +250,16 @@ def test_a_lost_tooth_and_a_burr_on_a_tip_are_found() -> None:
     tip = rows.start + int(np.argmax(np.abs(points[rows])))
     points[tip] *= 1 + 0.05 / abs(points[tip]) * np.exp(-0.5j * math.pi)
     assert max(errors(pinion, wheel, Ring(points, ring.bulges))) > LEAST
+
+
+@pytest.mark.parametrize(
+    "options", [{"layer": 5}, {"spring": np.ones(2)}, {"inside": np.ones(2)}, {"height": "x"}]
+)
+def test_options_of_a_wrong_type_are_told(gears: Path, options: dict[str, object]) -> None:
+    with pytest.raises(SpecError, match=next(iter(options))):
+        camgen.drives(gears / "pinion.dxf", gears / "wheel.dxf", 42, **options)  # type: ignore[arg-type]
+
+
+def test_keys_that_are_no_text_are_told(gears: Path) -> None:
+    with pytest.raises(SpecError):
+        camgen.motion(gears / "pinion.dxf", {1: 2})
