@@ -28,6 +28,8 @@ _SIZE = Bound("a cam table", 10_000_000, most=200_000)
 _DECIMALS = 12
 _TURN = 360.0  # deg
 _LEAST_ROWS = 3
+_MOST = 1e6  # of any number in a row, in its unit
+_SAME_MASTER = 10.0**-_DECIMALS / 2  # deg: nearer ones are written alike
 _COMMENTS = re.compile(r"\(\*.*?\*\)|//[^\n]*", re.DOTALL)
 _CSV = ("master_deg", "slave_{unit}", "velocity_{unit}_per_deg", "acceleration_{unit}_per_deg2")
 
@@ -242,7 +244,14 @@ def read_cam_table(path: Path) -> CamTable:
     master = columns[0]
     if len(master) < _LEAST_ROWS:
         raise FileError(path, f"has {len(master)} rows, a cam table has {_LEAST_ROWS} at least")
-    wrong = np.flatnonzero(~(np.diff(master) > 0))
+    for column in columns:
+        absurd = np.flatnonzero(~(np.abs(column) <= _MOST))
+        if absurd.size:
+            k = int(absurd[0])
+            raise FileError(
+                path, f"row {k + 1} has {column[k]:g}, numbers to {_MOST:g} at most are read"
+            )
+    wrong = np.flatnonzero(~(np.diff(master) > _SAME_MASTER))
     if wrong.size:
         k = int(wrong[0])
         raise FileError(

@@ -34,7 +34,7 @@ _SAME_ANGLE = 1e-7  # deg
 
 def _rows(motion: FollowerMotion) -> CamTable:
     """Rows at all breaks, and so many more that quintics between them keep to the motion."""
-    ends = distinct(np.arange(0, 360 + _WIDEST, _WIDEST), motion.breaks)
+    ends = _masters(np.arange(0, 360 + _WIDEST, _WIDEST), motion.breaks)
     allowed = _OFF * motion.stroke
     table = _table(motion, ends)
     while True:
@@ -47,6 +47,14 @@ def _rows(motion: FollowerMotion) -> CamTable:
         table = _table(motion, np.insert(x, wide + 1, (x[wide] + x[wide + 1]) / 2))
 
 
+def _masters(even: Floats, breaks: Floats) -> Floats:
+    """Even angles from 0 to 360 deg and the breaks, copies of one angle once."""
+    x = distinct(even, breaks)
+    x = np.asarray(x[np.append(True, np.diff(x) > _SAME_ANGLE)], float)
+    x[-1] = 360
+    return x
+
+
 def _table(motion: FollowerMotion, x: Floats) -> CamTable:
     return CamTable(motion.unit, x, *(motion.law(x, order) for order in range(3)))
 
@@ -54,7 +62,7 @@ def _table(motion: FollowerMotion, x: Floats) -> CamTable:
 def _even_points(motion: FollowerMotion, most: int) -> CamTable:
     """Even points, with those at breaks as far as there is room."""
     even = np.arange(0, 360 + _STEP, _STEP)
-    every = distinct(even, motion.breaks)
+    every = _masters(even, motion.breaks)
     x = every if len(every) <= most else even
     return CamTable(motion.unit, x, motion.law(x, 0))
 

@@ -15,6 +15,7 @@ from camgen.cli import main
 from camgen.errors import FileError, SpecError
 from camgen.files.servo import DIALECTS, CamTable, plain_text, read_cam_table
 from camgen.measuring import servo as measuring
+from camgen.pipeline.servo import _masters
 
 # as the documentation of CODESYS SoftMotion shows one
 DOCUMENTED = """VAR_GLOBAL
@@ -96,6 +97,14 @@ def test_a_spoilt_table_fails(built: Any, tmp_path: Path, name: str, old: str, n
     assert failing == {"SERVO_TABLE"}
 
 
+def test_copies_of_one_angle_are_one_row() -> None:
+    """Ends of neighbouring segments, counted from either side of the turn, differ by their last digit."""
+    copies = np.array([np.nextafter(240, 0), 240.0, 359.99999999999994])
+    masters = _masters(np.arange(0, 390, 30.0), copies)
+    np.testing.assert_allclose(masters, np.arange(0, 390, 30), rtol=1e-15)
+    assert masters[0] == 0 and masters[-1] == 360
+
+
 def test_no_cam_no_table(root: Path, tmp_path: Path) -> None:
     with pytest.raises(SpecError, match="has no cam"):
         camgen.build(root / "specs" / "gallery" / "four-bar.toml", tmp_path, only="servo")
@@ -143,6 +152,10 @@ def test_motion_of_a_table(root: Path, built: Any, tmp_path: Path) -> None:
     "text, says",
     [
         ("", "has 0 rows"),
+        ("0,0\n120,1e308\n240,-1e308\n360,0\n", r"row 2 has 1e\+308, numbers to 1e\+06"),
+        ("0,0\n120,nan\n360,0\n", "row 2 has no 2 numbers"),
+        (DOCUMENTED.replace("dY := 240", "dY := 1e999"), "row 3 has inf, numbers to"),
+        (DOCUMENTED.replace("dA := 0)]", "dA := -1e308)]"), r"row 4 has -1e\+308"),
         ("0,0\n1,1\n1,2\n", "row 3 has master 1, not greater than 1"),
         ("0,0\n1,x\n2,2\n", "row 2 has no 2 numbers"),
         (
