@@ -160,7 +160,8 @@ def test_what_is_no_description_stays() -> None:
 [points]                            # mm, where the points are at theta = 0
 O = [0, 0]                          # the shaft
 # [[gear]]                          # angle of b = ratio * angle of a
-# ratio = -2                        # angle of b = ratio * angle of a; below 0: they turn against each other
+# ratio = -2                        # angle of b = ratio * angle of a, a number or teeth of a over those of b, "-12/30"; below 0: they turn
+                                    # against each other
 # [[gear]]                          # another pair
 # ratio = 3                         # inner
                                     # and outer

@@ -161,7 +161,7 @@ class Chart:
         rates = self._rates(letter, row, faults)
         if rates.velocity is None and letter == "G":
             uniform = [each.lift / each.span for each in (last, move) if each.uniform]
-            if not uniform:
+            if not (uniform or still):
                 faults.append(self._speedless(row, k, typed[0] == " "))
             rates = replace(rates, velocity=uniform[0] if uniform else 0.0)
         acceleration = rates.acceleration

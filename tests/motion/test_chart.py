@@ -269,7 +269,7 @@ REMAINS = "at_deg = 360; to = 0"
         (
             (RISE + "; task = 'GR'", BACK, REMAINS),
             "segment.0.task",
-            "R, or the speed where it begins: segment.2.end_velocity",
+            "R where it joins a dwell",
         ),
         (
             (RISE + "; task = 'RU'", BACK, REMAINS),
