@@ -18,17 +18,17 @@ from typing import Literal, TypedDict
 import numpy as np
 
 from camgen.errors import DesignError, Fault, FileError, SpecError
-from camgen.files.folder import StagingFolder, name_of, write_manifest
+from camgen.files.folder import name_of
 from camgen.findings import Finding, Where, at_least, at_most, in_file
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.pair_events import Slide, Turn
 from camgen.judge.pairs import Body as Solid
 from camgen.judge.pairs import Jump, OutlinePair, PairMotion, hollow, pivots_apart
 from camgen.machine.features import PartPose
+from camgen.measuring.folder import OUTLINE_PACKAGES, write_folder
 from camgen.measuring.outlines import AS_IT_IS, Hints, Outline, read_outline
 from camgen.report.animation import Animation, Body
-from camgen.report.page import write_html
-from camgen.report.report import Report, write_csv, write_json
+from camgen.report.report import Report
 from camgen.study import Figure, Plot, Table
 
 MOST_TURNS = 60
@@ -39,7 +39,6 @@ _STEEPEST = 1e4  # ratio that is taken, either way
 _ALLOWED = 2e-3  # mm, overlap of pairs that are drawn without any clearance
 _FRAMES = 120
 _ROWS = 50  # of jumps that are listed
-_PACKAGES = ("numpy", "pydantic", "ezdxf", "lib3mf", "scipy", "shapely", "trimesh")
 
 Side = Literal["low", "high"]  # the bound that is meant
 
@@ -352,14 +351,7 @@ def run(
             for file, outline in zip((path, request.driven), outlines, strict=True)
         )
         report = replace(report, notes=(*remarks, *report.notes))
-    with StagingFolder(out / report.name) as folder:
-        if columns:
-            progress("writing the report")
-            write_csv(folder / "motion.csv", columns)
-            write_html(folder / "report.html", report)
-        write_json(folder / "report.json", report)
-        write_manifest(folder, _PACKAGES)
-    return replace(report, folder=out / report.name)
+    return write_folder(report, columns, out, OUTLINE_PACKAGES, progress)
 
 
 def _columns(driven: Driven, drive: Drive) -> dict[str, Floats]:

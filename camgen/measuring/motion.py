@@ -17,17 +17,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from camgen.errors import DesignError, Fault, FileError, SpecError
-from camgen.files.folder import StagingFolder, name_of, write_manifest
+from camgen.files.folder import name_of
 from camgen.findings import Finding, Where, at_least, at_most, in_file
 from camgen.geometry.rings import Floats, Ring
 from camgen.judge.contact import contact
 from camgen.judge.follower_table import FollowerTable, pair_faults, read_follower
 from camgen.machine.features import PartPose
+from camgen.measuring.folder import OUTLINE_PACKAGES, write_folder
 from camgen.measuring.outlines import Hints, Outline, read_outline
 from camgen.measuring.scan import PICTURES, WALL_OFF, Scanning
 from camgen.report.animation import Animation, Body
-from camgen.report.page import write_html
-from camgen.report.report import Report, write_csv, write_json
+from camgen.report.report import Report
 from camgen.study import Figure, Figures, Plot, Table, figures_in
 
 if TYPE_CHECKING:
@@ -41,7 +41,6 @@ _OVERLAP = 2e-3  # mm at two tips together that facets and decimals of a file ma
 _ROUGH = 0.5  # deg, by which facets or noise may raise the largest pressure angle before it is told
 _FRAMES = 120  # of the moving picture
 _WAYS = {"deg": "swing", "mm": "stroke"}  # what the whole way is called, by its unit
-_PACKAGES = ("numpy", "pydantic", "ezdxf", "lib3mf", "scipy", "shapely", "trimesh")
 
 # ---- the motion ------------------------------------------------------------------------------------------------------
 
@@ -197,14 +196,7 @@ def run(
     if all(outline.ring is not None for outline in outlines.values()):
         report, columns = _rolled(report, outlines, request, followers, progress)
     report = replace(report, remarks=list(_summary(report, follower)))
-    with StagingFolder(out / report.name) as folder:
-        if columns:
-            progress("writing the report")
-            write_csv(folder / "motion.csv", columns)
-            write_html(folder / "report.html", report)
-        write_json(folder / "report.json", report)
-        write_manifest(folder, _PACKAGES)
-    return replace(report, folder=out / report.name)
+    return write_folder(report, columns, out, OUTLINE_PACKAGES, progress)
 
 
 def _followers(path: Path, request: Request) -> tuple[FollowerTable, FollowerTable | None]:

@@ -10,15 +10,15 @@ from pathlib import Path
 import numpy as np
 
 from camgen.errors import Fault, SpecError
-from camgen.files.folder import StagingFolder, name_of, write_manifest
+from camgen.files.folder import name_of
 from camgen.files.servo import CamTable, read_cam_table
 from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.rings import Floats
 from camgen.machines.follower_motions import follower_motions
 from camgen.machines.sources import read_mechanism
+from camgen.measuring.folder import write_folder
 from camgen.numerics import peak
-from camgen.report.page import write_html
-from camgen.report.report import Report, write_csv, write_json
+from camgen.report.report import Report
 from camgen.study import ROWS, Figure, Figures, Plot
 
 _JUMP = 0.02  # of its greatest size, by which velocity or acceleration may differ at both ends of a turn
@@ -90,13 +90,7 @@ def run(
     if against is not None:
         report, columns = _compared(report, columns, driven, against)
     report = replace(report, remarks=_summary(report, driven))
-    with StagingFolder(out / report.name) as folder:
-        progress("writing the report")
-        write_csv(folder / "motion.csv", columns)
-        write_html(folder / "report.html", report)
-        write_json(folder / "report.json", report)
-        write_manifest(folder, _PACKAGES)
-    return replace(report, folder=out / report.name)
+    return write_folder(report, columns, out, _PACKAGES, progress)
 
 
 def _note(table: CamTable) -> str:
