@@ -3,6 +3,8 @@
 Where a hole of one part and an outline of another have one axis and heights in common, the one goes on the other; where two holes
 have one axis, they lie over each other and a pin comes through.
 
+    stop          what says how high a part is fixed on a shaft that goes on below it: the part over it. It is loose at first, and
+                  glued when its shaft carries another part over the stop
     tight         a hole that is hardly wider than what goes through it: there both are fixed on each other. It is said of the one
                   that comes later, so that what is pressed in or on is held by something that is there
     sub-assembly  parts of one body that begin at one height and are fixed on each other: built by itself, then put in
@@ -80,14 +82,21 @@ def order(
     steps = list[Step]()
     there = list[StandingCopy]()
     bench = list[StandingCopy]()  # the sub-assembly that is being built
+    stops = _stops(copies, fixing)
+    loose = list[_Laying]()  # on their shafts, whose stops are not there yet
     for laying in _layings(copies, pairs, fixing):
         cluster = laying.cluster
         part = laying.copies[0].part
         begun = any(copy in there for copy in cluster)
         alone = bool(bench) or (bool(cluster and there) and not begun)
         group = cluster[0].part.name if alone else ""
-        where = _places(laying.copies, bench if alone else there, fixing)
-        where = where or ("by itself" if alone else "")
+        if all(copy.name in stops for copy in laying.copies):
+            shafts = dict.fromkeys(stops[copy.name].shaft.part.name for copy in laying.copies)
+            where = f"loose on {', '.join(shafts)}"
+            loose.append(laying)
+        else:
+            where = _places(laying.copies, bench if alone else there, fixing)
+            where = where or ("by itself" if alone else "")
         lies = "turned over" if laying.turned_over else "as drawn"
         row: tuple[object, ...]
         row = (part.name, _holding_notes(part), where, len(laying.copies), laying.z, lies)
@@ -101,8 +110,82 @@ def order(
             steps.append(Step(_title(row), group=group))
             there += bench
             bench = []
+        for each in [each for each in loose if _held(each, stops, there, fixing)]:
+            loose.remove(each)
+            row = _push_up(each, stops)
+            rows.append((len(rows) + 1, *row))
+            steps.append(Step(_title(row), [copy.name for copy in each.copies], way=1))
     title = "Assembly from the bottom up, by height"
     return Table(title, COLUMNS, rows, mated(steps, copies, pairs, fixing))
+
+
+@dataclass(frozen=True)
+class _Stop:
+    """What says how high a part is fixed on its shaft, where nothing lies under it and neither end is flush: what comes over it."""
+
+    shaft: StandingCopy
+    name: str  # of the part over it, in which the shaft turns
+    gap: float  # mm, between both
+
+    def words(self) -> str:
+        """Where the part is glued."""
+        near = f"{self.gap:.2g} mm under" if self.gap > SAME_POINT else "against"
+        return f"pressed and glued on {self.shaft.part.name}, {near} {self.name}"
+
+
+def _stops(copies: Sequence[StandingCopy], fixing: Fixing) -> dict[str, _Stop]:
+    """Stops of the copies that have one, by their names."""
+    stops = dict[str, _Stop]()
+    for copy in copies:
+        others = [each for each in copies if each is not copy]
+        for hole, shaft in _fixed_on(copy, others, fixing):
+            over = [
+                (each.low - hole.high, other.part.name)
+                for other in others
+                for each in other.holes
+                if hole.in_line(each) and -SAME_POINT < each.low - hole.high < _RESTS
+            ]
+            if over and not _support(hole, shaft, others):
+                gap, name = min(over)
+                stops[copy.name] = _Stop(shaft, name, gap)
+    return stops
+
+
+def _fixed_on(
+    copy: StandingCopy, copies: Sequence[StandingCopy], fixing: Fixing
+) -> Iterator[tuple[Round, StandingCopy]]:
+    """Holes of a copy that are glued on a shaft, with that shaft."""
+    for hole in copy.holes:
+        for shaft in copies:
+            for outline in shaft.outlines if shaft.slender else ():
+                if (
+                    hole.holds(outline)
+                    and fixing.how(hole, copy.part, outline, shaft.part) == "glue"
+                ):
+                    yield hole, shaft
+
+
+def _held(
+    laying: _Laying, stops: Mapping[str, _Stop], there: Sequence[StandingCopy], fixing: Fixing
+) -> bool:
+    """Whether all shafts of what is loose carry another part, higher up."""
+    own = {copy.name for copy in laying.copies}
+    return all(
+        any(
+            shaft is stops[copy.name].shaft
+            for other in there
+            if other.name not in own and other.mount.z > copy.mount.z
+            for _, shaft in _fixed_on(other, there, fixing)
+        )
+        for copy in laying.copies
+    )
+
+
+def _push_up(laying: _Laying, stops: Mapping[str, _Stop]) -> tuple[object, ...]:
+    """The row of what was loose on its shaft and is glued under its stop."""
+    part = laying.copies[0].part
+    where = "; ".join(dict.fromkeys(stops[copy.name].words() for copy in laying.copies))
+    return (part.name, f"{part.title}, pushed up", where, "", laying.z, "as drawn")
 
 
 def _put_in(
@@ -210,14 +293,18 @@ def mated(
     pairs: Sequence[object],
     fixing: Fixing,
 ) -> list[Step]:
-    """Steps with what comes and goes on what is there; names of parts in them stand for all their copies."""
+    """Steps with what comes and goes on what is there; names of parts in them stand for all their copies.
+
+    A copy that comes twice is loose at first: its place is fixed when it comes again.
+    """
     fixing = _with_rings(fixing, pairs)
     slides = [each for each in pairs if isinstance(each, SlideFaces)]
     built = defaultdict[str, list[StandingCopy]](list)  # by what is built apart
     bench = list[StandingCopy]()  # the sub-assembly
     found = []
-    for step in steps:
+    for number, step in enumerate(steps):
         named = {*step.copies}
+        again = {name for each in steps[number + 1 :] for name in each.copies}
         coming = [copy for copy in copies if copy.name in named or copy.part.name in named]
         names = [copy.name for copy in coming]
         there = built[step.apart]
@@ -231,8 +318,10 @@ def mated(
                 coming = there
                 there = built[""]
             mates = [*_mates(coming, there, fixing), *_sliding(coming, there, slides)]
-            there += coming
+            there += [copy for copy in coming if copy not in there]
             bench = [] if step.group else bench
+        if named & again:
+            mates = [replace(mate, how="free") for mate in mates]
         found.append(replace(step, copies=names, mates=mates))
     return found
 
@@ -349,10 +438,15 @@ def _where(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) ->
 
 def _height(hole: Round, shaft: StandingCopy, below: Sequence[StandingCopy]) -> str:
     """How high a part is fixed on a shaft: flush with an end, or over what lies there, or as far as one measures."""
-    ends = (min(each.low for each in shaft.outlines), max(each.high for each in shaft.outlines))
-    if abs(hole.low - ends[0]) < SAME_POINT:
+    low = min(each.low for each in shaft.outlines)
+    return _support(hole, shaft, below) or f"underside {hole.low - low:.4g} mm from its lower end"
+
+
+def _support(hole: Round, shaft: StandingCopy, below: Sequence[StandingCopy]) -> str:
+    """What says how high a part is fixed on a shaft: an end that is flush, or what lies under it; "" where neither does."""
+    if abs(hole.low - min(each.low for each in shaft.outlines)) < SAME_POINT:
         return "flush with its lower end"
-    if abs(hole.high - ends[1]) < SAME_POINT:
+    if abs(hole.high - max(each.high for each in shaft.outlines)) < SAME_POINT:
         return "flush with its upper end"
     under = [
         (each.high, other.part.name)
@@ -360,11 +454,11 @@ def _height(hole: Round, shaft: StandingCopy, below: Sequence[StandingCopy]) -> 
         for each in other.holes
         if hole.in_line(each) and -SAME_POINT < hole.low - each.high < _RESTS
     ]
-    if under:
-        top, name = max(under)
-        gap = hole.low - top
-        return f"{gap:.3g} mm over {name}" if gap > SAME_POINT else f"down on {name}"
-    return f"underside {hole.low - ends[0]:.4g} mm from its lower end"
+    if not under:
+        return ""
+    top, name = max(under)
+    gap = hole.low - top
+    return f"{gap:.3g} mm over {name}" if gap > SAME_POINT else f"down on {name}"
 
 
 def _pin_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> str:

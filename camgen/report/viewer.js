@@ -573,7 +573,7 @@
     for (let k = number - 1; k >= 0 && group && steps[k].group === group && steps[k].copies.length; k--) run.unshift(...steps[k].copies);
     if (group && copies.length) return { coming: copies, there: run };
     const coming = copies.length ? copies : run;
-    return { coming, there: steps.slice(0, number).flatMap(step => step.copies).filter(k => !coming.includes(k)) };
+    return { coming, there: [...new Set(steps.slice(0, number).flatMap(step => step.copies))].filter(k => !coming.includes(k)) };
   }
 
   // A body about z: triangles between rings of a radius and a height each.

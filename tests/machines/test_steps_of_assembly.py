@@ -76,15 +76,21 @@ def test_what_stands_over_a_slot_and_what_is_screwed_from_below_is_said(plates: 
 
 
 def test_how_high_a_shaft_holds_each(leg: Mechanism) -> None:
-    """By the undersides of the table: the shaft's at -15, the collar's at -3.2 mm; the crank ends where the shaft does."""
-    said, z = (
-        where(leg),
-        {str(row[1]): float(str(row[5])) for row in order_of_assembly(leg.assembly).rows},
-    )
-    far = z["collar"] - z["shaft"]
-    assert said["collar"] == (
-        f"pressed and glued on shaft, underside {far:.4g} mm from its lower end"
-    )
+    """By the undersides of the table: the plate's at 0, the collar's at -3.05 mm; the crank ends where the shaft does. The
+    collar is loose until the crank holds the shaft, and is glued under the plate then."""
+    table = order_of_assembly(leg.assembly)
+    said = where(leg)
+    z = {str(row[1]): float(str(row[5])) for row in table.rows}
+    gap = z["ground"] - z["collar"] - leg.assembly.by_name["collar"].thickness
+    collar = [(row[0], row[3]) for row in table.rows if row[1] == "collar"]
+    crank = max(int(str(row[0])) for row in table.rows if row[1] == "crank")
+    assert collar == [
+        (2, "loose on shaft"),
+        (crank + 1, f"pressed and glued on shaft, {gap:.2g} mm under ground"),
+    ]
+    first, last = (step for step in table.steps if "collar-1" in step.copies)
+    assert {mate.how for mate in first.mates} == {"free"} and first.way == -1
+    assert {mate.how for mate in last.mates if mate.height} >= {"glue"} and last.way == 1
     assert said["ground"].startswith("O on shaft, C on pin-1"), "what is loose has no height"
     shaft, crank = leg.assembly.by_name["shaft"], leg.assembly.by_name["crank"]
     assert z["shaft"] + shaft.thickness == pytest.approx(z["crank"] + crank.thickness)
@@ -319,7 +325,10 @@ def unfixed(machine: Mechanism) -> list[str]:
             if not bought and part_of(hole.copy) not in rings:
                 tight.add(frozenset((hole.copy, outline.copy)))
     found = list[str]()
-    for count, where, laid, there in steps(machine):
+    named = [set(step.copies) for step in order_of_assembly(machine.assembly).steps]
+    for count, where, coming, there in steps(machine):
+        again = set[str]().union(*named[count:])
+        laid = coming - (named[count - 1] & again)  # what comes again is loose until then
         said = {
             part
             for clause in re.findall(r"press[a-z ]* (?:on|into) ([^,;]*)", where)
@@ -406,7 +415,11 @@ def misglued(machine: Mechanism) -> list[str]:
     """Round fits that are said to be glued and belong to two bodies, or to be free and belong to one."""
     holes, outlines = edges(machine)
     bodies, found = body_of(machine), list[str]()
-    for step in order_of_assembly(machine.assembly).steps:
+    all_steps = order_of_assembly(machine.assembly).steps
+    for number, step in enumerate(all_steps):
+        if any(set(step.copies) & set(later.copies) for later in all_steps[number + 1 :]):
+            found += [f"{step.title}: {mate}" for mate in step.mates if mate.how != "free"]
+            continue
         for mate in (each for each in step.mates if each.height):
             at, z = complex(*mate.place[:2]), mate.place[2]
             through = [
