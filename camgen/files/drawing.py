@@ -34,12 +34,13 @@ from camgen.files.dimensions import (
     zero_of,
 )
 from camgen.files.labels import Label, along, callouts, leader
-from camgen.files.limits import decimals, general, in_limits, keyway
+from camgen.files.limits import decimals, general, in_limits
 from camgen.files.sheet import Sheet, Size, Text, write_dxf_sheet, write_pdf
 from camgen.files.symbols import FRAME, datum, line_profile, position, roughness
 from camgen.files.title_block import WIDTH, Facts, title_block
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.outlines import Contour, Floats, extent
+from camgen.parts.keyways import keyway
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
 

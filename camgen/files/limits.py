@@ -1,9 +1,8 @@
-"""What standards allow of a size: fits of holes, keyways of hubs, general tolerances; and to how many decimals a size is written.
+"""What standards allow of a size: fits of holes, general tolerances; and to how many decimals a size is written.
 
 ISO 286     standard tolerances IT and fundamental deviations of holes: deepri.com/technical/information/tech_iso_tolerances.html
             (H7, H8), zh-ss.net/?p=841 (IT6 to IT11), Ralul/TI-84, ISO-286.py (F, G, N, P), online.flippingbook.com/view/962121/282
             (JS9)
-DIN 6885    sheet 1, keyways of hubs: berger-tools.co.uk, Standard_Parts_Catalogue, page 2078
 ISO 2768-1  linear sizes: scribd.com/document/585640440, "According to DIN ISO 2768-1"
 """
 
@@ -30,19 +29,6 @@ _NEAREST = {
     "P": (-6, -12, -15, -18, -22, -26, -32, -37, -43),
 }
 FITS = ("H6", "H7", "H8", "H9", "H11", "G6", "G7", "F7", "F8", "JS9", "N9", "P9")
-
-# Width and depth t2 of a hub's keyway and what t2 may be deeper, by the bores up to which they are, mm.
-_KEYWAYS = (
-    (8.0, 2.0, 1.0, 0.1),
-    (10.0, 3.0, 1.4, 0.1),
-    (12.0, 4.0, 1.8, 0.1),
-    (17.0, 5.0, 2.3, 0.1),
-    (22.0, 6.0, 2.8, 0.1),
-    (30.0, 8.0, 3.3, 0.2),
-    (38.0, 10.0, 3.3, 0.2),
-    (44.0, 12.0, 3.3, 0.2),
-)
-_LEAST_KEYED = 6.0  # mm
 
 _LENGTHS = (3.0, 6.0, 30.0, 120.0, 400.0, 1000.0, 2000.0, 4000.0)  # mm, up to and with
 _GENERAL = {  # +- mm; inf: not said
@@ -82,13 +68,6 @@ def in_limits(fit: str, size: float) -> str:
     low, high = limits
     between = f"±{high:g}" if abs(low + high) < 1e-9 else f"{signed(high)}/{signed(low)}"
     return f"{fit} ({between})"
-
-
-def keyway(bore: float) -> tuple[float, float, float] | None:
-    """Width and depth t2 of a hub's keyway, and by what it may be deeper, mm; None of a bore that has none in the table."""
-    if bore < _LEAST_KEYED:
-        return None
-    return next((row[1:] for row in _KEYWAYS if bore <= row[0]), None)
 
 
 def general(size: float, tolerance: str) -> float:

@@ -5,15 +5,16 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Sequence
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from camgen.errors import DesignError, Fault
 from camgen.geometry.distances import point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Points, Region, circle
+from camgen.parts.keyways import keyway
 from camgen.parts.part import Layer, Part, d_bore, keyed_bore
 from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Length, Record, quantity
@@ -25,9 +26,14 @@ BoreShape = Annotated[
     Literal["plain", "keyway", "d-flat"],
     Field(description='"plain", "keyway" (key_width, key_depth) or "d-flat" (flat_depth), on +y'),
 ]
-KeyWidth = Annotated[Length, Field(description="width of the keyway")]
+KeyWidth = Annotated[
+    Length, Field(description="width of the keyway; else that of DIN 6885 for the bore")
+]
 KeyDepth = Annotated[
-    Length, Field(description="height of the keyway's floor above the bore's circle")
+    Length,
+    Field(
+        description="height of the keyway's floor above the bore's circle; else that of DIN 6885"
+    ),
 ]
 FlatDepth = Annotated[Length, Field(description="depth of the flat below the bore's circle")]
 
@@ -57,13 +63,27 @@ class ShaftHole(Record):
     key_depth: KeyDepth = 1.0
     flat_depth: FlatDepth = 0.5
 
+    @model_validator(mode="before")
+    @classmethod
+    def _usual_keyway(cls, data: Any) -> Any:
+        """The keyway that is usual in the bore, where there is one and nothing else is said."""
+        if not isinstance(data, dict):
+            return data
+        shape = data.get("bore_shape", cls.model_fields["bore_shape"].default)
+        bore = data.get("bore", cls.model_fields["bore"].default)
+        usual = keyway(bore) if shape == "keyway" and isinstance(bore, int | float) else None
+        return data if usual is None else {"key_width": usual[0], "key_depth": usual[1], **data}
+
     def misfits(self) -> list[Fault]:
         """Keys or flats that are no match for the bore."""
         limit = f"less than the bore, {self.bore:g} mm"
         faults = []
         if self.bore_shape == "d-flat" and self.flat_depth >= self.bore:
             faults.append(Fault(("parts", "flat_depth"), f"{self.flat_depth:g}", limit))
-        if self.bore_shape == "keyway" and self.key_width >= self.bore:
+        if self.bore_shape == "keyway" and not {"key_width", "key_depth"} <= self.model_fields_set:
+            known = "key_width and key_depth: DIN 6885 has no keyway here for such a bore"
+            faults.append(Fault(("parts", "bore"), f"{self.bore:g}", known))
+        elif self.bore_shape == "keyway" and self.key_width >= self.bore:
             faults.append(Fault(("parts", "key_width"), f"{self.key_width:g}", limit))
         return faults
 

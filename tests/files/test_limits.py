@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from camgen.files.limits import FITS, decimals, deviations, general, in_limits, keyway
+from camgen.files.limits import FITS, decimals, deviations, general, in_limits
+from camgen.parts.keyways import keyway
 
 ROOT = Path(__file__).resolve().parents[2]
 FACTS = tomllib.loads((ROOT / "tests" / "reference" / "fits.toml").read_text(encoding="utf-8"))

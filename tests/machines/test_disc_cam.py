@@ -636,6 +636,7 @@ def test_pressure_angle_and_undercut_by_other_routes() -> None:
         (["parts.thickness=0.001"], "parts.thickness"),
         (["parts.hub_height=1e6"], "parts.hub_height"),
         (["parts.shaft='keyway'", "parts.key_width=9"], "parts.key_width"),
+        (["parts.shaft='keyway'", "parts.bore=50", "parts.hub_diameter=70"], "parts.bore"),
         (["parts.shaft='d-flat'", "parts.flat_depth=9"], "parts.flat_depth"),
         (["parts.pin_diameter=9"], "parts.pin_diameter"),
         (["limits.min_wall=0.1"], "limits.min_wall"),
@@ -646,6 +647,23 @@ def test_bad_keys_are_told_by_their_path(settings: list[str], path: str) -> None
     with pytest.raises(SpecError) as caught:
         mechanism(*settings)
     assert path in {fault.key for fault in caught.value.faults}
+
+
+@pytest.mark.parametrize(
+    "settings, width, depth",
+    [
+        (["parts.bore=12"], 4.0, 1.8),
+        (["parts.bore=20"], 6.0, 2.8),
+        (["parts.bore=20", "parts.key_width=5"], 5.0, 2.8),
+    ],
+)
+def test_a_keyway_is_that_of_din_6885_for_its_bore(
+    settings: list[str], width: float, depth: float
+) -> None:
+    """Rows of the standard as in tests/reference; what the spec says counts first, and the resolved spec tells both."""
+    made = mechanism("parts.bore_shape='keyway'", "parts.hub_diameter=40", *settings)
+    parts = made.resolved().model_dump(by_alias=True)["parts"]
+    assert (parts["key_width"], parts["key_depth"]) == (width, depth)
 
 
 @pytest.mark.parametrize(

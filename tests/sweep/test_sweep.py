@@ -584,7 +584,11 @@ WIDE = ("parts.hub_height=0", "limits.lash=3", "limits.pressure_angle_deg=60")
         ),
         ([GROOVE, *WIDE], "parts.rim=4,5", "MIN_WALL"),
         ([GROOVE, *WIDE], "geometry.base_radius=9,12", ""),
-        ([KEYED, "parts.bore=30", *WIDE], "geometry.base_radius=16.5,17", "MIN_WALL"),
+        (
+            [KEYED, "parts.key_width=2", "parts.key_depth=1", "parts.bore=30", *WIDE],
+            "geometry.base_radius=16.5,17",
+            "MIN_WALL",
+        ),
     ],
 )
 def test_what_a_sweep_says_of_play_and_walls_is_what_the_files_say(
