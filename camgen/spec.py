@@ -685,11 +685,9 @@ def _meant(path: Sequence[str | int], value: object, node: Data) -> str:
     words = several[unit][0] if unit in several else ""
     words = words or f"it is in {unit}"
     size = next((sizes[written] for _, sizes in several.values() if written in sizes), None)
-    return (
-        ""
-        if size is None
-        else f"a number without a unit; {words}: write {float(number) * size:.6g}"
-    )
+    if size is None:
+        return f"a number without a unit; {words}"
+    return f"a number without a unit; {words}: write {float(number) * size:.6g}"
 
 
 def _locate(

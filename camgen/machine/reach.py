@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from camgen.errors import DesignError, listed
 from camgen.machine.closed_form import four_bar
 from camgen.machine.loops import Chain, chain_of
-from camgen.machine.model import GROUND, Machine, Pin
+from camgen.machine.model import GROUND, Machine, Pin, bodies_of
 from camgen.machine.newton import Block
 from camgen.machine.state import Direct, Step
 from camgen.numerics import Floats, roots
@@ -84,7 +84,7 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
     names = listed("joint", list(dict.fromkeys(name for joints in span.ends for name in joints)))
     crank = machine.drives[0].body
     within = _without_folds(machine, span)
-    cure = "change the lengths of its links"
+    cure = f"change the lengths of {_links(machine, span)}"
     if within is not None:
         begin, end, short = _steep(machine, within, least)
         cure = (
@@ -99,6 +99,13 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
         f"{names}: it closes from {low:.6g} to {high:.6g} deg",
         cure + _grashof(four_bar_lengths(machine, crank), crank),
     ).saying(f"the drive cannot turn fully: {closes}")
+
+
+def _links(machine: Machine, span: Reach) -> str:
+    """The links that the joints at which a chain opens hold together."""
+    joints = (machine.joint(name) for joints in span.ends for name in joints)
+    bodies = dict.fromkeys(body for joint in joints for body in bodies_of(joint))
+    return ", ".join(body for body in bodies if body != GROUND) or "its links"
 
 
 def _without_folds(machine: Machine, span: Reach) -> tuple[float, float] | None:

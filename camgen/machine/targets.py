@@ -35,6 +35,8 @@ _CHORDS = 64  # at most, in place of the cubic between two samples
 _FINE_SHARE = 0.001  # of a path's tolerance, to which its farthest place is found
 _FINEST = 1e-6  # of a path's length, finer than which nothing is looked for
 _STILL = 1e-9  # mm or deg: what goes less far stands still
+_ALONG_PATH = 4096  # places along a path, for its breadth
+_COLUMNS = 64  # of its length, in which its breadth is measured
 _ROUND = 1e-6  # of an extent: what differs by less is as long
 NO_STROKES = "turns all round or stands still: it has no two strokes whose times compare"
 _RETURNS = 1e-3  # of its way, within which an output is back after a turn
@@ -510,6 +512,27 @@ def rectangle(places: Points) -> tuple[float, float]:
         sides.append((float(np.ptp(along_edge.imag)), float(np.ptp(along_edge.real))))
     width, length = min(sides)
     return length, width
+
+
+def breadth(places: Points) -> float:
+    """How far a path's ways there and back are apart, across its longest extent and in the mean along it, mm.
+
+    places: (n,) complex mm along the path.  0 of a path that returns on itself, such as an arc, but for a hundredth of its length.
+    """
+    length, direction = extent(places)
+    if length == 0.0:
+        return 0.0
+    turned = places * np.exp(-1j * direction)
+    travelled = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(turned)))])
+    even = np.linspace(0.0, travelled[-1], _ALONG_PATH)
+    along = np.interp(even, travelled, turned.real)
+    across = np.interp(even, travelled, turned.imag)
+    column = np.minimum((along - along.min()) * (_COLUMNS / length), _COLUMNS - 1).astype(int)
+    low = np.full(_COLUMNS, np.inf)
+    high = np.full(_COLUMNS, -np.inf)
+    np.minimum.at(low, column, across)
+    np.maximum.at(high, column, across)
+    return float(np.mean(high - low))
 
 
 def extent(places: Points) -> tuple[float, float]:

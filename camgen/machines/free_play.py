@@ -17,11 +17,11 @@ from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Demand
 from camgen.machine.model import Cam, Machine, unit_of
 from camgen.machine.run import Run
-from camgen.machine.targets import Course, rectangle, stroke
+from camgen.machine.targets import Course, breadth, rectangle, stroke
 from camgen.numerics import Floats
 
 _LASH = 0.25  # of an output's stroke, or of a path's smaller side: the play that is accepted unless the spec says otherwise
-_LINE = 0.05  # of a path's length, below which its width is none
+_LINE = 0.05  # of a path's length, below which its ways there and back are one
 ANGLES = 721  # at which it is looked at: the play turns so slowly that half a degree loses less than a file's facets add
 
 
@@ -54,8 +54,8 @@ def of_pins(run: Run, demands: Sequence[Demand]) -> list[Finding]:
 def accepted(course: Course, lash: float | None, lash_deg: float | None) -> tuple[float, str]:
     """The play of an output that its limits accept, mm or rad, and what sets it.
 
-    Unless the spec gives it, by the output's stroke, or of a path by its smaller side, so that its shape is left. A path
-    narrower than a twentieth of its length is a line, which has one side.
+    Unless the spec gives it, by the output's stroke, or of a path by its smaller side, so that its shape is left. A path whose
+    ways there and back are nearer than a twentieth of its length is a line, straight or an arc, which has one side.
     """
     given = lash
     key = "limits.lash"
@@ -71,7 +71,7 @@ def accepted(course: Course, lash: float | None, lash_deg: float | None) -> tupl
     if np.iscomplexobj(course.value):
         size, width = rectangle(course.value)
         of = "path's length"
-        if width >= _LINE * size:
+        if breadth(course.value) >= _LINE * size:
             size = width
             of = "path's smaller side"
     return scale * _LASH * size, f"a quarter of the {of} ({key} sets another)"

@@ -104,15 +104,16 @@ def not_judged(
     """Codes that no stage could give: no file of its kinds is there, or none that could be judged."""
     codes = {finding.code for finding in findings}
     failing = any(not finding.ok for finding in findings)
+    bare = not any(kind in kinds for kind in READ)
     reasons: dict[str, NotJudged] = {}
     for stage in stages:
         needs = " or ".join(kind.upper() for kind in stage.takes)
+        absent = f"no {needs} is in the folder; it judges {stage.what}"
+        if bare:
+            absent = "no drawing or solid of a part is in the folder"
         for code in stage.codes:
             if not stage.runs(kinds):
-                reasons.setdefault(
-                    code,
-                    NotJudged(code, f"no {needs} is in the folder; it judges {stage.what}", needs),
-                )
+                reasons.setdefault(code, NotJudged(code, absent, needs))
             elif failing and code not in codes:
                 why = f"no {needs} could be judged so far, because of the failures above; it judges {stage.what}"
                 reasons.setdefault(code, NotJudged(code, why, "a file without the faults above"))

@@ -144,5 +144,9 @@ def _steps(name: str, files: Mapping[str, str]) -> Iterator[FileStep]:
         yield FileStep(
             "cut", files[sheets[0]], f" and {len(sheets) - 1} more" if len(sheets) > 1 else ""
         )
+    tables = [each for each in files if re.search(r"-(codesys|twincat|s7)\.st$", each)]
+    if tables:
+        others = f"; {len(tables) - 1} more are for other drives" if len(tables) > 1 else ""
+        yield FileStep("load", files[sorted(tables)[0]], f" into the drive's project{others}")
     if f"{name}-print.toml" in files:
         yield FileStep("paste", f"{name}-print.toml", " into your specs")

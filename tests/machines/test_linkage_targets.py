@@ -13,6 +13,8 @@ from judged import wrong
 
 from camgen.errors import DesignError, SpecError
 from camgen.findings import Finding
+from camgen.machine import targets
+from camgen.machine.targets import extent
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.pipeline.build import build
 from camgen.reading import read
@@ -137,6 +139,50 @@ def test_a_path_as_a_whole_from_the_model() -> None:
     course[low][1] -= 0.3
     off = found({**pen, "path": {"at": course, "tolerance": 0.01}}, **HOEKEN)["PATH_ERROR"]
     assert not off.ok and off.measured == pytest.approx(0.3, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    "path, breadth",
+    [
+        (50 * np.exp(1j * np.cos(np.linspace(0, math.tau, 721))), 0.0),  # an arc, there and back
+        (50 * np.exp(1j * np.linspace(0, 1, 100)), 0.0),  # once
+        (np.linspace(0, 30, 9) * np.exp(0.3j), 0.0),
+        (20 * np.exp(1j * np.linspace(0, math.tau, 721)), math.pi / 4 * 40),  # area over length
+        (
+            30 * np.cos(np.linspace(0, math.tau, 2001))
+            + 6j
+            * np.sin(2 * np.linspace(0, math.tau, 2001)),  # a figure of eight: both loops count
+            12 * 2 / 3,
+        ),
+    ],
+    ids=["arc", "once", "line", "circle", "eight"],
+)
+def test_the_breadth_of_a_path_is_its_area_over_its_length(path: Any, breadth: float) -> None:
+    """In closed form: of the circle pi/4 of its diameter; of x = a cos t, y = b sin 2t the area is 8 a b / 3, the length 2 a."""
+    length, _ = extent(np.asarray(path, complex))
+    for turn in (0.0, 0.7, 2.0):
+        found_breadth = targets.breadth(np.asarray(path * np.exp(1j * turn), complex))
+        assert found_breadth == pytest.approx(breadth, abs=0.02 * length)
+
+
+def test_the_play_of_an_arc_is_borne_to_a_quarter_of_its_length() -> None:
+    """The rocker's pin of a four-bar goes to and fro on a circle: its sagitta says nothing of its play."""
+    bar = {
+        "points": {"O": [0, 0], "A": [20, 0], "B": [60, 50], "C": [70, 0]},
+        "links": {
+            "ground": ["O", "C"],
+            "crank": ["O", "A"],
+            "rod": ["A", "B"],
+            "rocker": ["C", "B"],
+        },
+        "drive": {"link": "crank", "speed_rpm": 25},
+        "output": [{"name": "pin", "point": "B"}],
+    }
+    machine = validate(Linkage, spec(**bar))
+    arc = np.asarray(machine.run(np.linspace(0, math.tau, 721), 0)["pin"])
+    (asked,) = machine.assembly.demands
+    chord = max(np.abs(arc - arc[k]).max() for k in range(0, 721, 5))
+    assert asked.lash == pytest.approx(chord / 4, rel=1e-2) and "length" in asked.lash_of
 
 
 def test_the_play_of_a_path_is_borne_to_a_quarter_of_its_smaller_side() -> None:

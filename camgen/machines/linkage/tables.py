@@ -448,7 +448,7 @@ class LinkageLimits(CamLimitsTable):
     lash: Annotated[float, quantity("mm", ge=0, le=1e6)] | None = Field(
         default=None,
         description="greatest play of an output that is a place or path; unless given a quarter of "
-        "its stroke, or of a path's smaller side",
+        "its stroke, or of the smaller side of a path that is a loop",
     )
     lash_deg: Annotated[float, quantity("deg", ge=0, le=360)] | None = Field(
         default=None,
