@@ -16,6 +16,7 @@ from camgen.findings import Finding, NotJudged
 from camgen.report import words
 from camgen.report.report import Report
 from camgen.report.tables import share_used
+from camgen.study import Figure
 
 _STROKES = ("stroke", "swing", "index", "needle stroke", "{of} stroke")  # how far a machine moves
 _ALONG = "{of} stroke along"
@@ -99,10 +100,13 @@ def summary(report: Report) -> Summary:
 
 
 def _figures(report: Report) -> Iterator[Headline]:
-    """How far the first output moves, a path along its largest extent, then the others that are known."""
+    """How far the first two outputs move, a path along its largest extent, then the others that are known."""
     designed = [each for each in report.numbers.records if not each.kind]
-    stroke = next((each for each in designed if each.quantity in _STROKES), None)
-    if stroke is not None:
+    strokes = dict[str, Figure]()
+    for each in designed:
+        if each.quantity in _STROKES:
+            strokes.setdefault(each.of, each)
+    for stroke in list(strokes.values())[:2]:
         same = (each for each in designed if each.quantity == _ALONG and each.of == stroke.of)
         along = next((each.value for each in same), None)
         yield Headline(words.name(stroke), stroke.value, stroke.unit, along=along)
@@ -110,9 +114,12 @@ def _figures(report: Report) -> Iterator[Headline]:
         figure = next((each for each in designed if each.quantity == quantity), None)
         if quantity and not (figure and figure.value):
             continue  # such as the torque of a cam on which nothing is known to press
-        worst = _worst([each for each in report.findings if each.code == code])
+        judged = [each for each in report.findings if each.code == code]
+        worst = _worst(judged)
         if worst is not None:
-            yield Headline(name, worst.measured, worst.unit, worst)
+            several = len({each.where.output for each in judged if each.where.output}) > 1
+            of = f" of {worst.where.output}" if several else ""
+            yield Headline(f"{name}{of}", worst.measured, worst.unit, worst)
         elif figure is not None:
             yield Headline(name, figure.value, figure.unit)
 

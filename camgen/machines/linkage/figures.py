@@ -131,12 +131,15 @@ def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) 
         peak_acceleration = peak(second) * speed**2
         name = signal.name
         unit = signal.unit
+        stroke = "{of} stroke"
+        if name != signal.of:
+            stroke = "{of} x stroke" if signal.turned == 1 else "{of} y stroke"
         if name != signal.of and signal.turned == 1:  # the first of a path's two
             figures += _extent(run, signal.of)
         figures += [
             Figure("{of}, least", low, unit, name),
             Figure("{of}, greatest", high, unit, name),
-            Figure("{of} stroke", high - low, unit, name),
+            Figure(stroke, high - low, unit, signal.of),
             Figure("{of} peak speed", peak_speed, f"{unit}/s", name),
             Figure("{of} peak acceleration", peak_acceleration, f"{unit}/s²", name),
         ]
