@@ -38,11 +38,11 @@ def product(a: Floats, b: Floats) -> Floats:
     return np.asarray(total)
 
 
-def solve(matrices: Floats, right: Floats, holds: NDArray[np.bool_] | None = None) -> Floats:
+def solve(matrices: Floats, right: Floats) -> Floats:
     """Solutions of n systems (n, k, k) x = right, (n, k), or (n, k, m) for m of them; nan for a singular one.
 
     Gauss, partial pivoting. What is zero in all systems is left out: joints tie few bodies to each other, and machines on
-    one shaft none. holds: (k, k), all others are known to be zero: to look at each would cost more than to solve.
+    one shaft none.
     """
     n, size = right.shape[:2]
     several = right.reshape(n, size, math.prod(right.shape[2:]))
@@ -50,7 +50,7 @@ def solve(matrices: Floats, right: Floats, holds: NDArray[np.bool_] | None = Non
         return _solve_one(matrices[0], several[0]).reshape(right.shape)
     table = np.zeros((size, size + several.shape[2], n))  # row, column, system
     filled = np.ones(table.shape[:2], bool)
-    filled[:, :size] = (matrices != 0).any(axis=0) if holds is None else holds
+    filled[:, :size] = (matrices != 0).any(axis=0)
     at = np.nonzero(filled[:, :size])
     table[at], table[:, size:] = (
         matrices[:, at[0], at[1]].T,

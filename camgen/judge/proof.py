@@ -23,7 +23,8 @@ from camgen.machine.model import Cam, Law, Machine
 from camgen.numerics import Floats
 
 _KNOWN = 721  # angles at which the machine as meant is closed, from which all others start: half a degree of a turn apart
-_CELLS = 4_000_000  # of the matrices of all angles at a time, 32 MB
+_CELLS = 4_000_000  # of what is worked out at a time, 32 MB
+_PER_POSE = 40  # cells at each angle for each number of the poses
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ class _NominalMotion:
         self.system = Constraints(machine)
         self._known = close(self.system, np.linspace(low, high, _KNOWN))
         self._systems: dict[Laws, Constraints] = {(): self.system}
-        self._seen: dict[tuple[str, bytes, Laws], tuple[Any, Any]] = {}
+        self._seen: dict[tuple[bytes, Laws], Mapping[str, tuple[Any, Any]]] = {}
 
     def near(self, theta: Floats) -> Floats:
         """Poses from those at the nearest known angle, (n, 3 bodies)."""
@@ -74,23 +75,19 @@ class _NominalMotion:
 
     def outcome(self, output: str, theta: Floats, laws: Laws = ()) -> tuple[Any, Any]:
         """An output and its slope, (n,); those at many angles are kept for the other kinds of files."""
-        key = (output, theta.tobytes(), laws)
+        key = (theta.tobytes(), laws)
         if key in self._seen:
-            return self._seen[key]
+            return self._seen[key][output]
         if laws not in self._systems:
             self._systems[laws] = Constraints(with_laws(self.system.machine, laws))
         system = self._systems[laws]
-        parts = [
-            _outcome(system, output, close(system, part, self.near(part), 1))
-            for part in _parts(system, theta)
-        ]
-        outcome = (
-            np.concatenate([part[0] for part in parts]),
-            np.concatenate([part[1] for part in parts]),
-        )
-        if len(theta) > _KNOWN:
-            self._seen[key] = outcome
-        return outcome
+        closed = [close(system, part, self.near(part), 1) for part in _parts(system, theta)]
+        if len(theta) <= _KNOWN:
+            return _all_angles(system, output, closed)
+        self._seen[key] = {
+            each.name: _all_angles(system, each.name, closed) for each in system.machine.outputs
+        }
+        return self._seen[key][output]
 
 
 # A machine is the same object for all kinds of its files.
@@ -119,6 +116,7 @@ class Proof:
         self._meant = _meant(nominal, float(theta.min()), float(theta.max()))
         self._system = Constraints(measured.machine)
         self._seen: dict[bytes, Mapping[str, Response]] = {}
+        self._closed: tuple[bytes, Sequence[LoopClosure]] = (b"", ())
 
     def nominal(self, output: str, theta: Floats) -> tuple[Any, Any]:
         """The output and its slope by the joints as they are meant, (n,)."""
@@ -159,9 +157,16 @@ class Proof:
         if theta.tobytes() in self._seen:
             moved = self._seen[theta.tobytes()][output]
             return moved.value, moved.slope
-        return _outcome(
-            self._system, output, close(self._system, theta, self._meant.near(theta), 1)
-        )[:2]
+        return _all_angles(self._system, output, self._closed_at(theta))
+
+    def _closed_at(self, theta: Floats) -> Sequence[LoopClosure]:
+        """The machine closed, part after part; at the angles that were asked for last, as one output after the other does."""
+        key = theta.tobytes()
+        if self._closed[0] != key:
+            parts = _parts(self._system, theta)
+            closed = [close(self._system, part, self._meant.near(part), 1) for part in parts]
+            self._closed = (key, closed)
+        return self._closed[1]
 
     def _at(self, theta: Floats) -> Mapping[str, Response]:
         """All outputs by the joints as they are, (n,)."""
@@ -204,7 +209,7 @@ def with_laws(machine: Machine, laws: Laws) -> Machine:
 
 def _parts(system: Constraints, theta: Floats) -> Sequence[Floats]:
     """So few angles at a time that their matrices stay small."""
-    return np.array_split(theta, -(-len(theta) * max(1, system.width**2) // _CELLS))
+    return np.array_split(theta, -(-len(theta) * _PER_POSE * max(1, system.width) // _CELLS))
 
 
 def _joined(parts: Sequence[Response]) -> Response:
@@ -214,6 +219,12 @@ def _joined(parts: Sequence[Response]) -> Response:
         np.concatenate([getattr(part, key) for part in parts]) for key in ("value", "slope", "play")
     )
     return Response(value, slope, reach, play)
+
+
+def _all_angles(system: Constraints, output: str, closed: Sequence[LoopClosure]) -> tuple[Any, Any]:
+    """An output and its slope to theta, at the angles of all parts."""
+    parts = [_outcome(system, output, part) for part in closed]
+    return np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
 
 
 def _outcome(

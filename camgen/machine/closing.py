@@ -5,12 +5,14 @@ From guessed poses, or followed from the drawn ones in steps that are halved whe
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from camgen.machine.constraints import Constraints, solved
+from camgen.machine.constraints import Constraints
+from camgen.machine.elimination import Row, determinant_sign, solved
 from camgen.numerics import Floats
 
 # Steps of Newton's method; five are needed from a near guess.
@@ -49,7 +51,7 @@ def close(
     if guess is None:
         guess, signs = _follow(system, theta)
         q, slopes, open_ = _newton(system, guess, theta)
-        open_ |= signs * _sign(slopes) < 0
+        open_ |= signs * determinant_sign(slopes, len(q)) < 0
     else:
         q, slopes, open_ = _newton(system, guess, theta)
     q[open_] = 0
@@ -60,42 +62,42 @@ def close(
 
 
 def _derivatives(
-    system: Constraints, q: Floats, theta: Floats, slopes: Floats, order: int = 2
+    system: Constraints, q: Floats, theta: Floats, slopes: Sequence[Row], order: int = 2
 ) -> tuple[Floats, Floats]:
     """q', q'' to theta at closed poses with their slopes; of order 1 the latter is nan."""
     with np.errstate(all="ignore"):
-        first = solved(slopes, -system.drift(theta), system.holds)
+        first = solved(slopes, -system.drift(theta))
         if order < 2:
             return first, np.full(first.shape, np.nan)
-        curvatures = system.evaluate(q, theta, first)[2]
-        return first, solved(slopes, -curvatures, system.holds)
+        curvatures = system.written(q, theta, first).bends(len(q))
+        return first, solved(slopes, -curvatures)
 
 
 def _newton(
     system: Constraints, guess: Floats, theta: Floats
-) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+) -> tuple[Floats, Sequence[Row], NDArray[np.bool_]]:
     """Closed poses, the slopes there, and which stay open."""
     q = guess.copy()
     open_ = ~np.isfinite(q).all(axis=1)
     q[open_] = system.start
     with np.errstate(all="ignore"):
         for _ in range(STEPS):
-            misfit, slopes, _ = system.evaluate(q, theta)
-            step = solved(slopes, misfit, system.holds)
+            rows = system.written(q, theta)
+            step = solved(rows.slopes, rows.misfits(len(q)))
             open_ |= ~np.isfinite(step).all(axis=1)
             step[open_] = 0
             q -= step
             if np.abs(step / system.unit).max(initial=0) <= 1e-9:  # the error left is its square
                 break
-        misfit, slopes, _ = system.evaluate(q, theta)
-    open_ |= ~(np.abs(misfit).max(axis=1, initial=0) <= CLOSED * system.size)
-    return q, slopes, open_
+        rows = system.written(q, theta)
+    misfits = rows.misfits(len(q))
+    open_ |= ~(np.abs(misfits).max(axis=1, initial=0) <= CLOSED * system.size)
+    return q, rows.slopes, open_
 
 
-def _sign(slopes: Floats) -> Floats:
-    """The sign of the conditions' determinant, (n,): it changes where two branches meet."""
-    with np.errstate(all="ignore"):
-        return np.asarray(np.linalg.slogdet(slopes)[0])
+def _sign(slopes: Sequence[Row]) -> float:
+    """The sign of the conditions' determinant at one angle: it changes where two branches meet."""
+    return float(determinant_sign(slopes, 1)[0])
 
 
 def _follow(system: Constraints, theta: Floats) -> tuple[Floats, Floats]:
@@ -114,7 +116,7 @@ def _follow(system: Constraints, theta: Floats) -> tuple[Floats, Floats]:
         step = 2 * np.pi / FOLLOWED
         angle = 0.0
         q = origin
-        sign_here = float(_sign(slopes)[0])
+        sign_here = _sign(slopes)
         crossing = False
         rows = [(0.0, q, *_derivatives(system, q, np.zeros(1), slopes))]
         while abs(angle) < far and step > LEAST_STEP:
@@ -123,7 +125,7 @@ def _follow(system: Constraints, theta: Floats) -> tuple[Floats, Floats]:
             h = sign * step
             aim = at + h * (first + 0.5 * h * second)
             new, steep, lost = _newton(system, aim, to)
-            crossed = _sign(steep)[0] != sign_here
+            crossed = _sign(steep) != sign_here
             v, a = _derivatives(system, new, to, steep)
             back = new - h * (v - 0.5 * h * a) - at
             away = np.abs(np.concatenate([new - aim, back]) / system.unit).max()

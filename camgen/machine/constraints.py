@@ -13,12 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from camgen.machine.elimination import solved, transposed
 from camgen.machine.model import (
     GROUND,
     Along,
@@ -37,22 +36,51 @@ from camgen.machine.model import (
     Slide,
     Slot,
 )
-from camgen.numerics import Floats, Points, solve
+from camgen.numerics import Floats, Points
 
 
 @dataclass
-class _Rows:
-    """Conditions as they are written down: values, slopes by column, curvatures: second derivatives with q'' = 0."""
+class Conditions:
+    """Conditions written down at n poses: values (n,), slopes by column, curvatures: second derivatives with q'' = 0.
+
+    A slope is a float where it is the same at all poses, else (n,).
+    """
 
     values: list[Floats] = field(default_factory=list)
     slopes: list[dict[int, Any]] = field(default_factory=list)
     curvatures: list[Any] = field(default_factory=list)
 
     def add(self, value: Any, slopes: dict[int, Any], curvature: Any) -> None:
-        """Write one down."""
+        """Write one down; a slope that is 0 at all poses is none."""
         self.values.append(value)
-        self.slopes.append(slopes)
+        self.slopes.append(
+            {k: s for k, s in slopes.items() if not (isinstance(s, float) and s == 0.0)}
+        )
         self.curvatures.append(curvature)
+
+    def misfits(self, n: int) -> Floats:
+        """All values, (n, rows)."""
+        return _side_by_side(self.values, n)
+
+    def bends(self, n: int) -> Floats:
+        """All curvatures, (n, rows)."""
+        return _side_by_side(self.curvatures, n)
+
+    def matrices(self, n: int, width: int) -> Floats:
+        """The slopes, (n, rows, width)."""
+        slopes = np.zeros((len(self.slopes), width, n))
+        for r, row in enumerate(self.slopes):
+            for k, slope in row.items():
+                slopes[r, k] = slope  # angles lie side by side: what stays empty costs nothing
+        return np.moveaxis(slopes, -1, 0)
+
+
+def _side_by_side(rows: Sequence[Any], n: int) -> Floats:
+    """Numbers by row, each (n,) or one for all, as (n, rows)."""
+    table = np.empty((n, len(rows)))
+    for r, row in enumerate(rows):
+        table[:, r] = row
+    return table
 
 
 @dataclass(frozen=True)
@@ -99,17 +127,6 @@ class Constraints:
         levers = [abs(z) for body in machine.bodies for z in body.points.values()]
         self.size = max(1.0, np.abs(self.start).max(initial=0), *levers)
         self.unit = np.tile([self.size, self.size, 1.0], len(self.bodies))
-
-    @cached_property
-    def holds(self) -> NDArray[np.bool_]:
-        """Which conditions hold which poses, (rows, 3 bodies)."""
-        rows = _Rows()
-        pattern = np.zeros((self.height, self.width), bool)
-        for each in self.conditions:
-            self._write(each, self.start[None], np.zeros(1), None, rows)
-        for row, slopes in enumerate(rows.slopes):
-            pattern[row, list(slopes)] = True
-        return pattern
 
     # ---- conditions ----
 
@@ -161,26 +178,23 @@ class Constraints:
         value, slopes, curvature = self._line(self.machine.slide(name), q, rates)
         return value.real, {k: slope.real for k, slope in slopes.items()}, np.real(curvature)
 
+    def written(self, q: Floats, theta: Floats, rates: Floats | None = None) -> Conditions:
+        """All conditions at the poses; with rates q' their curvatures too."""
+        rows = Conditions()
+        for each in self.conditions:
+            self._write(each, q, theta, rates, rows)
+        return rows
+
     def evaluate(
         self, q: Floats, theta: Floats, rates: Floats | None = None
     ) -> tuple[Floats, Floats, Floats]:
         """Misfits (n, rows), their slopes (n, rows, columns), and with rates q' their second derivatives where q'' = 0."""
-        rows = _Rows()
-        for each in self.conditions:
-            self._write(each, q, theta, rates, rows)
         n = len(q)
-        values = np.zeros((n, self.height))
-        slopes = np.zeros((self.height, self.width, n))
-        curvatures = np.zeros((n, self.height))
-        for r in range(self.height):
-            values[:, r] = rows.values[r]
-            curvatures[:, r] = rows.curvatures[r]
-            for k, slope in rows.slopes[r].items():
-                slopes[r, k] = slope  # angles lie side by side: what stays empty costs nothing
-        return values, np.moveaxis(slopes, -1, 0), curvatures
+        rows = self.written(q, theta, rates)
+        return rows.misfits(n), rows.matrices(n, self.width), rows.bends(n)
 
     def _write(
-        self, each: Joint | Drive, q: Floats, theta: Floats, rates: Floats | None, rows: _Rows
+        self, each: Joint | Drive, q: Floats, theta: Floats, rates: Floats | None, rows: Conditions
     ) -> None:
         """Write down the conditions of one joint or drive."""
         if isinstance(each, Pin):
@@ -215,7 +229,7 @@ class Constraints:
             self._write_law(each, q, theta, rates, rows)
 
     def _write_law(
-        self, each: Cam | Drive, q: Floats, theta: Floats, rates: Floats | None, rows: _Rows
+        self, each: Cam | Drive, q: Floats, theta: Floats, rates: Floats | None, rows: Conditions
     ) -> None:
         """A cam's or a drive's condition: follower - rest - law."""
         body = each.follower if isinstance(each, Cam) else each.body
@@ -350,12 +364,10 @@ class Constraints:
         One transposed solve for all. Of a Slide the displacement across its guide counts.
         """
         self.refuse_unequal()
-        slopes = self.evaluate(q, theta)[1]
+        slopes = self.written(q, theta).slopes
         gradients = [self.output(name, q)[1] for name in names]
         right = np.concatenate(gradients, axis=1)
-        solution = np.swapaxes(
-            solved(np.swapaxes(slopes, 1, 2), np.swapaxes(right, 1, 2), self.holds.T), 1, 2
-        )
+        solution = np.swapaxes(solved(transposed(slopes), np.swapaxes(right, 1, 2)), 1, 2)
         shares = []
         first = 0
         for gradient in gradients:
@@ -416,19 +428,3 @@ def _stretch(parts: Floats) -> Floats:
     total = a * a + b * b + c * c + d * d
     area = a * d - b * c
     return np.asarray(np.sqrt((total + np.sqrt(np.maximum(total**2 - 4 * area**2, 0))) / 2))
-
-
-def solved(matrices: Floats, right: Floats, holds: NDArray[np.bool_] | None = None) -> Floats:
-    """Solutions of n systems, right (n, k) or (n, k, m), the same bits on every processor; nan for a singular one.
-
-    holds: (k, k), where they are other than zero; None: anywhere.
-    """
-    row, column = np.nonzero(np.ones(matrices.shape[1:], bool) if holds is None else holds)
-    sound = np.isfinite(matrices[:, row, column]).all(axis=1) & np.isfinite(right).all(
-        axis=tuple(range(1, right.ndim))
-    )
-    if sound.all():
-        return solve(matrices, right, holds)
-    solutions = np.full(right.shape, np.nan)
-    solutions[sound] = solve(matrices[sound], right[sound], holds)
-    return solutions

@@ -18,10 +18,11 @@ from typing import Any
 
 import numpy as np
 
-from camgen.machine.constraints import Constraints, solved
+from camgen.machine.constraints import Constraints
+from camgen.machine.elimination import solved
 from camgen.machine.model import Cam, Machine, Pin, Place, Slide, Slot, centres_of
 from camgen.machine.run import Run
-from camgen.numerics import Floats, Points
+from camgen.numerics import Floats, Points, solve
 from camgen.tolerances import SAME_POINT
 
 ORDERS = 2, 4  # waves a turn of an outline's form, unless a spec says others
@@ -208,20 +209,20 @@ class _Moves:
 def _moves(
     errors: _Errors, contacts: Sequence[_Contact], system: Constraints, q: Floats, theta: Floats
 ) -> _Moves:
-    slopes = system.evaluate(q, theta)[1]
+    slopes = system.written(q, theta).slopes
     first = [c for c, contact in enumerate(contacts) if contact.side == 0]
-    bodies = -solved(slopes, np.stack(errors.shifts, axis=2), system.holds)  # the cams' s held
+    bodies = -solved(slopes, np.stack(errors.shifts, axis=2))  # the cams' s held
     units = np.zeros((len(q), system.height, len(first)))
     for k, c in enumerate(first):
         units[:, system.rows[contacts[c].cam.name].start, k] = 1.0
-    per_s = solved(slopes, units, system.holds)
+    per_s = solved(slopes, units)
     ways = np.zeros((len(q), 0, system.width))
     if contacts:
         ways = np.stack([contact.slopes for contact in contacts], axis=1)
     air = ways @ bodies - np.transpose(np.array(errors.bumps), (2, 1, 0))
     levers = ways @ per_s
     if first:
-        s = -solved(levers[:, first], air[:, first], np.ones((len(first), len(first)), bool))
+        s = -solve(levers[:, first], air[:, first])
         bodies = bodies + per_s @ s
         air = air + levers @ s
     return _Moves(bodies, air, levers, per_s)
