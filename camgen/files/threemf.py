@@ -20,7 +20,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from ctypes import c_uint64, string_at
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from typing import Any
@@ -88,7 +88,7 @@ def write_3mf(path: Path, objects: Mapping[str, Mesh], items: Sequence[PartCopy]
     def identifier(*what: object) -> str:
         return str(uuid.uuid5(uuid.NAMESPACE_URL, ":".join(map(str, ("camgen", key, *what)))))
 
-    model = lib3mf.get_wrapper().CreateModel()
+    model = _library().CreateModel()
     model.SetUnit(lib3mf.ModelUnit.MilliMeter)
     model.SetBuildUUID(identifier("build"))
     metadata = model.GetMetaDataGroup()
@@ -224,23 +224,33 @@ def _array(records: list[Any], kind: type, columns: int) -> NDArray[Any]:
     )
 
 
+@cache  # to look up its functions takes longer than a small file
+def _library() -> Any:
+    """lib3mf, loaded."""
+    import lib3mf
+
+    return lib3mf.get_wrapper()
+
+
 def read_3mf(path: str | Path, strict: bool = True) -> Package:
     """Read a 3MF file with lib3mf, in strict mode unless it is another program's.
 
     FileError when it is refused, in a unit that there is not, or places far too much.
     """
-    return _package(str(path), read_bytes(Path(path), FORMATS["3mf"].size), strict)
-
-
-@lru_cache(maxsize=16)  # several checks look at each file of a folder
-def _package(path: str, data: bytes, strict: bool) -> Package:
-    import lib3mf
-
+    data = read_bytes(Path(path), FORMATS["3mf"].size)
     if not data.startswith(b"PK"):
         raise FileError(path, "not a 3MF file: it is no zip archive")
+    return _package(str(path), hashlib.sha256(data).digest(), strict)
+
+
+@lru_cache(maxsize=128)  # several checks look at each file of a folder
+def _package(path: str, digest: bytes, strict: bool) -> Package:
+    """What a file of these bytes says."""
+    import lib3mf
+
     extras = _looked_through(path)
     try:
-        model = lib3mf.get_wrapper().CreateModel()
+        model = _library().CreateModel()
         reader = model.QueryReader("3mf")
         reader.SetStrictModeActive(strict)
         reader.ReadFromFile(path)

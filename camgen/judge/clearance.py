@@ -137,18 +137,18 @@ def _along(area: Any, p: Points, q: Points) -> tuple[Floats, Floats]:
 # ---- over the turn ---------------------------------------------------------------------------------------------------
 
 
-def _bulges(way: Way, begin: Floats, end: Floats) -> Floats:
-    """How far the way leaves its chords, (n,) mm, measured at their quarters."""
-    p = way(begin)
-    q = way(end)
+def _chords(way: Way, begin: Floats, end: Floats) -> tuple[Points, Points, Floats]:
+    """Both ends of the way's chords, (n,) each, and how far it leaves them, (n,) mm, measured at their quarters."""
+    quarters = [begin + u * (end - begin) for u in (0.25, 0.5, 0.75)]
+    p, q, *between = np.split(way(np.concatenate([begin, end, *quarters])), 5)
     along = q - p
     length = np.where(along == 0, 1.0, np.abs(along) ** 2)
     off = np.zeros(len(p))
-    for u in (0.25, 0.5, 0.75):
-        z = way(begin + u * (end - begin)) - p
+    for inner in between:
+        z = inner - p
         fraction = np.clip(np.real(np.conj(along) * z) / length, 0.0, 1.0)
         off = np.maximum(off, np.abs(z - fraction * along))
-    return off * (1 + tolerances.BOUND_SPARE)
+    return p, q, off * (1 + tolerances.BOUND_SPARE)
 
 
 def least_distance(area: Any, way: Way) -> Least:
@@ -161,8 +161,8 @@ def least_distance(area: Any, way: Way) -> Least:
     begin = theta[:-1]
     end = theta[1:]
     for _ in range(_ROUNDS):
-        bulge = _bulges(way, begin, end)
-        signed, fraction = _along(area, way(begin), way(end))
+        p, q, bulge = _chords(way, begin, end)
+        signed, fraction = _along(area, p, q)
         keep = signed - bulge <= np.min(signed + bulge)
         begin = begin[keep]
         end = end[keep]
@@ -295,7 +295,8 @@ def _way(pair: Passing, poses: Poses) -> Way:
     """How b shifts as a sees it."""
 
     def way(theta: Floats) -> Points:
-        a, b = (poses(theta)[name][0] for name in (pair.a, pair.b))
+        there = poses(theta)
+        a, b = (there[name][0] for name in (pair.a, pair.b))
         if np.any(a.angle != 0) or np.any(b.angle != 0) or a.flipped or b.flipped:
             raise ValueError(f"{pair.name}: only bodies that shift are compared")
         return np.asarray(b.place - a.place)

@@ -217,16 +217,21 @@ class Assembly:
         return Lazy((GROUND, *(body.name for body in run.machine.moving)), run.pose)
 
     def poses(self, theta: Floats) -> Mapping[str, Sequence[PartPose]]:
-        """Poses of each part's copies, in the order of their mounts, by name; theta: (n,) rad."""
+        """Poses of each part's copies, in the order of their mounts, by name, worked out when asked for; theta: (n,) rad."""
         courses = self.courses(theta)
-        poses: dict[str, list[PartPose]] = {part.name: [] for part in self.parts}
-        for mount in self.mounts:
-            body = courses[mount.body]
-            place = body.place + np.exp(1j * body.angle) * mount.at
-            poses[mount.part].append(
-                PartPose(place, body.angle + mount.angle, mount.flipped, mount.z, mount.upright)
-            )
-        return poses
+
+        def of_part(name: str) -> Sequence[PartPose]:
+            """Of its copies."""
+            poses = []
+            for mount in self.mounts:
+                if mount.part == name:
+                    body = courses[mount.body]
+                    place = body.place + np.exp(1j * body.angle) * mount.at
+                    angle = body.angle + mount.angle
+                    poses.append(PartPose(place, angle, mount.flipped, mount.z, mount.upright))
+            return poses
+
+        return Lazy((part.name for part in self.parts), of_part)
 
 
 def tips(

@@ -23,7 +23,7 @@ from camgen.files.stl import write_stl
 from camgen.files.threemf import PartCopy, write_3mf
 from camgen.geometry.outlines import Region, polygon
 from camgen.judge.clearance import (
-    _bulges,
+    _chords,
     _way,
     convex_pieces,
     judge_clearance,
@@ -111,7 +111,7 @@ def test_a_way_leaves_its_chord_by_no_more_than_is_told(
 
     z = way(np.linspace(begin, begin + step, 401))
     off = np.max(np.abs(np.imag((z - z[0]) / (z[-1] - z[0])))) * abs(z[-1] - z[0])
-    (told,) = _bulges(way, np.array([begin]), np.array([begin + step]))
+    _, _, (told,) = _chords(way, np.array([begin]), np.array([begin + step]))
     assert off <= told <= 1.06 * off
 
 
