@@ -277,7 +277,7 @@ class _Reader:
 
     def teeth(self, joint: str, nominal: Teeth) -> None:
         """One wheel of a pair."""
-        outline = _toothed(self.files[nominal.part])
+        outline = _toothed(self.files[nominal.part], nominal.inside)
         if outline is None:
             self._lost(f"{joint}: the outline of {nominal.part} is lost")
         else:
@@ -295,28 +295,34 @@ class _Reader:
         self.readings.facing[feature] = angles[0], angles[1]
 
 
-def _toothed(sections: Sections) -> Ring | None:
-    """A wheel's outline, what stands on it left out: of heights that differ all that any of them shows; None without any."""
+def _toothed(sections: Sections, inside: bool) -> Ring | None:
+    """A wheel's outline, or a ring's largest hole, material on its left; None without any.
+
+    Of heights that differ all the material that any of them shows: what stands on a wheel is left out.
+    """
     outlines: list[Ring] = []
     for shapes in sections:
-        if shapes:
-            ring = max((shape.outer for shape in shapes), key=lambda each: abs(each.area))
+        rings = [ring for shape in shapes for ring in (shape.holes if inside else (shape.outer,))]
+        if rings:
+            ring = max(rings, key=lambda each: abs(each.area))
             if not any(_same(ring, other) for other in outlines):
                 outlines.append(ring)
     if not outlines:
         return None
-    return (outlines[0] if len(outlines) == 1 else _union(outlines)).counter_clockwise()
+    whole = outlines[0] if len(outlines) == 1 else _together(outlines, inside)
+    return whole.counter_clockwise().reversed() if inside else whole.counter_clockwise()
 
 
-def _union(rings: Sequence[Ring]) -> Ring:
-    """The outer edge of all, in facets."""
+def _together(rings: Sequence[Ring], inside: bool) -> Ring:
+    """The outer edge of all, or what all leave open inside, in facets."""
     import shapely
 
     edges = [ring.facetted(_FINE) for ring in rings]
     polygons = [
         shapely.make_valid(shapely.Polygon(np.column_stack([z.real, z.imag]))) for z in edges
     ]
-    whole = max(shapely.get_parts(shapely.union_all(polygons)), key=lambda each: each.area)
+    joined = shapely.intersection_all(polygons) if inside else shapely.union_all(polygons)
+    whole = max(shapely.get_parts(joined), key=lambda each: each.area)
     x, y = shapely.get_coordinates(whole.exterior)[:-1].T
     return Ring(x + 1j * y, np.zeros(len(x)))
 

@@ -177,17 +177,24 @@ class Teeth:
     thickness: float  # of a tooth there, mm
     tooth: float = 0.0  # direction of the middle of one of them, rad
     bends: float = math.nan  # stress at its root by a force on its tip, MPa mm of width per N
+    inside: bool = False  # whether they are a ring's, about the part's largest hole
 
 
 @dataclass(frozen=True)
 class GearTeeth:
-    """Of a Gear whose wheels mesh outside."""
+    """Of a Gear: its wheels, of which b may be a ring."""
 
     joint: str
     a: Teeth
     b: Teeth
-    turns: tuple[str, str]  # Pins about which they turn on the ground
+    turns: tuple[str, str]  # Pins about which they turn on what carries them
     pressure: float = math.radians(20)  # between the flanks' normal and the common tangent, rad
+
+    @property
+    def curvature(self) -> float:
+        """Of both flanks against each other at the pitch point, 1/mm."""
+        hollow = -1 if self.b.inside else 1
+        return (1 / self.a.radius + hollow / self.b.radius) / math.sin(self.pressure)
 
 
 @dataclass(frozen=True)

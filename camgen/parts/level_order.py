@@ -26,10 +26,11 @@ def lowest_levels(
     rules: Sequence[Rule],
     over: Sequence[tuple[str, str]],
     given: Mapping[str, int],
+    stacked: Sequence[tuple[str, str]] = (),
 ) -> dict[str, int] | None:
     """A level of each name that is under none by which all rules hold; None where it is seen that there are none.
 
-    least: bounds that are known; over: levels, the first of which lies over the second; given: levels that are fixed.
+    least: bounds that are known; over: levels, the first of which lies over the second; given: levels that are fixed; stacked: levels, the first of which is the next over the second.
     """
     known = _Order([_PLATE, *least])
     try:
@@ -39,6 +40,8 @@ def lowest_levels(
             known.add([(name, _PLATE, given[name]), (_PLATE, name, -given[name])])
         for upper, lower in over:
             known.add([(upper, lower, 1)])
+        for upper, lower in stacked:
+            known.add([(upper, lower, 1), (lower, upper, -1)])
         _follow(known, rules)
     except Contradiction:
         return None

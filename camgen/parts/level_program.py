@@ -57,6 +57,10 @@ class _Program:
             ({self.level[upper]: 1, self.level[lower]: -1}, 1) for upper, lower in things.over
         ]
         self.plate = self.column(0, 0, 0)
+        for upper, lower in things.stacked:
+            below = self.level.get(lower, self.plate)
+            self.rows.append(({self.level[upper]: 1, below: -1}, 1))
+            self.rows.append(({self.level[upper]: -1, below: 1}, -1))
         self.bound = bound_axes(things)
         # by axis: its lowest and highest level; between two plates the top of its lower stub and the bottom of its upper one
         self.ends: dict[str, tuple[int, int]] = {}

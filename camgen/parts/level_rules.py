@@ -104,6 +104,8 @@ class Things:
     walls: Sequence[Wall] = ()
     over: Sequence[tuple[str, str]] = ()  # levels, the first of which must lie over the second
     openings: Sequence[Opening] = ()
+    # levels, the first of which is the next one over the second; "" is the plate's
+    stacked: Sequence[tuple[str, str]] = ()
 
     @property
     def every(self) -> list[Thing]:

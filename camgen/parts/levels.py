@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 
 from camgen.geometry.outlines import Floats
@@ -56,7 +56,7 @@ def quick_levels(things: Things, given: Mapping[str, int] | None = None) -> dict
         tuple(things.axes),
         tuple(things.rules),
         tuple(given.items()),
-        tuple(things.over),
+        (tuple(things.over), tuple(things.stacked)),
     )
     return None if level is None else dict(level)
 
@@ -113,11 +113,15 @@ def search(
     axes: tuple[Axis, ...],
     rules: tuple[Rule, ...],
     fixed: tuple[tuple[str, int], ...],
-    over: tuple[tuple[str, str], ...],
+    orders: tuple[tuple[tuple[str, str], ...], ...],
 ) -> Mapping[str, int] | None:
-    """The best levels that keep all rules, by depth first on ever more levels; None where _NODES nodes do not find them."""
+    """The best levels that keep all rules, by depth first on ever more levels; None where _NODES nodes do not find them.
+
+    orders: what must lie over what, and what is stacked on what.
+    """
     given = dict(fixed)
-    least = lowest_levels(least_levels(Things(bands, axes)), rules, over, given)
+    over, stacked = orders
+    least = lowest_levels(least_levels(Things(bands, axes)), rules, over, given, stacked)
     if least is None:
         return None
     about = Counter(name for rule in rules for thing in (rule.a, rule.b) for name in _on(thing))
@@ -126,9 +130,10 @@ def search(
         name: [rule for rule in rules if name in _on(rule.a) or name in _on(rule.b)]
         for name in names
     }
-    orders = {name: [pair for pair in over if name in pair] for name in names}
+    above = {name: [pair for pair in over if name in pair] for name in names}
+    next_to = {name: [pair for pair in stacked if name in pair] for name in names}
     pins = {name: [axis for axis in axes if name in axis.links] for name in names}
-    level: dict[str, int] = {}
+    level: dict[str, int] = {"": 0}
     best: dict[str, int] | None = None
     cheapest = math.inf
     nodes = _NODES
@@ -139,8 +144,8 @@ def search(
             b = _so_far(rule.b, level)
             if a and b and not (a[1] < b[0] or b[1] < a[0]):
                 return False
-        return all(
-            level.get(upper, math.inf) > level.get(lower, 0) for upper, lower in orders[name]
+        return _stacked(next_to[name], level) and all(
+            level.get(upper, math.inf) > level.get(lower, 0) for upper, lower in above[name]
         )
 
     def lay(k: int, highest: int, cost: float) -> None:
@@ -166,6 +171,15 @@ def search(
         if best is not None or nodes < 0:
             break
     return {name: best[name] for name in least} if best is not None else None
+
+
+def _stacked(pairs: Sequence[tuple[str, str]], level: Mapping[str, int]) -> bool:
+    """Whether the first of each pair is the next over the second, as far as both are laid."""
+    return all(
+        level[upper] == level[lower] + 1
+        for upper, lower in pairs
+        if upper in level and lower in level
+    )
 
 
 def _on(thing: Thing) -> tuple[str, ...]:

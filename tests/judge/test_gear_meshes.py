@@ -1,4 +1,4 @@
-"""GEAR_MESH: a pair of wheels from its own files, sound, and with one flank, bore or tooth that is off."""
+"""GEAR_MESH: a pair of wheels, outside or in a ring, from its own files, sound, and with one flank, bore or tooth that is off."""
 
 from __future__ import annotations
 
@@ -29,6 +29,16 @@ SPEC = {
     "output": [{"name": "out", "link": "drum"}],
 }
 WHEEL = "pair-gear-pair-crank.dxf"
+INNER = {
+    **SPEC,
+    "name": "inner",
+    "points": {"O": [0, 0], "A": [24, 0]},
+    "links": {"ground": ["O", "A"], "pinion": ["A"], "drum": ["O"]},
+    "drive": {"link": "pinion"},
+    "gear": [{"a": "pinion", "b": "drum", "ratio": f"12/{TEETH}", "inner": True, "name": "pair"}],
+}
+PINION = "inner-gear-pair-pinion.dxf"
+RING = "inner-gear-pair-drum.dxf"
 
 
 @pytest.fixture(scope="module")
@@ -49,10 +59,12 @@ def meshing(folder: Path) -> Finding:
     return found
 
 
-def damaged(folder: Path, to: Path, change: Callable[[Points], Points]) -> Finding:
-    """The pair with other points of the crank's wheel."""
-    shutil.copytree(folder, to / "pair")
-    path = to / "pair" / WHEEL
+def damaged(
+    folder: Path, to: Path, change: Callable[[Points], Points], wheel: str = WHEEL
+) -> Finding:
+    """The pair with other points of a wheel's teeth."""
+    shutil.copytree(folder, to / folder.name)
+    path = to / folder.name / wheel
     drawing = ezdxf.readfile(path)
     line = max(drawing.modelspace().query("LWPOLYLINE"), key=len)
     rows = np.array(line.get_points("xyseb"))
@@ -60,11 +72,11 @@ def damaged(folder: Path, to: Path, change: Callable[[Points], Points]) -> Findi
     rows[:, :2] = np.column_stack([points.real, points.imag])
     line.set_points(rows.tolist(), "xyseb")
     drawing.saveas(path)
-    return meshing(to / "pair")
+    return meshing(to / folder.name)
 
 
-def flank(points: Points, by: float, tooth: int = 3) -> Points:
-    """The later flank of one tooth turned by so many mm."""
+def flank(points: Points, by: float, tooth: float = 3) -> Points:
+    """The later flank of one tooth, or space of a ring, turned by so many mm."""
     radius = np.abs(points)
     turned = points * np.exp(-2j * math.pi * tooth / TEETH)
     off = (np.angle(turned) > 0) & (np.angle(turned) < 0.9 * math.pi / TEETH)
@@ -123,3 +135,55 @@ def test_facets_of_a_sound_pair_fit(tmp_path: Path) -> None:
     spec = {**SPEC, "points": points, "gear": [gear]}
     report = camgen.build(spec, tmp_path, ["stl"])
     assert report.ok, [str(finding) for finding in report.findings if not finding.ok]
+
+
+@pytest.fixture(scope="module")
+def ring(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("inner")
+    report = camgen.build(INNER, out, ["dxf"])
+    assert report.ok, [str(finding) for finding in report.findings if not finding.ok]
+    return out / "inner"
+
+
+def test_a_sound_ring_turns_evenly_within_its_arcs(ring: Path) -> None:
+    found = meshing(ring)
+    assert found.ok and 0 < found.measured < found.limit
+    assert found.limit == pytest.approx(4 * 0.001, rel=1e-6)
+
+
+@pytest.mark.parametrize("by", [-0.02, 0.02])
+def test_a_ring_s_flank_that_is_off_is_seen_and_named(
+    ring: Path, tmp_path: Path, by: float
+) -> None:
+    """A space lies on the x axis, so the flank after space 3 of 36 is one of the tooth at 35 deg; one that is missing is borne
+    in part by its neighbours."""
+    found = damaged(ring, tmp_path, lambda points: flank(points, by), RING)
+    assert not found.ok
+    assert (0.006 if by > 0 else 0.015) < found.measured < 0.021
+    assert "unlike the others is at 35.0 deg of gear-pair-drum" in found.message
+
+
+def test_a_ring_beside_its_axis_is_told(ring: Path, tmp_path: Path) -> None:
+    """By 10 um: twice that from peak to peak."""
+    found = damaged(ring, tmp_path, lambda points: points + 0.01j, RING)
+    assert not found.ok and found.measured == pytest.approx(0.02, rel=0.2)
+    assert "the teeth of each wheel are alike" in found.message
+
+
+@pytest.mark.parametrize(("wheel", "at"), [(PINION, "30.0"), (RING, "55.0")])
+def test_a_tooth_that_is_missing_in_a_ring_is_named(
+    ring: Path, tmp_path: Path, wheel: str, at: str
+) -> None:
+    """Tooth 5 of 12, or of 36: cut down to the roots."""
+    middle = math.radians(float(at))
+    half = 0.9 * math.pi / (12 if wheel == PINION else TEETH)
+
+    def broken(points: Points) -> Points:
+        radius = np.abs(points)
+        root = radius.min() if wheel == PINION else radius.max()
+        off = np.abs(np.angle(points * np.exp(-1j * middle))) < half
+        return points * np.where(off, root / radius, 1)
+
+    found = damaged(ring, tmp_path, broken, wheel)
+    assert not found.ok and found.measured > 0.05
+    assert f"unlike the others is at {at} deg of {wheel[6:-4]}" in found.message

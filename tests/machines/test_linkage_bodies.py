@@ -284,11 +284,43 @@ def test_a_geared_five_bar_draws_a_straight_line(tmp_path: Path) -> None:
         ({"teeth": 21}, "multiple of 2"),
         ({"teeth": 10}, "contact ratio .*use more teeth"),
         ({"teeth": 12, "shift_b": 0.9}, "tooth's tip .*6 teeth"),
+        ({"teeth": 60, "shift_b": -0.9}, "shift_b is -0.9 .*at least shift_b = "),
     ],
 )
 def test_wheels_that_cannot_be(tmp_path: Path, change: dict[str, Any], said: str) -> None:
     with pytest.raises(DesignError, match=said):
         made(tmp_path, {**GEARED, "gear": [GEARED["gear"][0] | change]}, "dxf")
+
+
+def test_a_ring_hangs_on_dowels_under_its_link_over_the_pinion() -> None:
+    """Its rim holds the dowels; it fills its level up to its link, and the pinion runs at its height."""
+    spec = {
+        "points": {"O": [0, 0], "A": [24, 0]},
+        "links": {"ground": ["O", "A"], "pinion": ["A"], "drum": ["O"]},
+        "drive": {"link": "pinion"},
+        "gear": [{"a": "pinion", "b": "drum", "ratio": "12/36", "inner": True, "name": "pair"}],
+        "output": [{"name": "drum", "link": "drum"}],
+    }
+    assembly = read_mechanism({"mechanism": "linkage", "name": "inner", **spec}).assembly
+    mounts = {mount.part: mount for mount in assembly.mounts}
+    ring, web = assembly.by_name["gear-pair-drum"], assembly.by_name["drum"]
+    dowel = assembly.by_name["dowel-gear-pair-drum"]
+    assert dowel.count == 3 and mounts[dowel.name].body == mounts[ring.name].body == "drum"
+    low = mounts[ring.name].z
+    assert low == mounts["gear-pair-pinion"].z == mounts[dowel.name].z
+    assert low + ring.thickness == pytest.approx(mounts[web.name].z)
+    assert low + dowel.thickness == pytest.approx(mounts[web.name].z + web.thickness)
+    for part in (ring, web):
+        holes = [hole for hole in part.drawn.region.holes if abs(hole.centroid) > 1]
+        assert len(holes) == 3
+
+
+@pytest.mark.parametrize("ratio", [-0.4, 2.5])
+def test_the_ratio_of_a_ring_is_that_of_a_pinion_in_it(ratio: float) -> None:
+    gear = GEARED["gear"][0] | {"ratio": ratio, "inner": True}
+    head = {"mechanism": "linkage", "name": "inner", "drive": {"link": "crank"}}
+    with pytest.raises(SpecError, match="gear.0.ratio: .*above 0 and below 1"):
+        read_mechanism(head | GEARED | {"gear": [gear]})
 
 
 def test_a_face_that_is_touched_at_its_hinge_and_a_face_in_a_groove_are_refused(

@@ -7,10 +7,12 @@ import math
 import numpy as np
 import pytest
 
+from camgen.errors import DesignError
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Region
 from camgen.parts.gears import GearWish, pair, table, windows
-from camgen.parts.wheels.involute import BasicRack, Wheel
+from camgen.parts.wheels.involute import BasicRack, Ring, Wheel
+from camgen.parts.wheels.mesh import Sizes
 
 
 def test_sizes_are_those_of_the_standard() -> None:
@@ -107,3 +109,63 @@ def test_a_workshop_reads_the_wheels_data() -> None:
     assert (
         "mate 12 teeth at 43.100, working pressure angle 23.693 deg, contact ratio 1.33" in rows[3]
     )
+
+
+@pytest.mark.parametrize("ratio", [12 / 30, 0.7, 20 / 29])
+def test_a_pinion_in_its_ring_is_found_by_its_distance(ratio: float) -> None:
+    """Whole teeth, the distance that was asked for, tips that pass each other, and roots that no tip reaches."""
+    mesh = pair(20.0, ratio, 0.1, 0.5, GearWish(inner=True), "gear")
+    assert isinstance(mesh.b, Ring)
+    assert mesh.distance == pytest.approx(20.0)
+    assert mesh.ratio == pytest.approx(ratio)
+    assert mesh.contact_ratio >= 1.2 and mesh.inner_margin > 0 and mesh.tip_clearance > 0
+    assert table(mesh, mesh.b)[0].startswith(f"{mesh.b.teeth} teeth inside, module")
+
+
+def test_both_flanks_slide_alike_in_a_ring() -> None:
+    mesh = pair(20.0, 14 / 35, 0.1, 0.5, GearWish(14, None, inner=True), "gear")
+    assert mesh.a.shift == mesh.b.shift > 0
+    assert mesh.sliding[0] == pytest.approx(mesh.sliding[1], rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "wish", "words"),
+    [
+        (0.4, GearWish(12), "inner = true makes b a ring"),
+        (2.5, GearWish(30, inner=True), "make a the pinion and b the ring"),
+        (20 / 24, GearWish(20, inner=True), "leaves its gaps .* more than 4 teeth more"),
+        (-0.5, GearWish(20, (0.0, -0.9)), "at least shift_a = 0.53, or at least shift_b = -0.53"),
+    ],
+)
+def test_wheels_that_foul_are_refused_by_what_to_change(
+    ratio: float, wish: GearWish, words: str
+) -> None:
+    with pytest.raises(DesignError, match=words):
+        pair(60.0, ratio, 0.1, 0.5, wish, "gear")
+
+
+def test_a_shift_that_is_advised_serves() -> None:
+    """The least shift that the refusal of -0.9 names: made, and by polygons no tip cuts into a root."""
+    mesh = pair(60.0, -0.5, 0.1, 0.5, GearWish(20, (0.0, -0.53)), "gear")
+    assert max(mesh.fillet_overlaps) <= 1e-3
+
+
+@pytest.mark.parametrize(("shifts", "cuts"), [((0.0, -0.9), True), ((0.53, -0.9), False)])
+def test_tips_in_roots_are_seen_by_polygons_too(shifts: tuple[float, float], cuts: bool) -> None:
+    """In the middle of their play, over a tooth: an area of overlap, or none."""
+    import shapely
+    from shapely.affinity import rotate, translate
+
+    mesh = Sizes(BasicRack(2.0), 20, 40).mesh(*shifts)
+    first, second = (
+        shapely.Polygon([(z.real, z.imag) for z in facet_contour(w.outline(), 1e-4)])
+        for w in (mesh.a, mesh.b)
+    )
+    second = translate(rotate(second, 180 + 180 / 40, origin=(0, 0)), mesh.distance, 0)
+    areas = []
+    for turn in np.linspace(0, 360 / 20, 13):
+        one = rotate(first, turn, origin=(0, 0))
+        other = rotate(second, -turn / 2, origin=(mesh.distance, 0))
+        areas.append(one.intersection(other).buffer(-3e-4).area)
+    assert (max(areas) > 1e-3) is cuts
+    assert (max(mesh.fillet_overlaps) > 1e-3) is cuts

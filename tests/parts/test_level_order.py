@@ -90,3 +90,11 @@ def test_what_follows_from_one_rule_decides_another() -> None:
         "c": 4,
         "d": 1,
     }
+
+
+def test_what_is_stacked_is_the_next_level() -> None:
+    """b lies right on a, d on the plate: nothing can come between."""
+    least = dict.fromkeys(NAMES, 1)
+    bounds = lowest_levels(least, [], [("a", "c")], {"c": 3}, [("b", "a"), ("d", "")])
+    assert bounds == {"a": 4, "b": 5, "c": 3, "d": 1}
+    assert lowest_levels(least, [], [("b", "c"), ("c", "a")], {}, [("b", "a")]) is None

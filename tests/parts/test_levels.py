@@ -251,3 +251,13 @@ def test_a_pin_in_a_slot_ends_in_one_plate() -> None:
     alone = things(bands[:1], axes[:1], openings=openings[:1])
     found = lv.quick_levels(alone)
     assert found == {"a": 1} and lv.cuts(alone, found) == {"pin P": 1}
+
+
+@pytest.mark.parametrize("find", [lv.quick_levels, lambda content: lv.levels(content, THETA)])
+def test_what_is_stacked_is_laid_on_what_it_hangs_over(find: Any) -> None:
+    """Crank and rocker could share a level: stacked, the rocker is the next over the crank, which lies on the plate."""
+    bands, axes = four_bar()
+    free = find(things(bands, axes))
+    assert free["rocker"] != free["crank"] + 1
+    level = find(things(bands, axes, stacked=[("rocker", "crank"), ("crank", "")]))
+    assert (level["crank"], level["rocker"]) == (1, 2)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -122,6 +123,24 @@ def test_teeth_keep_apart_over_their_play_and_meet_beyond(index: int) -> None:
             other = _turned(second, start + mesh.ratio * turn + nudge * half, place)
             overlap = one.intersection(other).area
             assert (overlap > 1e-4) is meets, (turn, nudge, overlap)
+
+
+@pytest.mark.parametrize(("standard", "jams"), [(True, True), (False, False)])
+def test_tips_of_standard_height_jam_in_a_ring(standard: bool, jams: bool) -> None:
+    """12 in 30 with the ring's tips at its base circle (prototype: 0.99e-3 rad of overlap in the play's place), and cut back."""
+    mesh = _mesh(REFERENCE["inner"][0])
+    assert isinstance(mesh.b, Ring)
+    teeth = replace(mesh.b, tip=mesh.b.base * (1 + 1e-6)) if standard else mesh.b
+    first, hole = _polygon(mesh.a.outline()), _polygon(teeth.outline())
+    ring = shapely.Point(0, 0).buffer(teeth.root + 5, 64) - hole
+    least = []
+    for turn in np.linspace(0, mesh.a.pitch, 25):
+        one = _turned(first, turn)
+        places = mesh.ratio * turn + mesh.backlash() / 2 * np.linspace(-1.2, 1.2, 7)
+        areas = [one.intersection(_turned(ring, at, -mesh.distance)).area for at in places]
+        least.append(min(areas))
+    assert (max(least) > 1e-4) is jams
+    assert jams or max(least) < 1e-6
 
 
 @settings(max_examples=25, deadline=None)

@@ -212,6 +212,9 @@ def _gear_faults(drawing: Drawing, path: Key, gear: t.Gear) -> Iterable[Fault]:
                 yield Fault((*path, end), repr(name), right)
     if gear.ratio == 0:
         yield Fault((*path, "ratio"), "0", "a ratio other than 0")
+    if gear.inner and not 0 <= gear.ratio < 1:
+        right = "above 0 and below 1: inner = true makes b a ring, a the pinion in it"
+        yield Fault((*path, "ratio"), f"{gear.ratio:g}", right)
     for key, value in {"shift_a": gear.shift_a, "shift_b": gear.shift_b}.items():
         if value is not None and gear.shift is not None:
             yield Fault((*path, key), f"{value:g}", 'nothing: shift = "balanced" finds both')

@@ -157,7 +157,11 @@ class Gear(Record):
     b: Name = Field(description="the second link")
     ratio: Annotated[float, quantity("1", ge=-1000, le=1000), BeforeValidator(quotient)] = Field(
         description="angle of b = ratio * angle of a, a number or teeth of a over those of b, "
-        '"-12/30"; below 0: they turn against each other'
+        '"-12/30"; below 0: they turn against each other, above 0: b is a ring, inner = true'
+    )
+    inner: bool = Field(
+        default=False,
+        description="whether b is a ring with its teeth inside, in which the wheel of a runs; ratio above 0",
     )
     teeth: Annotated[int, quantity("1", ge=5, le=400)] | None = Field(
         default=None, description="teeth of the wheel of a; found unless given"
@@ -167,7 +171,8 @@ class Gear(Record):
         description="profile shift of the wheel of a, in modules; above 0: thicker feet, no undercut; 0 unless given",
     )
     shift_b: Annotated[float, quantity("1", ge=-1, le=2)] | None = Field(
-        default=None, description="profile shift of the wheel of b, in modules; 0 unless given"
+        default=None,
+        description="profile shift of the wheel of b, in modules, of a ring above 0 outwards; 0 unless given",
     )
     shift: Literal["balanced"] | None = Field(
         default=None,
@@ -190,7 +195,7 @@ class Gear(Record):
         """What is asked of its wheels."""
         given = self.shift_a or 0.0, self.shift_b or 0.0
         shifts = None if self.shift == "balanced" else given
-        return GearWish(self.teeth, shifts, self.relief, self.spokes or 0)
+        return GearWish(self.teeth, shifts, self.relief, self.spokes or 0, self.inner)
 
 
 class Freewheel(Record):

@@ -298,11 +298,8 @@ def gears(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
                 f"{own.name} bears {own.bears:g} again and again: wider wheels, another material or less load"
             )
         where = Where(part=weak.part, joint=feature.joint, theta=float(run.theta[k]), digits=1)
-        curvature = sum(
-            1 / (each.radius * math.sin(feature.pressure)) for each in (feature.a, feature.b)
-        )
         pressure = float(
-            strength.line_contact(force, width, curvature, own.elastic, own.elastic)[0]
+            strength.line_contact(force, width, feature.curvature, own.elastic, own.elastic)[0]
         )
         check.figures.append(Figure("hertz pressure {of}", pressure, "MPa", feature.joint))
         limits = assembly.limits_of(feature.joint)

@@ -31,7 +31,14 @@ from camgen.parts.assembly import Shaft
 from camgen.parts.catalogue import Bought, fixed_motor, screw_for
 from camgen.parts.generator import plates
 from camgen.parts.generator.connections import GROUND
-from camgen.parts.generator.discs import cam_parts, disc_layer, gear_part, ground_disc, keeper
+from camgen.parts.generator.discs import (
+    cam_parts,
+    disc_layer,
+    gear_part,
+    ground_disc,
+    keeper,
+    ring_parts,
+)
 from camgen.parts.generator.joints import features_of, part_name, point_of
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.pins import MountedPart, bearings, hand_crank, pin
@@ -82,6 +89,7 @@ class Bodies:
         layout = self.layout
         moving = [link for link in layout.moving if link not in layout.alone]
         own = layout.fitted
+        rings = [ring.wheel for ring in layout.rings]
         beside = max(self.collar_radius, self.under or 0.0)
         base = ground_plate(layout, part_name(GROUND), beside, self._pressed(GROUND))
         parts = [base, *(own.links.get(name) or self._link(name) for name in moving)]
@@ -94,7 +102,8 @@ class Bodies:
         titles: dict[Part, str] = {}
         for part, mount in [
             *(each for tip in layout.tips for each in cam_parts(layout, tip)),
-            *(gear_part(layout, wheel) for wheel in layout.gear_wheels),
+            *(gear_part(layout, each) for each in layout.gear_wheels if each not in rings),
+            *(each for ring in layout.rings for each in ring_parts(layout, ring)),
             *(each for point in layout.pivots for each in self._stack(point)),
             *covers(layout),
             *hand_crank(layout),
@@ -232,6 +241,7 @@ class Bodies:
             flat = layout.profile(point, link)
             if flat is not None:
                 holes[f"hole {point}"] = flat.moved(1, z)
+        holes |= layout.ring_holes(link)
         holes |= layout.slot_holes(link, layout.slots_of(link).keys())
         bore = next((layout.hole(point, link) for point, z in points.items() if z == 0), None)
         if link in layout.marks:

@@ -23,16 +23,20 @@ from camgen.parts.gears import GearWish
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.generator.webs import throws, webs, with_webs
 from camgen.parts.generator.wheels import (
+    GearPair,
     GearWheel,
     Ridden,
+    RingBody,
     Tip,
     Wheel,
-    gear_wheels,
+    gear_pairs,
+    groove_rim,
     tips,
     with_seconds,
 )
 from camgen.parts.hardware import FACETS
 from camgen.parts.part import Layer, Part
+from camgen.parts.wheels.involute import Ring
 from camgen.spec import Print
 
 GROUND = m.GROUND
@@ -223,18 +227,31 @@ class Connections:
         return tips(self.machine, self.cams, self.sizes, self.fits.slide_clearance)
 
     @cached_property
+    def gear_pairs(self) -> list[GearPair]:
+        """Pairs of gears; their backlash is the clearance of what slides, their least module two nozzles."""
+        return gear_pairs(self.machine, self.gears, self.fits.slide_clearance, 2 * self.fits.nozzle)
+
+    @cached_property
     def gear_wheels(self) -> list[GearWheel]:
-        """Wheels of gears; their backlash is the clearance of what slides, their least module two nozzles."""
-        return gear_wheels(
-            self.machine, self.gears, self.fits.slide_clearance, 2 * self.fits.nozzle
-        )
+        """Wheels of gears, rings too."""
+        return [wheel for each in self.gear_pairs for wheel in (each.a, each.b)]
+
+    @cached_property
+    def rings(self) -> list[RingBody]:
+        """Rings of inner teeth."""
+        rim = groove_rim(self.sizes) + self.fits.press_clearance
+        return [
+            RingBody(wheel, wheel.gear, rim)
+            for wheel in self.gear_wheels
+            if isinstance(wheel.gear, Ring)
+        ]
 
     @cached_property
     def wheels(self) -> list[Wheel]:
-        """Cam discs, gears' wheels, counterweights."""
+        """Cam discs, gears' wheels but no rings, counterweights."""
         return [
             *(tip.wheel for tip in self.tips),
-            *(each.wheel for each in self.gear_wheels),
+            *(each.wheel for each in self.gear_wheels if not isinstance(each.gear, Ring)),
             *self.weights,
         ]
 
@@ -267,10 +284,13 @@ class Connections:
     def alone(self) -> dict[str, str]:
         """Links that are no more than a wheel on their shaft, and the level of that wheel."""
         levels = {wheel.link: wheel.level for wheel in reversed(self.wheels)}
+        ringed = {ring.wheel.link for ring in self.rings}
         return {
             link: level
             for link, level in levels.items()
-            if len(self.bodies[link].points) <= 1 and not self.sizes.shape(link).hub_diameter
+            if len(self.bodies[link].points) <= 1
+            and not self.sizes.shape(link).hub_diameter
+            and link not in ringed
         }
 
     @cached_property

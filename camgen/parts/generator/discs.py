@@ -22,9 +22,18 @@ from camgen.parts.disc_cams import disc_parts
 from camgen.parts.gears import table, windows
 from camgen.parts.generator.layout import GROUND, Layout, pivot_name
 from camgen.parts.generator.pins import MountedPart
-from camgen.parts.generator.wheels import GearWheel, Tip, groove_rim, groove_wall, named, outline
+from camgen.parts.generator.wheels import (
+    GearWheel,
+    RingBody,
+    Tip,
+    groove_rim,
+    groove_wall,
+    named,
+    outline,
+)
 from camgen.parts.hardware import plate, spacer
 from camgen.parts.part import HoldingNote, Layer, Part, d_bore, rod
+from camgen.parts.wheels import involute
 from camgen.tolerances import SAME_POINT
 
 
@@ -111,6 +120,7 @@ def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
 def gear_part(layout: Layout, wheel: GearWheel) -> MountedPart:
     """A gear's wheel on its link's shaft, as drawn at theta = 0."""
     gear = wheel.gear
+    assert isinstance(gear, involute.Wheel), "a ring is made by ring_parts"
     sizes = layout.sizes
     press = layout.fits.press_clearance
     start = float(layout.machine.start_of(wheel.link).angle)
@@ -146,6 +156,44 @@ def gear_part(layout: Layout, wheel: GearWheel) -> MountedPart:
     return part, Mount(
         wheel.part, wheel.link, at, -start, z=layout.floor(layout.level[wheel.level])
     )
+
+
+def ring_parts(layout: Layout, ring: RingBody) -> Iterator[MountedPart]:
+    """A ring with inner teeth as drawn at theta = 0, and the dowels that hold it on its link."""
+    wheel = ring.wheel
+    link = wheel.link
+    sizes = layout.sizes
+    start = float(layout.machine.start_of(link).angle)
+    half = wheel.gear.pitch / 2
+    hole = (sizes.pin_diameter + layout.fits.press_clearance) / 2
+    holes = {"teeth": ring.gear.outline().moved(cmath.exp(1j * (wheel.tooth + half)))}
+    holes |= {f"dowel {k}": circle(z, hole) for k, z in enumerate(ring.dowels, 1)}
+    on = "the ground plate" if link == GROUND else f"link {link}, which lies over it"
+    region = plate(f"ring of {link}", circle(0j, ring.outside), holes, layout.min_wall)
+    low, thick = layout.ring_span(ring)
+    part = Part(
+        wheel.part,
+        f"Ring of {'the ground' if link == GROUND else link}",
+        (Layer(region, 0.0, thick),),
+        centres=(0j, *ring.dowels),
+        notes=(
+            f"drawn at theta = 0, level {layout.level[wheel.level]}",
+            f"three dowels hold it on {on}, pressed and glued",
+            *table(wheel.mesh, ring.gear),
+        ),
+        min_wall=layout.min_wall,
+    )
+    at = layout.at(link, layout.axis_of(link))
+    yield part, Mount(wheel.part, link, at, -start, z=low)
+    bottom = 0.0 if link == GROUND else low
+    top = low + thick if link == GROUND else layout.top_of(link)
+    made = "printed" if sizes.pin == "printed" else TURNED
+    name = f"dowel-{wheel.part}"
+    dowel = rod(
+        name, f"Dowel of the {part.title.lower()}", sizes.pin_diameter, round(top - bottom, 9)
+    )
+    dowel = replace(dowel, notes=("pressed and glued in",), process=made)
+    yield from ((dowel, Mount(name, link, z, z=bottom)) for z, _ in layout.ring_seats(link))
 
 
 def wall_of_disc(off: float, wide: float, bore: float, min_wall: float, key: str) -> None:

@@ -108,11 +108,10 @@ def features_of(layout: Layout, pins: Sequence[Mount]) -> Sequence[Feature]:
                 )
                 eyes = (_eye(layout, point, a, b), _eye(layout, point, b, a))
                 found.append(PinEyes(joint.name, *eyes, pin, rings))
-    for one, other in zip(layout.gear_wheels[0::2], layout.gear_wheels[1::2], strict=True):
-        turns = (pivot_of(layout, one.link), pivot_of(layout, other.link))
-        found.append(
-            GearTeeth(one.joint.name, one.teeth, other.teeth, turns, one.mesh.working_angle)
-        )
+    for each in layout.gear_pairs:
+        turns = (pivot_of(layout, each.a.link), pivot_of(layout, each.b.link))
+        angle = each.mesh.working_angle
+        found.append(GearTeeth(each.joint.name, each.a.teeth, each.b.teeth, turns, angle))
     found += [outline for tip in layout.tips for outline in _outlines(layout, tip)]
     found += [*_keyed(layout), *_steady(layout, pins)]
     marks = (*layout.pens.items(), *layout.thread_posts.items())

@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.geometry.outlines import Contour, bulged
+from camgen.geometry.outlines import Contour, bulged, circle
 from camgen.parts.bands import ArmBand
 from camgen.parts.catalogue import Bearing, narrowest
 from camgen.parts.generator.changes import Change
@@ -23,7 +23,7 @@ from camgen.parts.generator.connections import GROUND, Connections, StretchedSpr
 from camgen.parts.generator.covers import Cover, cover
 from camgen.parts.generator.guides import COVERED, STEMS, Guide, Rails, Runner, Way, guide
 from camgen.parts.generator.slotted import SlotHole, one_by_one
-from camgen.parts.generator.wheels import NOSE, Tip, pivot
+from camgen.parts.generator.wheels import NOSE, RingBody, Tip, pivot
 from camgen.parts.part import d_bore, hull, with_bar
 from camgen.parts.set_screws import SetScrewHub
 
@@ -410,7 +410,39 @@ class Layout(Connections):
         foot = self.sizes.rail_width / 2 + wall
         guides = (each for each in self.guides.values() if each.joint.guide.body == link)
         feet = ((z, foot) for each in guides for ends in each.rails for z in ends)
-        return [*self.round_hubs(link), *feet]
+        return [*self.round_hubs(link), *feet, *self.ring_seats(link)]
+
+    def ring_seats(self, link: str) -> list[tuple[complex, float]]:
+        """Hubs round the dowels of rings on a link: place in its axes and radius."""
+        radius = (self.sizes.pin_diameter + self.fits.press_clearance) / 2 + self.rim
+        seats = []
+        for ring in (each for each in self.rings if each.wheel.link == link):
+            turn = cmath.exp(-1j * self.machine.start_of(link).angle)
+            at = self.at(link, self.axis_of(link))
+            seats += [(at + turn * z, radius) for z in ring.dowels]
+        return seats
+
+    def ring_holes(self, link: str) -> dict[str, Contour]:
+        """Holes of a link for the dowels of its rings."""
+        radius = (self.sizes.pin_diameter + self.fits.press_clearance) / 2
+        seats = enumerate(self.ring_seats(link), 1)
+        return {f"dowel {k} of the ring": circle(z, radius) for k, (z, _) in seats}
+
+    def axis_of(self, link: str) -> str:
+        """The point of a link about which its ring turns on the ground."""
+        return next(point for point in self.bodies[link].points if self.pivots[point][0] == GROUND)
+
+    def ring_span(self, ring: RingBody) -> tuple[float, float]:
+        """Underside and thickness of a ring, mm: up to its link, or down to the plate; of sheet a level's."""
+        level = self.level[ring.wheel.level]
+        link = ring.wheel.link
+        low = self.floor(level)
+        if self.sizes.of_sheet:
+            return low, self.sizes.thickness
+        if link == GROUND:
+            low = self.sizes.base_thickness
+            return low, round(self.floor(level) + self.sizes.thickness - low, 9)
+        return low, round(self.floor(self.level[link]) - low, 9)
 
     def arm_band(self, link: str) -> ArmBand | None:
         """The band of a link that is asked to be bent or narrower than its hubs; DesignError where it has not two of them."""
@@ -603,6 +635,10 @@ class Layout(Connections):
         if link == GROUND:
             return self.sizes.base_thickness
         return self.sizes.shape(link).thickness or self.sizes.thickness
+
+    def top_of(self, link: str) -> float:
+        """Height of the upper side of a link, mm."""
+        return round(self.floor(self.level[link]) + self.thickness(link), 9)
 
     def wheel_thickness(self, link: str) -> float:
         """Of the wheels on a link's shaft and of the rollers on them, mm."""

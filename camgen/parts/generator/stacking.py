@@ -153,7 +153,7 @@ def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | No
 def lacking(layout: Layout) -> DesignError | None:
     """What to say of joints of which no bodies are made."""
     try:
-        layout.gear_wheels  # noqa: B018
+        layout.gear_pairs  # noqa: B018
     except DesignError as error:
         return error
     slid = next((tip for tip in layout.tips if tip.hung and tip.joint.slide is not None), None)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import cmath
+import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -22,6 +24,7 @@ from camgen.parts.level_rules import Axis, Band, Opening, Things, Wall
 _COARSE = 0.1  # mm, by which the corners of an own outline's hull may lie off it
 _ALL = 99  # levels: more than there are
 _PIECES = 4  # of the band of a link with a strap
+_CHORDS = 24  # of a ring
 Over = list[tuple[str, str]]  # levels, of which the first must lie over the second
 
 
@@ -35,9 +38,14 @@ def things(layout: Layout, run: Run) -> Things:
     walls, over_walls = _walls(courses)
     over = [*before, *over_axes, *over_walls]
     over += [(upper, lower) for lower, upper in pairwise(layout.webs)]
-    bands = [*_links(courses), *cams, *_wheels(courses), *springs]
+    bands = [*_links(courses), *cams, *_wheels(courses), *_rings(courses), *springs]
     openings = _openings(layout, run.theta.size)
-    return Things(bands, axes, layout.fits.slide_clearance, walls, over, openings)
+    # a ring hangs under its link, or stands on the plate
+    rings = [ring.wheel for ring in layout.rings]
+    stacked = [
+        (each.level, "") if each.link == GROUND else (each.link, each.level) for each in rings
+    ]
+    return Things(bands, axes, layout.fits.slide_clearance, walls, over, openings, stacked)
 
 
 @dataclass(frozen=True)
@@ -150,8 +158,9 @@ def _cams(courses: _Courses) -> tuple[list[Band], Over]:
 def _wheels(courses: _Courses) -> list[Band]:
     """Wheels of gears, counterweights."""
     layout = courses.layout
+    cams = [tip.wheel for tip in layout.tips]
     bands = []
-    for wheel in (*(each.wheel for each in layout.gear_wheels), *layout.weights):
+    for wheel in (each for each in layout.wheels if each not in cams):
         shaft = layout.shaft_of(wheel.link)
         how = "shafts nearer to each other"
         if wheel in layout.weights:
@@ -161,6 +170,27 @@ def _wheels(courses: _Courses) -> list[Band]:
         smaller = f"a smaller {wheel.about} ({how})"
         move = f"points.{shaft} elsewhere"
         bands.append(replace(band, slim=smaller, move=move))
+    return bands
+
+
+def _rings(courses: _Courses) -> list[Band]:
+    """Rings with inner teeth: chords of them, for what moves inside."""
+    layout = courses.layout
+    bands = []
+    for ring in layout.rings:
+        wheel = ring.wheel
+        at = layout.at(GROUND, layout.axis_of(wheel.link))
+        half = (ring.outside - ring.gear.tip) / 2
+        middle = ring.gear.tip + half
+        radius = half + middle * (1 - math.cos(math.pi / _CHORDS))
+        about = f"ring of {wheel.link}"
+        for k in range(_CHORDS):
+            ends = [
+                (at + cmath.rect(middle, math.tau * each / _CHORDS), radius) for each in (k, k + 1)
+            ]
+            band = courses.band(about, GROUND, ends, wheel.level)
+            smaller = f"a smaller {about} (a shorter distance of its pair's axes)"
+            bands.append(replace(band, slim=smaller))
     return bands
 
 

@@ -43,6 +43,7 @@ from camgen.parts.wheels.mesh import Mesh
 SECOND = "_2"  # of names: the other cam of a conjugate pair, and where its roller is
 _ROUND = np.linspace(0, math.tau, 721)
 NOSE = 3.0  # radii of a knife's disc, from there to its edge
+DOWELS = 3  # of a ring on its link
 _BESIDE = 0.5  # mm, of a face beside where it is touched
 
 
@@ -79,13 +80,12 @@ class Wheel:
 
 @dataclass(frozen=True)
 class GearWheel:
-    """A gear's wheel."""
+    """A gear's wheel, or its ring with inner teeth."""
 
     level: str
-    joint: m.Gear
     link: str
-    mesh: Mesh  # of both wheels
-    gear: involute.Wheel  # this one
+    mesh: Mesh  # with its mate
+    gear: involute.Wheel | involute.Ring  # this one
     spokes: int
     tooth: float  # rad on the ground, direction of a tooth as drawn
 
@@ -97,15 +97,49 @@ class GearWheel:
     @property
     def teeth(self) -> Teeth:
         """On what it is measured."""
-        teeth = self.gear.teeth
-        radius = self.mesh.distance * teeth / (self.mesh.a.teeth + self.mesh.b.teeth)
-        thickness = 2 * radius * self.gear.half_angle(radius)
-        return Teeth(self.part, teeth, radius, thickness, self.tooth, self.gear.bends)
+        gear = self.gear
+        share = gear.teeth / abs(self.mesh.a.teeth + self.mesh.side * self.mesh.b.teeth)
+        radius = self.mesh.distance * share
+        inside = isinstance(gear, involute.Ring)
+        half = gear.half_angle(radius)
+        thickness = 2 * radius * (gear.pitch / 2 - half if inside else half)
+        return Teeth(self.part, gear.teeth, radius, thickness, self.tooth, gear.bends, inside)
 
     @property
     def wheel(self) -> Wheel:
         """Its disc."""
         return Wheel(self.level, self.link, self.gear.tip, f"wheel of {self.link}")
+
+
+@dataclass(frozen=True)
+class GearPair:
+    """Both wheels of a gear, whose axes stand on the ground."""
+
+    joint: m.Gear
+    mesh: Mesh
+    a: GearWheel
+    b: GearWheel
+
+
+@dataclass(frozen=True)
+class RingBody:
+    """A ring of inner teeth on its link: round its root a rim, in whose middle dowels are."""
+
+    wheel: GearWheel
+    gear: involute.Ring
+    rim: float  # mm
+
+    @property
+    def outside(self) -> float:
+        """Its radius, mm."""
+        return self.gear.root + self.rim
+
+    @property
+    def dowels(self) -> list[complex]:
+        """Places of its dowels as drawn, from its axis, mm; the first behind a tooth."""
+        radius = self.gear.root + self.rim / 2
+        turns = (self.wheel.tooth + math.tau * k / DOWELS for k in range(DOWELS))
+        return [cmath.rect(radius, turn) for turn in turns]
 
 
 @dataclass(frozen=True)
@@ -297,14 +331,14 @@ def with_touches(joint: m.Cam, tips: Sequence[Tip], at: complex) -> m.Cam:
     return replace(joint, touches=tuple(touches), leaves=own[0].leaves)
 
 
-def gear_wheels(
+def gear_pairs(
     machine: m.Machine, gears: Mapping[str, GearWish], backlash: float, least: float
-) -> list[GearWheel]:
-    """Both wheels of each gear, a's tooth in b's gap on the line of their axes.
+) -> list[GearPair]:
+    """Both wheels of each gear, a's tooth in b's gap on the line of their axes: beyond a's axis where b is a ring.
 
     gears: what is asked of each; least: module that can be made, mm.
     """
-    wheels = []
+    pairs = []
     for name, wish in gears.items():
         joint = machine.joint(name)
         where = name if name.startswith("gear") else f"gear {name}"
@@ -322,13 +356,14 @@ def gear_wheels(
             ).saying(said)
         way = pivot(machine, joint.b)[1] - pivot(machine, joint.a)[1]
         mesh = pair(abs(way), joint.ratio, backlash, least, wish, where)
-        assert isinstance(mesh.b, involute.Wheel)
-        line = cmath.phase(way)
-        opposite = line + math.pi + math.pi / mesh.b.teeth
+        inner = mesh.side < 0
+        line = cmath.phase(way) + math.pi * inner
+        opposite = line + math.pi * (not inner) + math.pi / mesh.b.teeth
         level = level_of(name)
-        wheels.append(GearWheel(level, joint, joint.a, mesh, mesh.a, wish.spokes, line))
-        wheels.append(GearWheel(level, joint, joint.b, mesh, mesh.b, wish.spokes, opposite))
-    return wheels
+        a = GearWheel(level, joint.a, mesh, mesh.a, wish.spokes, line)
+        b = GearWheel(level, joint.b, mesh, mesh.b, wish.spokes, opposite)
+        pairs.append(GearPair(joint, mesh, a, b))
+    return pairs
 
 
 def limits(tips: Iterable[Tip]) -> list[Finding]:

@@ -184,6 +184,14 @@ class Wheel(Teeth):
         """Half of a tooth's angle at a radius, rad; below the base circle as there."""
         return self._half(radius, -self.thinner)
 
+    def half_gap(self, radius: Floats) -> Floats:
+        """Half of the angle of a gap between two roots, rad, from the root circle to the form circle; (n,) mm."""
+        root = self._trochoid(np.linspace(self._join[0], math.pi / 2, _PLACES), 0)
+        rising = slice(None, None, -1)
+        return np.asarray(
+            np.interp(radius, np.abs(root[rising]), self.pitch / 2 - np.angle(root[rising]))
+        )
+
     @property
     def bends(self) -> float:
         """Stress at the root of a tooth that alone bears a force on its tip, MPa mm of width per N: a beam, worst section.
@@ -378,6 +386,38 @@ class Ring(Teeth):
         """Half of a space's angle at a radius, rad."""
         return self._half(radius, self.thinner)
 
+    @property
+    def bends(self) -> float:
+        """Stress at the root of a tooth that alone bears a force on its tip, MPa mm of width per N: as that of a wheel.
+
+        The force's line leans away from the axis by half of the tooth more than it does on a wheel, and meets the tooth's
+        middle inside of its tip.
+        """
+        half = self.pitch / 2
+        lean = math.acos(self.base / self.tip) + half - self.half_angle(self.tip)
+        flank = np.linspace(self.tip, self.form, _PLACES)
+        gap = np.array([self.half_angle(radius) for radius in flank])
+        begin, sweep = self._rounding
+        round_off = self._round_centre + self.fillet * np.exp(
+            1j * (begin + sweep * np.linspace(1, 0, _PLACES))
+        )
+        side = np.concatenate([flank * np.exp(1j * gap), round_off]) * cmath.exp(-1j * half)
+        arm = side.real - self.base / math.cos(lean)
+        return float(np.max(6 * math.cos(lean) * arm / (2 * side.imag) ** 2))
+
+    @property
+    def _round_centre(self) -> complex:
+        """Centre of a root's rounding on the left of the space on Ox."""
+        return cmath.rect(self.root - self.fillet, self._round_angle(self.fillet))
+
+    @property
+    def _rounding(self) -> tuple[float, float]:
+        """Direction in which that begins at the root circle, and its sweep to the flank, rad."""
+        centre = self._round_centre
+        end = cmath.rect(self.form, self.half_angle(self.form))
+        out = cmath.phase(centre)
+        return out, cmath.phase((end - centre) * cmath.exp(-1j * out))
+
     @cached_property
     def fillet(self) -> float:
         """Radius of the rounding at the roots, mm."""
@@ -402,15 +442,11 @@ class Ring(Teeth):
 
     def outline(self) -> Contour:
         """The hole's edge, counter-clockwise about the axis."""
-        form = self.form
-        centre = cmath.rect(self.root - self.fillet, self._round_angle(self.fillet))
-        end = cmath.rect(form, self.half_angle(form))
-        out = cmath.phase(centre)
-        sweep = cmath.phase((end - centre) * cmath.exp(-1j * out))
+        out, sweep = self._rounding
         low = self.half_angle(self.tip)
         left: list[Piece] = [
-            Arc(centre, self.fillet, out, sweep),
-            _side(self, self.half_angle(self.base), form, self.tip),
+            Arc(self._round_centre, self.fillet, out, sweep),
+            _side(self, self.half_angle(self.base), self.form, self.tip),
         ]
         root = [Arc(0j, self.root, -out, 2 * out)] if out * self.root > _HAIR else []
         gap = Arc(0j, self.tip, low, self.pitch - 2 * low)

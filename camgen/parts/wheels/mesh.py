@@ -24,6 +24,8 @@ _AIR = (
 _LOW = 0.05  # rad, roll of the foot of an involute
 _FURTHEST = 1.5  # shift that is looked at, either way
 _LOOKS = 61
+_CORNERS = 4001  # places of a tip's corner on its way through the mate's gap
+_WAY = 7.0  # teeth, on which these lie
 
 
 def angle_of(involute_angle: float) -> float:
@@ -121,7 +123,14 @@ class Sizes:
         found = sign_changes(lambda xs: np.array([difference(x) for x in xs]), grid)
         worst = [(min(self.mesh(*shifts(x)).sliding), -abs(x), float(x)) for x in found.tolist()]
         if not worst:
-            raise DesignError("shifts with which both wheels slide alike", 0, 1, "")
+            raise DesignError(
+                "shifts with which both wheels slide alike",
+                0,
+                1,
+                "",
+                "",
+                "give shift_a and shift_b, or more teeth",
+            )
         return shifts(max(worst)[2])
 
 
@@ -237,8 +246,46 @@ class Mesh:
         """How far a ring's tips stay outside of the feet of the pinion's involutes, mm along the line of action."""
         return self.b.tangent(self.b.tip) - self.line - self.a.tangent(self.a.form)
 
+    @property
+    def fillet_overlaps(self) -> tuple[float, float]:
+        """How far a tip of b cuts into the roots of a, and one of a into those of b, mm beside the flank; below 0 neither does.
+
+        By the way of the tip's corner through the gap, flanks in touch. Of outer wheels: a ring's tips stay on involutes.
+        """
+        assert isinstance(self.b, Wheel)
+        return self._overlap(self.a, self.b), self._overlap(self.b, self.a)
+
+    def _overlap(self, own: Wheel, mate: Wheel) -> float:
+        """How far a tip of the mate cuts into the roots of one wheel, mm."""
+        angle = np.linspace(-_WAY, _WAY, _CORNERS) / mate.teeth
+        corner = mate.half_angle(mate.tip)
+        place = mate.tip * np.exp(1j * (angle + corner)) - self.distance
+        seen = -place * np.exp(1j * angle * mate.teeth / own.teeth)
+        radius = np.abs(seen)
+        low = radius < own.form
+        if not low.any():
+            return -math.inf
+        play = self.backlash() * self.b.base / own.base / 2
+        free = own.half_gap(radius[low])
+        return float(np.max((play - np.angle(seen[low]) - free) * radius[low]))
+
+    @property
+    def tip_clearance(self) -> float:
+        """Of a ring: how far a pinion's tip passes the ring's where both circles of the tips cross, mm, flanks in touch.
+
+        The pinion's corner is there when it has turned by its polar angle less half of its tooth; the ring's corner, by the
+        ratio, must be ahead of that place.
+        """
+        assert isinstance(self.b, Ring)
+        a, b, away = self.a, self.b, self.distance
+        from_a = math.acos((b.tip**2 - away**2 - a.tip**2) / (2 * away * a.tip))
+        from_b = math.acos((b.tip**2 + away**2 - a.tip**2) / (2 * away * b.tip))
+        turned = from_a - a.half_angle(a.tip)
+        apart = b.half_angle(b.tip) + turned * self.ratio - from_b
+        return (apart - self.backlash() / 2) * b.tip
+
     def check(self, least: float = LEAST_RATIO) -> None:
-        """DesignError where a pair of teeth parts before the next one meets, or a ring's tips meet the pinion's roots."""
+        """DesignError where a pair of teeth parts before the next one meets, or a ring's teeth and the pinion's foul each other."""
         if self.contact_ratio < least:
             raise DesignError(
                 "contact ratio",
@@ -258,6 +305,15 @@ class Mesh:
                     "mm",
                     "",
                     "use a ring of more teeth, or a larger shift of it",
+                )
+            if self.tip_clearance < 0:
+                raise DesignError(
+                    "clearance of a ring's tips beside the pinion's, which leaves its gaps",
+                    self.tip_clearance,
+                    0,
+                    "mm",
+                    "",
+                    f"use a ring of more than {self.b.teeth - self.a.teeth} teeth more than the pinion's",
                 )
 
 
