@@ -161,7 +161,7 @@ def test_what_is_no_description_stays() -> None:
 O = [0, 0]                          # the shaft
 # [[gear]]                          # angle of b = ratio * angle of a
 # ratio = -2                        # angle of b = ratio * angle of a, a number or teeth of a over those of b, "-12/30"; below 0: they turn
-                                    # against each other
+                                    # against each other, above 0: b is a ring, inner = true
 # [[gear]]                          # another pair
 # ratio = 3                         # inner
                                     # and outer
