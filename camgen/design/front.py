@@ -13,7 +13,7 @@ from typing import Any, Protocol, TypeVar
 
 from camgen import reading
 from camgen.design.prototype import Prototype
-from camgen.design.wanted import FunctionWish, PathWish
+from camgen.design.wanted import FunctionWish, LinkWish, PathWish
 from camgen.errors import DesignError, FileError, counted, file_errors
 from camgen.report.sketches import Gallery, Sketch, picture
 
@@ -29,7 +29,7 @@ class Design(Protocol):
     def sketch(self) -> Sketch:
         """What a sketch shows."""
 
-    def data(self, tolerance: float | None = None) -> reading.Data:
+    def data(self) -> reading.Data:
         """Tables of its spec."""
 
     def row(self, number: int) -> dict[str, Any]:
@@ -126,6 +126,9 @@ def with_prototype(design: D) -> D:
     return design
 
 
+Buildable = PathWish | FunctionWish | LinkWish
+
+
 @dataclass(frozen=True)
 class Aim:
     """What a design must keep to be chosen, and how that is said."""
@@ -137,13 +140,11 @@ class Aim:
     size: str  # that of which a twentieth is borne without a tolerance
 
 
-def acceptable(front: Sequence[D], aim: Aim, error: Callable[[D], float]) -> list[D]:
-    """Those that can be built, with no more play and error than is borne; DesignError where there are none."""
-    wanted = aim.wish
-    unit = aim.unit
+def keeping(front: Sequence[D], wish: Buildable, unit: str, error: Callable[[D], float]) -> list[D]:
+    """Those that can be built, with no more play than is borne, and keep their limits; DesignError where there are none."""
     buildable = [each for each in front if not each.prototype.obstacle]
     if not buildable:
-        room = "a larger wanted.frame" if isinstance(wanted, FunctionWish) else wanted.further
+        room = "a larger wanted.frame" if isinstance(wish, FunctionWish) else wish.further
         raise DesignError(
             "buildable designs",
             0,
@@ -154,13 +155,13 @@ def acceptable(front: Sequence[D], aim: Aim, error: Callable[[D], float]) -> lis
         ).saying(
             f"none of {len(front)} designs can be built; the first: {front[0].prototype.obstacle}"
         )
-    if wanted.lash is not None:
-        tight = [each for each in buildable if each.prototype.lash <= wanted.lash]
+    if wish.lash is not None:
+        tight = [each for each in buildable if each.prototype.lash <= wish.lash]
         if not tight:
             least = min(each.prototype.lash for each in buildable)
             remedy = "a smaller print.slide_clearance, or more play"
             raise DesignError(
-                "wanted.lash", least, wanted.lash, unit, "the tightest buildable design", remedy
+                "wanted.lash", least, wish.lash, unit, "the tightest buildable design", remedy
             )
         buildable = tight
     can = [each for each in buildable if not each.prototype.failures]
@@ -182,6 +183,14 @@ def acceptable(front: Sequence[D], aim: Aim, error: Callable[[D], float]) -> lis
             many,
             remedy,
         ).saying(message)
+    return can
+
+
+def acceptable(front: Sequence[D], aim: Aim, error: Callable[[D], float]) -> list[D]:
+    """Those of `keeping` with no more error than is borne; DesignError where there are none."""
+    wanted = aim.wish
+    unit = aim.unit
+    can = keeping(front, wanted, unit, error)
     near = [each for each in can if error(each) <= aim.allowance]
     least = min(map(error, can))
     if not near and wanted.tolerance is None:

@@ -92,9 +92,10 @@ class Generator:
         return max(rounded_up(1.02 * math.degrees(self.error)), 0.01)
 
     def data(self, tolerance: float | None = None) -> Data:
-        """Tables of the spec; tolerance: of FUNCTION_ERROR, deg, what it keeps and no more than is borne unless given."""
+        """Tables of the spec; tolerance: of FUNCTION_ERROR, deg, unless given the wish's, or what it keeps and no more than is borne."""
         pairs = self.wish.turns
-        limit = tolerance or min(self.least_tolerance, self.wish.allowance)
+        limit = tolerance or self.wish.tolerance
+        limit = limit or min(self.least_tolerance, self.wish.allowance)
         links = {"ground": ["O", "C"], CRANK: ["O", "A"], "coupler": ["A", "B"], ROCKER: ["C", "B"]}
         drive = {
             "link": CRANK,

@@ -34,6 +34,7 @@ class Candidate:
     tables: Data  # of the spec, less what is found
     allowance: float  # mm, how far path and wanted one may be apart
     joined: bool = True  # whether lines join the wanted points in their order
+    tolerance: float | None = None  # mm, that the wish says
 
     @cached_property
     def path(self) -> Points:
@@ -57,8 +58,8 @@ class Candidate:
         return rounded_up(1.02 * self.worst + 1e-3)
 
     def data(self, tolerance: float | None = None) -> Data:
-        """Tables of the spec; tolerance: of PATH_ERROR, mm, what it keeps and no more than is borne unless given."""
-        tolerance = tolerance or min(self.least_tolerance, self.allowance)
+        """Tables of the spec; tolerance: of PATH_ERROR, mm, unless given the wish's, or what it keeps and no more than is borne."""
+        tolerance = tolerance or self.tolerance or min(self.least_tolerance, self.allowance)
         trace = {
             "at": [_place(z) for z in self.wanted],
             "joined": self.joined,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,7 @@ from camgen import reading
 from camgen import spec as specs
 from camgen.design.candidates import Candidates
 from camgen.design.chains import chains
-from camgen.design.front import Aim, D, Design, Front, acceptable, with_prototype
+from camgen.design.front import Aim, D, Design, Front, acceptable, keeping, with_prototype
 from camgen.design.keys import Search
 from camgen.design.linkages import Candidate
 from camgen.design.paths import ChainDesign
@@ -24,6 +24,7 @@ from camgen.design.wanted import (
     DrawingWish,
     FunctionWish,
     KeyWish,
+    LinkWish,
     PathWish,
     asked_for,
     wish,
@@ -38,6 +39,7 @@ from camgen.settings import override
 from camgen.workers import Workers
 
 if TYPE_CHECKING:
+    from camgen.design.found import Found
     from camgen.parts.generator.sizes import Parts
 
 Say = Callable[[str], None]
@@ -56,6 +58,7 @@ _MADE = (
 # of the wanted path's longest chord: error, and length of all bars, that a front reaches to
 _WORST = 0.2
 _MOST = 10.0
+_WITH_FRONT = ("path", "function", "poses")  # wishes whose search gives several designs
 _OF_DRAWING = 0.9  # of its tolerance, that the pen's motion takes; files and facets leave the rest
 
 
@@ -78,18 +81,9 @@ def design(
         data = override(data, setting)
     text, ends = _text_of(spec) if isinstance(spec, str | Path) and not settings else (None, "\n")
     kind = asked_for(data)
-    if keep is not None and kind not in ("path", "function"):
-        raise SpecError(
-            [
-                Fault(
-                    (),
-                    "",
-                    "a search for a path or a function: they alone have a front",
-                    source="--front",
-                )
-            ],
-            "command line",
-        )
+    if keep is not None and kind not in _WITH_FRONT:
+        right = f"a search that has a front: for {', '.join(_WITH_FRONT)}"
+        raise SpecError([Fault((), kind, right, source="--front")], "command line")
     if not kind:
         mechanism = read_mechanism(spec, settings)
         designed = getattr(mechanism, "designed", None)
@@ -105,8 +99,10 @@ def design(
         "function": _for_function,
         "drawing": _for_drawing,
         "vary": _for_keys,
-    }[kind]
-    return search(Request(data, source, folder, text, ends, jobs, say, keep))
+    }
+    return search.get(kind, _for_positions)(
+        Request(data, source, folder, text, ends, jobs, say, keep)
+    )
 
 
 @dataclass(frozen=True, repr=False)
@@ -115,9 +111,7 @@ class DesignResult:
 
     text: str  # of the spec, as `camgen design` writes it
     machine: Mechanism  # that it is
-    front: (
-        Front | None
-    )  # of a search for a path or a function: all designs that are best in something
+    front: Front | None  # of a search for a linkage: all designs that are best in something
     notes: Sequence[str]  # how it went
 
     def __repr__(self) -> str:
@@ -149,7 +143,7 @@ def found(
     data, _, folder = read_tables(spec)
     for setting in settings:
         data = override(data, setting)
-    keep = fronts.append if asked_for(data) in ("path", "function") else None
+    keep = fronts.append if asked_for(data) in _WITH_FRONT else None
     text = design(spec, settings, jobs, noted, keep)
     machine = changed(*tables_of_text(text, folder))
     return DesignResult(text, machine, fronts[0] if fronts else None, notes)
@@ -204,7 +198,7 @@ class Request:
         """The rows of a front, which is kept where that is asked for."""
         rows = [each.row(number) for number, each in enumerate(front, 1)]
         if self.keep is not None:
-            texts = [self.spec_of(each, note, None) for each in front]
+            texts = [self.spec_of(each, note) for each in front]
             name = str(self.data.get("name"))
             self.keep(
                 Front(
@@ -218,11 +212,11 @@ class Request:
             )
         return rows
 
-    def spec_of(self, each: Design, note: str, tolerance: float | None) -> str:
+    def spec_of(self, each: Design, note: str) -> str:
         """The spec of a design: the text that was given with what was found, or one of its own."""
         from camgen.machines import MECHANISMS, load
 
-        data = each.data(tolerance)
+        data = each.data()
         sizes = each.prototype.sizes
         if sizes:
             data = {**data, "parts": {**data.get("parts", {}), **sizes}}
@@ -232,6 +226,7 @@ class Request:
             "points",
             "links",
             "drive",
+            *(["slide"] if "slide" in data else []),
             "output",
             *(["limits"] if "lash" in self.data["wanted"] else []),
         )
@@ -304,7 +299,62 @@ def _for_function(request: Request) -> str:
         f"design {row['design']} of {len(front)}: at most {row['worst_error_deg']:.4g} deg off at the pairs, "
         f"transmission angle {row['transmission_deg']:.4g} deg and more, play of {best.prototype.lash:.3g} deg"
     )
-    return request.spec_of(best, note, found.tolerance)
+    return request.spec_of(best, note)
+
+
+def _for_positions(request: Request) -> str:
+    from camgen.design import found as founds
+    from camgen.design.positions import designs_for
+
+    kind = asked_for(request.data)
+
+    def wanted_positions() -> LinkWish:
+        found = wish(request.data, request.source)
+        assert isinstance(found, LinkWish)
+        return found
+
+    _, sizes, wanted = request.checked(
+        lambda: _refuse_made_tables(request, ("range_deg", "segment")),
+        lambda: _sizes(request),
+        wanted_positions,
+    )
+    room = wanted.room(sizes.pin_diameter + 2 * sizes.wall)
+    designs = designs_for(wanted, room, request.with_lash("lash", wanted.lash))
+    with Workers(request.jobs) as workers:
+        looked = founds.weighed(designs.losses, designs.of, workers.map, request.say)
+    front = sorted(looked, key=partial(_rank, wanted))
+    note = f"found by camgen design for {len(wanted.places)} {kind}; [[output]]: what was wanted, and how far this machine may be off"
+    best_in = "shorter bars" if wanted.trades_size else "a smaller error"
+    summary = (
+        f"{len(front)} linkages: each has {best_in} than all that transmit better, or was tried next. Design 1 is 01.toml, "
+        "and so on. Those that can be built stand first."
+    )
+    rows = request.front_rows(front, f"Linkages for the {kind}", summary, wanted.figures, note)
+    can = keeping(front, wanted, "mm", lambda each: each.share)
+    near = [each for each in can if not each.miss]
+    if not near:
+        far = min(can, key=lambda each: each.share).farthest
+        remedy = f"{wanted.further}, or a wider wanted.{far.key}"
+        where = "the nearest buildable design"
+        raise DesignError(f"wanted.{far.key}", far.error, far.allowance, far.unit, where, remedy)
+    row = rows[front.index(near[0])]
+    words = [text.format(row[key]) for key, text in wanted.figures.items()]
+    request.say(f"design {row['design']} of {len(front)}: {', '.join(words)}")
+    if near[0].prototype.lash > wanted.useful_play:
+        request.say(
+            f"no design has less play, and of use is {wanted.useful_play:.4g} mm at most: set a smaller print.slide_clearance"
+        )
+    return request.spec_of(near[0], note)
+
+
+def _rank(wanted: LinkWish, each: Found) -> tuple[int, float]:
+    """What designs are sorted by: those of use with useful play by what is best of them, then the others as `_merit` has them."""
+    made = each.prototype
+    if not made.of_use:
+        return (3 if made.obstacle else 2, each.share)
+    if made.lash > wanted.useful_play:
+        return (1, made.lash)
+    return (0, -each.figures["transmission_deg"] if wanted.trades_size else each.share)
 
 
 def _for_path(request: Request) -> str:
@@ -339,7 +389,9 @@ def _for_path(request: Request) -> str:
         if not found:
             raise DesignError("designs whose chain closes", 0, 1, "", "wanted", wanted.further)
         candidates = Candidates(
-            lambda each: Candidate(each, line, tables, aim.allowance, wanted.joined),
+            lambda each: Candidate(
+                each, line, tables, aim.allowance, wanted.joined, wanted.tolerance
+            ),
             workers.map,
             request.say,
         )
@@ -370,7 +422,7 @@ def _for_path(request: Request) -> str:
     shortest = min(near, key=lambda each: each.design.bars)
     if shortest is not best:
         request.say(f"design {front.index(shortest) + 1} has the shortest bars: {_said(shortest)}")
-    return request.spec_of(best, note, wanted.tolerance)
+    return request.spec_of(best, note)
 
 
 def _for_drawing(request: Request) -> str:
@@ -420,10 +472,13 @@ def _said(each: Candidate) -> str:
     )
 
 
-def _refuse_made_tables(request: Request) -> None:
-    """SpecError for tables that a search makes, and for another mechanism."""
+def _refuse_made_tables(request: Request, of_drive: Sequence[str] = ()) -> None:
+    """SpecError for tables that a search makes, keys of [drive] among them, and for another mechanism."""
     right = "nothing here: it is found, with [points], [links] and [[output]]"
     faults = [Fault((key,), "a table", right) for key in _MADE if key in request.rest]
+    drive = request.rest.get("drive")
+    if isinstance(drive, dict):
+        faults += [Fault(("drive", key), "given", right) for key in of_drive if key in drive]
     if request.data.get("mechanism") != "linkage":
         faults.append(
             Fault(

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, create_model
 
+from camgen.design.fourbars import Room
 from camgen.errors import Fault, FileError, SpecError
 from camgen.machines.spec_files import stroke_of
 from camgen.motion.tables import read_table
-from camgen.numerics import Points
+from camgen.numerics import Floats, Points
 from camgen.reading import Data, references
 from camgen.spec import Checked, Length, Record, validate
 from camgen.tolerances import SAME_POINT
@@ -23,6 +25,10 @@ _MOST_POINTS = 20_000
 _DENSE = 500  # points of a path that is joined by lines
 _OF_USE = 20  # of the size of what is wanted: a design that is off by more is of no use, unless a tolerance says so
 _OF_USE_CLOSED = 1 / 20  # of its size: a line whose ends are nearer is closed
+_ROUND = 1.5  # of its size: how far round what is wanted pivots may stand
+_LONG = 3.0  # of its size: the longest link
+_SMALLEST = 0.1  # mm: places that are nearer to each other are one place
+_LEAST_ANGLE = 0.1  # deg, that a body's angle may be off at least
 _TWICE = 3.0  # times the sides of its box: a line through points in order is shorter
 
 Coordinate = Annotated[float, Field(ge=-1e5, le=1e5)]
@@ -30,9 +36,18 @@ Bounds = tuple[Annotated[float, Field(ge=-1e9, le=1e9)], Annotated[float, Field(
 
 
 Choices = Annotated[tuple[str, ...], Field(min_length=2, max_length=20)]
+Turn = Annotated[float, Field(ge=-720, le=720)]
 
 
-class PathWish(Record):
+class Wish(Record):
+    """A table [wanted]."""
+
+    def faults(self) -> list[Fault]:
+        """What does not go together."""
+        return []
+
+
+class PathWish(Wish):
     """A path that a point of a linkage is to trace; everything but [points], [links] and [[output]] is the spec's own."""
 
     path: str | tuple[tuple[Coordinate, Coordinate], ...] = Field(
@@ -112,7 +127,7 @@ class PathWish(Record):
         return np.asarray(np.interp(along, at, line.real) + 1j * np.interp(along, at, line.imag))
 
 
-class DrawingWish(Record):
+class DrawingWish(Wish):
     """A line that a pen is to draw over one turn of two cams; [points], [links], [[cam]] and [[output]] are found."""
 
     drawing: str | tuple[tuple[Coordinate, Coordinate], ...] = Field(
@@ -154,10 +169,7 @@ class DrawingWish(Record):
         return np.concatenate([z, z[-2:0:-1]])
 
 
-Turn = Annotated[float, Field(ge=-720, le=720)]
-
-
-class FunctionWish(Record):
+class FunctionWish(Wish):
     """Angles of a four-bar's crank and rocker that go together; [points], [links] and [[output]] are found."""
 
     function: tuple[tuple[Turn, Turn], ...] = Field(
@@ -244,7 +256,7 @@ class FunctionWish(Record):
         return faults
 
 
-class KeyWish(Record):
+class KeyWish(Wish):
     """Values of keys by which all limits of a machine hold, and a figure is least or greatest."""
 
     vary: Annotated[dict[str, Bounds | Choices], Field(min_length=1, max_length=8)] = Field(
@@ -308,41 +320,195 @@ class KeyWish(Record):
         return faults
 
 
-class _AsksPath(Checked):
-    wanted: PathWish
+class LinkWish(Wish):
+    """What is common to linkages that a few positions ask for; [points], [links] and [[output]] are found."""
+
+    tolerance: Length | None = Field(
+        None, description="mm, how far the linkage may be off; a twentieth of the size unless given"
+    )
+    lash: Length | None = Field(None, description="mm, greatest free play by all joints")
+    pivots: tuple[tuple[Coordinate, Coordinate], tuple[Coordinate, Coordinate]] | None = Field(
+        None,
+        description="mm, two corners of the box in which both pivots stand; one and a half sizes round what is wanted unless given",
+    )
+    shortest: Length | None = Field(
+        None, description="mm, least distance of two pins of a link; unless given what hubs need"
+    )
+    longest: Length | None = Field(
+        None, description="mm, greatest one; three sizes of what is wanted unless given"
+    )
+    transmission_deg: Annotated[float, Field(ge=0, le=80)] = Field(
+        30.0, description="deg, least between coupler and rocker"
+    )
+    turns: bool | None = Field(
+        None,
+        description="true: the crank turns all round; false: to and fro; it turns where it can unless given",
+    )
+    effort: Annotated[int, Field(ge=1, le=50)] = Field(
+        1, description="from how many drawings a search begins"
+    )
+    seed: Annotated[int, Field(ge=0, le=10**6)] = Field(
+        0, description="another one begins from other drawings"
+    )
+
+    @property
+    def places(self) -> Points:
+        """Where something is wanted, complex mm."""
+        raise NotImplementedError
+
+    @property
+    def exact(self) -> bool:
+        """Whether what is wanted is met exactly, not as near as can be."""
+        raise NotImplementedError
+
+    @property
+    def trades_size(self) -> bool:
+        """Whether size and transmission angle decide among designs: all are near enough; if not, the error does."""
+        return self.exact or self.tolerance is not None
+
+    @property
+    def figures(self) -> Mapping[str, str]:
+        """Columns of the front, how a person reads them; the first two are drawn, one over the other."""
+        return {
+            "bars_mm": "bars of {:.4g} mm",
+            "transmission_deg": "transmission angle {:.4g} deg and more",
+            "crank_range_deg": "crank over {:.4g} deg",
+            **({} if self.exact else self.errors),
+            "lash": "play of {:.3g} mm",
+        }
+
+    @property
+    def errors(self) -> Mapping[str, str]:
+        """Those of how far it is off."""
+        return {"off_mm": "at most {:.3g} mm off"}
+
+    @property
+    def size(self) -> float:
+        """Largest distance of two places, mm."""
+        return float(np.max(np.abs(self.places[:, None] - self.places)))
+
+    @property
+    def allowance(self) -> float:
+        """How far the linkage may be off, mm."""
+        return self.tolerance or float(f"{self.size / _OF_USE:.4g}")
+
+    @property
+    def useful_play(self) -> float:
+        """Play with which the linkage is still of use, mm."""
+        return self.lash or float(f"{self.size / _OF_USE:.4g}")
+
+    @property
+    def further(self) -> str:
+        """What gives the search more room."""
+        return "a greater wanted.longest, wanted.pivots or wanted.effort, a smaller wanted.transmission_deg"
+
+    def room(self, hub: float) -> Room:
+        """Where it may be, and how large; hub: least distance of two pins that can be made, mm."""
+        size = self.size
+        z = self.places
+        if self.pivots is None:
+            margin = _ROUND * size * (1 + 1j)
+            low = complex(z.real.min(), z.imag.min()) - margin
+            high = complex(z.real.max(), z.imag.max()) + margin
+        else:
+            corners = [complex(*corner) for corner in self.pivots]
+            low = complex(min(c.real for c in corners), min(c.imag for c in corners))
+            high = complex(max(c.real for c in corners), max(c.imag for c in corners))
+        longest = self.longest or _LONG * size
+        least = math.radians(self.transmission_deg)
+        return Room(low, high, self.shortest or hub, longest, least, self.turns)
+
+    def faults(self) -> list[Fault]:
+        """What does not go together."""
+        faults = []
+        if self.pivots is not None:
+            sides = np.abs(np.subtract(*self.pivots))
+            if np.max(sides) < SAME_POINT:
+                right = "two corners that are apart"
+                faults.append(Fault(("wanted", "pivots"), str(list(self.pivots)), right))
+        if self.longest is not None and self.shortest is not None:
+            if self.longest <= self.shortest:
+                right = f"more than wanted.shortest, {self.shortest:g}"
+                faults.append(Fault(("wanted", "longest"), f"{self.longest:g}", right))
+        if self.size < _SMALLEST:
+            right = f"places that are {_SMALLEST:g} mm apart or more"
+            found = f"places within {self.size:.3g} mm"
+            faults.append(Fault(("wanted", _kind_of(self)), found, right))
+        return faults
 
 
-class _AsksFunction(Checked):
-    wanted: FunctionWish
+class PoseWish(LinkWish):
+    """Poses that a body of a four-bar is to come to in their order."""
+
+    poses: tuple[tuple[Coordinate, Coordinate, Turn], ...] = Field(
+        min_length=3,
+        max_length=60,
+        description="[x, y, deg] of the body in their order: place, mm, and angle; up to five are met exactly",
+    )
+    tolerance_deg: Annotated[float, Field(gt=0, le=180)] | None = Field(
+        None,
+        description="deg, how far the body's angle may be off, counted from the first; a twentieth of its range unless given",
+    )
+
+    @property
+    def places(self) -> Points:
+        """Of the body, complex mm."""
+        return np.array([complex(x, y) for x, y, _ in self.poses])
+
+    @property
+    def angles(self) -> Floats:
+        """Of the body, rad."""
+        return np.radians([angle for _, _, angle in self.poses])
+
+    @property
+    def exact(self) -> bool:
+        """Three and four always, five unless a tolerance lets them be off."""
+        count = len(self.poses)
+        return count < 5 or count == 5 and self.tolerance is None and self.tolerance_deg is None
+
+    @property
+    def errors(self) -> Mapping[str, str]:
+        """Of place and angle."""
+        return {**super().errors, "off_deg": "at most {:.3g} deg off"}
+
+    @property
+    def allowance_deg(self) -> float:
+        """How far the body's angle may be off, deg."""
+        angles = [angle for _, _, angle in self.poses]
+        return self.tolerance_deg or max((max(angles) - min(angles)) / _OF_USE, _LEAST_ANGLE)
+
+    def faults(self) -> list[Fault]:
+        """What does not go together."""
+        return super().faults() + [
+            Fault(("wanted", "poses", k), str(list(b)), "another pose than the one before")
+            for k, (a, b) in enumerate(itertools.pairwise(self.poses), 1)
+            if a == b
+        ]
+
+
+class _Asks(Checked):
+    wanted: Wish
 
     def faults(self) -> Sequence[Fault]:
         """Of the wish."""
         return self.wanted.faults()
 
 
-class _AsksDrawing(Checked):
-    wanted: DrawingWish
-
-
-class _AsksKeys(Checked):
-    wanted: KeyWish
-
-    def faults(self) -> Sequence[Fault]:
-        """Of the wish."""
-        return self.wanted.faults()
-
-
-_KINDS: dict[str, Any] = {
-    "path": _AsksPath,
-    "function": _AsksFunction,
-    "drawing": _AsksDrawing,
-    "vary": _AsksKeys,
+_KINDS: Mapping[str, type[Wish]] = {
+    "path": PathWish,
+    "function": FunctionWish,
+    "poses": PoseWish,
+    "drawing": DrawingWish,
+    "vary": KeyWish,
 }
-Wish = PathWish | FunctionWish | DrawingWish | KeyWish
+
+
+def _kind_of(wish: Wish) -> str:
+    return next(key for key, kind in _KINDS.items() if isinstance(wish, kind))
 
 
 def asked_for(data: Mapping[str, Any]) -> str:
-    """What a spec's wish is for: "path", "function", "drawing" or "vary"; "" where it is the machine's own, or there is none."""
+    """What a spec's wish is for: a key of [wanted], such as "path"; "" where it is the machine's own, or there is none."""
     table = data.get("wanted")
     return next((key for key in _KINDS if isinstance(table, dict) and key in table), "")
 
@@ -352,7 +518,8 @@ def wish(data: Mapping[str, Any], source: str) -> Wish | None:
     kind = asked_for(data)
     if not kind:
         return None
-    record: Wish = validate(_KINDS[kind], {"wanted": data["wanted"]}, source).wanted
+    asks = create_model("Asks", __base__=_Asks, wanted=(_KINDS[kind], ...))
+    record: Wish = validate(asks, {"wanted": data["wanted"]}, source).wanted
     return record
 
 
