@@ -6,16 +6,47 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
+from camgen.findings import Finding, Where, at_most
 from camgen.geometry.outlines import Floats
 from camgen.machine.model import Cam
 from camgen.machines.mechanism import Mechanism
+from camgen.motion.laws import last_digit
 from camgen.numerics import distinct, peak
 
+CODE = "SERVO_TABLE"
+NARROWEST = 0.02  # deg, between two rows with velocity: nearer ones do not help, since something jumps between them
+_LIMIT = 1e-5  # of the stroke, by which a drive's curve may leave the motion
+_SAME_ANGLE = 1e-7  # deg
 _PLACES = np.linspace(0, 360, 14_401)
 _BESIDE = 1e-7  # deg, from an angle at which a velocity may jump
+
+
+class DriveTable(Protocol):
+    """Rows of a drive's cam table, (n,) each: master, deg, growing; slave; velocity per deg, None where it has none."""
+
+    @property
+    def master(self) -> Floats:
+        """Angles, deg."""
+        ...
+
+    @property
+    def slave(self) -> Floats:
+        """Places of the follower, mm or deg."""
+        ...
+
+    @property
+    def velocity(self) -> Floats | None:
+        """Per deg of the master."""
+        ...
+
+    def curve(self) -> Callable[[Floats, int], Floats]:
+        """What the drive makes of it: (master, deg, and order) -> the slave or a derivative per deg."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -44,6 +75,25 @@ class FollowerMotion:
     def off(self, curve: Callable[[Floats, int], Floats], order: int = 0) -> float:
         """The most by which another curve leaves it, or a derivative of it, over the turn."""
         return peak(curve(_PLACES, order) - self.law(_PLACES, order))
+
+
+def table_finding(table: DriveTable, motion: FollowerMotion, path: Path) -> Finding:
+    """SERVO_TABLE of a file: how far the drive's curve through its rows leaves the follower, percent of the stroke.
+
+    A corner of the motion between two rows and half of the rows' last digit are allowed besides.
+    """
+    where = Where(file=path.name, kind=path.suffix[1:], output=motion.name)
+    stroke = motion.stroke or 1.0
+    first, last = float(table.master[0]), float(table.master[-1])
+    digit = last_digit(list(zip(table.master.tolist(), table.slave.tolist(), strict=True)))
+    gap = float(np.diff(table.master).max()) if table.velocity is None else NARROWEST
+    limit = _LIMIT + (motion.corner * gap / 4 + digit / 2) / stroke
+    if abs(first) + abs(last - 360) > _SAME_ANGLE:
+        message = f"from {first:g} to {last:g} deg, not from 0 to 360"
+        return at_most(CODE, math.nan, 100 * limit, "percent", where, message)
+    off = motion.off(table.curve())
+    message = f"off the follower's way by at most {off:.2g} {motion.unit} of {stroke:.4g} {motion.unit}, of {len(table.master)} rows"
+    return at_most(CODE, 100 * off / stroke, 100 * limit, "percent", where, message)
 
 
 def follower_motions(mechanism: Mechanism) -> Iterator[FollowerMotion]:

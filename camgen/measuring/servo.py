@@ -14,7 +14,7 @@ from camgen.files.folder import name_of
 from camgen.files.servo import CamTable, read_cam_table
 from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.rings import Floats
-from camgen.machines.follower_motions import follower_motions
+from camgen.machines.follower_motions import follower_motions, table_finding
 from camgen.machines.sources import read_mechanism
 from camgen.measuring.folder import write_folder
 from camgen.numerics import peak
@@ -144,9 +144,14 @@ def _compared(
     )
     columns = {**columns, f"wanted_{motion.unit}": motion.law(x, 0), f"error_{motion.unit}": error}
     numbers = report.numbers | figures
+    findings = [*report.findings, table_finding(driven.table, motion, driven.path)]
     note = f"Held against the follower of {motion.name} in {against.name}."
     return replace(
-        report, numbers=numbers, plots=[*report.plots, plot], notes=[*report.notes, note]
+        report,
+        findings=findings,
+        numbers=numbers,
+        plots=[*report.plots, plot],
+        notes=[*report.notes, note],
     ), columns
 
 

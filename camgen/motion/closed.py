@@ -23,6 +23,7 @@ KIND = "table"  # of the segment that is the whole turn
 _LEAST_ROWS = 8
 _WIDEST = 30.0  # deg, between two rows
 _SLACK = 1e-6  # deg, of a turn
+_ROUNDED = 1e-12  # of a table's stroke: what arithmetic leaves between its ends
 _PLACES = 16  # between two rows, at which the peaks are looked for
 _EVEN = 1e-9  # of a turn, by which even rows may be off
 
@@ -53,7 +54,7 @@ def closed_program(
 
     unit: what one of the rows' displacement is in s; tolerance: of a fit by harmonics, in the rows' unit, None for the spline.
     """
-    table = _whole(points)
+    table = _whole(points, tolerance or 0.0)
     start = float(table[0, 1])
     scale = float(np.ptp(table[:, 1]))
     u = (table[:, 0] - table[0, 0]) / 360
@@ -71,8 +72,11 @@ def closed_program(
     return Program((Segment(KIND, math.tau, unit * start, unit * scale, law),), begin)
 
 
-def _whole(points: Points) -> Floats:
-    """The rows with the last one at 360 deg after the first; SpecError with all that is wrong."""
+def _whole(points: Points, tolerance: float) -> Floats:
+    """The rows with the last one at 360 deg after the first; SpecError with all that is wrong.
+
+    The ends may differ by the tolerance, the rows' last digit or what arithmetic leaves.
+    """
     table = np.array(points, float).reshape(-1, 2)
     if len(table) < _LEAST_ROWS:
         raise SpecError(
@@ -89,7 +93,9 @@ def _whole(points: Points) -> Floats:
         faults.append(Fault(last, f"{table[-1, 0]:g}", right))
     elif turn < 360 - _SLACK:
         table = np.vstack([table, (table[0, 0] + 360, table[0, 1])])
-    elif abs(table[-1, 1] - table[0, 1]) > last_digit(points):
+    elif abs(table[-1, 1] - table[0, 1]) > max(
+        tolerance, last_digit(points), _ROUNDED * float(np.ptp(table[:, 1]))
+    ):
         right = f"{table[0, 1]:g}, where the table begins: over 360 deg it closes"
         faults.append(Fault(last, f"{table[-1, 1]:g}", right))
     gaps = np.diff(table[:, 0])

@@ -7,26 +7,27 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
 
 from camgen.errors import Fault, SpecError
 from camgen.files.servo import DIALECTS, PLAIN, CamTable, plain_text, read_cam_table
-from camgen.findings import Finding, Where, at_most
+from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
-from camgen.machines.follower_motions import FollowerMotion, follower_motions
+from camgen.machines.follower_motions import (
+    NARROWEST,
+    FollowerMotion,
+    follower_motions,
+    table_finding,
+)
 from camgen.numerics import distinct
 from camgen.pipeline.case import Case
 from camgen.pipeline.scope import Outcome
 from camgen.study import Table
 
-CODE = "SERVO_TABLE"
 _WIDEST = 30.0  # deg, between two rows
-_NARROWEST = 0.02  # deg: nearer rows do not help, since something jumps between them
 _OFF = 1e-6  # of the stroke, by which quintics between rows may leave the motion
-_LIMIT = 1e-5  # of the stroke, of what is read back
 _STEP = 0.5  # deg, between points without velocity
 _INSIDE = np.linspace(0, 1, 10)[1:-1]  # places between two rows that are looked at
 _SAME_ANGLE = 1e-7  # deg
@@ -41,7 +42,7 @@ def _rows(motion: FollowerMotion) -> CamTable:
         x = table.master
         inside = x[:-1, None] + np.diff(x)[:, None] * _INSIDE
         off = np.abs(table.curve()(inside, 0) - motion.law(inside, 0)).max(axis=1)
-        wide = np.flatnonzero((off > allowed) & (np.diff(x) > _NARROWEST))
+        wide = np.flatnonzero((off > allowed) & (np.diff(x) > NARROWEST))
         if not wide.size:
             return table
         table = _table(motion, np.insert(x, wide + 1, (x[wide] + x[wide + 1]) / 2))
@@ -120,21 +121,9 @@ def _judged(path: Path, motion: FollowerMotion) -> tuple[Finding, tuple[object, 
     """Finding and row of the report on one file."""
     table = read_cam_table(path)
     curve = table.curve()
-    stroke = motion.stroke or 1.0
-    off = motion.off(curve)
     of_acceleration = motion.off(curve, 2) / (motion.off(_still, 2) or 1.0)
-    complete = abs(table.master[0]) + abs(table.master[-1] - 360) < _SAME_ANGLE
-    gap = _STEP if table.velocity is None else _NARROWEST
-    limit = _LIMIT + motion.corner * gap / 4 / stroke
-    measured = off / stroke if complete else math.nan
-    message = (
-        f"off the follower's way by at most {off:.2g} {motion.unit} of {stroke:.4g} {motion.unit}, of {len(table.master)} rows"
-        if complete
-        else f"from {table.master[0]:g} to {table.master[-1]:g} deg, not from 0 to 360"
-    )
-    where = Where(file=path.name, kind=path.suffix[1:], output=motion.name)
-    finding = at_most(CODE, 100 * measured, 100 * limit, "percent", where, message)
-    return finding, (path.name, len(table.master), motion.unit, off, of_acceleration)
+    row = (path.name, len(table.master), motion.unit, motion.off(curve), of_acceleration)
+    return table_finding(table, motion, path), row
 
 
 def _still(x: Floats, order: int) -> Floats:

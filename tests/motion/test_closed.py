@@ -74,6 +74,19 @@ def test_as_a_segment() -> None:
     np.testing.assert_allclose(back(PLACES), made(-PLACES), atol=1e-12)
 
 
+@pytest.mark.parametrize("gap, tolerance", [(3e-15, None), (-3e-15, None), (0.004, 0.005)])
+def test_ends_that_arithmetic_or_a_tolerance_leaves_apart_close(
+    gap: float, tolerance: float | None
+) -> None:
+    """A table worked out in floating point need not end on the very number that it begins with."""
+    first = rows(36)[0][1]
+    points = [*rows(36), (360.0, first + gap)]
+    made = program((segment(points=points, tolerance=tolerance),))
+    np.testing.assert_allclose(made(PLACES), curve(PLACES), atol=2e-6 + (tolerance or 0.0))
+    with pytest.raises(SpecError, match="where the table begins"):
+        program((segment(points=[*rows(36), (360.0, first + 0.006)], tolerance=tolerance),))
+
+
 @pytest.mark.parametrize(
     "keys, path, says",
     [

@@ -14,6 +14,7 @@ import camgen
 from camgen.cli import main
 from camgen.errors import FileError, SpecError
 from camgen.files.servo import DIALECTS, CamTable, plain_text, read_cam_table
+from camgen.machines.follower_motions import follower_motions
 from camgen.measuring import servo as measuring
 from camgen.pipeline.servo import _masters
 
@@ -146,6 +147,29 @@ def test_motion_of_a_table(root: Path, built: Any, tmp_path: Path) -> None:
     open_ended = written(tmp_path, "".join(f"{k},{k / 1e3}\n" for k in range(361)), "o.csv")
     (jump,) = measuring.run(open_ended, None, tmp_path).findings
     assert not jump.ok and jump.code == "MOTION_JUMP"
+
+
+def test_a_table_is_held_against_its_spec(root: Path, built: Any, tmp_path: Path) -> None:
+    """Every half degree to four decimals holds; one row 0.01 mm off, a coarse table and three quarters of a turn fail."""
+    spec = root / "specs" / "disc-cam.toml"
+    x = np.arange(0, 360.25, 0.5)
+    (motion,) = follower_motions(camgen.load(spec))
+    rows = np.round(motion.law(x, 0), 4)
+    spoilt = rows.copy()
+    spoilt[100] += 0.01
+    cases = {
+        "sound": (x, rows, True),
+        "spoilt": (x, spoilt, False),
+        "coarse": (x[::60], motion.law(x[::60], 0), False),
+        "short": (x[:541], rows[:541], False),
+    }
+    for name, (master, slave, holds) in cases.items():
+        text = "".join(f"{a:g},{b:.17g}\n" for a, b in zip(master, slave, strict=True))
+        findings = measuring.run(written(tmp_path, text, f"{name}.csv"), spec, tmp_path).findings
+        (table,) = (each for each in findings if each.code == "SERVO_TABLE")
+        assert table.ok == holds, name
+        if name == "spoilt":
+            assert table.measured / 100 * motion.stroke == pytest.approx(0.01, rel=0.05)
 
 
 @pytest.mark.parametrize(
