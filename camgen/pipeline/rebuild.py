@@ -32,7 +32,7 @@ from camgen.pipeline.case import Case
 from camgen.pipeline.laser import sheet_files
 from camgen.pipeline.making import lying_sides, write_parts_list, written
 from camgen.pipeline.scope import Outcome
-from camgen.pipeline.servo import servo_files
+from camgen.pipeline.servo import make_servo_tables, servo_files
 from camgen.pipeline.summary import (
     Summary,
     draw_part,
@@ -67,6 +67,7 @@ _TEXTS = {
     "html",
     "json",
     "pmks",
+    "st",
     "svg",
     "toml",
 }  # endings of files in which a number may be written otherwise
@@ -116,7 +117,7 @@ def _files(case: Case, kind: str) -> list[Path]:
 
 def judged_files(case: Case, names: Collection[str]) -> set[str]:
     """Those of the files, as the manifest names them, that are judged by what they hold."""
-    paths = [path for kind in (*FORMATS, "servo") for path in _files(case, kind)]
+    paths = [path for kind in FORMATS for path in _files(case, kind)]
     parts = {case.place(path) for path in (*paths, *sheet_files(case))}
     return parts | {SPEC} | {name for name in names if name.endswith((".3mf", ".step"))}
 
@@ -212,6 +213,8 @@ class Rebuild:
             copy.file("assembly", "glb").write_bytes(scene.glb)
         sides = lying_sides(case.mechanism, written(case) if "3mf" in kinds else {})
         write_parts_list(copy.file("parts", "csv"), case.mechanism, sides)
+        if "servo" in kinds:
+            make_servo_tables(copy)
         if "dxf" in kinds and case.mechanism.files.machining:
             from camgen.pipeline.machining import make_tables
 
