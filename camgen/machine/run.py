@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -135,7 +136,7 @@ class Run:
         """Its angles, and what each output does."""
         if not self.theta.size:
             return "Run at 0 angles"
-        sweep = f"{np.degrees(self.theta[0]):.6g} to {np.degrees(self.theta[-1]):.6g} deg"
+        sweep = f"{math.degrees(self.theta[0]):.6g} to {math.degrees(self.theta[-1]):.6g} deg"
         return "\n  ".join([f"Run at {self.theta.size} angles, {sweep}", *map(self._said, self)])
 
     def _said(self, name: str) -> str:

@@ -87,6 +87,11 @@ def refuse_thin(link: str, outline: Contour, holes: Mapping[str, Contour], min_w
         wall = float(np.min(np.where(inside(ring, rim), off, -off)))
         if wall < min_wall:
             remedy = f"draw the edge {min_wall - wall:.3g} mm farther out there"
+            if not inside(ring, rim).any():
+                remedy = (
+                    f"the hole lies outside the outline: see parts.{link}.outline_at, the drawing's scale, and whether y "
+                    "points up in it"
+                )
             where = f"link {link}"
             quantity = f"wall between {name} and parts.{link}.outline"
             raise DesignError(quantity, wall, min_wall, "mm", where, remedy)

@@ -36,7 +36,7 @@ def cell_text(value: object, digits: int = 6) -> str:
 
 def unit_text(unit: str) -> str:
     """A unit behind a number."""
-    return f" <small>{escape(unit)}</small>" if unit else ""
+    return f" <small>{escape(unit)}</small>" if unit not in ("", "1") else ""
 
 
 def html_table(table: Table) -> str:

@@ -177,7 +177,7 @@ def number(value: float, noise: float = NOISE) -> str:
 
 def _sentence(finding: Finding, where: str) -> str:
     """A finding as a sentence with its numbers."""
-    unit = f" {finding.unit}" if finding.unit else ""
+    unit = f" {finding.unit}" if finding.unit not in ("", "1") else ""
     rounding = not finding.ok and 0 < finding.measured < NOISE
     size = f"{f'below {number(NOISE)}' if rounding else number(finding.measured)}{unit}"
     measured = size if not math.isnan(finding.measured) else "could not be measured"

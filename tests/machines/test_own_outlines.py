@@ -133,6 +133,18 @@ def test_a_hole_too_near_or_outside_is_named_with_its_wall(
     assert refused.value.value == pytest.approx(wall, abs=0.02)
 
 
+def test_an_outline_beside_its_holes_says_what_may_be_wrong(here: Path) -> None:
+    upside_down = f'<path transform="scale(1 -1)" d="{WING}"/>'
+    (here / "wing.svg").write_text(
+        svg(upside_down, 'width="80mm" height="80mm" viewBox="30 0 80 80"')
+    )
+    with pytest.raises(
+        DesignError, match=r"lies outside the outline: see parts\.rocker\.outline_at"
+    ) as refused:
+        assert camgen.load(spec()).assembly.parts
+    assert "y points up" in str(refused.value)
+
+
 def test_levels_give_way_to_what_the_outline_sweeps(here: Path) -> None:
     band = camgen.load(spec() | {"parts": {}, "layers": {"crank": 1, "rocker": 1}})
     assert band.assembly.parts
