@@ -16,6 +16,7 @@ from camgen.reading import Data
 from camgen.report.sketches import Sketch
 
 CRANK = "crank"
+NO_ERROR = 0.02  # of what is borne: less does not count
 _DIGITS = 6  # of a coordinate, mm
 _SPARE = 1e-3  # mm or deg, by which a tolerance is more than an error
 _AT_ONCE = 8  # designs that are weighed together
@@ -107,7 +108,7 @@ class Found:
 
     def row(self, number: int) -> dict[str, Any]:
         """What a table of the front shows."""
-        figures = {name: float(f"{value:.5g}") for name, value in self.figures.items()}
+        figures = {name: float(f"{round(value, 9):.5g}") for name, value in self.figures.items()}
         return {"design": number, **figures, **self.prototype.row}
 
 

@@ -27,6 +27,7 @@ Flags = NDArray[np.bool_]
 DEFECTS = ("bounds", "circuit", "branch", "order", "turn", "transmission")
 _ROUNDING = 1e-6  # mm, by which a length may leave its bounds
 _ON_THE_WAY = 90  # crank angles at which the coupler's turn is followed
+_FLAT = 60.0  # allowances, as much as which a cosine counts that is 1 too great
 _CHANGE_POINT = 1e-6  # of all lengths: a margin by Grashof that is less is none
 
 
@@ -167,10 +168,10 @@ class Room:
         beyond = np.maximum(lengths - self.longest, self.shortest - lengths)
         return np.asarray(np.maximum(beyond, 0.0))
 
-    def lack(self, bars: FourBars, all_round: Flags) -> Floats:
-        """What four-bars lack of the room and of the transmission angle, mm, (rows, m), 0 where all is well: for a search.
+    def lack(self, bars: FourBars, all_round: Flags, allowance: float) -> Floats:
+        """What four-bars lack of the room and of the transmission angle, (rows, m), 0 where all is well: for a search.
 
-        all_round: which are to transmit over a whole turn.
+        all_round: which are to transmit over a whole turn; allowance: mm, of which lengths and pivots count as shares.
         """
         frame, crank, coupler, rocker = bars.lengths
         ends = np.stack([np.abs(frame - crank), frame + crank])
@@ -178,10 +179,10 @@ class Room:
 
         def flat(ways: Floats) -> Floats:
             cosine = (coupler**2 + rocker**2 - ways**2) / (2 * coupler * rocker)
-            return np.asarray(self.longest * np.clip(np.abs(cosine) - flattest, 0.0, 9.0))
+            return np.asarray(_FLAT * np.clip(np.abs(cosine) - flattest, 0.0, 9.0))
 
         steep = [flat(np.abs(bars.c - bars.a)), flat(ends) * all_round]
-        return np.concatenate([self._beyond(bars), *steep])
+        return np.concatenate([self._beyond(bars) / allowance, *steep])
 
     def bounds(self, bars: FourBars) -> Flags:
         """Which are not where they may be, or not of a length that they may have, (m,)."""
@@ -273,3 +274,14 @@ def closed(a: Points, c: Points, coupler: Floats, rocker: Floats, sides: Floats)
     along = (span**2 + coupler**2 - rocker**2) / (2 * span)
     up = np.sqrt(np.maximum(coupler**2 - along**2, 0.0))
     return np.asarray(a + way / span * (along - 1j * sides * up))
+
+
+def joined(one: FourBars, other: FourBars) -> FourBars:
+    """Those of both, at the same positions."""
+    return FourBars(
+        np.concatenate([one.o, other.o]),
+        np.concatenate([one.c, other.c]),
+        np.concatenate([one.a, other.a], axis=1),
+        np.concatenate([one.b, other.b], axis=1),
+        np.concatenate([one.p, other.p], axis=1),
+    )

@@ -22,8 +22,8 @@ from camgen.design.dyads import (
     four_pose_dyads,
     three_pose_dyads,
 )
-from camgen.design.fourbars import FourBars, Room, closed
-from camgen.numerics import Floats, Points
+from camgen.design.fourbars import FourBars, Room, closed, joined
+from camgen.numerics import Floats, Indices, Points
 
 _GRID = 16  # centres along each side of the box
 _TURNS = 720  # of a bar, for which dyads of four poses are found
@@ -57,7 +57,7 @@ def exact_four_bars(poses: Poses, room: Room, rng: np.random.Generator) -> FourB
         o = np.tile(made.o[best], _COPIES) + moved[0] + 1j * moved[1]
         c = np.tile(made.c[best], _COPIES) + moved[2] + 1j * moved[3]
         both = [three_pose_dyads(poses, each) for each in (o, c)]
-        made = _joined(made, _four_bars(poses, *both))
+        made = joined(made, _four_bars(poses, *both))
     return made
 
 
@@ -79,13 +79,10 @@ def near_four_bars(
     sides = np.sign(np.sum(starts.side, axis=0))
     sides[sides == 0] = 1.0
     all_round = starts.turns & (room.turns is not False)
-    spread = len(sides)
 
-    def residuals(x: Floats) -> Floats:
-        times = len(x) // spread
-        bars, off = _made(poses, x, np.repeat(sides, times))
-        place, angle = off
-        lack = room.lack(bars, np.repeat(all_round, times)) / allowance[0]
+    def residuals(x: Floats, which: Indices) -> Floats:
+        bars, (place, angle) = _made(poses, x, sides[which])
+        lack = room.lack(bars, all_round[which], allowance[0])
         rows = [place.real / allowance[0], place.imag / allowance[0], angle / allowance[1], lack]
         return np.concatenate(rows).T
 
@@ -114,15 +111,6 @@ def _four_bars(poses: Poses, crank: Dyads, rocker: Dyads) -> FourBars:
     p = np.repeat(poses.places[:, None], len(crank), axis=1)
     a = poses.carried(crank.points)
     return FourBars(crank.centres, rocker.centres, a, poses.carried(rocker.points), p)
-
-
-def _joined(one: FourBars, other: FourBars) -> FourBars:
-    ends = ((one.o, other.o), (one.c, other.c))
-    joints = ((one.a, other.a), (one.b, other.b), (one.p, other.p))
-    return FourBars(
-        *(np.concatenate(pair) for pair in ends),
-        *(np.concatenate(pair, axis=1) for pair in joints),
-    )
 
 
 def _within(dyads: Dyads, room: Room) -> Dyads:

@@ -9,17 +9,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgen.design.dyads import Poses
-from camgen.design.found import CRANK, Found, Judged, place
-from camgen.design.fourbars import FourBars, Motion, Room, Verdict
+from camgen.design.found import CRANK, NO_ERROR, Found, Judged, place
+from camgen.design.fourbars import FourBars, Motion, Room, Verdict, joined
 from camgen.design.poses import exact_four_bars, near_four_bars
-from camgen.design.wanted import LinkWish, PoseWish
+from camgen.design.projected import Passing, exact_five, near
+from camgen.design.wanted import LinkWish, PointWish, PoseWish, kind_of
 from camgen.errors import DesignError, counted
 from camgen.machine.targets import Function, Through
-from camgen.numerics import Floats
+from camgen.numerics import Floats, Indices
 from camgen.reading import Data
 from camgen.report.sketches import Sketch
 
 COUPLER = "coupler"
+_EXACT = 5  # points with angles that twelve four-bars at most pass
 _NEAREST = 8  # designs that are weighed where none is near enough
 _SEEN = 240  # places of a path in a sketch, and of the coupler's angle on its way
 _DIGITS = 6  # of an angle, deg
@@ -36,46 +38,100 @@ class Designs:
 
 def designs_for(wish: LinkWish, room: Room, tables: Data) -> Designs:
     """What a wish asks for."""
-    assert isinstance(wish, PoseWish)
-    return pose_designs(wish, room, tables)
+    rng = np.random.default_rng(wish.seed)
+    if isinstance(wish, PoseWish):
+        return pose_designs(wish, room, tables, rng)
+    assert isinstance(wish, PointWish)
+    return point_designs(wish, room, tables, rng)
 
 
-def pose_designs(wish: PoseWish, room: Room, tables: Data) -> Designs:
+def pose_designs(wish: PoseWish, room: Room, tables: Data, rng: np.random.Generator) -> Designs:
     """Four-bars whose coupler comes to the poses; DesignError where none is free of defects."""
     poses = Poses(wish.places, wish.angles)
-    rng = np.random.default_rng(wish.seed)
     allowance = (wish.allowance, math.radians(wish.allowance_deg))
     if wish.exact:
         bars = exact_four_bars(poses, room, rng)
         errors = np.zeros((2, len(bars.o)))
     else:
         bars, errors = near_four_bars(poses, room, allowance, rng, wish.effort)
-    verdict = room.judged(bars)
-    refuse_none(verdict, wish, "poses")
     share = np.max(errors / np.array(allowance)[:, None], axis=0)
-    numbers, losses = _losses(wish, bars, verdict, share)
+    sifted = _Sifted.of(wish, room, bars, share)
 
     def of(k: int) -> Found:
-        number = int(numbers[k])
-        one = bars.those(np.array([number]))
-        motion = Motion(one, bool(verdict.all_round[number]))
-        figures = {
-            "bars_mm": float(one.bars[0]),
-            "transmission_deg": math.degrees(verdict.transmission[number]),
-            "off_mm": float(errors[0, number]),
-            "off_deg": math.degrees(errors[1, number]),
-            "crank_range_deg": math.degrees(motion.ends[1] - motion.ends[0]),
-        }
-        judged = _judged_poses(wish, motion, figures)
+        number = int(sifted.numbers[k])
+        motion = sifted.motion(number)
+        off_mm = float(errors[0, number])
+        off_deg = math.degrees(errors[1, number])
+        figures = {**sifted.figures(number), "off_mm": off_mm, "off_deg": off_deg}
+        judged = _judged_poses(wish, motion, off_mm, off_deg)
         return _found(motion, judged, figures, wish, tables)
 
-    return Designs(losses, of)
+    return Designs(sifted.losses, of)
 
 
-def refuse_none(verdict: Verdict, wish: LinkWish, wanted: str) -> None:
+def point_designs(wish: PointWish, room: Room, tables: Data, rng: np.random.Generator) -> Designs:
+    """Four-bars that pass the points; DesignError where none is free of defects."""
+    passing = Passing(wish.places, wish.crank)
+    bars = near(passing, room, wish.allowance, rng, wish.effort)
+    if wish.timed and len(wish.points) == _EXACT:
+        bars = joined(exact_five(passing), bars)
+    off = np.max(np.abs(bars.p - passing.points[:, None]), axis=0)
+    sifted = _Sifted.of(wish, room, bars, off / wish.allowance)
+
+    def of(k: int) -> Found:
+        number = int(sifted.numbers[k])
+        motion = sifted.motion(number)
+        figures = {**sifted.figures(number), "off_mm": float(off[number])}
+        judged = [_judged_places(wish, motion, float(off[number]))]
+        return _found(motion, judged, figures, wish, tables)
+
+    return Designs(sifted.losses, of)
+
+
+@dataclass(frozen=True)
+class _Sifted:
+    """Four-bars of which those without a defect that are near enough are weighed."""
+
+    bars: FourBars
+    verdict: Verdict
+    numbers: Indices  # of those that are weighed
+    losses: Floats  # (designs, 2) of these
+
+    @classmethod
+    def of(cls, wish: LinkWish, room: Room, bars: FourBars, share: Floats) -> _Sifted:
+        """share: error as a share of what is borne; DesignError where all have defects.
+
+        With a tolerance, or where all are exact, bars and transmission angle count, else error and transmission angle.
+        """
+        verdict = room.judged(bars)
+        refuse_none(verdict, wish)
+        free = verdict.free
+        numbers = free[share[free] <= 1]
+        if not numbers.size:
+            numbers = free[np.argsort(share[free], kind="stable")[:_NEAREST]]
+        first = bars.bars if wish.trades_size else np.maximum(share, NO_ERROR)
+        losses = np.stack([first[numbers], -verdict.transmission[numbers]], axis=1)
+        return cls(bars, verdict, numbers, losses)
+
+    def motion(self, number: int) -> Motion:
+        """How that one is driven."""
+        return Motion(self.bars.those(np.array([number])), bool(self.verdict.all_round[number]))
+
+    def figures(self, number: int) -> Mapping[str, float]:
+        """Of the front's table."""
+        low, high = self.motion(number).ends
+        return {
+            "bars_mm": float(self.bars.bars[number]),
+            "transmission_deg": math.degrees(self.verdict.transmission[number]),
+            "crank_range_deg": math.degrees(high - low),
+        }
+
+
+def refuse_none(verdict: Verdict, wish: LinkWish) -> None:
     """DesignError where no design is free of defects: how many are stopped by which, and the keys that would let them through."""
     if verdict.free.size:
         return
+    wanted = kind_of(wish)
     count = sum(verdict.defects.values())
     stopped = [
         words.format(counted(verdict.defects[key], "four-bar"))
@@ -113,56 +169,29 @@ _REMEDIES = (
 )
 
 
-def _losses(
-    wish: LinkWish, bars: FourBars, verdict: Verdict, share: Floats
-) -> tuple[np.ndarray, Floats]:
-    """Numbers of the designs that are weighed, and what is less of better ones.
-
-    share: error as a share of what is borne.  With a tolerance, or where all are exact, bars and transmission angle count,
-    else error and transmission angle.
-    """
-    free = verdict.free
-    near = free[share[free] <= 1]
-    if not near.size:
-        near = free[np.argsort(share[free], kind="stable")[:_NEAREST]]
-    first = bars.bars if wish.trades_size else share
-    return near, np.stack([first[near], -verdict.transmission[near]], axis=1)
-
-
-def _judged_poses(wish: PoseWish, motion: Motion, figures: Mapping[str, float]) -> list[Judged]:
-    """Place and angle of the body, each at the crank's angle."""
-    theta = [round(math.degrees(angle), _DIGITS) for angle in motion.theta]
-    wanted = wish.angles - wish.angles[0]
-    turned = motion.coupler
-    whole = math.tau * np.round((turned - wanted) / math.tau)
-    angles = np.degrees(wanted + whole - whole[0])
-    places = {"at": [place(z) for z in wish.places], "theta_deg": theta}
-    pairs = {"at": [[t, round(float(a), _DIGITS)] for t, a in zip(theta, angles, strict=True)]}
+def _judged_places(wish: LinkWish, motion: Motion, off: float) -> Judged:
+    """Where P is, each at the crank's angle."""
+    theta = _degrees(motion.theta)
+    values = {"at": [place(z) for z in wish.places], "theta_deg": theta}
     given = wish.tolerance is not None
-    return [
-        Judged(
-            {"name": "place", "point": "P"},
-            "points",
-            places,
-            Through.code,
-            figures["off_mm"],
-            wish.allowance,
-            "mm",
-            "tolerance",
-            given,
-        ),
-        Judged(
-            {"name": "angle", "link": COUPLER},
-            "function",
-            pairs,
-            Function.code,
-            figures["off_deg"],
-            wish.allowance_deg,
-            "deg",
-            "tolerance_deg",
-            wish.tolerance_deg is not None,
-        ),
-    ]
+    limits = (off, wish.allowance, "mm", "tolerance", given)
+    return Judged({"name": "place", "point": "P"}, "points", values, Through.code, *limits)
+
+
+def _judged_poses(wish: PoseWish, motion: Motion, off_mm: float, off_deg: float) -> list[Judged]:
+    """Place and angle of the body, each at the crank's angle."""
+    wanted = wish.angles - wish.angles[0]
+    whole = math.tau * np.round((motion.coupler - wanted) / math.tau)
+    angles = _degrees(wanted + whole - whole[0])
+    pairs = {"at": [list(pair) for pair in zip(_degrees(motion.theta), angles, strict=True)]}
+    given = wish.tolerance_deg is not None
+    limits = (off_deg, wish.allowance_deg, "deg", "tolerance_deg", given)
+    angle = Judged({"name": "angle", "link": COUPLER}, "function", pairs, Function.code, *limits)
+    return [_judged_places(wish, motion, off_mm), angle]
+
+
+def _degrees(angles: Floats) -> list[float]:
+    return [round(math.degrees(angle), _DIGITS) + 0.0 for angle in angles]
 
 
 def _found(
@@ -193,4 +222,4 @@ def _drive(motion: Motion, tables: Data) -> Data:
     if motion.all_round:
         speed = abs(tables.get("drive", {}).get("speed_rpm", _SPEED))
         return {"link": CRANK, "speed_rpm": motion.sense * speed}
-    return {"link": CRANK, "range_deg": [round(math.degrees(end), _DIGITS) for end in motion.ends]}
+    return {"link": CRANK, "range_deg": _degrees(np.array(motion.ends))}

@@ -16,6 +16,7 @@ from camgen import reading
 from camgen import spec as specs
 from camgen.design.candidates import Candidates
 from camgen.design.chains import chains
+from camgen.design.found import NO_ERROR, Found, weighed
 from camgen.design.front import Aim, D, Design, Front, acceptable, keeping, with_prototype
 from camgen.design.keys import Search
 from camgen.design.linkages import Candidate
@@ -39,7 +40,6 @@ from camgen.settings import override
 from camgen.workers import Workers
 
 if TYPE_CHECKING:
-    from camgen.design.found import Found
     from camgen.parts.generator.sizes import Parts
 
 Say = Callable[[str], None]
@@ -58,7 +58,7 @@ _MADE = (
 # of the wanted path's longest chord: error, and length of all bars, that a front reaches to
 _WORST = 0.2
 _MOST = 10.0
-_WITH_FRONT = ("path", "function", "poses")  # wishes whose search gives several designs
+_WITH_FRONT = ("path", "function", "poses", "points")  # wishes whose search gives several designs
 _OF_DRAWING = 0.9  # of its tolerance, that the pen's motion takes; files and facets leave the rest
 
 
@@ -303,7 +303,6 @@ def _for_function(request: Request) -> str:
 
 
 def _for_positions(request: Request) -> str:
-    from camgen.design import found as founds
     from camgen.design.positions import designs_for
 
     kind = asked_for(request.data)
@@ -321,7 +320,7 @@ def _for_positions(request: Request) -> str:
     room = wanted.room(sizes.pin_diameter + 2 * sizes.wall)
     designs = designs_for(wanted, room, request.with_lash("lash", wanted.lash))
     with Workers(request.jobs) as workers:
-        looked = founds.weighed(designs.losses, designs.of, workers.map, request.say)
+        looked = weighed(designs.losses, designs.of, workers.map, request.say)
     front = sorted(looked, key=partial(_rank, wanted))
     note = f"found by camgen design for {len(wanted.places)} {kind}; [[output]]: what was wanted, and how far this machine may be off"
     best_in = "shorter bars" if wanted.trades_size else "a smaller error"
@@ -347,14 +346,15 @@ def _for_positions(request: Request) -> str:
     return request.spec_of(near[0], note)
 
 
-def _rank(wanted: LinkWish, each: Found) -> tuple[int, float]:
+def _rank(wanted: LinkWish, each: Found) -> tuple[int, float, float]:
     """What designs are sorted by: those of use with useful play by what is best of them, then the others as `_merit` has them."""
     made = each.prototype
+    flat = -each.figures["transmission_deg"]
     if not made.of_use:
-        return (3 if made.obstacle else 2, each.share)
+        return (3 if made.obstacle else 2, each.share, flat)
     if made.lash > wanted.useful_play:
-        return (1, made.lash)
-    return (0, -each.figures["transmission_deg"] if wanted.trades_size else each.share)
+        return (1, made.lash, flat)
+    return (0, 0.0 if wanted.trades_size else max(each.share, NO_ERROR), flat)
 
 
 def _for_path(request: Request) -> str:

@@ -358,8 +358,8 @@ class LinkWish(Wish):
 
     @property
     def exact(self) -> bool:
-        """Whether what is wanted is met exactly, not as near as can be."""
-        raise NotImplementedError
+        """Whether only what meets the wish exactly is looked for, not what comes near."""
+        return False
 
     @property
     def trades_size(self) -> bool:
@@ -433,7 +433,7 @@ class LinkWish(Wish):
         if self.size < _SMALLEST:
             right = f"places that are {_SMALLEST:g} mm apart or more"
             found = f"places within {self.size:.3g} mm"
-            faults.append(Fault(("wanted", _kind_of(self)), found, right))
+            faults.append(Fault(("wanted", kind_of(self)), found, right))
         return faults
 
 
@@ -486,6 +486,52 @@ class PoseWish(LinkWish):
         ]
 
 
+PointRow = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
+
+
+class PointWish(LinkWish):
+    """Points that a point of a four-bar is to pass in their order, each at an angle of its crank where one is given."""
+
+    points: tuple[PointRow, ...] = Field(
+        min_length=3,
+        max_length=60,
+        description="[x, y] in their order, mm; or [x, y, deg] with the crank's angle there, counter-clockwise from anywhere",
+    )
+
+    @property
+    def timed(self) -> bool:
+        """Whether the crank's angles are given."""
+        return len(self.points[0]) == 3
+
+    @property
+    def places(self) -> Points:
+        """To be passed, complex mm; without angles a last one that is the first again is left out."""
+        z = np.array([complex(*row[:2]) for row in self.points])
+        back = not self.timed and len(z) > 3 and z[-1] == z[0]
+        return np.asarray(z[:-1] if back else z)
+
+    @property
+    def crank(self) -> Floats | None:
+        """Its angle at each point, rad; None where none are given."""
+        return np.radians([row[2] for row in self.points]) if self.timed else None
+
+    def faults(self) -> list[Fault]:
+        """What does not go together."""
+        faults = super().faults()
+        if len({len(row) for row in self.points}) > 1:
+            right = "an angle of the crank for each point, or for none"
+            odd = next(k for k, row in enumerate(self.points) if len(row) != len(self.points[0]))
+            faults.append(Fault(("wanted", "points", odd), str(list(self.points[odd])), right))
+        elif self.crank is not None:
+            steps = np.diff(self.crank)
+            whole = abs(float(steps.sum()))
+            if not ((steps > 0).all() or (steps < 0).all()) or whole >= math.tau:
+                right = "crank angles that grow, or fall, from point to point within one turn"
+                found = ", ".join(f"{row[2]:g}" for row in self.points[:8])
+                faults.append(Fault(("wanted", "points"), found, right))
+        return faults
+
+
 class _Asks(Checked):
     wanted: Wish
 
@@ -498,12 +544,14 @@ _KINDS: Mapping[str, type[Wish]] = {
     "path": PathWish,
     "function": FunctionWish,
     "poses": PoseWish,
+    "points": PointWish,
     "drawing": DrawingWish,
     "vary": KeyWish,
 }
 
 
-def _kind_of(wish: Wish) -> str:
+def kind_of(wish: Wish) -> str:
+    """The key that says what is wanted."""
     return next(key for key, kind in _KINDS.items() if isinstance(wish, kind))
 
 
