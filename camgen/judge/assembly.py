@@ -10,7 +10,7 @@ import cmath
 import itertools
 import math
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +24,7 @@ from camgen.judge.slabs import Body, Course, Slab, slabs_of
 from camgen.machine.features import (
     CamOutline,
     Courses,
+    EdgePair,
     GearTeeth,
     Passing,
     PinEyes,
@@ -153,16 +154,15 @@ def _fits(machine: SweptMachine, spare: float) -> Iterator[tuple[str, str, float
         yield piece.name, rest.name, overlap + spare
     for contact in machine.contacts:
         match contact:
-            case CamOutline(part=part, own=own, free=air):
-                roller = contact.roller or contact.tip.part
-                if own is not None and own.radius is None:
-                    roller = own.part
-                for tip in [roller] if roller else tips:
-                    yield tip, part, _ROLLING + spare + max(0.0, -air)
+            case CamOutline():
+                yield from _tip_fits(contact, tips, spare)
             case GearTeeth(
                 a=wheel, b=mate
             ):  # their play is measured far more finely at the pitch circle
                 yield wheel.part, mate.part, _ROLLING + spare
+            case EdgePair(a=drivers, b=driven):
+                pairs = itertools.product(drivers, driven)
+                yield from ((one.part, other.part, _ROLLING + spare) for one, other in pairs)
             case PinEyes():
                 yield from _pin_fits(contact, machine.gap, spare)
             case Steady(far=far, pin=pin) if far.part and pin is not None and pin.part:
@@ -174,6 +174,18 @@ def _fits(machine: SweptMachine, spare: float) -> Iterator[tuple[str, str, float
                 yield runner.part, rails.part, spare
             case Passing(a=a, b=b) if contact.gap <= machine.gap + spare / 2:
                 yield a, b, spare
+
+
+def _tip_fits(
+    feature: CamOutline, tips: Sequence[str], spare: float
+) -> Iterator[tuple[str, str, float]]:
+    """What rolls on a cam, and the cam; tips: stand-ins, where no part does."""
+    own = feature.own
+    roller = feature.roller or feature.tip.part
+    if own is not None and own.radius is None:
+        roller = own.part
+    for tip in [roller] if roller else tips:
+        yield tip, feature.part, _ROLLING + spare + max(0.0, -feature.free)
 
 
 def _pin_fits(feature: PinEyes, gap: float, spare: float) -> Iterator[tuple[str, str, float]]:

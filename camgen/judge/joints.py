@@ -14,14 +14,18 @@ from functools import cached_property
 
 import numpy as np
 
+from camgen.geometry.rings import Ring
 from camgen.judge.contact import RollingContact, contact
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, Form, SlideTip
+from camgen.judge.edges import Engagement
 from camgen.judge.measured import Readings
 from camgen.judge.meshes import MeshedWheel, Meshing
 from camgen.machine.features import (
     CamOutline,
     Demand,
+    Edge,
+    EdgePair,
     Eye,
     Faces,
     Feature,
@@ -148,13 +152,14 @@ class Nominal:
 class Closable:
     """The machine as measured; the fit of each joint that was, and the outlines of each cam, the one that drives first.
 
-    meshings: of each Gear its wheels.
+    meshings: of each Gear its wheels; engagements: of each Cam its edges, where these have any shape.
     """
 
     machine: Machine
     fits: Mapping[str, Fit]
     outlines: Mapping[str, Sequence[Outline]]
     meshings: Mapping[str, Meshing]
+    engagements: Mapping[str, Engagement]
 
 
 def measured_machine(
@@ -172,6 +177,7 @@ def measured_machine(
         SlotFaces,
         CamOutline,
         GearTeeth,
+        EdgePair,
     ):  # cams and gears ask for the pins that hold them
         for feature in features:
             if isinstance(feature, kind):
@@ -184,6 +190,7 @@ def measured_machine(
         builder.fits,
         builder.outlines,
         builder.meshings,
+        builder.engagements,
     )
 
 
@@ -238,9 +245,11 @@ class _Builder:
         self.fits: dict[str, Fit] = {}
         self.outlines: dict[str, list[Outline]] = {}
         self.meshings: dict[str, Meshing] = {}
+        self.engagements: dict[str, Engagement] = {}
 
     def put(
-        self, feature: PinEyes | Steady | SlideFaces | SlotFaces | CamOutline | GearTeeth
+        self,
+        feature: PinEyes | Steady | SlideFaces | SlotFaces | CamOutline | GearTeeth | EdgePair,
     ) -> None:
         """Put the feature's joint where it is."""
         joint = self.joints[feature.joint]
@@ -259,6 +268,8 @@ class _Builder:
                 new = joint
             case GearTeeth(), Gear():
                 new = self._gear(feature, joint)
+            case EdgePair(), Cam():
+                new = self._edge_pair(feature, joint)
             case _:
                 raise ValueError(f"{joint.name} is no joint for {type(feature).__name__}")
         self.joints[feature.joint] = new
@@ -451,6 +462,49 @@ class _Builder:
         pivot = self._pin_places(pin, body)[0]
         mount = self.made[self._mount(teeth.part, Place(body, pivot), 0j)]
         return MeshedWheel(teeth, self.found.wheels[teeth], mount, pivot)
+
+    def _edge_pair(self, feature: EdgePair, joint: Cam) -> Cam:
+        """A pair whose follower goes where the edges let it."""
+        driver = self._pin_places(feature.turns, joint.cam)
+        driven = self._pin_places(feature.swings, joint.follower)
+        pivot, follower = self.nominal[feature.turns], self.nominal[feature.swings]
+        a = [self._edge(each, joint.cam, pivot, driver[0]) for each in feature.a]
+        b = [self._edge(each, joint.follower, follower, driven[0]) for each in feature.b]
+        engagement = Engagement(
+            feature,
+            tuple(ring.moved(cmath.exp(1j * joint.phase)) for ring in a),
+            tuple(ring.moved(cmath.exp(1j * joint.rest)) for ring in b),
+            driven[1] - driver[1],
+            joint.law,
+        )
+        worst = engagement.worst_gap
+        meant = 2 * feature.free
+        # each body answers for one half
+        self.fits[joint.name] = Fit(
+            worst.gap, meant, abs(worst.gap - meant) / 2, parts=(worst.driver, worst.driven)
+        )
+        self.engagements[joint.name] = engagement
+        return replace(joint, law=engagement)
+
+    def _edge(self, edge: Edge, body: str, pin: Pin, pivot: complex) -> Ring:
+        """An edge about the pivot of its body, in the body's axes, with its bore on its axis; pin: the nominal one."""
+        meant = pin.a.at if pin.a.body == body else pin.b.at
+        axis = pivot
+        if edge.seat is not None:
+            near = min(
+                (
+                    mount
+                    for mount in self.mounts
+                    if (mount.part, mount.body) == (edge.seat.part, body)
+                ),
+                key=lambda mount: abs(mount.place(edge.seat.at) - meant),  # type: ignore[union-attr]
+            )
+            meant = near.place(edge.seat.at)
+            axis = self.made[near].place(self.found.eyes[edge.seat].centre)
+        mount = self.made[self._mount(edge.part, Place(body, meant), edge.bore.at)]
+        shift = mount.at + axis - mount.place(self.found.eyes[edge.bore].centre) - pivot
+        turn = cmath.exp(1j * mount.angle) * (-1 if mount.flipped else 1)
+        return self.found.edges[edge].moved(turn, shift, mirror=mount.flipped)
 
     def _own(self, feature: CamOutline, joint: Cam) -> RollingLaw | None:
         """What the follower's own tip rolls to; None where it is lost or does not fit the cam."""

@@ -14,6 +14,8 @@ from camgen.findings import Where
 from camgen.geometry.rings import Circle, Ring, Shape, bore_circle, fit_circle, hole_circles
 from camgen.machine.features import (
     CamOutline,
+    Edge,
+    EdgePair,
     Eye,
     Faces,
     Feature,
@@ -188,6 +190,7 @@ class Readings:
     flats: dict[Flat, Flat] = field(default_factory=dict)
     rings: dict[CamOutline, Ring] = field(default_factory=dict)
     wheels: dict[Teeth, Ring] = field(default_factory=dict)
+    edges: dict[Edge, Ring] = field(default_factory=dict)
     facing: dict[SharedFlat, tuple[float, float]] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)  # sentences on what they do not show
 
@@ -209,6 +212,8 @@ def read(features: Sequence[Feature], files: Mapping[str, Sections], drawing: bo
             case GearTeeth(joint=joint, a=a, b=b):
                 reader.teeth(joint, a)
                 reader.teeth(joint, b)
+            case EdgePair(joint=joint):
+                reader.edges(joint, feature.edges)
             case SharedFlat():
                 reader.flats(feature)
     return reader.readings
@@ -277,11 +282,22 @@ class _Reader:
 
     def teeth(self, joint: str, nominal: Teeth) -> None:
         """One wheel of a pair."""
-        outline = _toothed(self.files[nominal.part], nominal.inside)
-        if outline is None:
-            self._lost(f"{joint}: the outline of {nominal.part} is lost")
-        else:
+        outline = self._whole_outline(joint, nominal.part, nominal.inside)
+        if outline is not None:
             self.readings.wheels[nominal] = outline
+
+    def edges(self, joint: str, edges: Sequence[Edge]) -> None:
+        """Outlines that touch others."""
+        for edge in edges:
+            outline = self._whole_outline(joint, edge.part)
+            if outline is not None:
+                self.readings.edges[edge] = outline
+
+    def _whole_outline(self, joint: str, part: str, inside: bool = False) -> Ring | None:
+        outline = _whole(self.files[part], inside)
+        if outline is None:
+            self._lost(f"{joint}: the outline of {part} is lost")
+        return outline
 
     def flats(self, feature: SharedFlat) -> None:
         """The flats of two holes on one pin."""
@@ -295,8 +311,8 @@ class _Reader:
         self.readings.facing[feature] = angles[0], angles[1]
 
 
-def _toothed(sections: Sections, inside: bool) -> Ring | None:
-    """A wheel's outline, or a ring's largest hole, material on its left; None without any.
+def _whole(sections: Sections, inside: bool) -> Ring | None:
+    """A part's outline, or a ring's largest hole, material on its left; None without any.
 
     Of heights that differ all the material that any of them shows: what stands on a wheel is left out.
     """

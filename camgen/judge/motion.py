@@ -14,6 +14,7 @@ from camgen import tolerances
 from camgen.files.formats import READABLE
 from camgen.findings import Finding, NotJudged, Where, at_most
 from camgen.judge.cams import judge_cams, named
+from camgen.judge.edges import judge_edges
 from camgen.judge.joints import Closable, Fit, Nominal, Outline, measured_machine
 from camgen.judge.measured import Files, Sections, read
 from camgen.judge.meshes import judge_mesh
@@ -101,6 +102,9 @@ def judge_machine(
     for meshing in measured.meshings.values():
         pair = named(files.where, {meshing.a.part, meshing.b.part})
         findings.append(judge_mesh(meshing, off + slack, pair))
+    for engagement in measured.engagements.values():
+        edges = {each.part for each in engagement.feature.edges}
+        findings.append(judge_edges(engagement, named(files.where, edges)))
     unseen = _nominal(nominal)
     if any(math.isinf(each.error) for each in judged):
         return Verdict(tuple(findings), numbers, not_judged=unseen)
@@ -381,6 +385,8 @@ def _fit(fits: Mapping[str, Fit], limit: float, where: Where) -> Finding:
     """
     worst = max(fits, key=lambda name: fits[name].misfit)
     fit = fits[worst]
+    parts = " and ".join(part for part in fit.parts if part)
+    named_parts = f"; {parts}" if parts and fit.misfit > limit else ""
     return at_most(
         "PIN_GAP",
         fit.misfit,
@@ -388,7 +394,7 @@ def _fit(fits: Mapping[str, Fit], limit: float, where: Where) -> Finding:
         "mm",
         replace(where, joint=worst),
         f"play {fit.play:z.4f} mm, {fit.nominal:z.4f} mm wanted; worst of {len(fits)} joints, by each "
-        "hole's diameter and by the centres at several heights",
+        f"hole's diameter and by the centres at several heights{named_parts}",
     )
 
 

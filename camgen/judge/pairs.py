@@ -557,13 +557,29 @@ class PairMotion:
     def bounds(self, theta: Floats) -> Bounds:
         """The free interval at growing angles between the first and the last sample, (n,)."""
         guess = np.interp(theta, self.nodes, self.path)
-        window = (math.inf, math.inf)
-        known = np.where(np.isnan(guess), 0.0, guess)
-        found, _, _ = self.pair.measured(theta, known, window, False)
         lost = np.isnan(guess)
-        low = np.where(lost, np.nan, found.low)
-        high = np.where(lost, np.nan, found.high)
-        return Bounds(theta, low, high, ~lost, ~lost, found.low_pair, found.high_pair)
+        known = np.where(lost, 0.0, guess)
+        near, _, missed = self.pair.measured(theta, known, (self._most_play,) * 2, False)
+        low = np.where(lost, np.nan, near.low)
+        high = np.where(lost, np.nan, near.high)
+        far = np.flatnonzero(missed & ~lost)
+        if len(far):
+            everywhere = (math.inf, math.inf)
+            found, _, _ = self.pair.measured(theta[far], known[far], everywhere, False)
+            for some, all_ in (
+                (found.low, low),
+                (found.high, high),
+                (found.low_pair, near.low_pair),
+                (found.high_pair, near.high_pair),
+            ):
+                all_[far] = some
+        return Bounds(theta, low, high, ~lost, ~lost, near.low_pair, near.high_pair)
+
+    @cached_property
+    def _most_play(self) -> float:
+        """Greatest of the samples; inf where a side is open."""
+        play = self.samples.play[self.samples.free]
+        return float(np.max(play, initial=0.0)) if np.isfinite(play).all() else math.inf
 
     def touch(self, bounds: Bounds, side: Literal["low", "high"]) -> Touch:
         """Contact at one of the bounds."""

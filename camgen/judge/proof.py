@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.judge.cams import judged_angles
+from camgen.judge.edges import Engagement
 from camgen.judge.joints import Closable, RollingLaw
 from camgen.machine.closing import LoopClosure, close
 from camgen.machine.constraints import Constraints
@@ -173,13 +174,14 @@ class Proof:
         closed = close(self._system, theta, self._meant.near(theta), 1)
         poses = np.where(np.isnan(closed.q), 0.0, closed.q)
         levers: dict[str, Any] = dict(self._radii)
-        levers |= {
-            joint.name: joint.law.lever(
-                np.broadcast_to(self._system.angle(joint.cam, closed.q) - joint.phase, theta.shape)
-            )
-            for joint in self.machine.joints
-            if isinstance(joint, Cam) and isinstance(joint.law, RollingLaw)
-        }
+        plays: dict[str, Any] = dict(self.plays)
+        for joint in self.machine.joints:
+            if isinstance(joint, Cam) and isinstance(joint.law, RollingLaw | Engagement):
+                angle = self._system.angle(joint.cam, closed.q) - joint.phase
+                angle = np.broadcast_to(angle, theta.shape)
+                levers[joint.name] = joint.law.lever(angle)
+                if isinstance(joint.law, Engagement):
+                    plays[joint.name] = joint.law.play(angle)
         responses = {}
         shares_of_outputs = self._system.shares(
             [output.name for output in self.machine.outputs], poses, theta
@@ -190,7 +192,7 @@ class Proof:
             play = np.zeros(len(theta))
             for joint in self.machine.joints:
                 share = np.where(lost, np.nan, shares[joint.name])
-                play = play + share * max(self.plays[joint.name], 0.0) / 2
+                play = play + share * np.maximum(plays[joint.name], 0.0) / 2
                 if joint.name in levers or joint.name in self.fits:
                     reach[joint.name] = share / levers.get(joint.name, 1.0)
             responses[output.name] = Response(value, slope, reach, play)

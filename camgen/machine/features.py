@@ -4,6 +4,7 @@
     faces     two parallel straight faces of a part: rails, the walls of a slot, a runner
     outline   what a cam's follower runs on
     teeth     of a wheel: where its outline crosses the pitch circle
+    edge      outline of a part that those of another body touch, whatever their shapes
     mount     where a part stands on its body: body = at + exp(i angle) * part
     stand-in  a thing that is not made but in the way
 
@@ -198,6 +199,40 @@ class GearTeeth:
 
 
 @dataclass(frozen=True)
+class Edge:
+    """The outer outline of a part that sits on an axis of its body by a hole of its own."""
+
+    part: str
+    bore: Eye  # that hole
+    seat: Eye | None = (
+        None  # another part's hole on the axis; None: the pin on which the body turns
+    )
+
+
+@dataclass(frozen=True)
+class EdgePair:
+    """Of a Cam: the edges by which its body `cam` drives its follower, both turning on the ground.
+
+    The follower counts as where its law wants it, as far as `free` is left on either side, mm; else as in the middle. held: ranges
+    of the joint's angle in which no more is left, rad; period: of the angle after which both stand as before.
+    """
+
+    joint: str
+    a: tuple[Edge, ...]  # of the cam
+    b: tuple[Edge, ...]  # of the follower
+    turns: str  # Pin that holds the cam on the ground
+    swings: str  # Pin that holds the follower
+    free: float
+    held: tuple[tuple[float, float], ...]
+    period: float
+
+    @property
+    def edges(self) -> tuple[Edge, ...]:
+        """All of them."""
+        return (*self.a, *self.b)
+
+
+@dataclass(frozen=True)
 class SharedFlat:
     """Two parts of one body on one pin with a flat: the first tells where the second stands, whatever its mount says."""
 
@@ -225,7 +260,17 @@ class Mark:
     eye: Eye
 
 
-Feature = PinEyes | SlideFaces | SlotFaces | CamOutline | GearTeeth | SharedFlat | Steady | Mark
+Feature = (
+    PinEyes
+    | SlideFaces
+    | SlotFaces
+    | CamOutline
+    | GearTeeth
+    | EdgePair
+    | SharedFlat
+    | Steady
+    | Mark
+)
 
 
 @dataclass(frozen=True)
@@ -370,10 +415,13 @@ def eyes(feature: Feature) -> Iterator[Eye]:
     names = (each.name for each in fields(feature) if each.name != "bore")
     yield from (value for name in names if isinstance(value := getattr(feature, name), Eye))
     yield from (feature.webs or ()) if isinstance(feature, Steady) else ()
+    for edge in feature.edges if isinstance(feature, EdgePair) else ():
+        yield from (edge.bore,) if edge.seat is None else (edge.bore, edge.seat)
 
 
 def parts_of(features: Iterable[Feature]) -> set[str]:
     """Names of the parts that the features are on; of an own tip the cam's alone."""
+    features = list(features)
     found = {
         value.part
         for feature in features
@@ -381,6 +429,8 @@ def parts_of(features: Iterable[Feature]) -> set[str]:
         if isinstance(value, Eye | Faces | Flat)
     }
     found |= {feature.part for feature in features if isinstance(feature, CamOutline)}
+    pairs = (feature for feature in features if isinstance(feature, EdgePair))
+    found |= {eye.part for pair in pairs for eye in eyes(pair)}
     return {part for part in found if part is not None}
 
 

@@ -9,7 +9,18 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from camgen.machine.features import Demand, Eye, Faces, Flat, Mount, OwnTip, Ring, Teeth, mapped
+from camgen.machine.features import (
+    Demand,
+    Edge,
+    Eye,
+    Faces,
+    Flat,
+    Mount,
+    OwnTip,
+    Ring,
+    Teeth,
+    mapped,
+)
 from camgen.machine.model import (
     GROUND,
     Along,
@@ -34,7 +45,8 @@ from camgen.numerics import Floats
 
 T = TypeVar("T")
 
-_RECORDS = Angle | Along | Path | Eye | Faces | Flat | OwnTip | Ring | Teeth  # that stand in others
+# that stand in others
+_RECORDS = Angle | Along | Path | Edge | Eye | Faces | Flat | OwnTip | Ring | Teeth
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from camgen.files.formats import DRAWN, EXACT, SOLID
 from camgen.findings import Finding, NotJudged
 from camgen.geometry.outlines import Floats
-from camgen.machine.features import CamOutline, Flat, GearTeeth
+from camgen.machine.features import CamOutline, EdgePair, Flat, GearTeeth
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.sheets import why_not
 from camgen.study import Figures, Plot, Table
@@ -84,6 +84,8 @@ def of_parts(mechanism: Mechanism) -> list[Stage]:
         stages.append(Stage(("FACE_WIDTH",), "where the face is touched", READ))
     if any(isinstance(feature, GearTeeth) for feature in features):
         stages.append(Stage(("GEAR_MESH",), "the outlines of gears, one driving the other", READ))
+    if any(isinstance(feature, EdgePair) for feature in features):
+        stages.append(Stage(("CONTACT",), "outlines of any shape, one driving the other", READ))
     if len(cams) < len(features):
         wishes = mechanism.assembly.demands
         codes = dict.fromkeys(target.code for each in wishes for target in each.targets)

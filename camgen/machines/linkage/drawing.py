@@ -33,7 +33,8 @@ from camgen.machines.linkage.links import shape
 from camgen.motion.polydyne import Lag, polydyne
 from camgen.motion.program import Program
 from camgen.motion.segments import program
-from camgen.parts.generator.wheels import SECOND, Ridden, follower_of, level_of, pivot
+from camgen.parts.generator.wheels import SECOND, Ridden, follower_of, level_of, named, pivot
+from camgen.parts.wheels.geneva import Geneva, GenevaLaw
 
 GROUND = m.GROUND
 RETURN = "return_spring"
@@ -60,6 +61,8 @@ class Drawing:
     programs: Mapping[str, Program] = field(default_factory=dict)  # of cams, by their joints
     advice: Advice | None = None  # on cams, in the words of a template
     play: float = 0.0  # of each pin, slide and slot, diametral, mm
+    genevas: Sequence[t.Geneva] = ()
+    geneva_sizes: tuple[float, float] = (0.1, 2.0)  # air unless given, and wall of a wheel, mm
 
     # ---- names ----------------------------------------------------------------------------------------------------
 
@@ -84,20 +87,26 @@ class Drawing:
         return cam.name or f"{cam.cam} on {cam.follower}"
 
     @staticmethod
+    def geneva_name(geneva: t.Geneva) -> str:
+        """Name of its joint."""
+        return geneva.name or f"{geneva.a} to {geneva.b}"
+
+    @staticmethod
     def freewheel_name(freewheel: t.Freewheel) -> str:
         """Name of its joint."""
         return freewheel.name or f"{freewheel.wheel} to {freewheel.link}"
 
-    def joints(self) -> Iterable[tuple[str, str]]:
+    def joints(self) -> Iterable[tuple[tuple[str, int], str]]:
         """Path and name of each joint that has a table."""
         for kind, names in (
             ("slide", map(self.slide_name, self.slides)),
             ("slot", map(self.slot_name, self.slots)),
             ("gear", map(self.gear_name, self.gears)),
             ("cam", map(self.cam_name, self.cams)),
+            ("geneva", map(self.geneva_name, self.genevas)),
             ("freewheel", map(self.freewheel_name, self.freewheels)),
         ):
-            yield from ((f"{kind}.{k}", name) for k, name in enumerate(names))
+            yield from (((kind, k), name) for k, name in enumerate(names))
 
     def names_of_joints(self) -> list[str]:
         """Of pins, of all joints that have a table, and of their levels."""
@@ -109,8 +118,9 @@ class Drawing:
         ]
 
     def levels_of_joints(self) -> list[str]:
-        """Names in [layers] of what has a level of its own beside the links: cams, the second one of a pair, gears."""
+        """Names in [layers] of what has a level of its own beside the links: cams, the second one of a pair, gears, Geneva drives."""
         levels = [level_of(self.gear_name(gear)) for gear in self.gears]
+        levels += [level_of(self.geneva_name(geneva)) for geneva in self.genevas]
         for cam in (cam for cam in self.cams if cam.shape == "roller"):
             key = level_of(self.cam_name(cam))
             levels += [key, key + SECOND] if cam.closure == "conjugate" else [key]
@@ -128,18 +138,39 @@ class Drawing:
 
     def lengths_of(self, points: Sequence[str]) -> dict[tuple[int, int], float]:
         """Lengths that are given between these points, by their places in the row, mm."""
-        lengths = {}
-        for names, length in self._lengths:
-            if names[0] in points and names[1] in points:
-                a, b = sorted(points.index(name) for name in names)
-                lengths[a, b] = length
-        return lengths
+        return _between(points, self._lengths)
 
     @cached_property
     def _lengths(self) -> list[tuple[tuple[str, str], float]]:
-        """The lengths, by the points between which they are."""
+        """The lengths, by the points between which they are, and those of the cranks of Geneva drives."""
+        made = [
+            ((self.pivot(each.a) or "", each.pin), self.geneva_of(each).crank)
+            for each in self.genevas
+        ]
+        return [*self._given_lengths, *made]
+
+    @property
+    def _given_lengths(self) -> list[tuple[tuple[str, str], float]]:
         pairs = ((t.pair(key), length) for key, length in self.lengths.items())
         return [(names, length) for names, length in pairs if names]
+
+    def geneva_of(self, table: t.Geneva) -> Geneva:
+        """Its wheel and disc; DesignError where there is none."""
+        ground = self.links[GROUND]
+        ends = [ground.index(self.pivot(link) or "") for link in (table.a, table.b)]
+        exact = shape(self.drawn(ground), _between(ground, self._given_lengths))[0]
+        distance = abs(complex(exact[ends[1]] - exact[ends[0]]))
+        usual, wall = self.geneva_sizes
+        air = usual if table.clearance is None else table.clearance
+        try:
+            return Geneva(table.slots, distance, table.pin_radius, wall, air, air)
+        except DesignError as error:
+            raise named(error, f"geneva {self.geneva_name(table)}") from None
+
+    @cached_property
+    def named_genevas(self) -> dict[str, tuple[Geneva, str]]:
+        """Each Geneva drive with its pin, by the name of its joint."""
+        return {self.geneva_name(each): (self.geneva_of(each), each.pin) for each in self.genevas}
 
     def pivot(self, link: str) -> str | None:
         """The point at which a link is pinned to the ground."""
@@ -203,6 +234,7 @@ class Drawing:
         joined = [slot.link for slot in self.slots] + [each.on for each in self.slides]
         joined += [name for gear in self.gears for name in (gear.a, gear.b)]
         joined += [cam.cam for cam in self.cams]
+        joined += [name for geneva in self.genevas for name in (geneva.a, geneva.b)]
         return not (slots or others & {*self.links[follower]} or follower in joined)
 
     def speed_of(self, cam: t.Cam) -> float:
@@ -295,6 +327,7 @@ class Drawing:
         joints = [*self._pins(bodies), *self._slides(bodies, start), *self._slots(bodies)]
         joints += [self._gear(gear, start) for gear in self.gears]
         joints += [self._cam(cam, start, joints) for cam in self.cams]
+        joints += [self._geneva(geneva, bodies, start) for geneva in self.genevas]
         drive = m.Drive("drive", self.drive.link, m.Turning(1.0, start[self.drive.link].angle))
         outputs = tuple(self._output(each, bodies) for each in self.outputs)
         speed = self.drive.speed_rpm * math.tau / 60
@@ -528,6 +561,21 @@ class Drawing:
             sign,
         )
 
+    def _geneva(
+        self, table: t.Geneva, bodies: Mapping[str, m.Body], start: Mapping[str, m.Pose]
+    ) -> m.Cam:
+        """The joint; its angle is 0 where the pin is on the line from the crank's axis to the wheel's."""
+        law = GenevaLaw(self.geneva_of(table))
+        ground = bodies[GROUND].points
+        axes = [complex(ground[self.pivot(link) or ""]) for link in (table.a, table.b)]
+        crank = bodies[table.a].points
+        spoke = complex(crank[table.pin]) - complex(crank[self.pivot(table.a) or ""])
+        phase = cmath.phase((axes[1] - axes[0]) / spoke)
+        angle = start[table.a].angle - phase
+        rest = start[table.b].angle - float(law(np.array(angle)))
+        name = self.geneva_name(table)
+        return m.Cam(name, table.a, table.b, law, phase=phase, rest=rest)
+
     def _place(self, point: str, bodies: Mapping[str, m.Body]) -> m.Place:
         """A point on the first link that has it."""
         carrier = next(name for name, points in self.links.items() if point in points)
@@ -544,6 +592,18 @@ class Drawing:
         if slide is not None:
             return m.Output(output.name, m.Along(self.slide_name(slide)))
         return m.Output(output.name, m.Angle(output.link), "rad")
+
+
+def _between(
+    points: Sequence[str], lengths: Iterable[tuple[tuple[str, str], float]]
+) -> dict[tuple[int, int], float]:
+    """Those of the lengths that lie between these points, by their places in the row, mm."""
+    found = {}
+    for names, length in lengths:
+        if names[0] in points and names[1] in points:
+            a, b = sorted(points.index(name) for name in names)
+            found[a, b] = length
+    return found
 
 
 @lru_cache(maxsize=256)  # of variants most links are the same

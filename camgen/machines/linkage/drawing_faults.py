@@ -119,15 +119,17 @@ def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
         yield from _gear_faults(drawing, ("gear", k), gear)
     for k, cam in enumerate(drawing.cams):
         yield from _cam_faults(drawing, ("cam", k), cam)
+    for k, geneva in enumerate(drawing.genevas):
+        yield from _geneva_faults(drawing, ("geneva", k), geneva)
     for name in drawing.levels_of_joints():
         if name in drawing.links:
-            right = "another name: a cam or gear has it, and its level"
+            right = "another name: a cam, gear or Geneva drive has it, and its level"
             yield Fault(("links", name), "", right)
-    named: dict[str, str] = {}
+    named = {"drive": "drive"}
     for path, name in drawing.joints():
         if name in named:
             yield Fault((*path, "name"), repr(name), f"a name of its own: {named[name]} has it")
-        named[name] = path
+        named[name] = ".".join(map(str, path))
 
 
 def _link_fault(drawing: Drawing, path: Key, name: str, moves: bool = True) -> list[Fault]:
@@ -218,6 +220,27 @@ def _gear_faults(drawing: Drawing, path: Key, gear: t.Gear) -> Iterable[Fault]:
     for key, value in {"shift_a": gear.shift_a, "shift_b": gear.shift_b}.items():
         if value is not None and gear.shift is not None:
             yield Fault((*path, key), f"{value:g}", 'nothing: shift = "balanced" finds both')
+
+
+def _geneva_faults(drawing: Drawing, path: Key, geneva: t.Geneva) -> Iterable[Fault]:
+    links = {"a": geneva.a, "b": geneva.b}
+    for key, name in links.items():
+        wrong = _link_fault(drawing, (*path, key), name)
+        if not wrong and drawing.pivot(name) is None:
+            right = "a link that shares a point with the ground: it turns there"
+            wrong = [Fault((*path, key), repr(name), right)]
+        yield from wrong
+    if geneva.a == geneva.b:
+        yield Fault((*path, "b"), repr(geneva.b), "another link")
+    points = drawing.links.get(geneva.a, ())
+    if points and (geneva.pin not in points or geneva.pin == drawing.pivot(geneva.a)):
+        free = [point for point in points if point != drawing.pivot(geneva.a)]
+        right = f"a point of {geneva.a} beside its shaft: {', '.join(free) or 'give it one'}"
+        yield Fault((*path, "pin"), repr(geneva.pin), right)
+    for key in drawing.lengths:
+        if {*(t.pair(key) or ())} == {geneva.pin, drawing.pivot(geneva.a) if points else None}:
+            right = "left out: it follows from slots and the distance of both shafts"
+            yield Fault(("lengths", key), "", right)
 
 
 def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:

@@ -126,6 +126,10 @@ class Linkage(Mechanism):
         default=(),
         description="the outline of `cam` is made so that `follower` moves by the segments",
     )
+    genevas: Annotated[tuple[t.Geneva, ...], Field(alias="geneva", max_length=20)] = Field(
+        default=(),
+        description="a crank that turns a slotted wheel on by steps, and holds it between",
+    )
     freewheels: Annotated[tuple[t.Freewheel, ...], Field(alias="freewheel", max_length=20)] = Field(
         default=(), description="a link that turns on, by a wheel that goes to and fro"
     )
@@ -172,6 +176,7 @@ class Linkage(Mechanism):
             self.drive.link,
             *(cam.cam for cam in self.cams),
             *(name for gear in self.gears for name in (gear.a, gear.b)),
+            *(name for geneva in self.genevas for name in (geneva.a, geneva.b)),
         ]
         found += coils.faults(
             self.springs, self.links, turning, [*self.links, *self._drawing.names_of_joints()]
@@ -319,6 +324,8 @@ class Linkage(Mechanism):
             self.additions.programs,
             self.additions.advice,
             self.print.slide_clearance + self.print.press_clearance,
+            self.genevas,
+            (self.print.slide_clearance / 2, self.making.wall),
         )
 
     @property
@@ -761,6 +768,7 @@ class Linkage(Mechanism):
             {},
             cams,
             gears,
+            genevas=self._drawing.named_genevas,
             springs={each.name: each.stretched for each in springs},
             freewheels={each.wheel: (each.link, self._clutch) for each in self.freewheels},
             marks={

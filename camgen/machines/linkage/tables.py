@@ -198,6 +198,27 @@ class Gear(Record):
         return GearWish(self.teeth, shifts, self.relief, self.spokes or 0, self.inner)
 
 
+class Geneva(Record):
+    """A Geneva drive: the pin of link a takes the slotted wheel of link b on by one slot a turn; a disc on a's shaft holds it."""
+
+    a: Name = Field(description="the crank: a link that turns on the ground, with the pin")
+    b: Name = Field(description="the wheel: another link that turns on the ground")
+    pin: Name = Field(
+        description="point of the crank: its pin, with a roller; how far it is from the shaft follows from slots and distance"
+    )
+    slots: Annotated[int, quantity("1", ge=3, le=24)] = Field(
+        description="slots of the wheel: so many turns of the crank turn it once"
+    )
+    pin_radius: Length = Field(description="radius of the roller on the pin")
+    clearance: Annotated[float, quantity("mm", gt=0, le=2)] | None = Field(
+        default=None,
+        description="air of the roller in a slot, and of the disc in the wheel, on either side; half of print.slide_clearance unless given",
+    )
+    name: Name | None = Field(
+        default=None, description="name of the joint; both links unless given"
+    )
+
+
 class Freewheel(Record):
     """A link that turns on: a one-way clutch in a wheel that goes to and fro takes it along, one in the plate holds it."""
 

@@ -20,6 +20,7 @@ from camgen.machine.features import Mount, StandIn
 from camgen.machine.jets import thread_length
 from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.gears import GearWish
+from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.generator.webs import throws, webs, with_webs
 from camgen.parts.generator.wheels import (
@@ -27,6 +28,7 @@ from camgen.parts.generator.wheels import (
     GearWheel,
     Ridden,
     RingBody,
+    Roller,
     Tip,
     Wheel,
     gear_pairs,
@@ -36,6 +38,7 @@ from camgen.parts.generator.wheels import (
 )
 from camgen.parts.hardware import FACETS
 from camgen.parts.part import Layer, Part
+from camgen.parts.wheels.geneva import Geneva
 from camgen.parts.wheels.involute import Ring
 from camgen.spec import Print
 
@@ -123,6 +126,8 @@ class Connections:
     strokes: Mapping[str, tuple[float, float]]  # least and greatest place along slots and slides
     cams: Mapping[str, Ridden] = field(default_factory=dict)  # what touches each
     gears: Mapping[str, GearWish] = field(default_factory=dict)  # what is asked of each pair
+    # wheel and disc of each Geneva drive, and the point of its pin
+    genevas: Mapping[str, tuple[Geneva, str]] = field(default_factory=dict)
     stems: Mapping[str, str] = field(default_factory=dict)  # how slides' runners reach their rails
     sunk: bool = False  # whether the ground's pins turn in the plate, heads under it
     springs: Mapping[str, StretchedSpring] = field(default_factory=dict)
@@ -247,11 +252,30 @@ class Connections:
         ]
 
     @cached_property
+    def geneva_drives(self) -> list[GenevaDrive]:
+        """Geneva drives."""
+        drives = []
+        for name, (geneva, pin) in self.genevas.items():
+            joint = self.machine.joint(name)
+            assert isinstance(joint, m.Cam)
+            drives.append(GenevaDrive(joint, geneva, pin))
+        return drives
+
+    @cached_property
+    def rollers(self) -> list[Roller]:
+        """All rollers on pins."""
+        return [
+            *(tip.roller for tip in self.tips if tip.rolls),
+            *(each.roller for each in self.geneva_drives),
+        ]
+
+    @cached_property
     def wheels(self) -> list[Wheel]:
-        """Cam discs, gears' wheels but no rings, counterweights."""
+        """Cam discs, gears' wheels but no rings, wheels and discs of Geneva drives, counterweights."""
         return [
             *(tip.wheel for tip in self.tips),
             *(each.wheel for each in self.gear_wheels if not isinstance(each.gear, Ring)),
+            *(wheel for each in self.geneva_drives for wheel in each.wheels),
             *self.weights,
         ]
 
@@ -259,7 +283,7 @@ class Connections:
     def pivots(self) -> dict[str, tuple[str, ...]]:
         """Links at each point with a pin, the ground first and one with a slot last, by the point's name."""
         slots = self.slots
-        single = {tip.point for tip in self.tips if tip.rolls}.union(
+        single = {roller.point for roller in self.rollers}.union(
             self.hook_points, self.guest_links, slots
         )
         carriers: dict[str, list[str]] = {}
@@ -308,7 +332,7 @@ class Connections:
     def riders(self) -> dict[str, list[str]]:
         """Levels of what sits on a pin or shaft beside the links, by the point's name."""
         pairs = [
-            *((tip.point, tip.level) for tip in self.tips if tip.rolls),
+            *((roller.point, roller.level) for roller in self.rollers),
             *((self.shaft_of(wheel.link), wheel.level) for wheel in self.wheels),
             *((end[1], name) for name, each in self.springs.items() for end in (each.a, each.b)),
         ]

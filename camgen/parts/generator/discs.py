@@ -20,11 +20,13 @@ from camgen.parts.catalogue import TURNED
 from camgen.parts.disc_cams import CamParts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.gears import table, windows
+from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.layout import GROUND, Layout, pivot_name
 from camgen.parts.generator.pins import MountedPart
 from camgen.parts.generator.wheels import (
     GearWheel,
     RingBody,
+    Roller,
     Tip,
     groove_rim,
     groove_wall,
@@ -67,14 +69,18 @@ def cam_parts(layout: Layout, tip: Tip) -> Iterator[MountedPart]:
             replace(part, notes=said),
             Mount(part.name, link, at + place * tip.turn, turned, z=floor - under),
         )
-    if not tip.rolls:
-        return
-    hole = layout.turning(tip.point) + layout.fits.slide_clearance
-    ring = f"roller-{tip.name}"
-    thick = layout.wheel_thickness(link)
-    title = f"Roller of cam {tip.joint.name}"
-    roller = spacer(ring, title, hole, 2 * tip.radius, thick, layout.min_wall)
-    yield roller, Mount(ring, tip.joint.follower, layout.at(tip.joint.follower, tip.point), z=floor)
+    if tip.rolls:
+        yield roller_part(layout, tip.roller)
+
+
+def roller_part(layout: Layout, roller: Roller) -> MountedPart:
+    """A ring on its pin."""
+    hole = layout.turning(roller.point) + layout.fits.slide_clearance
+    thick = layout.wheel_thickness(roller.wheel.link)
+    title = f"Roller of {roller.about}"
+    part = spacer(roller.part, title, hole, 2 * roller.radius, thick, layout.min_wall)
+    at = layout.at(roller.link, roller.point)
+    return part, Mount(part.name, roller.link, at, z=layout.floor(layout.level[roller.level]))
 
 
 def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
@@ -194,6 +200,47 @@ def ring_parts(layout: Layout, ring: RingBody) -> Iterator[MountedPart]:
     )
     dowel = replace(dowel, notes=("pressed and glued in",), process=made)
     yield from ((dowel, Mount(name, link, z, z=bottom)) for z, _ in layout.ring_seats(link))
+
+
+def geneva_parts(layout: Layout, drive: GenevaDrive) -> Iterator[MountedPart]:
+    """Wheel and disc of a Geneva drive, each on its link's shaft, and the roller."""
+    lock, slotted = drive.edges(layout.machine)
+    joint = drive.joint
+    yield _on_shaft(layout, joint.cam, drive, lock)
+    part, mount = _on_shaft(layout, joint.follower, drive, slotted)
+    geneva = drive.geneva
+    slots = f"{geneva.stations} slots for a roller of {2 * geneva.pin:g}"
+    yield replace(part, notes=(*part.notes, f"{slots}, axes {geneva.distance:.3f} apart")), mount
+    yield roller_part(layout, drive.roller)
+
+
+def _on_shaft(layout: Layout, link: str, drive: GenevaDrive, edge: Contour) -> MountedPart:
+    """A plate on the shaft of one of its links."""
+    wheel = next(each for each in drive.wheels if each.link == link)
+    name = drive.lock_part if link == drive.joint.cam else drive.wheel_part
+    sizes = layout.sizes
+    start = float(layout.machine.start_of(link).angle)
+    wide = sizes.shaft_diameter + layout.fits.press_clearance
+    bore = d_bore(wide, sizes.shaft_flat).moved(cmath.exp(1j * start))
+    try:
+        region = plate(wheel.about, edge, {"bore": bore}, layout.min_wall)
+    except DesignError as error:
+        remedy = "put the shafts further apart, or use a smaller pin_radius"
+        raise named(error, f"geneva {drive.joint.name}", remedy) from None
+    level = layout.level[drive.level]
+    notes = f"drawn at theta = 0, level {level}", f"pressed and glued on the shaft of {link}"
+    thick = layout.wheel_thickness(link)
+    part = Part(
+        name,
+        wheel.about[:1].upper() + wheel.about[1:],
+        (Layer(region, 0.0, thick),),
+        centres=(0j,),
+        notes=notes,
+        bore=wide,
+        min_wall=layout.min_wall,
+    )
+    at = layout.at(link, layout.shaft_of(link))
+    return part, Mount(name, link, at, -start, z=layout.floor(level))
 
 
 def wall_of_disc(off: float, wide: float, bore: float, min_wall: float, key: str) -> None:

@@ -12,6 +12,8 @@ from camgen.machine import model as m
 from camgen.machine.cams.machine import nominal_cam
 from camgen.machine.features import (
     CamOutline,
+    Edge,
+    EdgePair,
     Eye,
     Faces,
     Feature,
@@ -26,6 +28,7 @@ from camgen.machine.features import (
     Steady,
 )
 from camgen.parts.generator.connections import GROUND
+from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.layout import Layout, pivot_name
 from camgen.parts.generator.pins import bearing_name
 from camgen.parts.generator.plates import SECOND
@@ -61,6 +64,11 @@ def part_of(layout: Layout, link: str) -> str:
     level = layout.alone.get(link)
     parts = {tip.level: f"cam-{tip.name}{'-inner' * tip.grooved}" for tip in layout.tips}
     parts |= {each.level: each.part for each in layout.gear_wheels if each.link == link}
+    parts |= {
+        each.level: each.wheel_part if link == each.joint.follower else each.lock_part
+        for each in layout.geneva_drives
+        if link in (each.joint.cam, each.joint.follower)
+    }
     return part_name(link) if level is None else parts[level]
 
 
@@ -112,6 +120,7 @@ def features_of(layout: Layout, pins: Sequence[Mount]) -> Sequence[Feature]:
         turns = (pivot_of(layout, each.a.link), pivot_of(layout, each.b.link))
         angle = each.mesh.working_angle
         found.append(GearTeeth(each.joint.name, each.a.teeth, each.b.teeth, turns, angle))
+    found += [_geneva(layout, drive) for drive in layout.geneva_drives]
     found += [outline for tip in layout.tips for outline in _outlines(layout, tip)]
     found += [*_keyed(layout), *_steady(layout, pins)]
     marks = (*layout.pens.items(), *layout.thread_posts.items())
@@ -200,7 +209,7 @@ def _outlines(layout: Layout, tip: Tip) -> Iterator[CamOutline]:
         tip.radius if tip.rolls else None,
         tip.leaves,
         free=tip.cam.air,
-        roller=f"roller-{tip.name}" if tip.rolls else None,
+        roller=tip.roller.part if tip.rolls else None,
         nominal=nominal_cam(tip.cam, tip.ridden.limits),
     )
     yield driving
@@ -208,3 +217,24 @@ def _outlines(layout: Layout, tip: Tip) -> Iterator[CamOutline]:
         wall = nominal_cam(tip.cam, tip.ridden.limits, outer=True)
         free = layout.fits.slide_clearance
         yield replace(driving, part=f"{name}-outer", inside=True, free=free, nominal=wall)
+
+
+def _geneva(layout: Layout, drive: GenevaDrive) -> EdgePair:
+    """What a Geneva drive is judged on."""
+    shaft = layout.sizes.shaft_diameter + layout.fits.press_clearance
+    hole = layout.turning(drive.point) + layout.fits.slide_clearance
+    geneva = drive.geneva
+    seat = _eye(layout, drive.point, drive.joint.cam)
+    return EdgePair(
+        drive.joint.name,
+        (
+            Edge(drive.lock_part, Eye(drive.lock_part, 0j, shaft)),
+            Edge(drive.roller.part, Eye(drive.roller.part, 0j, hole), seat),
+        ),
+        (Edge(drive.wheel_part, Eye(drive.wheel_part, 0j, shaft)),),
+        pivot_of(layout, drive.joint.cam),
+        pivot_of(layout, drive.joint.follower),
+        geneva.slot_air,
+        geneva.held,
+        math.tau * geneva.stations,
+    )

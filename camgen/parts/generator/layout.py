@@ -116,7 +116,7 @@ class Layout(Connections):
     @cached_property
     def hung_points(self) -> set[str]:
         """Points whose pin has its head below: under a roller that hangs from its follower, or under the plate."""
-        return {tip.point for tip in self.tips if tip.hung} | self.under_plate
+        return {roller.point for roller in self.rollers if roller.hung} | self.under_plate
 
     @cached_property
     def under_plate(self) -> set[str]:
@@ -585,9 +585,8 @@ class Layout(Connections):
             thick = round(top - self.floor(self.level[carrier]), 9)
             links = [(link, thick if link == carrier else high) for link, high in links]
         wheels = [wheel for wheel in self.wheels if self.shaft_of(wheel.link) == point]
-        wheels += [
-            tip.wheel for tip in self.tips if tip.rolls and tip.point == point
-        ]  # its roller is as thick
+        # a roller is as thick as its wheel
+        wheels += [roller.wheel for roller in self.rollers if roller.point == point]
         links += [(wheel.level, wheel.high or self.wheel_thickness(wheel.link)) for wheel in wheels]
         floors = [(self.level[name], self.floor(self.level[name]), thick) for name, thick in links]
         levels = {(level, low, low + thick) for level, low, thick in floors}

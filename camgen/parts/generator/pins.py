@@ -51,7 +51,7 @@ def refuse(layout: Layout) -> None:
             raise DesignError("discs", 1, 0, "", f"parts.discs.{point}: {why}", "leave it out")
     for point, kind in layout.sizes.pins.items():
         links = layout.pivots.get(point, ())
-        hangs = point in {tip.point for tip in layout.tips if tip.hung}
+        hangs = point in {roller.point for roller in layout.rollers if roller.hung}
         said = {
             "no link turns there": len(links) < 2,
             "it is in a slot": kind == "bearing" and point in layout.slots,

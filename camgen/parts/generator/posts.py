@@ -23,10 +23,10 @@ def posts(bodies: Bodies, pulls: Mapping[str, float], printed: str) -> Iterator[
     for name, spring in layout.springs.items():
         for _, point in (spring.a, spring.b):
             loads.setdefault(point, []).append((name, pulls[name], layout.eye(name)[1]))
-    for tip in (tip for tip in layout.tips if tip.rolls):
-        floor = layout.floor(layout.level[tip.level])
-        middle = floor + layout.wheel_thickness(tip.wheel.link) / 2
-        loads.setdefault(tip.point, []).append((tip.joint.name, 0.0, middle))
+    for roller in layout.rollers:
+        floor = layout.floor(layout.level[roller.level])
+        middle = floor + layout.wheel_thickness(roller.wheel.link) / 2
+        loads.setdefault(roller.point, []).append((roller.joint, 0.0, middle))
     for point, bent in loads.items():
         if len(layout.pivots.get(point, ())) != 1:
             continue

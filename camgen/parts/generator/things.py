@@ -19,6 +19,7 @@ from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.cures import slimmer, slimmer_pin
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.plates import motor_holes
+from camgen.parts.generator.wheels import Roller
 from camgen.parts.level_rules import Axis, Band, Opening, Things, Wall
 
 _COARSE = 0.1  # mm, by which the corners of an own outline's hull may lie off it
@@ -32,13 +33,14 @@ def things(layout: Layout, run: Run) -> Things:
     """What is to be laid; run: samples over the whole motion."""
     courses = _Courses(layout, run)
     cams, over_cams = _cams(courses)
+    genevas, over_genevas = _genevas(courses)
     springs, over_springs = _springs(courses)
-    before = [*over_cams, *over_springs]
+    before = [*over_cams, *over_genevas, *over_springs]
     axes, over_axes = _axes(courses, before)
     walls, over_walls = _walls(courses)
     over = [*before, *over_axes, *over_walls]
     over += [(upper, lower) for lower, upper in pairwise(layout.webs)]
-    bands = [*_links(courses), *cams, *_wheels(courses), *_rings(courses), *springs]
+    bands = [*_links(courses), *cams, *_wheels(courses), *_rings(courses), *genevas, *springs]
     openings = _openings(layout, run.theta.size)
     # a ring hangs under its link, or stands on the plate
     rings = [ring.wheel for ring in layout.rings]
@@ -143,15 +145,35 @@ def _cams(courses: _Courses) -> tuple[list[Band], Over]:
         )
         move = f"points.{shaft} elsewhere"
         bands.append(replace(disc, below=int(tip.grooved), slim=smaller, move=move))
-        if not tip.rolls:
-            continue
-        rolls = [(layout.at(follower, tip.point), tip.radius)]
-        roller = courses.band(f"roller of {cam.about}", follower, rolls, tip.level)
-        smaller = f"a smaller radius of the roller of {cam.about}"
-        move = f"points.{tip.point} elsewhere"
-        bands.append(replace(roller, below=int(tip.hung), slim=smaller, move=move))
-        above = tip.hung or tip.grooved
-        over.append((follower, tip.level) if above else (tip.level, follower))
+        if tip.rolls:
+            bands.append(_rolling(courses, tip.roller))
+            above = tip.hung or tip.grooved
+            over.append((follower, tip.level) if above else (tip.level, follower))
+    return bands, over
+
+
+def _rolling(courses: _Courses, roller: Roller) -> Band:
+    rolls = [(courses.layout.at(roller.link, roller.point), roller.radius)]
+    band = courses.band(f"roller of {roller.about}", roller.link, rolls, roller.level)
+    smaller = f"a smaller radius of the roller of {roller.about}"
+    move = f"points.{roller.point} elsewhere"
+    return replace(band, below=int(roller.hung), slim=smaller, move=move)
+
+
+def _genevas(courses: _Courses) -> tuple[list[Band], Over]:
+    """Geneva drives: the roller stands over its crank, on the level of the wheel."""
+    layout = courses.layout
+    bands = []
+    over = Over()
+    for drive in layout.geneva_drives:
+        for wheel in drive.wheels:
+            shaft = layout.shaft_of(wheel.link)
+            disc = [(layout.at(GROUND, shaft), wheel.radius)]
+            band = courses.band(wheel.about, GROUND, disc, wheel.level)
+            slim = f"a smaller {wheel.about} (shafts nearer to each other)"
+            bands.append(replace(band, slim=slim, move=f"points.{shaft} elsewhere"))
+        bands.append(_rolling(courses, drive.roller))
+        over.append((drive.level, drive.joint.cam))
     return bands, over
 
 

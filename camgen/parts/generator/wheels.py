@@ -79,6 +79,25 @@ class Wheel:
 
 
 @dataclass(frozen=True)
+class Roller:
+    """A ring that turns on a pin of a link, on the level of a wheel that it touches."""
+
+    level: str
+    joint: str  # in which it presses on a wheel
+    link: str  # that carries it
+    point: str  # of that link
+    radius: float  # mm
+    wheel: Wheel
+    about: str  # what it touches, for messages
+    hung: bool = False  # whether it hangs under its link
+
+    @property
+    def part(self) -> str:
+        """Name of its part."""
+        return f"roller-{self.level}"
+
+
+@dataclass(frozen=True)
 class GearWheel:
     """A gear's wheel, or its ring with inner teeth."""
 
@@ -185,6 +204,14 @@ class Tip:
     def rolls(self) -> bool:
         """Whether it has a roller."""
         return self.shape == "roller"
+
+    @property
+    def roller(self) -> Roller:
+        """Where it rolls."""
+        about = self.wheel.about
+        link = self.joint.follower
+        name = self.joint.name
+        return Roller(self.level, name, link, self.point, self.radius, self.wheel, about, self.hung)
 
     def face(self) -> tuple[float, float]:
         """Ends of a face, mm to the left of its normal from its point, or from the hinge."""

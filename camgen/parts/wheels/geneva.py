@@ -154,6 +154,15 @@ class Geneva:
             return np.asarray(-second.imag)
         return np.asarray(-(1j * spoke / w - 3 * first * second - first**3).imag)
 
+    @property
+    def held(self) -> tuple[tuple[float, float], ...]:
+        """Ranges of the crank's angle in which slot or lock hold the wheel on both sides, rad: not while one hands it to the other."""
+        end = math.sqrt(self.rim**2 - (self.pin + self.slot_air) ** 2)
+        spokes = self.distance**2 + self.crank**2 - end**2
+        drive = math.acos(spokes / (2 * self.distance * self.crank))
+        begin = self.half + self._hollow_half
+        return (-drive, drive), (begin, math.tau - begin)
+
     def wheel(self) -> Contour:
         """The wheel's edge, counter-clockwise about its axis, a slot on Ox."""
         width = self.pin + self.slot_air
@@ -238,3 +247,27 @@ class Geneva:
             Line(end_point(path), end),
         )
         return Contour(pieces)
+
+
+@dataclass(frozen=True)
+class GenevaLaw:
+    """The wheel's angle over the crank's, rad, both 0 in the middle of a drive: on by a station a turn, at rest in between."""
+
+    geneva: Geneva
+
+    @property
+    def breaks(self) -> tuple[float, float]:
+        """Crank angles at which the acceleration jumps, rad."""
+        return -self.geneva.half, self.geneva.half
+
+    def __call__(self, t: Any, order: int = 0) -> Floats:
+        """Its order-th derivative, 0..3, at the crank's angle t, (n,) rad, nan at nan; in a dwell as at rest."""
+        t = np.asarray(t, float)
+        turn = np.floor(t / math.tau + 0.5)
+        within = t - math.tau * turn
+        half = self.geneva.half
+        with np.errstate(invalid="ignore"):
+            moved = self.geneva.motion(np.clip(within, -half, half), order)
+        if order == 0:
+            return np.asarray(moved - self.geneva.pitch * turn)
+        return np.where(np.abs(within) < half, moved, 0.0)

@@ -1,0 +1,220 @@
+"""Edges of any shape as their files have them, one body driving another: where the driven one is, and what play it has.
+
+A driven body between two edges is anywhere in what is free. Here it counts as where it is wanted, as far as the air that is
+meant is left on either side; where less is left, as in the middle of what is. So it is off as far as the edges push it off, and
+where it is loose on purpose, as a wheel is while one edge hands it over to another, nothing is said that is not so.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from camgen.findings import Finding, Where, at_least
+from camgen.geometry.rings import Floats, Ints, Ring
+from camgen.judge.pair_features import features
+from camgen.judge.pairs import Body, Bounds, OutlinePair, PairMotion, pivots_apart
+from camgen.machine.features import Edge, EdgePair
+from camgen.machine.model import Law
+
+_STEP = math.radians(0.5)  # of the driver, from sample to sample
+_COARSE = 30  # such steps, at which overlaps are looked for before
+_KNOWN = 8  # answers that are kept
+
+
+@dataclass(frozen=True)
+class _Place:
+    """The driven body over the joint's angle, (n,) each, rad: where it counts as, and both ways off the edges."""
+
+    value: Floats  # nan where nothing is free
+    slope: Floats
+    play: Floats
+    lever: Floats  # mm that both edges must be off by, square to them, for 1 rad of the middle between them
+
+
+@dataclass(frozen=True, eq=False)
+class Engagement:
+    """The law of a Cam as its edges give it: the follower's angle less its rest over the cam's angle less the phase, rad.
+
+    a, b: rings of either body at those angles 0, about its axis, mm, in the order of the feature's edges; line: from the axis of
+    the cam to the follower's, mm; wanted: the law that is meant.
+    """
+
+    feature: EdgePair
+    a: tuple[Ring, ...]
+    b: tuple[Ring, ...]
+    line: complex
+    wanted: Law
+
+    @cached_property
+    def pair(self) -> OutlinePair:
+        """Both bodies."""
+        return OutlinePair(Body(self.a), Body(self.b), pivots_apart(self.line))
+
+    @cached_property
+    def angles(self) -> Floats:
+        """At which it is followed, (n,) rad, over its period; few where the edges overlap as they are meant to stand."""
+        period = self.feature.period
+        count = math.ceil(period / _STEP / _COARSE)
+        coarse = np.linspace(0.0, period, count + 1)
+        wanted = self.wanted(coarse, 0)
+        if any(map(self.pair.overlaps, coarse.tolist(), wanted.tolist())):
+            return coarse
+        return np.linspace(0.0, period, count * _COARSE + 1)
+
+    @cached_property
+    def motion(self) -> PairMotion:
+        """Where the follower is free."""
+        return self.pair.follow(self.angles, float(self.wanted(np.zeros(1), 0)[0]))
+
+    @cached_property
+    def _samples(self) -> _Place:
+        return self._placed(self.motion.samples)
+
+    def __call__(self, theta: Floats, order: int = 0) -> Floats:
+        """The follower at the joint's angle, (n,) rad, or its derivative; of order 2 none."""
+        if order > 1:
+            return np.zeros(np.shape(theta))
+        place = self.place(np.asarray(theta, float))
+        return place.slope if order else place.value
+
+    def lever(self, theta: Floats) -> Floats:
+        """How far the edges must be off for 1 rad of the follower, mm, (n,).
+
+        Not less than where it is held: an edge that lets go pushes nothing off.
+        """
+        return np.fmax(self.place(theta).lever, self._least_lever)
+
+    def play(self, theta: Floats) -> Floats:
+        """What is free, rad, (n,); 0 where nothing is."""
+        return np.nan_to_num(self.place(theta).play)
+
+    def place(self, theta: Floats) -> _Place:
+        """The follower at the joint's angle, (n,) rad."""
+        key = theta.shape, theta.tobytes()
+        if key not in self._places:
+            if len(self._places) >= _KNOWN:
+                del self._places[next(iter(self._places))]
+            self._places[key] = self._at(theta)
+        return self._places[key]
+
+    @cached_property
+    def _places(self) -> dict[tuple[tuple[int, ...], bytes], _Place]:
+        """What was asked last."""
+        return {}
+
+    def _at(self, theta: Floats) -> _Place:
+        period = self.feature.period
+        whole = np.floor(theta.ravel() / period)
+        own, back = np.unique(theta.ravel() - period * whole, return_inverse=True)
+        place = self._placed(self.motion.bounds(own))
+        ends = self.wanted(np.array([0.0, period]), 0)
+        value = place.value[back] + whole * (ends[1] - ends[0])
+        found = (value, place.slope[back], place.play[back], place.lever[back])
+        return _Place(*(each.reshape(theta.shape) for each in found))
+
+    def _placed(self, bounds: Bounds) -> _Place:
+        """The follower between bounds."""
+        low = self.motion.touch(bounds, "low")
+        high = self.motion.touch(bounds, "high")
+        wanted = self.wanted(bounds.theta, 0)
+        # of a side that is open nan: nothing is there
+        least = np.where(np.isnan(bounds.low), -np.inf, bounds.low + self.feature.free / low.lever)
+        most = np.where(np.isnan(bounds.high), np.inf, bounds.high - self.feature.free / high.lever)
+        between = least > most
+        below = ~between & (wanted < least)
+        above = ~between & (wanted > most)
+        cases = [~bounds.free, between, below, above]
+        lost = np.full(wanted.shape, np.nan)
+        with np.errstate(invalid="ignore"):  # of two that are open
+            middle = (least + most) / 2
+        value: Floats = np.select(cases, [lost, middle, least, most], wanted)
+        slopes = [lost, (low.slope + high.slope) / 2, low.slope, high.slope]
+        slope: Floats = np.select(cases, slopes, self.wanted(bounds.theta, 1))
+        lever = 2 / (1 / low.lever + 1 / high.lever)
+        lever = np.where(np.isnan(lever), np.fmax(low.lever, high.lever), lever)
+        return _Place(value, slope, bounds.play, lever)
+
+    # ---- where it is held -------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _held(self) -> Ints:
+        """Samples at which it is to be held on both sides."""
+        theta = self.angles
+        within = [(theta - begin) % math.tau <= end - begin for begin, end in self.feature.held]
+        return np.flatnonzero(np.any(within, axis=0))
+
+    @cached_property
+    def _least_lever(self) -> float:
+        return float(np.fmin.reduce(self._samples.lever[self._held], initial=np.inf))
+
+    @cached_property
+    def worst_gap(self) -> Gap:
+        """Where it is held by least or most compared to what is meant."""
+        samples = self.motion.samples
+        gaps = self._samples.play * self._samples.lever
+        gaps = np.where(samples.free, gaps, 0.0)[self._held]
+        k = int(self._held[np.argmax(np.abs(gaps - 2 * self.feature.free))])
+        gap = float(gaps[np.searchsorted(self._held, k)])
+        sides = (samples.low_pair[k], samples.high_pair[k])
+        drivers = [_owner(self.a, self.feature.a, int(pair[0])) for pair in sides]
+        driven = [_owner(self.b, self.feature.b, int(pair[1])) for pair in sides]
+        return Gap(float(samples.theta[k]), gap, drivers[0] or drivers[1], driven[0] or driven[1])
+
+    def overlapping(self, theta: float) -> list[str]:
+        """Parts that overlap where the follower is wanted."""
+        phi = float(self.wanted(np.array([theta]), 0)[0])
+        return [
+            name
+            for a, first in zip(self.a, self.feature.a, strict=True)
+            for b, second in zip(self.b, self.feature.b, strict=True)
+            if replace(self.pair, driver=Body([a]), driven=Body([b])).overlaps(theta, phi)
+            for name in (first.part, second.part)
+        ]
+
+
+@dataclass(frozen=True)
+class Gap:
+    """How the follower is held at an angle: air of both sides together, mm, and the parts that hold it."""
+
+    theta: float
+    gap: float
+    driver: str
+    driven: str
+
+
+def _owner(rings: Sequence[Ring], edges: Sequence[Edge], feature: int) -> str:
+    """Whose feature it is; "" for none."""
+    if feature < 0:
+        return ""
+    counts = np.cumsum([len(features([ring])) for ring in rings])
+    return edges[int(np.searchsorted(counts, feature, side="right"))].part
+
+
+def judge_edges(engagement: Engagement, where: Where) -> Finding:
+    """CONTACT: at how many of the driver's angles the follower is free, percent, proven from each to the next.
+
+    where: the files of all edges.
+    """
+    samples = engagement.motion.samples
+    proven = samples.proven.copy()
+    proven[0] = True
+    sound = samples.free & proven
+    share = 100 * float(np.mean(sound))
+    turns = engagement.feature.period / math.tau
+    remark = f"of {len(sound)} angles in {turns:g} turns both outlines are free of each other, and between them"
+    if sound.all():
+        play = np.degrees(samples.play)
+        most = int(np.argmax(play))
+        theta = float(samples.theta[most])
+        remark += f"; play {play.min():.3f} to {play[most]:.3f} deg, most where the finding says"
+    else:
+        theta = float(samples.theta[int(np.argmin(sound))])
+        parts = engagement.overlapping(theta)
+        remark += f"; there {' and '.join(parts)} overlap" if parts else "; there it is lost"
+    place = replace(where, joint=engagement.feature.joint, theta=theta % math.tau, angle="crank at")
+    return at_least("CONTACT", share, 100, "percent", place, remark)

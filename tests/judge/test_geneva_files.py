@@ -1,0 +1,105 @@
+"""A Geneva drive from its own files: sound, and with a slot, roller, wheel or lock that is off."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import ezdxf
+import numpy as np
+import pytest
+
+import camgen
+from camgen.findings import Finding
+from camgen.machines.sources import read_mechanism
+from camgen.numerics import Points
+from camgen.pipeline.case import Case
+from camgen.pipeline.reading import judge_motion, judge_part
+
+SPEC = {
+    "mechanism": "linkage",
+    "name": "table",
+    "points": {"O": [0, 0], "C": [60, 0], "P": [-42, 0]},
+    "links": {"ground": ["O", "C"], "crank": ["O", "P"], "wheel": ["C"]},
+    "drive": {"link": "crank"},
+    "geneva": [
+        {"a": "crank", "b": "wheel", "pin": "P", "slots": 4, "pin_radius": 5, "name": "geneva"}
+    ],
+    "output": [{"name": "table", "link": "wheel"}],
+}
+AIR = 0.1  # mm on either side, half of what slides has
+WHEEL, LOCK, ROLLER = (f"table-{name}-geneva.dxf" for name in ("geneva", "lock", "roller"))
+
+
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("table")
+    report = camgen.build(SPEC, out, ["dxf"])
+    assert report.ok, [str(finding) for finding in report.findings if not finding.ok]
+    return out / "table"
+
+
+def findings(folder: Path) -> dict[str, Finding]:
+    """What the judge says of the motion that the folder's drawings give, by code."""
+    case = Case(read_mechanism(folder / "spec.toml"), folder)
+    parts = {name: judge_part(case, name, ["dxf"], dimensioned=False)[1] for name in case.parts}
+    result = judge_motion(case.mechanism, "dxf", parts, np.linspace(0, math.tau, 721))
+    assert result is not None
+    return {each.code: each for each in result[0].findings}
+
+
+def damaged(
+    folder: Path, to: Path, file: str, change: Callable[[Points], Points]
+) -> dict[str, Finding]:
+    """The drive with other points of the outline in one file."""
+    shutil.copytree(folder, to / "table")
+    path = to / "table" / file
+    drawing = ezdxf.readfile(path)
+    line = max(drawing.modelspace().query("LWPOLYLINE"), key=len)
+    rows = np.array(line.get_points("xyseb"))
+    points = change(rows[:, 0] + 1j * rows[:, 1])
+    rows[:, :2] = np.column_stack([points.real, points.imag])
+    line.set_points(rows.tolist(), "xyseb")
+    drawing.saveas(path)
+    return findings(to / "table")
+
+
+def test_a_sound_drive_moves_as_its_closed_form(sound: Path) -> None:
+    found = findings(sound)
+    assert all(each.ok for each in found.values())
+    assert found["CONTACT"].measured == 100.0
+    assert found["PIN_GAP"].measured < 1e-3
+    # far below the facets' limit, for its arcs are exact
+    assert found["MOTION_ERROR"].measured < 1e-3
+
+
+def test_a_slot_too_wide_is_told_by_its_air_and_named(sound: Path, tmp_path: Path) -> None:
+    """Both walls of one slot by 10 um each: each body answers for half of the 20."""
+
+    def wider(points: Points) -> Points:
+        turn = np.exp(0.25j * math.pi)
+        level = points / turn
+        slot = (np.abs(np.abs(level.imag) - 5 - AIR) < 1e-3) & (level.real > 0)
+        assert slot.sum() == 4
+        return points + 0.01j * turn * np.sign(level.imag) * slot
+
+    found = damaged(sound, tmp_path, WHEEL, wider)
+    gap = found["PIN_GAP"]
+    assert not gap.ok and gap.measured == pytest.approx(0.01, abs=1e-3)
+    assert gap.where.joint == "geneva" and "roller-geneva and geneva-geneva" in gap.message
+
+
+def test_a_wheel_that_is_turned_is_off_by_as_much(sound: Path, tmp_path: Path) -> None:
+    by = math.radians(0.02)
+    found = damaged(sound, tmp_path, WHEEL, lambda points: points * np.exp(1j * by))
+    assert not found["MOTION_ERROR"].ok
+    assert found["MOTION_ERROR"].measured == pytest.approx(0.02, rel=0.01)
+
+
+def test_a_lock_too_large_jams_and_is_named(sound: Path, tmp_path: Path) -> None:
+    found = damaged(sound, tmp_path, LOCK, lambda points: points * 1.01)
+    assert not found["CONTACT"].ok and found["CONTACT"].measured < 90
+    assert "lock-geneva and geneva-geneva overlap" in found["CONTACT"].message
+    assert not found["MOTION_ERROR"].ok
