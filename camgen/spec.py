@@ -131,12 +131,10 @@ class Print(Record):
     )
     slide_clearance: Clearance = Field(
         default=0.2,
-        description="diametral clearance of what moves; also the play between what lies on one "
-        "another",
+        description="diametral clearance of joints that move; also the play between parts that lie on "
+        "each other",
     )
-    press_clearance: Clearance = Field(
-        default=0.0, description="diametral clearance of what is pressed"
-    )
+    press_clearance: Clearance = Field(default=0.0, description="diametral clearance of press fits")
     bed: tuple[Length, Length] = Field(
         default=(220.0, 220.0), description="width and depth of the bed: every part must fit on it"
     )
@@ -173,7 +171,7 @@ class Print(Record):
     )
     size_error: Spread = Field(
         default=None,
-        description="standard deviation of a size; unless given a third of the plastic's usual tolerance",
+        description="standard deviation of a size; unless given, a third of the plastic's usual tolerance",
     )
     place_error: Spread = Field(
         default=None,
@@ -191,7 +189,7 @@ class Print(Record):
 
 
 class Material(Record):
-    """What is printed with, or what the parts are cut of."""
+    """The material that you print with, or cut the parts from."""
 
     name: Literal[
         "PLA",
@@ -215,11 +213,11 @@ class Material(Record):
         '"16MnCr5" (hardened), "stainless", "aluminium", "brass", "POM", "plywood" or "acrylic"',
     )
     density: Annotated[float, quantity("g/cm^3", gt=0, le=25)] | None = Field(
-        default=None, description="density where it differs from the usual one"
+        default=None, description="density, if it differs from the usual one"
     )
     infill: Annotated[float, quantity("1", gt=0, le=1)] = Field(
         default=1.0,
-        description="share of the volume that is material: of prints walls and filling together",
+        description="share of the volume that is material: in prints walls and infill together",
     )
 
 
@@ -232,10 +230,10 @@ class Files(Record):
     center_marks: bool = Field(
         default=False, description="true: marks at centres, on a layer CENTER"
     )
-    engrave: bool = Field(default=False, description="true: what is engraved, on a layer ENGRAVE")
+    engrave: bool = Field(default=False, description="true: the engraving, on a layer ENGRAVE")
     hole_letters: bool | None = Field(
         default=None,
-        description="true: the letters of their holes are engraved in the links of a linkage, 0.4 mm deep",
+        description="true: links of a linkage have the letters of their holes, engraved 0.4 mm deep",
     )
     step: bool | None = Field(
         default=None, description="true: a whole build makes exact solids as well (STEP)"
@@ -246,7 +244,7 @@ class Files(Record):
     )
     cutter_radius: Annotated[float | None, quantity("mm", gt=0, le=1000)] = Field(
         default=None,
-        description="radius of the cutter whose centre's path round each cam is drawn; left out: none",
+        description="radius of a cutter: the path of its centre round each cam is drawn; left out: none",
     )
 
     @property
@@ -265,7 +263,7 @@ def said(most: int) -> Any:
 
 
 class Drawing(Record):
-    """What the dimensioned drawings say beside the shapes."""
+    """What the dimensioned drawings show besides the shapes."""
 
     tolerance: Annotated[
         str,
@@ -275,7 +273,7 @@ class Drawing(Record):
         ),
     ] = Field(
         default="ISO 2768-m",
-        description="general tolerance: f, m, c or v; H, K or L behind it for form and place, as in -mK",
+        description="general tolerance: f, m, c or v; then H, K or L for form and position, as in -mK",
     )
     number: (
         Annotated[
@@ -308,7 +306,7 @@ class Drawing(Record):
     )
     position: Annotated[float, quantity("mm", ge=0, le=5)] = Field(
         default=0.2,
-        description="diameter in which the axes of holes have to lie (ISO 1101); 0: not said",
+        description="diameter within which the axes of holes must lie (ISO 1101); 0: not shown",
     )
     profile_step_deg: Annotated[float, quantity("deg", ge=5, le=90)] = Field(
         default=10.0, description="step of a cam's table of radii on the drawings"
@@ -332,17 +330,18 @@ class Drawing(Record):
         description="tolerance of a cam's track: the width of its zone (line profile, ISO 1101); left out: none",
     )
     roughness: Annotated[float, quantity("um", gt=0, le=100)] | None = Field(
-        default=None, description="Ra of a cam's track; left out: not said"
+        default=None, description="Ra of a cam's track; left out: not shown"
     )
     roughness_elsewhere: Annotated[float, quantity("um", gt=0, le=100)] | None = Field(
-        default=None, description="Ra of all other faces; left out: not said"
+        default=None, description="Ra of all other faces; left out: not shown"
     )
     edges: Annotated[str, said(60)] | None = Field(
-        default=None, description='such as "broken 0.2 to 0.4, ISO 13715"; left out: not said'
+        default=None,
+        description='state of edges, such as "broken 0.2 to 0.4, ISO 13715"; left out: not shown',
     )
     heat_treatment: Annotated[str, said(60)] | None = Field(
         default=None,
-        description='such as "case hardened 60+4 HRC, CHD 0.8+0.4"; left out: not said',
+        description='heat treatment, such as "case hardened 60+4 HRC, CHD 0.8+0.4"; left out: not shown',
     )
     revision: Annotated[str, said(8)] | None = Field(
         default=None, description="revision of the drawings, in the title block"
@@ -356,7 +355,7 @@ class Drawing(Record):
 
 
 class Laser(Record):
-    """What cuts flat parts of sheet."""
+    """Beam and sheet for flat parts."""
 
     kerf: Annotated[float, quantity("mm", ge=0, le=5)] = Field(
         default=0.15, description="width of the beam"
@@ -427,7 +426,7 @@ class Spec(Checked):
     )
     material: Material = Field(
         default=Material.model_construct(),
-        description="what is printed with, or what parts are cut of",
+        description="material that you print with, or cut parts from",
     )
     accuracy: Accuracy = Field(
         default=Accuracy.model_construct(), description="how exact the outlines in the files are"
@@ -435,11 +434,12 @@ class Spec(Checked):
     files: Files = Field(default=Files.model_construct(), description="how files are written")
     drawing: Drawing = Field(
         default=Drawing.model_construct(),
-        description="what the dimensioned drawings say beside the shapes",
+        description="what the dimensioned drawings show besides the shapes",
     )
     laser: Laser | None = Field(
         default=None,
-        description="cuts what is flat from sheet: with this table a whole build lays it out (SVG, DXF)",
+        description="flat parts cut from sheet: with this table a whole build lays out the sheets (SVG, "
+        "DXF)",
     )
 
     @cached_property

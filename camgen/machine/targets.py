@@ -171,7 +171,7 @@ class Through(Record):
         default=False, description="whether it passes them in this order as theta grows"
     )
     theta_deg: tuple[Angle, ...] | None = Field(
-        default=None, description="when it is there: one angle for each place"
+        default=None, description="angles at which it passes the places, one for each"
     )
 
     def faults(self, path: Key) -> list[Fault]:
@@ -238,7 +238,7 @@ class Through(Record):
 
 
 class Trace(Record):
-    """A path as a whole: it and the wanted one are nowhere further apart than the tolerance, either way."""
+    """A whole path: it and the wanted one are nowhere further apart than the tolerance, either way."""
 
     code: ClassVar[str] = "PATH_ERROR"
 
@@ -305,11 +305,12 @@ class Straight(Record):
 
     tolerance: Near = Field(description="greatest width of the strip")
     range_deg: tuple[Angle, Angle] | None = Field(
-        default=None, description="the stretch of theta, from and to, that is to be straight"
+        default=None, description="range of theta over which the path should be straight"
     )
     length: Near | None = Field(
         default=None,
-        description="in place of range_deg: the straightest stretch that is so long, from end to end",
+        description="in place of range_deg: length of the stretch from end to end; the straightest one "
+        "counts",
     )
 
     def faults(self, path: Key) -> list[Fault]:

@@ -66,7 +66,7 @@ class Remarks:
 class Mechanism(Spec, ABC):
     """Base of all mechanisms; theta is the input angle, rad, counter-clockwise."""
 
-    load: Weight | None = Field(default=None, description="what pulls on what is made")
+    load: Weight | None = Field(default=None, description="loads on the machine")
 
     def __repr__(self) -> str:
         """Its kind and name, and how to see more."""

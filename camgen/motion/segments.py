@@ -95,7 +95,7 @@ class LawChoice(Record):
     inflection: Annotated[float, quantity("1", gt=0, lt=1)] | None = Field(
         default=None,
         alias="lambda",
-        description="place of the inflection, 0.5 where nothing says it",
+        description="place of the inflection, 0.5 unless given or found",
     )
     ramp: Annotated[float, quantity("1", gt=0, le=1)] | None = Field(
         default=None, description="share of a trapezoid's half in which it falls to a reversal"
@@ -122,12 +122,12 @@ class LawChoice(Record):
     file: str | None = Field(
         default=None, description="table: a file beside the spec with these two columns"
     )
-    source: str | None = Field(default=None, description="table: where it is from")
+    source: str | None = Field(default=None, description="table: source of the rows")
     rest: bool | None = Field(default=None, description="table: whether it starts and ends at rest")
     tolerance: Annotated[float, quantity("mm or deg", gt=0, le=1e3)] | None = Field(
         default=None,
-        description="table over the whole turn: how far the motion may be off its rows, as smooth as that "
-        "allows",
+        description="table over the whole turn: how far the motion may be off its rows; it is as smooth "
+        "as that allows",
     )
 
     @property
@@ -161,16 +161,16 @@ class Span(Record):
 
     kind: Kind | None = Field(
         default=None,
-        description='"rise", "dwell" or "return"; may be left out where the end says it',
+        description='"rise", "dwell" or "return"; may be left out if the end shows it',
     )
     span_deg: Annotated[float, quantity("deg", ge=_LEAST_SPAN, le=360)] | None = Field(
         default=None,
-        description="how much of the turn, or of a drive's period, it takes; one dwell may leave it "
-        "out: the rest",
+        description="how much of the turn, or of a drive's period, it takes; a dwell without it takes "
+        "the rest",
     )
     at_deg: Annotated[float, quantity("deg", gt=0, le=360)] | None = Field(
         default=None,
-        description="angle at which the segment ends, as a timing chart has it: in place of span_deg, in all "
+        description="angle at which the segment ends, as in a timing chart; in place of span_deg, in all "
         "segments",
     )
     law: NamedLaw | None = Field(
@@ -193,16 +193,17 @@ class Span(Record):
     )
     end_velocity: Annotated[float, quantity("mm/deg or deg/deg", ge=-1e6, le=1e6)] | None = Field(
         default=None,
-        description="velocity where the segment ends, of G and B; left out: a uniform neighbour's",
+        description="velocity at the end of the segment, for G and B; left out: that of a uniform "
+        "neighbour",
     )
     end_acceleration: (
         Annotated[float, quantity("mm/deg^2 or deg/deg^2", ge=-1e6, le=1e6)] | None
     ) = Field(
         default=None,
-        description="acceleration where the segment ends, of U and B; most laws say it at U",
+        description="acceleration at the end of the segment, for U and B; most laws give it at U",
     )
     end_jerk: Annotated[float, quantity("mm/deg^3 or deg/deg^3", ge=-1e6, le=1e6)] | None = Field(
-        default=None, description="jerk where the segment ends, of B, for a polynomial 7"
+        default=None, description="jerk at the end of the segment, for B, with a polynomial 7"
     )
 
     @property

@@ -27,12 +27,12 @@ BoreShape = Annotated[
     Field(description='"plain", "keyway" (key_width, key_depth) or "d-flat" (flat_depth), on +y'),
 ]
 KeyWidth = Annotated[
-    Length, Field(description="width of the keyway; else that of DIN 6885 for the bore")
+    Length, Field(description="width of the keyway; unless given, that of DIN 6885 for the bore")
 ]
 KeyDepth = Annotated[
     Length,
     Field(
-        description="height of the keyway's floor above the bore's circle; else that of DIN 6885"
+        description="height of the keyway's floor above the bore's circle; unless given, that of DIN 6885"
     ),
 ]
 FlatDepth = Annotated[Length, Field(description="depth of the flat below the bore's circle")]
@@ -54,8 +54,8 @@ class ShaftHole(Record):
 
     thickness: Thickness = Field(
         default=6.0,
-        description="thickness of the cam, without its hub; in a machine 4, of links, cams and "
-        "followers",
+        description="thickness of the cam, without its hub; in a machine that of links, cams and "
+        "followers, 4",
     )
     bore: Bore = 8.0
     bore_shape: BoreShape = "plain"
@@ -128,12 +128,12 @@ class CamParts(ShaftHole):
     )
     set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = Field(
         default="none",
-        description='"none"; or "M2" to "M5": in the hub, with its nut, on a flat where there is one;\n'
-        "of a machine in a collar on its motor's shaft, so that nothing walks off",
+        description='"none"; or "M2" to "M5": in the hub, with its nut, on the flat if there is one;\nin '
+        "a machine in a collar on its motor's shaft, so that nothing slides off",
     )
     pin_diameter: Length = Field(
         default=3.0,
-        description="groove: diameter of the pins that join its plates; in a machine 5, of all pins",
+        description="groove: diameter of the pins that join its plates; in a machine that of all pins, 5",
     )
     rim: Length = Field(default=8.0, description="groove: width of the rim outside its outer wall")
     back: Thickness = Field(default=3.0, description="groove: thickness of the back plate")

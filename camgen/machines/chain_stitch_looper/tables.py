@@ -104,7 +104,7 @@ class StitchMotor(Drives):
 
 
 class StitchLimits(LimitsTable):
-    """What the designer accepts; a finding fails beyond it."""
+    """What you accept: beyond a limit its finding fails."""
 
     loop_angle_deg: Annotated[float, quantity("deg", ge=0, le=90)] = Field(
         default=1.0, description="greatest difference of the two loops' angles at the pierce"

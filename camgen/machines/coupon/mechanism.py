@@ -106,7 +106,7 @@ class Measured(Record):
 
 
 class CouponLimits(Record):
-    """What the measuring has to reach."""
+    """What the measurement must reach."""
 
     uncertainty: Length = Field(
         default=0.05,
@@ -114,7 +114,8 @@ class CouponLimits(Record):
         "clearance",
     )
     departure: Length = Field(
-        default=0.15, description="how far one size may be off what the values give it"
+        default=0.15,
+        description="how far one size may be from the size that the fitted values give",
     )
     min_wall: MinWall = 0.8
 
@@ -128,7 +129,7 @@ class Coupon(Mechanism):
     )
     making: Annotated[CouponParts, Field(alias="parts")] = CouponParts.model_construct()
     measured: Measured = Field(
-        default=Measured.model_construct(), description="what the caliper said"
+        default=Measured.model_construct(), description="sizes measured with a caliper"
     )
     allowed: Annotated[CouponLimits, Field(alias="limits")] = CouponLimits.model_construct()
 

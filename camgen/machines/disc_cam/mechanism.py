@@ -81,12 +81,13 @@ class DiscCamDrive(CamTables):
     motor: DiscCamMotor = DiscCamMotor.model_construct()
     load: LoadTable | None = Field(
         default=None,
-        description="what the follower is and bears: forces, motor torque, and whether it stays on the "
-        "cam",
+        description="mass and loads of the follower, for forces, motor torque, and whether it stays on "
+        "the cam",
     )
     spring: SpringTable | None = Field(
         default=None,
-        description='closure "force": what presses it on the cam; the report says what is needed',
+        description='closure "force": the spring that presses the follower on the cam; the report says '
+        "what is needed",
     )
     making: Annotated[DiscCamParts, Field(alias="parts")] = DiscCamParts.model_construct()
     allowed: Annotated[DiscCamLimits, Field(alias="limits")] = DiscCamLimits.model_construct()

@@ -43,13 +43,12 @@ class FollowerTable(Record):
     )
     face_width: Length | None = Field(
         default=None,
-        description="flat: width of the face, about the stem or the middle of what is touched; checked if "
-        "given",
+        description="flat: width of the face, centred on the stem or on the contact; checked if given",
     )
 
 
 class DiscCamGeometry(Record):
-    """The cam and its follower; without base_radius it is the smallest that keeps to the limits."""
+    """The cam and its follower; without base_radius the cam is the smallest that keeps to the limits."""
 
     follower: FollowerTable = Field(description="what rides on the cam")
     base_radius: Length | None = Field(
@@ -78,25 +77,25 @@ class DiscCamMotor(Drives):
 
 
 class DiscCamParts(CamParts, CamSizes):
-    """Sizes of cams alone, and of a machine's bodies; a further table by a link's name is the shape of that link."""
+    """Sizes of the cams, or of a whole machine; a table with a link's name is the shape of that link."""
 
 
 class DiscCamLimits(CamLimitsTable):
-    """What the designer accepts; a finding fails beyond it."""
+    """What you accept: beyond a limit its finding fails."""
 
     undercut: Annotated[float, quantity("mm or deg", ge=0, le=1e6)] = Field(
         default=0.0, description="motion that may be lost by undercut"
     )
     lash: Annotated[float, quantity("mm or deg", ge=0, le=1e6)] = Field(
         default=0.25,
-        description="free play of the follower in a groove or between a pair of cams; 0.25: a hundredth "
-        "of a lift of 25, and the running play of printed parts",
+        description="free play of the follower in a groove or between a pair of cams; 0.25 is a "
+        "hundredth of a lift of 25, and the running play of printed parts",
     )
     min_wall: MinWall = 0.8
 
 
 class LoadTable(Weight):
-    """What the follower is and bears, a translating one in kg, N and mm, an oscillating one in kg m^2, N m and rad."""
+    """Mass and loads of the follower: kg, N and mm if it slides, kg m^2, N m and rad if it swings."""
 
     mass_kg: Annotated[float, quantity("kg", ge=0, le=1e6)] = Field(
         default=0.0, description="mass of a translating follower and what it moves"
@@ -112,7 +111,7 @@ class LoadTable(Weight):
     )
     polydyne: bool = Field(
         default=False,
-        description="whether the cam is corrected so that what moves behind the stiffness does the "
+        description="whether the cam is corrected so that the mass behind the stiffness follows the "
         "program at this speed",
     )
 

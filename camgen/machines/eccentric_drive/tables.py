@@ -80,8 +80,8 @@ class EccentricSizes(sizes.Parts):
     )
     pin: sizes.PinKind = Field(
         default="printed",
-        description='pin of the slider: "printed"; or "dowel": of steel, where a printed one does '
-        "not bear the speed",
+        description='pin of the slider: "printed"; or "dowel": of steel, if a printed one does not bear '
+        "the speed",
     )
     pin_diameter: Length = Field(default=3.0, description="diameter of the pin in the slider")
     rail_width: Length = Field(default=6.0, description="width of the rails beside the slider")
@@ -95,8 +95,8 @@ class EccentricSizes(sizes.Parts):
     )
     wire_length: Length | None = Field(
         default=None,
-        description="length of the needle, from the inner end of its groove to its point; unless "
-        "given the point is flush with the tube's mouth when the slider is innermost",
+        description="length of the needle, from the inner end of its groove to its point; unless given, "
+        "the point is flush with the tube's mouth when the slider is innermost",
     )
     tube_length: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
         default=0.0,
@@ -152,10 +152,10 @@ class Masses(Record):
 
 
 class EccentricLimits(LimitsTable):
-    """What the designer accepts; a finding fails beyond it."""
+    """What you accept: beyond a limit its finding fails."""
 
     transmission_angle_deg: Annotated[float, quantity("deg", gt=0, lt=90)] = Field(
-        default=45.0, description="least angle of the rod against the square to the guide"
+        default=45.0, description="least angle between the rod and the normal of the guide"
     )
     lash: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
         default=1.0,
@@ -164,9 +164,9 @@ class EccentricLimits(LimitsTable):
     )
     stroke: Annotated[Band, quantity("mm")] | None = Field(
         default=None,
-        description="least and greatest stroke that serve: how deep the needle is to go",
+        description="least and greatest stroke allowed: how deep the needle goes",
     )
     strokes_per_s: Annotated[Band, quantity("1/s")] | None = Field(
-        default=None, description="least and greatest number of strokes a second that serve"
+        default=None, description="least and greatest number of strokes a second"
     )
     min_wall: MinWall = 0.8

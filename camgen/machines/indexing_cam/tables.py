@@ -140,7 +140,7 @@ class Freewheels(Record):
 
     lost_deg: Annotated[float, quantity("deg", ge=0, le=45)] = Field(
         default=1.0,
-        description="turn of the wheel before a clutch locks: the follower swings so much further",
+        description="turn of the wheel before a clutch locks; the follower swings further by that",
     )
 
 
@@ -149,7 +149,7 @@ class LoadTable(Weight):
 
     gravity_deg: Direction | None = Field(
         default=None,
-        description="refused here: an indexing cam is worked out as it lies flat",
+        description="refused here: an indexing cam is calculated lying flat",
     )
     inertia_kg_m2: Annotated[Positive, quantity("kg m^2")] = Field(
         description="moment of inertia of the driven link with the table"
@@ -201,7 +201,7 @@ class UnloaderTable(Record):
     )
     stiffness_n_mm: Annotated[Positive, quantity("N/mm")] | None = Field(
         default=None,
-        description="rate of the spring; unless given the one that leaves least to the cam",
+        description="rate of the spring; unless given, the one that leaves least to the cam",
     )
     crank: Length | None = Field(
         default=None, description="distance of the cord's pin from its shaft"
@@ -291,10 +291,11 @@ class SynthesisTable(Record):
 
 
 class IndexingParts(CamSizes):
-    """Sizes of cams alone, and of a machine's bodies; a further table by a link's name is the shape of that link."""
+    """Sizes of the cams, or of a whole machine; a table with a link's name is the shape of that link."""
 
     thickness: Thickness = Field(
-        default=8.0, description="thickness of a cam; in a machine 4, of links, cams and followers"
+        default=8.0,
+        description="thickness of a cam; in a machine that of links, cams and followers, 4",
     )
     bore: Bore = 12.0
     bore_shape: BoreShape = "keyway"
@@ -305,12 +306,13 @@ class IndexingParts(CamSizes):
         default=0, description="most lightening windows in a cam"
     )
     wall: Length = Field(
-        default=4.0, description="wall that windows of a cam keep; in a machine 2, round each hole"
+        default=4.0,
+        description="wall beside the windows of a cam; in a machine that round each hole, 2",
     )
 
 
 class IndexingLimits(SwingingCamLimitsTable):
-    """What the designer accepts; a finding fails beyond it."""
+    """What you accept: beyond a limit its finding fails."""
 
     lash_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(
         default=0.25,

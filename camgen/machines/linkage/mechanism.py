@@ -131,7 +131,8 @@ class Linkage(Mechanism):
         description="a crank that turns a slotted wheel on by steps, and holds it between",
     )
     freewheels: Annotated[tuple[t.Freewheel, ...], Field(alias="freewheel", max_length=20)] = Field(
-        default=(), description="a link that turns on, by a wheel that goes to and fro"
+        default=(),
+        description="a link that turns on by steps; a wheel that goes to and fro drives it",
     )
     springs: Annotated[tuple[t.Spring, ...], Field(alias="spring", max_length=20)] = Field(
         default=(),
@@ -152,15 +153,16 @@ class Linkage(Mechanism):
         default={}, description="masses of links, in place of those of their solids"
     )
     making: Annotated[Parts, Field(alias="parts")] = Field(
-        default=Parts.model_validate({}), description="sizes of the bodies"
+        default=Parts.model_validate({}), description="sizes of the parts"
     )
     layers: t.Layers = Field(
         default={},
-        description="level of a link, cam or gear, 1 is the lowest, of a counterweight 0 under the plate; "
-        "else found",
+        description="level of a link, cam or gear, 1 is the lowest; 0 puts a counterweight under the "
+        "plate; found unless given",
     )
     allowed: Annotated[t.LinkageLimits, Field(alias="limits")] = Field(
-        default=t.LinkageLimits.model_validate({}), description="what the designer accepts"
+        default=t.LinkageLimits.model_validate({}),
+        description="what you accept: beyond a limit its finding fails",
     )
 
     @model_validator(mode="before")

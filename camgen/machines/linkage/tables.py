@@ -43,8 +43,8 @@ class DriveSegment(Span):
 
     kind: Kind | None = Field(
         default=None,
-        description='"rise": counter-clockwise; "return": clockwise; or "dwell"; may be left out '
-        "where to_deg says it",
+        description='"rise": counter-clockwise; "return": clockwise; or "dwell"; may be left out if '
+        "to_deg shows it",
     )
     lift_deg: Annotated[float, quantity("deg", ge=1e-3, le=3600)] | None = Field(
         default=None,
@@ -142,8 +142,8 @@ class Slot(Record):
     pin: Name = Field(description="the point of another link that is the pin")
     link: Name = Field(description="the link with the slot")
     along: Two = Field(
-        description="two points of `link`: the slot's direction alone; its ends follow from where the pin "
-        "goes"
+        description="two points of `link`: the slot's direction only; its ends follow from the travel of "
+        "the pin"
     )
     name: Name | None = Field(
         default=None, description="name of the joint; pin and link unless given"
@@ -151,7 +151,7 @@ class Slot(Record):
 
 
 class Gear(Record):
-    """Two links that turn in proportion: angle of b = ratio * angle of a, seen from the link that carries both."""
+    """Two links that turn at a ratio: angle of b = ratio * angle of a, seen from the link that carries both."""
 
     a: Name = Field(description="the first link")
     b: Name = Field(description="the second link")
@@ -180,7 +180,7 @@ class Gear(Record):
     )
     relief: Annotated[float, quantity("mm", ge=0, le=1)] = Field(
         default=0.0,
-        description="relief of the tips of both wheels: how far their flanks draw back there",
+        description="tip relief of both wheels: how far their flanks draw back at the tips",
     )
     spokes: Annotated[int, quantity("1", ge=3, le=12)] | None = Field(
         default=None,
@@ -225,7 +225,7 @@ class Freewheel(Record):
     wheel: Name = Field(description="a link on the same shaft, which a gear rocks to and fro")
     link: Name = Field(description="the link that turns on")
     turns: Literal["counter-clockwise", "clockwise"] = Field(
-        default="counter-clockwise", description="the way in which it turns on"
+        default="counter-clockwise", description="sense in which it turns on"
     )
     lost_deg: Annotated[float, quantity("deg", ge=0, le=45)] = Field(
         default=1.0, description="turn of the wheel before its clutch locks"
@@ -240,8 +240,8 @@ class CamSegment(Span):
 
     kind: Kind | None = Field(
         default=None,
-        description='"rise": away from the cam\'s shaft; "return": back to it; or "dwell"; may be '
-        "left out where its end says it",
+        description='"rise": away from the cam\'s shaft; "return": back to it; or "dwell"; may be left '
+        "out if the end shows it",
     )
     lift: Length | None = Field(
         default=None, description="how far a follower slides; or to, where it ends"
@@ -267,7 +267,7 @@ class ReturnSpring(Record):
     """The spring that presses a follower on its cam: what is not given is found."""
 
     rate: Annotated[float, quantity("N/mm or N m/rad", ge=0, le=1e6)] = Field(
-        default=0.0, description="rate of the spring, as its force on the follower grows; 0: found"
+        default=0.0, description="rate of the spring, as it acts on the follower; 0: found"
     )
     preload: Annotated[float, quantity("N or N m", ge=0, le=1e6)] = Field(
         default=0.0,
@@ -282,7 +282,8 @@ class Cam(Record):
     follower: Name = Field(description="a link that swings or slides on the ground")
     shape: Literal["roller", "knife", "flat"] = Field(
         default="roller",
-        description='what of the follower touches the cam: "roller" (with its radius), "knife" or "flat"; a roller unless given',
+        description='tip of the follower: "roller" (with its radius), "knife" or "flat"; a roller unless '
+        "given",
     )
     at: Name = Field(
         description="point of the follower: the roller's centre, the edge, or a point of the face"
@@ -293,7 +294,7 @@ class Cam(Record):
         description='what holds the follower on the cam: "force", "groove" or "conjugate"',
     )
     face_width: Length | None = Field(
-        default=None, description="width of a flat face; as wide as it is touched unless given"
+        default=None, description="width of a flat face; unless given, the width of the contact"
     )
     face_offset: Coordinate = Field(
         default=0.0,
@@ -316,8 +317,8 @@ class Cam(Record):
     )
     polydyne: bool = Field(
         default=False,
-        description="whether the cam is corrected so that the follower, elastic by load.stiffness, does "
-        "the program at this speed",
+        description="whether the cam is corrected so that the follower, elastic by load.stiffness, "
+        "follows the program at this speed",
     )
     tip_clearance: Air = 0.0
     name: Name | None = Field(
@@ -339,7 +340,8 @@ class Spring(Record):
         description="how the spring's pull grows with its length"
     )
     free: Length | None = Field(
-        default=None, description="distance of the points at which the spring does not pull yet"
+        default=None,
+        description="free length: distance of the points up to which the spring does not pull",
     )
     preload: Annotated[float, quantity("N", ge=0, le=1e6)] | None = Field(
         default=None, description="in place of free: the spring's pull where it is shortest"
@@ -365,32 +367,31 @@ class Wanted(Record):
         description="points in their order: the length of a thread over a post at each of them",
     )
     stroke: Stroke | None = Field(
-        default=None, description="how far it is to go; a path by the larger side of its box"
+        default=None, description="how far it should go; for a path the larger side of its box"
     )
     points: Through | None = Field(
         default=None,
-        description="places that it is to pass; in_order = true, or theta_deg = [0, 40]: when",
+        description="places that it should pass; in_order = true, or theta_deg = [0, 40]: when",
     )
     path: Trace | None = Field(
         default=None,
-        description="the path that it is to follow; lines join the places, joined = false: a dense "
-        "cloud",
+        description="path that it should follow; lines join the places, joined = false: a dense cloud",
     )
     straightness: Straight | None = Field(
         default=None,
-        description="a stretch that is to be straight, by its length or by range_deg = [310, 370]",
+        description="a stretch that should be straight, by its length or by range_deg = [310, 370]",
     )
     dwell: Dwell | None = Field(
         default=None,
-        description="how long it is to rest within a band; at = 60: about that place",
+        description="how long it should rest within a band; at = 60: about that place",
     )
     time_ratio: TimeRatio | None = Field(
         default=None,
-        description="ratio that the slower stroke's time is to have to the quicker one's",
+        description="wanted ratio of the slower stroke's time to the quicker one's",
     )
     function: Function | None = Field(
         default=None,
-        description="pairs of theta and angle that it is to keep, both counted from the first",
+        description="pairs of theta and angle that it should keep, both counted from the first",
     )
 
     @property
@@ -416,7 +417,7 @@ class Include(Record):
     )
     name: Name | None = Field(
         default=None,
-        description="name in front of those of its parts; its spec's name unless given",
+        description="name before the names of its parts; its spec's name unless given",
     )
     at: Place = Field(default=(0.0, 0.0), description="where its origin is on the ground")
     phase_deg: Degrees = Field(default=0.0, description="how far its shaft is ahead of this one's")
@@ -430,11 +431,12 @@ class Include(Record):
     )
     ride: dict[str, Name] = Field(
         default={},
-        description="links of this machine that carry bodies of it, in place of its own guides and cams: "
-        "body = link",
+        description="bodies of the other machine that links of this one carry, in place of its own "
+        "guides and cams: body = link",
     )
     ride_tolerance: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
-        default=0.01, description="how far such a body may be from where its own machine has it"
+        default=0.01,
+        description="how far such a body may be from where the other machine would have it",
     )
     source: str | None = Field(default=None, description="where the tables were read")
 
@@ -460,7 +462,7 @@ def pair(key: str) -> tuple[str, str] | None:
 
 
 class LinkageLimits(CamLimitsTable):
-    """What the designer accepts; a finding fails beyond it."""
+    """What you accept: beyond a limit its finding fails."""
 
     transmission_angle_deg: Annotated[float, quantity("deg", ge=0, lt=90)] = Field(
         default=20.0, description="least transmission angle of each loop"

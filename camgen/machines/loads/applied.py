@@ -31,16 +31,16 @@ class Applied(Record):
     """A load on an output, on a point of a body, or a torque on a body."""
 
     name: _Word | None = Field(
-        default=None, description="name of the load; load and its number unless given"
+        default=None, description="name of the load; unless given, load and its number"
     )
     output: _Word | None = Field(
         default=None,
-        description="the output on which it acts: a way, an angle or a path; or give body, and a "
+        description="output on which the load acts: a place, an angle or a path; or give body, and a "
         "point of it",
     )
     body: _Word | None = Field(
         default=None,
-        description="in place of output: the body on which it acts; without a point as a torque",
+        description="in place of output: body on which the load acts; without a point it is a torque",
     )
     point: _Word | tuple[Coordinate, Coordinate] | None = Field(
         default=None,
@@ -48,8 +48,8 @@ class Applied(Record):
     )
     value: _Size | None = Field(
         default=None,
-        description="constant value; above 0 as the output grows; or points = [[0, 0], [90, -0.1], "
-        "[270, 0]], or a file",
+        description="constant value, above 0 as the output grows; or points = [[0, 0], [90, -0.1], [270, "
+        "0]], or a file",
     )
     points: (
         Annotated[tuple[tuple[_Turn, _Size], ...], Field(min_length=2, max_length=100_000)] | None
@@ -71,9 +71,8 @@ class Applied(Record):
     )
     acts: Literal["fixed", "with the body", "along"] = Field(
         default="fixed",
-        description='"fixed": in the ground\'s axes; "with the body": turning with it; both aimed by '
-        "direction_deg\n"
-        '"along": as it moves, below 0 a brake',
+        description='"fixed": in the ground\'s axes; "with the body": turns with it; direction_deg is the '
+        'direction of both\n"along": in the direction of motion, below 0 a brake',
     )
 
     @model_validator(mode="after")

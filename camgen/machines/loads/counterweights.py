@@ -58,17 +58,16 @@ class ShaftSeat:
 
 
 class Counterweight(Record):
-    """A sector of a disc on the crank's shaft, so heavy that all that turns with it has the moment asked for."""
+    """A sector of a disc on the crank's shaft; it gives all that turns with the crank the moment asked for."""
 
     against: Literal["bearing", "frame"] = Field(
         default="bearing",
-        description='what it spares most: the crank\'s "bearing", or the "frame", which carries the whole '
-        "machine",
+        description='whose load it lowers most: the crank\'s "bearing", or the "frame", which carries the '
+        "whole machine",
     )
     moment_g_mm: Moment | None = Field(
         default=None,
-        description="moment about the shaft that all that turns with the crank is to have; found "
-        "unless given",
+        description="moment about the shaft of all that turns with the crank; found unless given",
     )
     at_deg: Direction | None = Field(
         default=None,
@@ -76,7 +75,7 @@ class Counterweight(Record):
     )
     other_g_mm: Moment = Field(
         default=0.0,
-        description="moment of what else is on the shaft, such as a needle's crank: balanced with it",
+        description="moment of anything else on the shaft, such as a needle's crank; it is balanced too",
     )
     other_deg: Direction = Field(
         default=0.0, description="direction of that other moment, from the crank's own x axis"

@@ -44,29 +44,29 @@ class Drives(Record):
         description='"hand crank", or one of the catalogue: stepper, gearmotor, servo; see camgen schema',
     )
     torque_n_m: Annotated[Positive, quantity("N m")] | None = Field(
-        default=None, description="torque of the motor at this speed; counts before that of model"
+        default=None, description="torque of the motor at this speed, in place of that of model"
     )
     stall_torque_n_m: Annotated[Positive, quantity("N m")] | None = Field(
         default=None,
-        description="in place of torque_n_m, of a motor with brushes: torque at standstill, less and "
-        "less up to no_load_rpm",
+        description="in place of torque_n_m, for a motor with brushes: torque at standstill; it falls to "
+        "0 at no_load_rpm",
     )
     no_load_rpm: Annotated[Positive, quantity("rpm")] | None = Field(
         default=None, description="speed at which a motor with brushes gives no torque"
     )
     shaft_length: Length | None = Field(
         default=None,
-        description="length of the motor's shaft over its face: a finding where it is too short; "
-        "that of its frame unless given",
+        description="length of the motor's shaft beyond its face; a finding fails if it is too short; "
+        "unless given, that of its frame size",
     )
     fluctuation: Annotated[float, quantity("1", gt=0, le=1)] | None = Field(
         default=None,
-        description="share by which the speed may swing; the report says which flywheel that takes",
+        description="share by which the speed may vary; the report says which flywheel that needs",
     )
     flywheel_kg_m2: Annotated[float, quantity("kg m^2", ge=0, le=1e3)] = Field(
         default=0.0,
-        description="moment of inertia of what turns evenly with the shaft besides the machine's own "
-        "bodies: flywheel, rotor",
+        description="moment of inertia of flywheel, rotor and whatever else turns evenly with the shaft, "
+        "without the machine's own bodies",
     )
 
     @model_validator(mode="after")
@@ -83,7 +83,7 @@ class Drives(Record):
 
 
 class Weight(Record):
-    """What acts on all that is made: weight, friction, loads; and how stiff a follower is."""
+    """Loads on the machine: weight, friction, applied loads; and the stiffness of a follower."""
 
     gravity_deg: Direction | None = Field(
         default=None,
@@ -92,26 +92,27 @@ class Weight(Record):
     )
     stiffness: Annotated[Positive, quantity("N/mm or N m/rad")] | None = Field(
         default=None,
-        description="stiffness of a follower from its cam to its mass: tells how it vibrates",
+        description="stiffness of a follower between its cam and its mass: the report then says how it "
+        "vibrates",
     )
     damping_ratio: Annotated[float, quantity("1", ge=0, lt=1)] = Field(
         default=0.05, description="damping of that vibration as a share of the critical one"
     )
     friction: Annotated[float, quantity("1", ge=0, le=3)] | None = Field(
         default=None,
-        description="coefficient of pins and guides; left out: 0.7 of prints, 0.42 of metals, 0.2 of both, "
-        "0.0015 of ball bearings",
+        description="friction coefficient of pins and guides; left out: 0.7 for prints, 0.42 for metals, "
+        "0.2 for a print on metal, 0.0015 for ball bearings",
     )
     contact_friction: Annotated[float, quantity("1", ge=0, le=3)] = Field(
-        default=0.0, description="coefficient of what slides on a cam"
+        default=0.0, description="friction coefficient of a tip that slides on a cam"
     )
     cam_follower: CamFollowerName | None = Field(
         default=None,
-        description='bought roller on the cams, "KR16" to "KR52" by its diameter: listed, its life judged',
+        description='bought roller on the cams, "KR16" to "KR52" by its diameter; its life is judged',
     )
     on: Annotated[tuple[Applied, ...], Field(max_length=100)] = Field(
         default=(),
-        description="further loads over theta: a jet, a hose, a thread's tension; [[load.on]], see camgen "
+        description="more loads over theta: a jet, a hose, a thread's tension; [[load.on]], see camgen "
         "new linkage",
     )
 
@@ -121,17 +122,17 @@ class LimitsTable(Record):
 
     hertz_mpa: Annotated[Positive, quantity("MPa")] | None = Field(
         default=None,
-        description="greatest pressure of a cam's contact; unless given that at which the strongest "
-        "printed plastic flows",
+        description="greatest pressure of a cam's contact; unless given, that at which the strongest "
+        "printed plastic yields",
     )
     pv_mpa_m_s: Annotated[Positive, quantity("MPa m/s")] | None = Field(
         default=None,
-        description="greatest pressure times sliding speed of plain bearings; 0.4: of a plastic made "
-        "for bearings, dry",
+        description="greatest pressure times sliding speed of plain bearings; 0.4 is that of a plastic "
+        "made for bearings, dry",
     )
     pin_stress_mpa: Annotated[Positive, quantity("MPa")] | None = Field(
         default=None,
-        description="greatest bending stress of pins; unless given that of their material; 350: steel",
+        description="greatest bending stress of pins; unless given, that of their material; 350: steel",
     )
     bearing_life_h: Annotated[Positive, quantity("h")] | None = Field(
         default=None,
@@ -160,13 +161,13 @@ class CamLimitsTable(LimitsTable):
 
     pressure_angle_deg: Annotated[float, quantity("deg", gt=0, le=90)] | None = Field(
         default=None,
-        description="greatest angle of the push to the follower's motion; unless given 30 where it "
-        "slides, 45 where it swings",
+        description="greatest angle between push and motion of the follower; unless given, 30 if it "
+        "slides, 45 if it swings",
     )
     least_radius: Annotated[float, quantity("mm", ge=-1e6, le=1e6)] = Field(
         default=0.0,
-        description="least radius of the convex profile, for wear; below 0 accepts an undercut one, "
-        "down to that radius",
+        description="least radius of the convex profile, for wear; below 0 it accepts undercut, down to "
+        "that radius",
     )
     speed_ripple: Annotated[float, quantity("1", gt=0, le=10)] = Field(
         default=0.01,
@@ -178,7 +179,8 @@ class CamLimitsTable(LimitsTable):
     )
     table_rounding: Annotated[float, quantity("1", gt=0, le=100)] = Field(
         default=0.1,
-        description="share of the greatest acceleration that the last digit of a table's rows may make",
+        description="how far the last digit of a table's rows may put the acceleration off, as a share "
+        "of the greatest",
     )
 
     velocity: Annotated[Positive, quantity("mm/s or deg/s")] | None = Field(
@@ -192,8 +194,8 @@ class CamLimitsTable(LimitsTable):
     )
     frequency_ratio: Annotated[float, quantity("1", gt=0, le=1e4)] | None = Field(
         default=None,
-        description="least ratio of a follower's own frequency, by load.stiffness, to the turns of its cam, such as 10; not "
-        "judged unless given",
+        description="least ratio of a follower's natural frequency (load.stiffness) to the turns of its "
+        "cam, such as 10; not judged unless given",
     )
 
     @property

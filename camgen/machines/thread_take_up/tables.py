@@ -52,7 +52,7 @@ class Wanted(Record):
     )
     let_down_ratio: Annotated[float, quantity("1", gt=0, le=100)] | None = Field(
         default=None,
-        description="angle in which thread is let down to that in which it is pulled up",
+        description="ratio of the angle in which thread is let down to the angle in which it is pulled up",
     )
     dwell_deg: Annotated[float, quantity("deg", gt=0, lt=360)] | None = Field(
         default=None,
@@ -97,8 +97,7 @@ class TakeUpParts(Record):
     )
     groove: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
         default=2.0,
-        description="height of the groove in which the thread is held; 0: plain posts, along which "
-        "it slips",
+        description="height of the groove that holds the thread; 0: plain posts, along which it slips",
     )
 
     def head(self, fits: Print, min_wall: float) -> float:
@@ -138,7 +137,7 @@ class TakeUpParts(Record):
 
 
 class TakeUpLimits(LimitsTable):
-    """What the designer accepts; a finding fails beyond it."""
+    """What you accept: beyond a limit its finding fails."""
 
     transmission_angle_deg: Annotated[float, quantity("deg", ge=0, lt=90)] = Field(
         default=40.0, description="least angle between coupler and output crank"
@@ -151,7 +150,7 @@ class TakeUpLimits(LimitsTable):
     )
     lash: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
         default=7.0,
-        description="free play of the feed by that of all joints; 7: what it gives or takes is excess, "
-        "and the source bears 7 mm of it",
+        description="free play of the feed by that of all joints; 7: play is excess thread, and the "
+        "source allows 7 mm of that",
     )
     min_wall: MinWall = 0.8

@@ -79,7 +79,7 @@ class SwingParts(ShaftHole):
     )
     wall: Length = Field(
         default=3.0,
-        description="wall that windows and pin holes keep; pins less where the cam is small, down to "
+        description="wall beside windows and pin holes; beside pins less if the cam is small, down to "
         "min_wall",
     )
     mark_depth: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
@@ -88,13 +88,13 @@ class SwingParts(ShaftHole):
 
 
 class SwingLimits(SwingingCamLimitsTable):
-    """What the designer accepts; a finding fails beyond it."""
+    """What you accept: beyond a limit its finding fails."""
 
     lash_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(
         default=0.25,
-        description="free play between the two tips; 0.25: so far the nozzle stands still after each "
-        "reversal, 1 % of a swing of 25 deg, where the source bears 10 % of the canvas's "
-        "thickness",
+        description="free play between the two tips: the nozzle stands still that far after each "
+        "reversal; 0.25 is 1 % of a swing of 25 deg, where the source allows 10 % of the "
+        "canvas's thickness",
     )
     min_wall: MinWall = 0.8
 
@@ -148,12 +148,12 @@ class FrameTable(Record):
     arm: Length = Field(default=10.0, description="width of the arm")
     wall: Length = Field(
         default=3.0,
-        description="wall beside the pivot, less where the cam passes near, down to min_wall",
+        description="wall beside the pivot; less if the cam passes near, down to min_wall",
     )
     axle: Length = Field(
         default=6.0,
-        description="diameter of both axles, printed with their flanges; thinner where there is no "
-        "room, down to 3",
+        description="diameter of both axles, printed with their flanges; thinner if there is no room, "
+        "down to 3",
     )
     axle_flange: Length = Field(default=12.0, description="diameter of the axles' flanges")
     flange_thickness: Length = Field(default=2.0, description="thickness of the axles' flanges")
@@ -171,9 +171,7 @@ class FrameTable(Record):
 class ColletTable(Record):
     """Collet and clamp ring on a plain shaft."""
 
-    wall: Length = Field(
-        default=2.4, description="wall of the sleeve; less where the pins need room"
-    )
+    wall: Length = Field(default=2.4, description="wall of the sleeve; less if the pins need room")
     length: Length = Field(default=6.0, description="length of the sleeve")
     flange: Length = Field(default=2.0, description="thickness of the collet's flange")
     slits: Annotated[int, Field(ge=2, le=24)] = Field(default=4, description="number of slits")
@@ -192,7 +190,7 @@ class NozzleTable(Record):
         default=0.0, description="moment of inertia about the pivot, besides the frames"
     )
     friction: Annotated[float, quantity("1", ge=0, le=1)] = Field(
-        default=0.25, description="coefficient of friction between tip and cam; 0.01 for a bearing"
+        default=0.25, description="friction coefficient between tip and cam; 0.01 for a bearing"
     )
 
 
@@ -210,8 +208,8 @@ class SpringTable(Record):
     )
     lever: Length = Field(
         default=24.0,
-        description="distance from the pivot to a straight spring: the report says what that has to "
-        "be",
+        description="distance from the pivot to a straight spring: the report says which spring that "
+        "needs",
     )
 
 

@@ -70,15 +70,15 @@ class Shape(Record):
     )
     sole_diameter: Length | None = Field(
         default=None,
-        description="diameter of the round sole at its points that are outputs and no pins, such as a foot's",
+        description="diameter of the round sole at points that are outputs but no pins, such as a foot",
     )
     rails: Length | None = Field(
         default=None,
-        description="least length of rails beyond its holes' way; found unless given",
+        description="least length of rails beyond the travel of its holes; found unless given",
     )
     stem: Literal["along", "ahead", "behind", "both"] | None = Field(
         default=None,
-        description='rails of a link that slides: "along" its holes\' way, or beyond it "ahead", '
+        description='rails of a link that slides: "along" the travel of its holes, or beyond it "ahead", '
         '"behind" or "both"',
     )
     outline: str | None = Field(
@@ -87,7 +87,7 @@ class Shape(Record):
     )
     contours: tuple[tuple[tuple[Coordinate, Coordinate, Bulge], ...], ...] | None = Field(
         default=None,
-        description="what was read of that file: its contours, each by rows of x, y, mm, and bulge",
+        description="contours read from that file, each as rows of x, y, mm, and bulge",
     )
     drawn_in: str | None = Field(default=None, description="the name of that file")
     outline_at: tuple[Coordinate, Coordinate] = Field(
@@ -129,11 +129,11 @@ class Can(Record):
 class Battery(Record):
     """A frame under the far side's plate, in which a holder of batteries lies; it is glued on."""
 
-    length: Length = Field(description="length of the holder, along x")
-    width: Length = Field(description="width of the holder, along y")
+    length: Length = Field(description="length of the battery holder, along x")
+    width: Length = Field(description="width of the battery holder, along y")
     height: Length = Field(default=8.0, description="height of the frame")
     at: tuple[Coordinate, Coordinate] = Field(
-        description="its middle, in the coordinates of [points]"
+        description="middle of the frame, in the coordinates of [points]"
     )
 
 
@@ -149,8 +149,7 @@ class ThreadPosts(Record):
     )
     groove: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
         default=2.0,
-        description="height of their groove, in which the thread is held; 0: plain posts, along which it "
-        "slips",
+        description="height of the groove that holds the thread; 0: plain posts, along which it slips",
     )
     made: Literal["printed", "steel"] = Field(
         default="printed", description='"printed"; or "steel": turned as drawn'
@@ -173,15 +172,15 @@ class ThreadPosts(Record):
 
 
 class Parts(Record):
-    """Sizes of the bodies; a further table by a link's name is the shape of that link."""
+    """Sizes of the parts; a table with a link's name is the shape of that link."""
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Shape] = Field(init=False)
 
     make: Literal["printed", "laser"] = Field(
         default="printed",
-        description='"printed"; or "laser": layers of the sheet of [laser], as thick as it, with pins and '
-        "shaft of steel",
+        description='"printed"; or "laser": in layers of the sheet of [laser], with pins and shaft of '
+        "steel",
     )
     thickness: Length = Field(default=4.0, description="thickness of links, cams and followers")
     pin: PinKind = Field(
@@ -191,13 +190,13 @@ class Parts(Record):
         '"shoulder": a screw and a nut; "bearing": printed, in ball bearings that are pressed into the links',
     )
     pins: dict[Name, PinKind] = Field(
-        default={}, description='pins of single points in place of pin: { A = "bearing" }'
+        default={}, description='in place of pin, for single points: { A = "bearing" }'
     )
     pin_diameter: Length = Field(default=5.0, description="diameter of the pins")
     discs: Annotated[dict[Name, Length], Field(min_length=1)] | None = Field(
         default=None,
-        description="diameter of pins through which a shaft goes, with a strap round each: of its link, "
-        "eccentrics; or of the ground",
+        description="diameter of pins so large that a shaft goes through them: eccentrics, or pivots of "
+        "the ground; each has a strap round it",
     )
     wall: Length = Field(default=2.0, description="wall round each hole")
     head: Length = Field(
@@ -206,7 +205,7 @@ class Parts(Record):
     base_thickness: Length = Field(default=5.0, description="thickness of the ground's plate")
     shaft_diameter: Length = Field(
         default=6.0,
-        description="diameter of the shaft that drives, with a flat that turns the driven link",
+        description="diameter of the drive shaft; a flat on it turns the driven link",
     )
     shaft_flat: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
         default=0.8,
@@ -219,18 +218,19 @@ class Parts(Record):
     )
     plates: Literal[1, 2] = Field(
         default=1,
-        description="2: a second one on posts over all links holds the far ends of pins and shafts",
+        description="2: a second plate, on posts over all links, holds the far ends of pins and shafts",
     )
     sides: Literal[1, 2] = Field(
         default=1,
-        description="2: the machine and its mirror image behind its second plate, on one shaft: a walker with legs at both sides",
+        description="2: the machine and its mirror image behind its second plate, on one shaft, as a "
+        "walker with legs on both sides",
     )
     side_phase_deg: Annotated[float, quantity("deg", ge=-360, le=360)] = Field(
-        default=180.0, description="how far the far side of two is ahead of the near one"
+        default=180.0, description="how far the far side is ahead of the near side"
     )
     shaft_made: Literal["printed", "steel"] = Field(
         default="printed",
-        description='"printed"; or "steel": turned, with the flat, as are crank pins that join webs of an '
+        description='"printed"; or "steel": turned, with the flat; so are the crank pins of an '
         "interrupted shaft",
     )
     shaft_length: Length = Field(default=15.0, description="length of the shaft below the plate")
@@ -243,16 +243,16 @@ class Parts(Record):
     )
     can: Can | None = Field(
         default=None,
-        description="a motor with a round can in its place, held by a bar behind it",
+        description="in place of motor: a motor with a round can, held by a bar behind it",
     )
     battery: Battery | None = Field(
         default=None,
-        description="a frame for a holder of batteries, under the plate of the far side",
+        description="a frame for a battery holder, under the plate of the far side",
     )
     set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = Field(
         default="none",
-        description="set screw of a collar at the upper end of a motor's shaft, so that nothing "
-        'walks off: "none"; or "M2" to "M5"',
+        description="set screw of a collar at the upper end of a motor's shaft, so that nothing slides "
+        'off: "none"; or "M2" to "M5"',
     )
     hand_crank: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
         default=0.0,
@@ -272,17 +272,18 @@ class Parts(Record):
     )
     stand: Literal["none", "board", "box"] = Field(
         default="none",
-        description='"none": a board or frame of yours; "board": the plate stands up on a foot under all that moves;\n'
-        '"box": it lies on walls with finger joints, round a motor; sheets as thick as thickness',
+        description='"none": your own board or frame; "board": the plate stands upright on a foot under '
+        'all that moves;\n"box": it lies on walls with finger joints, round a motor; sheets '
+        "are as thick as thickness",
     )
     mount_screws: Literal[2, 3] = Field(
         default=2,
-        description="number of those screws: at both ends of the plate; 3: and farthest from their "
-        "line",
+        description="number of those screws: one at each end of the plate; a third one farthest from "
+        "their line",
     )
     pen_diameter: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
         default=3.0,
-        description="diameter of the hole at a point that is an output and no pin; 0: none",
+        description="diameter of the hole at a point that is an output but no pin; 0: none",
     )
     thread_posts: ThreadPosts | None = Field(
         default=None, description="posts over which threads run; as shown unless given"
