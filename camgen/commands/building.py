@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     "--only",
     metavar="KINDS",
     callback=kinds_of,
-    help=f"Make only these, of {','.join(ANY_KIND)}; servo: cam tables for drives; plots: curves as SVG and PNG; animation: one turn as GIF; picture: PNG.",
+    help=f"Make only these kinds, of {','.join(ANY_KIND)}; servo: cam tables for drives; plots: curves as SVG and PNG; animation: one turn as GIF; picture: PNG.",
 )
 @click.option(
     "--set",
@@ -103,7 +103,7 @@ def check(
 ) -> None:
     """Judge the files of earlier builds again, from the files alone and the spec.toml beside them.
 
-    With --gcode, once for each plate, judge the sliced plate (PrusaSlicer, OrcaSlicer, Bambu Studio, CuraEngine).
+    With --gcode, given once for each plate, judge the sliced plates instead (PrusaSlicer, OrcaSlicer, Bambu Studio, CuraEngine).
     """
     if gcode and len(folders) > 1:
         raise SpecError(

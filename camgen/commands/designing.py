@@ -26,7 +26,7 @@ from camgen.errors import FileError, printable
 @click.option(
     "--front",
     type=click.Path(path_type=Path),
-    help="Folder for all designs that no other beats in everything, and a page.",
+    help="Folder for all designs that no other beats in everything, with a page.",
 )
 @click.option(
     "-j",
@@ -38,7 +38,8 @@ from camgen.errors import FileError, printable
 def design(
     spec: Path, file: Path | None, settings: Sequence[str], front: Path | None, jobs: int
 ) -> None:
-    """Search for the machine of SPEC's table [wanted] ([synthesis] of an indexing cam); write its spec to FILE, or print it.
+    """Search for the machine that the table [wanted] of SPEC describes ([synthesis] for an indexing cam); write its spec to FILE,
+    or print it.
 
     It finds a linkage for a path or a function, or values of keys with which every limit holds: camgen guide design.
     """

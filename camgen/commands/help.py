@@ -45,11 +45,11 @@ def _explained() -> list[str]:
 @click.command()
 @click.argument("codes", metavar="[CODE]... [SPEC]", nargs=-1, shell_complete=completed(_explained))
 def explain(codes: Sequence[str]) -> None:
-    """Explain a finding: its meaning, its formula, the source of its limit and what helps; or what a law of motion is for. Without
-    a CODE, list the findings.
+    """Explain a finding (its meaning, formula, limit and what helps), or say what a law of motion is for. Without a CODE, list the
+    findings.
 
-    With a SPEC (a file that ends in .toml) also by the numbers of this machine: how near it is to its limit, which key sets
-    the limit, and which keys move it, by how much. Each key is tried, which takes some seconds.
+    With a SPEC (a file that ends in .toml) explain it for this machine too: how near the value is to its limit, which key sets
+    the limit, and how much each key changes the value. camgen tries each key, which takes some seconds.
     """
     spec = codes[-1] if codes and codes[-1].endswith(".toml") else None
     names = codes if spec is None else codes[:-1]
@@ -71,7 +71,9 @@ def explain(codes: Sequence[str]) -> None:
     flag_value="out/guide",
     help="Write the guide as a site, with gallery and Python API, by default into out/guide.",
 )
-@click.option("--reports", is_flag=True, help="With --html: build the gallery, link its reports.")
+@click.option(
+    "--reports", is_flag=True, help="With --html: build the gallery too, and link its reports."
+)
 def guide_(topic: str | None, html: str | None, reports: bool) -> None:
     """Show a page of the guide; without a TOPIC, list them."""
     if (topic and html) or (reports and not html):
@@ -91,7 +93,7 @@ def guide_(topic: str | None, html: str | None, reports: bool) -> None:
 
 @click.command()
 def selftest() -> None:
-    """Print published constants, and what the five papers print, beside ours; exit 1 if one is off."""
+    """Compare published constants, and the numbers of the five papers, with ours; exit code 1 if one is off."""
     from camgen.machines.selftest import rows, to_text
 
     found = list(rows())

@@ -44,14 +44,14 @@ def watch(spec: Path, **served: Any) -> None:
     "--out",
     default="out",
     type=click.Path(path_type=Path),
-    help="Of full builds.  [default: out]",
+    help="Output folder of full builds.  [default: out]",
 )
 @_port
 @_browser
 def explore(spec: Path | None, **served: Any) -> None:
     """Draw a linkage with the mouse, or try any SPEC with sliders, on a page that only this machine can open.
 
-    Without SPEC it begins with an empty sheet or a linkage of the gallery. It saves only when you click Save.
+    Without SPEC you begin with an empty sheet or a linkage of the gallery. It saves only when you click Save.
     """
     from camgen import starters
     from camgen.live import run

@@ -58,18 +58,18 @@ _OF_FOLLOWER = ("second_follower", "second", "against")
     "--ratio",
     callback=_ratio,
     metavar="R",
-    help="Driven turns for one of the driver, -12/30 or -0.4; less than 0: against it. Of a slide mm a radian.",
+    help="Turns of the driven outline for one of the driver, -12/30 or -0.4; below 0: against it. For a slide mm a radian.",
 )
 @click.option(
     "--tolerance",
     type=float,
     metavar="DEG",
-    help="Of the transmission error, peak to peak, deg (mm on a slide).",
+    help="Limit of the transmission error, peak to peak, deg (mm on a slide).",
 )
 @click.option(
     "--spring",
     type=click.Choice(["low", "high"]),
-    help="Where a spring holds the driven outline: at the low or the high end of what is free.",
+    help="Where a spring holds the driven outline: at the low or the high end of its play.",
 )
 @click.option(
     "--driven-inside",
@@ -82,12 +82,12 @@ _OF_FOLLOWER = ("second_follower", "second", "against")
     "start",
     type=float,
     default=0.0,
-    help="Near which the driven outline begins, deg (mm on a slide).  [default: 0, as drawn]",
+    help="Angle near which the driven outline begins, deg (mm on a slide).  [default: 0, as drawn]",
 )
 @click.option(
     "--second-follower",
     metavar="TABLE",
-    help="A second tip on the same follower, for the lash of the pair.",
+    help="A second tip on the same follower, for the play of the pair.",
 )
 @click.option(
     "--second",
@@ -146,7 +146,7 @@ _OF_FOLLOWER = ("second_follower", "second", "against")
 def motion(
     file: Path, out: Path, as_json: bool, quiet: bool, verbose: bool, **options: Any
 ) -> None:
-    """Roll a follower on the outline in FILE (DXF, mesh, G-code, scan or points of any maker), or let it drive the one in DRIVEN.
+    """Roll a follower on the outline in FILE (DXF, mesh, G-code, scan or points of any maker), or let it drive another outline.
 
     The largest closed contour is the outline; the cam turns counter-clockwise about the shaft. TABLE is a TOML file with
     a table [follower], or its keys on one line:
@@ -157,7 +157,7 @@ def motion(
     \b
       shape          roller (a round tip as well), knife or flat  [roller]
       radius         of the roller or round tip, mm
-      contour=N      on which closed contour of FILE it rides: 1 the largest, 2 the next...
+      contour=N      closed contour of FILE on which it rides: 1 the largest, 2 the next...
       inside=true    it touches that contour from within, as the outer wall of a groove
       centre=X/Y     place of the shaft in FILE  [0/0]
       flipped=true   the outline is turned over about Oy first; turned_deg=A: then turned by A
@@ -188,13 +188,13 @@ def motion(
 
     \b
       camgen motion pinion.dxf --drives wheel.dxf --distance 42 --ratio -12/30 --tolerance 0.01
-    lets one outline drive another. Each turns about its file's origin; motion.csv has both ends of what is
-    free for the driven one, every quarter degree of the driver. Writes OUT/<file>-drives-<driven>/.
+    lets one outline drive another. Each turns about its file's origin. motion.csv has both ends of the
+    driven one's play, every quarter degree of the driver. Writes OUT/<file>-drives-<driven>/.
 
     \b
       camgen motion disc-cam-contact-codesys.st --against disc-cam.toml
-    without both: FILE is the cam table of a servo drive, as `camgen build --only servo` writes them (CODESYS,
-    TwinCAT, S7), or a CSV of master, deg, and slave.
+    reads a cam table of a servo drive: a file of `camgen build --only servo` (CODESYS, TwinCAT, S7), or a CSV
+    of master (deg) and slave.
     """
 
     _refuse_mixed(options)

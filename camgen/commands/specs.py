@@ -15,7 +15,7 @@ from camgen.errors import Fault, SpecError, printable
 @click.argument("mechanism", required=False, shell_complete=completed(specs_known))
 @click.argument("file", required=False, type=click.Path(path_type=Path))
 @click.option(
-    "--short", is_flag=True, help="Some 15 lines: no comments, no key that has its default."
+    "--short", is_flag=True, help="Some 15 lines: no comments, no keys with their defaults."
 )
 @click.option(
     "--from",
@@ -25,7 +25,7 @@ from camgen.errors import Fault, SpecError, printable
     help="PMKS lines, or pylinkage's JSON.",
 )
 def new(mechanism: str | None, file: Path | None, short: bool, source: Path | None) -> None:
-    """Write a commented starter spec of a MECHANISM, or an example, to FILE, or print it; the spec builds as it is.
+    """Write a starter spec of a MECHANISM, or an example, to FILE, or print it. It has comments and builds as it is.
 
     Without a MECHANISM it lists all mechanisms and asks.
 
