@@ -13,7 +13,7 @@ transmission   the angle between coupler and rocker is too small somewhere on th
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -124,8 +124,8 @@ class FourBars:
         p = a + (b - a) * ((self.p[0] - self.a[0]) / (self.b[0] - self.a[0]))
         return FourBars(self.o, self.c, a, b, p)
 
-    def defects(self, least: float, all_round: bool) -> Mapping[str, Flags]:
-        """Which have which defect besides bounds, (m,); least: transmission angle, rad.
+    def defects(self) -> Mapping[str, Flags]:
+        """Which have which defect besides bounds and the transmission angle, (m,).
 
         A Grashof four-bar whose coupler or rocker is the shortest has two circuits, one on each side of the frame's line;
         with another shortest link its circuits are the branches of a crank that turns.
@@ -139,7 +139,6 @@ class FourBars:
             "circuit": sided | (grashof & self.turns & branches),
             "branch": branches,
             "order": ~self.in_order,
-            "transmission": self.transmission(all_round) < least,
         }
 
 
@@ -196,26 +195,8 @@ class Room:
 
     def judged(self, bars: FourBars) -> Verdict:
         """Which four-bars have no defect, how they are driven, and what stops the others."""
-        least = self.transmission
-        can = bars.turns if self.turns is not False else np.zeros(bars.turns.shape, bool)
-        all_round = can & (bars.transmission(True) >= least)
-        if self.turns:
-            all_round = can
-        ranged = bars.defects(least, all_round=False)
-        flags = {**ranged, "transmission": ranged["transmission"] & ~all_round}
-        if self.turns:
-            flags["turn"] = ~can
-            flags["transmission"] = bars.transmission(True) < least
-        flags = {"bounds": self.bounds(bars), **flags}
-        free = ~np.any(list(flags.values()), axis=0)
-        before = np.zeros(free.shape, bool)
-        counts = {}
-        for name in DEFECTS:
-            if name in flags:
-                counts[name] = int(np.sum(flags[name] & ~before))
-                before = before | flags[name]
-        transmission = np.where(all_round, bars.transmission(True), bars.transmission(False))
-        return Verdict(np.flatnonzero(free), all_round, transmission, counts)
+        flags = {"bounds": self.bounds(bars), **bars.defects()}
+        return verdict_of(flags, bars.turns, bars.transmission, self)
 
 
 @dataclass(frozen=True)
@@ -285,3 +266,33 @@ def joined(one: FourBars, other: FourBars) -> FourBars:
         np.concatenate([one.b, other.b], axis=1),
         np.concatenate([one.p, other.p], axis=1),
     )
+
+
+def verdict_of(
+    flags: Mapping[str, Flags],
+    turns: Flags,
+    transmission: Callable[[bool], Floats],
+    room: Room,
+) -> Verdict:
+    """Of linkages whose other defects are known: each is driven all round where it can be and that is not refused.
+
+    transmission: least angle, rad, over a turn (True) or over the positions' range (False).
+    """
+    over_turn = transmission(True)
+    over_range = transmission(False)
+    if room.turns:
+        all_round = turns
+    else:
+        all_round = turns & (over_turn >= room.transmission) & (room.turns is None)
+    reached = np.where(all_round, over_turn, over_range)
+    every = {
+        **flags,
+        "turn": ~turns & bool(room.turns),
+        "transmission": reached < room.transmission,
+    }
+    stopped = np.zeros(turns.shape, bool)
+    counts = {}
+    for name in (name for name in DEFECTS if name in every):
+        counts[name] = int(np.sum(every[name] & ~stopped))
+        stopped = stopped | every[name]
+    return Verdict(np.flatnonzero(~stopped), all_round, reached, counts)

@@ -150,7 +150,7 @@ def _starts(poses: Poses, room: Room, rng: np.random.Generator, effort: int) -> 
     made = _pairs(poses, dyads.those(np.array(kept, int)))
     rank = np.add.outer(np.arange(len(kept)), np.arange(len(kept)))
     rank = rank[~np.eye(len(kept), dtype=bool)]
-    flags = made.defects(0.0, all_round=False)
+    flags = made.defects()
     order = np.lexsort([rank, np.sum([flags["branch"], flags["order"]], axis=0)])
     return made.those(order[: _STARTS * effort])
 

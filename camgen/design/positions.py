@@ -13,7 +13,9 @@ from camgen.design.found import CRANK, NO_ERROR, Found, Judged, place
 from camgen.design.fourbars import FourBars, Motion, Room, Verdict, joined
 from camgen.design.poses import exact_four_bars, near_four_bars
 from camgen.design.projected import Passing, exact_five, near
-from camgen.design.wanted import LinkWish, PointWish, PoseWish, kind_of
+from camgen.design.sliders import judged as judged_sliders
+from camgen.design.sliders import slider_cranks
+from camgen.design.wanted import FourBarWish, LinkWish, PointWish, PoseWish, SlideWish, kind_of
 from camgen.errors import DesignError, counted
 from camgen.machine.targets import Function, Through
 from camgen.numerics import Floats, Indices
@@ -21,6 +23,7 @@ from camgen.reading import Data
 from camgen.report.sketches import Sketch
 
 COUPLER = "coupler"
+SLIDER = "slider"
 _EXACT = 5  # points with angles that twelve four-bars at most pass
 _NEAREST = 8  # designs that are weighed where none is near enough
 _SEEN = 240  # places of a path in a sketch, and of the coupler's angle on its way
@@ -41,8 +44,10 @@ def designs_for(wish: LinkWish, room: Room, tables: Data) -> Designs:
     rng = np.random.default_rng(wish.seed)
     if isinstance(wish, PoseWish):
         return pose_designs(wish, room, tables, rng)
-    assert isinstance(wish, PointWish)
-    return point_designs(wish, room, tables, rng)
+    if isinstance(wish, PointWish):
+        return point_designs(wish, room, tables, rng)
+    assert isinstance(wish, SlideWish)
+    return slide_designs(wish, room, tables)
 
 
 def pose_designs(wish: PoseWish, room: Room, tables: Data, rng: np.random.Generator) -> Designs:
@@ -55,14 +60,15 @@ def pose_designs(wish: PoseWish, room: Room, tables: Data, rng: np.random.Genera
     else:
         bars, errors = near_four_bars(poses, room, allowance, rng, wish.effort)
     share = np.max(errors / np.array(allowance)[:, None], axis=0)
-    sifted = _Sifted.of(wish, room, bars, share)
+    verdict = room.judged(bars)
+    sifted = _Sifted.of(wish, verdict, bars.bars, share)
 
     def of(k: int) -> Found:
         number = int(sifted.numbers[k])
-        motion = sifted.motion(number)
+        motion = _motion(bars, verdict, number)
         off_mm = float(errors[0, number])
         off_deg = math.degrees(errors[1, number])
-        figures = {**sifted.figures(number), "off_mm": off_mm, "off_deg": off_deg}
+        figures = {**sifted.figures(number, motion.ends), "off_mm": off_mm, "off_deg": off_deg}
         judged = _judged_poses(wish, motion, off_mm, off_deg)
         return _found(motion, judged, figures, wish, tables)
 
@@ -76,81 +82,117 @@ def point_designs(wish: PointWish, room: Room, tables: Data, rng: np.random.Gene
     if wish.timed and len(wish.points) == _EXACT:
         bars = joined(exact_five(passing), bars)
     off = np.max(np.abs(bars.p - passing.points[:, None]), axis=0)
-    sifted = _Sifted.of(wish, room, bars, off / wish.allowance)
+    verdict = room.judged(bars)
+    sifted = _Sifted.of(wish, verdict, bars.bars, off / wish.allowance)
 
     def of(k: int) -> Found:
         number = int(sifted.numbers[k])
-        motion = sifted.motion(number)
-        figures = {**sifted.figures(number), "off_mm": float(off[number])}
+        motion = _motion(bars, verdict, number)
+        figures = {**sifted.figures(number, motion.ends), "off_mm": float(off[number])}
         judged = [_judged_places(wish, motion, float(off[number]))]
         return _found(motion, judged, figures, wish, tables)
 
     return Designs(sifted.losses, of)
 
 
+def slide_designs(wish: SlideWish, room: Room, tables: Data) -> Designs:
+    """Slider-cranks for the pairs; DesignError where none is free of defects."""
+    turned, way = wish.pairs
+    bars = slider_cranks(turned, way, room, wish.allowance)
+    verdict = judged_sliders(bars, room)
+    off = np.max(np.abs(bars.way - way[:, None]), axis=0)
+    sifted = _Sifted.of(wish, verdict, bars.bars, off / wish.allowance)
+
+    def of(k: int) -> Found:
+        number = int(sifted.numbers[k])
+        one = bars.those(np.array([number]))
+        ends = one.ends(bool(verdict.all_round[number]))
+        figures = {**sifted.figures(number, ends), "off_mm": float(off[number])}
+        limits = (float(off[number]), wish.allowance, "mm", "tolerance", wish.tolerance is not None)
+        pairs = [list(each) for each in zip(_degrees(turned), way.tolist(), strict=True)]
+        output = {"name": "slide", "link": SLIDER}
+        judged = Judged(output, "function", {"at": pairs}, Function.code, *limits)
+        pin = one.pin(np.zeros(1))[0, 0]
+        e = float(one.offset[0])
+        every = np.asarray(one.slider(np.linspace(*ends, _SEEN))[:, 0] + 1j * e, complex)
+        b = complex(one.slider(np.zeros(1))[0, 0], e)
+        rails = (complex(every.real.min(), e), complex(every.real.max(), e))
+        places = {"O": 0j, "A": pin, "B": b, "R": rails[0], "S": rails[1]}
+        links = {"ground": ["O", "R", "S"], CRANK: ["O", "A"], "rod": ["A", "B"], SLIDER: ["B"]}
+        sketch = Sketch(
+            places, [["O", "A"], ["A", "B"]], "ORS", every, np.asarray(b + way, complex), False
+        )
+        slides = [{"link": SLIDER, "along": ["R", "S"]}]
+        drive = _drive(ends, 1, tables)
+        return Found(places, links, drive, [judged], figures, sketch, tables, slides)
+
+    return Designs(sifted.losses, of)
+
+
 @dataclass(frozen=True)
 class _Sifted:
-    """Four-bars of which those without a defect that are near enough are weighed."""
+    """Linkages of which those without a defect that are near enough are weighed."""
 
-    bars: FourBars
-    verdict: Verdict
+    bars: Floats  # lengths of all bars, (m,) mm
+    transmission: Floats  # (m,) rad
     numbers: Indices  # of those that are weighed
     losses: Floats  # (designs, 2) of these
 
     @classmethod
-    def of(cls, wish: LinkWish, room: Room, bars: FourBars, share: Floats) -> _Sifted:
+    def of(cls, wish: LinkWish, verdict: Verdict, bars: Floats, share: Floats) -> _Sifted:
         """share: error as a share of what is borne; DesignError where all have defects.
 
         With a tolerance, or where all are exact, bars and transmission angle count, else error and transmission angle.
         """
-        verdict = room.judged(bars)
         refuse_none(verdict, wish)
         free = verdict.free
         numbers = free[share[free] <= 1]
         if not numbers.size:
             numbers = free[np.argsort(share[free], kind="stable")[:_NEAREST]]
-        first = bars.bars if wish.trades_size else np.maximum(share, NO_ERROR)
+        first = bars if wish.trades_size else np.maximum(share, NO_ERROR)
         losses = np.stack([first[numbers], -verdict.transmission[numbers]], axis=1)
-        return cls(bars, verdict, numbers, losses)
+        return cls(bars, verdict.transmission, numbers, losses)
 
-    def motion(self, number: int) -> Motion:
-        """How that one is driven."""
-        return Motion(self.bars.those(np.array([number])), bool(self.verdict.all_round[number]))
-
-    def figures(self, number: int) -> Mapping[str, float]:
-        """Of the front's table."""
-        low, high = self.motion(number).ends
+    def figures(self, number: int, ends: tuple[float, float]) -> Mapping[str, float]:
+        """Of the front's table; ends: of the crank's range, rad."""
         return {
-            "bars_mm": float(self.bars.bars[number]),
-            "transmission_deg": math.degrees(self.verdict.transmission[number]),
-            "crank_range_deg": math.degrees(high - low),
+            "bars_mm": float(self.bars[number]),
+            "transmission_deg": math.degrees(self.transmission[number]),
+            "crank_range_deg": math.degrees(ends[1] - ends[0]),
         }
+
+
+def _motion(bars: FourBars, verdict: Verdict, number: int) -> Motion:
+    """How that one is driven."""
+    return Motion(bars.those(np.array([number])), bool(verdict.all_round[number]))
 
 
 def refuse_none(verdict: Verdict, wish: LinkWish) -> None:
     """DesignError where no design is free of defects: how many are stopped by which, and the keys that would let them through."""
     if verdict.free.size:
         return
-    wanted = kind_of(wish)
+    wanted = wish.things
     count = sum(verdict.defects.values())
     stopped = [
-        words.format(counted(verdict.defects[key], "four-bar"))
+        words.format(counted(verdict.defects[key], wish.linkage))
         for key, words in _STOPPED
         if verdict.defects.get(key)
     ]
     remedies = [remedy for key, remedy in _REMEDIES if verdict.defects.get(key)]
-    if wish.exact and len(wish.places) > 3:
+    if wish.exact and wish.count > 3:
         remedies.insert(0, f"wanted.tolerance with five {wanted} or more, or fewer {wanted}")
-    message = f"none of {counted(count, 'four-bar')} for these {wanted} is free of defects"
+    message = f"none of {counted(count, wish.linkage)} for these {wanted} is free of defects"
     raise DesignError(
-        "four-bars without a defect",
+        f"{wish.linkage}s without a defect",
         0,
         1,
         "",
-        f"wanted.{wanted}",
+        f"wanted.{kind_of(wish)}",
         ", ".join(remedies) or f"other {wanted}",
     ).saying(
-        ": ".join([message, ", ".join(stopped)]) if stopped else f"no four-bar has these {wanted}"
+        ": ".join([message, ", ".join(stopped)])
+        if stopped
+        else f"no {wish.linkage} has these {wanted}"
     )
 
 
@@ -169,7 +211,7 @@ _REMEDIES = (
 )
 
 
-def _judged_places(wish: LinkWish, motion: Motion, off: float) -> Judged:
+def _judged_places(wish: FourBarWish, motion: Motion, off: float) -> Judged:
     """Where P is, each at the crank's angle."""
     theta = _degrees(motion.theta)
     values = {"at": [place(z) for z in wish.places], "theta_deg": theta}
@@ -198,7 +240,7 @@ def _found(
     motion: Motion,
     judged: Sequence[Judged],
     figures: Mapping[str, float],
-    wish: LinkWish,
+    wish: FourBarWish,
     tables: Data,
 ) -> Found:
     """The design of one four-bar, drawn at the first position."""
@@ -214,12 +256,14 @@ def _found(
     sketch = Sketch(
         places, [links[key] for key in (CRANK, COUPLER, "rocker")], "OC", path, wish.places, False
     )
-    return Found(places, links, _drive(motion, tables), judged, figures, sketch, tables)
+    return Found(
+        places, links, _drive(motion.ends, motion.sense, tables), judged, figures, sketch, tables
+    )
 
 
-def _drive(motion: Motion, tables: Data) -> Data:
-    """The table [drive]: of a crank that turns its sense, of another one its range."""
-    if motion.all_round:
+def _drive(ends: tuple[float, float], sense: int, tables: Data) -> Data:
+    """The table [drive]: of a crank that turns its sense, of another one its range; ends: of that, rad."""
+    if ends[1] - ends[0] >= math.tau:
         speed = abs(tables.get("drive", {}).get("speed_rpm", _SPEED))
-        return {"link": CRANK, "speed_rpm": motion.sense * speed}
-    return {"link": CRANK, "range_deg": _degrees(np.array(motion.ends))}
+        return {"link": CRANK, "speed_rpm": sense * speed}
+    return {"link": CRANK, "range_deg": _degrees(np.array(ends))}

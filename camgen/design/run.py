@@ -58,7 +58,13 @@ _MADE = (
 # of the wanted path's longest chord: error, and length of all bars, that a front reaches to
 _WORST = 0.2
 _MOST = 10.0
-_WITH_FRONT = ("path", "function", "poses", "points")  # wishes whose search gives several designs
+_WITH_FRONT = (
+    "path",
+    "function",
+    "poses",
+    "points",
+    "slide",
+)  # wishes whose search gives several designs
 _OF_DRAWING = 0.9  # of its tolerance, that the pen's motion takes; files and facets leave the rest
 
 
@@ -305,8 +311,6 @@ def _for_function(request: Request) -> str:
 def _for_positions(request: Request) -> str:
     from camgen.design.positions import designs_for
 
-    kind = asked_for(request.data)
-
     def wanted_positions() -> LinkWish:
         found = wish(request.data, request.source)
         assert isinstance(found, LinkWish)
@@ -318,18 +322,20 @@ def _for_positions(request: Request) -> str:
         wanted_positions,
     )
     room = wanted.room(sizes.pin_diameter + 2 * sizes.wall)
-    designs = designs_for(wanted, room, request.with_lash("lash", wanted.lash))
+    designs = designs_for(wanted, room, request.with_lash(wanted.lash_key, wanted.lash))
     with Workers(request.jobs) as workers:
         looked = weighed(designs.losses, designs.of, workers.map, request.say)
     front = sorted(looked, key=partial(_rank, wanted))
-    note = f"found by camgen design for {len(wanted.places)} {kind}; [[output]]: what was wanted, and how far this machine may be off"
+    note = f"found by camgen design for {wanted.count} {wanted.things}; [[output]]: what was wanted, and how far this machine may be off"
     best_in = "shorter bars" if wanted.trades_size else "a smaller error"
     summary = (
         f"{len(front)} linkages: each has {best_in} than all that transmit better, or was tried next. Design 1 is 01.toml, "
         "and so on. Those that can be built stand first."
     )
-    rows = request.front_rows(front, f"Linkages for the {kind}", summary, wanted.figures, note)
-    can = keeping(front, wanted, "mm", lambda each: each.share)
+    rows = request.front_rows(
+        front, f"Linkages for the {wanted.things}", summary, wanted.figures, note
+    )
+    can = keeping(front, wanted, wanted.unit, lambda each: each.share)
     near = [each for each in can if not each.miss]
     if not near:
         far = min(can, key=lambda each: each.share).farthest
@@ -341,7 +347,7 @@ def _for_positions(request: Request) -> str:
     request.say(f"design {row['design']} of {len(front)}: {', '.join(words)}")
     if near[0].prototype.lash > wanted.useful_play:
         request.say(
-            f"no design has less play, and of use is {wanted.useful_play:.4g} mm at most: set a smaller print.slide_clearance"
+            f"no design has less play, and of use is {wanted.useful_play:.4g} {wanted.unit} at most: set a smaller print.slide_clearance"
         )
     return request.spec_of(near[0], note)
 

@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, create_model
@@ -28,6 +28,7 @@ _OF_USE_CLOSED = 1 / 20  # of its size: a line whose ends are nearer is closed
 _ROUND = 1.5  # of its size: how far round what is wanted pivots may stand
 _LONG = 3.0  # of its size: the longest link
 _SMALLEST = 0.1  # mm: places that are nearer to each other are one place
+_SAME_ANGLE = 1e-6  # deg: crank angles that are nearer are one
 _LEAST_ANGLE = 0.1  # deg, that a body's angle may be off at least
 _TWICE = 3.0  # times the sides of its box: a line through points in order is shorter
 
@@ -323,14 +324,15 @@ class KeyWish(Wish):
 class LinkWish(Wish):
     """What is common to linkages that a few positions ask for; [points], [links] and [[output]] are found."""
 
+    linkage: ClassVar[str] = "four-bar"  # what is found
+    things: ClassVar[str]  # what is wanted, several of them
+    unit: ClassVar[str] = "mm"  # of tolerance and lash
+    lash_key: ClassVar[str] = "lash"  # of [limits]
+
     tolerance: Length | None = Field(
         None, description="mm, how far the linkage may be off; a twentieth of the size unless given"
     )
     lash: Length | None = Field(None, description="mm, greatest free play by all joints")
-    pivots: tuple[tuple[Coordinate, Coordinate], tuple[Coordinate, Coordinate]] | None = Field(
-        None,
-        description="mm, two corners of the box in which both pivots stand; one and a half sizes round what is wanted unless given",
-    )
     shortest: Length | None = Field(
         None, description="mm, least distance of two pins of a link; unless given what hubs need"
     )
@@ -338,7 +340,8 @@ class LinkWish(Wish):
         None, description="mm, greatest one; three sizes of what is wanted unless given"
     )
     transmission_deg: Annotated[float, Field(ge=0, le=80)] = Field(
-        30.0, description="deg, least between coupler and rocker"
+        30.0,
+        description="deg, least between two links at a joint, or between a rod and a slide's normal",
     )
     turns: bool | None = Field(
         None,
@@ -352,9 +355,20 @@ class LinkWish(Wish):
     )
 
     @property
-    def places(self) -> Points:
-        """Where something is wanted, complex mm."""
+    def size(self) -> float:
+        """Of what is wanted, by which bounds are set, mm."""
         raise NotImplementedError
+
+    @property
+    def count(self) -> int:
+        """How many positions are wanted."""
+        raise NotImplementedError
+
+    @property
+    def box(self) -> tuple[complex, complex]:
+        """Least and greatest corner of where pivots may stand, mm."""
+        everywhere = complex(math.inf, math.inf)
+        return -everywhere, everywhere
 
     @property
     def exact(self) -> bool:
@@ -374,7 +388,7 @@ class LinkWish(Wish):
             "transmission_deg": "transmission angle {:.4g} deg and more",
             "crank_range_deg": "crank over {:.4g} deg",
             **({} if self.exact else self.errors),
-            "lash": "play of {:.3g} mm",
+            "lash": f"play of {{:.3g}} {self.unit}",
         }
 
     @property
@@ -383,49 +397,29 @@ class LinkWish(Wish):
         return {"off_mm": "at most {:.3g} mm off"}
 
     @property
-    def size(self) -> float:
-        """Largest distance of two places, mm."""
-        return float(np.max(np.abs(self.places[:, None] - self.places)))
-
-    @property
     def allowance(self) -> float:
-        """How far the linkage may be off, mm."""
+        """How far the linkage may be off."""
         return self.tolerance or float(f"{self.size / _OF_USE:.4g}")
 
     @property
     def useful_play(self) -> float:
-        """Play with which the linkage is still of use, mm."""
+        """Play with which the linkage is still of use."""
         return self.lash or float(f"{self.size / _OF_USE:.4g}")
 
     @property
     def further(self) -> str:
         """What gives the search more room."""
-        return "a greater wanted.longest, wanted.pivots or wanted.effort, a smaller wanted.transmission_deg"
+        return "a greater wanted.longest or wanted.effort, a smaller wanted.transmission_deg"
 
     def room(self, hub: float) -> Room:
         """Where it may be, and how large; hub: least distance of two pins that can be made, mm."""
-        size = self.size
-        z = self.places
-        if self.pivots is None:
-            margin = _ROUND * size * (1 + 1j)
-            low = complex(z.real.min(), z.imag.min()) - margin
-            high = complex(z.real.max(), z.imag.max()) + margin
-        else:
-            corners = [complex(*corner) for corner in self.pivots]
-            low = complex(min(c.real for c in corners), min(c.imag for c in corners))
-            high = complex(max(c.real for c in corners), max(c.imag for c in corners))
-        longest = self.longest or _LONG * size
+        longest = self.longest or _LONG * self.size
         least = math.radians(self.transmission_deg)
-        return Room(low, high, self.shortest or hub, longest, least, self.turns)
+        return Room(*self.box, self.shortest or hub, longest, least, self.turns)
 
     def faults(self) -> list[Fault]:
         """What does not go together."""
         faults = []
-        if self.pivots is not None:
-            sides = np.abs(np.subtract(*self.pivots))
-            if np.max(sides) < SAME_POINT:
-                right = "two corners that are apart"
-                faults.append(Fault(("wanted", "pivots"), str(list(self.pivots)), right))
         if self.longest is not None and self.shortest is not None:
             if self.longest <= self.shortest:
                 right = f"more than wanted.shortest, {self.shortest:g}"
@@ -437,8 +431,58 @@ class LinkWish(Wish):
         return faults
 
 
-class PoseWish(LinkWish):
+class FourBarWish(LinkWish):
+    """A four-bar that some places in the plane ask for."""
+
+    pivots: tuple[tuple[Coordinate, Coordinate], tuple[Coordinate, Coordinate]] | None = Field(
+        None,
+        description="mm, two corners of the box in which both pivots stand; one and a half sizes round what is wanted unless given",
+    )
+
+    @property
+    def places(self) -> Points:
+        """Where something is wanted, complex mm."""
+        raise NotImplementedError
+
+    @property
+    def count(self) -> int:
+        """How many places."""
+        return len(self.places)
+
+    @property
+    def size(self) -> float:
+        """Largest distance of two places, mm."""
+        return float(np.max(np.abs(self.places[:, None] - self.places)))
+
+    @property
+    def further(self) -> str:
+        """What gives the search more room."""
+        return f"a greater wanted.pivots, {super().further}"
+
+    @property
+    def box(self) -> tuple[complex, complex]:
+        """Of the wish, or round the places."""
+        z = self.places
+        margin = _ROUND * self.size
+        if self.pivots is not None:
+            z = np.array([complex(*corner) for corner in self.pivots])
+            margin = 0.0
+        low = complex(z.real.min() - margin, z.imag.min() - margin)
+        return low, complex(z.real.max() + margin, z.imag.max() + margin)
+
+    def faults(self) -> list[Fault]:
+        """What does not go together."""
+        faults = super().faults()
+        if self.pivots is not None and np.max(np.abs(np.subtract(*self.pivots))) < SAME_POINT:
+            right = "two corners that are apart"
+            faults.append(Fault(("wanted", "pivots"), str(list(self.pivots)), right))
+        return faults
+
+
+class PoseWish(FourBarWish):
     """Poses that a body of a four-bar is to come to in their order."""
+
+    things: ClassVar[str] = "poses"
 
     poses: tuple[tuple[Coordinate, Coordinate, Turn], ...] = Field(
         min_length=3,
@@ -489,8 +533,10 @@ class PoseWish(LinkWish):
 PointRow = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
 
 
-class PointWish(LinkWish):
+class PointWish(FourBarWish):
     """Points that a point of a four-bar is to pass in their order, each at an angle of its crank where one is given."""
+
+    things: ClassVar[str] = "points"
 
     points: tuple[PointRow, ...] = Field(
         min_length=3,
@@ -532,6 +578,54 @@ class PointWish(LinkWish):
         return faults
 
 
+class SlideWish(LinkWish):
+    """Places of a slider-crank's slider at angles of its crank."""
+
+    linkage: ClassVar[str] = "slider-crank"
+    things: ClassVar[str] = "pairs"
+
+    slide: tuple[tuple[Turn, Coordinate], ...] = Field(
+        min_length=3,
+        max_length=60,
+        description="[crank, slider], deg counter-clockwise and mm, both from anywhere; three are met exactly",
+    )
+    transmission_deg: Annotated[float, Field(ge=0, le=80)] = Field(
+        45.0, description="deg, least between the rod and the slide's normal"
+    )
+
+    @property
+    def count(self) -> int:
+        """How many pairs."""
+        return len(self.slide)
+
+    @property
+    def exact(self) -> bool:
+        """Three pairs are, unless a tolerance lets them be off."""
+        return len(self.slide) == 3 and self.tolerance is None
+
+    @property
+    def size(self) -> float:
+        """How far the slider goes, mm."""
+        places = [place for _, place in self.slide]
+        return max(places) - min(places)
+
+    @property
+    def pairs(self) -> tuple[Floats, Floats]:
+        """Turns of the crank, rad, and ways of the slider, mm, both from the first pair, (n,)."""
+        crank, places = np.array(self.slide).T
+        return np.radians(crank - crank[0]), places - places[0]
+
+    def faults(self) -> list[Fault]:
+        """What does not go together."""
+        crank = sorted(angle for angle, _ in self.slide)
+        faults = super().faults()
+        if crank[-1] - crank[0] >= 360 or min(np.diff(crank)) < _SAME_ANGLE:
+            right = "different crank angles within one turn"
+            found = ", ".join(f"{angle:g}" for angle, _ in self.slide[:8])
+            faults.append(Fault(("wanted", "slide"), found, right))
+        return faults
+
+
 class _Asks(Checked):
     wanted: Wish
 
@@ -545,6 +639,7 @@ _KINDS: Mapping[str, type[Wish]] = {
     "function": FunctionWish,
     "poses": PoseWish,
     "points": PointWish,
+    "slide": SlideWish,
     "drawing": DrawingWish,
     "vary": KeyWish,
 }
