@@ -28,6 +28,7 @@ FRAMES = {
     "walker": 12,
     "scotch-yoke": 8,
     "elliptic-trammel": 8,
+    "heart": 10,
 }  # frame of the moving picture that shows most
 
 
