@@ -20,6 +20,7 @@ from camgen.judge.pair_features import features
 from camgen.judge.pairs import Body, Bounds, OutlinePair, PairMotion, pivots_apart
 from camgen.machine.features import Edge, EdgePair
 from camgen.machine.model import Law
+from camgen.study import Figure
 
 _STEP = math.radians(0.5)  # of the driver, from sample to sample
 _COARSE = 30  # such steps, at which overlaps are looked for before
@@ -138,6 +139,17 @@ class Engagement:
         lever = 2 / (1 / low.lever + 1 / high.lever)
         lever = np.where(np.isnan(lever), np.fmax(low.lever, high.lever), lever)
         return _Place(value, slope, bounds.play, lever)
+
+    def figures(self, kind: str) -> list[Figure]:
+        """Least and greatest play of the follower over its period."""
+        play = np.degrees(self.motion.samples.play[self.motion.samples.free])
+        ends = {"least": play.min(initial=math.inf), "greatest": play.max(initial=0.0)}
+        of = self.feature.joint
+        return [
+            Figure(f"{end} play {{of}}", float(value), "deg", of, kind=kind)
+            for end, value in ends.items()
+            if len(play)
+        ]
 
     # ---- where it is held -------------------------------------------------------------------------------------------
 

@@ -105,6 +105,7 @@ def judge_machine(
     for engagement in measured.engagements.values():
         edges = {each.part for each in engagement.feature.edges}
         findings.append(judge_edges(engagement, named(files.where, edges)))
+        numbers |= engagement.figures(files.kind)
     unseen = _nominal(nominal)
     if any(math.isinf(each.error) for each in judged):
         return Verdict(tuple(findings), numbers, not_judged=unseen)

@@ -32,6 +32,7 @@ from camgen.parts.assembly import Cycle
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.plates import steps
 from camgen.parts.generator.troughs import open_rails
+from camgen.parts.wheels.geneva import GenevaLaw
 from camgen.study import ROWS, Figure, Figures, Later, Plot, Sketch, Study, Table
 from camgen.tolerances import SAME_POINT
 
@@ -148,6 +149,9 @@ def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) 
     for name, length, radius, *_ in paths_of:
         figures.append(Figure("{of} length", length, "mm", name))
         figures.append(Figure("{of} least radius", radius, "mm", name))
+    for joint in linkage.chain.joints:
+        if isinstance(joint, m.Cam) and isinstance(joint.law, GenevaLaw):
+            figures.append(Figure("peak speed ratio {of}", joint.law.geneva.speed, of=joint.name))
     places, ratios = _extreme_places(linkage)
     figures += ratios
     tables = [Table("Outputs", _OUTPUTS, rows)]

@@ -72,15 +72,18 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
     forces = run.forces()
     # friction may spare a pin, and may be less than its table says
     smooth = solve(machine, theta).forces()
+    in_slots = bearing.slot_forces(run, forces)
     on_pins = replace(
         forces,
         reactions=_worse(smooth.reactions, forces.reactions),
         normals=_worse(smooth.normals, forces.normals),
+        pressing={**forces.pressing, **in_slots},
     )
     pins = bearing.plain_bearings(run, on_pins, journals, assembly.limits_of, load)
     posts = bearing.bent_posts(on_pins, assembly.posts, assembly.limits_of, not machine.loads)
     cams = bearing.contacts(run, forces, assembly, load)
     gears = bearing.gears(run, forces, assembly)
+    slots = bearing.slots(run, in_slots, assembly)
     lives = {each.code for check in (pins, cams) for each in check.findings}
     lives |= {each.code for check in (pins, cams) for each in check.not_judged}
     asked = any(assembly.limits_of(joint.name).bearing_life is not None for joint in machine.joints)
@@ -113,7 +116,7 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         needs = "another spring.preload or spring.rate, or a spring of another kind"
         not_judged.append(NotJudged("SPRING_STRESS", why, needs))
     tips = LoadCheck(not_judged=not_judged)
-    checks = (reach, tips, pins, posts, cams, gears, torque, hub, elastic, rates, springs)
+    checks = (reach, tips, pins, posts, cams, gears, slots, torque, hub, elastic, rates, springs)
     figures = [Figure("shaking force", peak(forces.shaking), "N")]
     for name, reaction in forces.reactions.items():
         figures.append(Figure("reaction {joint}", peak(reaction), "N", joint=name))

@@ -15,7 +15,7 @@ import numpy as np
 
 from camgen.findings import Finding, NotJudged, Where, at_least, at_most
 from camgen.machine import strength
-from camgen.machine.features import CamOutline, GearTeeth
+from camgen.machine.features import CamOutline, EdgePair, GearTeeth
 from camgen.machine.flywheel import mean_torque
 from camgen.machine.forces import Forces
 from camgen.machine.friction import circle
@@ -29,6 +29,7 @@ from camgen.parts import materials
 from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import BEARINGS, CAM_FOLLOWERS, Bearing, CamFollower
 from camgen.parts.journals import Journal, MaterialLimits, Post
+from camgen.parts.wheels.geneva import GenevaLaw
 from camgen.study import Figure, Plot, Table
 from camgen.tolerances import SAME_POINT
 
@@ -301,16 +302,62 @@ def gears(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
         pressure = float(
             strength.line_contact(force, width, feature.curvature, own.elastic, own.elastic)[0]
         )
-        check.figures.append(Figure("hertz pressure {of}", pressure, "MPa", feature.joint))
-        limits = assembly.limits_of(feature.joint)
-        limit = limits.hertz or own.hertz
-        if limit is None:
-            why = f"{pressure:.4g} MPa at {feature.joint}, and no limit is published for {own.name}"
-            check.not_judged.append(NotJudged("HERTZ", why, "limits.hertz_mpa"))
+        remark = f"at the pitch point, by {force:.4g} N on teeth {width:.4g} mm wide"
+        _hertz(check, assembly, pressure, where, remark)
+    return check
+
+
+def _hertz(
+    check: LoadCheck, assembly: Assembly, pressure: float, where: Where, remark: str
+) -> None:
+    """HERTZ of two parts of the machine's own material at a joint, MPa."""
+    own = materials.of(assembly.process.material)
+    check.figures.append(Figure("hertz pressure {of}", pressure, "MPa", where.joint))
+    limits = assembly.limits_of(where.joint)
+    limit = limits.hertz or own.hertz
+    if limit is None:
+        why = f"{pressure:.4g} MPa at {where.joint}, and no limit is published for {own.name}"
+        check.not_judged.append(NotJudged("HERTZ", why, "limits.hertz_mpa"))
+        return
+    by = "limits.hertz_mpa" if limits.hertz else own.hertz_source
+    said = f"{remark}, {own.name} on its like; {by}"
+    check.findings.append(at_most("HERTZ", pressure, limit, "MPa", where, said))
+
+
+def slot_forces(run: Run, forces: Forces) -> dict[str, Floats]:
+    """Of each Geneva drive the force of its roller on a wall of the slot, N, (n,), by its joint; 0 while the disc holds the wheel."""
+    found = {}
+    for joint in run.machine.joints:
+        if isinstance(joint, Cam) and isinstance(joint.law, GenevaLaw):
+            geneva = joint.law.geneva
+            angle = _angle(run, joint.cam) - joint.phase
+            lever = np.abs(geneva.distance - geneva.crank * np.exp(1j * angle))
+            drives = joint.law(angle, 1) != 0
+            torque = _finite(forces.contacts[joint.name])
+            found[joint.name] = np.where(drives, np.abs(torque) / MM / lever, 0.0)
+    return found
+
+
+def slots(run: Run, forces: Mapping[str, Floats], assembly: Assembly) -> LoadCheck:
+    """HERTZ of the rollers of Geneva drives on the walls of their slots; forces: N, of each joint."""
+    check = LoadCheck()
+    own = materials.of(assembly.process.material).elastic
+    for feature in assembly.features:
+        if not isinstance(feature, EdgePair) or feature.joint not in forces:
             continue
-        by = "limits.hertz_mpa" if limits.hertz else own.hertz_source
-        remark = f"at the pitch point, by {force:.4g} N on teeth {width:.4g} mm wide, {own.name} on its like; {by}"
-        check.findings.append(at_most("HERTZ", pressure, limit, "MPa", where, remark))
+        joint = run.machine.joint(feature.joint)
+        assert isinstance(joint, Cam) and isinstance(joint.law, GenevaLaw)
+        k = int(np.argmax(forces[feature.joint]))
+        force = float(forces[feature.joint][k])
+        if not force > STILL:
+            continue
+        layers = [assembly.by_name[edge.part].drawn for edge in feature.edges]
+        width = min(layer.z1 - layer.z0 for layer in layers)
+        curvature = 1 / joint.law.geneva.pin
+        pressure = float(strength.line_contact(force, width, curvature, own, own)[0])
+        part = feature.b[0].part
+        where = Where(part=part, joint=feature.joint, theta=float(run.theta[k]), digits=1)
+        _hertz(check, assembly, pressure, where, f"by {force:.4g} N on a line of {width:.4g} mm")
     return check
 
 

@@ -442,4 +442,7 @@ def named(error: DesignError, thing: str, remedy: str = "") -> DesignError:
     """The same error, of a named thing; remedy: another one."""
     where = thing + (f", {error.where}" if error.where else "")
     remedy = remedy or error.remedy
-    return DesignError(error.quantity, error.value, error.limit, error.unit, where, remedy)
+    facts = error.quantity, error.value, error.limit, error.unit
+    found = DesignError(*facts, where, remedy)
+    own = error.sentence != DesignError(*facts, error.where, error.remedy).sentence
+    return found.saying(f"{thing}: {error.sentence}") if own else found

@@ -71,6 +71,13 @@ class Geneva:
                 "",
                 "use a smaller pin, or more stations",
             )
+        if not self._parting < self.half:
+            said = f"corners of the wheel sweep away the end of the disc that locks it, which has a radius of {self.lock:.4g} mm"
+            remedy = "use a smaller pin or a thinner wall, or put the axes further apart"
+            end = abs(complex(self._relief(self._parting, 0)))
+            raise DesignError(
+                "way of a corner from the crank's axis", end, self.lock, "mm", "", remedy
+            ).saying(said)
 
     @property
     def pitch(self) -> float:

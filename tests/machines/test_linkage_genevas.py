@@ -1,0 +1,132 @@
+"""[[geneva]] in a linkage: what its spec says, where the pin goes, what is made, and what it bears."""
+
+from __future__ import annotations
+
+import copy
+import math
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+import camgen
+from camgen import load
+from camgen.errors import DesignError, SpecError
+from camgen.machines.loads.assess import assess
+
+SPEC: dict[str, Any] = {
+    "mechanism": "linkage",
+    "name": "table",
+    "points": {"O": [0, 0], "C": [60, 0], "P": [-40, 3]},
+    "links": {"ground": ["O", "C"], "crank": ["O", "P"], "wheel": ["C"]},
+    "drive": {"link": "crank", "speed_rpm": 60},
+    "geneva": [
+        {"a": "crank", "b": "wheel", "pin": "P", "slots": 4, "pin_radius": 5, "name": "step"}
+    ],
+    "output": [{"name": "table", "link": "wheel"}],
+}
+
+
+def spec(**changes: Any) -> dict[str, Any]:
+    """The tables with other keys of their Geneva drive."""
+    tables = copy.deepcopy(SPEC)
+    tables["geneva"][0] |= changes
+    return tables
+
+
+@pytest.fixture(scope="module")
+def machine() -> camgen.Mechanism:
+    return load(SPEC)
+
+
+def test_the_pin_is_where_it_enters_along_a_slot(machine: camgen.Mechanism) -> None:
+    """However it is drawn; by the right angle of crank and slot there."""
+    crank = machine.model.body("crank")
+    assert abs(crank.points["P"] - crank.points["O"]) == pytest.approx(60 * math.sin(math.pi / 4))
+
+
+def test_the_wheel_turns_by_a_slot_a_turn_against_the_crank(machine: camgen.Mechanism) -> None:
+    table = np.asarray(machine.solve(np.linspace(0, 2 * math.tau, 721))["table"])
+    assert table[-1] - table[0] == pytest.approx(-math.pi, abs=1e-9)
+
+
+def test_the_wheel_of_the_model_is_the_closed_form(machine: camgen.Mechanism) -> None:
+    theta = np.linspace(0, math.tau, 721)
+    run = machine.solve(theta)
+    pin = 60 * math.sin(math.pi / 4) * np.exp(1j * (theta + math.atan2(3, -40)))
+    seen = np.angle((60 - pin) / 60)
+    drives = np.abs(np.angle(pin)) < math.pi / 4
+    moved = np.asarray(run["table"])[drives]
+    assert np.ptp(moved - np.unwrap(seen[drives])) < 1e-9
+    rests = np.abs(np.angle(pin)) > math.pi / 4
+    still = np.asarray(run["table"])[rests]
+    assert np.abs(still[:, None] - np.array([still[0], still[-1]])).min(axis=1).max() < 1e-12
+
+
+def test_parts_lie_on_one_level_over_the_crank(machine: camgen.Mechanism) -> None:
+    heights = {mount.part: mount.z for mount in machine.assembly.mounts}
+    level = {heights[f"{name}-step"] for name in ("geneva", "lock", "roller")}
+    assert len(level) == 1 and level.pop() > heights["crank"]
+
+
+def test_what_presses_in_the_slot_is_the_wheel_s_inertia_over_its_lever(
+    machine: camgen.Mechanism,
+) -> None:
+    """HERTZ of the roller by the greatest torque that the wheel's acceleration asks for, and the pin that bends."""
+    found = assess(machine)
+    (bent,) = [each for each in found.findings if "under step" in str(each.where)]
+    assert bent.code == "PIN_STRESS" and bent.ok
+    theta = np.linspace(0, math.tau, 1441)
+    wheel = machine.model.body("wheel").inertia
+    run = machine.solve(theta)
+    _, rate, change = (np.asarray(each) for each in run.derivatives("table"))
+    pin = 60 * math.sin(math.pi / 4) * np.exp(1j * (theta + math.atan2(3, -40)))
+    force = np.abs(wheel * change * machine.model.speed**2) * 1e3 / np.abs(60 - pin)
+    most = force[rate != 0].max()
+    told = re.match(r"by ([\d.]+) N", bent.message)
+    assert told is not None and float(told[1]) == pytest.approx(most, rel=1e-3)
+    assert found.study.numbers["hertz_pressure_step_mpa"] > 0
+    assert machine.study().numbers["peak_speed_ratio_step"] == pytest.approx(2.41421, abs=5e-6)
+
+
+@pytest.mark.parametrize(
+    ("changes", "path", "words"),
+    [
+        ({"a": "cranck"}, ("geneva", 0, "a"), "crank"),
+        ({"b": "crank"}, ("geneva", 0, "b"), "another link"),
+        ({"b": "ground"}, ("geneva", 0, "b"), "moves"),
+        ({"pin": "O"}, ("geneva", 0, "pin"), "beside its shaft: P"),
+        ({"pin": "C"}, ("geneva", 0, "pin"), "a point of crank"),
+        ({"slots": 2}, ("geneva", 0, "slots"), "3"),
+        ({"name": "drive"}, ("geneva", 0, "name"), "drive has it"),
+        ({"name": "wheel"}, ("links", "wheel"), "Geneva drive"),
+    ],
+)
+def test_faults_say_where_and_what(
+    changes: dict[str, Any], path: tuple[str | int, ...], words: str
+) -> None:
+    with pytest.raises(SpecError) as caught:
+        load(spec(**changes))
+    (fault,) = [each for each in caught.value.faults if tuple(each.path) == path]
+    assert words in f"{fault.expected} {fault.nearest}"
+
+
+def test_a_length_of_the_crank_is_a_fault() -> None:
+    with pytest.raises(SpecError, match=r"lengths.*O-P.*left out"):
+        load(SPEC | {"lengths": {"O-P": 30}})
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"pin_radius": 20}, "smaller pin"),
+        ({"slots": 8}, "sweep away the end of the disc that locks it"),
+        ({"pin_radius": 2.4}, "wall"),
+    ],
+)
+def test_drives_that_cannot_be_are_refused_by_what_to_change(
+    changes: dict[str, Any], words: str
+) -> None:
+    with pytest.raises(DesignError, match=words):
+        assert load(spec(**changes)).assembly
