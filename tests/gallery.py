@@ -29,6 +29,7 @@ FRAMES = {
     "scotch-yoke": 8,
     "elliptic-trammel": 8,
     "heart": 10,
+    "geneva-table": 60,
 }  # frame of the moving picture that shows most
 
 
