@@ -38,9 +38,9 @@ def bounded(path: Path, bound: Bound) -> int:
             raise FileError(path, f"is no file but a pipe or a device, {bound.what} was expected")
         after = f": {bound.remedy}" if bound.remedy else ""
         if status.st_size > bound.most_bytes:
-            most = f"{bound.most_bytes / 1e6:.0f} MB at most are read"
+            most = f"at most {bound.most_bytes / 1e6:.0f} MB are read"
             raise FileError(
-                path, f"is {status.st_size / 1e6:.0f} MB large, {most} of {bound.what}{after}"
+                path, f"is {status.st_size / 1e6:.0f} MB large; {most} of {bound.what}{after}"
             )
         if bound.most is not None and status.st_size > bound.most:
             with open(path, "rb") as file:
@@ -52,7 +52,7 @@ def bounded(path: Path, bound: Bound) -> int:
             if count > bound.most:
                 raise FileError(
                     path,
-                    f"has {count:,} {bound.things}, {bound.most:,} at most are read of {bound.what}{after}",
+                    f"has {count:,} {bound.things}; at most {bound.most:,} are read of {bound.what}{after}",
                 )
         return status.st_size
     except (OSError, ValueError) as error:  # ValueError: a zero byte in the path

@@ -46,7 +46,7 @@ def test_things_are_counted_however_they_are_read(
     assert read_bytes(path, WORDS) == b"aa bb\ncc dd\nee " and bounded(path, WORDS) == 15
     path.write_bytes(b"aa bb\ncc dd\nee ff\n")
     with pytest.raises(
-        FileError, match="has 6 words, 5 at most are read of a list of words: use fewer"
+        FileError, match="has 6 words; at most 5 are read of a list of words: use fewer"
     ):
         read_bytes(path, WORDS)
 
@@ -56,7 +56,7 @@ def test_bytes_are_looked_at_first(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     bound = Bound("a list", 2_000_000, most=5)
     with open(tmp_path / "a", "wb") as file:
         file.truncate(3_000_000)
-    with pytest.raises(FileError, match="is 3 MB large, 2 MB at most are read of a list$"):
+    with pytest.raises(FileError, match="is 3 MB large; at most 2 MB are read of a list$"):
         bounded(tmp_path / "a", bound)
     (tmp_path / "b").write_bytes(b"\n" * 5)  # so few bytes hold no more things
     assert bounded(tmp_path / "b", bound) == 5
@@ -244,7 +244,7 @@ def test_each_reader_has_a_bound(
     for formats in (FORMATS, READABLE):
         if not module and bound in formats:
             monkeypatch.setitem(formats, bound, replace(formats[bound], size=new))
-    refused(function, tmp_path / name, f"has 30 {old.things}, 29 at most are read of {old.what}")
+    refused(function, tmp_path / name, f"has 30 {old.things}; at most 29 are read of {old.what}")
 
 
 def test_a_list_of_parts_has_a_bound(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -255,7 +255,7 @@ def test_a_list_of_parts_has_a_bound(tmp_path: Path, monkeypatch: pytest.MonkeyP
     refused(
         lambda path: parts_table.judge_list(path, wanted),
         tmp_path / "a.csv",
-        "has 30 lines, 29 at most are read of a list",
+        "has 30 lines; at most 29 are read of a list",
     )
     assert (
         parts_table.judge_list(written(tmp_path / "a.csv", b"1,2\n" * 29), wanted).measured == 1
@@ -267,7 +267,7 @@ def test_what_a_glb_says_has_a_bound(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(gltf, "_MOST_SAID", 29)
     data = struct.pack("<4sIII4s", b"glTF", 2, 50, 30, b"JSON") + bytes(30)
-    refused(gltf.read_glb, tmp_path / "a.glb", "30 bytes of JSON; 29 at most are read", data)
+    refused(gltf.read_glb, tmp_path / "a.glb", "30 bytes of JSON; at most 29 are read", data)
 
 
 def test_triangles_are_counted_before_they_are_read(
@@ -283,14 +283,14 @@ def test_triangles_are_counted_before_they_are_read(
     refused(
         read_stl,
         tmp_path / "a.stl",
-        "4 triangles, 3 at most",
+        "4 triangles; at most 3 are",
         bytes(80) + (4).to_bytes(4, "little") + bytes(200),
     )
     facet = b"facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
     refused(
         read_stl,
         tmp_path / "b.stl",
-        "4 triangles, 3 at most",
+        "4 triangles; at most 3 are",
         b"solid b\n" + 4 * facet + b"endsolid b\n",
     )
     assert (
@@ -300,7 +300,7 @@ def test_triangles_are_counted_before_they_are_read(
     corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
     faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
     write_3mf(tmp_path / "d.3mf", {"d": Mesh(corners, faces)}, [PartCopy("d", "d")], "d")
-    with pytest.raises(FileError, match="has 4 triangles, 3 at most"):
+    with pytest.raises(FileError, match="has 4 triangles; at most 3 are"):
         read_3mf(tmp_path / "d.3mf")
 
 
@@ -319,7 +319,7 @@ def test_lines_of_a_table_however_they_end(
     refused(
         read_table,
         path,
-        "has 31 lines, 30 at most are read of a table of angle and displacement",
+        "has 31 lines; at most 30 are read of a table of angle and displacement",
         (b"1,2" + end) * 31,
     )
 
@@ -361,7 +361,7 @@ def test_walls_are_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr("camgen.files.gcode._MOST_BESIDE", 3)
     with pytest.raises(
         FileError,
-        match="has 4 outer walls at a height of 0.2 mm, 3 at most are read: slice fewer parts",
+        match="has 4 outer walls at a height of 0.2 mm; at most 3 are read: slice fewer parts",
     ):
         read_gcode(path)
     monkeypatch.setattr("camgen.files.gcode._MOST_WALLS", 18)

@@ -111,7 +111,7 @@ def check(
                 Fault(
                     (),
                     f"with {len(folders)} folders",
-                    "one folder, whose plates they are",
+                    "one folder: that of the plates",
                     source="--gcode",
                 )
             ],

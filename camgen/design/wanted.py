@@ -686,5 +686,5 @@ def _table(path: Path) -> Sequence[tuple[float, float]]:
                 path, f"has a point at {x:g}, {y:g}: x and y within +-100000 mm were expected"
             )
     if len(rows) > _MOST_POINTS:
-        raise FileError(path, f"holds {len(rows)} points; {_MOST_POINTS} at most are taken")
+        raise FileError(path, f"holds {len(rows)} points; at most {_MOST_POINTS} are taken")
     return rows

@@ -167,7 +167,7 @@ def read_gcode(path: Path) -> list[Wall]:
     level, count = Counter(wall.z for wall in walls).most_common(1)[0]
     if count > _MOST_BESIDE:
         reason = f"has {count:,} outer walls at a height of {level:g} mm"
-        raise FileError(path, f"{reason}, {_MOST_BESIDE:,} at most are read: {bounds.remedy}")
+        raise FileError(path, f"{reason}; at most {_MOST_BESIDE:,} are read: {bounds.remedy}")
     return walls
 
 

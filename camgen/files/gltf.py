@@ -290,7 +290,7 @@ class _Glb:
         if (mark, version, size, kind) != (b"glTF", 2, len(data), b"JSON"):
             raise ValueError("it is no glTF 2.0, or not as long as it says")
         if length > _MOST_SAID:
-            raise ValueError(f"{length:,} bytes of JSON; {_MOST_SAID:,} at most are read")
+            raise ValueError(f"{length:,} bytes of JSON; at most {_MOST_SAID:,} are read")
         self.whole = json.loads(data[20 : 20 + length])
         (length_of_rest, kind) = struct.unpack_from("<I4s", data, 20 + length)
         self.data = data[28 + length :]

@@ -249,7 +249,7 @@ def read_cam_table(path: Path) -> CamTable:
         if absurd.size:
             k = int(absurd[0])
             raise FileError(
-                path, f"row {k + 1} has {column[k]:g}, numbers to {_MOST:g} at most are read"
+                path, f"row {k + 1} has {column[k]:g}; numbers up to {_MOST:g} are read"
             )
     wrong = np.flatnonzero(~(np.diff(master) > _SAME_MASTER))
     if wrong.size:

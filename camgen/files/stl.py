@@ -48,7 +48,7 @@ def read_stl(path: str | Path, normals: bool = False) -> Mesh:
     binary = len(data) >= 84 and len(data) == 84 + 50 * count
     triangles = count if binary else data.count(b"vertex") // 3
     if triangles > MOST_TRIANGLES:
-        reason = f"has {triangles:,} triangles, {MOST_TRIANGLES:,} at most are read"
+        reason = f"has {triangles:,} triangles; at most {MOST_TRIANGLES:,} are read"
         raise FileError(path, f"{reason}: reduce the mesh, or export it with a larger tolerance")
     if binary:
         rows = np.frombuffer(data, _ROW, offset=84)

@@ -258,9 +258,7 @@ def _package(path: str, digest: bytes, strict: bool) -> Package:
         raise FileError(path, f"not a valid 3MF file: {error}") from None
     messages = [reader.GetWarning(i) for i in range(reader.GetWarningCount())]
     if any(code == _NO_UNIT for code, _ in messages):
-        raise FileError(
-            path, "names a unit that there is not in a 3MF file; millimeter was expected"
-        )
+        raise FileError(path, "names a unit that 3MF does not have; millimeter was expected")
     warnings = [*(text for _, text in messages), *(extras if strict else ())]
     meshes: dict[int, tuple[str, Mesh]] = {}  # by the number of the resource, which alone is unique
     inside: dict[int, list[tuple[int, Floats]]] = {}  # what an object is made of, and where
@@ -361,7 +359,7 @@ def _looked_through(path: str | Path) -> list[str]:
         triangles = sum(text.count(b"triangle ") for text in parts.values())
         if triangles > MOST_TRIANGLES:
             raise FileError(
-                path, f"has {triangles:,} triangles, {MOST_TRIANGLES:,} at most are read"
+                path, f"has {triangles:,} triangles; at most {MOST_TRIANGLES:,} are read"
             )
         copies = _copies(parts)
     except CycleError as error:
@@ -384,7 +382,7 @@ def _looked_through(path: str | Path) -> list[str]:
     if copies > MOST_COPIES:
         number = str(copies) if copies < 1e9 else f"about 1e{len(str(copies)) - 1}"
         raise FileError(
-            path, f"places {number} copies of its objects; {MOST_COPIES} at most are read"
+            path, f"places {number} copies of its objects; at most {MOST_COPIES} are read"
         )
     return _extras(parts)
 
@@ -394,14 +392,14 @@ def _unpacked(path: str | Path, package: zipfile.ZipFile) -> dict[str, bytes]:
     size = sum(part.file_size for part in package.infolist())
     if size > MOST_BYTES:
         raise FileError(
-            path, f"unpacks to {size / 1e6:.0f} MB; {MOST_BYTES / 1e6:.0f} MB at most are read"
+            path, f"unpacks to {size / 1e6:.0f} MB; at most {MOST_BYTES / 1e6:.0f} MB are read"
         )
     for part in package.infolist():
         if part.file_size > _SMALL and part.file_size > _PACKED * part.compress_size:
             sizes = f"{part.file_size / 1e6:.0f} MB from {part.compress_size / 1e6:.3g} MB"
             raise FileError(
                 path,
-                f"{part.filename} unpacks to {sizes}; {_PACKED} times as much at most is read",
+                f"{part.filename} unpacks to {sizes}; at most {_PACKED} times as much is read",
             )
     return {name: package.read(name) for name in package.namelist()}
 

@@ -160,7 +160,7 @@ def _refuse_bomb(path: Path, drawing: Any) -> None:
         number = str(most) if most < 1e9 else f"about 1e{len(str(most)) - 1}"
         raise FileError(
             path,
-            f"holds blocks that stand for {number} entities; {_MOST_ENTITIES} at most are read",
+            f"holds blocks that stand for {number} entities; at most {_MOST_ENTITIES} are read",
         )
 
 
@@ -236,7 +236,7 @@ def _ellipse(entity: Any, tolerance: float) -> Points:
     count = max(math.ceil(sweep / math.sqrt(8 * tolerance / dxf.major_axis.magnitude)), 6)
     if count > _MOST_POINTS:
         raise OverflowError(
-            f"{count} chords for ELLIPSE #{dxf.handle}; {_MOST_POINTS} at most are made"
+            f"{count} chords for ELLIPSE #{dxf.handle}; at most {_MOST_POINTS} are made"
         )
     t = dxf.start_param + np.linspace(0, sweep, count + 1)
     points = centre + a * np.cos(t) + b * np.sin(t)
@@ -251,11 +251,11 @@ def _spline(entity: Any, tolerance: float) -> Points:
     if not len(entity.control_points) and len(entity.fit_points) > _MOST_FIT_POINTS:
         many = len(entity.fit_points)
         raise OverflowError(
-            f"{many} points to fit SPLINE #{entity.dxf.handle} to; {_MOST_FIT_POINTS} at most do"
+            f"{many} points to fit SPLINE #{entity.dxf.handle} to; at most {_MOST_FIT_POINTS} do"
         )
     if entity.dxf.degree > _MOST_DEGREE:
         raise OverflowError(
-            f"a degree of {entity.dxf.degree} for SPLINE #{entity.dxf.handle}; {_MOST_DEGREE} at most is read"
+            f"a degree of {entity.dxf.degree} for SPLINE #{entity.dxf.handle}; at most {_MOST_DEGREE} is read"
         )
     tool = entity.construction_tool()
     knots = np.array(tool.knots(), float)

@@ -133,7 +133,7 @@ class Ring:
         count = np.where(sweep == 0, 1, np.maximum(np.ceil(np.abs(sweep) / step), 1)).astype(int)
         if count.sum() > _MOST_FACETS:
             raise OverflowError(
-                f"{count.sum()} chords within {tolerance:g} mm of an outline; {_MOST_FACETS} at most are made"
+                f"{count.sum()} chords within {tolerance:g} mm of an outline; at most {_MOST_FACETS} are made"
             )
         edge = np.repeat(np.arange(len(count)), count)
         half = sweep[edge] / 2

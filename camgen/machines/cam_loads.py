@@ -30,7 +30,7 @@ def load_faults(
         found.append(Fault(("spring",), "", 'nothing here: only closure "force" has a spring'))
     if load is None:
         return (
-            [*found, Fault(("load",), "", "missing: what [spring] has to move")]
+            [*found, Fault(("load",), "", "missing: the mass that [spring] has to move")]
             if spring is not None
             else found
         )
@@ -51,7 +51,9 @@ def load_faults(
             else (
                 None
                 if load.mass_kg or made
-                else Fault(("load", "mass_kg"), "0", "above 0 with load.gravity_deg: what weighs")
+                else Fault(
+                    ("load", "mass_kg"), "0", "above 0 with load.gravity_deg: the mass that weighs"
+                )
             )
         )
         found += [] if what is None else [what]
@@ -75,7 +77,7 @@ def polydyne_faults(
             Fault(
                 ("load", "mass_kg"),
                 "0",
-                "above 0 with load.polydyne (or inertia_kg_m2 of an arm): what moves behind it",
+                "above 0 with load.polydyne (inertia_kg_m2 for an arm): the mass behind the stiffness",
             )
         )
     return [

@@ -158,7 +158,7 @@ def _nested(path: Path, rings: list[Ring]) -> list[Ring]:
     corners = sum(len(ring.points) for ring in rings)
     if corners > _MOST_CORNERS:
         raise FileError(
-            path, f"has {corners:,} corners, {_MOST_CORNERS:,} at most are read: simplify it"
+            path, f"has {corners:,} corners; at most {_MOST_CORNERS:,} are read: simplify it"
         )
     edges: list[Points] = [ring.facetted(_FINE) for ring in (outer, *holes)]
     for edge in edges:

@@ -105,7 +105,7 @@ def _by_trimesh(path: Path, kind: str) -> ForeignMesh:
     _BEFORE[kind](path, data)
     corners = _corners(path, kind, data)
     if len(corners) > MOST_TRIANGLES:
-        reason = f"has {len(corners):,} triangles, {MOST_TRIANGLES:,} at most are read"
+        reason = f"has {len(corners):,} triangles; at most {MOST_TRIANGLES:,} are read"
         raise FileError(path, f"{reason}: {_REDUCE}")
     if not np.isfinite(corners).all():
         raise FileError(path, _wrong_number(kind, data) or "a vertex is not finite")
@@ -209,7 +209,7 @@ def _glb(path: Path, data: bytes) -> None:
         if (mark, version, size, kind) != (b"glTF", 2, len(data), b"JSON"):
             raise ValueError(f"its header says {size} bytes, it has {len(data)}")
         if length > _MOST_SAID:
-            raise ValueError(f"{length:,} bytes of JSON; {_MOST_SAID:,} at most are read")
+            raise ValueError(f"{length:,} bytes of JSON; at most {_MOST_SAID:,} are read")
         whole = json.loads(data[20 : 20 + length])
         needed = [
             each
@@ -226,7 +226,7 @@ def _glb(path: Path, data: bytes) -> None:
                 "bufferView" not in each or "sparse" in each for each in whole.get("accessors", [])
             ),
             f"has {points:,} values: {_REDUCE}": points > 10 * MOST_TRIANGLES,
-            f"has {len(nodes):,} nodes; {_MOST_NODES:,} at most are read": len(nodes) > _MOST_NODES,
+            f"has {len(nodes):,} nodes; at most {_MOST_NODES:,} are read": len(nodes) > _MOST_NODES,
             "has a mesh of lines or strips: export triangles": any(
                 each.get("mode", _TRIANGLES) != _TRIANGLES
                 for mesh in whole.get("meshes", [])

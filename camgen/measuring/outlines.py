@@ -204,7 +204,7 @@ def _judged(path: Path, outline: Outline) -> Outline:
         return outline
     if len(ring.points) > _MOST_POINTS:
         raise FileError(
-            path, f"has an outline of {len(ring.points)} points; {_MOST_POINTS} at most are taken"
+            path, f"has an outline of {len(ring.points)} points; at most {_MOST_POINTS} are taken"
         )
     crossing = _crossing(ring)
     finding = at_most(

@@ -99,7 +99,7 @@ def _places(path: Path, content: bytes) -> Points:
             path, f"begins with {header.strip()[:60]!r}: columns x,y or angle,radius were expected"
         )
     if len(rows) - 1 > _MOST:
-        raise FileError(path, f"holds {len(rows) - 1} points; {_MOST} at most are taken")
+        raise FileError(path, f"holds {len(rows) - 1} points; at most {_MOST} are taken")
     columns = [names.index(name) for name in pair]
     both = f"{pair[0]} and {pair[1]}"
     values = []
@@ -115,7 +115,7 @@ def _places(path: Path, content: bytes) -> Points:
     if len(values) < _LEAST:
         raise FileError(
             path,
-            f"holds {len(values)} points; {_LEAST} at least were expected, all round the outline",
+            f"holds {len(values)} points; at least {_LEAST} were expected, all round the outline",
         )
     table = np.array(values)
     z = table[:, 0] + 1j * table[:, 1]
@@ -174,7 +174,8 @@ def _further_in(path: Path, edge: Points, distance: float) -> Points:
     )
     if not isinstance(area, shapely.Polygon) or area.is_empty:
         raise FileError(
-            path, f"has an outline of which a probe of radius {distance:g} mm leaves not one piece"
+            path,
+            f"has an outline that is not one piece without a probe's radius of {distance:g} mm",
         )
     return np.asarray(shapely.get_coordinates(area.exterior)[:-1] @ np.array([1, 1j]))
 

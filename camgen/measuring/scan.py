@@ -171,7 +171,7 @@ def _grey(path: Path, picture: Any) -> Any:
     """Grey levels 0 to 255 of a picture that its header tells to be small enough, (rows, columns)."""
     across, down = picture.size
     if across * down > _MOST_PIXELS:
-        most = f"{_MOST_PIXELS / 1e6:.0f} million at most are read"
+        most = f"at most {_MOST_PIXELS / 1e6:.0f} million are read"
         raise FileError(
             path,
             f"has {across} x {down} pixels; {most}: scan the part's place alone, or with fewer dots per inch",
@@ -183,7 +183,7 @@ def _grey(path: Path, picture: Any) -> Any:
     if picture.mode == "1":
         raise FileError(
             path,
-            "is black and white alone: scan in grey levels, which tell where in a pixel the edge is",
+            "is only black and white: scan in grey levels, which show where in a pixel the edge is",
         )
     if picture.mode.startswith(("I", "F")):
         values = np.asarray(picture, np.float32)
@@ -231,7 +231,7 @@ def _levelled(path: Path, grey: Any) -> tuple[Any, tuple[int, int], float]:
     if contrast < LEAST_CONTRAST:
         raise FileError(
             path,
-            f"{remark}, {LEAST_CONTRAST:.0f} at least were expected: lay a sheet of the opposite shade over it",
+            f"{remark}; at least {LEAST_CONTRAST:.0f} were expected: lay a sheet of the opposite shade over it",
         )
     label, count = ndimage.label(part, np.ones((3, 3)))
     sizes = np.bincount(label.ravel())[1:]
@@ -369,7 +369,7 @@ def _together(
         )
     else:
         remarks.append(
-            "the scans lie alike on the glass: they do not tell the scanner's scale and skew, a turn by 90 deg would"
+            "the scans lie alike on the glass, so they do not show the scanner's scale and skew: turn one of them by 90 deg"
         )
     size = float(np.max(np.abs(shapes[0][0])))
     for file, each in zip(files[1:], placements, strict=True):

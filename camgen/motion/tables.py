@@ -54,7 +54,7 @@ def read_table(
     if len(lines) > _MOST_LINES:  # that end otherwise than those that were counted
         raise FileError(
             path,
-            f"has {len(lines):,} lines, {_MOST_LINES:,} at most are read of a table of {columns}",
+            f"has {len(lines):,} lines; at most {_MOST_LINES:,} are read of a table of {columns}",
         )
     for number, line in enumerate(lines, start=1):
         if not line.strip() or line.lstrip().startswith("#"):

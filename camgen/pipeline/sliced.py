@@ -218,7 +218,7 @@ def _print_models(case: Case, packages: Iterable[Sequence[Item]]) -> list[PrintM
     if not models:
         raise FileError(
             case.folder,
-            "holds no STL or 3MF of a printed part, by which parts on a plate are known: build them",
+            "holds no STL or 3MF of a printed part to compare the plate with: build them",
         )
     return models
 

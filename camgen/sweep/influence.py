@@ -258,9 +258,7 @@ def influence_text(spec: Source, code: str) -> str:
     found = influence(spec, code)
     lines = [f"### {code} in {_title(spec)}"]
     if not found.findings:
-        lines.append(
-            "Nothing is known of it before files are made: `camgen build` judges it, if the machine has it."
-        )
+        lines.append("Only files show it: `camgen build` judges it, if the machine has it.")
     for each in found.findings:
         sign = "at least" if each.floor else "at most"
         state = "Holds" if each.ok else "Fails"
@@ -274,10 +272,10 @@ def influence_text(spec: Source, code: str) -> str:
         lines.append(f"- {keys} {'sets' if len(found.limit_keys) == 1 else 'set'} the limit")
     if found.effects and found.nearest is not None:
         several = "; of the one nearest to its limit" if len(found.findings) > 1 else ""
-        lines.append(f"- What moves it, each key alone, the strongest first{several}:")
+        lines.append(f"- Keys that change it, each alone, the strongest first{several}:")
         lines += [f"  - {_effect_text(each, found.nearest)}" for each in found.effects]
     elif found.findings:
-        lines.append("- No number of the spec moves it by a change of 2 %.")
+        lines.append("- A change of 2 % of any number of the spec leaves it as it is.")
     return "\n".join(lines) + "\n"
 
 

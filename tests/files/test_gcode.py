@@ -146,7 +146,7 @@ def test_what_is_refused(tmp_path):
         read_gcode(tmp_path / "none.gcode")
     with open(path, "wb") as file:
         file.truncate(201_000_000)
-    with pytest.raises(FileError, match="is 201 MB large, 200 MB at most"):
+    with pytest.raises(FileError, match="is 201 MB large; at most 200 MB"):
         read_gcode(path)
     with open(path, "wb") as file:
         file.truncate(199_000_000)

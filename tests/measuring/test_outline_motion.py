@@ -789,7 +789,7 @@ def test_a_package_of_many_copies_is_counted_first(tmp_path: Path) -> None:
 @pytest.mark.parametrize("unit", ["parsec", "Millimeter"])
 def test_a_unit_that_there_is_not_is_refused(tmp_path: Path, unit: str) -> None:
     package(tmp_path / "disc.3mf", trimesh.creation.cylinder(A, 6.0), unit)
-    with pytest.raises(FileError, match="unit that there is not"):
+    with pytest.raises(FileError, match="unit that 3MF does not have"):
         read_outline(tmp_path / "disc.3mf")
 
 

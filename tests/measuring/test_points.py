@@ -165,7 +165,7 @@ def test_points_that_scatter_are_told_from_points_that_are_few(tmp_path: Path) -
     "head, z, words",
     [
         ("1.0,2.0", PLACES, "begins with '1.0,2.0': columns x,y or angle,radius were expected"),
-        ("x,y", PLACES[:20], "holds 20 points; 24 at least"),
+        ("x,y", PLACES[:20], "holds 20 points; at least 24 "),
         ("x,y", PLACES[:250], "a gap of 32.* mm from .*: measure all round"),
         ("x,y", np.full(50, 3 + 3j), "a gap of 0.000 mm throughout"),
         ("angle,radius", -PLACES, "line .*: a radius above 0"),
@@ -206,5 +206,5 @@ def test_centres_of_a_probe(tmp_path: Path) -> None:
     assert "radius of 2 mm is taken off" in outline.remark
     found = recover(outline.ring, read_follower("translating,shape=flat,at=0"))
     assert found.s == pytest.approx(A + E * np.sin(found.theta), abs=1e-5)
-    with pytest.raises(FileError, match="a probe of radius 30 mm leaves not one piece"):
+    with pytest.raises(FileError, match="not one piece without a probe's radius of 30 mm"):
         read_outline(path, Hints(probe=30.0))

@@ -290,7 +290,7 @@ def large_png(path: Path) -> None:
     [
         (
             picture(replace(COARSE, part=190)),
-            "by 3. of 255 grey levels, 50 at least were expected: lay a sheet",
+            "by 3. of 255 grey levels; at least 50 were expected: lay a sheet",
         ),
         (picture(cut=60), "frame cuts off: leave a margin"),
         (picture(twice=True), "shows 2 parts: scan one at a time"),
@@ -299,7 +299,7 @@ def large_png(path: Path) -> None:
             picture(edges=(DISC[0], np.array([-3, 3, 3 + 2j, -3 + 2j]))),
             "shows no bore, 1 hole, none of them round",
         ),
-        (picture(mode="1"), "black and white alone: scan in grey levels"),
+        (picture(mode="1"), "only black and white: scan in grey levels"),
         (picture(dpi=None), "does not say how many dots per inch it has: give them with --dpi"),
         (picture(dpi=(150, 300)), "150 dots per inch across and 300 down"),
         (picture(dpi=(3, 3)), "3 dots per inch; 50 to 9600 are taken"),
@@ -319,9 +319,9 @@ def large_png(path: Path) -> None:
             written(lambda path: path.write_text("solid", encoding="utf-8")),
             "no picture that can be read",
         ),
-        (written(huge_tiff, "bad.tif"), "60000 x 60000 pixels; 40 million at most are read"),
-        (written(huge_png), "100000 x 100000 pixels; 40 million at most are read"),
-        (written(large_png), "7000 x 7000 pixels; 40 million at most are read"),
+        (written(huge_tiff, "bad.tif"), "60000 x 60000 pixels; at most 40 million are read"),
+        (written(huge_png), "100000 x 100000 pixels; at most 40 million are read"),
+        (written(large_png), "7000 x 7000 pixels; at most 40 million are read"),
     ],
 )
 def test_wrong_pictures_are_told(tmp_path: Path, make: Callable[[Path], Path], words: str) -> None:

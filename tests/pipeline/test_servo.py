@@ -186,9 +186,9 @@ def test_a_table_is_held_against_its_spec(root: Path, built: Any, tmp_path: Path
     "text, says",
     [
         ("", "has 0 rows"),
-        ("0,0\n120,1e308\n240,-1e308\n360,0\n", r"row 2 has 1e\+308, numbers to 1e\+06"),
+        ("0,0\n120,1e308\n240,-1e308\n360,0\n", r"row 2 has 1e\+308; numbers up to 1e\+06"),
         ("0,0\n120,nan\n360,0\n", "row 2 has no 2 numbers"),
-        (DOCUMENTED.replace("dY := 240", "dY := 1e999"), "row 3 has inf, numbers to"),
+        (DOCUMENTED.replace("dY := 240", "dY := 1e999"), "row 3 has inf; numbers up to"),
         (DOCUMENTED.replace("dA := 0)]", "dA := -1e308)]"), r"row 4 has -1e\+308"),
         ("0,0\n1,1\n1,2\n", "row 3 has master 1, not greater than 1"),
         ("0,0\n1,x\n2,2\n", "row 2 has no 2 numbers"),

@@ -81,7 +81,7 @@ class Applied(Record):
         if (self.output is None) == (self.body is None):
             wrong.append("either output or body: what the load is on")
         if self.point is not None and self.body is None:
-            wrong.append("point with body: of which it is a point")
+            wrong.append("body with point: the body that has the point")
         if sum(each is not None for each in (self.value, self.points, self.file)) != 1:
             wrong.append("one of value, points and file: how large the load is")
         if self.points is not None:
@@ -98,7 +98,7 @@ class Applied(Record):
                     wrong.append(f"points within one turn: they span {span:g} deg")
         aimed = self.direction_deg is not None
         if aimed and (self.acts == "along" or (self.body is not None and self.point is None)):
-            wrong.append("no direction_deg: its motion, or the torque, says the way")
+            wrong.append("no direction_deg: the motion, or the torque, gives the direction")
         on_point = self.body is not None and self.point is not None
         if on_point and self.acts != "along" and not aimed:
             wrong.append('direction_deg: the direction of the force; or acts = "along"')

@@ -295,8 +295,8 @@ def gears(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
         check.figures.append(Figure("tooth stress {of}", stress, "MPa", feature.joint))
         if stress > own.bears:
             check.notes.append(
-                f"a tooth of {weak.part} that alone bore {force:.3g} N at its tip would bend with {stress:.3g} MPa at its root; "
-                f"{own.name} bears {own.bears:g} again and again: wider wheels, another material or less load"
+                f"if a tooth of {weak.part} bore {force:.3g} N alone at its tip, its root would have {stress:.3g} MPa in bending; "
+                f"{own.name} bears {own.bears:g} repeatedly: take wider wheels, another material or less load"
             )
         where = Where(part=weak.part, joint=feature.joint, theta=float(run.theta[k]), digits=1)
         pressure = float(

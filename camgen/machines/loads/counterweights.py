@@ -128,8 +128,8 @@ class Counterweight(Record):
                 0,
                 "per turn of the drive",
                 f"link {link}",
-                "give counterweight.moment_g_mm and at_deg, or balance a crank that turns evenly: only on such a one does "
-                "a weight pull with one constant force",
+                "give counterweight.moment_g_mm and at_deg, or balance a crank that turns evenly: on any other "
+                "a weight does not pull with one constant force",
             )
         if not (math.isfinite(machine.speed) and machine.speed):
             raise DesignError(
