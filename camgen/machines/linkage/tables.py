@@ -204,10 +204,10 @@ class Geneva(Record):
     a: Name = Field(description="the crank: a link that turns on the ground, with the pin")
     b: Name = Field(description="the wheel: another link that turns on the ground")
     pin: Name = Field(
-        description="point of the crank: its pin, with a roller; how far it is from the shaft follows from slots and distance"
+        description="point of the crank that is its pin, with a roller; slots and the distance of the shafts give its radius"
     )
     slots: Annotated[int, quantity("1", ge=3, le=24)] = Field(
-        description="slots of the wheel: so many turns of the crank turn it once"
+        description="number of slots of the wheel: that many turns of the crank turn it once"
     )
     pin_radius: Length = Field(description="radius of the roller on the pin")
     clearance: Annotated[float, quantity("mm", gt=0, le=2)] | None = Field(
