@@ -1,4 +1,4 @@
-"""`camgen motion`: a follower rolled on any outline, one outline that drives another, or a servo drive by its cam table."""
+"""`camgen motion`: a follower rolled on any outline or drum, one outline that drives another, or a servo drive by its cam table."""
 
 from __future__ import annotations
 
@@ -32,6 +32,8 @@ def _ratio(context: click.Context, option: click.Parameter, value: str | None) -
 _OF_DRIVES = ("distance", "slides", "ratio", "tolerance", "spring", "inside", "start")
 # and those that go with --follower alone
 _OF_FOLLOWER = ("second_follower", "second", "against")
+# of what reads an outline, which a roller in a drum does not
+_OF_OUTLINES = ("height", "layer", "line_width", "dpi", "others", "across", "probe")
 
 
 @click.command(epilog=EXIT_CODES)
@@ -40,6 +42,11 @@ _OF_FOLLOWER = ("second_follower", "second", "against")
     "--follower",
     metavar="TABLE",
     help="The follower: a TOML file, or KEY=VALUE,... as above.",
+)
+@click.option(
+    "--roller",
+    metavar="TABLE",
+    help="In place of a follower: the roller in the track of a drum, FILE its mesh; as below.",
 )
 @click.option(
     "--drives",
@@ -192,6 +199,23 @@ def motion(
     driven one's play, every quarter degree of the driver. Writes OUT/<file>-drives-<driven>/.
 
     \b
+      camgen motion drum.stl --roller radius=5,length=8,inner=22
+    rolls a roller round the track of a cylinder cam, on the mesh itself. TABLE is a TOML file with a table [roller], or its keys:
+
+    \b
+      radius         half way along the roller, mm;   length: of the roller
+      inner          distance of the roller's inner end from the drum's axis, mm
+      cone_deg       half angle of a conical roller, positive where it grows outwards  [0]
+      track          groove, end (on the wall below it, by a spring) or rib (two rollers)  [groove]
+      distance       of both rollers' axes on a rib, mm
+      axis=x|y|z     the drum's axis in FILE  [z];   centre=X/Y: where it passes (x: Y/Z, y: Z/X)  [0/0]
+      at_deg         where the roller stands, ccw from the first axis of centre  [0]
+      offset         of a slide's roller beside the radial line, mm, positive ccw  [0]
+      arm, pivot=Y/Z instead: length of an arm, its axle beside the radial line and along the axis
+      height         roughly where the roller's axis is, of several tracks
+      tolerance      of the mesh's facets, mm, which GROOVE_FIT allows for  [0.001]
+
+    \b
       camgen motion disc-cam-contact-codesys.st --against disc-cam.toml
     reads a cam table of a servo drive: a file of `camgen build --only servo` (CODESYS, TwinCAT, S7), or a CSV
     of master (deg) and slave.
@@ -200,9 +224,13 @@ def motion(
     _refuse_mixed(options)
 
     def work() -> Work:
-        from camgen.measuring import drives, servo
+        from camgen.measuring import drives, drum, servo
         from camgen.measuring import motion as outline_motion
 
+        if options["roller"] is not None:
+            table = options["roller"]
+            turns = options["harmonics"]
+            return lambda path, progress, jobs: drum.run(path, table, turns, out, progress)
         if options["follower"] is None and options["drives"] is None:
             return lambda path, progress, jobs: servo.run(path, options["against"], out, progress)
         hints = _hints(options)
@@ -223,25 +251,26 @@ def motion(
 
 
 def _refuse_mixed(options: dict[str, Any]) -> None:
-    """UsageError where both of --follower and --drives are given, or options of another one."""
-    follower = options["follower"] is not None
-    drives = options["drives"] is not None
-    if follower and drives:
-        raise click.UsageError("give --follower, or --drives")
+    """UsageError where two of --follower, --roller and --drives are given, or options of another one."""
+    readers = [name for name in ("follower", "roller", "drives") if options[name] is not None]
+    if len(readers) > 1:
+        raise click.UsageError("give --follower, --roller or --drives")
     others: Sequence[str]
-    if not follower and not drives:
+    if not readers:
         others = (*_OF_DRIVES, "second_follower", "second")
         reader = "a cam table: give --follower for an outline"
-    elif follower:
-        others = _OF_DRIVES
-        reader = "--follower"
     else:
-        others = _OF_FOLLOWER
-        reader = "--drives"
+        reader = f"--{readers[0]}"
+        others = {
+            "follower": _OF_DRIVES,
+            "roller": (*_OF_DRIVES, *_OF_FOLLOWER, *_OF_OUTLINES),
+            "drives": _OF_FOLLOWER,
+        }[readers[0]]
     given = [name for name in others if options[name]]
     if given:
-        option = "--driven-inside" if given[0] == "inside" else f"--{given[0].replace('_', '-')}"
-        raise click.UsageError(f"{option} does not go with {reader}")
+        words = {"inside": "driven-inside", "others": "second-scan", "start": "start-deg"}
+        option = words.get(given[0], given[0].replace("_", "-"))
+        raise click.UsageError(f"--{option} does not go with {reader}")
 
 
 def _hints(options: dict[str, Any]) -> Hints:

@@ -35,6 +35,7 @@ TOPICS = (
     "theory-indexing-cam",
     "theory-linkage",
     "theory-pairs",
+    "theory-drums",
 )
 
 

@@ -206,7 +206,7 @@ def read_follower(
     SpecError with every fault; FileError where the file cannot be read.
     """
     if isinstance(given, str) and not given.endswith(".toml"):
-        data = _inline(given, option)
+        data = inline_tables(given, option)
     else:
         data = (
             reading.tables(given, option)
@@ -277,7 +277,7 @@ def pair_faults(first: FollowerTable, second: FollowerTable) -> Sequence[Fault]:
     return faults
 
 
-def _inline(text: str, option: str) -> reading.Data:
+def inline_tables(text: str, option: str) -> reading.Data:
     """Tables of "oscillating,pivot=60/0,arm=67": the first word is the motion, a point is x/y, a value is TOML's or text."""
     first, *rest = [item.strip() for item in text.split(",")]
     data: reading.Data = {}

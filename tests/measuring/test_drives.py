@@ -134,7 +134,7 @@ def test_a_flank_that_is_off_by_20_um_is_seen_at_its_tooth(gears: Path) -> None:
         (["--distance", "42", "--ratio", "-1e308"], 2, "at most 10000"),
         (["--distance", "42", "--ratio", "1e-300"], 2, "1 to 10000"),
         (["--distance", "42", "--tolerance", "0.1"], 2, "--ratio"),
-        (["--distance", "42", "--follower", "radius=3"], 2, "--follower, or --drives"),
+        (["--distance", "42", "--follower", "radius=3"], 2, "--roller or --drives"),
     ],
 )
 def test_what_cannot_be_is_said(gears: Path, options: list[str], code: int, word: str) -> None:

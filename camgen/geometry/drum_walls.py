@@ -1,0 +1,185 @@
+"""Walls that a roller leaves in a drum: the envelope of the roller in closed form, as a height over the drum's cylinders.
+
+phi        where the roller stands as the drum sees it, rad about the drum's axis z; a drum that turns by theta has phi = -theta
+u, t, k    outward, tangential (counter-clockwise) and axial unit vector at phi; a prime is d/dphi
+r          depth along the roller, from the drum's axis
+Y, Z       of the roller's axis beside the radial line and along z: its points are r u + Y t + Z k
+R(r)       radius of the roller; tan(delta) its slope, 0 of a cylinder
+side       +1 the wall above the roller, -1 the one below
+
+A point of the roller with the normal n = cos(delta) m - sin(delta) u, m = cos(psi) k + sin(psi) t, is on a wall where the
+velocity of the roller as the drum sees it, Z' k + (r + Y') t - (Y + ...) u, has no part along n. With
+r* = r + R tan(delta), A = r* + Y', B = Z', V = hypot(A, B):
+
+    side +1:  psi = -atan2(B, A) - asin(Y tan(delta) / V)        side -1:  psi = pi - atan2(B, A) + asin(Y tan(delta) / V)
+    wall      P = r u + (Y + R sin(psi)) t + (Z + R cos(psi)) k
+
+Of a cylinder: the walls are the parallel surfaces, at R on both sides, of the surface that its axis sweeps.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.numerics import Floats
+
+_ROUNDS = 60
+_CLOSE = 1e-12  # of beta, rad, and of rho over the drum's radius
+
+
+@dataclass(frozen=True)
+class DrumRoller:
+    """Radius (mm) at the depth `middle`, and how it grows with the depth: the tangent of the cone's half angle."""
+
+    radius: float
+    middle: float
+    slope: float = 0.0
+
+    def at(self, r: Floats) -> Floats:
+        """Radius at the depth r, mm."""
+        return self.radius + (r - self.middle) * self.slope
+
+
+@dataclass(frozen=True)
+class RollerPath:
+    """Y and Z of the roller's axis, mm, as functions of phi (rad) and order."""
+
+    beside: Callable[[Floats, int], Floats]
+    height: Callable[[Floats, int], Floats]
+
+
+@dataclass(frozen=True, eq=False)
+class WallPoints:
+    """Points of one wall, all of one shape: polar angle beta (rad) and radius rho, height z, slopes dz/dbeta and dz/drho.
+
+    lean: part of the unit normal along z, above 0. outward: its part along the radius at beta, both of the normal that looks up.
+    """
+
+    beta: Floats
+    rho: Floats
+    z: Floats
+    lean: Floats
+    outward: Floats
+    along: Floats  # dz / dbeta at constant rho, mm
+    deeper: Floats  # dz / drho at constant beta
+
+
+def slide_path(
+    motion: Callable[[Floats, int], Floats], height: float, offset: float = 0.0
+) -> RollerPath:
+    """A roller on a slide along the axis: Z = height + s(theta), Y = offset; motion: s by theta and order, mm."""
+    return RollerPath(
+        lambda phi, order: np.full(np.shape(phi), offset if order == 0 else 0.0),
+        lambda phi, order: (-1) ** order * motion(-phi, order) + (height if order == 0 else 0.0),
+    )
+
+
+def swing_path(
+    motion: Callable[[Floats, int], Floats], arm: float, pivot: float, height: float
+) -> RollerPath:
+    """A roller on an arm whose pivot lies `pivot` beside the drum's axis at `height`: Y = pivot - arm cos(gamma).
+
+    motion: gamma by theta and order, rad, from the line square to the axis; the arm's axle is parallel to u.
+    """
+
+    def turned(phi: Floats, order: int) -> Floats:
+        """Derivative by phi of arm exp(i gamma)."""
+        tip = arm * np.exp(1j * motion(-phi, 0))
+        if order == 0:
+            return np.asarray(tip)
+        first = -motion(-phi, 1)
+        if order == 1:
+            return np.asarray(1j * first * tip)
+        return np.asarray((1j * motion(-phi, 2) - first**2) * tip)
+
+    return RollerPath(
+        lambda phi, order: (pivot if order == 0 else 0.0) - turned(phi, order).real,
+        lambda phi, order: (height if order == 0 else 0.0) + turned(phi, order).imag,
+    )
+
+
+@dataclass(frozen=True)
+class DrumWall:
+    """One wall that the roller leaves."""
+
+    path: RollerPath
+    roller: DrumRoller
+    side: int
+
+    def contact(self, phi: Floats, r: Floats) -> Floats:
+        """Angle psi of the contact round the roller, rad, from k towards t."""
+        reach = r + self.roller.at(r) * self.roller.slope + self.path.beside(phi, 1)
+        climb = self.path.height(phi, 1)
+        tilt = np.arcsin(self.path.beside(phi, 0) * self.roller.slope / np.hypot(reach, climb))
+        turn = -np.arctan2(climb, reach) - self.side * tilt
+        return np.asarray(turn if self.side > 0 else math.pi + turn)
+
+    def area_ratio(self, phi: Floats, r: Floats) -> Floats:
+        """Area of the wall for that of the surface of the roller's axis; at 0 and below the wall is undercut.
+
+        Exact for a cylinder: 1 - side R (Z'' (r + Y') - Z' Y'') / V^3 + side R Y Z' / V^3 - R^2 Z'^2 / V^4; of a cone with r*.
+        """
+        radius = self.roller.at(r)
+        reach = r + radius * self.roller.slope + self.path.beside(phi, 1)
+        climb = self.path.height(phi, 1)
+        speed = np.hypot(reach, climb)
+        bend = self.path.height(phi, 2) * reach - climb * self.path.beside(phi, 2)
+        bend = bend - self.path.beside(phi, 0) * climb
+        return np.asarray(
+            1 - self.side * radius * bend / speed**3 - (radius * climb / speed**2) ** 2
+        )
+
+    def points(self, phi: Floats, r: Floats) -> WallPoints:
+        """Where the roller at phi touches the wall at the depth r; shapes broadcast."""
+        phi, r = np.broadcast_arrays(phi, r)
+        psi = self.contact(phi, r)
+        radius = self.roller.at(r)
+        across = self.path.beside(phi, 0) + radius * np.sin(psi)
+        turn = np.arctan2(across, r)
+        cosine = 1 / math.hypot(1, self.roller.slope)
+        inward = self.roller.slope * cosine
+        # the normal at phi (u, t, k), and turned to beta
+        up = np.cos(psi) * cosine
+        tangential = np.sin(psi) * cosine
+        outward = -inward * np.cos(turn) + tangential * np.sin(turn)
+        onward = inward * np.sin(turn) + tangential * np.cos(turn)
+        rho = np.hypot(r, across)
+        sense = np.sign(up)
+        return WallPoints(
+            phi + turn,
+            rho,
+            self.path.height(phi, 0) + radius * np.cos(psi),
+            np.abs(up),
+            sense * outward,
+            -rho * onward / up,
+            -outward / up,
+        )
+
+    def over(self, beta: Floats, rho: Floats) -> WallPoints:
+        """The wall's points at polar angles and radii, which broadcast. DesignError where it has none: it is undercut."""
+        beta, rho = (np.asarray(each, float) for each in np.broadcast_arrays(beta, rho))
+        phi = beta.copy()
+        r = rho.copy()
+        size = float(np.max(rho))
+        for _ in range(_ROUNDS):
+            found = self.points(phi, r)
+            off = beta - found.beta
+            short = rho - found.rho
+            if np.max(np.abs(off)) < _CLOSE and np.max(np.abs(short)) < _CLOSE * size:
+                return found
+            phi = phi + off / np.clip(self.area_ratio(phi, r), 0.2, 5.0)
+            r = r + short
+        row = np.unravel_index(int(np.argmax(np.abs(off))), off.shape)
+        raise DesignError(
+            "change of the wall's angle for that of the roller",
+            float(self.area_ratio(phi, r)[row]),
+            0.0,
+            "",
+            f"radius {rho[row]:.4g} mm, cam angle {math.degrees(-phi[row]) % 360:.4g} deg",
+            "the wall is undercut: take a smaller roller, a larger radius or a longer span",
+        )

@@ -1,0 +1,212 @@
+"""Solids of drums: a groove, a rib or an end cam round a cylinder, as a mesh of rings that all have their points at the same angles.
+
+Each wall is a height over polar angle and radius, so the drum is one outline for each angle: bore, end, wall, floor or outside,
+wall, end. Rings of equal length are joined by triangles: watertight by construction. Along the walls radii are even from the
+floor to the outside; angles are dense where the walls bend. A cell of sides dbeta and drho stands off its wall by
+
+    |P_bb . n| dbeta^2 / 8 + |P_br . n| dbeta drho / 4 + |P_rr . n| drho^2 / 8
+
+at most, which is held to the tolerance; on the outside its ring adds rho dbeta^2 / 8 square to it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.geometry.drum_walls import DrumRoller, DrumWall, RollerPath, WallPoints
+from camgen.geometry.mesh import Mesh
+from camgen.numerics import Floats
+
+Track = Literal["groove", "rib", "end"]
+
+_FINE = 720  # angles at which the walls' bend is looked at
+_LEVELS = 9  # and radii
+_MOST_ROWS = 100
+_MARGIN = 0.95  # of the tolerance that is used: the bend is taken between angles, too
+_LEAST_AREA = 0.0
+
+
+@dataclass(frozen=True)
+class Drum:
+    """A cylinder from z = 0 to its length, with a track between the radii of its floor and its outside; mm.
+
+    A groove's roller lies between both walls. An end cam has the wall below the roller alone: above it the drum is no thicker
+    than its floor. A rib, on a core as thick as the floor, has one roller above it and one below: `pitch` between their axes,
+    the path is that of the middle.
+    """
+
+    outside: float
+    floor: float
+    bore: float
+    length: float
+    track: Track
+    path: RollerPath
+    roller: DrumRoller
+    pitch: float = 0.0
+
+    @property
+    def walls(self) -> tuple[DrumWall, ...]:
+        """From below upwards."""
+        if self.track == "end":
+            return (DrumWall(self.path, self.roller, -1),)
+        if self.track == "groove":
+            return tuple(DrumWall(self.path, self.roller, side) for side in (-1, 1))
+        return tuple(
+            DrumWall(_moved(self.path, -side * self.pitch / 2), self.roller, side)
+            for side in (1, -1)
+        )
+
+    def solid(self, tolerance: float) -> Mesh:
+        """Its mesh, which stands off the walls by at most `tolerance`, mm.
+
+        DesignError where a wall is undercut, leaves the drum's ends, or a rib has no thickness.
+        """
+        self._refuse()
+        beta, rows = self._grid(tolerance)
+        rho = np.linspace(self.floor, self.outside, rows + 1)
+        heights = [wall.over(beta, rho[:, None]).z for wall in self.walls]
+        return _rings(beta, self._outline(beta, rho, heights))
+
+    def _refuse(self) -> None:
+        """DesignError where the walls are none."""
+        beta = np.linspace(0, math.tau, _FINE, endpoint=False)
+        inner = np.full(len(beta), self.floor)
+        levels = []
+        for wall in self.walls:
+            ratio = wall.area_ratio(beta, inner)
+            k = int(np.argmin(ratio))
+            if ratio[k] <= _LEAST_AREA:
+                raise DesignError(
+                    "area of the wall for that of the surface that the roller's axis sweeps",
+                    float(ratio[k]),
+                    _LEAST_AREA,
+                    "",
+                    f"the inner end of the roller, cam angle {math.degrees(-beta[k]) % 360:.4g} deg",
+                    "the wall is undercut: take a smaller roller, a larger radius or a longer span",
+                )
+            levels.append(wall.over(beta, np.array([[self.floor], [self.outside]])).z)
+        low = float(min(np.min(z) for z in levels))
+        high = float(max(np.max(z) for z in levels))
+        if low <= 0 or high >= self.length:
+            value = low if low <= 0 else high
+            limit = 0.0 if low <= 0 else self.length
+            remedy = "the track leaves the drum: make it longer, or the lift smaller"
+            raise DesignError("height of the wall", value, limit, "mm", "the drum's end", remedy)
+        if self.track == "rib" and float(np.min(levels[1] - levels[0])) <= 0:
+            thickness = float(np.min(levels[1] - levels[0]))
+            remedy = "move the rollers apart, or take smaller ones"
+            raise DesignError("thickness of the rib", thickness, 0.0, "mm", "its thinnest", remedy)
+
+    def _grid(self, tolerance: float) -> tuple[Floats, int]:
+        """Angles, and the number of rows from floor to outside, that need the fewest triangles."""
+        beta = np.linspace(0, math.tau, _FINE, endpoint=False)
+        rho = np.linspace(self.floor, self.outside, _LEVELS)[:, None]
+        bends = [_bends(wall.over(beta, rho)) for wall in self.walls]
+        along, twist, deep = (np.max([each[k] for each in bends], axis=(0, 1)) for k in range(3))
+        along = _widened(np.maximum(along, self.outside)) / 8
+        twist = _widened(twist) / 4
+        deep = _widened(deep) / 8
+        best: tuple[float, Floats, int] | None = None
+        for rows in range(1, _MOST_ROWS):
+            step = (self.outside - self.floor) / rows
+            left = _MARGIN * tolerance - deep * step**2
+            if np.min(left) <= 0:
+                continue
+            half = twist * step / 2
+            angle = left / (half + np.sqrt(half**2 + along * left))
+            count = np.sum(1 / angle) * math.tau / _FINE
+            cost = count * (len(self.walls) * rows + 4)
+            if best is not None and cost > best[0]:
+                break
+            best = (cost, 1 / angle, rows)
+        assert best is not None, "rows enough for any tolerance that is asked for"
+        _, density, rows = best
+        filled = np.concatenate([[0.0], np.cumsum(density)]) * math.tau / _FINE
+        count = max(math.ceil(filled[-1]), 12)
+        shares = np.arange(count) / count * filled[-1]
+        return np.interp(shares, filled, np.linspace(0, math.tau, _FINE + 1)), rows
+
+    def _outline(self, beta: Floats, rho: Floats, heights: list[Floats]) -> list[Floats]:
+        """Radius and height of each point of the outline, (2, m) at the angles, material on its left seen with z up."""
+        level = np.ones(len(beta))
+
+        def point(radius: float, z: float) -> Floats:
+            return np.array([radius * level, z * level])
+
+        inwards = [
+            np.array([radius * level, z])
+            for radius, z in zip(rho[::-1], heights[0][::-1], strict=True)
+        ]
+        edge = self.floor if self.track == "rib" else self.outside
+        top = self.outside if self.track == "groove" else self.floor
+        bottom = [point(self.bore, 0), point(edge, 0)]
+        end = [point(top, self.length), point(self.bore, self.length)]
+        if self.track == "end":
+            return [*bottom, *inwards, *end]
+        outwards = [
+            np.array([radius * level, z]) for radius, z in zip(rho, heights[1], strict=True)
+        ]
+        if self.track == "groove":
+            return [*bottom, *inwards, *outwards, *end]
+        lower = [np.array([radius * level, z]) for radius, z in zip(rho, heights[0], strict=True)]
+        upper = [
+            np.array([radius * level, z])
+            for radius, z in zip(rho[::-1], heights[1][::-1], strict=True)
+        ]
+        return [*bottom, *lower, *upper, *end]
+
+
+def _moved(path: RollerPath, shift: float) -> RollerPath:
+    """The path, along the axis."""
+    return RollerPath(
+        path.beside,
+        lambda phi, order: path.height(phi, order) + (shift if order == 0 else 0.0),
+    )
+
+
+def _bends(wall: WallPoints) -> Floats:
+    """|P_bb . n|, |P_br . n| and |P_rr . n| on a grid of even angles (columns) and radii (rows), (3, rows, columns).
+
+    Of the closed first derivatives' differences: they place points, and make none.
+    """
+    angle = math.tau / wall.z.shape[1]
+    depth = float(wall.rho[1, 0] - wall.rho[0, 0])
+    bent = (np.roll(wall.along, -1, axis=1) - np.roll(wall.along, 1, axis=1)) / (2 * angle)
+    twisted, deeper = (np.gradient(each, depth, axis=0) for each in (wall.along, wall.deeper))
+    # P_b = rho e_b + z_b k and P_r = e_r + z_r k, so P_bb has -rho e_r too and P_br has e_b
+    sideways = -wall.lean * wall.along / wall.rho
+    return np.abs(
+        [
+            bent * wall.lean - wall.rho * wall.outward,
+            twisted * wall.lean + sideways,
+            deeper * wall.lean,
+        ]
+    )
+
+
+def _widened(values: Floats) -> Floats:
+    """The largest of each value and its two neighbours on either side, round the turn."""
+    return np.asarray(np.max([np.roll(values, k) for k in (-2, -1, 0, 1, 2)], axis=0))
+
+
+def _rings(beta: Floats, outline: list[Floats]) -> Mesh:
+    """Mesh of an outline, (2, n) at each of its points, round the axis: neighbours on it and in angle are joined."""
+    turn = np.exp(1j * beta)
+    vertices = np.concatenate(
+        [np.column_stack([rho * turn.real, rho * turn.imag, z]) for rho, z in outline]
+    )
+    count = len(beta)
+    column = np.arange(count)
+    following = (column + 1) % count
+    faces = []
+    for k in range(len(outline)):
+        here = k * count
+        there = (k + 1) % len(outline) * count
+        faces.append(np.column_stack([here + column, here + following, there + following]))
+        faces.append(np.column_stack([here + column, there + following, there + column]))
+    return Mesh(vertices, np.concatenate(faces))

@@ -1,0 +1,163 @@
+"""A roller in a drum's mesh: against triangles that are sampled, against the motions of drums, and in damaged ones."""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "geometry"))
+from drums import END, OFFSET, REFERENCE, RIB, A, B, C  # noqa: E402
+
+from camgen.geometry.drums import Drum  # noqa: E402
+from camgen.geometry.mesh import Mesh  # noqa: E402
+from camgen.judge.rolled_solid import SolidRoller, Wall, limits, walls  # noqa: E402
+
+TOLERANCE = 0.01
+ROLLER = SolidRoller(22, 29.3, 5)
+PHI = np.linspace(0, math.tau, 720, endpoint=False)
+
+
+def straight(height: np.ndarray) -> np.ndarray:
+    """Of a slide without offset."""
+    return np.zeros(len(height))
+
+
+@pytest.fixture(scope="module")
+def mesh() -> Mesh:
+    """The reference's groove."""
+    return A.solid(TOLERANCE)
+
+
+def ends(
+    mesh: Mesh, roller: SolidRoller = ROLLER, beside=straight
+) -> tuple[np.ndarray, np.ndarray]:
+    """Low and high end of the only groove."""
+    below, above = walls(mesh, roller.inner)[1:3]
+    assert (below.side, above.side) == (-1, 1)
+    return limits(below, roller, PHI, beside), limits(above, roller, PHI, beside)
+
+
+coordinate = st.floats(-8, 8)
+corner = st.tuples(st.floats(15, 35), coordinate, coordinate)
+
+
+@settings(max_examples=60)
+@given(st.tuples(corner, corner, corner), st.sampled_from([0.0, 0.2, -0.15]), st.floats(-3, 3))
+def test_a_triangle_forbids_what_its_points_forbid(
+    corners: tuple[tuple[float, float, float], ...], slope: float, offset: float
+) -> None:
+    """All points of a grid on the triangle, each by itself: none forbids more, and the nearest comes close."""
+    triangle = np.array(corners)
+    roller = SolidRoller(20, 30, 5, slope)
+    found = limits(
+        Wall(-1, triangle[None], 0.0), roller, np.zeros(1), lambda height: np.full(1, offset)
+    )[0]
+    a, b = (each.ravel() for each in np.meshgrid(*[np.linspace(0, 1, 201)] * 2))
+    weights = np.column_stack([1 - a, a * (1 - b), a * b])
+    points = weights @ triangle
+    x, y, z = points.T
+    room = roller.at(x) ** 2 - (y - offset) ** 2
+    inside = (x >= 20) & (x <= 30) & (room >= 0)
+    if not inside.any():
+        return
+    nearest = np.max(z[inside] + np.sqrt(room[inside]))
+    assert nearest <= found + 1e-9
+    assert found - nearest < 1.0  # where the roller's edge is just met the root is steep
+    fine = np.max(np.where(room > 1, np.nan_to_num(room), 0)) > 0
+    if fine and inside.sum() > 20000:
+        assert found - nearest < 0.05
+
+
+def test_the_roller_follows_the_motion_that_the_drum_was_made_for(mesh: Mesh) -> None:
+    low, high = ends(mesh)
+    wanted = A.path.height(PHI, 0)
+    assert np.max(np.abs((low + high) / 2 - wanted)) < TOLERANCE
+    assert np.min(high - low) > -2 * TOLERANCE
+    assert np.max(high - low) < TOLERANCE
+    # the wrong way round it does not
+    assert np.max(np.abs((low + high) / 2 - A.path.height(-PHI, 0))) > 1
+
+
+def test_a_cone_and_an_offset_are_followed() -> None:
+    middle = (22 + 29.3) / 2
+    cone = SolidRoller(22, 29.3, 5 + (middle - 26) * 5 / 26, 5 / 26)
+
+    cases: list[tuple[Drum, SolidRoller, object]] = [
+        (C, cone, straight),
+        (OFFSET, ROLLER, lambda height: np.full(len(height), 3.0)),
+    ]
+    for drum, roller, beside in cases:
+        low, high = ends(drum.solid(TOLERANCE), roller, beside)
+        assert np.max(np.abs((low + high) / 2 - drum.path.height(PHI, 0))) < TOLERANCE
+        assert np.min(high - low) > -2 * TOLERANCE
+        assert np.max(high - low) < TOLERANCE
+    # the arm's roller on a straight line is off by what it lies beside it
+    low, high = ends(B.solid(TOLERANCE), ROLLER, straight)
+    assert np.min(high - low) < -4 * TOLERANCE
+
+
+def test_an_end_cam_has_one_wall_and_a_rib_two_turned_outwards() -> None:
+    (end,) = (wall for wall in walls(END.solid(TOLERANCE), 22) if wall.side < 0)
+    assert limits(end, ROLLER, PHI, straight) == pytest.approx(
+        A.path.height(PHI, 0), abs=1.3 * TOLERANCE
+    )
+    lower, upper = walls(RIB.solid(TOLERANCE), 22)
+    assert (lower.side, upper.side) == (1, -1)
+    half = REFERENCE["rib"]["pitch"] / 2
+    for wall, shift in ((lower, half), (upper, -half)):
+        assert limits(wall, ROLLER, PHI, straight) + shift == pytest.approx(
+            A.path.height(PHI, 0), abs=1.3 * TOLERANCE
+        )
+
+
+def test_a_vertex_that_stands_up_by_20_um_is_seen_as_20_um(mesh: Mesh) -> None:
+    sound, _ = ends(mesh)
+    vertices = mesh.vertices.copy()
+    rho = np.hypot(vertices[:, 0], vertices[:, 1])
+    # the lower wall's dwell, half way out
+    rows = np.flatnonzero((np.abs(vertices[:, 2] - 15) < 1e-6) & (rho > 24) & (rho < 27))
+    vertices[rows[0], 2] += 0.02
+    low, high = ends(Mesh(vertices, mesh.faces))
+    raised = low - sound
+    assert raised.max() == pytest.approx(0.02, abs=1e-3)
+    beta = math.atan2(vertices[rows[0], 1], vertices[rows[0], 0])
+    assert abs(math.remainder(PHI[np.argmax(raised)] - beta, math.tau)) < math.radians(1)
+    assert (raised > 1e-9).mean() < 0.1
+    assert np.max(np.abs(high - ends(mesh)[1])) == 0
+
+
+def extruded(mesh: Mesh) -> Mesh:
+    """The groove that is right at the radius 26 and runs straight out from the axis."""
+    vertices = mesh.vertices.copy()
+    rho = np.hypot(vertices[:, 0], vertices[:, 1])
+    beta = np.arctan2(vertices[:, 1], vertices[:, 0])
+    ends_of_drum = (vertices[:, 2] == 0) | (vertices[:, 2] == A.length)
+    exact = [wall.over(beta, np.maximum(rho, A.floor)).z for wall in A.walls]
+    for wall, z in zip(A.walls, exact, strict=True):
+        rows = ~ends_of_drum & (np.abs(z - vertices[:, 2]) < 1e-6)
+        vertices[rows, 2] = wall.over(beta[rows], np.full(int(rows.sum()), 26.0)).z
+    return Mesh(vertices, mesh.faces)
+
+
+def test_a_groove_extruded_along_the_radius_has_the_right_middle_and_is_too_narrow(
+    mesh: Mesh,
+) -> None:
+    low, high = ends(extruded(mesh), SolidRoller(22, 29.99, 5))
+    assert np.max(np.abs((low + high) / 2 - A.path.height(PHI, 0))) < 2 * TOLERANCE
+    assert np.min(high - low) == pytest.approx(
+        float(REFERENCE["a"]["extruded_play"]), abs=2.5 * TOLERANCE
+    )
+
+
+def test_a_roller_that_meets_nothing_says_so(mesh: Mesh) -> None:
+    below = walls(mesh, 22)[1]
+    half = Wall(-1, below.corners[below.corners[:, 0, 0] > 0], below.height)
+    height = limits(half, ROLLER, PHI, straight)
+    assert np.isnan(height[np.abs(np.degrees(PHI) - 180) < 60]).all()
+    assert not np.isnan(height[np.degrees(PHI) < 60]).any()

@@ -1,0 +1,206 @@
+"""`camgen motion DRUM.stl --roller`: drums as files, sound and damaged, and what is typed wrong."""
+
+from __future__ import annotations
+
+import csv
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "geometry"))
+from drums import ARM, END, PIVOT, REFERENCE, RIB, A, B  # noqa: E402
+
+from camgen.cli import cli  # noqa: E402
+from camgen.errors import SpecError  # noqa: E402
+from camgen.files.stl import write_stl  # noqa: E402
+from camgen.geometry.mesh import Mesh  # noqa: E402
+from camgen.measuring.drum import read_roller, roll  # noqa: E402
+
+TOLERANCE = 0.01
+ROLLER = f"radius=5,length=7.3,inner=22,tolerance={TOLERANCE}"
+
+
+@pytest.fixture(scope="module")
+def groove() -> Mesh:
+    """The reference's drum."""
+    return A.solid(TOLERANCE)
+
+
+def call(file: Path, roller: str, *options: str) -> tuple[int, str]:
+    """Exit code and what is printed."""
+    words = ["motion", str(file), "--roller", roller, "-o", str(file.parent / "out"), *options]
+    result = CliRunner().invoke(cli, words)
+    assert result.exception is None or isinstance(result.exception, SystemExit)
+    return result.exit_code, result.output
+
+
+def report(file: Path) -> dict[str, Any]:
+    """What was written."""
+    path = file.parent / "out" / f"{file.stem}-motion" / "report.json"
+    content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return content
+
+
+def rows(file: Path) -> dict[str, np.ndarray]:
+    """The columns of motion.csv."""
+    path = file.parent / "out" / f"{file.stem}-motion" / "motion.csv"
+    with open(path, encoding="utf-8", newline="") as text:
+        table = list(csv.DictReader(text))
+    return {key: np.array([float(row[key]) for row in table]) for key in table[0]}
+
+
+def test_a_groove_of_anyone_is_followed(groove: Mesh, tmp_path: Path) -> None:
+    """On an axis along x, beside the origin: the frame of the file is the maker's."""
+    moved = Mesh(groove.vertices[:, [2, 0, 1]] + [0, 7, -3], groove.faces)
+    file = tmp_path / "drum.stl"
+    write_stl(file, moved, "drum")
+    code, text = call(file, f"{ROLLER},axis=x,centre=7/-3")
+    assert code == 0, text
+    columns = rows(file)
+    assert list(columns)[:5] == [
+        "theta_deg",
+        "follower_mm",
+        "follower_low_mm",
+        "follower_high_mm",
+        "play_mm",
+    ]
+    theta = columns["theta_deg"]
+    assert theta == pytest.approx(np.arange(1441) / 4)
+    wanted = A.path.height(-np.radians(theta), 0)
+    assert np.max(np.abs(columns["follower_mm"] - wanted)) < TOLERANCE
+    assert columns["follower_low_mm"] + columns["play_mm"] == pytest.approx(
+        columns["follower_high_mm"], abs=1e-9
+    )
+    numbers = report(file)["numbers"]
+    assert numbers["stroke_mm"] == pytest.approx(15, abs=TOLERANCE)
+    steepest = float(REFERENCE["a"]["pressure_angle_deg"][0])
+    assert numbers["pressure_angle_deg"] == pytest.approx(steepest, abs=0.2)
+    assert numbers["peak_speed_mm_rad"] == pytest.approx(
+        float(REFERENCE["a"]["peak_slope"]), abs=0.1
+    )
+    assert [each["code"] for each in report(file)["findings"]] == [
+        "WATERTIGHT",
+        "CONTACT",
+        "GROOVE_FIT",
+    ]
+    assert (file.parent / "out" / "drum-motion" / "report.html").exists()
+
+
+def test_a_groove_that_is_too_narrow_fails_at_its_place(tmp_path: Path) -> None:
+    narrow = replace(A, roller=replace(A.roller, radius=4.97)).solid(TOLERANCE)
+    file = tmp_path / "drum.stl"
+    write_stl(file, narrow, "drum")
+    code, text = call(file, ROLLER)
+    assert code == 1
+    assert "GROOVE_FIT" in text
+    (fit,) = (each for each in report(file)["findings"] if each["code"] == "GROOVE_FIT")
+    # both walls by 0.03, along the axis that over cos(33 deg) at most
+    assert -0.06 / 0.838 - 2 * TOLERANCE < fit["measured"] < -0.06
+    assert fit["limit"] == pytest.approx(-2 * TOLERANCE)
+
+
+def test_a_groove_with_clearance_has_the_reference_s_play() -> None:
+    """A groove for 5.02 with a roller of 5: 0.04 to 0.04 / cos(alpha) and what facets add."""
+    wide = replace(A, roller=replace(A.roller, radius=5.02)).solid(1e-3)
+    rolled = roll(wide, read_roller("radius=5,length=7.3,inner=22"), 36, 720)
+    assert rolled.play.min() == pytest.approx(0.0397, abs=1e-3)
+    assert rolled.play.max() == pytest.approx(0.0440, abs=1e-3)
+
+
+def test_an_arm_an_end_cam_and_a_rib_are_told_by_the_table() -> None:
+    arm = read_roller(f"{ROLLER},arm={ARM},pivot={PIVOT}/27")
+    rolled = roll(B.solid(TOLERANCE), arm, 36, 360)
+    wanted = np.arcsin((B.path.height(-rolled.theta, 0) - 27) / ARM)
+    assert np.max(np.abs(rolled.motion - wanted)) < TOLERANCE / ARM
+    steepest = float(REFERENCE["b"]["pressure_angle_deg"][0])
+    assert np.degrees(np.max(np.abs(rolled.pressure_angle))) == pytest.approx(steepest, abs=0.3)
+    end = roll(END.solid(TOLERANCE), read_roller(f"{ROLLER},track=end"), 36, 360)
+    assert np.isnan(end.high).all()
+    assert end.motion == pytest.approx(A.path.height(-end.theta, 0), abs=1.3 * TOLERANCE)
+    rib = roll(RIB.solid(TOLERANCE), read_roller(f"{ROLLER},track=rib,distance=16"), 36, 360)
+    assert rib.motion == pytest.approx(A.path.height(-rib.theta, 0), abs=1.3 * TOLERANCE)
+    wider = roll(RIB.solid(TOLERANCE), read_roller(f"{ROLLER},track=rib,distance=16.1"), 36, 360)
+    assert wider.play.min() - rib.play.min() == pytest.approx(0.1, abs=1e-6)
+
+
+def test_where_the_roller_stands_shifts_the_motion(groove: Mesh) -> None:
+    still = roll(groove, read_roller(ROLLER), 36, 360)
+    turned = roll(groove, read_roller(f"{ROLLER},at_deg=90"), 36, 360)
+    # a drum that has turned by 90 deg shows the roller at 90 deg what it showed the one at 0
+    assert np.roll(turned.motion, -90) == pytest.approx(still.motion, abs=1e-9)
+
+
+def test_an_open_wall_is_told_as_contact(groove: Mesh, tmp_path: Path) -> None:
+    """A quarter of the lower wall is missing."""
+    middle = groove.vertices[groove.faces].mean(axis=1)
+    gone = (groove.across[:, 2] > 0) & (middle[:, 2] < 40) & (middle[:, :2] > 0).all(axis=1)
+    file = tmp_path / "open.stl"
+    write_stl(file, Mesh(groove.vertices, groove.faces[~gone]), "open")
+    code, text = call(file, ROLLER)
+    assert code == 1
+    assert "WATERTIGHT" in text and "CONTACT" in text
+
+
+def test_several_tracks_ask_which(groove: Mesh, tmp_path: Path) -> None:
+    """Two drums one above the other: the gap between them is too narrow to be a track."""
+    above = Mesh(groove.vertices + [0, 0, 60.0], groove.faces)
+    both = Mesh(
+        np.concatenate([groove.vertices, above.vertices]),
+        np.concatenate([groove.faces, above.faces + len(groove.vertices)]),
+    )
+    file = tmp_path / "two.stl"
+    write_stl(file, both, "two")
+    code, text = call(file, ROLLER)
+    assert code == 2
+    assert "height" in text and "2 tracks, at 27.5, 87.5 mm" in text
+    rolled = roll(both, read_roller(f"{ROLLER},height=80"), 36, 360)
+    assert rolled.motion.min() == pytest.approx(80, abs=TOLERANCE)
+
+
+def test_a_drum_without_a_track_is_refused(groove: Mesh, tmp_path: Path) -> None:
+    file = tmp_path / "drum.stl"
+    write_stl(file, groove, "drum")
+    code, text = call(file, f"{ROLLER},axis=y")
+    assert code == 3
+    assert "axis" in text
+
+
+@pytest.mark.parametrize(
+    ("roller", "key"),
+    [
+        ("radius=5,length=8", "inner"),
+        ("radius=5,length=8,inner=22,arm=40", "pivot"),
+        ("radius=5,length=8,inner=22,arm=40,pivot=39/27,offset=1", "offset"),
+        ("radius=5,length=8,inner=22,track=rib", "distance"),
+        ("radius=5,length=8,inner=22,distance=3", "distance"),
+        ("radius=5,length=30,inner=22,cone_deg=40", "cone_deg"),
+        ("radius=5,length=8,inner=22,track=rib,distance=16,arm=40,pivot=39/27", "arm"),
+        ("radius=5,length=8,iner=22", "inner"),
+    ],
+)
+def test_what_is_typed_wrong_is_named(roller: str, key: str) -> None:
+    with pytest.raises(SpecError, match=key):
+        read_roller(roller)
+
+
+def test_options_of_outlines_do_not_go_with_a_roller(tmp_path: Path) -> None:
+    code, text = call(tmp_path / "drum.stl", ROLLER, "--height", "5")
+    assert code == 2 and "--height does not go with --roller" in text
+    code, text = call(tmp_path / "drum.stl", ROLLER, "--follower", "translating,radius=6")
+    assert code == 2 and "give --follower, --roller or --drives" in text
+    code, text = call(tmp_path / "drum.dxf", ROLLER)
+    assert code == 4 and "needs a mesh" in text
+
+
+def test_a_table_in_a_file_is_read(tmp_path: Path) -> None:
+    file = tmp_path / "roller.toml"
+    file.write_text(
+        "[roller]\nradius = 5\nlength = 8\ninner = 22\ntrack = 'end'\n", encoding="utf-8"
+    )
+    assert read_roller(str(file)).track == "end"
