@@ -19,7 +19,7 @@ CRANK = "crank"
 NO_ERROR = 0.02  # of what is borne: less does not count
 _DIGITS = 6  # of a coordinate, mm
 _SPARE = 1e-3  # mm or deg, by which a tolerance is more than an error
-_AT_ONCE = 8  # designs that are weighed together
+_AT_ONCE = 6  # designs that are weighed together
 _ENOUGH = 4  # of use: then no more are weighed
 _ELSEWHERE = 0.02  # of all losses' range: designs that are nearer to one another count as one
 _MOST = 32  # weighed at most
@@ -38,6 +38,7 @@ class Judged:
     unit: str
     key: str  # of [wanted] that sets the allowance
     given: bool = False  # whether the wish says it
+    limit: str = "tolerance"  # key of the target that holds it
 
     @property
     def least_tolerance(self) -> float:
@@ -56,7 +57,7 @@ class Judged:
 
     def table(self, tolerance: float) -> Data:
         """Of [[output]]."""
-        return {**self.output, self.target: {**self.values, "tolerance": tolerance}}
+        return {**self.output, self.target: {**self.values, self.limit: tolerance}}
 
 
 @dataclass(frozen=True)
@@ -91,13 +92,16 @@ class Found:
         """Tables of the spec."""
         return self._tables([each.table(each.tolerance) for each in self.judged])
 
-    def _tables(self, output: Sequence[Data]) -> Data:
+    def _tables(self, judged: Sequence[Data]) -> Data:
+        output: dict[str, Data] = {}
+        for table in judged:
+            output[table["name"]] = {**output.get(table["name"], {}), **table}
         drive = {**self.tables.get("drive", {}), **self.drive}
         points = {name: place(z) for name, z in self.places.items()}
         links = {name: list(points) for name, points in self.links.items()}
         own = {"points": points, "links": links, "drive": drive}
         own |= {"slide": list(self.slides)} if self.slides else {}
-        own |= {"output": list(output)}
+        own |= {"output": list(output.values())}
         return {**{key: value for key, value in self.tables.items() if key not in own}, **own}
 
     @cached_property

@@ -4,26 +4,38 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from camgen.design.dwells import Rest, six_bars
 from camgen.design.dyads import Poses
 from camgen.design.found import CRANK, NO_ERROR, Found, Judged, place
-from camgen.design.fourbars import FourBars, Motion, Room, Verdict, joined
+from camgen.design.fourbars import FourBars, Motion, Room, Verdict, joined, verdict_of
 from camgen.design.poses import exact_four_bars, near_four_bars
 from camgen.design.projected import Passing, exact_five, near
 from camgen.design.sliders import judged as judged_sliders
 from camgen.design.sliders import slider_cranks
-from camgen.design.wanted import FourBarWish, LinkWish, PointWish, PoseWish, SlideWish, kind_of
+from camgen.design.wanted import (
+    DwellWish,
+    FourBarWish,
+    LinkWish,
+    PointWish,
+    PoseWish,
+    SlideWish,
+    kind_of,
+)
 from camgen.errors import DesignError, counted
-from camgen.machine.targets import Function, Through
+from camgen.machine.targets import Dwell, Function, Stroke, Through
 from camgen.numerics import Floats, Indices
 from camgen.reading import Data
 from camgen.report.sketches import Sketch
 
 COUPLER = "coupler"
 SLIDER = "slider"
+ARM = "arm"  # that rests
+_OF_SWING = 20  # of a swing, by which it may be off
+_OUT = 1e-3  # mm, by which a length may leave its bounds
 _EXACT = 5  # points with angles that twelve four-bars at most pass
 _NEAREST = 8  # designs that are weighed where none is near enough
 _SEEN = 240  # places of a path in a sketch, and of the coupler's angle on its way
@@ -46,8 +58,10 @@ def designs_for(wish: LinkWish, room: Room, tables: Data) -> Designs:
         return pose_designs(wish, room, tables, rng)
     if isinstance(wish, PointWish):
         return point_designs(wish, room, tables, rng)
-    assert isinstance(wish, SlideWish)
-    return slide_designs(wish, room, tables)
+    if isinstance(wish, SlideWish):
+        return slide_designs(wish, room, tables)
+    assert isinstance(wish, DwellWish)
+    return dwell_designs(wish, room, tables, rng)
 
 
 def pose_designs(wish: PoseWish, room: Room, tables: Data, rng: np.random.Generator) -> Designs:
@@ -129,6 +143,54 @@ def slide_designs(wish: SlideWish, room: Room, tables: Data) -> Designs:
     return Designs(sifted.losses, of)
 
 
+def dwell_designs(wish: DwellWish, room: Room, tables: Data, rng: np.random.Generator) -> Designs:
+    """Six-bars whose output rests; DesignError where none is free of defects."""
+    frame = wish.frame
+    swing = wish.dwell.swing_deg
+    rest = Rest(*np.radians([wish.dwell.span_deg, swing, wish.allowance]))
+    unit = replace(room, shortest=room.shortest / frame, longest=room.longest / frame)
+    bars = six_bars(rest, unit, rng, wish.effort)
+    out = np.asarray((room.excess(frame * bars.gaps()) > _OUT).any(axis=0))
+    turns = np.ones(len(bars.x), bool)
+    least = bars.transmission()
+    verdict = verdict_of({"bounds": out}, turns, lambda all_round: least, room)
+    moves = np.degrees(bars.rest(rest.span))
+    swings = np.degrees(bars.swing())
+    astray = np.abs(swings - swing)
+    share = np.maximum(moves / wish.allowance, astray / (swing / _OF_SWING))
+    sifted = _Sifted.of(wish, verdict, frame * bars.bars(), share)
+
+    def of(k: int) -> Found:
+        number = int(sifted.numbers[k])
+        one = bars.those(np.array([number]))
+        figures = {
+            **sifted.figures(number, (0.0, math.tau)),
+            "rest_deg": float(moves[number]),
+            "swing_deg": float(swings[number]),
+        }
+        output = {"name": "dwell", "link": ARM}
+        span = {"span_deg": wish.dwell.span_deg}
+        off = (float(moves[number]), wish.allowance, "deg", "tolerance", wish.tolerance is not None)
+        far = (float(astray[number]), swing / _OF_SWING, "deg", "dwell.swing_deg", True)
+        judged = [
+            Judged(output, "dwell", span, Dwell.code, *off, "band"),
+            Judged(output, "stroke", {"value": swing}, Stroke.code, *far),
+        ]
+        joints = [frame * complex(z[0, 0]) for z in one.at(np.zeros(1))]
+        pivots = [0j, complex(frame), frame * complex(one.pivot[0])]
+        places = dict(zip("OCEABPD", pivots + joints, strict=True))
+        moving = {CRANK: ["O", "A"], COUPLER: ["A", "B", "P"], "rocker": ["C", "B"]}
+        moving |= {"rod": ["P", "D"], ARM: ["E", "D"]}
+        turn = frame * one.at(np.linspace(0, math.tau, _SEEN))[2][:, 0]
+        arc = frame * one.at(np.linspace(0, rest.span, _SEEN))[2][:, 0]
+        sketch = Sketch(places, list(moving.values()), "OCE", turn, arc)
+        links = {"ground": ["O", "C", "E"], **moving}
+        drive = _drive((0.0, math.tau), 1, tables)
+        return Found(places, links, drive, judged, figures, sketch, tables)
+
+    return Designs(sifted.losses, of)
+
+
 @dataclass(frozen=True)
 class _Sifted:
     """Linkages of which those without a defect that are near enough are weighed."""
@@ -171,7 +233,6 @@ def refuse_none(verdict: Verdict, wish: LinkWish) -> None:
     """DesignError where no design is free of defects: how many are stopped by which, and the keys that would let them through."""
     if verdict.free.size:
         return
-    wanted = wish.things
     count = sum(verdict.defects.values())
     stopped = [
         words.format(counted(verdict.defects[key], wish.linkage))
@@ -179,20 +240,24 @@ def refuse_none(verdict: Verdict, wish: LinkWish) -> None:
         if verdict.defects.get(key)
     ]
     remedies = [remedy for key, remedy in _REMEDIES if verdict.defects.get(key)]
+    if verdict.defects.get("bounds"):
+        remedies.insert(0, f"a greater {wish.bound}")
     if wish.exact and wish.count > 3:
-        remedies.insert(0, f"wanted.tolerance with five {wanted} or more, or fewer {wanted}")
-    message = f"none of {counted(count, wish.linkage)} for these {wanted} is free of defects"
+        remedies.insert(
+            0, f"wanted.tolerance with five {wish.things} or more, or fewer {wish.things}"
+        )
+    message = f"none of {counted(count, wish.linkage)} for {wish.title} is free of defects"
     raise DesignError(
         f"{wish.linkage}s without a defect",
         0,
         1,
         "",
         f"wanted.{kind_of(wish)}",
-        ", ".join(remedies) or f"other {wanted}",
+        ", ".join(remedies) or f"other {wish.things}",
     ).saying(
         ": ".join([message, ", ".join(stopped)])
         if stopped
-        else f"no {wish.linkage} has these {wanted}"
+        else f"there is no {wish.linkage} for {wish.title}"
     )
 
 
@@ -205,7 +270,6 @@ _STOPPED = (
     ("transmission", "{} with too small a transmission angle"),
 )
 _REMEDIES = (
-    ("bounds", "a greater wanted.longest or wanted.pivots"),
     ("turn", "wanted.turns = false"),
     ("transmission", "a smaller wanted.transmission_deg"),
 )

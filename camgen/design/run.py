@@ -58,13 +58,7 @@ _MADE = (
 # of the wanted path's longest chord: error, and length of all bars, that a front reaches to
 _WORST = 0.2
 _MOST = 10.0
-_WITH_FRONT = (
-    "path",
-    "function",
-    "poses",
-    "points",
-    "slide",
-)  # wishes whose search gives several designs
+_WITHOUT_FRONT = ("", "drawing", "vary")  # wishes whose search gives one design
 _OF_DRAWING = 0.9  # of its tolerance, that the pen's motion takes; files and facets leave the rest
 
 
@@ -87,14 +81,14 @@ def design(
         data = override(data, setting)
     text, ends = _text_of(spec) if isinstance(spec, str | Path) and not settings else (None, "\n")
     kind = asked_for(data)
-    if keep is not None and kind not in _WITH_FRONT:
-        right = f"a search that has a front: for {', '.join(_WITH_FRONT)}"
+    if keep is not None and kind in _WITHOUT_FRONT:
+        right = "a search for a linkage: it alone has a front"
         raise SpecError([Fault((), kind, right, source="--front")], "command line")
     if not kind:
         mechanism = read_mechanism(spec, settings)
         designed = getattr(mechanism, "designed", None)
         if designed is None:
-            right = 'a table with path = "..." or function = [...] (a linkage for it), drawing = "..." (cams that draw it), or vary = { key = [least, most] } and '
+            right = "a table with path, poses, points, function, slide or dwell (a linkage for it), drawing (cams that draw it), or vary = { key = [least, most] } and "
             raise SpecError(
                 [Fault(("wanted",), "", f'missing: {right}least = "figure"; camgen guide design')],
                 source,
@@ -149,7 +143,7 @@ def found(
     data, _, folder = read_tables(spec)
     for setting in settings:
         data = override(data, setting)
-    keep = fronts.append if asked_for(data) in _WITH_FRONT else None
+    keep = None if asked_for(data) in _WITHOUT_FRONT else fronts.append
     text = design(spec, settings, jobs, noted, keep)
     machine = changed(*tables_of_text(text, folder))
     return DesignResult(text, machine, fronts[0] if fronts else None, notes)
@@ -326,15 +320,13 @@ def _for_positions(request: Request) -> str:
     with Workers(request.jobs) as workers:
         looked = weighed(designs.losses, designs.of, workers.map, request.say)
     front = sorted(looked, key=partial(_rank, wanted))
-    note = f"found by camgen design for {wanted.count} {wanted.things}; [[output]]: what was wanted, and how far this machine may be off"
+    note = f"found by camgen design for {wanted.title}; [[output]]: what was wanted, and how far this machine may be off"
     best_in = "shorter bars" if wanted.trades_size else "a smaller error"
     summary = (
         f"{len(front)} linkages: each has {best_in} than all that transmit better, or was tried next. Design 1 is 01.toml, "
         "and so on. Those that can be built stand first."
     )
-    rows = request.front_rows(
-        front, f"Linkages for the {wanted.things}", summary, wanted.figures, note
-    )
+    rows = request.front_rows(front, f"Linkages for {wanted.title}", summary, wanted.figures, note)
     can = keeping(front, wanted, wanted.unit, lambda each: each.share)
     near = [each for each in can if not each.miss]
     if not near:
@@ -347,7 +339,7 @@ def _for_positions(request: Request) -> str:
     request.say(f"design {row['design']} of {len(front)}: {', '.join(words)}")
     if near[0].prototype.lash > wanted.useful_play:
         request.say(
-            f"no design has less play, and of use is {wanted.useful_play:.4g} {wanted.unit} at most: set a smaller print.slide_clearance"
+            f"no design has less play, and of use is {wanted.useful_play:.4g} {wanted.unit} at most: {wanted.tighter}"
         )
     return request.spec_of(near[0], note)
 

@@ -24,6 +24,7 @@ from camgen.tolerances import SAME_POINT
 _MOST_POINTS = 20_000
 _DENSE = 500  # points of a path that is joined by lines
 _OF_USE = 20  # of the size of what is wanted: a design that is off by more is of no use, unless a tolerance says so
+_OF_REST = 50  # of its swing: what an output may move while it rests, unless a tolerance says so
 _OF_USE_CLOSED = 1 / 20  # of its size: a line whose ends are nearer is closed
 _ROUND = 1.5  # of its size: how far round what is wanted pivots may stand
 _LONG = 3.0  # of its size: the longest link
@@ -328,6 +329,7 @@ class LinkWish(Wish):
     things: ClassVar[str]  # what is wanted, several of them
     unit: ClassVar[str] = "mm"  # of tolerance and lash
     lash_key: ClassVar[str] = "lash"  # of [limits]
+    bound: ClassVar[str] = "wanted.longest"  # keys that bound links and pivots
 
     tolerance: Length | None = Field(
         None, description="mm, how far the linkage may be off; a twentieth of the size unless given"
@@ -363,6 +365,11 @@ class LinkWish(Wish):
     def count(self) -> int:
         """How many positions are wanted."""
         raise NotImplementedError
+
+    @property
+    def title(self) -> str:
+        """What is wanted, in words."""
+        return f"{self.count} {self.things}"
 
     @property
     def box(self) -> tuple[complex, complex]:
@@ -407,6 +414,11 @@ class LinkWish(Wish):
         return self.lash or float(f"{self.size / _OF_USE:.4g}")
 
     @property
+    def tighter(self) -> str:
+        """What makes the play less."""
+        return "set a smaller print.slide_clearance"
+
+    @property
     def further(self) -> str:
         """What gives the search more room."""
         return "a greater wanted.longest or wanted.effort, a smaller wanted.transmission_deg"
@@ -433,6 +445,8 @@ class LinkWish(Wish):
 
 class FourBarWish(LinkWish):
     """A four-bar that some places in the plane ask for."""
+
+    bound: ClassVar[str] = "wanted.longest or wanted.pivots"
 
     pivots: tuple[tuple[Coordinate, Coordinate], tuple[Coordinate, Coordinate]] | None = Field(
         None,
@@ -626,6 +640,87 @@ class SlideWish(LinkWish):
         return faults
 
 
+class Rests(Record):
+    """How long an output is to rest, and how far it is to go."""
+
+    span_deg: Annotated[float, Field(ge=10, le=240)] = Field(
+        description="deg, turn of the crank over which the output rests"
+    )
+    swing_deg: Annotated[float, Field(ge=2, le=150)] = Field(
+        description="deg, how far the output goes to and fro"
+    )
+
+
+class DwellWish(LinkWish):
+    """A six-bar whose output rests while the crank turns on."""
+
+    linkage: ClassVar[str] = "six-bar"
+    things: ClassVar[str] = "dwell"
+    unit: ClassVar[str] = "deg"
+    lash_key: ClassVar[str] = "lash_deg"
+
+    dwell: Rests = Field(description="span_deg, how long it rests; swing_deg, how far it goes")
+    tolerance: Annotated[float, Field(gt=0, le=30)] | None = Field(
+        None,
+        description="deg, band within which the output rests; the nearest design, within a fiftieth of its swing, unless given",
+    )
+    lash: Annotated[float, Field(gt=0, le=180)] | None = Field(
+        None, description="deg, greatest free play by all joints"
+    )
+    frame: Length = Field(60.0, description="mm, between the pivots of crank and rocker")
+    transmission_deg: Annotated[float, Field(ge=0, le=60)] = Field(
+        20.0, description="deg, least between coupler and rocker, and between rod and output"
+    )
+
+    @property
+    def count(self) -> int:
+        """One."""
+        return 1
+
+    @property
+    def title(self) -> str:
+        """What is wanted, in words."""
+        return f"a dwell of {self.dwell.span_deg:g} deg"
+
+    @property
+    def size(self) -> float:
+        """Of the frame, mm."""
+        return self.frame
+
+    @property
+    def allowance(self) -> float:
+        """Band within which the output rests, deg."""
+        return self.tolerance or self.dwell.swing_deg / _OF_REST
+
+    @property
+    def useful_play(self) -> float:
+        """Play with which the output is still of use, deg."""
+        return self.lash or self.dwell.swing_deg / _OF_USE
+
+    @property
+    def errors(self) -> Mapping[str, str]:
+        """Of rest and swing."""
+        return {"rest_deg": "rests within {:.3g} deg", "swing_deg": "swings {:.4g} deg"}
+
+    @property
+    def further(self) -> str:
+        """What gives the search more room."""
+        return f"a smaller wanted.dwell.span_deg, {super().further}"
+
+    @property
+    def tighter(self) -> str:
+        """What makes the play less."""
+        return f"{super().tighter} or a greater wanted.frame"
+
+    def faults(self) -> list[Fault]:
+        """What does not go together."""
+        faults = super().faults()
+        if self.turns is False:
+            right = "true, or nothing: the crank of a dwell turns all round"
+            faults.append(Fault(("wanted", "turns"), "false", right))
+        return faults
+
+
 class _Asks(Checked):
     wanted: Wish
 
@@ -640,6 +735,7 @@ _KINDS: Mapping[str, type[Wish]] = {
     "poses": PoseWish,
     "points": PointWish,
     "slide": SlideWish,
+    "dwell": DwellWish,
     "drawing": DrawingWish,
     "vary": KeyWish,
 }
