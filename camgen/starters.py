@@ -146,8 +146,19 @@ def schema_name(mechanism: str) -> str:
 
 
 def schema_text(cls: type[Spec], mechanism: str) -> str:
-    """The schema as a file holds it."""
-    return json.dumps(specs.schema(cls, mechanism), indent=2, ensure_ascii=False) + "\n"
+    """The schema as a file holds it: of specs to build, and of those whose [wanted] is for `camgen design`."""
+    from camgen.design.wanted import wish_schema
+
+    found = specs.schema(cls, mechanism)
+    if "wanted" not in found["properties"]:
+        wishes = wish_schema(mechanism)
+        found["$defs"] |= wishes.pop("$defs")
+        found["properties"]["wanted"] = wishes
+        if "anyOf" in wishes:  # tables that a search makes are not to be given
+            found["if"] = {"required": ["wanted"]}
+            found["else"] = {"required": found["required"]}
+            found["required"] = ["mechanism", "name"]
+    return json.dumps(found, indent=2, ensure_ascii=False) + "\n"
 
 
 def write_schema(cls: type[Spec], mechanism: str, where: Path) -> bool:

@@ -7,10 +7,10 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Union
 
 import numpy as np
-from pydantic import Field, create_model
+from pydantic import Field, TypeAdapter, create_model
 
 from camgen.design.fourbars import Room
 from camgen.errors import Fault, FileError, SpecError
@@ -760,6 +760,20 @@ def wish(data: Mapping[str, Any], source: str) -> Wish | None:
     asks = create_model("Asks", __base__=_Asks, wanted=(_KINDS[kind], ...))
     record: Wish = validate(asks, {"wanted": data["wanted"]}, source).wanted
     return record
+
+
+def wish_schema(mechanism: str) -> dict[str, Any]:
+    """JSON Schema of the table [wanted] of `camgen design`, with definitions of its own: keys that vary, for any mechanism, and
+    what ends in a linkage."""
+    kinds = _KINDS if mechanism == "linkage" else {"vary": KeyWish}
+    every: Any = Union[tuple(kinds.values())]  # noqa: UP007  made of a list
+    found = TypeAdapter(every).json_schema(ref_template="#/$defs/{model}")
+    rest = {key: value for key, value in found.items() if key != "$defs"}
+    defs = found.get("$defs", {})
+    if "anyOf" not in rest:  # of one kind it is the kind itself
+        defs = {**defs, KeyWish.__name__: rest}
+        rest = {"$ref": f"#/$defs/{KeyWish.__name__}"}
+    return {**rest, "description": "what camgen design searches for", "$defs": defs}
 
 
 def without(data: Data) -> Data:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import tomllib
 from dataclasses import replace
@@ -19,8 +20,10 @@ from camgen.design.fourbars import FourBars, Room
 from camgen.design.poses import exact_four_bars, near_four_bars
 from camgen.design.run import Front, design
 from camgen.errors import DesignError, SpecError
+from camgen.machines import load
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.spec import validate
+from camgen.starters import schema_text
 
 REFERENCE: dict[str, Any] = tomllib.loads(
     (Path(__file__).resolve().parents[1] / "reference" / "dyads.toml").read_text()
@@ -220,6 +223,17 @@ def test_a_build_of_a_wish_names_the_command_that_meets_it() -> None:
     with pytest.raises(SpecError, match="wanted: a table - .*camgen design SPEC FILE") as told:
         camgen.load({**TABLES, "wanted": {"poses": REFERENCE["poses"]}})
     assert len(told.value.faults) == 1
+
+
+def test_the_schema_for_editors_has_the_wishes() -> None:
+    found = json.loads(schema_text(Linkage, "linkage"))
+    kinds = [each["$ref"].rpartition("/")[2] for each in found["properties"]["wanted"]["anyOf"]]
+    keys = [set(found["$defs"][kind]["required"]) for kind in kinds]
+    every = ("path", "function", "poses", "points", "slide", "dwell", "drawing", "vary")
+    assert set().union(*keys) == set(every)
+    assert "points" not in found["required"] and "points" in found["else"]["required"]
+    alone = json.loads(schema_text(load("disc-cam"), "disc-cam"))
+    assert "vary" in alone["$defs"]["KeyWish"]["required"] and "geometry" in alone["required"]
 
 
 def test_faults_of_poses_are_told_at_once() -> None:
