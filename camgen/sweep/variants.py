@@ -20,6 +20,7 @@ from camgen.settings import setting_of, split_setting
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _RANGE = re.compile(rf"\s*({_NUMBER}):({_NUMBER})(?::(\d{{1,16}}))?\s*")
 _LIKE_RANGE = re.compile(r"""[^,:"'\[{]*(:[^,:"'\[{]*){1,2}""")
+_LARGE = 1e15  # beyond it a number is typed with an exponent
 _FORM = "KEY=A:B:N, N values from A to B, or KEY=a,b,c"
 
 
@@ -51,7 +52,9 @@ class Axis:
 
 def _text(low: float, high: float, u: float) -> str:
     value = low * (1 - u) + high * u
-    return repr(float(f"{value:.12g}") if abs(value) > 1e-12 * (high - low) else 0.0)
+    value = float(f"{value:.12g}") if abs(value) > 1e-12 * (high - low) else 0.0
+    # as a whole number is typed: a key may take no other
+    return repr(int(value)) if value.is_integer() and abs(value) < _LARGE else repr(value)
 
 
 def axis(text: str) -> Axis:

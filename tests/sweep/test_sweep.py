@@ -87,7 +87,9 @@ def test_a_key_may_be_quoted() -> None:
 
 def test_ends_of_a_range_are_what_was_typed() -> None:
     found = variants(["a=-0.3:0.1:5"])
-    assert [found.values(k)[0] for k in range(5)] == ["-0.3", "-0.2", "-0.1", "0.0", "0.1"]
+    assert [found.values(k)[0] for k in range(5)] == ["-0.3", "-0.2", "-0.1", "0", "0.1"]
+    whole = variants(["a=4:8:3"])
+    assert [whole.values(k)[0] for k in range(3)] == ["4", "6", "8"]
 
 
 @pytest.mark.parametrize(
