@@ -91,6 +91,19 @@ def test_a_slot_too_wide_is_told_by_its_air_and_named(sound: Path, tmp_path: Pat
     assert gap.where.joint == "geneva" and "roller-geneva and geneva-geneva" in gap.message
 
 
+def test_a_roller_too_thin_is_told_by_its_air_and_named(sound: Path, tmp_path: Path) -> None:
+    """By 20 um in diameter: the crank's edges and the wheel's each answer for half."""
+    shutil.copytree(sound, tmp_path / "table")
+    path = tmp_path / "table" / ROLLER
+    drawing = ezdxf.readfile(path)
+    rim = max(drawing.modelspace().query("CIRCLE"), key=lambda each: float(each.dxf.radius))
+    rim.dxf.radius -= 0.01
+    drawing.saveas(path)
+    gap = findings(tmp_path / "table")["PIN_GAP"]
+    assert not gap.ok and gap.measured == pytest.approx(0.01, abs=1e-3)
+    assert "roller-geneva" in gap.message
+
+
 def test_a_wheel_that_is_turned_is_off_by_as_much(sound: Path, tmp_path: Path) -> None:
     by = math.radians(0.02)
     found = damaged(sound, tmp_path, WHEEL, lambda points: points * np.exp(1j * by))

@@ -209,8 +209,12 @@ def geneva_parts(layout: Layout, drive: GenevaDrive) -> Iterator[MountedPart]:
     yield _on_shaft(layout, joint.cam, drive, lock)
     part, mount = _on_shaft(layout, joint.follower, drive, slotted)
     geneva = drive.geneva
-    slots = f"{geneva.stations} slots for a roller of {2 * geneva.pin:g}"
-    yield replace(part, notes=(*part.notes, f"{slots}, axes {geneva.distance:.3f} apart")), mount
+    sizes = (
+        f"{geneva.stations} slots {2 * (geneva.pin + geneva.slot_air):.3f} wide, middles of their round ends on R {geneva.slot_end:.3f}",
+        f"hollows R {geneva.hollow:.3f} about middles on R {geneva.distance:.3f}, rim circle {2 * geneva.rim:.3f}",
+        f"for a roller of {2 * geneva.pin:g}, axes {geneva.distance:.3f} apart",
+    )
+    yield replace(part, notes=(*part.notes, *sizes)), mount
     yield roller_part(layout, drive.roller)
 
 
