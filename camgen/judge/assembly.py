@@ -100,6 +100,7 @@ def sweep(path: Path, machine: SweptMachine) -> tuple[list[Finding], list[Row]]:
             bodies,
             _touching(machine, parts, spare),
             machine.gap,
+            turn=(0.0, math.tau * machine.turns),
             resolution=max(_SHARE * machine.gap, _FINEST),
             mounted=_PRESSED + spare,
         )

@@ -366,7 +366,9 @@ def sweep_clearances(
     resolution: float = RESOLUTION,
     mounted: float | None = None,
 ) -> list[Clearance]:
-    """Clearance of every pair of bodies with heights in common, over the whole turn.
+    """Clearance of every pair of bodies with heights in common, over the whole turn, or several.
+
+    What is meant to touch is looked at over the first turn: how it touches, its joint is judged by.
 
     contacts: frozenset of two names -> overlap that the pair may have since it is meant to touch, mm > 0. mounted: the same
     for all pairs that do not move as they see each other; None where they must keep their distance like any. needed: gap
@@ -380,9 +382,10 @@ def sweep_clearances(
             f"names that occur twice, contacts of unknown bodies {sorted(unknown)} or without an allowed overlap"
         )
     sections = [sections_of(body) for body in bodies]
-    theta = np.linspace(*turn, _GRID + 1)
+    whole = np.linspace(*turn, _GRID + 1)
+    first = np.linspace(turn[0], min(turn[1], turn[0] + math.tau), _GRID + 1)
     motion_of = functools.cache(
-        lambda home, guest: Motion(home, guest, theta)
+        lambda home, guest, touching: Motion(home, guest, first if touching else whole)
     )  # bodies on one course move as one
     within = functools.cache(covered)
     clearances = []
@@ -396,10 +399,13 @@ def sweep_clearances(
         ]
         if level:
             level = _widest(level, within) if len(level) <= _LAYERS else level
-            motions = motion_of(a.course, b.course), motion_of(b.course, a.course)
-            allowed = contacts.get(
-                frozenset((a.name, b.name)), mounted if motions[0].at_rest else None
+            pair = frozenset((a.name, b.name))
+            touching = pair in contacts
+            motions = (
+                motion_of(a.course, b.course, touching),
+                motion_of(b.course, a.course, touching),
             )
+            allowed = contacts.get(pair, mounted if motions[0].at_rest else None)
             try:
                 best, proven = _least(motions, level, allowed, needed, resolution)
             except ValueError as fault:

@@ -152,7 +152,8 @@ class Nominal:
 class Closable:
     """The machine as measured; the fit of each joint that was, and the outlines of each cam, the one that drives first.
 
-    meshings: of each Gear its wheels; engagements: of each Cam its edges, where these have any shape.
+    meshings: of each Gear its wheels, of planets that are alike those of the first; engagements: of each Cam its edges, where these
+    have any shape.
     """
 
     machine: Machine
@@ -252,6 +253,9 @@ class _Builder:
         feature: PinEyes | Steady | SlideFaces | SlotFaces | CamOutline | GearTeeth | EdgePair,
     ) -> None:
         """Put the feature's joint where it is."""
+        if isinstance(feature, GearTeeth) and feature.implied is not None:
+            self._gear(feature, feature.implied)
+            return
         joint = self.joints[feature.joint]
         match feature, joint:
             case Steady(), Pin():
@@ -436,9 +440,9 @@ class _Builder:
         for teeth, pin, body in zip(
             (feature.a, feature.b), feature.turns, (joint.a, joint.b), strict=True
         ):
-            nominal = self.nominal[pin]
-            meant_axes.append(nominal.a.at if nominal.a.body == GROUND else nominal.b.at)
-            axes.append(self._pin_places(pin, body)[1])
+            meant, place = self._axle(pin, body, joint.carrier)
+            meant_axes.append(meant)
+            axes.append(place)
             wheels.append(self._wheel(joint.name, teeth, pin, body))
         line = axes[1] - axes[0]
         lean = cmath.phase(line / (meant_axes[1] - meant_axes[0]))
@@ -446,14 +450,31 @@ class _Builder:
         radius = feature.b.radius
         base = radius * math.cos(feature.pressure)
         meshing = Meshing(joint.name, wheels[0], wheels[1], line, joint.ratio, start, base)
+        twin = next((each for each in self.meshings.values() if each.alike(meshing)), None)
+        lead = (twin or meshing).lead
         space = 2 * math.pi * radius / feature.b.count
         meant = space - feature.a.thickness - feature.b.thickness
-        play = radius * meshing.play
+        play = radius * (twin or meshing).play
         # each wheel answers for one half, square to its flanks: as far as its outline may lie off
         misfit = abs(play - meant) / 2 * math.cos(feature.pressure)
-        self.fits[joint.name] = Fit(play, meant, misfit)
-        self.meshings[joint.name] = meshing
-        return replace(joint, phase=start + meshing.lead)
+        if twin is None:
+            self.meshings[joint.name] = meshing
+        if feature.implied is None:  # what follows from other joints limits no output further
+            self.fits[joint.name] = Fit(play, meant, misfit)
+        return replace(joint, phase=start + lead)
+
+    def _axle(self, pin: str, body: str, carrier: str) -> tuple[complex, complex]:
+        """Where a pin holds a body on its carrier, meant and measured, in that one's frame; both may turn on the ground there."""
+        sides = (self.nominal[pin].a, self.nominal[pin].b)
+        meant = next(side for side in sides if side.body != body)
+        place = self._pin_places(pin, body)[1]
+        if meant.body == carrier:
+            return meant.at, place
+        for name, other in self.nominal.items():
+            held = {side.body: side.at for side in (other.a, other.b)}
+            if held.keys() == {GROUND, carrier} and abs(held[GROUND] - meant.at) < SAME_POINT:
+                return held[carrier], self._pin_places(name, carrier)[0]
+        raise ValueError(f"{pin}: {body} and {carrier} have no axis in common")
 
     def _wheel(self, joint: str, teeth: Teeth, pin: str, body: str) -> MeshedWheel:
         """A wheel on its body, about the pin that holds it."""

@@ -18,6 +18,7 @@ from camgen.numerics import least_squares
 
 _A_TOOTH = 16  # angles of the driver
 _FINE = 1e-5  # mm, to which arcs are taken as facets where areas are compared
+_SAME = 1e-4  # mm, by which axes of pairs that are alike may differ: far less than what is judged
 _ALIKE = 0.02  # of what an error takes off a tooth as high as the module: areas that differ by less are alike
 
 
@@ -47,6 +48,12 @@ class MeshedWheel:
         turn = sense * cmath.exp(1j * self.mount.angle)
         return self.ring.moved(turn, self.mount.at - self.pivot, mirror=self.mount.flipped)
 
+    @property
+    def offset(self) -> complex:
+        """From the pivot to the part's origin, in the part's directions, mm."""
+        way = (self.mount.at - self.pivot) * cmath.exp(-1j * self.mount.angle)
+        return -way.conjugate() if self.mount.flipped else way
+
     def degrees(self, z: complex) -> float:
         """Direction in the part's own frame of a point that is seen from the pivot in the body's, deg from 0 to 360."""
         turned = (z + self.pivot - self.mount.at) * cmath.exp(-1j * self.mount.angle)
@@ -68,6 +75,13 @@ class Meshing:
     ratio: float
     start: float
     base: float
+
+    def alike(self, other: Meshing) -> bool:
+        """Whether both are the same wheels at the same distance, each as far beside its axis: planets of one carrier."""
+        pairs = ((self.a, other.a), (self.b, other.b))
+        return abs(abs(self.line) - abs(other.line)) < _SAME and all(
+            one.teeth == two.teeth and abs(one.offset - two.offset) < _SAME for one, two in pairs
+        )
 
     @property
     def angles(self) -> Floats:

@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
-from camgen.machine.model import Law, Output, Pose
+from camgen.machine.model import Gear, Law, Output, Pose
 from camgen.numerics import Floats
 
 if TYPE_CHECKING:
@@ -188,8 +188,10 @@ class GearTeeth:
     joint: str
     a: Teeth
     b: Teeth
-    turns: tuple[str, str]  # Pins about which they turn on what carries them
+    turns: tuple[str, str]  # Pins about which they turn on what carries them, or both on the ground
     pressure: float = math.radians(20)  # between the flanks' normal and the common tangent, rad
+    # where no joint of the machine says how they turn, since it follows from others: of several planets
+    implied: Gear | None = None
 
     @property
     def curvature(self) -> float:
@@ -402,6 +404,7 @@ class SweptMachine:
     gap: float  # what bodies keep that move past each other, mm
     tolerance: float  # how far facets lie off an arc, mm
     angle: str = "cam angle"  # what theta is
+    turns: int = 1  # of theta, that are swept
 
 
 def judged_outputs(outputs: Iterable[Output], demands: Iterable[Demand]) -> list[Output]:

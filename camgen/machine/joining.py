@@ -29,6 +29,7 @@ from camgen.machine.model import (
     Clutch,
     Effort,
     Function,
+    Gear,
     Gravity,
     Joint,
     Law,
@@ -46,7 +47,7 @@ from camgen.numerics import Floats
 T = TypeVar("T")
 
 # that stand in others
-_RECORDS = Angle | Along | Path | Edge | Eye | Faces | Flat | OwnTip | Ring | Teeth
+_RECORDS = Angle | Along | Path | Edge | Eye | Faces | Flat | Gear | OwnTip | Ring | Teeth
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from camgen.errors import DesignError, listed
 from camgen.machine.closed_form import four_bar
 from camgen.machine.loops import Chain, chain_of
-from camgen.machine.model import GROUND, Machine, Pin, bodies_of
+from camgen.machine.model import GROUND, Gear, Machine, Pin, bodies_of
 from camgen.machine.newton import Block
 from camgen.machine.state import Direct, Step
 from camgen.numerics import Floats, roots
@@ -198,7 +198,7 @@ def _grashof(lengths: dict[str, float] | None, crank: str) -> str:
 
 @lru_cache(maxsize=4)  # a machine is the same object for its limits
 def folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> tuple[Fold, ...]:
-    """For each block the place of the range, rad, where it comes nearest to a fold, and each place where its sign changes."""
+    """For each block but those of gears alone the place of the range, rad, where it comes nearest to a fold, and each place where its sign changes."""
     chain = chain_of(machine)
     theta = np.linspace(low, high, LOOKED + 1)
     all_folds = []
@@ -206,6 +206,8 @@ def folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> tuple[F
         if isinstance(step, Direct):
             continue
         block = step if isinstance(step, Block) else step.block
+        if all(isinstance(machine.joint(name), Gear) for name in block.joints):
+            continue  # wheels that turn in proportion do not fold
 
         def sine(angles: Floats, number: int = number) -> Floats:
             return determinant(chain, number, angles)

@@ -54,6 +54,7 @@ class Cycle:
     least: float = 0.0  # rad
     greatest: float = math.tau  # rad
     turns: int = 1  # of the drive, after which all is where it was, as far as it is shown
+    swept: int = 1  # turns of the drive over which bodies are looked at for what they meet
     sense: int = 1  # of theta: -1 where the input shaft turns clockwise
     name: str = "crank angle"  # of theta, for people
     to_and_fro: bool = False  # the drive goes from the least angle to the greatest and back
@@ -390,7 +391,14 @@ def bodies_in_motion(assembly: Assembly) -> SweptMachine:
     pairs = (*assembly.passing, *assembly.features)
     process = assembly.process
     return SweptMachine(
-        assembly.mounts, courses, pairs, things, process.gap, process.tolerance, assembly.cycle.name
+        assembly.mounts,
+        courses,
+        pairs,
+        things,
+        process.gap,
+        process.tolerance,
+        assembly.cycle.name,
+        assembly.cycle.swept,
     )
 
 

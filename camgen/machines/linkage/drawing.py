@@ -28,6 +28,7 @@ from camgen.machine.jets import thread_length
 from camgen.machine.programs import CamLaw
 from camgen.machine.run import solve
 from camgen.machine.stepwise import closed_by_dyads
+from camgen.machines.linkage import planets
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.links import shape
 from camgen.motion.polydyne import Lag, polydyne
@@ -63,6 +64,7 @@ class Drawing:
     play: float = 0.0  # of each pin, slide and slot, diametral, mm
     genevas: Sequence[t.Geneva] = ()
     geneva_sizes: tuple[float, float] = (0.1, 2.0)  # air unless given, and wall of a wheel, mm
+    planets: Sequence[t.Planets] = ()  # whose points and links are among the others
 
     # ---- names ----------------------------------------------------------------------------------------------------
 
@@ -75,11 +77,6 @@ class Drawing:
     def slot_name(slot: t.Slot) -> str:
         """Name of its joint."""
         return slot.name or f"{slot.pin} in {slot.link}"
-
-    @staticmethod
-    def gear_name(gear: t.Gear) -> str:
-        """Name of its joint."""
-        return gear.name or f"{gear.a} to {gear.b}"
 
     @staticmethod
     def cam_name(cam: t.Cam) -> str:
@@ -101,10 +98,11 @@ class Drawing:
         for kind, names in (
             ("slide", map(self.slide_name, self.slides)),
             ("slot", map(self.slot_name, self.slots)),
-            ("gear", map(self.gear_name, self.gears)),
+            ("gear", (gear.joint for gear in self.gears)),
             ("cam", map(self.cam_name, self.cams)),
             ("geneva", map(self.geneva_name, self.genevas)),
             ("freewheel", map(self.freewheel_name, self.freewheels)),
+            ("planets", (row.title for row in self.planets)),
         ):
             yield from (((kind, k), name) for k, name in enumerate(names))
 
@@ -119,7 +117,8 @@ class Drawing:
 
     def levels_of_joints(self) -> list[str]:
         """Names in [layers] of what has a level of its own beside the links: cams, the second one of a pair, gears, Geneva drives."""
-        levels = [level_of(self.gear_name(gear)) for gear in self.gears]
+        levels = [level_of(gear.joint) for gear in self.gears]
+        levels += [level_of(row.title) for row in self.planets]
         levels += [level_of(self.geneva_name(geneva)) for geneva in self.genevas]
         for cam in (cam for cam in self.cams if cam.shape == "roller"):
             key = level_of(self.cam_name(cam))
@@ -214,12 +213,14 @@ class Drawing:
     def turns_of(self, link: str) -> float | None:
         """Turns of a link for one of the driven one, by gears, below 0 against it; None where no gears join them."""
         turns = {self.drive.link: 1.0}
-        for _ in self.gears:
+        for _ in (*self.gears, *self.planets):
             for gear in self.gears:
                 if gear.a in turns:
                     turns.setdefault(gear.b, turns[gear.a] * gear.ratio)
                 if gear.b in turns and gear.ratio:
                     turns.setdefault(gear.a, turns[gear.b] / gear.ratio)
+            for row in self.planets:
+                planets.turn_on(row, turns)
         return turns.get(link)
 
     def moves_alone(self, follower: str) -> bool:
@@ -326,6 +327,7 @@ class Drawing:
         bodies, start = self._bodies()
         joints = [*self._pins(bodies), *self._slides(bodies, start), *self._slots(bodies)]
         joints += [self._gear(gear, start) for gear in self.gears]
+        joints += [self._gear(gear, start) for row in self.planets for gear in planets.gears(row)]
         joints += [self._cam(cam, start, joints) for cam in self.cams]
         joints += [self._geneva(geneva, bodies, start) for geneva in self.genevas]
         drive = m.Drive("drive", self.drive.link, m.Turning(1.0, start[self.drive.link].angle))
@@ -522,9 +524,10 @@ class Drawing:
             and set(points) & set(self.links[gear.b])
         ]
         carrier = GROUND if GROUND in carriers or not carriers else carriers[0]
-        base = 0.0 if carrier == GROUND else start[carrier].angle
-        phase = (start[gear.b].angle - base) - gear.ratio * (start[gear.a].angle - base)
-        return m.Gear(self.gear_name(gear), gear.a, gear.b, gear.ratio, phase, carrier)
+        angle = {GROUND: 0.0} | {name: start[name].angle for name in start}
+        base = angle[carrier]
+        phase = (angle[gear.b] - base) - gear.ratio * (angle[gear.a] - base)
+        return m.Gear(gear.joint, gear.a, gear.b, gear.ratio, phase, carrier)
 
     def _cam(self, cam: t.Cam, start: Mapping[str, m.Pose], joints: Sequence[m.Joint]) -> m.Cam:
         slide = self.slide_of(cam.follower)

@@ -23,6 +23,7 @@ from camgen.machine.reach import folds, four_bar_lengths, transmission
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import NO_STROKES, Course, Through, Trace, extent, time_ratio
 from camgen.machines.free_play import accepted
+from camgen.machines.linkage import gearing
 from camgen.machines.linkage.signals import Signal, signals_of
 from camgen.machines.linkage.springs import MountedSpring
 from camgen.machines.linkage.tables import LinkageLimits, Slot, Wanted
@@ -166,6 +167,7 @@ def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) 
             f"A four-bar, by Grashof a {bar.kind}: the middle two lengths exceed the shortest and the longest by "
             f"{bar.margin:.6g} mm."
         )
+    figures += [] if made is None else gearing.figures(made.layout)
     forces = Study() if made is None else _forces(linkage, made, theta, angle)
     return Study(
         Figures(figures) | forces.numbers,
@@ -194,6 +196,7 @@ def _notes(linkage: LinkageMotion, made: Build | None) -> list[str]:
         notes += _longer_slots(made)
         notes += _bows(made.layout)
         notes += steps(made.layout)
+        notes += gearing.notes(made.layout)
     if linkage.cycle.to_and_fro:
         notes.append(
             "The drive goes to and fro over its range; speeds are those of an even turn of it."

@@ -15,6 +15,7 @@ import cmath
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from functools import cached_property
 from typing import Annotated, Any, Self
 
@@ -23,7 +24,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
 from camgen.errors import CamgenError, DesignError, Fault, SpecError
-from camgen.findings import Finding
+from camgen.findings import Finding, NotJudged
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
 from camgen.machine.cams.limits import Advice
@@ -36,7 +37,7 @@ from camgen.machine.reach import refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machine.stepwise import stays_clear
 from camgen.machines import included as inc
-from camgen.machines.linkage import bridges, figures, freewheels, sheets
+from camgen.machines.linkage import bridges, figures, freewheels, planets, sheets
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.asked_range import refuse_range
@@ -87,6 +88,8 @@ _SAMPLES = np.linspace(
 )  # of a period, at which links are looked at for their levels
 
 
+_MOST_ROUNDS = 200  # of a drive, that bring round the carrier of planets
+_SHOWN_TURNS = 8  # of the drive, at most
 _MARK = 0.8  # of a hub's radius, to the hole that shows how what turns on stands
 
 
@@ -121,6 +124,9 @@ class Linkage(Mechanism):
     )
     gears: Annotated[tuple[t.Gear, ...], Field(alias="gear")] = Field(
         default=(), description="angle of b = ratio * angle of a"
+    )
+    planets: Annotated[tuple[t.Planets, ...], Field(max_length=10)] = Field(
+        default=(), description="planets on a carrier, round a sun and in a ring"
     )
     cams: Annotated[tuple[t.Cam, ...], Field(alias="cam")] = Field(
         default=(),
@@ -172,8 +178,14 @@ class Linkage(Mechanism):
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
-        moving = [link for link in self.links if link != m.GROUND]
-        found = drawing_faults(self._drawing)
+        links = self._drawing.links
+        moving = [link for link in links if link != m.GROUND]
+        found = [
+            fault
+            for k, row in enumerate(self.planets)
+            for fault in planets.faults(("planets", k), row, self.points, self.links)
+        ]
+        found += drawing_faults(self._drawing)
         turning = [
             self.drive.link,
             *(cam.cam for cam in self.cams),
@@ -181,9 +193,9 @@ class Linkage(Mechanism):
             *(name for geneva in self.genevas for name in (geneva.a, geneva.b)),
         ]
         found += coils.faults(
-            self.springs, self.links, turning, [*self.links, *self._drawing.names_of_joints()]
+            self.springs, links, turning, [*links, *self._drawing.names_of_joints()]
         )
-        webbed = webs.further(self.links, self.drive.link, self._slotted, self.making)
+        webbed = webs.further(links, self.drive.link, self._slotted, self.making)
         returns = [*self._drawing.returns.values()]
         lying = [*moving, *webbed, *self._drawing.levels_of_joints(), *coils.names(self.springs)]
         lying += [title for title, *_ in returns]
@@ -199,7 +211,7 @@ class Linkage(Mechanism):
             for name, level in self.layers.items()
             if not level and name != NAME
         ]
-        found += self.making.faults(self.links, self.print.nozzle, self.allowed.min_wall)
+        found += self.making.faults(links, self.print.nozzle, self.allowed.min_wall)
         turning_on = self.freewheels, self.links, self.gears, self.drive, self.making
         found += freewheels.faults(*turning_on)
         found += sheets.faults(
@@ -214,7 +226,7 @@ class Linkage(Mechanism):
             and m.GROUND in self.links
         ):
             found += webs.faults(self.links, self.points, self.drive.link, self._slotted)
-        points = {*self.points, *(point for _, *both in returns for point in both)}
+        points = {*self._drawing.points, *(point for _, *both in returns for point in both)}
         found += [
             unknown(("parts", "pins", name), name, points)
             for name in self.making.pins
@@ -308,9 +320,10 @@ class Linkage(Mechanism):
 
     @cached_property
     def _drawing(self) -> Drawing:
+        points, links = planets.expanded(self.planets, self.points, self.links, self.lengths)
         return Drawing(
-            self.points,
-            self.links,
+            points,
+            links,
             self.lengths,
             self.drive,
             self.slides,
@@ -328,6 +341,7 @@ class Linkage(Mechanism):
             self.print.slide_clearance + self.print.press_clearance,
             self.genevas,
             (self.print.slide_clearance / 2, self.making.wall),
+            self.planets,
         )
 
     @property
@@ -396,11 +410,16 @@ class Linkage(Mechanism):
         ]
 
     @cached_property
+    def _period(self) -> Run:
+        """The chain over a period, of planets until their carrier is back: what levels are found by."""
+        return self.run(self.cycle.theta(_SAMPLES * self.rounds), 0)
+
+    @cached_property
     def _hung(self) -> Sequence[coils.MountedSpring]:
         """Those of [[spring]]."""
         if not self.springs:
             return ()
-        return coils.sprung(self.springs, self.run(self.cycle.theta(_SAMPLES), 0), self.making)
+        return coils.sprung(self.springs, self._period, self.making)
 
     @cached_property
     def _returning(self) -> Sequence[coils.Returning]:
@@ -418,9 +437,7 @@ class Linkage(Mechanism):
     @cached_property
     def _unreturned(self) -> Forces:
         """Of the machine without its return springs, over the turns of its drive."""
-        bodies = Bodies(
-            with_levels(self._layout_with(self._hung), self.run(self.cycle.theta(_SAMPLES), 0))
-        )
+        bodies = Bodies(with_levels(self._layout_with(self._hung), self._period))
         machine = self._weighed_with(bodies, self._hung)
         own = () if self.load is None else efforts(self.load.on, machine)
         machine = replace(machine, loads=(*machine.loads, *gravity(self.load), *own))
@@ -519,7 +536,9 @@ class Linkage(Mechanism):
         even = self.drive.range_deg is None and not self.drive.segments
         cams = any(isinstance(each, CamOutline) for each in whole.features)
         name = ("cam angle" if cams else "crank angle") if even else "drive angle"
-        whole = replace(whole, cycle=replace(self.cycle, name=name, turns=self.turns))
+        swept = self.rounds if self.rounds <= _SHOWN_TURNS else 1
+        cycle = replace(self.cycle, name=name, turns=self.turns, swept=swept)
+        whole = replace(whole, cycle=cycle)
         if self.making.stand == "none":
             return whole
         sizes = self.bodies.sizes
@@ -542,12 +561,27 @@ class Linkage(Mechanism):
         deg = None if self.load is None else self.load.gravity_deg
         return -1j if deg is None else cmath.exp(1j * math.radians(deg))
 
+    @cached_property
+    def rounds(self) -> int:
+        """Turns of the drive that bring round carriers and rings of planets; 1 where none are known."""
+        moving = (link for row in self.planets for link in (row.carrier, row.ring) if link)
+        rates = [rate for link in moving if (rate := self._drawing.turns_of(link)) is not None]
+        return math.lcm(
+            *(Fraction(rate).limit_denominator(_MOST_ROUNDS).denominator for rate in rates)
+        )
+
     @property
     def turns(self) -> int:
-        """Of the drive, that bring round what turns on by freewheels; 1 where eight do not."""
+        """Of the drive, that bring round what turns on by freewheels, or with planets; 1 where eight do not."""
+        if 1 < self.rounds <= _SHOWN_TURNS:
+            return self.rounds
         laws = [each.law for each in self.chain.joints if isinstance(each, m.Clutch)]
         steps = [law.advance / math.tau for law in laws if isinstance(law, Ratchet)]
-        whole = (n for n in range(1, 9) if all(abs(n * s - round(n * s)) < 1e-9 for s in steps))
+        whole = (
+            n
+            for n in range(1, _SHOWN_TURNS + 1)
+            if all(abs(n * s - round(n * s)) < 1e-9 for s in steps)
+        )
         return next(whole, 1)
 
     # ---- the far side -----------------------------------------------------------------------------------------------
@@ -630,17 +664,24 @@ class Linkage(Mechanism):
             shaft=bodies.shaft,
             board=bodies.stands,
             material_limits=self._material_limits,
-            unjudged=Later(lambda: self._pressed.not_judged),
+            unjudged=Later(lambda: [*self._unswept, *self._pressed.not_judged]),
             texts={"chain.svg": bridges.svg(self.chain), "chain.pmks": bridges.pmks(self.chain)},
             follower=FollowerFacts(self._arm_stiffness),
         )
         return made if self._beneath is None else self._beneath.added(made)
 
+    @property
+    def _unswept(self) -> Iterator[NotJudged]:
+        """What the sweep leaves out of carriers that come round after many turns alone."""
+        if self.rounds > _SHOWN_TURNS:
+            why = f"bodies are moved over one turn of {self.rounds}, after which planets are back"
+            yield NotJudged("INTERFERENCE", why, "teeth of planets with a ratio of few whole turns")
+
     def _engraved(self, parts: Sequence[Part]) -> Sequence[Part]:
         """Parts with what is to be engraved in them: a text in a link, letters of holes in what has named points."""
         texts = {
             part_name(link): (shape.engrave, f"parts.{link}.engrave")
-            for link in self.links
+            for link in self._drawing.links
             if (shape := self.making.shape(link)).engrave
         }
         letters = bool(self.files.hole_letters)
@@ -684,7 +725,7 @@ class Linkage(Mechanism):
         if unmade is not None:
             raise unmade
         bodies = self._balanced[0]
-        refuse_alike(bodies.parts, self.links, self.making.discs or ())
+        refuse_alike(bodies.parts, self._drawing.links, self.making.discs or ())
         return bodies
 
     @cached_property
@@ -694,9 +735,7 @@ class Linkage(Mechanism):
         try:
             assert self._laid[0].parts
         except DesignError as refused:
-            raise with_cures(
-                refused, self._layout, self.run(self.cycle.theta(_SAMPLES), 0), self._parts_with
-            ) from None
+            raise with_cures(refused, self._layout, self._period, self._parts_with) from None
         return self._laid
 
     def _parts_with(self, change: Change) -> Sequence[Part]:
@@ -730,7 +769,7 @@ class Linkage(Mechanism):
 
     @cached_property
     def _laid(self) -> tuple[Bodies, complex]:
-        run = self.run(self.cycle.theta(_SAMPLES), 0)
+        run = self._period
         if self.counterweight is None:
             return Bodies(with_levels(self._layout, run)), 0j
         return counterbalanced(
@@ -754,12 +793,13 @@ class Linkage(Mechanism):
         arm = self.additions.beneath
         if arm is None:
             return None
-        run = self.run(self.cycle.theta(_SAMPLES), 0)
+        run = self._period
         return Beneath(self._whole_layout(()), arm, run)
 
     def _whole_layout(self, springs: Sequence[coils.MountedSpring]) -> Layout:
         cams = self._drawing.ridden
-        gears = {Drawing.gear_name(gear): gear.wish for gear in self.gears}
+        gears = {gear.joint: gear.wish for gear in self.gears}
+        sets = tuple(planets.wish(row) for row in self.planets)
         return Layout(
             self.chain,
             self.drive.link,
@@ -771,6 +811,7 @@ class Linkage(Mechanism):
             cams,
             gears,
             genevas=self._drawing.named_genevas,
+            planets=sets,
             springs={each.name: each.stretched for each in springs},
             freewheels={each.wheel: (each.link, self._clutch) for each in self.freewheels},
             marks={
@@ -795,7 +836,7 @@ class Linkage(Mechanism):
     @cached_property
     def sketched(self) -> Layout:
         """Before levels: with the strokes of its slots and slides, and the first choice of their stems."""
-        return first_choice(self._layout, self.run(self.cycle.theta(_SAMPLES), 0))
+        return first_choice(self._layout, self._period)
 
     def _found(self) -> Mapping[str, object]:
         """Levels, bows, the included specs and where they stand, and what every mechanism fills in."""
@@ -855,7 +896,7 @@ class Linkage(Mechanism):
 
     def remarks(self) -> Remarks:
         """How many links are closed together on what each kind of file shows."""
-        return Remarks(links=len(self.links))
+        return Remarks(links=len(self._drawing.links))
 
     def study(self) -> Study:
         """Outputs, curves and paths, the class of a four-bar; those of what is included; all outputs over one turn."""

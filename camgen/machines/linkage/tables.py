@@ -35,6 +35,7 @@ from camgen.spec import Coordinate, Length, MinWall, Record, Rpm, quantity, turn
 
 Place = tuple[Coordinate, Coordinate]
 Two = tuple[Name, Name]
+WheelTeeth = Annotated[int, quantity("1", ge=5, le=400)]
 Degrees = Annotated[float, quantity("deg", ge=-36000, le=36000)]
 
 
@@ -163,7 +164,7 @@ class Gear(Record):
         default=False,
         description="whether b is a ring with its teeth inside, in which the wheel of a runs; ratio above 0",
     )
-    teeth: Annotated[int, quantity("1", ge=5, le=400)] | None = Field(
+    teeth: WheelTeeth | None = Field(
         default=None, description="teeth of the wheel of a; found unless given"
     )
     shift_a: Annotated[float, quantity("1", ge=-1, le=2)] | None = Field(
@@ -189,6 +190,11 @@ class Gear(Record):
     name: Name | None = Field(
         default=None, description="name of the joint; both links unless given"
     )
+
+    @property
+    def joint(self) -> str:
+        """Name of its joint."""
+        return self.name or f"{self.a} to {self.b}"
 
     @property
     def wish(self) -> GearWish:
@@ -217,6 +223,58 @@ class Geneva(Record):
     name: Name | None = Field(
         default=None, description="name of the joint; both links unless given"
     )
+
+
+class Planets(Record):
+    """A planetary set: planets on a carrier run round a sun and in a ring; one of these three is fixed, the ground."""
+
+    fixed: Literal["ring", "carrier", "sun"] = Field(
+        default="ring", description="what stands still on the ground; it has no link of its own"
+    )
+    sun: Name | None = Field(default=None, description="the link with the sun's wheel")
+    carrier: Name | None = Field(
+        default=None, description="the link that carries the planets' pins"
+    )
+    ring: Name | None = Field(
+        default=None,
+        description="the link with the ring, whose teeth are inside; none where that is fixed",
+    )
+    at: Name = Field(
+        description="point of the carrier, or of the ground: the first planet's pin; the others are found"
+    )
+    count: Annotated[int, quantity("1", ge=1, le=12)] = Field(description="planets")
+    teeth: tuple[WheelTeeth, WheelTeeth] = Field(
+        description="teeth of the sun and of a planet; the ring has those of the sun and twice a planet's"
+    )
+    spacing: Literal["even", "nearest"] = Field(
+        default="even",
+        description='"even": planets all as far from each other; "nearest": as the teeth let them, where they do not go in evenly',
+    )
+    name: Name | None = Field(
+        default=None,
+        description="name of the set and, numbered, of its planets; planet unless given",
+    )
+
+    @property
+    def title(self) -> str:
+        """Its name."""
+        return self.name or "planet"
+
+    @property
+    def links(self) -> list[str]:
+        """Names of the planets' links."""
+        return [f"{self.title}_{k}" for k in range(1, self.count + 1)]
+
+    @property
+    def pins(self) -> list[str]:
+        """Points of the planets."""
+        return [self.at, *(f"{self.at}_{k}" for k in range(2, self.count + 1))]
+
+    @property
+    def all_teeth(self) -> tuple[int, int, int]:
+        """Of sun, planet and ring."""
+        sun, planet = self.teeth
+        return sun, planet, sun + 2 * planet
 
 
 class Freewheel(Record):

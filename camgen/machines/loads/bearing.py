@@ -279,7 +279,7 @@ def gears(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
     check = LoadCheck()
     own = materials.of(assembly.process.material)
     for feature in assembly.features:
-        if not isinstance(feature, GearTeeth):
+        if not isinstance(feature, GearTeeth) or feature.implied is not None:
             continue
         torque = _finite(forces.gears[feature.joint])
         base = feature.b.radius * math.cos(feature.pressure)
@@ -298,7 +298,9 @@ def gears(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
                 f"if a tooth of {weak.part} bore {force:.3g} N alone at its tip, its root would have {stress:.3g} MPa in bending; "
                 f"{own.name} bears {own.bears:g} repeatedly: take wider wheels, another material or less load"
             )
-        where = Where(part=weak.part, joint=feature.joint, theta=float(run.theta[k]), digits=1)
+        theta = float(run.theta[k])
+        angle = assembly.cycle.name
+        where = Where(part=weak.part, joint=feature.joint, theta=theta, angle=angle, digits=1)
         pressure = float(
             strength.line_contact(force, width, feature.curvature, own.elastic, own.elastic)[0]
         )

@@ -34,11 +34,11 @@ from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.discs import (
     cam_parts,
     disc_layer,
-    gear_part,
+    gear_parts,
     geneva_parts,
     ground_disc,
     keeper,
-    ring_parts,
+    shaft_cap,
 )
 from camgen.parts.generator.joints import features_of, part_name, point_of
 from camgen.parts.generator.layout import Layout
@@ -90,7 +90,6 @@ class Bodies:
         layout = self.layout
         moving = [link for link in layout.moving if link not in layout.alone]
         own = layout.fitted
-        rings = [ring.wheel for ring in layout.rings]
         beside = max(self.collar_radius, self.under or 0.0)
         base = ground_plate(layout, part_name(GROUND), beside, self._pressed(GROUND))
         parts = [base, *(own.links.get(name) or self._link(name) for name in moving)]
@@ -103,8 +102,7 @@ class Bodies:
         titles: dict[Part, str] = {}
         for part, mount in [
             *(each for tip in layout.tips for each in cam_parts(layout, tip)),
-            *(gear_part(layout, each) for each in layout.gear_wheels if each not in rings),
-            *(each for ring in layout.rings for each in ring_parts(layout, ring)),
+            *gear_parts(layout),
             *(each for drive in layout.geneva_drives for each in geneva_parts(layout, drive)),
             *(each for point in layout.pivots for each in self._stack(point)),
             *covers(layout),
@@ -341,6 +339,8 @@ class Bodies:
                     self.collar.collar(),
                     Mount("shaft-collar", layout.carrier(body), at, z=stub.grips[-1][1]),
                 )
+        if layout.capped(point):
+            yield shaft_cap(layout, point)
         yield from bearings(layout, point)
         yield from self._spacers(point, body, at)
 

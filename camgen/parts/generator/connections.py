@@ -20,18 +20,15 @@ from camgen.machine.features import Mount, StandIn
 from camgen.machine.jets import thread_length
 from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.gears import GearWish
+from camgen.parts.generator.gears import GearPair, GearWheel, PlanetWish, RingBody, gear_pairs
 from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.generator.webs import throws, webs, with_webs
 from camgen.parts.generator.wheels import (
-    GearPair,
-    GearWheel,
     Ridden,
-    RingBody,
     Roller,
     Tip,
     Wheel,
-    gear_pairs,
     groove_rim,
     tips,
     with_seconds,
@@ -126,6 +123,7 @@ class Connections:
     strokes: Mapping[str, tuple[float, float]]  # least and greatest place along slots and slides
     cams: Mapping[str, Ridden] = field(default_factory=dict)  # what touches each
     gears: Mapping[str, GearWish] = field(default_factory=dict)  # what is asked of each pair
+    planets: Sequence[PlanetWish] = ()
     # wheel and disc of each Geneva drive, and the point of its pin
     genevas: Mapping[str, tuple[Geneva, str]] = field(default_factory=dict)
     stems: Mapping[str, str] = field(default_factory=dict)  # how slides' runners reach their rails
@@ -234,12 +232,15 @@ class Connections:
     @cached_property
     def gear_pairs(self) -> list[GearPair]:
         """Pairs of gears; their backlash is the clearance of what slides, their least module two nozzles."""
-        return gear_pairs(self.machine, self.gears, self.fits.slide_clearance, 2 * self.fits.nozzle)
+        least = 2 * self.fits.nozzle
+        backlash = self.fits.slide_clearance
+        return gear_pairs(self.machine, self.gears, self.planets, backlash, least)
 
     @cached_property
     def gear_wheels(self) -> list[GearWheel]:
         """Wheels of gears, rings too."""
-        return [wheel for each in self.gear_pairs for wheel in (each.a, each.b)]
+        every = (wheel for each in self.gear_pairs for wheel in (each.a, each.b))
+        return list(dict.fromkeys(every))
 
     @cached_property
     def rings(self) -> list[RingBody]:
@@ -320,13 +321,35 @@ class Connections:
     @cached_property
     def shafts(self) -> dict[str, str]:
         """The link that is fixed on the shaft at a point: the driven one's first."""
-        on_shafts = [wheel.link for wheel in self.wheels if wheel.link not in self.freewheels]
-        grounded = {point: links for point, links in self.pivots.items() if links[0] == GROUND}
-        shafts = {
-            next(point for point, links in grounded.items() if link in links): link
-            for link in dict.fromkeys([self.driven, *on_shafts])
-        }
+        loose = {*self.freewheels, *self.planet_pins}
+        on_shafts = [wheel.link for wheel in self.wheels if wheel.link not in loose]
+        shafts: dict[str, str] = {}
+        for link in dict.fromkeys([self.driven, *on_shafts]):
+            shafts.setdefault(self.axis_of(link), link)
         return {**shafts, **self.guest_links}
+
+    def axis_of(self, link: str) -> str:
+        """The point about which a link turns on the ground; of the ground one with planets about it."""
+        if link == GROUND:
+            link = next(wish.sun for wish in self.planets if wish.ring == GROUND)
+        held = self.bodies[link].points
+        return next(point for point in held if self.pivots.get(point, ("",))[0] == GROUND)
+
+    @cached_property
+    def planet_pins(self) -> dict[str, str]:
+        """The point about which each planet turns on its carrier."""
+        return dict(pair for wish in self.planets for pair in wish.planets)
+
+    @cached_property
+    def over_shafts(self) -> dict[str, tuple[str, ...]]:
+        """Links of planetary sets that turn on the shaft at a point over what is fixed on it, a cap over them."""
+        over: dict[str, tuple[str, ...]] = {}
+        for wish in self.planets:
+            point = self.axis_of(wish.sun)
+            if self.shafts.get(point) == wish.sun:
+                above = tuple(link for link in (wish.carrier, wish.ring) if link != GROUND)
+                over[point] = (*over.get(point, ()), *above)
+        return over
 
     @cached_property
     def riders(self) -> dict[str, list[str]]:
@@ -342,9 +365,12 @@ class Connections:
         return riders
 
     def shaft_of(self, link: str) -> str:
-        """The point of a link's shaft."""
+        """The point of a link's shaft, or of the one that it turns on; of a planet that of its pin."""
+        if link in self.planet_pins:
+            return self.planet_pins[link]
         on = self.freewheels[link][0] if link in self.freewheels else link
-        return next(point for point, held in self.shafts.items() if held == on)
+        found = (point for point, held in self.shafts.items() if held == on)
+        return next(found, None) or self.axis_of(on)
 
     @cached_property
     def discs(self) -> dict[str, tuple[str, str]]:

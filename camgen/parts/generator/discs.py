@@ -20,12 +20,11 @@ from camgen.parts.catalogue import TURNED
 from camgen.parts.disc_cams import CamParts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.gears import table, windows
+from camgen.parts.generator.gears import GearWheel, RingBody
 from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.layout import GROUND, Layout, pivot_name
 from camgen.parts.generator.pins import MountedPart
 from camgen.parts.generator.wheels import (
-    GearWheel,
-    RingBody,
     Roller,
     Tip,
     groove_rim,
@@ -123,45 +122,74 @@ def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
         yield from ((pin, made.back, place) for place in part.centres[1:] if part.name != "back")
 
 
-def gear_part(layout: Layout, wheel: GearWheel) -> MountedPart:
-    """A gear's wheel on its link's shaft, as drawn at theta = 0."""
+def gear_parts(layout: Layout) -> Iterator[MountedPart]:
+    """Wheels of gears on their links' shafts, planets on their pins, all of a set one part; rings on their dowels."""
+    rings = {ring.wheel.part: ring for ring in layout.rings}
+    made: dict[str, Part] = {}
+    for wheel in layout.gear_wheels:
+        if wheel.part in rings:
+            yield from ring_parts(layout, rings[wheel.part])
+            continue
+        if wheel.part not in made:
+            made[wheel.part] = gear_part(layout, wheel)
+        start = float(layout.machine.start_of(wheel.link).angle)
+        at = layout.at(wheel.link, layout.shaft_of(wheel.link))
+        floor = layout.floor(layout.level[wheel.level])
+        mount = Mount(wheel.part, wheel.link, at, wheel.turned - start, z=floor)
+        yield made[wheel.part], mount
+
+
+def gear_part(layout: Layout, wheel: GearWheel) -> Part:
+    """A gear's wheel as drawn at theta = 0; a planet in its own frame."""
     gear = wheel.gear
     assert isinstance(gear, involute.Wheel), "a ring is made by ring_parts"
     sizes = layout.sizes
-    press = layout.fits.press_clearance
     start = float(layout.machine.start_of(wheel.link).angle)
     edge = gear.outline().moved(cmath.exp(1j * wheel.tooth))
-    bore = d_bore(sizes.shaft_diameter + press, sizes.shaft_flat).moved(cmath.exp(1j * start))
-    held = f"pressed and glued on the shaft of {wheel.link}"
-    wide = sizes.shaft_diameter + press
-    if wheel.link in layout.freewheels:
-        on, clutch = layout.freewheels[wheel.link]
-        wide = clutch.outside + press
-        bore = circle(0j, wide / 2)
-        held = f"turns on the shaft of {on}, a one-way clutch {clutch.name} pressed in"
+    bore, wide, held = _wheel_bore(layout, wheel.link, start)
     hub = wide + 2 * sizes.wall
     openings = windows(gear, wheel.spokes, hub, max(sizes.wall, gear.module))
     holes = {"bore": bore} | {f"window {k + 1}": each for k, each in enumerate(openings)}
-    region = plate(f"wheel of {wheel.link}", edge, holes, layout.min_wall)
+    planet = wheel.link in layout.planet_pins
+    title = f"Planet of {wheel.level}" if planet else f"Wheel of {wheel.link}"
+    region = plate(title[0].lower() + title[1:], edge, holes, layout.min_wall)
+    level = f"level {layout.level[wheel.level]}"
     notes = (
-        f"drawn at theta = 0, level {layout.level[wheel.level]}",
+        f"a tooth on the x axis, {level}" if planet else f"drawn at theta = 0, {level}",
         held,
         *table(wheel.mesh, gear),
     )
     layer = Layer(region, 0.0, layout.wheel_thickness(wheel.link))
-    part = Part(
+    return Part(
         wheel.part,
-        f"Wheel of {wheel.link}",
+        title,
         (layer,),
         centres=(0j,),
         notes=notes,
         bore=wide,
         min_wall=layout.min_wall,
     )
-    at = layout.at(wheel.link, layout.shaft_of(wheel.link))
-    return part, Mount(
-        wheel.part, wheel.link, at, -start, z=layout.floor(layout.level[wheel.level])
-    )
+
+
+def _wheel_bore(layout: Layout, link: str, start: float) -> tuple[Contour, float, str]:
+    """The bore of a wheel, its width, mm, and how it is held; start: angle of its link as drawn, rad."""
+    sizes = layout.sizes
+    press = layout.fits.press_clearance
+    if link in layout.freewheels:
+        on, clutch = layout.freewheels[link]
+        wide = clutch.outside + press
+        held = f"turns on the shaft of {on}, a one-way clutch {clutch.name} pressed in"
+        return circle(0j, wide / 2), wide, held
+    point = layout.shaft_of(link)
+    if layout.shafts.get(point) == link:
+        wide = sizes.shaft_diameter + press
+        bore = d_bore(wide, sizes.shaft_flat).moved(cmath.exp(1j * start))
+        return bore, wide, f"pressed and glued on the shaft of {link}"
+    wide = layout.hole(point, link)
+    fixed = layout.pressed_in(point) == link
+    on = "its pin" if link in layout.planet_pins else f"the shaft at {point}"
+    held = f"pressed and glued on {on}" if fixed else f"turns on {on}"
+    return circle(0j, wide / 2), wide, held
 
 
 def ring_parts(layout: Layout, ring: RingBody) -> Iterator[MountedPart]:
@@ -245,6 +273,27 @@ def _on_shaft(layout: Layout, link: str, drive: GenevaDrive, edge: Contour) -> M
     )
     at = layout.at(link, layout.shaft_of(link))
     return part, Mount(name, link, at, -start, z=layout.floor(level))
+
+
+def shaft_cap(layout: Layout, point: str) -> MountedPart:
+    """What holds links that turn on a shaft over all that is fixed on it."""
+    link = layout.shafts[point]
+    bore = d_bore(
+        layout.sizes.shaft_diameter + layout.fits.press_clearance, layout.sizes.shaft_flat
+    )
+    rim = circle(0j, layout.head_radius(point))
+    over = " and ".join(layout.over_shafts[point])
+    name = f"cap-{link}"
+    part = Part(
+        name,
+        f"Cap of the shaft of {link}",
+        (Layer(plate("cap", rim, {"shaft": bore}, layout.min_wall), 0.0, layout.sizes.head),),
+        centres=(0j,),
+        min_wall=layout.min_wall,
+        notes=(HoldingNote(f"pressed and glued on the shaft over {over}"),),
+    )
+    low = layout.on(point)[-1][1]
+    return part, Mount(name, layout.carrier(link), layout.at(link, point), z=low)
 
 
 def wall_of_disc(off: float, wide: float, bore: float, min_wall: float, key: str) -> None:

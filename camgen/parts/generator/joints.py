@@ -117,9 +117,12 @@ def features_of(layout: Layout, pins: Sequence[Mount]) -> Sequence[Feature]:
                 eyes = (_eye(layout, point, a, b), _eye(layout, point, b, a))
                 found.append(PinEyes(joint.name, *eyes, pin, rings))
     for each in layout.gear_pairs:
-        turns = (pivot_of(layout, each.a.link), pivot_of(layout, each.b.link))
+        on = each.joint.carrier
+        turns = (axle_of(layout, each.a.link, on), axle_of(layout, each.b.link, on))
+        both = each.a.teeth(each.mesh), each.b.teeth(each.mesh)
+        implied = each.joint if each.implied else None
         angle = each.mesh.working_angle
-        found.append(GearTeeth(each.joint.name, each.a.teeth, each.b.teeth, turns, angle))
+        found.append(GearTeeth(each.joint.name, *both, turns, angle, implied))
     found += [_geneva(layout, drive) for drive in layout.geneva_drives]
     found += [outline for tip in layout.tips for outline in _outlines(layout, tip)]
     found += [*_keyed(layout), *_steady(layout, pins)]
@@ -179,6 +182,13 @@ def pivot_of(layout: Layout, link: str) -> str:
         for each in joints
         if isinstance(each, m.Pin) and {each.a.body, each.b.body} == {GROUND, link}
     )
+
+
+def axle_of(layout: Layout, link: str, carrier: str) -> str:
+    """Name of the pin on which a link turns on what carries it; where they share none on the ground."""
+    joints = [each for each in layout.machine.joints if isinstance(each, m.Pin)]
+    pins = {frozenset((each.a.body, each.b.body)): each.name for each in joints}
+    return pins.get(frozenset((link, carrier))) or pivot_of(layout, link)
 
 
 def _tip(layout: Layout, tip: Tip) -> Eye | Flat:

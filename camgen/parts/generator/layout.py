@@ -21,9 +21,10 @@ from camgen.parts.catalogue import Bearing, narrowest
 from camgen.parts.generator.changes import Change
 from camgen.parts.generator.connections import GROUND, Connections, StretchedSpring
 from camgen.parts.generator.covers import Cover, cover
+from camgen.parts.generator.gears import RingBody
 from camgen.parts.generator.guides import COVERED, STEMS, Guide, Rails, Runner, Way, guide
 from camgen.parts.generator.slotted import SlotHole, one_by_one
-from camgen.parts.generator.wheels import NOSE, RingBody, Tip, pivot
+from camgen.parts.generator.wheels import NOSE, Tip, pivot
 from camgen.parts.part import d_bore, hull, with_bar
 from camgen.parts.set_screws import SetScrewHub
 
@@ -158,7 +159,8 @@ class Layout(Connections):
         if point in self.shafts:
             collar = self.collar(point)
             step = self._least + self.fits.slide_clearance
-            return (0 if collar is None else math.ceil(collar.height / step)), 0
+            over = int(point in self.over_shafts)
+            return over if collar is None else math.ceil(collar.height / step), 0
         if len(self.webs_at(point)) > 1 or self.on_ground(point):
             return 0, 0
         if self.kind(point) == "shoulder":
@@ -428,10 +430,6 @@ class Layout(Connections):
         seats = enumerate(self.ring_seats(link), 1)
         return {f"dowel {k} of the ring": circle(z, radius) for k, (z, _) in seats}
 
-    def axis_of(self, link: str) -> str:
-        """The point of a link about which its ring turns on the ground."""
-        return next(point for point in self.bodies[link].points if self.pivots[point][0] == GROUND)
-
     def ring_span(self, ring: RingBody) -> tuple[float, float]:
         """Underside and thickness of a ring, mm: up to its link, or down to the plate; of sheet a level's."""
         level = self.level[ring.wheel.level]
@@ -608,7 +606,15 @@ class Layout(Connections):
             for disc in discs
             if not self.on_ground(disc)
         }
+        if self.capped(point):
+            level, _, top = max(levels)
+            low = round(top + self.fits.slide_clearance, 9)
+            levels |= {(level + 1, low, low + self.sizes.head)}
         return sorted(levels)
+
+    def capped(self, point: str) -> bool:
+        """Whether a cap on the shaft of a point holds what turns on it over all that is fixed there."""
+        return point in self.over_shafts and self.collar(point) is None
 
     def disc_top(self, point: str) -> float:
         """Height of the upper side of a disc, mm: its keeper lies there, a play over what turns on it; over one of the ground

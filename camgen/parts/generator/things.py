@@ -187,8 +187,9 @@ def _wheels(courses: _Courses) -> list[Band]:
         how = "shafts nearer to each other"
         if wheel in layout.weights:
             how = 'counterweight.made = "steel", or a greater thickness'
-        disc = [(layout.at(GROUND, shaft), wheel.radius)]
-        band = courses.band(wheel.about, GROUND, disc, wheel.level)
+        on = wheel.link if wheel.link in layout.planet_pins else GROUND
+        disc = [(layout.at(on, shaft), wheel.radius)]
+        band = courses.band(wheel.about, on, disc, wheel.level)
         smaller = f"a smaller {wheel.about} ({how})"
         move = f"points.{shaft} elsewhere"
         bands.append(replace(band, slim=smaller, move=move))
@@ -304,8 +305,10 @@ def _over_on_pin(
     webs = layout.webs_at(point)
     over = Over()
     upper = layout.alone.get(shaft or "", shaft) or (*moving[-1:], GROUND)[0]
+    above = layout.over_shafts.get(point, ())
+    over += [(link, upper) for link in above]
     if shaft is not None or (layout.slotted_link(point) not in ("", GROUND) and not webs):
-        over += [(upper, link) for link in moving if link not in (upper, *hanging)]
+        over += [(upper, link) for link in moving if link not in (upper, *hanging, *above)]
     held = (*moving, *layout.riders.get(point, ()))
     # the shaft is round below and there alone
     loose = [layout.alone[link] for link in layout.freewheels if link in layout.pivots[point]]

@@ -32,18 +32,13 @@ from camgen.machine.cams.followers import (
 from camgen.machine.cams.limits import Advice, CamLimits, ExactCam, cam_findings
 from camgen.machine.cams.machine import CamTouch
 from camgen.machine.cams.profile import DiscCam
-from camgen.machine.features import Teeth
 from camgen.machine.programs import CamLaw
 from camgen.numerics import peak
-from camgen.parts.gears import GearWish, pair
 from camgen.parts.generator.sizes import Parts
-from camgen.parts.wheels import involute
-from camgen.parts.wheels.mesh import Mesh
 
 SECOND = "_2"  # of names: the other cam of a conjugate pair, and where its roller is
 _ROUND = np.linspace(0, math.tau, 721)
 NOSE = 3.0  # radii of a knife's disc, from there to its edge
-DOWELS = 3  # of a ring on its link
 _BESIDE = 0.5  # mm, of a face beside where it is touched
 
 
@@ -95,70 +90,6 @@ class Roller:
     def part(self) -> str:
         """Name of its part."""
         return f"roller-{self.level}"
-
-
-@dataclass(frozen=True)
-class GearWheel:
-    """A gear's wheel, or its ring with inner teeth."""
-
-    level: str
-    link: str
-    mesh: Mesh  # with its mate
-    gear: involute.Wheel | involute.Ring  # this one
-    spokes: int
-    tooth: float  # rad on the ground, direction of a tooth as drawn
-
-    @property
-    def part(self) -> str:
-        """Name of its part."""
-        return f"gear-{self.level}-{self.link}"
-
-    @property
-    def teeth(self) -> Teeth:
-        """On what it is measured."""
-        gear = self.gear
-        share = gear.teeth / abs(self.mesh.a.teeth + self.mesh.side * self.mesh.b.teeth)
-        radius = self.mesh.distance * share
-        inside = isinstance(gear, involute.Ring)
-        half = gear.half_angle(radius)
-        thickness = 2 * radius * (gear.pitch / 2 - half if inside else half)
-        return Teeth(self.part, gear.teeth, radius, thickness, self.tooth, gear.bends, inside)
-
-    @property
-    def wheel(self) -> Wheel:
-        """Its disc."""
-        return Wheel(self.level, self.link, self.gear.tip, f"wheel of {self.link}")
-
-
-@dataclass(frozen=True)
-class GearPair:
-    """Both wheels of a gear, whose axes stand on the ground."""
-
-    joint: m.Gear
-    mesh: Mesh
-    a: GearWheel
-    b: GearWheel
-
-
-@dataclass(frozen=True)
-class RingBody:
-    """A ring of inner teeth on its link: round its root a rim, in whose middle dowels are."""
-
-    wheel: GearWheel
-    gear: involute.Ring
-    rim: float  # mm
-
-    @property
-    def outside(self) -> float:
-        """Its radius, mm."""
-        return self.gear.root + self.rim
-
-    @property
-    def dowels(self) -> list[complex]:
-        """Places of its dowels as drawn, from its axis, mm; the first behind a tooth."""
-        radius = self.gear.root + self.rim / 2
-        turns = (self.wheel.tooth + math.tau * k / DOWELS for k in range(DOWELS))
-        return [cmath.rect(radius, turn) for turn in turns]
 
 
 @dataclass(frozen=True)
@@ -356,41 +287,6 @@ def with_touches(joint: m.Cam, tips: Sequence[Tip], at: complex) -> m.Cam:
     touches = [CamTouch(tip.cam, turn=tip.turn, at=at) for tip in own]
     touches += [CamTouch(tip.cam, outer=True, turn=tip.turn, at=at) for tip in own if tip.grooved]
     return replace(joint, touches=tuple(touches), leaves=own[0].leaves)
-
-
-def gear_pairs(
-    machine: m.Machine, gears: Mapping[str, GearWish], backlash: float, least: float
-) -> list[GearPair]:
-    """Both wheels of each gear, a's tooth in b's gap on the line of their axes: beyond a's axis where b is a ring.
-
-    gears: what is asked of each; least: module that can be made, mm.
-    """
-    pairs = []
-    for name, wish in gears.items():
-        joint = machine.joint(name)
-        where = name if name.startswith("gear") else f"gear {name}"
-        assert isinstance(joint, m.Gear)
-        if joint.carrier != m.GROUND:
-            remedy = "let both links of this [[gear]] turn on the ground"
-            said = f"the axes of {where} lie on link {joint.carrier}, which moves, and no wheels are made on such"
-            raise DesignError(
-                "carriers that move",
-                1,
-                0,
-                "",
-                where,
-                remedy,
-            ).saying(said)
-        way = pivot(machine, joint.b)[1] - pivot(machine, joint.a)[1]
-        mesh = pair(abs(way), joint.ratio, backlash, least, wish, where)
-        inner = mesh.side < 0
-        line = cmath.phase(way) + math.pi * inner
-        opposite = line + math.pi * (not inner) + math.pi / mesh.b.teeth
-        level = level_of(name)
-        a = GearWheel(level, joint.a, mesh, mesh.a, wish.spokes, line)
-        b = GearWheel(level, joint.b, mesh, mesh.b, wish.spokes, opposite)
-        pairs.append(GearPair(joint, mesh, a, b))
-    return pairs
 
 
 def limits(tips: Iterable[Tip]) -> list[Finding]:

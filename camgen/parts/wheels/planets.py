@@ -17,6 +17,24 @@ Member = Literal["sun", "carrier", "ring"]
 _SAME = 1e-6  # mm, by which both distances may differ
 
 
+def seats(teeth: tuple[int, int, int], count: int) -> list[float]:
+    """Angles of planets about the sun from that of the first one, rad, as evenly spread as teeth of sun, planet and ring let them."""
+    whole = teeth[0] + teeth[2]
+    return [math.tau / whole * round(k * whole / count) for k in range(count)]
+
+
+def turns(teeth: tuple[int, int, int], fixed: Member, driven: Member) -> dict[str, float]:
+    """Turns of each member, and of a planet, for one of `driven` while `fixed` stands still; teeth of sun, planet and ring.
+
+    All turn by the same where they are locked together; seen from the carrier, sun and ring turn against each other as
+    their teeth do [Willis].
+    """
+    sun, planet, ring = teeth
+    seen = {"sun": 1.0, "carrier": 0.0, "ring": -sun / ring, "planet": -sun / planet}
+    rate = seen[driven] - seen[fixed]
+    return {name: (each - seen[fixed]) / rate for name, each in seen.items()}
+
+
 @dataclass(frozen=True)
 class PlanetSet:
     """A sun with its planets, the planets in their ring; both pairs have the planet in common."""
@@ -65,18 +83,9 @@ class PlanetSet:
 
     @property
     def seats(self) -> list[float]:
-        """Angles of the planets about the sun from that of the first one, rad, as evenly spread as teeth let them."""
-        sun, _, ring = self.teeth
-        step = math.tau / (sun + ring)
-        return [step * round(k * (sun + ring) / self.count) for k in range(self.count)]
+        """Angles of the planets, see `seats`."""
+        return seats(self.teeth, self.count)
 
     def turns(self, fixed: Member, driven: Member) -> dict[str, float]:
-        """Turns of each member, and of a planet, for one of `driven` while `fixed` stands still.
-
-        All turn by the same where they are locked together; seen from the carrier, sun and ring turn against each other as
-        their teeth do [Willis].
-        """
-        sun, planet, ring = self.teeth
-        seen = {"sun": 1.0, "carrier": 0.0, "ring": -sun / ring, "planet": -sun / planet}
-        rate = seen[driven] - seen[fixed]
-        return {name: (each - seen[fixed]) / rate for name, each in seen.items()}
+        """Turns of each member, see `turns`."""
+        return turns(self.teeth, fixed, driven)
