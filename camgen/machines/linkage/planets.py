@@ -49,7 +49,7 @@ def expanded(
     for row in rows:
         centre = axis(row, links)
         unsound = any(faults(("planets",), row, points, links))
-        if unsound or centre not in points or row.at not in points:
+        if unsound or centre is None or not {centre, row.at} <= points.keys():
             continue
         origin = complex(*points[centre])
         arm = complex(*points[row.at]) - origin
