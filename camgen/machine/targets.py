@@ -542,7 +542,10 @@ def extent(places: Points) -> tuple[float, float]:
     places: (n,) complex mm.  Of a round path, which has many such lines, the one of the least direction.
     """
     hull = places[hull_corners(places.tolist())]
-    across = hull[:, None] - hull
+    squares = np.subtract.outer(hull.real, hull.real) ** 2
+    squares += np.subtract.outer(hull.imag, hull.imag) ** 2
+    row, column = np.nonzero(squares >= squares.max() * (1 - 4 * _ROUND))
+    across = hull[row] - hull[column]
     across = np.where((across.real > 0) | ((across.real == 0) & (across.imag > 0)), across, -across)
     size = float(np.abs(across).max())
     longest = across[np.abs(across) >= size * (1 - _ROUND)]

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import hashlib
 import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache
 from pathlib import Path
 
+import pytest
+
+from camgen.files.formats import FORMATS
 from camgen.findings import Finding
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
 from camgen.pipeline.build import check
 from camgen.pipeline.case import Case
-from camgen.pipeline.judging import judge
+from camgen.pipeline.judging import Reading, judge
 from camgen.pipeline.reading import Read, judge_part
 from camgen.pipeline.scope import Outcome
 from camgen.progress import silent
@@ -55,7 +59,9 @@ def _judged(part: _Part) -> tuple[Outcome, Read]:
 def _part(case: Case, name: str, kinds: tuple[str, ...]) -> tuple[Outcome, Read]:
     """What `judge_part` says: of files that no damage has touched it is asked once."""
     held = hashlib.sha256()
-    for path in (case.file(name, kind) for kind in kinds):
+    files = [case.file(name, kind) for kind in kinds]
+    files += [case.file(f"{name}-drawing", "dxf")] if "dxf" in kinds else []
+    for path in files:
         held.update(path.read_bytes() if path.exists() else b"none")
     return _judged(
         _Part(
@@ -68,18 +74,25 @@ def _part(case: Case, name: str, kinds: tuple[str, ...]) -> tuple[Outcome, Read]
     )
 
 
+def _parts(case: Case, kinds: Sequence[str], workers: Workers) -> Reading:
+    """What `read_parts` says, likewise."""
+    formats = tuple(kind for kind in kinds if kind in FORMATS)
+    return (_part(case, name, formats) for name in case.parts)
+
+
 def judged(folder: Path, *kinds: str) -> Report:
     """The report on files of some kinds, "dxf", "stl" or "3mf", as `camgen check` judges them; of none named on all of them.
 
     Of some kinds without PARTS_LIST: the list in the folder is that of all, such as on which side each solid lies.
     """
     if not kinds:
-        return check(folder)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("camgen.pipeline.build.read_mechanism", lambda path: mechanism_of(path.parent))
+            patch.setattr("camgen.pipeline.build.read_parts", _parts)
+            return check(folder)
     with Workers() as workers:
         case = Case(mechanism_of(folder), folder)
-        report = judge(
-            case, kinds, (_part(case, name, kinds) for name in case.parts), workers, silent
-        )[0]
+        report = judge(case, kinds, _parts(case, kinds, workers), workers, silent)[0]
     return replace(
         report, findings=[finding for finding in report.findings if finding.code != "PARTS_LIST"]
     )

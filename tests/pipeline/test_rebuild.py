@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from judged import judged
 from stl_rows import TRIANGLE
 
 from camgen.errors import FileError
@@ -66,13 +67,13 @@ def mended(folder: Path, **about: object) -> None:
 def failing(folder: Path) -> set[str]:
     """Codes that fail, or that a file cannot be read."""
     try:
-        return {finding.code for finding in pipeline.check(folder).findings if not finding.ok}
+        return {finding.code for finding in judged(folder).findings if not finding.ok}
     except FileError:
         return {"FileError"}
 
 
 def test_a_sound_folder_is_as_it_is_made_anew(folder: Path) -> None:
-    report = pipeline.check(folder)
+    report = judged(folder)
     (anew,) = [finding for finding in report.findings if finding.code == "REBUILD"]
     assert report.ok and not report.not_judged and not report.remarks and "10 files" in anew.message
 
@@ -118,7 +119,7 @@ def test_all_lost_files_are_told_at_once(folder: Path) -> None:
     for name in ("motion.csv", "disc-cam-cam.stl"):
         (folder / name).unlink()
     with pytest.raises(FileError, match="2 files that manifest.json lists are missing") as caught:
-        pipeline.check(folder)
+        judged(folder)
     said = str(caught.value)
     assert all(f"{name} (not there)" in said for name in ("motion.csv", "disc-cam-cam.stl"))
     assert f"camgen build {folder / 'spec.toml'} --out {folder.parent}" in said
@@ -364,7 +365,7 @@ OTHERS = [
 
 def test_a_folder_of_another_version_holds_where_every_byte_is_the_same(folder: Path) -> None:
     mended(folder, camgen="0.0", kinds=7)
-    report = pipeline.check(folder)
+    report = judged(folder)
     assert report.ok and not report.not_judged
 
 
@@ -375,7 +376,7 @@ def test_of_a_folder_of_other_versions_what_is_left_is_named(
     path = folder / "motion.csv"
     path.write_bytes(digit(path.read_bytes()))
     mended(folder, **about)
-    report = pipeline.check(folder)
+    report = judged(folder)
     (named,) = report.not_judged
     assert (
         report.ok
@@ -396,7 +397,7 @@ def test_what_a_shop_reads_is_read_back_whoever_built_it(folder: Path) -> None:
         was = (path := folder / file).read_bytes()
         path.write_bytes(damage(was))
         mended(folder, camgen="0.0")
-        report = pipeline.check(folder)
+        report = judged(folder)
         assert {str(f.where).split(",")[0] for f in report.findings if not f.ok} == {file}, file
         assert [file in each.why for each in report.not_judged if each.code == "REBUILD"] == [True]
         path.write_bytes(was)
@@ -443,7 +444,7 @@ def test_a_part_that_was_changed_and_holds_makes_the_report_another_one_s(folder
     outline = max(drawing.modelspace().query("LWPOLYLINE"), key=len)
     outline.set_points([(x + 2e-5, y, *rest) for x, y, *rest in outline.get_points()])
     drawing.saveas(path)
-    report: Report = pipeline.check(folder)
+    report: Report = judged(folder)
     assert report.ok, [finding for finding in report.findings if not finding.ok]
     assert any("judged as they are now: disc-cam-cam.dxf" in remark for remark in report.remarks)
     assert any(
@@ -460,7 +461,7 @@ def test_reports_that_follow_from_what_fails_are_not_told_again(folder: Path, ag
     path.write_bytes(path.read_bytes().replace(b",1,", b",2,", 1))
     if again:
         mended(folder)
-    report = pipeline.check(folder)
+    report = judged(folder)
     bad = {finding.code for finding in report.findings if not finding.ok}
     assert bad == ({"PARTS_LIST", "REBUILD"} if again else {"PARTS_LIST", "MANIFEST"})
     told = [finding.message for finding in report.findings if finding.code == "REBUILD"]
@@ -470,5 +471,5 @@ def test_reports_that_follow_from_what_fails_are_not_told_again(folder: Path, ag
     )
     (folder / "report.html").unlink()
     mended(folder)
-    (anew,) = (each for each in pipeline.check(folder).findings if each.code == "REBUILD")
+    (anew,) = (each for each in judged(folder).findings if each.code == "REBUILD")
     assert not anew.ok and "report.html is not there" in anew.message
