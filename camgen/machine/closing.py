@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.machine.constraints import Constraints
-from camgen.machine.elimination import Row, determinant_sign, solved
+from camgen.machine.elimination import Row
 from camgen.numerics import Floats
 
 # Steps of Newton's method; five are needed from a near guess.
@@ -51,7 +51,7 @@ def close(
     if guess is None:
         guess, signs = _follow(system, theta)
         q, slopes, open_ = _newton(system, guess, theta)
-        open_ |= signs * determinant_sign(slopes, len(q)) < 0
+        open_ |= signs * system.order.determinant_sign(slopes, len(q)) < 0
     else:
         q, slopes, open_ = _newton(system, guess, theta)
     q[open_] = 0
@@ -66,11 +66,11 @@ def _derivatives(
 ) -> tuple[Floats, Floats]:
     """q', q'' to theta at closed poses with their slopes; of order 1 the latter is nan."""
     with np.errstate(all="ignore"):
-        first = solved(slopes, -system.drift(theta))
+        first = system.moved(slopes, -system.drift(theta))
         if order < 2:
             return first, np.full(first.shape, np.nan)
         curvatures = system.written(q, theta, first).bends(len(q))
-        return first, solved(slopes, -curvatures)
+        return first, system.moved(slopes, -curvatures)
 
 
 def _newton(
@@ -83,7 +83,7 @@ def _newton(
     with np.errstate(all="ignore"):
         for _ in range(STEPS):
             rows = system.written(q, theta)
-            step = solved(rows.slopes, rows.misfits(len(q)))
+            step = system.moved(rows.slopes, rows.misfits(len(q)))
             open_ |= ~np.isfinite(step).all(axis=1)
             step[open_] = 0
             q -= step
@@ -93,11 +93,6 @@ def _newton(
     misfits = rows.misfits(len(q))
     open_ |= ~(np.abs(misfits).max(axis=1, initial=0) <= CLOSED * system.size)
     return q, rows.slopes, open_
-
-
-def _sign(slopes: Sequence[Row]) -> float:
-    """The sign of the conditions' determinant at one angle: it changes where two branches meet."""
-    return float(determinant_sign(slopes, 1)[0])
 
 
 def _follow(system: Constraints, theta: Floats) -> tuple[Floats, Floats]:
@@ -116,7 +111,7 @@ def _follow(system: Constraints, theta: Floats) -> tuple[Floats, Floats]:
         step = 2 * np.pi / FOLLOWED
         angle = 0.0
         q = origin
-        sign_here = _sign(slopes)
+        sign_here = system.order.determinant_sign(slopes, 1)[0]
         crossing = False
         rows = [(0.0, q, *_derivatives(system, q, np.zeros(1), slopes))]
         while abs(angle) < far and step > LEAST_STEP:
@@ -125,7 +120,7 @@ def _follow(system: Constraints, theta: Floats) -> tuple[Floats, Floats]:
             h = sign * step
             aim = at + h * (first + 0.5 * h * second)
             new, steep, lost = _newton(system, aim, to)
-            crossed = _sign(steep) != sign_here
+            crossed = system.order.determinant_sign(steep, 1)[0] != sign_here
             v, a = _derivatives(system, new, to, steep)
             back = new - h * (v - 0.5 * h * a) - at
             away = np.abs(np.concatenate([new - aim, back]) / system.unit).max()

@@ -13,11 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from camgen.machine.elimination import solved, transposed
+from camgen.machine.elimination import Elimination, Row, order_of, solved, transposed
 from camgen.machine.model import (
     GROUND,
     Along,
@@ -127,6 +128,20 @@ class Constraints:
         levers = [abs(z) for body in machine.bodies for z in body.points.values()]
         self.size = max(1.0, np.abs(self.start).max(initial=0), *levers)
         self.unit = np.tile([self.size, self.size, 1.0], len(self.bodies))
+
+    @cached_property
+    def order(self) -> Elimination:
+        """In which order displacements of the poses are found from those of the joints."""
+        return order_of(self.written(self.start[None], np.zeros(1)).slopes)
+
+    @cached_property
+    def _order_back(self) -> Elimination:
+        """The same of the transposed."""
+        return order_of(transposed(self.written(self.start[None], np.zeros(1)).slopes))
+
+    def moved(self, slopes: Sequence[Row], right: Floats) -> Floats:
+        """How the poses move, (n, 3 bodies) or (n, 3 bodies, m), where slopes times that is right, (n, rows) or (n, rows, m)."""
+        return solved(self.order, slopes, right)
 
     # ---- conditions ----
 
@@ -367,7 +382,9 @@ class Constraints:
         slopes = self.written(q, theta).slopes
         gradients = [self.output(name, q)[1] for name in names]
         right = np.concatenate(gradients, axis=1)
-        solution = np.swapaxes(solved(transposed(slopes), np.swapaxes(right, 1, 2)), 1, 2)
+        solution = np.swapaxes(
+            solved(self._order_back, transposed(slopes), np.swapaxes(right, 1, 2)), 1, 2
+        )
         shares = []
         first = 0
         for gradient in gradients:

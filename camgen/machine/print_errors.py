@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 
 from camgen.machine.constraints import Constraints
-from camgen.machine.elimination import solved
 from camgen.machine.model import Cam, Machine, Pin, Place, Slide, Slot, centres_of
 from camgen.machine.run import Run
 from camgen.numerics import Floats, Points, solve
@@ -211,11 +210,11 @@ def _moves(
 ) -> _Moves:
     slopes = system.written(q, theta).slopes
     first = [c for c, contact in enumerate(contacts) if contact.side == 0]
-    bodies = -solved(slopes, np.stack(errors.shifts, axis=2))  # the cams' s held
+    bodies = -system.moved(slopes, np.stack(errors.shifts, axis=2))  # the cams' s held
     units = np.zeros((len(q), system.height, len(first)))
     for k, c in enumerate(first):
         units[:, system.rows[contacts[c].cam.name].start, k] = 1.0
-    per_s = solved(slopes, units)
+    per_s = system.moved(slopes, units)
     ways = np.zeros((len(q), 0, system.width))
     if contacts:
         ways = np.stack([contact.slopes for contact in contacts], axis=1)

@@ -87,7 +87,9 @@ def judged(folder: Path, *kinds: str) -> Report:
     """
     if not kinds:
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("camgen.pipeline.build.read_mechanism", lambda path: mechanism_of(path.parent))
+            patch.setattr(
+                "camgen.pipeline.build.read_mechanism", lambda path: mechanism_of(path.parent)
+            )
             patch.setattr("camgen.pipeline.build.read_parts", _parts)
             return check(folder)
     with Workers() as workers:

@@ -169,6 +169,7 @@ def test_a_pose_without_a_guess_keeps_no_other_waiting(monkeypatch: pytest.Monke
     guess = poses(jansen(), THETA)[0]
     guess[7] = np.nan
     seen = []
+    assert system.order.blocks  # worked out once
     written = Constraints.written
 
     def counted(self: Constraints, *given: object) -> object:

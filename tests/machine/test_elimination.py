@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from camgen.machine import GROUND, Body, Drive, Machine, Pin, Place, Pose
 from camgen.machine.closing import close
 from camgen.machine.constraints import Constraints
-from camgen.machine.elimination import determinant_sign, order_of, solved, transposed
+from camgen.machine.elimination import order_of, transposed
+from camgen.machine.elimination import solved as solved_in_order
 
 Rows = list[dict[int, object]]
 
@@ -29,6 +30,14 @@ def rows_of(matrices: np.ndarray) -> Rows:
         }
         for row in np.moveaxis(matrices, 0, -1)
     ]
+
+
+def solved(rows: Rows, right: np.ndarray) -> np.ndarray:
+    return solved_in_order(order_of(rows), rows, right)
+
+
+def determinant_sign(rows: Rows, n: int) -> np.ndarray:
+    return order_of(rows).determinant_sign(rows, n)
 
 
 @st.composite

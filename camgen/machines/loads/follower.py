@@ -13,7 +13,6 @@ from camgen.findings import NotJudged, Where, at_least, at_most
 from camgen.machine.balancing import crank_weight
 from camgen.machine.cams.machine import lift_off
 from camgen.machine.constraints import Constraints
-from camgen.machine.elimination import solved
 from camgen.machine.forces import Forces
 from camgen.machine.friction import smooth
 from camgen.machine.model import MM, Cam, Law, Machine, Turning
@@ -234,7 +233,7 @@ def effective_inertia(run: Run, cam: Cam) -> float:
     q = run.poses()
     unit = np.zeros((len(q), system.height))
     unit[:, system.rows[cam.name].start] = 1.0
-    moves = solved(system.written(q, run.theta).slopes, unit)
+    moves = system.moved(system.written(q, run.theta).slopes, unit)
     total: Floats = np.zeros(len(q))
     length = 1.0 if cam.slide else MM  # of s in mm the ratio has no unit, of rad it is mm
     for body in run.machine.moving:
