@@ -21,6 +21,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from camgen.geometry.mesh import Mesh, components
 from camgen.numerics import Floats, distinct
@@ -58,6 +59,7 @@ class Wall:
     """Triangles, joined by edges, that look up (side -1: they lie below a roller) or down."""
 
     side: int
+    rows: Ints  # (m,) of the mesh's faces
     corners: Floats  # (m, 3, 3) mm
     height: float  # of their middle
 
@@ -77,7 +79,7 @@ def walls(mesh: Mesh, inner: float) -> list[Wall]:
             weight = np.abs(normals[group, 2]) / 2
             if weight.sum() > _SHARE * ring:
                 level = float(np.average(corners[group, :, 2].mean(axis=1), weights=weight))
-                found.append(Wall(side, corners[group], level))
+                found.append(Wall(side, group, corners[group], level))
     return sorted(found, key=lambda wall: wall.height)
 
 
@@ -117,10 +119,37 @@ def limits(
     return -wall.side * height
 
 
+def crossed(
+    corners: Floats, roller: SolidRoller, phi: Floats, height: Floats, beside: Floats
+) -> NDArray[np.bool_]:
+    """Whether the roller, at these heights and so far beside the radial line, cuts any of some triangles at each angle, (n,).
+
+    A triangle keeps the roller out of one interval of heights, since triangle and roller are convex.
+    """
+    found = np.zeros(len(phi), bool)
+    bottom = corners[..., 2].min(axis=1) - roller.largest
+    top = corners[..., 2].max(axis=1) + roller.largest
+    for sample, row in _pairs(*_ranges(corners), _window(roller, beside), phi):
+        near = (bottom[row] < height[sample]) & (height[sample] < top[row])
+        sample = sample[near]
+        row = row[near]
+        x, y = _turned(corners[row], phi[sample, None])
+        placed = np.stack([x, y - beside[sample, None], corners[row, :, 2]], axis=-1)
+        upper = _on_triangles(placed, roller)
+        lower = -_on_triangles(placed * np.array([1.0, 1.0, -1.0]), roller)
+        found[sample[(lower < height[sample]) & (height[sample] < upper)]] = True
+    return found
+
+
+def _window(roller: SolidRoller, beside: Floats) -> float:
+    """To either side of the roller's direction, rad, what it can touch."""
+    reach = roller.largest + float(np.nanmax(np.abs(beside), initial=0.0))
+    return math.pi if reach >= roller.inner else math.asin(reach / roller.inner)
+
+
 def _lowest(corners: Floats, roller: SolidRoller, phi: Floats, beside: Floats) -> Floats:
     """Least height of the roller above triangles, (n,), nan where it meets none."""
-    reach = roller.largest + float(np.nanmax(np.abs(beside), initial=0.0))
-    window = math.pi if reach >= roller.inner else math.asin(reach / roller.inner)
+    window = _window(roller, beside)
     lowest = np.full(len(phi), -math.inf)
     points = _each_once(corners)
     angle = np.arctan2(points[:, 1], points[:, 0])

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from camgen import reading
@@ -24,7 +25,7 @@ from camgen.files.folder import name_of
 from camgen.findings import Finding, at_least, at_most, in_file
 from camgen.geometry.mesh import Mesh, mesh_faults
 from camgen.judge.follower_table import Point, inline_tables
-from camgen.judge.rolled_solid import SolidRoller, Wall, limits, walls
+from camgen.judge.rolled_solid import SolidRoller, Wall, crossed, limits, walls
 from camgen.measuring.folder import write_folder
 from camgen.measuring.meshes import MESH_SIZES, read_mesh
 from camgen.measuring.motion import low_passed
@@ -36,6 +37,7 @@ from camgen.study import Figure, Plot
 _SAMPLES = 2880  # of the turn
 _EACH = 2  # of which every second is a row of motion.csv: a quarter degree
 _PACKAGES = ("numpy", "pydantic", "lib3mf", "trimesh")
+_SMALLER = 4.0  # tolerances, by which a roller is smaller that is held against all but its walls: facets are in it
 _LEAST_GAP = 1.5  # of the roller's radius, between the middles of both walls of a groove: less is none for it
 _AXES = {
     "x": [1, 2, 0],
@@ -134,7 +136,8 @@ class Rolled:
     """What is free for the follower over one turn, its end left out, (n,) each: mm, or rad of an arm.
 
     theta: rad; high: nan throughout on an end cam. speed, acceleration: low-passed derivatives of the motion to theta.
-    pressure_angle: rad, at the roller's inner end, where it is largest. between: by which a bound may be off between samples, mm.
+    pressure_angle: rad, at the roller's inner end, where it is largest. cut: whether the roller cuts into anything but its walls,
+    such as the floor of a groove. between: by which a bound may be off between samples, mm.
     """
 
     theta: Floats
@@ -143,6 +146,7 @@ class Rolled:
     speed: Floats
     acceleration: Floats
     pressure_angle: Floats
+    cut: NDArray[np.bool_]
     between: float
     track: Literal["groove", "rib", "end"]
 
@@ -181,11 +185,42 @@ def roll(mesh: Mesh, table: RollerTable, harmonics: int, samples: int = _SAMPLES
     motion = table.follower(level)
     speed, acceleration = (low_passed(motion, order, harmonics) for order in (1, 2))
     pressure = _pressure_angle(table, level, motion, speed)
+    cut = _cut(placed, (below, above), table, phi[order], level)
     outer = float(np.hypot(placed.vertices[:, 0], placed.vertices[:, 1]).max())
     steep = math.cos(float(np.nanmax(np.abs(pressure), initial=0.0)))
     bend = min(outer, math.hypot(table.inner + table.length, table.solid.largest)) ** 2
     between = bend / (table.radius * max(steep, 1e-3) ** 3) * (math.tau / samples) ** 2 / 8
-    return Rolled(theta[order], low, high, speed, acceleration, pressure, between, table.track)
+    return Rolled(theta[order], low, high, speed, acceleration, pressure, cut, between, table.track)
+
+
+def _cut(
+    mesh: Mesh,
+    track: tuple[Wall, Wall | None],
+    table: RollerTable,
+    phi: Floats,
+    level: Floats,
+) -> NDArray[np.bool_]:
+    """Whether a roller, the follower at these heights, cuts into the drum beside the walls of its track, (n,)."""
+    rest = np.ones(len(mesh.faces), bool)
+    for wall in track:
+        if wall is not None:
+            rest[wall.rows] = False
+    slack = _SMALLER * table.tolerance
+    roller = table.solid
+    smaller = replace(
+        roller,
+        inner=roller.inner + slack,
+        outer=roller.outer - slack,
+        radius=roller.radius - slack,
+    )
+    corners = mesh.vertices[mesh.faces[rest]]
+    order = np.argsort(phi)
+    found = np.zeros(len(phi), bool)
+    for shift in dict.fromkeys(_shifts(table)):
+        height = (level + shift)[order]
+        cut = crossed(corners, smaller, phi[order], height, table.beside(level)[order])
+        found[order] |= cut
+    return found
 
 
 def _shifts(table: RollerTable) -> tuple[float, float]:
@@ -272,6 +307,7 @@ def run(
         at_most("WATERTIGHT", faults.count, 0, "faults", in_file(path), triangles),
         _contact(rolled, path),
         *_fit(rolled, table, path),
+        _interference(rolled, path),
     ]
     columns = _columns(rolled, table)
     report = Report(f"{name_of(path)}-motion", "a roller in a drum", findings)
@@ -316,6 +352,16 @@ def _fit(rolled: Rolled, table: RollerTable, path: Path) -> Iterator[Finding]:
         f"least play of the roller between both walls; facets may take {-limit:.2g} {name} of it"
     )
     yield at_least("GROOVE_FIT", least, limit, name, where, message)
+
+
+def _interference(rolled: Rolled, path: Path) -> Finding:
+    """INTERFERENCE: whether the roller has room beside its walls."""
+    where = in_file(path)
+    message = "of the turn the roller cuts into the drum beside its walls"
+    if rolled.cut.any():
+        where = replace(where, theta=float(rolled.theta[np.flatnonzero(rolled.cut)[0]]))
+        message += ", such as into the floor: check inner, length and at_deg"
+    return at_most("INTERFERENCE", 100 * float(np.mean(rolled.cut)), 0, "percent", where, message)
 
 
 def _columns(rolled: Rolled, table: RollerTable) -> Mapping[str, Floats]:
@@ -398,7 +444,7 @@ def _notes(rolled: Rolled, table: RollerTable, harmonics: int, unit: str) -> Ite
         f"{len(rolled.theta)} angles; between two of them either wall may stand {rolled.between:.2g} mm nearer."
     )
     yield f"Speed, acceleration and pressure angle are low-passed at {harmonics} harmonics of a turn."
-    yield "Both ends of the roller, the floor of a groove and the rest of the drum are not judged: walls alone are."
+    yield "Arm, slide and frame round the drum are not judged: the roller alone is."
 
 
 def _summary(rolled: Rolled, table: RollerTable) -> Iterator[str]:

@@ -16,7 +16,7 @@ from drums import END, OFFSET, REFERENCE, RIB, A, B, C  # noqa: E402
 
 from camgen.geometry.drums import Drum  # noqa: E402
 from camgen.geometry.mesh import Mesh  # noqa: E402
-from camgen.judge.rolled_solid import SolidRoller, Wall, limits, walls  # noqa: E402
+from camgen.judge.rolled_solid import SolidRoller, Wall, crossed, limits, walls  # noqa: E402
 
 TOLERANCE = 0.01
 ROLLER = SolidRoller(22, 29.3, 5)
@@ -56,7 +56,10 @@ def test_a_triangle_forbids_what_its_points_forbid(
     triangle = np.array(corners)
     roller = SolidRoller(20, 30, 5, slope)
     found = limits(
-        Wall(-1, triangle[None], 0.0), roller, np.zeros(1), lambda height: np.full(1, offset)
+        Wall(-1, np.zeros(1, int), triangle[None], 0.0),
+        roller,
+        np.zeros(1),
+        lambda height: np.full(1, offset),
     )[0]
     a, b = (each.ravel() for each in np.meshgrid(*[np.linspace(0, 1, 201)] * 2))
     weights = np.column_stack([1 - a, a * (1 - b), a * b])
@@ -157,7 +160,30 @@ def test_a_groove_extruded_along_the_radius_has_the_right_middle_and_is_too_narr
 
 def test_a_roller_that_meets_nothing_says_so(mesh: Mesh) -> None:
     below = walls(mesh, 22)[1]
-    half = Wall(-1, below.corners[below.corners[:, 0, 0] > 0], below.height)
+    rows = below.corners[:, 0, 0] > 0
+    half = Wall(-1, below.rows[rows], below.corners[rows], below.height)
     height = limits(half, ROLLER, PHI, straight)
     assert np.isnan(height[np.abs(np.degrees(PHI) - 180) < 60]).all()
     assert not np.isnan(height[np.degrees(PHI) < 60]).any()
+
+
+@settings(max_examples=60)
+@given(st.tuples(corner, corner, corner), st.floats(-12, 12), st.sampled_from([0.0, 0.2]))
+def test_a_triangle_is_cut_where_one_of_its_points_is_in_the_roller(
+    corners: tuple[tuple[float, float, float], ...], height: float, slope: float
+) -> None:
+    triangle = np.array(corners)
+    roller = SolidRoller(20, 30, 5, slope)
+    found = crossed(triangle[None], roller, np.zeros(1), np.array([height]), np.zeros(1))[0]
+    a, b = (each.ravel() for each in np.meshgrid(*[np.linspace(0, 1, 151)] * 2))
+    points = np.column_stack([1 - a, a * (1 - b), a * b]) @ triangle
+    x, y, z = points.T
+
+    def within(more: float) -> bool:
+        """Of the roller, larger by so much."""
+        radius = roller.at(x) + more
+        long = (x > 20 - more) & (x < 30 + more)
+        return bool((long & (np.hypot(y, z - height) < radius)).any())
+
+    assert found or not within(-1e-9)
+    assert within(0.5) or not found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -88,6 +89,7 @@ def test_a_groove_of_anyone_is_followed(groove: Mesh, tmp_path: Path) -> None:
         "WATERTIGHT",
         "CONTACT",
         "GROOVE_FIT",
+        "INTERFERENCE",
     ]
     assert (file.parent / "out" / "drum-motion" / "report.html").exists()
 
@@ -127,6 +129,28 @@ def test_an_arm_an_end_cam_and_a_rib_are_told_by_the_table() -> None:
     assert rib.motion == pytest.approx(A.path.height(-rib.theta, 0), abs=1.3 * TOLERANCE)
     wider = roll(RIB.solid(TOLERANCE), read_roller(f"{ROLLER},track=rib,distance=16.1"), 36, 360)
     assert wider.play.min() - rib.play.min() == pytest.approx(0.1, abs=1e-6)
+
+
+@pytest.mark.parametrize(("inner", "length", "share"), [(21.7, 8, 0), (21, 8, 1), (12, 17, 1)])
+def test_a_roller_that_reaches_into_the_floor_is_told(
+    groove: Mesh, inner: float, length: float, share: float
+) -> None:
+    table = read_roller(f"radius=5,length={length},inner={inner},tolerance={TOLERANCE}")
+    assert roll(groove, table, 36, 72).cut.mean() == share
+
+
+def test_a_pin_in_the_way_of_the_roller_is_told_where_it_stands(groove: Mesh) -> None:
+    """A cube of 1 mm in the groove at 90 deg, which no wall is."""
+    square = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))])
+    faces = np.array([[0, 1, 5], [0, 5, 4], [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6]])
+    wall = square * 1.0 + [-0.5, 25.5, A.path.height(np.array([math.pi / 2]), 0)[0]]
+    mesh = Mesh(
+        np.concatenate([groove.vertices, wall]),
+        np.concatenate([groove.faces, faces + len(groove.vertices)]),
+    )
+    rolled = roll(mesh, read_roller(ROLLER), 36, 360)
+    near = np.degrees(rolled.theta[rolled.cut])
+    assert len(near) and np.all(np.abs(near - 270) < 15)
 
 
 def test_where_the_roller_stands_shifts_the_motion(groove: Mesh) -> None:
