@@ -165,6 +165,7 @@ def test_what_only_makes_it_worse_is_no_remedy_and_the_way_is_said() -> None:
         },
         "drive": {"link": "crank", "speed_rpm": 30},
         "output": [{"name": "path", "point": "P"}],
+        "limits": {"lash": 1.0},
     }
     found = influence(mill, "LASH")
     assert found.nearest is not None and not found.nearest.ok
