@@ -74,7 +74,7 @@ class FourBars:
         side of the frame's line, or crosses it where the chain closes there.
         """
         frame, crank, coupler, rocker = self.lengths
-        from_frame = np.angle((self.a - self.o) / (self.c - self.o))
+        from_frame = np.angle((self.a - self.o) * np.conj(self.c - self.o))
         across = np.abs(frame - crank) >= np.abs(coupler - rocker)  # closes on the frame's line
         swung = np.where(across, from_frame, np.mod(from_frame, math.tau))
         swung = swung - swung[0]
@@ -102,7 +102,7 @@ class FourBars:
         -1 where the chain opens. The way from A to C is longest and shortest on the frame's line or at an end.
         """
         frame, crank, coupler, rocker = self.lengths
-        begin = np.angle((self.a[0] - self.o) / (self.c - self.o))
+        begin = np.angle((self.a[0] - self.o) * np.conj(self.c - self.o))
         low = begin + np.min(self.angles, axis=0)
         high = begin + np.max(self.angles, axis=0)
         cosines = np.stack([np.cos(low), np.cos(high)])
@@ -112,7 +112,8 @@ class FourBars:
         most = np.where(near, 1.0, cosines.max(axis=0))
         least = np.where(far, -1.0, cosines.min(axis=0))
         ways = frame**2 + crank**2 - 2 * frame * crank * np.stack([most, least])
-        cosine = (coupler**2 + rocker**2 - ways) / (2 * coupler * rocker)
+        with np.errstate(divide="ignore", invalid="ignore"):  # links of no length
+            cosine = (coupler**2 + rocker**2 - ways) / (2 * coupler * rocker)
         flattest = np.max(np.abs(cosine), axis=0)
         return np.where(flattest <= 1, np.arccos(np.minimum(flattest, 1)), -1.0)
 
@@ -132,7 +133,7 @@ class FourBars:
         """
         length = np.sort(self.lengths, axis=0)
         grashof = length[0] + length[3] < length[1] + length[2]
-        above = np.imag((self.a - self.o) / (self.c - self.o)) > 0
+        above = np.imag((self.a - self.o) * np.conj(self.c - self.o)) > 0
         sided = grashof & (np.argmin(self.lengths, axis=0) >= 2) & (above != above[0]).any(axis=0)
         branches = (self.side != self.side[0]).any(axis=0)
         return {

@@ -219,6 +219,15 @@ def test_what_stops_five_poses_is_counted_and_the_keys_that_help_are_named() -> 
     assert "of defects: " in message and "four-bars" in message and "wanted.tolerance" in message
 
 
+def test_pivots_that_fall_together_are_out_of_bounds() -> None:
+    three = FIVE.chosen([0, 1, 2])
+    on_a_line = Room(0j, 90 + 0j, 5.0, 300.0, math.radians(20), None)
+    bars = exact_four_bars(three, on_a_line, NO_CHANCE)
+    together = np.flatnonzero(np.abs(bars.o - bars.c) < 1e-9)
+    verdict = on_a_line.judged(bars)
+    assert together.size and not np.isin(together, verdict.free).any() and verdict.free.size
+
+
 def test_a_build_of_a_wish_names_the_command_that_meets_it() -> None:
     with pytest.raises(SpecError, match="wanted: a table - .*camgen design SPEC FILE") as told:
         camgen.load({**TABLES, "wanted": {"poses": REFERENCE["poses"]}})
