@@ -32,7 +32,8 @@ _FLAT = 0.2  # part of a unit normal along the axis from which a triangle may be
 _SHARE = 0.25  # of the ring beyond the roller's inner end, that a wall covers at least
 _PAIRS = 1_000_000  # of angle and triangle that are treated at once
 _ROUNDS = 40  # of an arm, whose roller moves sideways as it rises
-_SAME = 1e-9  # mm
+_SAME = 1e-7  # mm
+_LEVEL = 0.2  # slope, below which a secant is not trusted
 
 
 @dataclass(frozen=True)
@@ -108,14 +109,24 @@ def limits(
     (n,) mm, nan where an arm does not reach.
     """
     corners = wall.corners * np.array([1.0, 1.0, -wall.side])
-    height = np.full(len(phi), -wall.side * wall.height)
+    height = np.full(len(phi), roller.radius - wall.side * wall.height)
+    offset = beside(-wall.side * height)
+    slope = np.full(len(phi), -1.0)  # of the change by the height, of which a secant finds the root
+    change = _lowest(corners, roller, phi, offset) - height
     for _ in range(_ROUNDS):
+        step = -change / slope
+        height = height + step
+        before = offset
         offset = beside(-wall.side * height)
-        found = _lowest(corners, roller, phi, offset)
-        change = np.nanmax(np.abs(found - height), initial=0.0)
-        height = found
-        if change < _SAME or np.array_equal(beside(-wall.side * height), offset, equal_nan=True):
+        if np.array_equal(offset, before, equal_nan=True):
             break
+        last = change
+        change = _lowest(corners, roller, phi, offset) - height
+        if np.nanmax(np.abs(change), initial=0.0) < _SAME:
+            break
+        with np.errstate(divide="ignore", invalid="ignore"):
+            secant = (change - last) / step
+        slope = np.where((secant < -_LEVEL) & (secant > -1 / _LEVEL), secant, -1.0)
     return -wall.side * height
 
 
