@@ -668,12 +668,20 @@ _UNITS: dict[str, tuple[str, dict[str, float]]] = {
 }
 
 
+def _scalar(node: Data) -> bool:
+    """Whether a key takes no table."""
+    kinds = {each.get("type") for each in (node, *node.get("anyOf", ()))}
+    return not kinds & {"object", None}
+
+
 def _meant(path: Sequence[str | int], value: object, node: Data) -> str:
     """What to write in place of a number that is a text, perhaps with its unit, or of a table that is to be a list; or "" """
     if isinstance(value, dict) and "array" in {
         each.get("type") for each in (node, *node.get("anyOf", ()))
     }:
         return f"a list, each row of which begins with [[{dotted(path)}]]"
+    if isinstance(value, dict) and path[:-1] == ["parts"] and _scalar(node):
+        return f"a value: {path[-1]} is a key of [parts]; a link with a table of its own needs another name"
     unit = unit_of(node)
     found = _NUMBER.fullmatch(value.strip()) if isinstance(value, str) and unit else None
     if found is None or unit is None:

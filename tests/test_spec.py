@@ -20,6 +20,7 @@ from hypothesis import strategies as st
 from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+import camgen
 from camgen import starters
 from camgen.errors import Fault, FileError, SpecError
 from camgen.machines import MECHANISMS, load
@@ -714,3 +715,25 @@ def test_a_setting_by_the_old_name_of_a_table_is_taken(root: Path) -> None:
     with pytest.raises(SpecError) as told:
         validate(load("linkage"), linkage | {"output": {"name": "pen"}})
     assert {fault.key for fault in told.value.faults} >= {"output", "output.name"}
+
+
+@pytest.mark.parametrize("key", ["pin", "wall", "stand", "motor"])
+def test_a_link_with_the_name_of_a_key_of_parts_says_so(key: str) -> None:
+    tables = {
+        "mechanism": "linkage",
+        "name": "x",
+        "points": {"O": [0, 0], "A": [20, 0], "B": [60, 50], "C": [70, 0]},
+        "links": {
+            "ground": ["O", "C"],
+            "crank": ["O", "A"],
+            "coupler": ["A", "B"],
+            key: ["C", "B"],
+        },
+        "drive": {"link": "crank"},
+        "output": [{"name": "s", "point": "B"}],
+        "parts": {key: {"band": 5}},
+    }
+    with pytest.raises(
+        SpecError, match=f"{key} is a key of .parts.; a link with a table of its own"
+    ):
+        camgen.load(tables)

@@ -140,7 +140,7 @@ _CUT = (
         7.85,
         "case hardened, HRC 60 and more: akrostal.pl, 1.7131: 7.85, core 820 MPa at 16 to 40 mm; 210 GPa, 0.3 as with the pressure",
         1460.0,
-        "of gears, case hardened (DIN 3990:1987, by the materials of a public gear program, oilwstunit.pas)",
+        "of gears, case hardened (DIN 3990:1987, as a public gear program has it)",
         metal=True,
     ),
     Material(

@@ -24,6 +24,7 @@ _COUNT = 5  # of figures
 _KINDS = ("dxf", "stl", "3mf", "step", "glb", "svg", "png", "gif", "pdf")
 # What is shown beside the stroke, the weightiest first: what it is called, code of its findings, else quantity of a figure.
 _OTHERS = (
+    ("Off the path", "PATH_ERROR", ""),
     ("Free play", "LASH", ""),
     ("Pressure angle", "PRESSURE_ANGLE", ""),
     ("Transmission angle", "TRANSMISSION_ANGLE", ""),

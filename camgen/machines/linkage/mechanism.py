@@ -105,6 +105,17 @@ class Additions:
     beneath: str | None = None  # link that hangs under the plate with what drives it
 
 
+def _upright(data: Any) -> Any:
+    """The tables with gravity downwards where the machine stands upright and nothing else is said."""
+    if not isinstance(data, dict) or not isinstance(data.get("parts"), dict):
+        return data
+    load = data.get("load", {})
+    stands = data["parts"].get("stand", "none") != "none"
+    if not stands or not isinstance(load, dict) or "gravity_deg" in load:
+        return data
+    return {**data, "load": {**load, "gravity_deg": -90.0}}
+
+
 class Linkage(Mechanism):
     """Spec and answers of a linkage; angles rad, places mm."""
 
@@ -174,7 +185,7 @@ class Linkage(Mechanism):
     @model_validator(mode="before")
     @classmethod
     def _of_sheet(cls, data: Any) -> Any:
-        return freewheels.filled(sheets.filled(data))
+        return _upright(freewheels.filled(sheets.filled(data)))
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

@@ -211,7 +211,7 @@ class Bodies:
         if self.sizes.face is not None:
             return "The motor under the plate turns it"
         if self.sizes.hand_crank:
-            return "The hand crank turns it from below"
+            return f"The hand crank turns it from {'below' if self.sizes.stand == 'none' else 'behind'}"
         flat = self.sizes.shaft_flat
         by = f", by its flat {flat:g} deep" if flat else ""
         return f"What is coupled to the shaft's lower end turns it{by}"

@@ -19,6 +19,7 @@ from camgen.findings import Finding
 from camgen.geometry.mesh import Mesh
 from camgen.judge.assembly import sweep
 from camgen.judge.tipping import Standing, judge_tipping
+from camgen.machines.loads.assess import assess
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.assembly import Assembly, bodies_in_motion, order_of_assembly
 from camgen.parts.generator.table_stand import sweeps
@@ -183,7 +184,7 @@ def test_tabs_fit_their_slots_whatever_the_machine(
 def test_the_last_step_is_a_machine_on_the_table() -> None:
     table = order_of_assembly(machine(*KINDS[0]).assembly)
     rows = [(row[1], row[2]) for row in table.rows]
-    assert rows[-1] == ("table", "Stands on the table. The hand crank turns it from below")
+    assert rows[-1] == ("table", "Stands on the table. The hand crank turns it from behind")
     names = [name for name, _ in rows]
     assert names.index("stand-panel") < names.index("ground")
     assert names[-4:] == [
@@ -208,3 +209,17 @@ def test_cams_alone_have_no_stand() -> None:
 def test_a_machine_of_two_sides_has_no_stand() -> None:
     with pytest.raises(SpecError, match="stands by itself"):
         machine("board", "parts.sides=2")
+
+
+def test_a_machine_on_a_stand_bears_its_weight_downwards_unless_the_spec_says_another_way() -> None:
+    """Torque by weight alone: with the spec's own gravity_deg = -90 the same, with none of it less."""
+    spec = SPECS / "gallery" / "four-bar.toml"
+    stands = pipeline.read_mechanism(spec)
+    flat = pipeline.read_mechanism(spec, ["parts.stand="])
+    told = pipeline.read_mechanism(spec, ["load={gravity_deg=-90}"])
+    sideways = pipeline.read_mechanism(spec, ["load={gravity_deg=0}"])
+    torque = [
+        assess(each).study.numbers["drive_torque_n_m"] for each in (stands, flat, told, sideways)
+    ]
+    assert torque[0] == torque[2] > 2 * torque[1]
+    assert torque[3] != torque[0]
