@@ -110,7 +110,7 @@ def _upright(data: Any) -> Any:
     if not isinstance(data, dict) or not isinstance(data.get("parts"), dict):
         return data
     load = data.get("load", {})
-    stands = data["parts"].get("stand", "none") != "none"
+    stands = data["parts"].get("stand") == "board"
     if not stands or not isinstance(load, dict) or "gravity_deg" in load:
         return data
     return {**data, "load": {**load, "gravity_deg": -90.0}}

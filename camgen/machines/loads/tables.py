@@ -87,8 +87,8 @@ class Weight(Record):
 
     gravity_deg: Direction | None = Field(
         default=None,
-        description="direction of gravity in the machine's plane, from the x axis; left out: downwards, -90, on a stand "
-        "(parts.stand), else none: it lies flat",
+        description="direction of gravity in the machine's plane, from the x axis; left out: downwards, -90, where the "
+        'plate stands upright (parts.stand = "board"), else none: it lies flat',
     )
     stiffness: Annotated[Positive, quantity("N/mm or N m/rad")] | None = Field(
         default=None,

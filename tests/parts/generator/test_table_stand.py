@@ -223,3 +223,5 @@ def test_a_machine_on_a_stand_bears_its_weight_downwards_unless_the_spec_says_an
     ]
     assert torque[0] == torque[2] > 2 * torque[1]
     assert torque[3] != torque[0]
+    lies = pipeline.read_mechanism(spec, ["parts.stand='box'", "parts.hand_crank="])
+    assert "load" not in lies.resolved().model_dump(exclude_none=True)
