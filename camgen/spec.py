@@ -694,7 +694,8 @@ def _meant(path: Sequence[str | int], value: object, node: Data) -> str:
     words = words or f"it is in {unit}"
     size = next((sizes[written] for _, sizes in several.values() if written in sizes), None)
     if size is None:
-        return f"a number without a unit; {words}"
+        foreign = any(written in sizes for _, sizes in _UNITS.values())
+        return f"a number without a unit; {words}" if foreign else ""
     return f"a number without a unit; {words}: write {float(number) * size:.6g}"
 
 

@@ -353,8 +353,7 @@ def _through(
             low = max(hole.low, outline.low)
             high = min(hole.high, outline.high)
             place = (outline.at.real, outline.at.imag, (low + high) / 2)
-            several = len(holder.holes) > 1  # of a part with one hole its letter says nothing
-            label = hole.name if several and isinstance(hole, Round) else ""
+            label = hole.name if isinstance(hole, Round) else ""
             how = (
                 fixing.how(hole, holder.part, outline, held.part)
                 if isinstance(hole, Round)

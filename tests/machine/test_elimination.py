@@ -67,7 +67,7 @@ def test_solutions_and_signs_are_those_of_a_dense_system(
         bound = np.linalg.cond(system).max()
         if bound < 1e6:
             dense = np.linalg.solve(system, right.reshape(n, size, -1)).reshape(right.shape)
-            assert np.abs(found - dense).max() <= 1e-14 * bound * (1 + np.abs(dense).max())
+            assert np.abs(found - dense).max() <= 1e-13 * bound * (1 + np.abs(dense).max())
     np.testing.assert_array_equal(determinant_sign(rows, n), np.linalg.slogdet(matrices)[0])
 
 
@@ -170,7 +170,7 @@ def test_random_chains_close_as_on_whole_matrices(machine: Machine) -> None:
     assert good[0]
     wanted = dense(system, theta[good], closed.q[good] + 1e-5)
     size = np.linalg.cond(system.evaluate(wanted, theta[good])[1] * system.unit).max()
-    assert np.abs(closed.q[good] - wanted).max() <= 1e-12 * max(1.0, 1e-4 * size)
+    assert np.abs(closed.q[good] - wanted).max() <= 1e-11 * max(1.0, 1e-4 * size)
     slopes = system.evaluate(wanted, theta[good])[1]
     first = np.linalg.solve(slopes, -system.drift(theta[good])[:, :, None])[:, :, 0]
     assert np.abs(closed.first[good] - first).max() <= 1e-13 * size * np.abs(first).max()

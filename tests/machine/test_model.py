@@ -156,6 +156,9 @@ FEATURES = (
         roller="part",
     ),
     f.GearTeeth("gear", f.Teeth("part", 9, 9.0, 1.0), f.Teeth("part", 9, 9.0, 1.0), ("pin", "pin")),
+    f.EdgePair(
+        "cam", (f.Edge("part", EYE),), (f.Edge("part", EYE, EYE),), "pin", "pin", 0.1, (), 6.0
+    ),
     f.Mark(EYE),
     f.SharedFlat(EYE, EYE, 0.0),
     f.Steady("pin", EYE, EYE, EYE, (EYE, EYE)),

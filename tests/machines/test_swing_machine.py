@@ -269,6 +269,8 @@ def test_canvas_is_that_of_constant_speed(made: Path) -> None:
         ("parts.pin_diameter=0", "parts.shaft='d-flat'", "base.motor='flange'", "base.screws=3"),
         (
             "parts.shaft='keyway'",
+            "parts.key_width=2",
+            "parts.key_depth=1",
             "geometry.tip_radius=0",
             "base.mount='none'",
             "print.bed=[125,70]",

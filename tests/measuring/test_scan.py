@@ -181,7 +181,7 @@ def test_scans_that_lie_alike_tell_nothing_of_the_scanner(tmp_path: Path) -> Non
         tmp_path, *(Glass(dpi=150, turn_deg=turn, **SKEW) for turn in (0, 3, 180))
     )
     outline = read_outline(first, Hints(scanning=Scanning(others=others)))
-    assert "they do not tell the scanner's scale" in outline.remark
+    assert "they do not show the scanner's scale" in outline.remark
     assert "scanner_across_percent" not in outline.numbers
 
 
