@@ -4,8 +4,9 @@
     pivot     an unknown that a row holds by 1 or -1 at all angles: it is taken out of the other rows, and found last
     block     rows and unknowns left that must be solved together; each block needs earlier ones alone
 
-Joints hold places: a pin's x is that of one body less that of another. Taken out by such pivots, which never grow, the
-places leave no more than the machine's loops; loops that do not touch each other are blocks by themselves.
+Joints hold places: a pin's x is that of one body less that of another. Taken out by such pivots the places leave no more than
+the machine's loops; loops that do not touch each other are blocks by themselves. Other rows hold these places by 1 or -1 too, so
+levers are added up and no number grows beyond their sum; in a system of any numbers they may.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from camgen.machine.matching import matching
 from camgen.numerics import Floats, solve
 
 Row = Mapping[int, Any]
@@ -311,7 +313,7 @@ def _mark_out(
 
 def _blocks(held: Mapping[int, Sequence[int]], columns: Sequence[int]) -> tuple[Block, ...]:
     """Rows and the unknowns they hold as blocks, each after those it needs; one block where some cannot be matched."""
-    owner = _matching(held)
+    owner = matching(held)
     if len(owner) < len(columns):
         return (Block(tuple(held), tuple(columns)),)
     column_of = {row: column for column, row in owner.items()}
@@ -319,24 +321,6 @@ def _blocks(held: Mapping[int, Sequence[int]], columns: Sequence[int]) -> tuple[
     return tuple(
         Block(tuple(rows), tuple(column_of[row] for row in rows)) for rows in _components(needs)
     )
-
-
-def _matching(held: Mapping[int, Sequence[int]]) -> dict[int, int]:
-    """Of as many unknowns as can be the row that each is found from, no row twice.   [Kuhn's augmenting paths]"""
-    owner: dict[int, int] = {}
-
-    def takes(row: int, seen: set[int]) -> bool:
-        for column in held[row]:
-            if column not in seen:
-                seen.add(column)
-                if column not in owner or takes(owner[column], seen):
-                    owner[column] = row
-                    return True
-        return False
-
-    for row in held:
-        takes(row, set())
-    return owner
 
 
 def _components(needs: Mapping[int, Sequence[int]]) -> list[list[int]]:

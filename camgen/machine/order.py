@@ -11,13 +11,14 @@ Only who meets whom counts here, and lengths that are 0; special lengths (parall
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from graphlib import TopologicalSorter
 
 import numpy as np
 
+from camgen.machine.matching import matching
 from camgen.machine.model import (
     GROUND,
     Cam,
@@ -259,24 +260,6 @@ def _ordered(rows: tuple[tuple[Key, tuple[Key, ...]], ...], bodies: tuple[Key, .
         (),
         (),
     )
-
-
-def matching(table: Mapping[Key, Iterable[Key]]) -> dict[Key, Key]:
-    """Of as many unknowns as can be the equation that each is solved from, no equation twice.   [Kuhn's augmenting paths]"""
-    owner: dict[Key, Key] = {}
-
-    def takes(equation: Key, seen: set[Key]) -> bool:
-        for key in table[equation]:
-            if key not in seen:
-                seen.add(key)
-                if key not in owner or takes(owner[key], seen):
-                    owner[key] = equation
-                    return True
-        return False
-
-    for equation in table:
-        takes(equation, set())
-    return owner
 
 
 def _reach(start: Iterable[Key], step: Callable[[Key], Iterable[Key]]) -> list[Key]:

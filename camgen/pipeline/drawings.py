@@ -16,7 +16,7 @@ from camgen.files.timing import Motion
 from camgen.files.title_block import Facts, Fit
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Points
-from camgen.machine.features import PinEyes
+from camgen.machine.features import CamOutline, PinEyes
 from camgen.machine.model import Cam
 from camgen.machines.follower_motions import follower_motions
 from camgen.machines.mechanism import Mechanism
@@ -59,7 +59,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         number=f"{sheet.number}-{names.index(part.name) + 1:02d}" if sheet.number else "",
         date=sheet.date or "",
         fits=tuple(_fits(mechanism, part, sheet.seat_fit or bore_fit)),
-        profile_step_deg=sheet.profile_step_deg,
+        profile_step_deg=sheet.profile_step_deg if part.name in _cams(mechanism) else None,
         position=sheet.position,
         bore_fit=bore_fit,
         key_fit=sheet.key_fit or ("JS9" if metal else ""),
@@ -95,6 +95,12 @@ def timing_facts(mechanism: Mechanism) -> Facts:
         drawn_by=sheet.drawn_by or "",
         checked_by=sheet.checked_by or "",
     )
+
+
+def _cams(mechanism: Mechanism) -> set[str]:
+    """Names of parts whose outline a follower touches."""
+    features = mechanism.assembly.features
+    return {each.part for each in features if isinstance(each, CamOutline)}
 
 
 def _track(mechanism: Mechanism, part: Part, step: float) -> Iterator[tuple[float, complex]]:
