@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import pairwise
 from pathlib import Path
@@ -80,7 +80,9 @@ class Drawn:
 
 
 def drawn(part: Part, folder: Path, tolerance: float = FACETS / 4) -> Drawn:
-    path, _ = write_drawing(folder, "x", part, tolerance, FACTS)
+    # a wheel has no table of radii, as a build says it
+    facts = replace(FACTS, profile_step_deg=None) if part.name.startswith("gear-") else FACTS
+    path, _ = write_drawing(folder, "x", part, tolerance, facts)
     space = ezdxf.readfile(path).modelspace()
     frames = [
         np.array(e.get_points("xy")) @ [1, 1j]

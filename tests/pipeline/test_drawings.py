@@ -200,3 +200,15 @@ def test_labels_that_do_collide_are_found(tmp_path: Path) -> None:
         -1.25,
     )  # on the edge of a pin's hole, whose middle is 7 mm from the axis
     assert ("B2", "edge") in collisions(space)
+
+
+def test_only_cams_have_a_table_of_radii() -> None:
+    """Of a machine with cams and wheels: the wheels' teeth are told in their notes."""
+    machine = read_mechanism(SPECS / "gallery" / "dial-table.toml")
+    names = [part.name for part in machine.assembly.parts]
+    facts = {part.name: facts_of(machine, part) for part in machine.assembly.parts}
+    told = {name for name, each in facts.items() if each.profile_step_deg}
+    assert (
+        told == {name for name in names if name.startswith("cam-")}
+        and "gear-gears-follower" in names
+    )
