@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Union
@@ -357,14 +358,14 @@ class LinkWish(Wish):
     )
 
     @property
+    @abstractmethod
     def size(self) -> float:
         """Of what is wanted, by which bounds are set, mm."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def count(self) -> int:
         """How many positions are wanted."""
-        raise NotImplementedError
 
     @property
     def title(self) -> str:
@@ -454,9 +455,9 @@ class FourBarWish(LinkWish):
     )
 
     @property
+    @abstractmethod
     def places(self) -> Points:
         """Where something is wanted, complex mm."""
-        raise NotImplementedError
 
     @property
     def count(self) -> int:

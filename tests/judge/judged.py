@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import hashlib
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache
 from pathlib import Path
 
+import ezdxf
+import numpy as np
 import pytest
 
 from camgen.files.formats import FORMATS
 from camgen.findings import Finding
+from camgen.geometry.rings import Points
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
 from camgen.pipeline.build import check
@@ -23,6 +26,17 @@ from camgen.pipeline.scope import Outcome
 from camgen.progress import silent
 from camgen.report.report import Report
 from camgen.workers import Workers
+
+
+def move_outline(path: Path, change: Callable[[Points], Points]) -> None:
+    """Give the longest outline of a DXF other points; its arcs keep their bulges."""
+    drawing = ezdxf.readfile(path)
+    line = max(drawing.modelspace().query("LWPOLYLINE"), key=len)
+    rows = np.array(line.get_points("xyseb"))
+    points = change(rows[:, 0] + 1j * rows[:, 1])
+    rows[:, :2] = np.column_stack([points.real, points.imag])
+    line.set_points(rows.tolist(), "xyseb")
+    drawing.saveas(path)
 
 
 def mechanism_of(folder: Path) -> Mechanism:

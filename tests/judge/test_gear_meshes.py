@@ -7,9 +7,9 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-import ezdxf
 import numpy as np
 import pytest
+from judged import move_outline
 
 import camgen
 from camgen.findings import Finding
@@ -65,13 +65,7 @@ def damaged(
     """The pair with other points of a wheel's teeth."""
     shutil.copytree(folder, to / folder.name)
     path = to / folder.name / wheel
-    drawing = ezdxf.readfile(path)
-    line = max(drawing.modelspace().query("LWPOLYLINE"), key=len)
-    rows = np.array(line.get_points("xyseb"))
-    points = change(rows[:, 0] + 1j * rows[:, 1])
-    rows[:, :2] = np.column_stack([points.real, points.imag])
-    line.set_points(rows.tolist(), "xyseb")
-    drawing.saveas(path)
+    move_outline(path, change)
     return meshing(to / folder.name)
 
 

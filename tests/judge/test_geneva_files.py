@@ -10,6 +10,7 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
+from judged import move_outline
 
 import camgen
 from camgen.findings import Finding
@@ -56,13 +57,7 @@ def damaged(
     """The drive with other points of the outline in one file."""
     shutil.copytree(folder, to / "table")
     path = to / "table" / file
-    drawing = ezdxf.readfile(path)
-    line = max(drawing.modelspace().query("LWPOLYLINE"), key=len)
-    rows = np.array(line.get_points("xyseb"))
-    points = change(rows[:, 0] + 1j * rows[:, 1])
-    rows[:, :2] = np.column_stack([points.real, points.imag])
-    line.set_points(rows.tolist(), "xyseb")
-    drawing.saveas(path)
+    move_outline(path, change)
     return findings(to / "table")
 
 

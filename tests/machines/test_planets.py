@@ -10,9 +10,9 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-import ezdxf
 import numpy as np
 import pytest
+from judged import move_outline
 
 import camgen
 from camgen.errors import DesignError, SpecError
@@ -188,13 +188,7 @@ def damaged(folder: Path, to: Path, part: str, change: Callable[[Points], Points
     """The set with other points of a part's teeth."""
     shutil.copytree(folder, to / "set")
     path = to / "set" / f"set-{part}.dxf"
-    drawing = ezdxf.readfile(path)
-    line = max(drawing.modelspace().query("LWPOLYLINE"), key=len)
-    rows = np.array(line.get_points("xyseb"))
-    points = change(rows[:, 0] + 1j * rows[:, 1])
-    rows[:, :2] = np.column_stack([points.real, points.imag])
-    line.set_points(rows.tolist(), "xyseb")
-    drawing.saveas(path)
+    move_outline(path, change)
     return [each for each in judged(to / "set") if not each.ok]
 
 
