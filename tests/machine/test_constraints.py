@@ -92,7 +92,8 @@ def test_it_shares_nothing_with_the_maker_but_the_model() -> None:
 
 # Imports inside the kernel go to its earlier rows only.
 ROWS = (
-    {"model", "strength", "flywheel", "elimination"},
+    {"model", "strength", "flywheel", "matching"},
+    {"elimination"},
     {"jets", "constraints", "targets", "balancing", "programs", "freewheels"},
     {"friction"},
     {
