@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -29,6 +30,11 @@ _BRACKETS = 8
 _FLAT = 1e5
 # ... one flatter than this, radius over the size of the piece, must: its centre would lose its ends to rounding.
 _FLATTEST = 1e5
+# Of a family of curves: places of each at which its curvature is seen, places of a biarc at which its deviation is (it is
+# greatest near a third of each half), and the share of its biarcs that are spread evenly.
+_SPREAD = 64
+_SEEN = 11
+_EVENLY = 0.1
 
 
 @dataclass(frozen=True)
@@ -50,16 +56,19 @@ class Biarcs:
     @classmethod
     def through(cls, z: Points, tangents: Points) -> Biarcs:
         """Biarcs between neighbours of the points z (n + 1,) with unit tangents there."""
-        z0 = z[:-1]
-        z1 = z[1:]
-        v = np.diff(z)
-        a = np.angle(tangents[:-1] / v)
-        b = np.angle(tangents[1:] / v)
+        return cls.between(z[:-1], z[1:], tangents[:-1], tangents[1:])
+
+    @classmethod
+    def between(cls, z0: Points, z1: Points, tangent0: Points, tangent1: Points) -> Biarcs:
+        """Biarcs from points z0 to z1 with unit tangents there, (n,) each."""
+        v = z1 - z0
+        a = np.angle(tangent0 / v)
+        b = np.angle(tangent1 / v)
         leg = v / (2 * np.cos((b - a) / 4)) * np.exp(0.25j * (a - b))
         sweeps = (-(3 * a + b) / 2, (3 * b + a) / 2)
         kappas = (2 * np.sin(sweeps[0] / 2) / np.abs(leg), 2 * np.sin(sweeps[1] / 2) / np.abs(leg))
         middle_tangent = v / np.abs(v) * np.exp(-0.5j * (a + b))
-        return cls(z0, z0 + leg, z1, tangents[:-1], middle_tangent, sweeps, kappas)
+        return cls(z0, z0 + leg, z1, tangent0, middle_tangent, sweeps, kappas)
 
 
 def _tangents(piece: Smooth, t: Floats) -> Points:
@@ -174,6 +183,61 @@ def _fit_smooth(piece: Smooth, tolerance: float) -> list[Piece]:
                 for (a, b, sweep, _), line in zip(spans, flat, strict=True)
             ]
     return pieces
+
+
+def fit_family(
+    family: Callable[[Floats], tuple[Points, Points]], t0: Floats, t1: Floats, tolerance: float
+) -> list[list[Piece]]:
+    """Arcs of many smooth curves of one kind at once, within `tolerance` mm of each; curve k runs from t0[k] to t1[k], (n, 1).
+
+    family: points and unit tangents the way the curves run, (n, m), at t (n, m), row k of curve k. All have as many biarcs,
+    spread by what each leaves; the deviation is seen at _SEEN places of each.
+    """
+    even = np.linspace(0.0, 1.0, _SPREAD + 1)
+    z, tangents = family(t0 + (t1 - t0) * even)
+    length = np.abs(np.diff(z, axis=1))
+    turned = np.angle(tangents[:, 1:] / tangents[:, :-1])
+    between = (length[:, 1:] + length[:, :-1]) / 2
+    change = np.abs(np.diff(turned / length, axis=1)) / between
+    shares = np.cbrt(np.pad(change, ((0, 0), (1, 0)), "edge") / (324 * tolerance)) * length
+    turns = np.abs(turned) / _BIARC_TURN
+    shares = shares + turns + _EVENLY * (shares + turns).mean()
+    shares = np.pad(np.cumsum(shares, axis=1), ((0, 0), (1, 0)))
+    count = max(1, math.ceil(float(shares[:, -1].max()) / (1 + _EVENLY)))
+    while True:
+        marks = np.linspace(0.0, 1.0, count + 1)
+        places = [np.interp(marks, row / row[-1], even) for row in shares]
+        ends = t0 + (t1 - t0) * np.array(places)
+        fit, deviation = _family_fit(family, ends)
+        if deviation <= tolerance:
+            break
+        count = max(count + 1, math.ceil(count * min(2.0, (deviation / tolerance) ** (1 / 3))))
+    pieces: list[Piece] = []
+    z = np.stack([fit.z0, fit.joint, fit.z1], axis=-1)
+    for three, *sweeps in zip(z.tolist(), *(each.tolist() for each in fit.sweeps), strict=True):
+        for a, b, sweep in zip(three[:-1], three[1:], sweeps, strict=True):
+            pieces.append(Line(a, b) if abs(sweep) * _FLAT < 1 else _arc(a, b, sweep))
+    return [pieces[k : k + 2 * count] for k in range(0, len(pieces), 2 * count)]
+
+
+def _family_fit(
+    family: Callable[[Floats], tuple[Points, Points]], ends: Floats
+) -> tuple[Biarcs, float]:
+    """Biarcs between neighbouring ends of each row, (n, m + 1), one row after the other, and their largest deviation, mm."""
+    share = np.arange(1, _SEEN + 1) / (_SEEN + 1)
+    inside = ends[:, :-1, None] + np.diff(ends)[:, :, None] * share
+    z, tangents = family(ends)
+    seen, _ = family(inside.reshape(len(ends), -1))
+    seen = seen.reshape(-1, _SEEN)
+    rows = (z[:, :-1], z[:, 1:], tangents[:, :-1], tangents[:, 1:])
+    fit = Biarcs.between(*(each.ravel() for each in rows))
+    second = dot(fit.tangent_joint[:, None], seen - fit.joint[:, None]) > 0
+    tangent = np.where(second, fit.tangent_joint[:, None], fit.tangent0[:, None])
+    kappa = np.where(second, fit.kappas[1][:, None], fit.kappas[0][:, None])
+    w = seen - np.where(second, fit.joint[:, None], fit.z0[:, None])
+    f = cross(tangent, w) - kappa * np.abs(w) ** 2 / 2
+    off = 2 * f / (1 + np.sqrt(np.maximum(1 - 2 * kappa * f, 0)))
+    return fit, float(np.abs(off).max())
 
 
 def _below_half(arc: Arc) -> list[Arc]:
