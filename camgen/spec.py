@@ -613,7 +613,7 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
             misspelt
         )  # where names of tables are free
         if no_such:
-            close = get_close_matches(str(path[-1]), keys, 1)
+            close = get_close_matches(str(path[-1]), keys, 1) or _in_another(path, root)
             nearest = close[0] if close else None
             expected = f"{UNKNOWN}; known here: {', '.join(keys)}"
         elif key:
@@ -653,6 +653,16 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
             Fault(tuple(path), given, expected, nearest, "" if path else "spec", no_such),
         )
     return list(found.values())
+
+
+def _in_another(path: Sequence[str | int], root: Data) -> list[str]:
+    """The key at a path as another table of the spec has it, where just one has: motor.speed_rpm as drive.speed_rpm."""
+    holders = [
+        table
+        for table, node in keys_of(root, root).items()
+        if len(path) == 2 and path[1] in keys_of(node, root)
+    ]
+    return [f"{holders[0]}.{path[1]}"] if len(holders) == 1 else []
 
 
 _NUMBER = re.compile(r"([+-]?\d+(?:[.,]\d+)?)\s*(\S*)")

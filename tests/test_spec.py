@@ -164,6 +164,16 @@ def test_all_faults_at_once_with_nearest_keys() -> None:
     assert str(found["print.nozle"]) == "print.nozle: unknown key; did you mean 'nozzle'?"
 
 
+def test_a_key_of_another_table_is_told_by_its_place() -> None:
+    """Speed stands in [drive] of a linkage, in [motor] of others; a key that several tables have is not guessed."""
+    linkage = tomllib.loads(starters.text("linkage"))
+    linkage["motor"] = {"speed_rpm": 30, "thickness": 3}
+    with pytest.raises(SpecError) as error:
+        read_mechanism(linkage)
+    nearest = {fault.key: fault.nearest for fault in error.value.faults}
+    assert nearest == {"motor.speed_rpm": "drive.speed_rpm", "motor.thickness": None}
+
+
 def test_faults_inside_lists_and_unions() -> None:
     last = {"kind": "dwell", "span_deg": 9, "x": 1}
     segments = [{"kind": "rise", "lift": 0}, {"kind": "dwell"}, {"kind": "fall"}, last]

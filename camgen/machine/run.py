@@ -95,6 +95,9 @@ class Lazy(Mapping[str, T]):
     def __len__(self) -> int:
         return len(self._names)
 
+    def __repr__(self) -> str:
+        return f"Lazy({', '.join(self._names)})"
+
 
 def _parts(output: Output, values: Floats | Points) -> dict[str, Floats]:
     """An output's values in the unit in which people read them; of a path by its axes."""

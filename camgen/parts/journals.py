@@ -44,6 +44,7 @@ class MaterialLimits:
     hertz: float | None = None  # MPa, of contacts
     pv: float | None = None  # MPa m/s, of plain bearings
     pin_stress: float | None = None  # MPa
+    tooth_stress: float | None = None  # MPa, at the root of a tooth
     bearing_life: float | None = None  # h, of ball bearings
     motion: MotionLimits = MotionLimits()  # of the followers of cams
     keys: frozenset[str] = frozenset()  # of [parts], with the sizes of pins and shafts

@@ -813,6 +813,15 @@ def test_teeth_bear_the_torque_that_goes_through_them() -> None:
     heavier = spec | {"load": {"on": [{"output": "out", "value": -200}]}}
     worse = assess(read_mechanism(heavier).resolved())
     assert not all(each.ok for each in worse.findings if each.code == "HERTZ")
-    (note,) = [each for each in worse.study.notes if "a tooth of gear-pair-drum" in each]
-    assert "PLA bears 20" in note
-    assert not [each for each in found.study.notes if "a tooth of" in each]
+    (bent,) = [each for each in worse.findings if each.code == "TOOTH_STRESS"]
+    assert not bent.ok and bent.where.part == "gear-pair-drum" and "PLA bears 20" in bent.message
+    assert bent.measured == pytest.approx(200 * stress)
+    (bent,) = [each for each in found.findings if each.code == "TOOTH_STRESS"]
+    assert bent.ok and bent.measured == pytest.approx(stress)
+    asked = heavier | {"limits": {"tooth_stress_mpa": 201 * stress}}
+    (bent,) = [
+        each
+        for each in assess(read_mechanism(asked).resolved()).findings
+        if each.code == "TOOTH_STRESS"
+    ]
+    assert bent.ok and "limits.tooth_stress_mpa" in bent.message

@@ -1,4 +1,4 @@
-"""What a machine's contacts, teeth, pins and bearings bear at its speed: HERTZ, PV, PIN_STRESS, BEARING_LIFE.
+"""What a machine's contacts, teeth, pins and bearings bear at its speed: HERTZ, TOOTH_STRESS, PV, PIN_STRESS, BEARING_LIFE.
 
 Reactions have the friction of the joints in them. Where no limit is published for a plastic, a finding fails
 only beyond what every plastic bears, or beyond what the spec itself says; the table ranks all.
@@ -271,13 +271,11 @@ def contacts(run: Run, forces: Forces, assembly: Assembly, load: Weight | None) 
 
 
 def gears(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
-    """HERTZ of every pair of gears at the pitch point, and a note where the root of a tooth would bear too much.
+    """HERTZ of every pair of gears at the pitch point, and TOOTH_STRESS of the weaker wheel's root.
 
-    One tooth bears all, at its tip: that a second pair shares it, and what a root's rounding adds, is left out, so the bending
-    is told and not judged.
+    One tooth bears all, at its tip: that a second pair shares it, and what a root's rounding adds, is left out.
     """
     check = LoadCheck()
-    own = materials.of(assembly.process.material)
     for feature in assembly.features:
         if not isinstance(feature, GearTeeth) or feature.implied is not None:
             continue
@@ -291,22 +289,31 @@ def gears(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
         layers = [assembly.by_name[each.part].drawn for each in (feature.a, feature.b)]
         width = min(layer.z1 - layer.z0 for layer in layers)
         weak = max((feature.a, feature.b), key=lambda each: each.bends)
-        stress = force * weak.bends / width
-        check.figures.append(Figure("tooth stress {of}", stress, "MPa", feature.joint))
-        if stress > own.bears:
-            check.notes.append(
-                f"if a tooth of {weak.part} bore {force:.3g} N alone at its tip, its root would have {stress:.3g} MPa in bending; "
-                f"{own.name} bears {own.bears:g} repeatedly: take wider wheels, another material or less load"
-            )
         theta = float(run.theta[k])
         angle = assembly.cycle.name
         where = Where(part=weak.part, joint=feature.joint, theta=theta, angle=angle, digits=1)
+        _tooth(check, assembly, force, force * weak.bends / width, where)
+        own = materials.of(assembly.process.material)
         pressure = float(
             strength.line_contact(force, width, feature.curvature, own.elastic, own.elastic)[0]
         )
         remark = f"at the pitch point, by {force:.4g} N on teeth {width:.4g} mm wide"
         _hertz(check, assembly, pressure, where, remark)
     return check
+
+
+def _tooth(check: LoadCheck, assembly: Assembly, force: float, stress: float, where: Where) -> None:
+    """TOOTH_STRESS of the wheel at a place, MPa, by a force along the line of action, N."""
+    check.figures.append(Figure("tooth stress {of}", stress, "MPa", where.joint))
+    own = materials.of(assembly.process.material)
+    asked = assembly.limits_of(where.joint).tooth_stress
+    limit = asked or own.bears
+    by = "limits.tooth_stress_mpa" if asked else f"{own.name} bears {own.bears:g} MPa repeatedly"
+    remark = f"by {force:.4g} N on one tooth alone, at its tip; {by}"
+    if stress > limit:
+        share = limit / stress
+        remark += f"; {share:.2g} of the load holds, or fewer and larger teeth, or another material"
+    check.findings.append(at_most("TOOTH_STRESS", stress, limit, "MPa", where, remark))
 
 
 def _hertz(

@@ -134,6 +134,10 @@ class LimitsTable(Record):
         default=None,
         description="greatest bending stress of pins; unless given, that of their material; 350: steel",
     )
+    tooth_stress_mpa: Annotated[Positive, quantity("MPa")] | None = Field(
+        default=None,
+        description="greatest bending stress at the root of a gear's tooth; unless given, that of the material",
+    )
     bearing_life_h: Annotated[Positive, quantity("h")] | None = Field(
         default=None,
         description="hours that ball bearings and cam followers have to run; not judged unless given",
@@ -150,6 +154,7 @@ class LimitsTable(Record):
             self.hertz_mpa,
             self.pv_mpa_m_s,
             self.pin_stress_mpa,
+            self.tooth_stress_mpa,
             self.bearing_life_h,
             self.of_motion,
             frozenset() if sizes is None else frozenset(type(sizes).model_fields),
