@@ -166,6 +166,9 @@ class Linkage(Mechanism):
     counterweight: Counterweight | None = Field(
         default=None, description="a sector of a disc on the shaft of the driven link: balances it"
     )
+    walk: t.Walk | None = Field(
+        default=None, description="how the machine stands and walks on a floor"
+    )
     masses: dict[Name, t.Masses] = Field(
         default={}, description="masses of links, in place of those of their solids"
     )
@@ -258,6 +261,7 @@ class Linkage(Mechanism):
             if name not in threaded
         ]
         found += self._side_faults()
+        found += () if self.walk is None else self.walk.faults(self.wanted)
         if self.includes and self.drive.segments:
             right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
             found.append(Fault(("drive", "segment"), f"{len(self.drive.segments)} segments", right))

@@ -7,6 +7,7 @@ lengths override drawn distances. Two links that share a point are pinned there.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import Annotated, Any, Literal
 
@@ -31,7 +32,16 @@ from camgen.motion.segments import Kind, Span, WholeTurn, program
 from camgen.parts.gears import GearWish
 from camgen.parts.generator.sizes import Name
 from camgen.settings import quotient
-from camgen.spec import Coordinate, Length, MinWall, Record, Rpm, quantity, turning
+from camgen.spec import (
+    Coordinate,
+    Length,
+    MinWall,
+    Record,
+    Rpm,
+    quantity,
+    turning,
+    unknown,
+)
 
 Place = tuple[Coordinate, Coordinate]
 Two = tuple[Name, Name]
@@ -510,6 +520,41 @@ class Masses(Record):
     inertia_kg_m2: Annotated[float, quantity("kg m^2", ge=0, le=1e6)] = Field(
         default=0.0, description="moment of inertia about the centre of mass"
     )
+
+
+class Walk(Record):
+    """How a machine stands and walks on a floor; with parts.sides = 2 the far side's feet do so too."""
+
+    feet: Annotated[tuple[Name, ...], Field(min_length=2, max_length=50)] = Field(
+        description="outputs of points that tread on the floor"
+    )
+    payload_g: Annotated[float, quantity("g", ge=0, le=1e6)] = Field(
+        default=0.0,
+        description="what the frame carries beside its own parts: motor, battery, freight",
+    )
+    payload_at: Place | None = Field(
+        default=None,
+        description="where its centre of mass is on the ground; the driven shaft unless given",
+    )
+    friction: Annotated[
+        tuple[Annotated[float, quantity("1", gt=0, le=3)], ...], Field(min_length=1, max_length=9)
+    ] = Field(
+        default=(0.3, 0.6, 1.0),
+        description="friction coefficients of feet on the floor: results are told as a range over them",
+    )
+
+    def faults(self, wanted: Sequence[Wanted]) -> Iterator[Fault]:
+        """Feet that are no outputs of points, or named twice; a place of nothing."""
+        points = [each.name for each in wanted if each.point is not None]
+        for k, name in enumerate(self.feet):
+            if name not in points:
+                yield unknown(("walk", "feet", k), name, points)
+            elif name in self.feet[:k]:
+                yield Fault(("walk", "feet", k), name, "each foot once")
+        if self.payload_at is not None and not self.payload_g:
+            yield Fault(
+                ("walk", "payload_at"), str(list(self.payload_at)), "payload_g with it: its mass"
+            )
 
 
 @lru_cache(maxsize=1024)
