@@ -114,7 +114,7 @@ def build(
 ) -> Report:
     """Make, read back and judge a machine; its folder `out/<name>/` appears, whole, only when all is done.
 
-    spec: path, dict or what `load` gave; only: kinds of files to make, of "dxf", "stl", "3mf", "step", "report", "servo", "plots",
+    spec: path, dict or what `load` gave; only: kinds of files to make, of "dxf", "stl", "3mf", "step", "report", "servo", "mjcf", "plots",
     "picture" (PNG) and "animation" (GIF), the usual ones being "dxf", "stl", "3mf" and "report"; jobs: cores to use, 0: all. The report has `ok`, `findings`, `numbers` (each in the unit that its name ends in), `parts`, `tables`,
     `plots`, and `as_dict()`, which is report.json; a notebook shows it. A finding that fails does not raise.
     Raises SpecError, DesignError where no such mechanism exists, FileError where a file cannot be written.

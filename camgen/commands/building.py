@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     "--only",
     metavar="KINDS",
     callback=kinds_of,
-    help=f"Make only these kinds, of {','.join(ANY_KIND)}; servo: cam tables for drives; plots: curves as SVG and PNG; animation: one turn as GIF; picture: PNG.",
+    help=f"Make only these kinds, of {','.join(ANY_KIND)}; servo: cam tables for drives; mjcf: a folder for MuJoCo; plots: curves as SVG and PNG; animation: one turn as GIF; picture: PNG.",
 )
 @click.option(
     "--set",

@@ -74,7 +74,7 @@ DRAWN, SOLID, EXACT = (
 USUAL = (*DRAWN, *SOLID)  # made where nobody asks for other ones
 KINDS = (*USUAL, "report")  # what a build makes where nobody says which
 RENDERED = {"picture": "png", "animation": "gif"}  # of the machine as a whole, by their endings
-ANY_KIND = (*FORMATS, "report", "servo", "plots", *RENDERED)  # that can be asked for
+ANY_KIND = (*FORMATS, "report", "servo", "mjcf", "plots", *RENDERED)  # that can be asked for
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ TOPICS = (
     "printing",
     "laser",
     "servo",
+    "simulation",
     "report",
     "findings",
     "python",

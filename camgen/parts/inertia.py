@@ -9,10 +9,12 @@ from functools import cached_property
 import numpy as np
 
 from camgen.geometry.facets import facet_contour
+from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Contour
 from camgen.machine.balancing import together
 from camgen.machine.features import Mount
 from camgen.machine.model import MM, Body
+from camgen.numerics import Floats
 from camgen.parts import materials
 from camgen.parts.part import Part
 from camgen.spec import Material
@@ -58,12 +60,16 @@ class Solids:
         """Of one of its parts, kg/m^3."""
         return self.density if part.process == "printed" else 1e3 * materials.STEEL.density
 
+    def weighs(self, part: Part) -> bool:
+        """Whether a part is more than shown."""
+        return part.process not in _SHOWN
+
     def body(self, body: Body) -> Body:
         """The body with mass, centre and inertia of all that is mounted on it."""
         masses = []
         for mount in self.mounts:
             part = self.by_name.get(mount.part)
-            if mount.body != body.name or part is None or part.process in _SHOWN:
+            if mount.body != body.name or part is None or not self.weighs(part):
                 continue
             heavy = self.density_of(part)
             mass = part.volume * heavy * MM**3
@@ -71,6 +77,61 @@ class Solids:
             inertia = inertia_of(part, heavy) - mass * abs(centre * MM) ** 2
             masses.append(Body(part.name, mass=mass, centre=mount.place(centre), inertia=inertia))
         return together(replace(body, mass=0.0, inertia=0.0), *masses)
+
+
+@dataclass(frozen=True, eq=False)
+class MassMoments:
+    """A mass in space: kg, its centre (3,) mm, and its second moments about the centre, (3, 3) kg mm^2: the sum of m r r^T."""
+
+    mass: float
+    centre: Floats
+    second: Floats
+
+    @property
+    def tensor(self) -> Floats:
+        """Moments and products of inertia about the centre, (3, 3) kg mm^2."""
+        return np.asarray(np.trace(self.second) * np.eye(3) - self.second)
+
+    def fitted(self, body: Body) -> MassMoments:
+        """With the mass, centre and inertia that a body has in the plane; across it as it is, by share of the mass.
+
+        A body of which nothing is made is a flat ring.
+        """
+        inertia = body.inertia / MM**2
+        centre = np.array([body.centre.real, body.centre.imag, self.centre[2]])
+        polar = self.second[0, 0] + self.second[1, 1]
+        if not (self.mass and polar):
+            return MassMoments(body.mass, centre, np.diag([inertia / 2, inertia / 2, 0.0]))
+        plane = np.sqrt(inertia / polar)
+        scale = np.array([plane, plane, np.sqrt(body.mass / self.mass)])
+        return MassMoments(body.mass, centre, self.second * np.outer(scale, scale))
+
+
+def mass_moments(mesh: Mesh, density: float) -> MassMoments:
+    """Those of a closed mesh, density in kg/m^3: the sum over the tetrahedra from its faces to a point within it."""
+    middle = mesh.vertices.mean(axis=0)
+    corners = mesh.vertices[mesh.faces] - middle
+    volumes = np.sum(corners[:, 0] * mesh.across, axis=1) / 6
+    total = corners.sum(axis=1)
+    mass = density * MM**3 * float(np.sum(volumes))
+    first = np.sum(volumes[:, None] * total, axis=0) / 4 / np.sum(volumes)
+    outer = np.sum(corners[:, :, :, None] * corners[:, :, None, :], axis=1)
+    outer += total[:, :, None] * total[:, None, :]
+    second = density * MM**3 * np.sum(volumes[:, None, None] * outer, axis=0) / 20
+    return MassMoments(mass, middle + first, second - mass * np.outer(first, first))
+
+
+def masses_together(masses: Sequence[MassMoments]) -> MassMoments:
+    """Several masses as one."""
+    total = sum(each.mass for each in masses)
+    if not total:
+        return MassMoments(0.0, np.zeros(3), np.zeros((3, 3)))
+    centre = sum((each.mass * each.centre for each in masses), np.zeros(3)) / total
+    second = np.zeros((3, 3))
+    for each in masses:
+        off = each.centre - centre
+        second = second + each.second + each.mass * np.outer(off, off)
+    return MassMoments(total, centre, second)
 
 
 def printed_density(material: Material) -> float:

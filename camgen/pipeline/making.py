@@ -77,6 +77,10 @@ def put_together(case: Case, only: frozenset[str], solids: Made, progress: Progr
         from camgen.pipeline.servo import make_servo_tables
 
         make_servo_tables(case)
+    if "mjcf" in only:
+        from camgen.pipeline.multibody import make_mjcf
+
+        make_mjcf(case, case.folder)
     if "step" in only:
         write_exact_assembly(case)
     if "3mf" not in only:

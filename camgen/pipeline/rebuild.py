@@ -31,6 +31,7 @@ from camgen.geometry.outlines import Floats
 from camgen.pipeline.case import Case
 from camgen.pipeline.laser import sheet_files
 from camgen.pipeline.making import lying_sides, write_parts_list, written
+from camgen.pipeline.multibody import make_mjcf, mjcf_files
 from camgen.pipeline.scope import Outcome
 from camgen.pipeline.servo import make_servo_tables, servo_files
 from camgen.pipeline.summary import (
@@ -70,6 +71,7 @@ _TEXTS = {
     "st",
     "svg",
     "toml",
+    "xml",
 }  # endings of files in which a number may be written otherwise
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _DIGITS = 1e-9  # mm, or a share: by which numbers that are the same may differ
@@ -108,6 +110,8 @@ def _files(case: Case, kind: str) -> list[Path]:
         return [case.folder / "report.html", case.file("assembly", "glb")]
     if kind == "servo":
         return servo_files(case)
+    if kind == "mjcf":
+        return mjcf_files(case.folder)
     if kind in RENDERED:
         return [rendered_file(case, case.folder, kind)]
     if kind == "plots":
@@ -149,8 +153,9 @@ class Rebuild:
             folder = Path(scratch)
             self._make(folder, workers)
             anew = {
-                self.case.place(located(self.case.folder / path.name)): path
-                for path in sorted(folder.iterdir())
+                self.case.place(located(self.case.folder / path.relative_to(folder))): path
+                for path in sorted(folder.rglob("*"))
+                if path.is_file()
             }
             names = sorted(anew)
             compared = [name for name in names if name not in changes and name not in left_out]
@@ -215,6 +220,8 @@ class Rebuild:
         write_parts_list(copy.file("parts", "csv"), case.mechanism, sides)
         if "servo" in kinds:
             make_servo_tables(copy)
+        if "mjcf" in kinds:
+            make_mjcf(case, folder)
         if "dxf" in kinds and case.mechanism.files.machining:
             from camgen.pipeline.machining import make_tables
 

@@ -26,7 +26,7 @@ from camgen.pipeline import rebuild
 from camgen.report.report import Report
 
 ROOT = Path(__file__).resolve().parents[2]
-ALL = frozenset(rebuild.ANY_KIND) - {"plots", *rebuild.RENDERED}
+ALL = frozenset(rebuild.ANY_KIND) - {"mjcf", "plots", *rebuild.RENDERED}
 # A cam alone, of sheet, with all tables: every kind of file but those of a linkage's chain.
 CAM = (
     "parts.hub_height=0",
