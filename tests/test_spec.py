@@ -600,7 +600,9 @@ def test_starter_is_valid_and_its_schema_knows_every_key(root: Path, mechanism: 
             ):  # its keys are names of the user's own
                 continue
             reference = next(
-                n["$ref"] for n in [node, *node.get("anyOf", [])] if "$ref" in n
+                n["$ref"]
+                for n in [node, *node.get("anyOf", []), *node.get("oneOf", [])]
+                if "$ref" in n
             )  # a table that may be left out
             name = reference.rsplit("/", 1)[-1]
             assert set(table) <= set(described["$defs"][name]["properties"])

@@ -475,6 +475,9 @@ def _refuse_made_tables(request: Request, of_drive: Sequence[str] = ()) -> None:
     right = "nothing here: it is found, with [points], [links] and [[output]]"
     faults = [Fault((key,), "a table", right) for key in _MADE if key in request.rest]
     drive = request.rest.get("drive")
+    if isinstance(drive, list):
+        one = "[drive], one table: what is found has one motor"
+        faults.append(Fault(("drive",), f"{len(drive)} drives", one))
     if isinstance(drive, dict):
         faults += [Fault(("drive", key), "given", right) for key in of_drive if key in drive]
     if request.data.get("mechanism") != "linkage":

@@ -340,9 +340,16 @@ def _sheet(tables: reading.Data) -> Answer:
         "points": points,
         "links": links,
         "lengths": _table(tables, "lengths"),
-        "drive": _table(tables, "drive").get("link", ""),
+        "drive": _drive(tables).get("link", ""),
         **rows,
     }
+
+
+def _drive(tables: reading.Data) -> reading.Data:
+    """The first drive."""
+    several = tables.get("drive")
+    first = several[0] if isinstance(several, list) and several else several
+    return first if isinstance(first, dict) else {}
 
 
 def _table(tables: reading.Data, name: str) -> reading.Data:

@@ -90,6 +90,12 @@ class Draft:
         return self.document[name]
 
     @property
+    def drives(self) -> list[Any]:
+        """The table [drive], or each [[drive]]."""
+        drive = self.document.get("drive", [])
+        return list(drive) if isinstance(drive, list) else [drive]
+
+    @property
     def points(self) -> Any:
         """Table [points]."""
         return self.table("points")
@@ -176,11 +182,11 @@ class Draft:
 
     def drive_if_none(self) -> None:
         """Let the first link on the ground drive, where none does."""
-        drive = self.document.get("drive", {})
+        drive: Any = next(iter(self.drives), {})
         ground = set(self.links.get(GROUND, ()))
         able = [name for name in self.links if name != GROUND and ground & {*self.links[name]}]
         if able and drive.get("link", "") not in self.links:
-            put(self.table("drive"), "link", able[0])
+            put(self.drives[0] if self.drives else self.table("drive"), "link", able[0])
 
     # ---- taking away, and other names ----
 
@@ -212,8 +218,9 @@ class Draft:
         """Take a link off the sheet, and what is said of it."""
         self.links.pop(name, None)
         self.drop_rows(_OF_LINKS, name)
-        if self.document.get("drive", {}).get("link") == name:
-            self.document["drive"].pop("link")
+        for drive in self.drives:
+            if drive.get("link") == name:
+                drive.pop("link")
         for table in _BY_LINK:
             self.document.get(table, {}).pop(name, None)
 
@@ -465,7 +472,7 @@ def _drive(draft: Draft, request: Request) -> None:
     link = draft.named(request, "link", [name for name in draft.links if name != GROUND])
     if set(draft.links[link]).isdisjoint(draft.links.get(GROUND, ())):
         raise refused("link", link, "a link that is pinned to the ground")
-    put(draft.table("drive"), "link", link)
+    put(draft.drives[0] if draft.drives else draft.table("drive"), "link", link)
 
 
 def _output(draft: Draft, request: Request) -> None:
@@ -546,8 +553,9 @@ def _rename(draft: Draft, request: Request) -> None:
         _rekey(draft.points, name, other)
         return
     draft.replace(_OF_LINKS, name, other)
-    if draft.document.get("drive", {}).get("link") == name:
-        put(draft.document["drive"], "link", other)
+    for drive in draft.drives:
+        if drive.get("link") == name:
+            put(drive, "link", other)
     for table in ("links", *_BY_LINK):
         if name in draft.document.get(table, {}):
             _rekey(draft.document[table], name, other)

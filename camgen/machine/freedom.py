@@ -100,16 +100,7 @@ def refuse_unsound(machine: Machine) -> Freedom:
             if drive.name in freedom.bound and _needless(machine, drive)
         ]
         if second and freedom.drives > 1:
-            raise DesignError(
-                "number of drives",
-                freedom.drives,
-                freedom.drives - freedom.spare,
-                "",
-                _joints(freedom.bound),
-                f"take away {'one of the' if len(second) > 1 else 'the'} {listed('drive', second)}",
-            ).saying(
-                f"{freedom.drives} drives for {_degrees(freedom.drives - freedom.spare)} ({_tally(freedom)})"
-            )
+            raise _drives_error(freedom, second)
         if second:
             raise DesignError(
                 "degrees of freedom to drive",
@@ -141,6 +132,19 @@ def refuse_unsound(machine: Machine) -> Freedom:
             remedy,
         ).saying(message)
     return freedom
+
+
+def _drives_error(freedom: Freedom, second: Sequence[str]) -> DesignError:
+    """More drives than degrees of freedom; second: those of which one decides nothing."""
+    degrees = freedom.drives - freedom.spare
+    return DesignError(
+        "number of drives",
+        freedom.drives,
+        degrees,
+        "",
+        _joints(freedom.bound),
+        f"take away {'one of the' if len(second) > 1 else 'the'} {listed('drive', second)}",
+    ).saying(f"{freedom.drives} drives for {_degrees(degrees)} ({_tally(freedom)})")
 
 
 def _locked_error(freedom: Freedom) -> DesignError:
@@ -254,9 +258,9 @@ def close_drawing(machine: Machine) -> Machine:
         ]
         freedom = _by_count(machine)
         if freedom.count < freedom.drives:  # no lengths will do
-            raise _locked_error(
-                replace(freedom, spare=freedom.drives - freedom.count, bound=tuple(open_))
-            )
+            found = replace(freedom, spare=freedom.drives - freedom.count, bound=tuple(open_))
+            motors = [drive.name for drive in machine.drives if drive.motor]
+            raise _drives_error(found, motors) if motors else _locked_error(found)
         message = f"the lengths contradict each other: {_joints(open_)} {'stays' if len(open_) == 1 else 'stay'} open"
         raise DesignError(
             "gap of the joints as drawn",

@@ -246,7 +246,7 @@ class Module:
 # What a text is, by its key.
 _NAMES: dict[str, Callable[[Module, str], str]] = {
     **dict.fromkeys(("a", "b", "cam", "follower", "body", "on", "by", "carrier"), Module.body),
-    **dict.fromkeys(("name", "slide", "joint", "turns", "swings"), Module.name),
+    **dict.fromkeys(("name", "slide", "joint", "turns", "swings", "motor"), Module.name),
     **dict.fromkeys(("part", "roller"), Module.part),
 }
 

@@ -177,6 +177,7 @@ class Drive:
     body: str
     law: Law = field(default_factory=Turning)  # rad, or mm along the slide
     slide: str | None = None
+    motor: str | None = None  # name of what turns it, of several; all without one are on one shaft
 
 
 @dataclass(frozen=True)

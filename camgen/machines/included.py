@@ -418,6 +418,10 @@ def _spec_faults(path: Key, each: Include, host: Host) -> list[Fault]:
     if isinstance(each.spec, str):
         right = "its tables: only a spec in a file can name another file"
         return [Fault(path, each.spec, right)]
+    drives = each.spec.get("drive")
+    if isinstance(drives, Sequence):
+        right = "[drive], one table: this machine's shaft turns what it includes"
+        return [Fault((*path, "drive"), f"{len(drives)} drives", right)]
     if each.spec.get("include"):
         own = [one.get("spec") for one in each.spec["include"] if isinstance(one, Mapping)]
         files = ", ".join(name for name in own if isinstance(name, str))

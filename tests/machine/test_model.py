@@ -66,7 +66,7 @@ MOVING = ("crank", "ram", "wheel", "arm")
 MACHINE = Machine(
     (Body(GROUND), *map(Body, MOVING)),
     tuple(JOINTS.values()),
-    (Drive("motor", "arm"), Drive("push", "ram", law, "slide")),
+    (Drive("motor", "arm"), Drive("push", "ram", law, "slide", "pump")),
     dict.fromkeys(MOVING, Pose(0j, 0.0)),
     (*LOADS.values(), Gravity()),
     tuple(OUTPUTS.values()),

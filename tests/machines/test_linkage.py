@@ -331,7 +331,11 @@ def many(e: dict[str, Any]) -> None:
             SpecError,
             "two different points",
         ),
-        (lambda e: e.update(drive=[e["drive"], e["drive"]]), SpecError, "expected one drive"),
+        (
+            lambda e: e.update(drive=[e["drive"], e["drive"]]),
+            SpecError,
+            "drive.1.link: 'crank' - expected a link with a pivot of its own",
+        ),
         (
             lambda e: (
                 e["layers"].update(rocer=1) if "layers" in e else e.update(layers={"rocer": 1})

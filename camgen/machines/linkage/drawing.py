@@ -48,7 +48,7 @@ class Drawing:
     points: Mapping[str, tuple[float, float]]
     links: Mapping[str, Sequence[str]]
     lengths: Mapping[str, float]
-    drive: t.Drive
+    drives: Sequence[t.Drive]
     slides: Sequence[t.Slide] = ()
     slots: Sequence[t.Slot] = ()
     gears: Sequence[t.Gear] = ()
@@ -67,6 +67,16 @@ class Drawing:
     planets: Sequence[t.Planets] = ()  # whose points and links are among the others
 
     # ---- names ----------------------------------------------------------------------------------------------------
+
+    @property
+    def drive(self) -> t.Drive:
+        """The first, by whose speed theta grows."""
+        return self.drives[0]
+
+    def names_of_drives(self) -> list[str]:
+        """Of the model's drives: drive, of several with their links."""
+        several = len(self.drives) > 1
+        return [f"drive of {each.link}" if several else "drive" for each in self.drives]
 
     @staticmethod
     def slide_name(slide: t.Slide) -> str:
@@ -112,7 +122,7 @@ class Drawing:
             *self.points,
             *(name for _, name in self.joints()),
             *self.levels_of_joints(),
-            "drive",
+            *self.names_of_drives(),
         ]
 
     def levels_of_joints(self) -> list[str]:
@@ -210,9 +220,17 @@ class Drawing:
             pairs[name] = title, post, cam.at if cam.shape == "roller" else hook
         return pairs
 
+    def rate_of(self, drive: t.Drive) -> float | None:
+        """Turns of a driven link over theta, below 0 against the first one; None of one that a program moves."""
+        if drive is self.drive:
+            return 1.0
+        return None if drive.segments else drive.speed_rpm / self.drive.speed_rpm
+
     def turns_of(self, link: str) -> float | None:
         """Turns of a link for one of the driven one, by gears, below 0 against it; None where no gears join them."""
-        turns = {self.drive.link: 1.0}
+        turns = {
+            each.link: rate for each in self.drives if (rate := self.rate_of(each)) is not None
+        }
         for _ in (*self.gears, *self.planets):
             for gear in self.gears:
                 if gear.a in turns:
@@ -330,7 +348,15 @@ class Drawing:
         joints += [self._gear(gear, start) for row in self.planets for gear in planets.gears(row)]
         joints += [self._cam(cam, start, joints) for cam in self.cams]
         joints += [self._geneva(geneva, bodies, start) for geneva in self.genevas]
-        drive = m.Drive("drive", self.drive.link, m.Turning(1.0, start[self.drive.link].angle))
+        drives = [
+            m.Drive(
+                name,
+                each.link,
+                m.Turning(self.rate_of(each) or 1.0, start[each.link].angle),
+                motor=each.link if len(self.drives) > 1 else None,
+            )
+            for name, each in zip(self.names_of_drives(), self.drives, strict=True)
+        ]
         outputs = tuple(self._output(each, bodies) for each in self.outputs)
         speed = self.drive.speed_rpm * math.tau / 60
         made = {joint.name: joint for joint in joints}
@@ -342,7 +368,7 @@ class Drawing:
         return m.Machine(
             tuple(bodies.values()),
             tuple(joints),
-            (drive, *held),
+            (*drives, *held),
             start,
             tuple(load for load in loads if load is not None),
             outputs,

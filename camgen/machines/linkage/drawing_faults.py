@@ -125,7 +125,7 @@ def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
         if name in drawing.links:
             right = "another name: a cam, gear or Geneva drive has it, and its level"
             yield Fault(("links", name), "", right)
-    named = {"drive": "drive"}
+    named = dict.fromkeys(drawing.names_of_drives(), "drive")
     for path, name in drawing.joints():
         if name in named:
             yield Fault((*path, "name"), repr(name), f"a name of its own: {named[name]} has it")
@@ -161,16 +161,18 @@ def _line_faults(drawing: Drawing, path: Key, name: str, line: tuple[str, str]) 
 
 
 def _drive_faults(drawing: Drawing) -> Iterable[Fault]:
-    drive = drawing.drive
-    path = ("drive", "link")
-    wrong = _link_fault(drawing, path, drive.link)
-    yield from wrong
-    if not wrong and drawing.pivot(drive.link) is None:
-        yield Fault(path, repr(drive.link), "a link that shares a point with the ground")
-    turn = drive.range_deg
-    if turn is not None and not turn[0] < turn[1]:
-        yield Fault(("drive", "range_deg"), str(list(turn)), "the least before the greatest")
-    yield from drive.faults()
+    several = len(drawing.drives) > 1
+    for k, drive in enumerate(drawing.drives):
+        table: Key = ("drive", k) if several else ("drive",)
+        path = (*table, "link")
+        wrong = _link_fault(drawing, path, drive.link)
+        yield from wrong
+        if not wrong and drawing.pivot(drive.link) is None:
+            yield Fault(path, repr(drive.link), "a link that shares a point with the ground")
+        turn = drive.range_deg
+        if turn is not None and not turn[0] < turn[1]:
+            yield Fault((*table, "range_deg"), str(list(turn)), "the least before the greatest")
+        yield from drive.faults(table)
 
 
 def _slide_faults(drawing: Drawing, path: Key, slide: t.Slide) -> Iterable[Fault]:

@@ -78,7 +78,7 @@ class LinkageMotion:
 
     chain: m.Machine  # closed as drawn
     cycle: Cycle
-    driven: str  # link that the drive turns
+    driven: Sequence[str]  # links that drives turn
     wanted: Sequence[Wanted]
     even: bool  # no program moves the drive
     springs: bool  # some pull on it
@@ -159,7 +159,7 @@ def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) 
     tables += [Table("Extreme positions", _EXTREMES, places)] if places else []
     tables += [Table("Paths", _PATHS, paths_of)] if paths_of else []
     notes = []
-    lengths = four_bar_lengths(linkage.chain, linkage.driven)
+    lengths = four_bar_lengths(linkage.chain, linkage.driven[0])
     if lengths is not None:
         bar = four_bar(*lengths.values())
         figures.append(Figure("grashof margin", bar.margin, "mm"))
@@ -354,11 +354,13 @@ def transmission_angles(linkage: LinkageMotion, least_deg: float) -> list[Findin
 
 
 def _forces(linkage: LinkageMotion, made: Build, theta: Floats, angle: Callable[[], str]) -> Study:
-    """Torque of the drive and reactions of the joints at an even turn, by the masses of the parts."""
+    """Torque of the drives and reactions of the joints at an even turn, by the masses of the parts."""
     forces = solve(made.machine, theta).forces()
-    torque = next(iter(forces.drives.values()))
+    first, *others = made.machine.drives
+    shown = [first, *(each for each in others if each.motor)]
+    torques = {each.name: forces.drives[each.name] for each in shown}
     figures = [
-        Figure("peak torque", peak(torque), "N m"),
+        Figure("peak torque", max(map(peak, torques.values())), "N m"),
         Figure("peak kinetic energy", float(forces.energy.max()), "J"),
     ]
     rows = []
@@ -387,8 +389,13 @@ def _forces(linkage: LinkageMotion, made: Build, theta: Floats, angle: Callable[
         tables.append(Table("Springs, between their points", _SPRINGS, of_springs))
 
     def plots() -> list[Plot]:
-        curve = [("torque", np.degrees(theta), torque)]
-        return [Plot("Torque of the drive, without friction", f"{angle()}, deg", "N m", curve)]
+        names = torques if len(torques) > 1 else ["torque"]
+        curves = [
+            (name, np.degrees(theta), torque)
+            for name, torque in zip(names, torques.values(), strict=True)
+        ]
+        what = "drives" if len(torques) > 1 else "drive"
+        return [Plot(f"Torque of the {what}, without friction", f"{angle()}, deg", "N m", curves)]
 
     return Study(Figures(figures), Later(plots), tables)
 

@@ -37,7 +37,7 @@ from camgen.machine.reach import refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machine.stepwise import stays_clear
 from camgen.machines import included as inc
-from camgen.machines.linkage import bridges, figures, freewheels, planets, sheets
+from camgen.machines.linkage import bridges, figures, freewheels, motors, planets, sheets
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.asked_range import refuse_range
@@ -126,7 +126,9 @@ class Linkage(Mechanism):
     lengths: t.Lengths = Field(
         default={}, description="exact distances between two points of one link"
     )
-    drive: t.OneDrive = Field(description="what turns the machine")
+    driving: Annotated[t.Drives, Field(alias="drive")] = Field(
+        description="what turns the machine; [[drive]] twice: two motors, each with its program"
+    )
     slides: Annotated[tuple[t.Slide, ...], Field(alias="slide")] = Field(
         default=(), description="a link that moves along a line of another"
     )
@@ -185,6 +187,16 @@ class Linkage(Mechanism):
         description="what you accept: beyond a limit its finding fails",
     )
 
+    @property
+    def drives(self) -> tuple[t.Drive, ...]:
+        """What turns it, a motor each."""
+        return self.driving if isinstance(self.driving, tuple) else (self.driving,)
+
+    @property
+    def drive(self) -> t.Drive:
+        """The first of them, by whose speed theta grows."""
+        return self.drives[0]
+
     @model_validator(mode="before")
     @classmethod
     def _of_sheet(cls, data: Any) -> Any:
@@ -201,7 +213,7 @@ class Linkage(Mechanism):
         ]
         found += drawing_faults(self._drawing)
         turning = [
-            self.drive.link,
+            *(each.link for each in self.drives),
             *(cam.cam for cam in self.cams),
             *(name for gear in self.gears for name in (gear.a, gear.b)),
             *(name for geneva in self.genevas for name in (geneva.a, geneva.b)),
@@ -262,6 +274,7 @@ class Linkage(Mechanism):
         ]
         found += self._side_faults()
         found += () if self.walk is None else self.walk.faults(self.wanted)
+        found += motors.faults(self._drawing, self.making, self._of_one_motor)
         if self.includes and self.drive.segments:
             right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
             found.append(Fault(("drive", "segment"), f"{len(self.drive.segments)} segments", right))
@@ -269,6 +282,16 @@ class Linkage(Mechanism):
             *found,
             *(inc.faults(self.includes, self._host) if self.includes else ()),
         ]
+
+    @property
+    def _of_one_motor(self) -> Mapping[str, bool]:
+        """Which tables are there that several motors cannot have beside them."""
+        return {
+            "include": bool(self.includes),
+            "freewheel": bool(self.freewheels),
+            "planets": bool(self.planets),
+            "counterweight": self.counterweight is not None,
+        }
 
     def _side_faults(self) -> Iterator[Fault]:
         """Why there cannot be two sides, and soles without a foot."""
@@ -340,7 +363,7 @@ class Linkage(Mechanism):
             points,
             links,
             self.lengths,
-            self.drive,
+            self.drives,
             self.slides,
             self.slots,
             self.gears,
@@ -467,6 +490,8 @@ class Linkage(Mechanism):
         chain = self._drawing.machine()
         for spring in self._returning:
             chain = spring.on(chain)
+        if len(self.drives) > 1:
+            return motors.driven(chain, self.drives)
         law: m.Law | None
         program = self.drive.program()
         if program is None:
@@ -514,10 +539,10 @@ class Linkage(Mechanism):
     @cached_property
     def _moving(self) -> figures.LinkageMotion:
         """It without what is included, as figures see it."""
-        even = not self.drive.segments
+        even = not any(each.segments for each in self.drives)
         springs = bool(self.springs or self._returning)
         return figures.LinkageMotion(
-            self.chain, self.cycle, self.drive.link, self.wanted, even, springs
+            self.chain, self.cycle, [each.link for each in self.drives], self.wanted, even, springs
         )
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
@@ -548,7 +573,7 @@ class Linkage(Mechanism):
             far = self._made_of(self._far_bodies, self._far_fitted)
             own = replace(both_sides(own, far, self._mirror, self.model), feet=self._feet)
         whole = assemblies.joined(own, [each.assembly for each in self.modules], self.model)
-        even = self.drive.range_deg is None and not self.drive.segments
+        even = self.drive.range_deg is None and not any(each.segments for each in self.drives)
         cams = any(isinstance(each, CamOutline) for each in whole.features)
         name = ("cam angle" if cams else "crank angle") if even else "drive angle"
         swept = self.rounds if self.rounds <= _SHOWN_TURNS else 1
@@ -834,6 +859,7 @@ class Linkage(Mechanism):
                 for each in self.freewheels
                 if (hub := self.making.shape(each.link).hub_diameter)
             },
+            further=tuple(each.link for each in self.drives[1:]),
             keep_outs=inc.clearings(self.includes, lambda: self._host),
             fitting=self.additions.fitting,
         )

@@ -7,13 +7,13 @@ lengths override drawn distances. Two links that share a point are pinned there.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Discriminator, Field, Tag
 
-from camgen.errors import Fault, SpecError
+from camgen.errors import Fault, Key, SpecError
 from camgen.machine.cams.limits import CamLimits
 from camgen.machine.targets import (
     Dwell,
@@ -92,19 +92,19 @@ class Drive(Record):
         description="a program in place of an even turn, as a stepper runs it; speed_rpm counts periods",
     )
 
-    def program(self) -> Program | None:
+    def program(self, path: Key = ("drive",)) -> Program | None:
         """Of the driven link from its drawn angle, rad over a period of 2 pi; None where it turns evenly; SpecError."""
         rows = tuple(row.table for row in self.segments)
-        return program(rows, math.radians(1), ("drive", "segment"), 360.0, "_deg") if rows else None
+        return program(rows, math.radians(1), (*path, "segment"), 360.0, "_deg") if rows else None
 
-    def faults(self) -> list[Fault]:
+    def faults(self, path: Key = ("drive",)) -> list[Fault]:
         """What does not go together."""
         if not self.segments:
             return []
         if self.range_deg is not None:
             return [
                 Fault(
-                    ("drive", "range_deg"),
+                    (*path, "range_deg"),
                     str(list(self.range_deg)),
                     "nothing here: the segments say how far it goes",
                 )
@@ -112,28 +112,37 @@ class Drive(Record):
         if self.speed_rpm < 0:
             return [
                 Fault(
-                    ("drive", "speed_rpm"),
+                    (*path, "speed_rpm"),
                     f"{self.speed_rpm:g}",
                     "above 0, periods of the program: a return turns clockwise",
                 )
             ]
         try:
-            self.program()
+            self.program(path)
         except SpecError as error:
             return list(error.faults)
         return []
 
 
-def _one_drive(value: object) -> object:
-    """A list of drives is told for what it is."""
-    if isinstance(value, list | tuple):
-        raise ValueError(
-            "one drive, [drive]: chains of more degrees of freedom are not made; let gears or cams couple the links"
-        )
-    return value
+def _with_speeds(value: object) -> object:
+    """A list of drives in which those that say no speed have that of the first."""
+    if not isinstance(value, list | tuple) or not value or not isinstance(value[0], Mapping):
+        return value
+    speed = {key: value[0][key] for key in ("speed_rpm",) if key in value[0]}
+    return tuple({**speed, **row} if isinstance(row, Mapping) else row for row in value)
 
 
-OneDrive = Annotated[Drive, BeforeValidator(_one_drive)]
+def _number_of_drives(value: object) -> str:
+    return "several" if isinstance(value, list | tuple) else "one"
+
+
+# One table, or a list: a motor each, over one theta.
+Drives = Annotated[
+    Annotated[Drive, Tag("one")]
+    | Annotated[tuple[Drive, ...], Field(min_length=1, max_length=8), Tag("several")],
+    Discriminator(_number_of_drives),
+    BeforeValidator(_with_speeds),
+]
 
 
 class Slide(Record):

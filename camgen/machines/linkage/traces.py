@@ -15,6 +15,7 @@ from camgen.errors import DesignError
 from camgen.geometry.facets import facet_contour
 from camgen.machine.model import GROUND
 from camgen.machine.run import solve
+from camgen.machines.linkage import motors
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.numerics import Floats, Points
 
@@ -35,7 +36,10 @@ Lengths = Mapping[str, float]
 
 
 def angles(linkage: Linkage, count: int = COUNT) -> Floats:
-    """Angles of the driven link from its drawn one, (count,) rad: a turn, its range, or what its program runs through."""
+    """Angles of the driven link from its drawn one, (count,) rad: a turn, its range, or what its program runs through; of several
+    motors a period."""
+    if len(linkage.drives) > 1:
+        return np.linspace(0, math.tau, count)
     program = linkage.drive.program()
     if program is not None:
         return np.asarray(program(np.linspace(0, math.tau, count)))
@@ -55,7 +59,7 @@ def traces(
         drawing = replace(drawing, points=points)
     if lengths is not None:
         drawing = replace(drawing, lengths=lengths)
-    machine = drawing.rough
+    machine = motors.moved(drawing.rough, linkage.drives)
     run = solve(machine, theta, 0)
     return {
         point: np.full(theta.shape, body.points[point])
@@ -72,7 +76,11 @@ def apexes(linkage: Linkage) -> list[Apex] | None:
     None where this does not place all of them, or where [lengths] and drawing have to be balanced in the shape of a link.
     """
     joints = (linkage.slides, linkage.slots, linkage.gears, linkage.cams, linkage.freewheels)
-    if any(joints) or not all(_is_plain(linkage, name) for name in linkage.links):
+    if (
+        any(joints)
+        or len(linkage.drives) > 1
+        or not all(_is_plain(linkage, name) for name in linkage.links)
+    ):
         return None
     rest = dict(linkage.links)
     ground = rest.pop(GROUND)

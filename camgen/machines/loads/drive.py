@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from camgen.findings import NotJudged, Where, at_least, at_most
+from camgen.findings import Finding, NotJudged, Where, at_least, at_most
 from camgen.machine import flywheel
 from camgen.machine.forces import Forces
-from camgen.machine.model import GROUND, MM, Pin, Turning
+from camgen.machine.model import GROUND, MM, Drive, Pin, Turning
 from camgen.machine.run import Run
 from camgen.machines.loads.bearing import LoadCheck
 from camgen.machines.loads.tables import Drives
@@ -67,6 +68,62 @@ def reach(drives: Drives | None, seat: MotorSeat) -> LoadCheck:
     )
 
 
+@dataclass(frozen=True)
+class _Motor:
+    """A motor and the torque that it gives over theta, (n,) N m, with friction in the joints and without."""
+
+    name: str  # "" of the only one
+    drive: Drive
+    run: Run
+    needed: Floats
+    smooth: Floats
+
+    @property
+    def power(self) -> float:
+        """Mean of what it gives, W."""
+        given = self.needed * self.drive.law(self.run.theta, 1) * self.run.machine.speed
+        return flywheel.mean_torque(self.run.theta, given)
+
+    def figure(self, quantity: str, value: float, unit: str) -> Figure:
+        """A figure of it, of several with its name."""
+        return Figure(f"{quantity} {{of}}" if self.name else quantity, value, unit, self.name)
+
+    @property
+    def figures(self) -> list[Figure]:
+        """Of its torque and power."""
+        return [
+            self.figure("drive torque", peak(self.needed), "N m"),
+            self.figure(
+                "drive torque mean", flywheel.mean_torque(self.run.theta, self.needed), "N m"
+            ),
+            self.figure("drive power", self.power, "W"),
+        ]
+
+    def plot(self, angle: str) -> Plot:
+        """Its torque over theta, which is called so."""
+        degrees = np.degrees(self.run.theta)
+        curves = [("with friction", degrees, self.needed), ("without", degrees, self.smooth)]
+        what = f"the motor of {self.name}" if self.name else "the motor"
+        title = f"Torque that {what} gives, with friction in the joints and without"
+        return Plot(title, f"{angle}, deg", "N m", curves)
+
+    def findings(self, motor: Motor | None) -> Iterator[Finding]:
+        """DRIVE_TORQUE, where it is known what the motor can give."""
+        if motor is None:
+            return
+        theta = self.run.theta
+        worst = int(np.argmax(np.abs(self.needed)))
+        rate = float(abs(self.drive.law(theta, 1)[worst] * self.run.machine.speed))
+        remark = f"needed at {rate * 60 / math.tau:.6g} rpm with the friction of all joints; {motor.said}"
+        most = peak(self.needed)
+        if most < _NOTHING:
+            remark += "; no load, mass or friction is known: give them in [load]"
+        where = Where(
+            self.drive.name if self.name else "drive", theta=float(theta[worst]), angle="", digits=1
+        )
+        yield at_most("DRIVE_TORQUE", most, max(0.0, motor.torque(rate)), "N m", where, remark)
+
+
 def torque(
     run: Run,
     forces: Forces,
@@ -75,22 +132,16 @@ def torque(
     crank: float = 0.0,
     locking: Callable[[], str] = str,
 ) -> LoadCheck:
-    """SELF_LOCKING, torque, power and evenness of the machine's drives, which are one shaft: seen from the first of them.
+    """SELF_LOCKING, torque, power and evenness of the machine's drives; those of one motor are one shaft, seen from the first.
 
-    DRIVE_TORQUE is judged where the spec names what turns it; else the torque that is needed is a figure alone.
+    DRIVE_TORQUE is judged where the spec names what turns it; else the torque that is needed is a figure alone. Evenness is of
+    a machine with one motor.
     angle: what theta is called; crank: mm, of the machine's own hand crank, 0: none; locking: of a machine that locks says by
     which friction, and which it would bear.
     """
     check = LoadCheck()
-    speed = run.machine.speed
     theta = run.theta
     turn = float(np.ptp(theta))
-    drive = run.machine.drives[0]
-    needed = _on_shaft(run, forces.drives)
-    smooth = _on_shaft(run, forces.smooth)
-    if peak(needed) <= max(_NOTHING, _ROUNDING * _torque_of_pins(run, forces)):
-        needed = np.zeros_like(needed)
-        smooth = needed
     if np.any(forces.locks):
         locked = float(np.mean(forces.locks)) * math.degrees(turn)
         remark = (
@@ -102,6 +153,43 @@ def torque(
         check.findings.append(
             at_most("SELF_LOCKING", min(locked, math.degrees(turn)), 0.0, "deg", where, remark)
         )
+    motors = _motors(run, forces)
+    if len(motors) > 1:
+        most = max(peak(each.needed) for each in motors)
+        check.figures.append(Figure("drive torque", most, "N m"))
+    for each in motors:
+        check.figures.extend(each.figures)
+        if len(motors) == 1:
+            _even(each, drives, check)
+        check.plots.append(each.plot(angle))
+        check.findings.extend(each.findings(motor_of(drives, crank)))
+    return check
+
+
+def _motors(run: Run, forces: Forces) -> list[_Motor]:
+    """Each motor of a machine, what it gives seen from its first drive."""
+    groups: dict[str, list[Drive]] = {}
+    for drive in run.machine.drives:
+        groups.setdefault(drive.motor or "", []).append(drive)
+    motors = []
+    for name, drives in groups.items():
+        needed = _on_shaft(run, drives, forces.drives)
+        smooth = _on_shaft(run, drives, forces.smooth)
+        if peak(needed) <= max(_NOTHING, _ROUNDING * _torque_of_pins(run, forces)):
+            needed = np.zeros_like(needed)
+            smooth = needed
+        motors.append(_Motor(name, drives[0], run, needed, smooth))
+    return motors
+
+
+def _even(motor: _Motor, drives: Drives | None, check: LoadCheck) -> None:
+    """Add how evenly the one motor turns: energy, flywheels, a spring that balances its torque, SPEED_FLUCTUATION."""
+    run = motor.run
+    speed = run.machine.speed
+    theta = run.theta
+    turn = float(np.ptp(theta))
+    drive = motor.drive
+    needed = motor.needed
     most = peak(needed)
     energy = flywheel.energy_swing(theta, needed * np.sign(speed))
     flywheel_given = 0.0 if drives is None else drives.flywheel_kg_m2
@@ -111,11 +199,7 @@ def torque(
         """Inertia, kg m^2, of a flywheel for a swing of the speed."""
         return max(0.0, flywheel.inertia_for(energy, share, speed) - inertia)
 
-    power = flywheel.mean_torque(theta, needed * drive.law(theta, 1) * speed)
     check.figures += [
-        Figure("drive torque", most, "N m"),
-        Figure("drive torque mean", flywheel.mean_torque(theta, needed), "N m"),
-        Figure("drive power", power, "W"),
         Figure("energy swing", energy, "J"),
         Figure("turning inertia", inertia, "kg m²"),
     ]
@@ -130,10 +214,6 @@ def torque(
                 Figure("balance spring at", math.degrees(place), "deg"),
                 Figure("drive torque balanced", left, "N m"),
             ]
-    degrees = np.degrees(theta)
-    curves = [("with friction", degrees, needed), ("without", degrees, smooth)]
-    title = "Torque that the motor gives, with friction in the joints and without"
-    check.plots.append(Plot(title, f"{angle}, deg", "N m", curves))
     fluctuation = None if drives is None else drives.fluctuation
     swing = min(1.0, flywheel.fluctuation_of(energy, inertia, speed)) if energy else 0.0
     if flywheel_given or fluctuation:
@@ -146,18 +226,6 @@ def torque(
         check.findings.append(
             at_most("SPEED_FLUCTUATION", swing, fluctuation, "share", Where("drive"), remark)
         )
-    motor = motor_of(drives, crank)
-    if motor is not None:
-        worst = int(np.argmax(np.abs(needed)))
-        rate = float(abs(drive.law(theta, 1)[worst] * speed))
-        remark = f"needed at {rate * 60 / math.tau:.6g} rpm with the friction of all joints; {motor.said}"
-        if most < _NOTHING:
-            remark += "; no load, mass or friction is known: give them in [load]"
-        where = Where("drive", theta=float(theta[worst]), angle="", digits=1)
-        check.findings.append(
-            at_most("DRIVE_TORQUE", most, max(0.0, motor.torque(rate)), "N m", where, remark)
-        )
-    return check
 
 
 def _torque_of_pins(run: Run, forces: Forces) -> float:
@@ -195,9 +263,9 @@ def hub_slip(hub: SetScrewHub | None, torque: float, plastic: str) -> LoadCheck:
     return check
 
 
-def _on_shaft(run: Run, drives: Mapping[str, Floats]) -> Floats:
-    """Torque of all drives on the first one, (n,) N m, by the power that each gives; 0 where it is not known."""
-    first, *others = run.machine.drives
+def _on_shaft(run: Run, of: Sequence[Drive], drives: Mapping[str, Floats]) -> Floats:
+    """Torque of the drives of one shaft on the first, (n,) N m, by the power that each gives; 0 where it is not known."""
+    first, *others = of
     total = drives[first.name]
     rate = first.law(run.theta, 1)
     for each in others:

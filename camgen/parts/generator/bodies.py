@@ -146,9 +146,9 @@ class Bodies:
 
     @property
     def shaft_reach(self) -> float:
-        """How far the shaft that drives stands over the plate's underside, the motor's face, mm."""
+        """How far the shafts that drive stand over the plate's underside, the motors' faces, mm: the longest of them."""
         layout = self.layout
-        top = layout.on(layout.shaft_of(layout.driven))[-1][2]
+        top = max(layout.on(layout.shaft_of(link))[-1][2] for link in layout.drivers)
         if layout.webs:  # it ends in the first of them
             top = layout.top(layout.level[layout.driven])
         return top if self.collar is None else top + self.collar.height
@@ -181,7 +181,10 @@ class Bodies:
             motors = fixed_motor("drive", face, said, p.base_thickness - p.pocket)
         covers = len(self.of_role("cover"))
         screws = self.layout.cover.bought(covers) if self.layout.cover else []
-        screws += [] if self.collar is None else self.collar.bought(self.collar.least_radius)
+        count = len(self.layout.drivers)
+        motors = [replace(each, count=count * each.count) for each in motors]
+        held = [] if self.collar is None else self.collar.bought(self.collar.least_radius)
+        screws += [replace(each, count=count * each.count) for each in held]
         behind = Bought("screw of the plate, from behind", "", screw, p.mount_screws, "mount")
         return [
             *motors,
@@ -207,13 +210,18 @@ class Bodies:
 
     @property
     def _turned(self) -> str:
-        """What turns the shaft."""
+        """What turns the shafts."""
+        several = bool(self.layout.further)
         if self.sizes.face is not None:
-            return "The motor under the plate turns it"
+            return (
+                f"The motor{'s' if several else ''} under the plate turn{'' if several else 's'} it"
+            )
         if self.sizes.hand_crank:
             return f"The hand crank turns it from {'below' if self.sizes.stand == 'none' else 'behind'}"
         flat = self.sizes.shaft_flat
-        by = f", by its flat {flat:g} deep" if flat else ""
+        by = f", by {'their flats' if several else 'its flat'} {flat:g} deep" if flat else ""
+        if several:
+            return f"What is coupled to the shafts' lower ends turns them{by}"
         return f"What is coupled to the shaft's lower end turns it{by}"
 
     def stand_ins(self) -> list[StandIn]:
@@ -222,11 +230,14 @@ class Bodies:
         own = self.layout.fitted.stand_ins
         if face is None:
             return [*own]
-        at = self.layout.at(GROUND, self.layout.shaft_of(self.layout.driven))
+        drivers = self.layout.drivers
+        axes = [self.layout.at(GROUND, self.layout.shaft_of(link)) for link in drivers]
         wide = face.half if face.length else face.reach
         high = -self.sizes.base_thickness if face.width else 0.0  # where its sleeve ends
         low = -(face.length or 2 * face.half)
-        return [StandIn("motor", GROUND, ((at, wide, low, high),)), *own]
+        names = ["motor", *(f"motor of {link}" for link in self.layout.further)]
+        motors = zip(names, axes, strict=True)
+        return [*(StandIn(name, GROUND, ((at, wide, low, high),)) for name, at in motors), *own]
 
     # ---- links and plate --------------------------------------------------------------------------------------------
 
@@ -392,10 +403,11 @@ class Bodies:
 
     def _shaft(self, link: str, stub: Stub, at: complex) -> MountedPart:
         """A link's shaft, or the piece in its last web; the one that drives is longer below the plate."""
-        driven = link == self.layout.driven
+        driven = link in self.layout.drivers
         below = self.sizes.thickness + 2 * self.fits.slide_clearance
         below = self.sizes.shaft_length if driven else -stub.grips[0][0] if stub.hangs else below
-        name = _SHAFT if driven else f"{_SHAFT}-{link}"
+        alone = link == self.layout.driven
+        name = _SHAFT if alone else f"{_SHAFT}-{link}"
         sleeved = link in (self.layout.driven, self.layout.upper_web) and any(
             stand.sleeve for stand in self.layout.stands
         )
@@ -407,7 +419,7 @@ class Bodies:
             else 0.0
         )
         layer = Layer(Region(self._profile(0.0)), 0.0, below + top)
-        title = "Shaft" if driven else f"Shaft of link {link}"
+        title = "Shaft" if alone else f"Shaft of link {link}"
         said = f"glued into link {link}" + (
             ", turns in the second plate" if stub.hangs else " and the collar"
         )

@@ -133,6 +133,7 @@ class Connections:
     freewheels: Mapping[str, tuple[str, Bearing]] = field(default_factory=dict)
     marks: Mapping[str, complex] = field(default_factory=dict)  # holes that show how links stand
     guest_links: Mapping[str, str] = field(default_factory=dict)  # links on another layout's shaft
+    further: tuple[str, ...] = ()  # links that other motors turn, a shaft each
     feet: Sequence[tuple[complex, float]] = ()  # further holes of the plate, diameters
     hangs: bool = False  # whether these hold the plate
     second: SecondPlate | None = None  # over all, once levels are found
@@ -151,6 +152,11 @@ class Connections:
     def machine(self) -> m.Machine:
         """The machine with all its points."""
         return with_seconds(self.drawn, self.cams)
+
+    @property
+    def drivers(self) -> tuple[str, ...]:
+        """Links that motors turn."""
+        return self.driven, *self.further
 
     @cached_property
     def webs(self) -> dict[str, tuple[str, ...]]:
@@ -320,11 +326,11 @@ class Connections:
 
     @cached_property
     def shafts(self) -> dict[str, str]:
-        """The link that is fixed on the shaft at a point: the driven one's first."""
+        """The link that is fixed on the shaft at a point: driven ones first."""
         loose = {*self.freewheels, *self.planet_pins}
         on_shafts = [wheel.link for wheel in self.wheels if wheel.link not in loose]
         shafts: dict[str, str] = {}
-        for link in dict.fromkeys([self.driven, *on_shafts]):
+        for link in dict.fromkeys([*self.drivers, *on_shafts]):
             shafts.setdefault(self.axis_of(link), link)
         return {**shafts, **self.guest_links}
 
@@ -444,6 +450,5 @@ class Connections:
 
     def on_motor(self, point: str, link: str) -> bool:
         """Whether a hole is the plate's for the motor's boss."""
-        return (
-            self.sizes.face is not None and link == GROUND and self.shafts.get(point) == self.driven
-        )
+        driven = self.shafts.get(point) in self.drivers
+        return self.sizes.face is not None and link == GROUND and driven

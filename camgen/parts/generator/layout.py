@@ -110,7 +110,7 @@ class Layout(Connections):
 
         None where it is no motor's, or nothing asks for it.
         """
-        if self.sizes.face is None or self.shafts.get(point) != self.driven:
+        if self.sizes.face is None or self.shafts.get(point) not in self.drivers:
             return None
         return self.sizes.collar(self.fits.press_clearance, self.min_wall)
 

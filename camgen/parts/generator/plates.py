@@ -132,22 +132,21 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
     radius = s.mount_diameter / 2
     under = collar + s.mount_diameter
     face = s.face
-    motor = points[layout.shaft_of(layout.driven)]
+    motors = [points[layout.shaft_of(link)] for link in layout.drivers]
     beside = [*hubs, *((points[shaft], under) for shaft in layout.shafts if shaft in points)]
     pockets = {}
     if face is not None:
-        beside.append((motor, face.reach + s.mount_diameter))
+        beside += [(motor, face.reach + s.mount_diameter) for motor in motors]
         wide = (face.screw.head + HEAD_ROOM) / 2
-        hubs += [(motor + z, wide + s.wall) for z in face.screws]
+        screws_at = [motor + z for motor in motors for z in face.screws]
+        hubs += [(z, wide + s.wall) for z in screws_at]
         holes |= {
-            f"motor screw {k}": circle(motor + z, face.screw.clearance / 2)
-            for k, z in enumerate(face.screws, 1)
+            f"motor screw {k}": circle(z, face.screw.clearance / 2)
+            for k, z in enumerate(screws_at, 1)
         }
-        pockets = {
-            f"motor screw {k}": circle(motor + z, wide) for k, z in enumerate(face.screws, 1)
-        }
+        pockets = {f"motor screw {k}": circle(z, wide) for k, z in enumerate(screws_at, 1)}
     if s.hand_crank:  # screws lie beside its way
-        beside.append((motor, s.hand_crank + s.pin_diameter + s.head + s.mount_diameter))
+        beside.append((motors[0], s.hand_crank + s.pin_diameter + s.head + s.mount_diameter))
     if s.stand != "none":  # heads under the plate pass the stand's panel beside the screws
         beside += [(z, s.pin_diameter / 2 + s.head + s.mount_diameter) for z in points.values()]
     beside += [(z, wide / 2 + s.mount_diameter) for z, wide in layout.feet]
@@ -157,7 +156,8 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
     pairs = [(a, b) for a in [*beside, *posts] for b in [*beside, *posts]]
     a, b = max(pairs, key=lambda pair: abs(pair[1][0] - pair[0][0]) + pair[0][1] + pair[1][1])
     way = (b[0] - a[0]) / abs(b[0] - a[0]) if a[0] != b[0] else 1.0 + 0j
-    _refuse_rails(layout, motor)
+    for link in layout.drivers:
+        _refuse_rails(layout, layout.shaft_of(link))
     screws = [] if layout.hangs else [a[0] - way * (a[1] + radius), b[0] + way * (b[1] + radius)]
     if screws and s.mount_screws == 3:
         screws.append(_third([*beside, *posts], a[0], way, radius))
@@ -201,9 +201,10 @@ def _third(
     return hubs[k][0] + math.copysign(1, off[k]) * 1j * way * (hubs[k][1] + radius)
 
 
-def _refuse_rails(layout: Layout, motor: complex) -> None:
-    """DesignError where a rail would stand over the seat of the motor's boss, whose centre this is."""
-    seat = layout.hole(layout.shaft_of(layout.driven), GROUND) / 2 if layout.sizes.face else 0.0
+def _refuse_rails(layout: Layout, shaft: str) -> None:
+    """DesignError where a rail would stand over the seat of the boss of the motor whose shaft is at a point."""
+    seat = layout.hole(shaft, GROUND) / 2 if layout.sizes.face else 0.0
+    motor = layout.at(GROUND, shaft)
     for link, guide in layout.guides.items():
         ends = [rail for rail in guide.rails if seat and guide.joint.guide.body == GROUND]
         for a, b in ends:
@@ -248,8 +249,8 @@ def motor_bar(layout: Layout) -> Iterator[tuple[Part, Mount]]:
         min_wall=layout.min_wall,
         notes=(said,),
     )
-    at = layout.at(GROUND, layout.shaft_of(layout.driven))
-    yield part, Mount(part.name, GROUND, at, z=z)
+    for link in layout.drivers:
+        yield part, Mount(part.name, GROUND, layout.at(GROUND, layout.shaft_of(link)), z=z)
 
 
 def with_battery(layout: Layout) -> Layout:
@@ -453,15 +454,17 @@ def _hanging(layout: Layout, points: Iterable[str]) -> list[str]:
     ]
 
 
-def motor_holes(layout: Layout) -> list[tuple[complex, float]]:
-    """Holes of the plate for the motor's boss and for the heads of its screws, centre and radius, mm; none without one."""
+def motor_holes(layout: Layout) -> Iterator[tuple[str, complex, float]]:
+    """Holes of the plate for the bosses of motors and for the heads of their screws: point of the shaft, centre and radius, mm;
+    none without a motor."""
     face = layout.sizes.face
-    point = layout.shaft_of(layout.driven)
     if face is None:
-        return []
-    at = layout.at(GROUND, point)
+        return
     wide = (face.screw.head + HEAD_ROOM) / 2
-    return [(at, layout.hole(point, GROUND) / 2), *((at + z, wide) for z in face.screws)]
+    for point in map(layout.shaft_of, layout.drivers):
+        at = layout.at(GROUND, point)
+        yield point, at, layout.hole(point, GROUND) / 2
+        yield from ((point, at + z, wide) for z in face.screws)
 
 
 def _depth(sizes: Parts) -> float:

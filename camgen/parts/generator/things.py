@@ -362,8 +362,7 @@ def _openings(layout: Layout, count: int) -> list[Opening]:
         move = f"another line of the slot of points.{point}"
         name = f"slot of pin {point}"
         openings.append(Opening(name, corners, half, f"pin {point}", move=move))
-    motor = layout.shaft_of(layout.driven)
-    for z, radius in motor_holes(layout):
+    for motor, z, radius in motor_holes(layout):
         centre = np.full((1, count), z)
         half = radius + layout.min_wall / 2
         move = f"points.{motor} elsewhere"
