@@ -1,13 +1,16 @@
-"""What the judge has against the files of a build, for tests that damage one: its spec is read once, other files need not be."""
+"""What the judge has against the files of a build, for tests that damage one: its spec is read once, what no damage touches is
+judged once."""
 
 from __future__ import annotations
 
 import hashlib
 import tomllib
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cache, lru_cache
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import cache, lru_cache, partial
 from pathlib import Path
+from typing import Any
 
 import ezdxf
 import numpy as np
@@ -21,8 +24,10 @@ from camgen.machines.sources import read_mechanism
 from camgen.pipeline.build import check
 from camgen.pipeline.case import Case
 from camgen.pipeline.judging import Reading, judge
-from camgen.pipeline.reading import Read, judge_part
-from camgen.pipeline.scope import Outcome
+from camgen.pipeline.judging import _stages as stages_of
+from camgen.pipeline.reading import Read, budget_of, judge_part, moved_by
+from camgen.pipeline.scope import Outcome, Stage
+from camgen.pipeline.summary import draw_part
 from camgen.progress import silent
 from camgen.report.report import Report
 from camgen.workers import Workers
@@ -54,38 +59,47 @@ def _read(text: str) -> Mechanism:
     return found
 
 
-@dataclass(frozen=True)
-class _Part:
-    """A part and its files, the same where their bytes are."""
-
-    spec: str
-    name: str
-    kinds: tuple[str, ...]
-    bytes: str
-    case: Case = field(compare=False)
+_KEPT: OrderedDict[Hashable, tuple[Any, object]] = OrderedDict()
+_MOST_KEPT = 400
+# What no stage of the judge reads: it is made anew and compared.
+_COMPARED = {"report.html", "report.json", "motion.csv", "manifest.json"}
 
 
-@lru_cache(maxsize=99)
-def _judged(part: _Part) -> tuple[Outcome, Read]:
-    return judge_part(part.case, part.name, part.kinds)
+def _once(key: Hashable, work: Callable[[], Any], held: object = None) -> Any:
+    """What the work gives, done once for a key; held: the objects whose ids are in the key, which live as long."""
+    if key not in _KEPT:
+        _KEPT[key] = work(), held
+        while len(_KEPT) > _MOST_KEPT:
+            _KEPT.popitem(last=False)
+    _KEPT.move_to_end(key)
+    return _KEPT[key][0]
+
+
+def forget() -> None:
+    """Judge anew: for a test that changes the judge itself."""
+    _KEPT.clear()
+
+
+def _spec(case: Case) -> str:
+    return (case.folder / "spec.toml").read_text(encoding="utf-8")
+
+
+def _bytes(paths: Iterable[Path]) -> str:
+    """A hash of files, by their names."""
+    held = hashlib.sha256()
+    for path in paths:
+        data = path.read_bytes() if path.exists() else b"none"
+        held.update(f"{path.name} {len(data)} ".encode() + data)
+    return held.hexdigest()
 
 
 def _part(case: Case, name: str, kinds: tuple[str, ...]) -> tuple[Outcome, Read]:
     """What `judge_part` says: of files that no damage has touched it is asked once."""
-    held = hashlib.sha256()
     files = [case.file(name, kind) for kind in kinds]
     files += [case.file(f"{name}-drawing", "dxf")] if "dxf" in kinds else []
-    for path in files:
-        held.update(path.read_bytes() if path.exists() else b"none")
-    return _judged(
-        _Part(
-            (case.folder / "spec.toml").read_text(encoding="utf-8"),
-            name,
-            kinds,
-            held.hexdigest(),
-            case,
-        )
-    )
+    key = ("part", _spec(case), name, kinds, _bytes(files))
+    outcome: tuple[Outcome, Read] = _once(key, lambda: judge_part(case, name, kinds))
+    return outcome
 
 
 def _parts(case: Case, kinds: Sequence[str], workers: Workers) -> Reading:
@@ -94,21 +108,72 @@ def _parts(case: Case, kinds: Sequence[str], workers: Workers) -> Reading:
     return (_part(case, name, formats) for name in case.parts)
 
 
+def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
+    """The stages, each of which is done once on files that are the same."""
+    return [
+        stage if stage.work is None else replace(stage, work=partial(_stage, stage))
+        for stage in stages_of(mechanism, kinds)
+    ]
+
+
+def _stage(stage: Stage, case: Case, kinds: Sequence[str]) -> Any:
+    """What a stage says; it may look at files of the kinds that it takes, and at all that are of no part."""
+    others = FORMATS.keys() - set(stage.takes) if stage.takes else set()
+    files = [
+        path
+        for path in sorted(case.folder.iterdir())
+        if path.name not in _COMPARED and path.suffix[1:] not in others
+    ]
+    work = stage.work
+    assert work is not None
+    key = ("stage", work, _spec(case), *kinds, _bytes(files))
+    return _once(key, lambda: work(case, kinds))
+
+
+def _moved(mechanism: Mechanism, kinds: Sequence[str], parts: Mapping[str, Read]) -> Any:
+    """What `moved_by` says: the same of the same contours."""
+    key = ("motion", id(mechanism), *kinds, *map(id, parts.values()))
+    held = (mechanism, *parts.values())
+    return _once(key, lambda: moved_by(mechanism, kinds, parts), held)
+
+
+def _budget(case: Case, parts: Mapping[str, Read], sources: Sequence[Mapping[str, float]]) -> Any:
+    """What `budget_of` says, likewise."""
+    key = ("budget", id(case.mechanism), *map(id, parts.values()), *map(id, sources))
+    held = (case.mechanism, *parts.values(), *sources)
+    return _once(key, lambda: budget_of(case, parts, sources), held)
+
+
+def _drawn(case: Case, name: str, folder: Path) -> None:
+    """Draw a part as `draw_part` does, or copy what was drawn of the same spec."""
+    before = set(folder.iterdir())
+
+    def draw() -> dict[str, bytes]:
+        draw_part(case, name, folder)
+        return {path.name: path.read_bytes() for path in set(folder.iterdir()) - before}
+
+    for file, data in _once(("drawing", _spec(case), name), draw).items():
+        (folder / file).write_bytes(data)
+
+
 def judged(folder: Path, *kinds: str) -> Report:
     """The report on files of some kinds, "dxf", "stl" or "3mf", as `camgen check` judges them; of none named on all of them.
 
     Of some kinds without PARTS_LIST: the list in the folder is that of all, such as on which side each solid lies.
     """
-    if not kinds:
-        with pytest.MonkeyPatch.context() as patch:
+    with pytest.MonkeyPatch.context() as patch:
+        for name, kept in (("_stages", _stages), ("moved_by", _moved), ("budget_of", _budget)):
+            patch.setattr(f"camgen.pipeline.judging.{name}", kept)
+        if not kinds:
             patch.setattr(
                 "camgen.pipeline.build.read_mechanism", lambda path: mechanism_of(path.parent)
             )
             patch.setattr("camgen.pipeline.build.read_parts", _parts)
+            patch.setattr("camgen.pipeline.rebuild.draw_part", _drawn)
             return check(folder)
-    with Workers() as workers:
-        case = Case(mechanism_of(folder), folder)
-        report = judge(case, kinds, _parts(case, kinds, workers), workers, silent)[0]
+        with Workers() as workers:
+            case = Case(mechanism_of(folder), folder)
+            report = judge(case, kinds, _parts(case, kinds, workers), workers, silent)[0]
     return replace(
         report, findings=[finding for finding in report.findings if finding.code != "PARTS_LIST"]
     )
