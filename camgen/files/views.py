@@ -279,15 +279,16 @@ def _depth(level: Any, places: Floats, y: float) -> Floats:
     for ring in (
         ring for piece in shapely.get_parts(level) for ring in (piece.exterior, *piece.interiors)
     ):
-        (x0, y0) = shapely.get_coordinates(ring)[:-1].T
-        (x1, y1) = shapely.get_coordinates(ring)[1:].T
-        low = np.minimum(x0, x1)
-        high = np.maximum(x0, x1)
-        for a, b, c, d, left, right in zip(x0, y0, x1, y1, low, high, strict=True):
-            inside = slice(*np.searchsorted(places, [left, right]))
-            if inside.stop > inside.start:
-                met = y - (b + (places[inside] - a) / (c - a) * (d - b))
-                depth[inside] = np.where((met >= 0) & (met < depth[inside]), met, depth[inside])
+        z = shapely.get_coordinates(ring)
+        (a, b), (c, d) = z[:-1].T, z[1:].T
+        first = np.searchsorted(places, np.minimum(a, c))
+        count = np.searchsorted(places, np.maximum(a, c)) - first
+        # each side with each place along it: which side, which place
+        side = np.repeat(np.arange(len(count)), count)
+        place = np.arange(len(side)) + np.repeat(first - (np.cumsum(count) - count), count)
+        along = (places[place] - a[side]) / (c - a)[side]
+        met = y - (b[side] + along * (d - b)[side])
+        np.minimum.at(depth, place[met >= 0], met[met >= 0])
     return depth
 
 
