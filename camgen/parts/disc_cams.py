@@ -163,6 +163,11 @@ def turning_note(sense: int) -> str:
     return f"drawn at cam angle 0, turns {'counter-clockwise' if sense > 0 else 'clockwise'}"
 
 
+def roller_note(diameter: float) -> tuple[str, ...]:
+    """What the drawing of a cam says of the roller on its edge, mm across; nothing of a knife edge or a flat face."""
+    return (f"for a roller of Ø{diameter:g}",) if diameter else ()
+
+
 def holes_in(
     shaft_hole: ShaftHole,
     name: str,

@@ -60,7 +60,7 @@ from camgen.motion.polydyne import polydyne
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
-from camgen.parts.disc_cams import disc_parts, turning_note
+from camgen.parts.disc_cams import disc_parts, roller_note, turning_note
 from camgen.parts.part import Part
 from camgen.parts.springs import to_wind, wished
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study
@@ -408,7 +408,10 @@ class DiscCamDrive(CamTables):
         made = disc_parts(
             self.making, outlines, wall, (roller + clearance, roller), self.allowed.min_wall
         )
-        return tuple(replace(part, notes=(turning_note(self._sense), *part.notes)) for part in made)
+        rolls = roller_note(roller) if wall is None else ()
+        return tuple(
+            replace(part, notes=(turning_note(self._sense), *rolls, *part.notes)) for part in made
+        )
 
     def _outlines(self) -> Sequence[CamOutline]:
         """The outline of the cam; of both cams of a pair, and both walls of a groove."""

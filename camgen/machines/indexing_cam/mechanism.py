@@ -58,7 +58,7 @@ from camgen.motion.segments import law_of
 from camgen.motion.spring_law import trade_off
 from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import CLUTCHES
-from camgen.parts.disc_cams import holes_in, turning_note
+from camgen.parts.disc_cams import holes_in, roller_note, turning_note
 from camgen.parts.generator.beneath import room
 from camgen.parts.part import Layer, Part, windows
 from camgen.spec import validate
@@ -515,7 +515,11 @@ class IndexingCam(CamTables):
             title,
             (Layer(Region(cam.outline, holes), 0.0, p.thickness),),
             centres=(0j,),
-            notes=(turning_note(self._sense), *p.notes()),
+            notes=(
+                turning_note(self._sense),
+                *roller_note(2 * self.geometry.follower.roller_radius),
+                *p.notes(),
+            ),
             bore=p.bore,
             min_wall=self.allowed.min_wall,
         )
