@@ -720,7 +720,10 @@ class _Layout:
             lines.append(f"{len(part.layers)} layers, see the STL")
         depths = sorted({number(layer.z1 - layer.z0) for layer in part.engraved})
         lines += [f"Engraved {depth} deep" for depth in depths]
-        lines += [f"Profile: {self.stem}.dxf,", f"within {tolerance:g} of the exact curve"]
+        if part.outlined:
+            lines += [f"Profile: {self.stem}.dxf,", f"within {tolerance:g} of the exact curve"]
+        else:
+            lines.append("Blank; its track is not drawn, see the STL")
         if self.turns:
             lines.append("+ : positive sense of turning (ccw)")
         facts = self.facts

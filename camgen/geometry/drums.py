@@ -1,8 +1,7 @@
-"""Solids of drums: a groove, a rib or an end cam round a cylinder, as a mesh of rings that all have their points at the same angles.
+"""Solids of drums: a groove, a rib or an end cam round a cylinder, as rings that all have their points at the same angles.
 
-Each wall is a height over polar angle and radius, so the drum is one outline for each angle: bore, end, wall, floor or outside,
-wall, end. Rings of equal length are joined by triangles: watertight by construction. Along the walls radii are even from the
-floor to the outside; angles are dense where the walls bend. A cell of sides dbeta and drho stands off its wall by
+Each wall is a height over polar angle and radius, so the drum is one outline for each angle: outside, wall, floor, wall, outside.
+Along the walls radii are even from the floor to the outside; angles are dense where the walls bend. A cell of sides dbeta and drho stands off its wall by
 
     |P_bb . n| dbeta^2 / 8 + |P_br . n| dbeta drho / 4 + |P_rr . n| drho^2 / 8
 
@@ -13,13 +12,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.drum_walls import DrumRoller, DrumWall, RollerPath, WallPoints
-from camgen.geometry.mesh import Mesh
 from camgen.numerics import Floats
 
 Track = Literal["groove", "rib", "end"]
@@ -29,11 +28,24 @@ _LEVELS = 9  # and radii
 _MOST_ROWS = 100
 _MARGIN = 0.95  # of the tolerance that is used: the bend is taken between angles, too
 _LEAST_AREA = 0.0
+# angles and radii of moments: walls are smooth in either but for jumps of a law's higher derivatives
+_EVEN = 1440
+_NODES = 8
+
+
+@dataclass(frozen=True)
+class DrumMoments:
+    """Volume, mm^3, its first moment in the plane, complex mm^4, and its polar one about the axis, mm^5; area of its walls, mm^2."""
+
+    volume: float
+    first: complex
+    polar: float
+    walls: float
 
 
 @dataclass(frozen=True)
 class Drum:
-    """A cylinder from z = 0 to its length, with a track between the radii of its floor and its outside; mm.
+    """A cylinder from z = 0 to its length without a bore, with a track between the radii of its floor and its outside; mm.
 
     A groove's roller lies between both walls. An end cam has the wall below the roller alone: above it the drum is no thicker
     than its floor. A rib, on a core as thick as the floor, has one roller above it and one below: `pitch` between their axes,
@@ -42,7 +54,6 @@ class Drum:
 
     outside: float
     floor: float
-    bore: float
     length: float
     track: Track
     path: RollerPath
@@ -61,19 +72,65 @@ class Drum:
             for side in (1, -1)
         )
 
-    def solid(self, tolerance: float) -> Mesh:
-        """Its mesh, which stands off the walls by at most `tolerance`, mm.
+    def rings(self, tolerance: float) -> Floats:
+        """Its surface from the rim of its lower end to that of its upper one, (m, n, 3) mm: n points counter-clockwise on each ring.
 
-        DesignError where a wall is undercut, leaves the drum's ends, or a rib has no thickness.
+        Facets between neighbours stand off the walls by at most `tolerance`. DesignError as of `span`.
         """
-        self._refuse()
+        self.span  # noqa: B018  refuses what is no drum
         beta, rows = self._grid(tolerance)
         rho = np.linspace(self.floor, self.outside, rows + 1)
         heights = [wall.over(beta, rho[:, None]).z for wall in self.walls]
-        return _rings(beta, self._outline(beta, rho, heights))
+        turn = np.exp(1j * beta)
+        return np.array(
+            [
+                np.column_stack([radius * turn.real, radius * turn.imag, z])
+                for radius, z in self._outline(beta, rho, heights)
+            ]
+        )
 
-    def _refuse(self) -> None:
-        """DesignError where the walls are none."""
+    @cached_property
+    def blank(self) -> tuple[tuple[float, float, float], ...]:
+        """What it is turned from, from below: radius, lower and upper end of each cylinder, mm."""
+        low, high = self.span
+        if self.track == "groove":
+            return ((self.outside, 0.0, self.length),)
+        if self.track == "end":
+            return ((self.outside, 0.0, high), (self.floor, high, self.length))
+        return (
+            (self.floor, 0.0, low),
+            (self.outside, low, high),
+            (self.floor, high, self.length),
+        )
+
+    @cached_property
+    def moments(self) -> DrumMoments:
+        """Of its volume, by Gauss along the radius and even angles; DesignError as of `span`."""
+        self.span  # noqa: B018
+        beta = np.linspace(0, math.tau, _EVEN, endpoint=False)
+        nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+        half = (self.outside - self.floor) / 2
+        rho = (self.floor + half + half * nodes)[:, None]
+        share = half * weights[:, None] * math.tau / _EVEN
+        walls = [wall.over(beta, rho) for wall in self.walls]
+        area = float(sum(np.sum(share * rho / wall.lean) for wall in walls))
+        bottom = 0.0 if self.track != "rib" else walls[0].z
+        top = walls[-1].z if self.track != "groove" else self.length - walls[1].z + walls[0].z
+        height = share * (top - bottom)
+        core = math.pi * self.floor**2 * self.length
+        return DrumMoments(
+            core + float(np.sum(height * rho)),
+            complex(np.sum(height * rho**2 * np.exp(1j * beta))),
+            core * self.floor**2 / 2 + float(np.sum(height * rho**3)),
+            area,
+        )
+
+    @cached_property
+    def span(self) -> tuple[float, float]:
+        """Lowest and highest place of its walls, mm.
+
+        DesignError where a wall is undercut, leaves the drum's ends, or a rib has no thickness.
+        """
         beta = np.linspace(0, math.tau, _FINE, endpoint=False)
         inner = np.full(len(beta), self.floor)
         levels = []
@@ -101,6 +158,7 @@ class Drum:
             thickness = float(np.min(levels[1] - levels[0]))
             remedy = "move the rollers apart, or take smaller ones"
             raise DesignError("thickness of the rib", thickness, 0.0, "mm", "its thinnest", remedy)
+        return low, high
 
     def _grid(self, tolerance: float) -> tuple[Floats, int]:
         """Angles, and the number of rows from floor to outside, that need the fewest triangles."""
@@ -144,8 +202,8 @@ class Drum:
         ]
         edge = self.floor if self.track == "rib" else self.outside
         top = self.outside if self.track == "groove" else self.floor
-        bottom = [point(self.bore, 0), point(edge, 0)]
-        end = [point(top, self.length), point(self.bore, self.length)]
+        bottom = [point(edge, 0)]
+        end = [point(top, self.length)]
         if self.track == "end":
             return [*bottom, *inwards, *end]
         outwards = [
@@ -192,21 +250,3 @@ def _bends(wall: WallPoints) -> Floats:
 def _widened(values: Floats) -> Floats:
     """The largest of each value and its two neighbours on either side, round the turn."""
     return np.asarray(np.max([np.roll(values, k) for k in (-2, -1, 0, 1, 2)], axis=0))
-
-
-def _rings(beta: Floats, outline: list[Floats]) -> Mesh:
-    """Mesh of an outline, (2, n) at each of its points, round the axis: neighbours on it and in angle are joined."""
-    turn = np.exp(1j * beta)
-    vertices = np.concatenate(
-        [np.column_stack([rho * turn.real, rho * turn.imag, z]) for rho, z in outline]
-    )
-    count = len(beta)
-    column = np.arange(count)
-    following = (column + 1) % count
-    faces = []
-    for k in range(len(outline)):
-        here = k * count
-        there = (k + 1) % len(outline) * count
-        faces.append(np.column_stack([here + column, here + following, there + following]))
-        faces.append(np.column_stack([here + column, there + following, there + column]))
-    return Mesh(vertices, np.concatenate(faces))

@@ -105,19 +105,14 @@ class _Stroke:
 def exact(part: Part, tolerance: float) -> Brep:
     """The part as one closed body, in its frame: lines and arcs within tolerance, mm, of its outlines, extruded.
 
-    DesignError, with what to do, for a crossed part, and for layers that meet in a line or do not make exactly one body.
+    DesignError, with what to do, for a drum, a crossed part, and for layers that meet in a line or do not make exactly one body.
     """
-    if part.side_profile is not None:
-        raise DesignError(
-            "exact solid",
-            1,
-            0,
-            "",
-            "",
-            "take its STL or 3MF",
-        ).saying(
-            f"{part.name} is where two outlines that are extruded crosswise overlap; no exact solid of it can be written"
-        )
+    if not part.prismatic:
+        what = "is where two outlines that are extruded crosswise overlap"
+        if part.drum is not None:
+            what = "has a track round it"
+        message = f"{part.name} {what}; no exact solid of it can be written"
+        raise DesignError("exact solid", 1, 0, "", "", "take its STL or 3MF").saying(message)
     layers = [*part.layers, *part.engraved]
     points, strokes, runs = _divided([_outlines(layer, tolerance) for layer in layers])
     left, right = _sides(strokes, runs)

@@ -217,21 +217,15 @@ def compensated(part: Part, fit: Compensation) -> Part:
     """The part whose print is the one given: holes larger, outline smaller, a chamfer at the foot, then scaled up.
 
     Scaling is about the datum and in the plane alone; heights stay. The bore, centres and engraving follow. Raises
-    DesignError where an outline or a wall vanishes, the chamfer is twice as high as the lowest layer, or the part is crossed: its
-    walls lean to the plane in which a printer shrinks and swells it, so no outline of it can be compensated by itself.
+    DesignError where an outline or a wall vanishes, the chamfer is twice as high as the lowest layer, or the part is crossed or a
+    drum: its walls lean to the plane in which a printer shrinks and swells it, so no outline of it can be compensated by itself.
     """
-    if part.side_profile is not None:
-        message = (
-            f"{part.name} is made of two crossed outlines and cannot be compensated for the print"
-        )
+    if not part.prismatic:
+        what = "is made of two crossed outlines" if part.drum is None else "has a track round it"
+        message = f"{part.name} {what} and cannot be compensated for the print"
         remedy = "leave its keys of [print] at 0, and let the slicer compensate"
         raise DesignError(
-            "print fits of a crossed part",
-            1,
-            0,
-            "",
-            part.name,
-            remedy,
+            "print fits of a part with walls that lean", 1, 0, "", part.name, remedy
         ).saying(message)
     if not -0.5 < fit.shrinkage < 0.5:
         raise DesignError("shrinkage", fit.shrinkage, 0.5, "", part.name, "a share such as 0.003")

@@ -27,13 +27,15 @@ def inertia_of(part: Part, density: float) -> float:
 
     By polygons that follow the outlines within 0.01 mm, so right to about 1e-3.
     """
-    return density * MM**5 * sum(height * _polar(contour) for height, contour in _contours(part))
+    whole = 0.0 if part.drum is None else part.drum.moments.polar
+    whole += sum(height * _polar(contour) for height, contour in _contours(part))
+    return density * MM**5 * whole
 
 
 def centre_of(part: Part) -> complex:
     """Centre of a part's volume in the plane, complex mm in its frame; by the same polygons."""
-    total = 0j
-    weight = 0.0
+    total = 0j if part.drum is None else part.drum.moments.first
+    weight = 0.0 if part.drum is None else part.drum.moments.volume
     for height, contour in _contours(part):
         z = facet_contour(contour, 0.01)
         w = np.roll(z, -1)
@@ -140,13 +142,12 @@ def printed_density(material: Material) -> float:
 
 
 def _contours(part: Part) -> Iterator[tuple[float, Contour]]:
-    """Every contour, counter-clockwise, and how high it is extruded, mm, below 0 where that takes material away."""
+    """Every contour, counter-clockwise, and how high it is extruded, mm, below 0 where that takes material away; of a drum its
+    holes."""
     for sign, layers in ((1, part.layers), (-1, part.engraved)):
         for layer in layers:
-            for side, contour in (
-                (1, layer.region.outer),
-                *((-1, hole) for hole in layer.region.holes),
-            ):
+            outer = [] if part.drum is not None else [(1, layer.region.outer)]
+            for side, contour in (*outer, *((-1, hole) for hole in layer.region.holes)):
                 yield sign * side * (layer.z1 - layer.z0), contour.counter_clockwise()
 
 

@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 
 from camgen.geometry.crossing import Edge, spread, volume
+from camgen.geometry.drums import Drum
 from camgen.geometry.outlines import (
     Arc,
     Contour,
@@ -82,6 +83,7 @@ class Part:
     process: str = "printed"  # how, for the list of parts
     points: tuple[tuple[str, complex], ...] = ()  # of the spec, mm, which a drawing calls by name
     role: Role = ""  # what it is in a machine, where a machine has many of its kind
+    drum: Drum | None = None  # what its track leaves of the layers, which are its blank
 
     @property
     def thickness(self) -> float:
@@ -106,6 +108,13 @@ class Part:
                 volume(layer.region, self.side_profile, layer.z0, layer.z1) for layer in self.layers
             )
             return whole - sum(edge.volume for edge in self.edges)
+        if self.drum is not None:
+            bored = sum(
+                abs(hole.area) * (layer.z1 - layer.z0)
+                for layer in self.layers
+                for hole in layer.region.holes
+            )
+            return self.drum.moments.volume - bored
         return sum(layer.volume for layer in self.layers) - sum(
             layer.volume for layer in self.engraved
         )
@@ -124,7 +133,19 @@ class Part:
         if self.side_profile is not None:
             low, high = zip(*(spread(layer.region) for layer in self.layers), strict=True)
             area += self.side_profile.length * (max(high) - min(low))
+        if self.drum is not None:
+            area += self.drum.moments.walls
         return area
+
+    @property
+    def prismatic(self) -> bool:
+        """Whether each layer has its outline at all its heights."""
+        return self.side_profile is None and self.drum is None
+
+    @property
+    def outlined(self) -> bool:
+        """Whether the region of its drawn layer can be cut: of a drum it is the blank's."""
+        return self.drum is None
 
 
 def d_bore(diameter: float, flat_depth: float) -> Contour:
@@ -419,3 +440,12 @@ def clearance(discs: Sequence[tuple[complex, float]], points: Points) -> np.ndar
     for normal, far in zip(normals, reach, strict=True):
         np.maximum(best, points.real * normal.real + points.imag * normal.imag - far, out=best)
     return best
+
+
+def drum_part(name: str, title: str, drum: Drum, hole: Contour) -> Part:
+    """A drum with a hole along its axis, upright on its lower end; DesignError where its track cannot be made."""
+    layers = tuple(
+        Layer(Region(circle(0j, radius), (hole,)), low, high) for radius, low, high in drum.blank
+    )
+    widest = max(range(len(layers)), key=lambda k: drum.blank[k][0])
+    return Part(name, title, layers, centres=(0j,), drawn_layer=widest, drum=drum)

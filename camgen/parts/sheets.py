@@ -11,6 +11,8 @@ def why_not(part: Part, thickness: float) -> str:
     """Why a part cannot be cut of a sheet of a thickness, mm; "" where it can."""
     if part.side_profile is not None:
         return "crossed: its outline changes with height"
+    if part.drum is not None:
+        return "a drum: its track goes round it"
     if part.process != "printed":
         return part.process
     if len({(layer.z0, layer.z1) for layer in part.layers}) > 1:

@@ -71,7 +71,7 @@ def _turns_over(part: Part) -> bool:
         (round(high - each.z1, 9), round(high - each.z0, 9), each.region) for each in part.layers
     }
     here = {(round(each.z0, 9), round(each.z1, 9), each.region) for each in part.layers}
-    return there != here or bool(part.engraved or part.edges) or part.side_profile is not None
+    return there != here or bool(part.engraved or part.edges) or not part.prismatic
 
 
 def _image(part: Part) -> Part:

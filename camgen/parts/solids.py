@@ -16,6 +16,7 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.arcs import as_circle
+from camgen.geometry.drums import Drum
 from camgen.geometry.facets import facet_circle, facet_contour
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Contour, Floats, Points, Region
@@ -32,6 +33,10 @@ def solid(part: Part, tolerance: float) -> Mesh:
     circumscribed, so that a pin still fits. A crossed part has no engraving. Raises DesignError where an outline crosses
     itself or another one, or where the layers do not make exactly one body.
     """
+    if part.drum is not None:
+        mesh = _drum(part, part.drum, tolerance)
+        _check(mesh, part.name)
+        return mesh
     alone = len(part.layers) == 1 and not part.engraved and part.side_profile is None
     layers = [
         _prism(layer, tolerance, part.name, pocket=False, fine=alone) for layer in part.layers
@@ -99,6 +104,47 @@ def _prism(layer: Layer, tolerance: float, name: str, pocket: bool, fine: bool =
     return Mesh(
         np.concatenate([floor, ceiling]) + 0.0, np.concatenate([cap[:, ::-1], cap + n, *walls])
     )
+
+
+def _drum(part: Part, drum: Drum, tolerance: float) -> Mesh:
+    """A drum's rings, its ends with the holes of its layers, and the walls of these, one after the other."""
+    rims = drum.rings(tolerance).astype(np.float32).astype(float) + 0.0
+    count = rims.shape[1]
+    holes = rings(part.region, tolerance)[1:]
+    size = sum(map(len, holes))
+    inside = np.concatenate(holes)
+    ends = [
+        np.column_stack([inside.real, inside.imag, np.full(size, z)]) for z in rims[[0, -1], 0, 2]
+    ]
+    vertices = np.concatenate([*rims, *ends])
+    first = len(rims) * count  # of the holes' points at the lower end
+    faces = []
+    for k in range(len(rims) - 1):
+        faces += _strip(np.arange(count) + k * count, np.arange(count) + (k + 1) * count)
+    start = 0
+    for hole in holes:
+        low = np.arange(len(hole)) + first + start
+        faces += _strip(low, low + size)
+        start += len(hole)
+    for rim, at, side in ((0, first, -1), (len(rims) - 1, first + size, 1)):
+        edge = rims[rim, :, 0] + 1j * rims[rim, :, 1]
+        _check_rings([edge, *holes], part.name)
+        points, cap = triangles([edge, *holes])
+        index = np.concatenate([np.arange(count) + rim * count, np.arange(size) + at])
+        extra = points[len(index) :]
+        index = np.concatenate([index, np.arange(len(extra)) + len(vertices)])
+        level = np.full(len(extra), rims[rim, 0, 2])
+        vertices = np.concatenate([vertices, np.column_stack([extra.real, extra.imag, level])])
+        faces.append(index[cap[:, ::side]])
+    return Mesh(vertices, np.concatenate(faces))
+
+
+def _strip(low: Faces, high: Faces) -> list[Faces]:
+    """Triangles between two rings of as many points, of material on the left of the lower one."""
+    return [
+        np.column_stack([low, np.roll(low, -1), np.roll(high, -1)]),
+        np.column_stack([low, np.roll(high, -1), high]),
+    ]
 
 
 def _check_rings(loops: Sequence[Points], name: str) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from camgen.files.dxf import center_marks
 from camgen.geometry.crossing import crossed_at, spread
+from camgen.geometry.drums import Drum
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.geometry.outlines import Floats, Line, Region
@@ -58,6 +59,10 @@ def nominal_part(
         through = _crossings(part, part.side_profile, tolerance, sections)
         sections = [*through, replace(sections[cut], heights=())]
         cut = len(through)
+    if part.drum is not None:  # its walls lean as its track does: the roller is rolled on them
+        levels = [levels[0], levels[-1]]
+        sections = [*_ends(part, part.drum, fine), replace(sections[cut], heights=())]
+        cut = len(sections) - 1
     if fit is not None:
         all_sections, pockets = _sections(solid, fine, levels[0])
         sections += [
@@ -76,7 +81,7 @@ def nominal_part(
         bore=part.bore if turns else None,  # otherwise its place is judged as that of any hole
         eyes=eyes_of(part.name, features),
         rolls=any(cam.part == part.name for cam in cams),
-        levels_complete=part.side_profile is None,
+        levels_complete=part.prismatic,
         print_change=PrintChange(fit.hole, fit.profile, fit.shrinkage) if fit is not None else None,
         marks=center_marks(part.region, part.centres if files and files.center_marks else ()),
         engraved=tuple(facetted(Region(each), fine).outer for each in part.engraving)
@@ -135,6 +140,14 @@ def _crossings(
                 Section((z,), tuple(crossed_at(shape, face, z, cuts))) for shape in section.shapes
             ]
     return through
+
+
+def _ends(part: Part, drum: Drum, tolerance: float) -> list[Section]:
+    """The sections of a drum below and above its track."""
+    low, high = drum.span
+    lower, upper = part.layers[0], part.layers[-1]
+    heights = ((lower, low / 2), (upper, (high + drum.length) / 2))
+    return [Section((z,), (facetted(layer.region, tolerance),)) for layer, z in heights]
 
 
 def _level_facets(profile: Region) -> Floats:

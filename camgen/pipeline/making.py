@@ -155,6 +155,8 @@ def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh]
         name, title, key, part.region, centres, tolerance, files.curves, printable, part, engraved
     )
     for kind in kinds:
+        if FORMATS[kind].holds == "drawing" and not part.outlined:
+            continue
         with (
             suppress(DesignError) if kind in EXACT else nullcontext()
         ):  # a part that has none is told as files are judged

@@ -17,6 +17,7 @@ from camgen.geometry.outlines import Floats
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.as_printed import printed
 from camgen.judge.round_trip import (
+    PartVerdict,
     PrintChange,
     judge_dimensioned,
     judge_drawing,
@@ -60,6 +61,7 @@ def judge_part(
     not_judged: list[NotJudged] = []
     for kind in kinds:
         path = case.file(name, kind)
+        blank = FORMATS[kind].holds == "drawing" and not part.outlined
         if kind in EXACT and not path.exists():
             why = _without(part, tolerance)
             not_judged += why
@@ -78,7 +80,7 @@ def judge_part(
         solid = FORMATS[kind].solid
         sent, drawn = (fit, None) if solid else (None, mechanism.files)
         shape = nominal_part(part, tolerance, features, sent, drawn)
-        verdict = _JUDGES[FORMATS[kind].holds](path, shape)
+        verdict = PartVerdict(()) if blank else _JUDGES[FORMATS[kind].holds](path, shape)
         findings += verdict.findings
         if kind == "dxf" and dimensioned:
             findings.append(judge_dimensioned(case.file(f"{name}-drawing", kind), shape))

@@ -60,8 +60,9 @@ class Stage:
 def of_parts(mechanism: Mechanism) -> list[Stage]:
     """The steps that are done as parts are read: each file by itself, and the motion that the files give."""
     holes = any(layer.region.holes for part in mechanism.assembly.parts for layer in part.layers)
+    drawings = Stage(("DXF_CLOSED", "DXF_UNITS"), "drawings", DRAWN)
     stages = [
-        Stage(("DXF_CLOSED", "DXF_UNITS"), "drawings", DRAWN),
+        *([drawings] if any(part.outlined for part in mechanism.assembly.parts) else []),
         Stage(("WATERTIGHT", "VOLUME"), "solids", (*SOLID, *EXACT)),
         Stage(
             ("ROUND_TRIP", *(("MIN_WALL",) if holes else ())),

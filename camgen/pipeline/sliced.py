@@ -247,7 +247,7 @@ def _add(printed: _Print, copy: Copy, part: Part, fit: Compensation, where: Wher
     worst = 0.0
     fault = ""
     rows = []
-    for z0, z1 in spans if part.side_profile is None else ():
+    for z0, z1 in spans if part.prismatic else ():
         meant = tuple(
             facetted(layer.region, 1e-3)
             for layer in part.layers

@@ -66,7 +66,7 @@ def _heights(part: Part, side: Side | None) -> Iterator[float]:
     if side is not None and abs(abs(up) - 1) > _FLAT:
         yield side.height
         return
-    if part.side_profile is not None:
+    if not part.prismatic:
         levels = {low, high}
     heights = sorted({round(z - low if up > 0 else high - z, 9) for z in levels})
     yield from (z for z in heights if not math.isclose(z, 0.0, abs_tol=_SAME))

@@ -10,8 +10,12 @@ from typing import Any
 
 from camgen.geometry.drum_walls import DrumRoller, slide_path, swing_path
 from camgen.geometry.drums import Drum
+from camgen.geometry.mesh import Mesh
+from camgen.geometry.outlines import circle
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program
+from camgen.parts.part import Part, drum_part
+from camgen.parts.solids import solid
 
 REFERENCE: dict[str, Any] = tomllib.loads(
     (Path(__file__).parents[1] / "reference" / "drums.toml").read_text(encoding="utf-8")
@@ -40,7 +44,7 @@ def lopsided() -> Program:
     return program(rows)
 
 
-A = Drum(30, 21.5, 6, 55, "groove", slide_path(rise_and_return(15), 20), DrumRoller(5, 26))
+A = Drum(30, 21.5, 55, "groove", slide_path(rise_and_return(15), 20), DrumRoller(5, 26))
 C = replace(A, roller=DrumRoller(5, 26, 5 / 26))
 END = replace(A, track="end")
 RIB = replace(A, track="rib", pitch=REFERENCE["rib"]["pitch"])
@@ -58,3 +62,13 @@ def swings(theta: Any, order: int) -> Any:
 
 
 B = replace(A, path=swing_path(swings, ARM, PIVOT, 27))
+
+
+def bored(drum: Drum) -> Part:
+    """The drum on a shaft of 12 mm."""
+    return drum_part("drum", "Drum", drum, circle(0j, 6))
+
+
+def mesh_of(drum: Drum, tolerance: float) -> Mesh:
+    """Its solid with that bore."""
+    return solid(bored(drum), tolerance)

@@ -7,14 +7,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from drums import END, OFFSET, REFERENCE, RIB, A, B, C, rise_and_return, swings
+from drums import END, OFFSET, REFERENCE, RIB, A, B, C, bored, mesh_of, rise_and_return, swings
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen.errors import DesignError
 from camgen.geometry.drum_walls import DrumRoller, DrumWall, slide_path
 from camgen.geometry.drums import Drum
-from camgen.geometry.mesh import mesh_faults
+from camgen.geometry.facets import facet_circle
+from camgen.geometry.mesh import mesh_faults, slice_mesh
+from camgen.parts.exact import exact
+from camgen.parts.fits import Compensation, compensated
+from camgen.parts.inertia import centre_of, inertia_of
+from camgen.parts.part import drum_part, keyed_bore
+from camgen.parts.sheets import why_not
+from camgen.parts.solids import solid
 
 PHI = np.linspace(0, math.tau, 36001)
 RADII = REFERENCE["radii"]
@@ -104,7 +111,7 @@ def test_slopes_are_those_of_the_heights(name: str) -> None:
 def test_a_solid_is_watertight_and_near_its_walls(name: str) -> None:
     drum = DRUMS[name]
     tolerance = 0.01
-    mesh = drum.solid(tolerance)
+    mesh = mesh_of(drum, tolerance)
     faults = mesh_faults(mesh)
     assert (faults.count, faults.bodies) == (0, 1)
     # middles of the walls' triangles, which stand off farthest, along the walls' normals
@@ -127,9 +134,46 @@ def test_volumes_come_to_the_reference_s() -> None:
     """Both meshes stand off the walls, each by its own cells: they come together as the tolerance falls."""
     for tolerance, volume in REFERENCE["a"]["volume"].items():
         if tolerance != "0.0001":  # a quarter of a million triangles
-            assert A.solid(float(tolerance)).volume == pytest.approx(
-                volume, abs=350 * float(tolerance)
-            )
+            t = float(tolerance)
+            hole = facet_circle(0j, 6, t, outside=True)
+            bored_out = float(np.sum((np.conj(hole) * np.roll(hole, -1)).imag)) / 2 * A.length
+            unbored = volume + math.pi * 36 * A.length
+            assert mesh_of(A, t).volume + bored_out == pytest.approx(unbored, abs=350 * t)
+    exact = REFERENCE["a"]["volume"]["0.0001"]
+    assert bored(A).volume == pytest.approx(exact, abs=0.5)  # whose facets take 0.4
+
+
+@pytest.mark.parametrize("name", DRUMS)
+def test_moments_are_those_of_the_mesh(name: str) -> None:
+    """By tetrahedra from the origin to each triangle, a route that knows no walls."""
+    part = bored(DRUMS[name])
+    mesh = mesh_of(DRUMS[name], 0.004)
+    corners = mesh.vertices[mesh.faces]
+    volume = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
+    z = corners[..., 0] + 1j * corners[..., 1]
+    first = np.sum(volume * z.sum(axis=1)) / 4
+    square = np.abs(z.sum(axis=1)) ** 2 + np.sum(np.abs(z) ** 2, axis=1)
+    assert part.volume == pytest.approx(volume.sum(), rel=3e-4)
+    assert centre_of(part) == pytest.approx(first / volume.sum(), abs=2e-3)
+    assert inertia_of(part, 1e15) == pytest.approx(np.sum(volume * square) / 20, rel=5e-4)
+
+
+def test_a_drum_is_no_sheet_has_no_exact_solid_and_is_printed_as_it_is() -> None:
+    part = bored(A)
+    assert "drum" in why_not(part, part.thickness)
+    with pytest.raises(DesignError, match="has a track round it"):
+        exact(part, 0.01)
+    with pytest.raises(DesignError, match="cannot be compensated"):
+        compensated(part, Compensation(hole=0.1))
+
+
+def test_a_keyway_goes_through_a_drum() -> None:
+    keyed = drum_part("drum", "Drum", A, keyed_bore(12, 4, 1.8))
+    mesh = solid(keyed, 0.01)
+    assert mesh_faults(mesh).count == 0
+    (ring,) = (ring for ring in slice_mesh(mesh, 5.0) if ring.area < 0)
+    assert ring.points.imag.max() == pytest.approx(7.8, abs=1e-5)
+    assert mesh.volume == pytest.approx(keyed.volume, abs=40)  # the keyway is 400
 
 
 def test_a_rib_for_two_rollers_is_thinner_where_it_is_steep() -> None:
@@ -141,7 +185,7 @@ def test_a_rib_for_two_rollers_is_thinner_where_it_is_steep() -> None:
     square = thickness * upper.over(beta, rho).lean
     assert square.min() < thickness.max() - 1
     with pytest.raises(DesignError, match="thickness of the rib"):
-        replace(RIB, pitch=10.0).solid(0.01)
+        mesh_of(replace(RIB, pitch=10.0), 0.01)
 
 
 def test_a_rise_that_is_too_short_is_undercut() -> None:
@@ -154,15 +198,15 @@ def test_a_rise_that_is_too_short_is_undercut() -> None:
     assert np.min(drum(span + 0.005).walls[0].area_ratio(PHI, depth)) > 0
     assert np.min(drum(span - 0.005).walls[0].area_ratio(PHI, depth)) < 0
     with pytest.raises(DesignError, match="undercut"):
-        drum(40.0).solid(0.01)
+        mesh_of(drum(40.0), 0.01)
 
 
 @pytest.mark.parametrize("height", [4.0, 40.0])
 def test_a_track_that_leaves_the_drum_is_refused(height: float) -> None:
     with pytest.raises(DesignError, match="height of the wall"):
-        replace(A, path=slide_path(rise_and_return(15), height)).solid(0.01)
+        mesh_of(replace(A, path=slide_path(rise_and_return(15), height)), 0.01)
 
 
 def test_a_smaller_tolerance_takes_more_triangles() -> None:
-    coarse, fine = (replace(A, roller=DrumRoller(5, 26)).solid(t) for t in (0.1, 0.01))
+    coarse, fine = (mesh_of(replace(A, roller=DrumRoller(5, 26)), t) for t in (0.1, 0.01))
     assert 2 * len(coarse.faces) < len(fine.faces) < 7000

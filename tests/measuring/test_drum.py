@@ -15,7 +15,7 @@ import pytest
 from click.testing import CliRunner
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "geometry"))
-from drums import ARM, END, PIVOT, REFERENCE, RIB, A, B  # noqa: E402
+from drums import ARM, END, PIVOT, REFERENCE, RIB, A, B, mesh_of  # noqa: E402
 
 from camgen.cli import cli  # noqa: E402
 from camgen.errors import SpecError  # noqa: E402
@@ -30,7 +30,7 @@ ROLLER = f"radius=5,length=7.3,inner=22,tolerance={TOLERANCE}"
 @pytest.fixture(scope="module")
 def groove() -> Mesh:
     """The reference's drum."""
-    return A.solid(TOLERANCE)
+    return mesh_of(A, TOLERANCE)
 
 
 def call(file: Path, roller: str, *options: str) -> tuple[int, str]:
@@ -95,7 +95,7 @@ def test_a_groove_of_anyone_is_followed(groove: Mesh, tmp_path: Path) -> None:
 
 
 def test_a_groove_that_is_too_narrow_fails_at_its_place(tmp_path: Path) -> None:
-    narrow = replace(A, roller=replace(A.roller, radius=4.97)).solid(TOLERANCE)
+    narrow = mesh_of(replace(A, roller=replace(A.roller, radius=4.97)), TOLERANCE)
     file = tmp_path / "drum.stl"
     write_stl(file, narrow, "drum")
     code, text = call(file, ROLLER)
@@ -109,7 +109,7 @@ def test_a_groove_that_is_too_narrow_fails_at_its_place(tmp_path: Path) -> None:
 
 def test_a_groove_with_clearance_has_the_reference_s_play() -> None:
     """A groove for 5.02 with a roller of 5: 0.04 to 0.04 / cos(alpha) and what facets add."""
-    wide = replace(A, roller=replace(A.roller, radius=5.02)).solid(1e-3)
+    wide = mesh_of(replace(A, roller=replace(A.roller, radius=5.02)), 1e-3)
     rolled = roll(wide, read_roller("radius=5,length=7.3,inner=22"), 36, 720)
     assert rolled.play.min() == pytest.approx(0.0397, abs=1e-3)
     assert rolled.play.max() == pytest.approx(0.0440, abs=1e-3)
@@ -117,17 +117,17 @@ def test_a_groove_with_clearance_has_the_reference_s_play() -> None:
 
 def test_an_arm_an_end_cam_and_a_rib_are_told_by_the_table() -> None:
     arm = read_roller(f"{ROLLER},arm={ARM},pivot={PIVOT}/27")
-    rolled = roll(B.solid(TOLERANCE), arm, 36, 360)
+    rolled = roll(mesh_of(B, TOLERANCE), arm, 36, 360)
     wanted = np.arcsin((B.path.height(-rolled.theta, 0) - 27) / ARM)
     assert np.max(np.abs(rolled.motion - wanted)) < TOLERANCE / ARM
     steepest = float(REFERENCE["b"]["pressure_angle_deg"][0])
     assert np.degrees(np.max(np.abs(rolled.pressure_angle))) == pytest.approx(steepest, abs=0.3)
-    end = roll(END.solid(TOLERANCE), read_roller(f"{ROLLER},track=end"), 36, 360)
+    end = roll(mesh_of(END, TOLERANCE), read_roller(f"{ROLLER},track=end"), 36, 360)
     assert np.isnan(end.high).all()
     assert end.motion == pytest.approx(A.path.height(-end.theta, 0), abs=1.3 * TOLERANCE)
-    rib = roll(RIB.solid(TOLERANCE), read_roller(f"{ROLLER},track=rib,distance=16"), 36, 360)
+    rib = roll(mesh_of(RIB, TOLERANCE), read_roller(f"{ROLLER},track=rib,distance=16"), 36, 360)
     assert rib.motion == pytest.approx(A.path.height(-rib.theta, 0), abs=1.3 * TOLERANCE)
-    wider = roll(RIB.solid(TOLERANCE), read_roller(f"{ROLLER},track=rib,distance=16.1"), 36, 360)
+    wider = roll(mesh_of(RIB, TOLERANCE), read_roller(f"{ROLLER},track=rib,distance=16.1"), 36, 360)
     assert wider.play.min() - rib.play.min() == pytest.approx(0.1, abs=1e-6)
 
 
