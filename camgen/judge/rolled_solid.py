@@ -268,7 +268,7 @@ def _on_edges(start: Floats, end: Floats, roller: SolidRoller) -> Floats:
     grows = roller.slope * dx
     low = np.zeros(len(x))
     high = np.ones(len(x))
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for value, slope in (
             (x - roller.inner, dx),
             (roller.outer - x, -dx),
