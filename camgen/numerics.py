@@ -20,6 +20,7 @@ Indices = NDArray[np.intp]
 _GOLDEN = (math.sqrt(5) - 1) / 2
 _STEPS = 60  # of bisection and of the golden section: 2^-60 and 3e-13 of a bracket
 _RESOLVED = 4e-16  # of a place: the distance to the next float
+STEEPNESS = 4  # power of a low-pass: steeper ones ring at every corner of a motion
 _DEPENDENT = (
     1e-13  # of a column's length, below which what is left beside the other columns is rounding
 )
@@ -285,3 +286,14 @@ def greatest(
             place  # not beside it: a neighbour that is the same place would halve the bracket
         )
     return float(x[k]), float(y[k])
+
+
+def low_passed(values: Floats, order: int, harmonics: int) -> Floats:
+    """Derivative of a periodic function over one turn, (n,) even samples, per rad, with few of the harmonics above the given.
+
+    Harmonic n counts by 1 / (1 + (n / harmonics)^4), in phase. nan throughout where a value is nan.
+    """
+    spectrum = np.fft.rfft(values)
+    n = np.arange(len(spectrum))
+    weight = 1 / (1 + (n / harmonics) ** STEEPNESS)
+    return np.asarray(np.fft.irfft(spectrum * (1j * n) ** order * weight, len(values)))

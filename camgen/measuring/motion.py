@@ -26,6 +26,7 @@ from camgen.machine.features import PartPose
 from camgen.measuring.folder import OUTLINE_PACKAGES, write_folder
 from camgen.measuring.outlines import Hints, Outline, read_outline
 from camgen.measuring.scan import PICTURES, WALL_OFF, Scanning
+from camgen.numerics import STEEPNESS, low_passed
 from camgen.report.animation import Animation, Body
 from camgen.report.report import Report
 from camgen.study import Figure, Figures, Plot, Table, figures_in
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
 MOST_HARMONICS = 1800
 HARMONICS = 36  # of a turn, the last of which the low-pass halves: details of 10 deg of cam angle and more stay
 _SAMPLES = 7200  # over the turn
-_STEEPNESS = 4  # power of the low-pass: steeper ones ring at every corner of the motion
 _OVERLAP = 2e-3  # mm at two tips together that facets and decimals of a file may feign
 _ROUGH = 0.5  # deg, by which facets or noise may raise the largest pressure angle before it is told
 _FRAMES = 120  # of the moving picture
@@ -113,17 +113,6 @@ def recover(ring: Ring, follower: FollowerTable, harmonics: int = HARMONICS) -> 
     else:
         lever = (follower.arm or 1.0) * math.cos(float(np.nanmax(np.abs(touch.pressure_angle))))
     return Recovered(theta, s - start, speed, acceleration, touch.pressure_angle, start, lever)
-
-
-def low_passed(values: Floats, order: int, harmonics: int) -> Floats:
-    """Derivative of a periodic function over one turn, (n,) even samples, per rad, with few of the harmonics above the given.
-
-    Harmonic n counts by 1 / (1 + (n / harmonics)^4), in phase. nan throughout where a value is nan.
-    """
-    spectrum = np.fft.rfft(values)
-    n = np.arange(len(spectrum))
-    weight = 1 / (1 + (n / harmonics) ** _STEEPNESS)
-    return np.asarray(np.fft.irfft(spectrum * (1j * n) ** order * weight, len(values)))
 
 
 def roll(
@@ -361,7 +350,7 @@ def _report(
     notes = [
         *remarks,
         f"Speed and acceleration are derivatives to the cam angle, {passed} of a turn: harmonic n counts by "
-        f"1 / (1 + (n / {harmonics})^{_STEEPNESS}). The displacement itself is not filtered.",
+        f"1 / (1 + (n / {harmonics})^{STEEPNESS}). The displacement itself is not filtered.",
         "Nor is the pressure angle: facets, or noise of measured points, tilt it; pressure_angle_low_passed_deg is without them.",
         "The cam turns counter-clockwise about the shaft. " + _counted(follower, motion),
     ]

@@ -21,7 +21,8 @@ from camgen.cli import cli  # noqa: E402
 from camgen.errors import SpecError  # noqa: E402
 from camgen.files.stl import write_stl  # noqa: E402
 from camgen.geometry.mesh import Mesh  # noqa: E402
-from camgen.measuring.drum import read_roller, roll  # noqa: E402
+from camgen.judge.rolled_drum import roll  # noqa: E402
+from camgen.measuring.drum import read_roller  # noqa: E402
 
 TOLERANCE = 0.01
 ROLLER = f"radius=5,length=7.3,inner=22,tolerance={TOLERANCE}"

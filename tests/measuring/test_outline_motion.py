@@ -25,8 +25,9 @@ from hypothesis import strategies as st
 from camgen.cli import main
 from camgen.errors import DesignError, FileError, SpecError
 from camgen.judge.follower_table import read_follower
-from camgen.measuring.motion import low_passed, recover
+from camgen.measuring.motion import recover
 from camgen.measuring.outlines import Hints, read_outline
+from camgen.numerics import low_passed
 from camgen.pipeline import build as pipeline
 
 # disc, off centre, roller
