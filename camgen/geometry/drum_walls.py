@@ -30,6 +30,11 @@ from camgen.numerics import Floats
 
 _ROUNDS = 60
 _CLOSE = 1e-12  # of beta, rad, and of rho over the drum's radius
+_STEP = 1e-6  # of the same, over which slopes are taken
+_FAR = 0.2  # of the same, by which one round goes at most
+_LEAST_AREA = (
+    1e-3  # of the walls' points for those of the roller, below which a wall counts as undercut
+)
 
 
 @dataclass(frozen=True)
@@ -172,8 +177,17 @@ class DrumWall:
             short = rho - found.rho
             if np.max(np.abs(off)) < _CLOSE and np.max(np.abs(short)) < _CLOSE * size:
                 return found
-            phi = phi + off / np.clip(self.area_ratio(phi, r), 0.2, 5.0)
-            r = r + short
+            # Newton; slopes by differences, which count for its pace alone
+            ahead = self.points(phi + _STEP, r)
+            outer = self.points(phi, r + _STEP * size)
+            turned = (ahead.beta - found.beta) / _STEP
+            widened = (ahead.rho - found.rho) / _STEP
+            leant = (outer.beta - found.beta) / (_STEP * size)
+            deeper = (outer.rho - found.rho) / (_STEP * size)
+            area = turned * deeper - leant * widened
+            area = np.where(np.abs(area) < _LEAST_AREA, _LEAST_AREA, area)
+            phi = phi + np.clip((off * deeper - short * leant) / area, -_FAR, _FAR)
+            r = r + np.clip((short * turned - off * widened) / area, -_FAR * size, _FAR * size)
         row = np.unravel_index(int(np.argmax(np.abs(off))), off.shape)
         raise DesignError(
             "change of the wall's angle for that of the roller",

@@ -361,6 +361,26 @@ class Passing:
 
 
 @dataclass(frozen=True)
+class DrumTrack:
+    """Of a Cam: the drum in whose track a roller runs, its axis along the part's z, and where the roller is; mm."""
+
+    part: str
+    joint: str
+    track: Literal["groove", "rib", "end"]
+    # radius half way along it, length, distance of its inner end from the drum's axis, half angle of its cone, deg
+    roller: tuple[float, float, float, float]
+    rest: float  # place of the roller along the axis, or angle of its arm, rad, at s = 0
+    clearance: float = 0.0  # of the roller between both walls
+    ripple: float = (
+        math.inf
+    )  # of the follower's speed, as a share of the greatest, that is accepted
+    distance: float | None = None  # of both rollers of a rib
+    offset: float = 0.0  # of a slide, beside the drum's axis
+    # length, and place of the axle beside and along the drum's axis
+    arm: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True)
 class Balance:
     """The first moment that all solids on a body are to have together about the pin on which it turns."""
 

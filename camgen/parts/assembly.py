@@ -20,6 +20,7 @@ from camgen.machine.features import (
     Balance,
     CamOutline,
     Demand,
+    DrumTrack,
     Eye,
     Feature,
     Mount,
@@ -146,6 +147,7 @@ class Assembly:
     cycle: Cycle = Cycle()
     mounts: Sequence[Mount] = ()  # where every copy of every part stands on the machine's bodies
     features: Sequence[Feature] = ()  # of parts, on which the joints are measured
+    tracks: Sequence[DrumTrack] = ()  # of drums, in which rollers run
     passing: Sequence[Passing] = ()  # parts that pass by each other without a joint
     demands: Sequence[Demand] = ()  # on the outputs
     stand_ins: Sequence[StandIn] = ()  # what is not made but in the way

@@ -49,14 +49,9 @@ OLD_BORES: OldWords = {
 }
 
 
-class ShaftHole(Record):
+class ShaftBore(Record):
     """A cam's bore, and what keeps it from turning on its shaft."""
 
-    thickness: Thickness = Field(
-        default=6.0,
-        description="thickness of the cam, without its hub; in a machine that of links, cams and "
-        "followers, 4",
-    )
     bore: Bore = 8.0
     bore_shape: BoreShape = "plain"
     key_width: KeyWidth = 2.0
@@ -117,6 +112,16 @@ class ShaftHole(Record):
         if self.bore_shape == "d-flat":
             return (f"{bore}, flat on +Y {self.flat_depth:g} below its top",)
         return ()
+
+
+class ShaftHole(ShaftBore):
+    """The same through a plate."""
+
+    thickness: Thickness = Field(
+        default=6.0,
+        description="thickness of the cam, without its hub; in a machine that of links, cams and "
+        "followers, 4",
+    )
 
 
 class CamParts(ShaftHole):

@@ -154,7 +154,8 @@ def _part_record(case: Case, part: Part, kinds: Sequence[str]) -> dict[str, obje
         "files": [
             file.name
             for kind in kinds
-            if (file := case.file(part.name, kind)).exists() or kind not in EXACT
+            if (file := case.file(part.name, kind)).exists()
+            or (kind not in EXACT and (part.outlined or kind not in DRAWN))
         ],
     }
 
@@ -178,6 +179,7 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
                 sweep_assembly,
             )
         )
+    stages += _of_drums(mechanism.assembly)
     if mechanism.assembly.balances:
         stages.append(
             Stage(
@@ -223,6 +225,17 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
         *([Stage((), work=print_errors)] if printed else []),
         *of_parts(mechanism),
     ]
+
+
+def _of_drums(made: Assembly) -> Iterator[Stage]:
+    """The stage of rollers in the tracks of drums."""
+    if made.tracks:
+        codes = ["MOTION_ERROR", "SPEED_RIPPLE", "CONTACT", "INTERFERENCE"]
+        if any(track.track != "end" for track in made.tracks):
+            codes += ["LASH", "GROOVE_FIT"]
+        yield Stage(
+            tuple(codes), "the roller, rolled in the track of its drum", SOLID, roll_in_drums
+        )
 
 
 def _on_the_table(made: Assembly) -> Iterator[Stage]:
@@ -353,6 +366,13 @@ def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     )
     table = Table("Bodies that pass each other, the nearest first", COLUMNS, nearest)
     return Outcome(findings, tables=[table] if nearest else [])
+
+
+def roll_in_drums(case: Case, kinds: Sequence[str]) -> Outcome:
+    """The follower of each drum, its roller rolled in the meshes."""
+    from camgen.pipeline.drums import judge_drums
+
+    return judge_drums(case, kinds)
 
 
 def weigh_crank(case: Case, kinds: Sequence[str]) -> Outcome:

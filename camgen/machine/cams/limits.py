@@ -22,6 +22,7 @@ from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.facets import facet_contour
 from camgen.machine.cams.followers import SwingingArm, SwingingFace
 from camgen.machine.cams.profile import DiscCam
+from camgen.motion.program import Program
 from camgen.study import Figure, Figures
 
 # deg, that a pressure angle may reach by usual advice
@@ -118,9 +119,25 @@ def cam_findings(
     findings = [finding for each in cams for finding in _profile(each, limits, chord_tolerance)]
     if face_width is not None:
         findings.append(_face_width(cams, face_width))
-    findings += _rounding(cams[0], limits.rounding, program)
+    first = cams[0]
+    smoother = first.advice.smoother
+    return [
+        *findings,
+        *program_findings(first.cam.program, unit_of(first.cam), limits, smoother, program),
+    ]
+
+
+def program_findings(
+    program: Program,
+    of: tuple[str, float],
+    limits: CamLimits,
+    smoother: str,
+    where: str = "program",
+) -> list[Finding]:
+    """TABLE_ROUNDING and MOTION_JUMP of a follower's program; of: what people read s in, and how many of it one unit of s is."""
+    findings = _rounding(program, limits.rounding, where)
     if limits.continuous >= 0:
-        findings.append(_jumps(cams[0], limits.continuous, program))
+        findings.append(_jumps(program, of, limits.continuous, smoother, where))
     return findings
 
 
@@ -205,9 +222,9 @@ def _face_width(cams: Sequence[ExactCam], width: float) -> Finding:
     )
 
 
-def _rounding(exact: ExactCam, most: float, where: str) -> list[Finding]:
+def _rounding(program: Program, most: float, where: str) -> list[Finding]:
     """TABLE_ROUNDING: what the last digit of a table's rows makes of its acceleration; nothing without a table."""
-    tables = [s.law for s in exact.cam.program.segments if s.scale and s.law.rounding]
+    tables = [s.law for s in program.segments if s.scale and s.law.rounding]
     if not tables:
         return []
     message = (
@@ -218,11 +235,13 @@ def _rounding(exact: ExactCam, most: float, where: str) -> list[Finding]:
     return [at_most("TABLE_ROUNDING", share, most, "1", Where(where), message)]
 
 
-def _jumps(exact: ExactCam, highest: int, where: str) -> Finding:
+def _jumps(
+    program: Program, of: tuple[str, float], highest: int, smoother: str, where: str
+) -> Finding:
     """MOTION_JUMP: how many jumps there are, up to a derivative of the displacement."""
-    unit, scale = unit_of(exact.cam)
+    unit, scale = of
     units = (unit, f"{unit}/rad", f"{unit}/rad^2", f"{unit}/rad^3")
-    jumps = exact.cam.program.discontinuities(highest)
+    jumps = program.discontinuities(highest)
     places = "; ".join(
         f"{_ORDERS[jump.order]} at {math.degrees(jump.theta):.3f} deg by {jump.size * scale:.4g} {units[jump.order]}"
         for jump in jumps[:_MOST_JUMPS]
@@ -230,5 +249,5 @@ def _jumps(exact: ExactCam, highest: int, where: str) -> Finding:
     more = f"; and {len(jumps) - _MOST_JUMPS} more" if len(jumps) > _MOST_JUMPS else ""
     lower = ", ".join(_ORDERS[:highest])
     orders = f"{lower} and {_ORDERS[highest]}" if lower else _ORDERS[highest]
-    message = f"{places}{more}; {exact.advice.smoother}" if jumps else f"no jump of {orders}"
+    message = f"{places}{more}; {smoother}" if jumps else f"no jump of {orders}"
     return at_most("MOTION_JUMP", len(jumps), 0, "jumps", Where(where), message)

@@ -106,8 +106,25 @@ def cam_machine(
     cams: the one that drives outwards, then a second one that drives back. speed: rad/s. touches: how the cams are touched,
     where it is not each by its own follower. The output is "lift" of a follower that slides, mm, "swing" of one on an arm, rad.
     """
-    follower = cams[0].follower
-    program = cams[0].program
+    touch = tuple(touches) or tuple(CamTouch(each) for each in cams)
+    contact = Cam(
+        "contact",
+        "cam",
+        "follower",
+        cams[0].program,
+        closure=closure,
+        leaves=cams[0].follower.leaves,
+        touches=touch,
+        friction=friction,
+    )
+    return contact_machine(contact, cams[0].follower, speed, load)
+
+
+def contact_machine(
+    contact: Cam, follower: Any, speed: float, load: FollowerLoad | None = None
+) -> Machine:
+    """The same of a contact between "cam" and "follower", whose law is a program; follower: how it is guided."""
+    program: Any = contact.law
     load = load or FollowerLoad()
     start = float(program(np.zeros(1))[0])
     body: Body
@@ -132,7 +149,7 @@ def cam_machine(
             unit = "rad"
         case _:
             raise TypeError(f"no machine for {type(follower).__name__}")
-    lowest = follower.leaves * float(np.min(follower.leaves * program(_turn(cams[0]))))
+    lowest = follower.leaves * float(np.min(follower.leaves * program(_turn(program))))
     borne = load.preload + load.resistance
     force = load.rate * lowest - follower.leaves * borne
     loads = (
@@ -140,21 +157,9 @@ def cam_machine(
         if load.damping or load.rate or borne
         else ()
     )
-    touch = tuple(touches) or tuple(CamTouch(each) for each in cams)
-    contact = Cam(
-        "contact",
-        "cam",
-        "follower",
-        program,
-        slide,
-        closure=closure,
-        leaves=follower.leaves,
-        touches=touch,
-        friction=friction,
-    )
     return Machine(
         (Body(GROUND), Body("cam"), body),
-        (Pin("shaft", Place("cam"), Place(GROUND)), held, contact),
+        (Pin("shaft", Place("cam"), Place(GROUND)), held, replace(contact, slide=slide)),
         (Drive("motor", "cam"),),
         {"cam": Pose(0j, 0.0), "follower": pose},
         loads,
@@ -224,9 +229,9 @@ def cam_outline(
     )
 
 
-def _turn(cam: DiscCam[Any]) -> Floats:
+def _turn(program: Any) -> Floats:
     """Angles among which the lowest place is."""
-    return distinct(np.linspace(0, math.tau, 1441), cam.program.breaks)
+    return distinct(np.linspace(0, math.tau, 1441), program.breaks)
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,32 @@ import numpy as np
 from camgen.machine.cams.followers import Follower
 from camgen.machine.cams.profile import DiscCam
 from camgen.motion.program import Program
+from camgen.numerics import Floats
 from camgen.study import Plot, Table
 
 _BANDS = (0.0, 10.0, 20.0, 30.0, 45.0, 90.0)  # deg, of the pressure angle along the profile
+
+
+def _angles(program: Program) -> Floats:
+    """Cam angles of the curves, just before each break too, (n,) rad."""
+    return np.union1d(np.linspace(0, math.tau, 1441), [b - 1e-9 for b in program.breaks if b > 0])
+
+
+def motion_plots(program: Program, of: tuple[str, float], speed: float) -> list[Plot]:
+    """The wanted motion with three derivatives to time; of: its unit, and how many of it make a mm or rad; speed: rad/s."""
+    unit, scale = of
+    theta = _angles(program)
+    degrees = np.degrees(theta)
+    label = "cam angle, deg"
+    names = ("Displacement", "Velocity", "Acceleration", "Jerk")
+    units = (unit, f"{unit}/s", f"{unit}/s^2", f"{unit}/s^3")
+    marks = [
+        (s.kind, math.degrees(at)) for s, at in zip(program.segments, program.joints, strict=False)
+    ]
+    return [
+        Plot(name, label, text, [("wanted", degrees, scale * speed**k * program(theta, k))], marks)
+        for k, (name, text) in enumerate(zip(names, units, strict=True))
+    ]
 
 
 def plots(
@@ -28,19 +51,9 @@ def plots(
 
     who: names of the cams; of: the output's unit, and how many of it make a mm or rad; speed: rad/s; base: radius, mm.
     """
-    unit, scale = of
-    theta = np.union1d(np.linspace(0, math.tau, 1441), [b - 1e-9 for b in program.breaks if b > 0])
+    theta = _angles(program)
     degrees = np.degrees(theta)
     label = "cam angle, deg"
-    names = ("Displacement", "Velocity", "Acceleration", "Jerk")
-    units = (unit, f"{unit}/s", f"{unit}/s^2", f"{unit}/s^3")
-    marks = [
-        (s.kind, math.degrees(at)) for s, at in zip(program.segments, program.joints, strict=False)
-    ]
-    svaj = [
-        Plot(name, label, text, [("wanted", degrees, scale * speed**k * program(theta, k))], marks)
-        for k, (name, text) in enumerate(zip(names, units, strict=True))
-    ]
     steep = [np.degrees(cam.pressure_angle(theta)) for cam in cams]
     pressure = Plot(
         "Pressure angle",
@@ -61,7 +74,7 @@ def plots(
         if np.any((steep[0] >= a) & (steep[0] <= b))
     ]
     return (
-        *svaj,
+        *motion_plots(program, of, speed),
         pressure,
         curvature,
         Plot("Profile, by pressure angle", "x, mm", "y, mm", coloured, equal=True),

@@ -1,0 +1,365 @@
+"""Any cylinder cam: a drum turns steadily, and a roller in its track moves a follower through segments of motion.
+
+      |            z, the drum's axis, upwards; the drum turns counter-clockwise as seen from above. At cam angle 0 the follower
+   ___|___         stands at +x of the drum's files. A translating one slides along z, its output is in mm; an oscillating one
+  |___|___|--o     has its axle square to z, beside the drum at +y, its output is the arm's angle, growing upwards.
+  |   |   |        At s = 0 the roller is where geometry.follower says.
+
+track "groove": one roller between two walls; "rib": two rollers on one slide, astride; "end": the roller on the upper end, on which a
+spring holds it. What stands beside the drum (slide or arm, roller, shaft and bearings) is the person's own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from camgen.errors import DesignError, Fault, SpecError
+from camgen.findings import Finding, Where, at_least, at_most
+from camgen.machine.cams.followers import SlidingTip, SwingingArm
+from camgen.machine.cams.limits import ARM_PRESSURE, SLIDE_PRESSURE, program_findings
+from camgen.machine.cams.machine import FollowerLoad, Loaded, contact_machine
+from camgen.machine.features import Demand, Mount
+from camgen.machine.model import Cam, Machine
+from camgen.machine.run import solve
+from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of, polydyne_faults
+from camgen.machines.cylinder_cam.tables import DrumGeometry, DrumLimits, DrumParts
+from camgen.machines.cylinder_cam.track import Track, smallest
+from camgen.machines.disc_cam.curves import motion_plots, segments_table
+from camgen.machines.disc_cam.tables import DiscCamMotor, LoadTable, SpringTable
+from camgen.machines.loads.weights import gravity
+from camgen.machines.mechanism import Mechanism
+from camgen.machines.pairs import still_faults
+from camgen.motion.polydyne import polydyne
+from camgen.motion.program import Program
+from camgen.motion.segments import SegmentTable, WholeTurn, program
+from camgen.numerics import Floats
+from camgen.parts.assembly import Assembly
+from camgen.parts.disc_cams import turning_note
+from camgen.parts.part import drum_part
+from camgen.study import Figure, Figures, Later, Plot, Study
+
+_SMOOTHER = "a law that ends smoother, or 'matched', joins them"
+_FLATTER = "a larger geometry.radius, a longer span or a smaller lift lowers it"
+
+
+class CylinderCam(Mechanism):
+    """Spec and answers of a cylinder cam; the output is the follower's displacement s, mm or rad."""
+
+    geometry: DrumGeometry
+    segment: Annotated[tuple[SegmentTable, ...], Field(min_length=1, max_length=100), WholeTurn] = (
+        Field(description="segments of the motion: one after another they make the turn")
+    )
+    motor: DiscCamMotor = DiscCamMotor.model_construct()
+    load: LoadTable | None = Field(
+        default=None,
+        description="mass and loads of the follower, for forces, motor torque, and whether it stays on "
+        "an end cam",
+    )
+    spring: SpringTable | None = Field(
+        default=None,
+        description='track "end": the spring that presses the follower on the cam; the report says what is '
+        "needed",
+    )
+    making: Annotated[DrumParts, Field(alias="parts")] = DrumParts.model_construct()
+    allowed: Annotated[DrumLimits, Field(alias="limits")] = DrumLimits.model_construct()
+
+    # ---- what is wrong with it --------------------------------------------------------------------------------------
+
+    def faults(self) -> Sequence[Fault]:
+        """What is wrong between keys that are right one by one."""
+        g = self.geometry
+        found = [*self._follower_faults(), *self.making.misfits()]
+        if (g.track == "rib") != (g.distance is not None):
+            right = "missing: of both rollers' axes" if g.track == "rib" else "nothing here"
+            value = "" if g.distance is None else f"{g.distance:g}"
+            fault = Fault(("geometry", "distance"), value, f"{right}; a rib alone has two rollers")
+            found.append(fault)
+        slope = abs(math.tan(math.radians(g.roller.cone_deg)))
+        if g.roller.radius <= slope * g.roller.length / 2:
+            right = "an angle at which the roller does not end in a point"
+            found.append(Fault(("geometry", "roller", "cone_deg"), f"{g.roller.cone_deg:g}", right))
+        if self.allowed.min_wall < self.print.nozzle:
+            right = f"at least the nozzle, {self.print.nozzle:g} mm"
+            found.append(Fault(("limits", "min_wall"), f"{self.allowed.min_wall:g}", right))
+        for key in ("hole_compensation", "profile_compensation", "shrinkage", "elephant_foot"):
+            value = getattr(self.print, key)
+            if value:
+                right = "0: a drum's walls lean to the bed, so its files are as drawn; let the slicer compensate"
+                found.append(Fault(("print", key), f"{value:g}", right))
+        try:
+            self._given  # noqa: B018
+        except SpecError as error:
+            found += error.faults
+        found += load_faults(self.load, self.spring, not self._swings, g.track == "end", False)
+        if not found and self.load is not None and self.load.polydyne:
+            found += polydyne_faults(self.load, self.spring, self._given, False)
+        return [*found, *still_faults(("segment",), [table.kind for table in self.segment])]
+
+    def _follower_faults(self) -> list[Fault]:
+        """Keys of [geometry.follower] that are missing, or of the other kind."""
+        f = self.geometry.follower
+        key = ("geometry", "follower")
+        found = []
+        if self._swings:
+            if f.arm is None:
+                right = "missing: an oscillating follower has an arm"
+                found.append(Fault((*key, "arm"), "", right))
+            if f.offset:
+                right = "nothing here: an oscillating follower has pivot"
+                found.append(Fault((*key, "offset"), f"{f.offset:g}", right))
+            if self.geometry.track == "rib":
+                right = '"translating": both rollers of a rib are on one slide'
+                found.append(Fault((*key, "motion"), repr(f.motion), right))
+            return found
+        for name in ("arm", "pivot", "start_deg"):
+            value = getattr(f, name)
+            if value is not None:
+                right = "nothing here: of an oscillating follower"
+                found.append(Fault((*key, name), f"{value:g}", right))
+        return found
+
+    # ---- motion -----------------------------------------------------------------------------------------------------
+
+    @property
+    def _swings(self) -> bool:
+        return self.geometry.follower.motion == "oscillating"
+
+    @property
+    def _unit(self) -> tuple[str, float]:
+        return ("deg", math.degrees(1)) if self._swings else ("mm", 1.0)
+
+    @cached_property
+    def _given(self) -> Program:
+        """The segments, one after the other."""
+        return program(self.segment, 1 / self._unit[1])
+
+    @cached_property
+    def program(self) -> Program:
+        """The follower's motion over the turn, mm or rad; on a clockwise drum the segments lie the other way round."""
+        made = self._given
+        if self.load is not None and self.load.polydyne:
+            rate = self.spring.rate if self.spring else 0.0
+            made = polydyne(made, self.load.lag(self._speed, rate))
+        return made if self._sense > 0 else made.backwards()
+
+    def motion(self, theta: Floats, order: int = 0) -> Floats:
+        """Wanted displacement s (mm or rad) or its derivative to theta, (n,)."""
+        return self.program(theta, order)
+
+    def _unloaded(self) -> Machine:
+        """Drum and follower in the follower's plane, in which the drum is its angle alone; output "lift", mm, or "swing", rad."""
+        pushed = self.geometry.track == "end"
+        contact = Cam(
+            "contact", "cam", "follower", self.program, closure="force" if pushed else "form"
+        )
+        radius = self.geometry.roller.radius
+        follower: SlidingTip | SwingingArm = SlidingTip(0j, 1j, radius)
+        if self._swings:
+            arm = complex(self.geometry.follower.arm or 0.0)
+            follower = SwingingArm(-arm, arm, radius, 1)
+        return contact_machine(contact, follower, self._speed, self._load)
+
+    # ---- the track --------------------------------------------------------------------------------------------------
+
+    @property
+    def _steepest(self) -> float:
+        """Pressure angle that is accepted, deg."""
+        usual = ARM_PRESSURE if self._swings else SLIDE_PRESSURE
+        return self.allowed.pressure_angle_deg or usual
+
+    @cached_property
+    def track(self) -> Track:
+        """The track as it is made; DesignError where no drum has it."""
+        p = self.making
+        clearance = self.print.slide_clearance
+        given = self.geometry.radius
+        track = Track(self.geometry, self.program, clearance, p.reach, p.wall, given or 0.0)
+        if given is None:
+            return replace(track, radius=smallest(track, self._steepest))
+        if track.floor <= p.reach:
+            least = given + p.reach - track.floor
+            remedy = "the bore reaches the track: a larger radius, a shorter roller or a smaller parts.bore"
+            raise DesignError(
+                "geometry.radius", given, least, "mm", "the floor of the track", remedy
+            )
+        return track
+
+    def _found(self) -> Mapping[str, object]:
+        """Sizes of the drum, and where the follower stands."""
+        track = self.track
+        found = {
+            "geometry.radius": track.radius,
+            "geometry.length": track.length,
+            "geometry.follower.height": track.height,
+            "limits.pressure_angle_deg": self._steepest,
+        }
+        if self._swings:
+            found["geometry.follower.pivot"] = track.pivot
+            found["geometry.follower.start_deg"] = math.degrees(track.start)
+        return {**super()._found(), **found}
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """The drum."""
+        p = self.making
+        track = self.track
+        part = drum_part("drum", "Drum of a cylinder cam", track.drum, p.hole())
+        roller = self.geometry.roller
+        said = f"{self.geometry.track} for a roller of {2 * roller.radius:g} x {roller.length:g}"
+        notes = (
+            turning_note(self._sense),
+            *p.notes(),
+            f"{said}, its inner end {track.inner:.4g} from the axis",
+        )
+        part = replace(part, notes=notes, bore=p.bore, min_wall=self.allowed.min_wall)
+        made = self._assembly([part], [Mount("drum", "cam")])
+        output = self.model.outputs[0].name
+        demand = Demand(output, lash=self.allowed.lash / self._unit[1])
+        return replace(
+            made,
+            tracks=(replace(track.rolled, ripple=self.allowed.speed_ripple),),
+            demands=(demand,),
+        )
+
+    # ---- checks and figures -----------------------------------------------------------------------------------------
+
+    def limits(self) -> Sequence[Finding]:
+        """PRESSURE_ANGLE, UNDERCUT, CURVATURE, MIN_WALL of the drum, those of the program, and LIFT_OFF of an end cam with [load]."""
+        track = self.track
+        low, high = track.drum.span
+        areas, bends = track.walls
+        sharpest = float(np.max(bends))
+        drum = Where("drum")
+        area = f"the wall has at least {float(np.min(areas)):.3g} of the area that the roller's axis sweeps; at 0 it is undercut"
+        ends = min(low, track.length - high)
+        walls = [
+            at_least(
+                "MIN_WALL",
+                track.floor - self.making.reach,
+                self.allowed.min_wall,
+                "mm",
+                Where("between bore and track"),
+                "a larger geometry.radius or a smaller bore widens it",
+            ),
+            at_least(
+                "MIN_WALL",
+                ends,
+                self.allowed.min_wall,
+                "mm",
+                Where("between track and end"),
+                "a larger geometry.length or parts.wall widens it",
+            ),
+        ]
+        air = []
+        if self._loaded is not None and self.geometry.track == "end":
+            air.append(lift_off(self._loaded, self._load or FollowerLoad(), not self._swings))
+        return [
+            at_most(
+                "PRESSURE_ANGLE",
+                track.steepest,
+                self._steepest,
+                "deg",
+                drum,
+                f"at the roller's inner end; {_FLATTER}",
+            ),
+            at_most(
+                "UNDERCUT",
+                0.0,
+                0.0,
+                self._unit[0],
+                drum,
+                f"the follower makes the whole motion: {area}",
+            ),
+            at_least(
+                "CURVATURE",
+                1 / sharpest if sharpest > 0 else math.inf,
+                self.allowed.least_radius,
+                "mm",
+                drum,
+                f"least radius of curvature of the convex walls; {_FLATTER.replace('lowers', 'widens')}",
+            ),
+            *program_findings(self.program, self._unit, self.allowed.of_cams(0.0), _SMOOTHER),
+            *walls,
+            *air,
+        ]
+
+    @cached_property
+    def _load(self) -> FollowerLoad | None:
+        return load_of(self.load, self.spring)
+
+    @cached_property
+    def _loaded(self) -> Loaded | None:
+        """Forces over the turn; None without [load]."""
+        if self._load is None:
+            return None
+        theta = self.track.theta
+        forces = solve(self._pulled, theta).forces()
+        effort = forces.contacts["contact"]
+        scale = 1e3 if self._swings else 1.0  # N m over mm
+        force = scale * effort / self.track.lever(theta)
+        (torque,) = forces.drives.values()
+        lift = self.program(theta)
+        jumps = [abs(jump.size) for jump in self.program.discontinuities(1) if jump.order == 1]
+        unit = 1.0 if self._swings else 1e-3
+        kick = unit * self._load.inertia * abs(self._speed) * max(jumps, default=0.0)
+        return Loaded(theta, lift - np.min(lift), effort, force, torque, kick, forces)
+
+    @property
+    def _forces(self) -> Study:
+        if self._loaded is None:
+            return Study()
+        pushed = self.geometry.track == "end"
+        load = self._load or FollowerLoad()
+        return force_study(self._loaded, load, not self._swings, pushed, bool(gravity(self.load)))
+
+    def study(self) -> Study:
+        """Sizes, motion and its derivatives, pressure angle, forces."""
+        unit, scale = self._unit
+        track = self.track
+        low, high = self.program.extremes
+        peaks = [scale * abs(self._speed) ** k * self.program.peak(k) for k in (1, 2)]
+        figures = Figures(
+            [
+                Figure("swing" if self._swings else "stroke", scale * (high - low), unit),
+                Figure("drum radius", track.radius, "mm"),
+                Figure("drum length", track.length, "mm"),
+                Figure("roller inner end", track.inner, "mm"),
+                Figure("pressure angle", track.steepest, "deg"),
+                Figure("peak speed", peaks[0], f"{unit}/s"),
+                Figure("peak acceleration", peaks[1], f"{unit}/s²"),
+            ]
+        )
+        forces = self._forces
+        return Study(
+            figures | forces.numbers,
+            Later(lambda: [*self._plots(), *forces.plots]),
+            Later(lambda: [segments_table(self.program, self._unit)]),
+            notes=Later(lambda: [*self._notes(), *forces.notes]),
+        )
+
+    def _plots(self) -> list[Plot]:
+        theta = self.track.theta
+        steep = np.degrees(self.track.pressure_angle(theta))
+        curve = ("at the roller's inner end", np.degrees(theta), steep)
+        pressure = Plot("Pressure angle", "cam angle, deg", "deg", [curve])
+        return [*motion_plots(self.program, self._unit, self._speed), pressure]
+
+    def _notes(self) -> list[str]:
+        track = self.track
+        where = f"at height {track.height:.4g} mm over the drum's lower end"
+        place = f"the roller's axis is {where} at displacement 0"
+        if self.geometry.track == "rib":
+            place = f"the middle between both rollers is {where} at displacement 0"
+        if self._swings:
+            place = f"the arm's axle is {track.pivot:.4g} mm beside the drum's axis, {where}; at displacement 0 the arm stands at {math.degrees(track.start):.4g} deg"
+        return [
+            f"The drum is what is made. Bring the follower, its guide, the roller, shaft and bearings: {place}, the roller's inner end {track.inner:.4g} mm from the drum's axis.",
+            "theta is counter-clockwise as seen from above; at 0 the follower stands at +x of the drum's files.",
+        ]

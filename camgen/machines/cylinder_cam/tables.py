@@ -1,0 +1,106 @@
+"""Tables of a cylinder cam's spec: drum, track, roller and follower, its bore, what the designer accepts."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from camgen.machines.loads.tables import CamLimitsTable
+from camgen.parts.disc_cams import ShaftBore
+from camgen.spec import Coordinate, Length, MinWall, Record, quantity
+
+
+class DrumFollower(Record):
+    """What moves beside the drum."""
+
+    motion: Literal["translating", "oscillating"] = Field(
+        default="translating",
+        description='"translating": on a slide along the drum\'s axis; "oscillating": on an arm whose '
+        "axle is square to that axis",
+    )
+    offset: Coordinate = Field(
+        default=0.0,
+        description="translating: how far the roller's axis lies beside the drum's, counter-clockwise "
+        "as the drum is seen from above (below 0: clockwise)",
+    )
+    arm: Length | None = Field(
+        default=None, description="oscillating: distance from the axle to the roller's axis"
+    )
+    pivot: Length | None = Field(
+        default=None,
+        description="oscillating: how far the axle lies beside the drum's axis; left out: where the roller "
+        "stays nearest to it",
+    )
+    height: Length | None = Field(
+        default=None,
+        description="translating: height of the roller's axis at displacement 0; oscillating: height of the "
+        "axle; of a rib of\nthe middle of both rollers; from the drum's lower end; left out: the track is in the middle",
+    )
+    start_deg: Annotated[float, quantity("deg", ge=-80, le=80)] | None = Field(
+        default=None,
+        description="oscillating: angle of the arm at displacement 0, from square to the drum's axis; left "
+        "out: it swings as far down as up",
+    )
+
+
+class DrumRollerTable(Record):
+    """The roller in the track; its axis points to the drum's."""
+
+    radius: Length = Field(description="radius of the roller, of a cone half way along it")
+    length: Length = Field(description="length of the roller")
+    cone_deg: Annotated[float, quantity("deg", ge=-45, le=45)] = Field(
+        default=0.0, description="half angle of a conical roller, above 0 where it grows outwards"
+    )
+    end_clearance: Length = Field(
+        default=0.5,
+        description="air between the roller's inner end and the floor, and how far its outer end lies "
+        "inside the drum",
+    )
+
+
+class DrumGeometry(Record):
+    """The drum and what follows it; without radius the drum is the smallest that keeps to the limits."""
+
+    track: Literal["groove", "rib", "end"] = Field(
+        default="groove",
+        description='"groove": the roller between two walls, print.slide_clearance wider than the roller\n'
+        '"rib": two rollers astride of one rib, on a slide\n'
+        '"end": the roller on the upper end, held down by a spring',
+    )
+    follower: DrumFollower = Field(
+        default=DrumFollower.model_construct(), description="what moves beside the drum"
+    )
+    roller: DrumRollerTable = Field(description="the roller in the track")
+    radius: Length | None = Field(
+        default=None,
+        description="outer radius of the drum; left out: the smallest that keeps to "
+        "limits.pressure_angle_deg at the roller's inner end,\nand holds its bore",
+    )
+    length: Length | None = Field(
+        default=None,
+        description="length of the drum; left out: the track and parts.wall at both ends",
+    )
+    distance: Length | None = Field(
+        default=None, description="rib: distance between the axes of both rollers"
+    )
+
+
+class DrumParts(ShaftBore):
+    """The drum as a body, with the bore of its shaft."""
+
+    wall: Length = Field(
+        default=3.0,
+        description="least wall between the bore and the floor of the track, and at the drum's ends",
+    )
+
+
+class DrumLimits(CamLimitsTable):
+    """What you accept: beyond a limit its finding fails."""
+
+    lash: Annotated[float, quantity("mm or deg", ge=0, le=1e6)] = Field(
+        default=0.25,
+        description="free play of the follower between both walls; 0.25 is a hundredth of a lift of 25, "
+        "and the running play of printed parts",
+    )
+    min_wall: MinWall = 0.8

@@ -1,0 +1,225 @@
+"""Cylinder cams from a spec: sizes against the reference's numbers, files against damages."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import tomllib
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgen.errors import DesignError, SpecError
+from camgen.files.stl import write_stl
+from camgen.findings import Finding
+from camgen.geometry.mesh import Mesh
+from camgen.machines.cylinder_cam.mechanism import CylinderCam
+from camgen.parts.solids import solid
+from camgen.pipeline import build as pipeline
+from camgen.pipeline.case import Case
+from camgen.pipeline.drums import judge_drums
+from camgen.spec import validate
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "geometry"))
+from drums import REFERENCE  # noqa: E402
+
+SPEC = Path(__file__).parents[2] / "specs" / "cylinder-cam.toml"
+ARM = {"motion": "oscillating", "arm": 40.0}
+# the reference's case A: a roller that begins 22 mm from the axis
+SIZES = {"radius": 30.0, "roller": {"radius": 5.0, "length": 7.5, "end_clearance": 0.5}}
+
+
+def published(text: str) -> object:
+    """A number to one of its last decimal: the reference looked at fewer angles."""
+    return pytest.approx(float(text), abs=1.01 * 10.0 ** -len(text.partition(".")[2]))
+
+
+def drum(
+    lift: float = 15.0, rise: Mapping[str, object] = MappingProxyType({}), **tables: dict[str, Any]
+) -> CylinderCam:
+    """The starter's motion, with another lift or rise; tables: keys in place of its own."""
+    data = tomllib.loads(SPEC.read_text(encoding="utf-8"))
+    data["accuracy"] = {"chord_tolerance": 0.01}
+    data["segment"][0] |= {"lift": lift, **rise}
+    for name, keys in tables.items():
+        data[name] = {**data.get(name, {}), **keys}
+    return validate(CylinderCam, data)
+
+
+def verdicts(
+    tmp_path: Path, machine: CylinderCam, change: Callable[[Mesh], Mesh] = lambda mesh: mesh
+) -> dict[str, Finding]:
+    """What the roller finds in the STL of a drum that is changed, by code."""
+    (part,) = machine.assembly.parts
+    case = Case(machine, tmp_path)
+    write_stl(case.file("drum", "stl"), change(solid(part, 0.01)), "drum")
+    return {each.code: each for each in judge_drums(case, ["stl"]).findings}
+
+
+def failing(found: dict[str, Finding]) -> set[str]:
+    """Codes that fail."""
+    return {code for code, each in found.items() if not each.ok}
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The starter's folder, coarser and without a page."""
+    out = tmp_path_factory.mktemp("drum")
+    kinds = frozenset({"dxf", "stl", "3mf"})
+    report = pipeline.build(SPEC, out, kinds, ["accuracy.chord_tolerance=0.01"])
+    assert [each for each in report.findings if not each.ok] == []
+    return out / "cylinder-cam"
+
+
+def test_the_drum_is_as_small_as_the_pressure_angle_lets_it() -> None:
+    """tan(alpha) = max |ds/dtheta| / r at the roller's inner end; a cycloidal rise is steepest at 2 lift / span."""
+    track = drum().track
+    assert track.inner == pytest.approx(2 * 15 / math.radians(120) / math.tan(math.radians(30)))
+    assert track.steepest == pytest.approx(30)
+    narrow = drum(limits={"pressure_angle_deg": 80.0}).track
+    assert narrow.inner == pytest.approx(4 + 5 + 0.5)  # the roller stays clear of the bore
+
+
+def test_pressure_angles_and_areas_are_the_references() -> None:
+    a = drum(geometry=SIZES)
+    assert a.track.inner == 22
+    assert a.track.steepest == published(REFERENCE["a"]["pressure_angle_deg"][0])
+    swung = drum(20.0, geometry={**SIZES, "follower": ARM})
+    assert swung.track.steepest == published(REFERENCE["b"]["pressure_angle_deg"][0])
+    assert swung.track.pivot == pytest.approx(20 * (1 + math.cos(math.radians(10))))
+    beside = swung.track.path.beside(np.linspace(0, 7, 9000), 0)
+    assert np.abs(beside).max() == published(REFERENCE["b"]["farthest_beside"])
+
+
+def test_a_build_gives_the_motion_of_both_meshes(built: Path) -> None:
+    rows = np.genfromtxt(built / "motion.csv", delimiter=",", names=True)
+    assert rows.dtype.names == ("theta_deg", "lift_mm", "lift_mm_stl", "lift_mm_3mf")
+    assert (len(rows), rows["theta_deg"][-1]) == (1441, 360)
+    assert rows["lift_mm"][600] == pytest.approx(15)  # 150 deg, in the dwell
+    for kind in ("stl", "3mf"):
+        assert np.abs(rows[f"lift_mm_{kind}"] - rows["lift_mm"]).max() < 0.01
+    report = json.loads((built / "report.json").read_text())
+    assert report["parts"][0]["files"] == ["cylinder-cam-drum.stl", "cylinder-cam-drum.3mf"]
+    assert report["not_judged"] == []
+    play = report["numbers"]["play_least_stl_mm"]
+    assert play == pytest.approx(0.2, abs=0.02)
+
+
+def test_the_resolved_spec_makes_the_same_drum(built: Path) -> None:
+    resolved = pipeline.read_mechanism(built / "spec.toml")
+    assert isinstance(resolved, CylinderCam)
+    track = pipeline.read_mechanism(SPEC).track  # type: ignore[attr-defined]
+    assert resolved.geometry.radius == track.radius
+    assert resolved.track.height == pytest.approx(track.height, abs=1e-12)
+    assert pipeline.check(built).ok
+
+
+def raised(mesh: Mesh) -> Mesh:
+    """One vertex of the lower wall's upper dwell higher by 0.2 mm, twenty times the tolerance."""
+    vertices = mesh.vertices.copy()
+    normals = np.zeros(len(vertices))
+    np.add.at(normals, mesh.faces.ravel(), np.repeat(mesh.across[:, 2], 3))
+    rho = np.hypot(vertices[:, 0], vertices[:, 1])
+    up = (normals > 0) & (rho < rho.max() - 2) & (vertices[:, 2] < vertices[:, 2].max() - 1)
+    row = int(np.flatnonzero(up & (rho > rho[up].min() + 1))[0])
+    vertices[row, 2] += 0.2
+    return Mesh(vertices, mesh.faces)
+
+
+def mirrored(mesh: Mesh) -> Mesh:
+    """The drum that turns the other way."""
+    return Mesh(mesh.vertices * np.array([1.0, -1.0, 1.0]), mesh.faces[:, ::-1])
+
+
+def test_damages_are_refused(tmp_path: Path) -> None:
+    data = drum(rise={"span_deg": 100.0, "law": "3-4-5"})
+    assert failing(verdicts(tmp_path, data)) == set()
+    assert "MOTION_ERROR" in failing(verdicts(tmp_path, data, mirrored))
+    assert {"MOTION_ERROR", "GROOVE_FIT"} <= failing(verdicts(tmp_path, data, raised))
+
+    def shifted(mesh: Mesh) -> Mesh:
+        return Mesh(mesh.vertices + np.array([0.0, 0.0, 0.05]), mesh.faces)
+
+    assert failing(verdicts(tmp_path, data, shifted)) == {"MOTION_ERROR"}
+    narrow = drum(print={"slide_clearance": 0.1})
+    (part,) = narrow.assembly.parts
+    assert "GROOVE_FIT" in failing(verdicts(tmp_path, drum(), lambda _: solid(part, 0.01)))
+
+
+@pytest.mark.parametrize(
+    ("track", "more"),
+    [
+        ("end", {}),
+        ("rib", {"distance": 16.0}),
+        ("groove", {"follower": ARM}),
+        ("end", {"follower": ARM}),
+        (
+            "groove",
+            {
+                "follower": {"offset": 3.0},
+                "roller": {"radius": 4.0, "length": 6.0, "cone_deg": 8.0},
+            },
+        ),
+    ],
+)
+def test_other_tracks_move_their_follower_too(
+    tmp_path: Path, track: str, more: dict[str, Any]
+) -> None:
+    found = verdicts(tmp_path, drum(geometry={"track": track, **more}, limits={"lash": 0.6}))
+    assert failing(found) == set()
+    assert ("GROOVE_FIT" in found) == (track != "end")
+
+
+def test_a_drum_turns_clockwise_too(tmp_path: Path) -> None:
+    machine = drum(motor={"speed_rpm": -30.0})
+    assert failing(verdicts(tmp_path, machine)) == set()
+    assert machine.motion(np.array([math.radians(-60)]))[0] == pytest.approx(7.5)
+
+
+def test_forces_are_those_of_the_follower() -> None:
+    """15 N against a slide of 1 kg that stands: the torque is force times ds/dtheta, and an end cam lifts off without a spring."""
+    load = {"resistance": 15.0}
+    machine = drum(load=load, motor={"speed_rpm": 1e-3})
+    numbers = machine.study().numbers
+    assert numbers["peak_torque_n_m"] == pytest.approx(15 * 14.32394e-3, rel=1e-4)
+    assert numbers["peak_contact_force_n"] == pytest.approx(
+        15 / math.cos(math.radians(30)), rel=1e-4
+    )
+    fast = drum(geometry={"track": "end"}, load={"mass_kg": 1.0}, motor={"speed_rpm": 300.0})
+    (off,) = (each for each in fast.limits() if each.code == "LIFT_OFF")
+    assert not off.ok
+
+
+def test_what_is_wrong_is_told_by_its_keys() -> None:
+    wrong = {
+        "geometry": {"track": "rib", "follower": {"motion": "oscillating", "offset": 2.0}},
+        "print": {"shrinkage": 0.003},
+        "spring": {"preload": 3.0},
+    }
+    with pytest.raises(SpecError) as caught:
+        drum(**wrong)
+    keys = {".".join(map(str, fault.path)) for fault in caught.value.faults}
+    assert keys >= {
+        "geometry.distance",
+        "geometry.follower.arm",
+        "geometry.follower.offset",
+        "geometry.follower.motion",
+        "print.shrinkage",
+        "spring",
+    }
+
+
+def test_no_drum_is_told_as_such() -> None:
+    with pytest.raises(DesignError, match="pressure angle"):
+        drum(60.0, geometry={"follower": ARM}, limits={"pressure_angle_deg": 20.0}).track  # noqa: B018
+    with pytest.raises(DesignError, match="the bore reaches the track"):
+        drum(geometry={"radius": 11.0}).track  # noqa: B018
+    with pytest.raises(DesignError, match="height of the wall"):
+        drum(geometry={"length": 20.0}).limits()
+    steep = drum(geometry={"radius": 25.0}).limits()
+    assert [each.code for each in steep if not each.ok] == ["PRESSURE_ANGLE"]
