@@ -59,6 +59,22 @@ def flat() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="session", autouse=True)
+def drawn_and_read_once() -> Iterator[None]:
+    """Builds of one process have many parts in common: each is drawn once, and each drawing read once.
+
+    What `check` makes anew, to hold it against the files, is drawn anew.
+    """
+    import kept
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("camgen.pipeline.making.draw_part", kept.draw_part)
+        patch.setattr("camgen.judge.round_trip.read_contours", kept.read_contours)
+        for user in ("files.dxf", "judge.machine_tables", "judge.sheets", "pipeline.machining"):
+            patch.setattr(f"camgen.{user}.read_dxf", kept.read_dxf)
+        yield
+
+
 Built = Callable[..., Path]
 Once = Callable[[str, Callable[[Path], None]], Path]
 

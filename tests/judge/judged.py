@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import tomllib
-from collections import OrderedDict
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, lru_cache, partial
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import Any
 import ezdxf
 import numpy as np
 import pytest
+from kept import Kept
 
 from camgen.files.formats import FORMATS
 from camgen.findings import Finding
@@ -59,25 +59,14 @@ def _read(text: str) -> Mechanism:
     return found
 
 
-_KEPT: OrderedDict[Hashable, tuple[Any, object]] = OrderedDict()
-_MOST_KEPT = 400
+_KEPT = Kept(400)
 # What no stage of the judge reads: it is made anew and compared.
 _COMPARED = {"report.html", "report.json", "motion.csv", "manifest.json"}
 
 
-def _once(key: Hashable, work: Callable[[], Any], held: object = None) -> Any:
-    """What the work gives, done once for a key; held: the objects whose ids are in the key, which live as long."""
-    if key not in _KEPT:
-        _KEPT[key] = work(), held
-        while len(_KEPT) > _MOST_KEPT:
-            _KEPT.popitem(last=False)
-    _KEPT.move_to_end(key)
-    return _KEPT[key][0]
-
-
 def forget() -> None:
     """Judge anew: for a test that changes the judge itself."""
-    _KEPT.clear()
+    _KEPT.forget()
 
 
 def _spec(case: Case) -> str:
@@ -98,7 +87,7 @@ def _part(case: Case, name: str, kinds: tuple[str, ...]) -> tuple[Outcome, Read]
     files = [case.file(name, kind) for kind in kinds]
     files += [case.file(f"{name}-drawing", "dxf")] if "dxf" in kinds else []
     key = ("part", _spec(case), name, kinds, _bytes(files))
-    outcome: tuple[Outcome, Read] = _once(key, lambda: judge_part(case, name, kinds))
+    outcome: tuple[Outcome, Read] = _KEPT.once(key, lambda: judge_part(case, name, kinds))
     return outcome
 
 
@@ -127,21 +116,21 @@ def _stage(stage: Stage, case: Case, kinds: Sequence[str]) -> Any:
     work = stage.work
     assert work is not None
     key = ("stage", work, _spec(case), *kinds, _bytes(files))
-    return _once(key, lambda: work(case, kinds))
+    return _KEPT.once(key, lambda: work(case, kinds))
 
 
 def _moved(mechanism: Mechanism, kinds: Sequence[str], parts: Mapping[str, Read]) -> Any:
     """What `moved_by` says: the same of the same contours."""
     key = ("motion", id(mechanism), *kinds, *map(id, parts.values()))
     held = (mechanism, *parts.values())
-    return _once(key, lambda: moved_by(mechanism, kinds, parts), held)
+    return _KEPT.once(key, lambda: moved_by(mechanism, kinds, parts), held)
 
 
 def _budget(case: Case, parts: Mapping[str, Read], sources: Sequence[Mapping[str, float]]) -> Any:
     """What `budget_of` says, likewise."""
     key = ("budget", id(case.mechanism), *map(id, parts.values()), *map(id, sources))
     held = (case.mechanism, *parts.values(), *sources)
-    return _once(key, lambda: budget_of(case, parts, sources), held)
+    return _KEPT.once(key, lambda: budget_of(case, parts, sources), held)
 
 
 def _drawn(case: Case, name: str, folder: Path) -> None:
@@ -152,7 +141,7 @@ def _drawn(case: Case, name: str, folder: Path) -> None:
         draw_part(case, name, folder)
         return {path.name: path.read_bytes() for path in set(folder.iterdir()) - before}
 
-    for file, data in _once(("drawing", _spec(case), name), draw).items():
+    for file, data in _KEPT.once(("drawing", _spec(case), name), draw).items():
         (folder / file).write_bytes(data)
 
 
