@@ -23,7 +23,10 @@ from camgen.machine.model import Law
 from camgen.study import Figure
 
 _STEP = math.radians(0.5)  # of the driver, from sample to sample
-_COARSE = 30  # such steps, at which overlaps are looked for before
+_COARSE = 30  # such steps for each angle at which overlaps are looked for before
+_UNEVEN = (
+    math.sqrt(5) - 1
+) / 2  # of the period, from each of these to the next: no pitch of teeth fits
 _KNOWN = 8  # answers that are kept
 
 
@@ -57,20 +60,20 @@ class Engagement:
         return OutlinePair(Body(self.a), Body(self.b), pivots_apart(self.line))
 
     @cached_property
-    def angles(self) -> Floats:
-        """At which it is followed, (n,) rad, over its period; few where the edges overlap as they are meant to stand."""
+    def motion(self) -> PairMotion:
+        """Where the follower is free over its period; nothing is followed where the edges overlap as they are meant to stand."""
         period = self.feature.period
         count = math.ceil(period / _STEP / _COARSE)
-        coarse = np.linspace(0.0, period, count + 1)
+        coarse = period * np.sort(np.arange(count) * _UNEVEN % 1.0)
         wanted = self.wanted(coarse, 0)
-        if any(map(self.pair.overlaps, coarse.tolist(), wanted.tolist())):
-            return coarse
-        return np.linspace(0.0, period, count * _COARSE + 1)
-
-    @cached_property
-    def motion(self) -> PairMotion:
-        """Where the follower is free."""
-        return self.pair.follow(self.angles, float(self.wanted(np.zeros(1), 0)[0]))
+        free = ~np.array([*map(self.pair.overlaps, coarse.tolist(), wanted.tolist())])
+        if free.all():
+            angles = np.linspace(0.0, period, count * _COARSE + 1)
+            return self.pair.follow(angles, float(self.wanted(np.zeros(1), 0)[0]))
+        unknown = np.full(count, np.nan)
+        nothing = np.full((count, 2), -1)
+        bounds = Bounds(coarse, unknown, unknown, free, free, nothing, nothing)
+        return PairMotion(self.pair, bounds, coarse, unknown)
 
     @cached_property
     def _samples(self) -> _Place:
@@ -142,7 +145,8 @@ class Engagement:
 
     def figures(self, kind: str) -> list[Figure]:
         """Least and greatest play of the follower over its period."""
-        play = np.degrees(self.motion.samples.play[self.motion.samples.free])
+        play = np.degrees(self.motion.samples.play)
+        play = play[np.isfinite(play)]
         ends = {"least": play.min(initial=math.inf), "greatest": play.max(initial=0.0)}
         of = self.feature.joint
         return [
@@ -156,7 +160,7 @@ class Engagement:
     @cached_property
     def _held(self) -> Ints:
         """Samples at which it is to be held on both sides."""
-        theta = self.angles
+        theta = self.motion.samples.theta
         within = [(theta - begin) % math.tau <= end - begin for begin, end in self.feature.held]
         return np.flatnonzero(np.any(within, axis=0))
 
@@ -169,7 +173,7 @@ class Engagement:
         """Where it is held by least or most compared to what is meant."""
         samples = self.motion.samples
         gaps = self._samples.play * self._samples.lever
-        gaps = np.where(samples.free, gaps, 0.0)[self._held]
+        gaps = np.nan_to_num(np.where(samples.free, gaps, 0.0), nan=0.0)[self._held]
         k = int(self._held[np.argmax(np.abs(gaps - 2 * self.feature.free))])
         gap = float(gaps[np.searchsorted(self._held, k)])
         sides = (samples.low_pair[k], samples.high_pair[k])

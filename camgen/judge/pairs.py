@@ -558,6 +558,9 @@ class PairMotion:
         """The free interval at growing angles between the first and the last sample, (n,)."""
         guess = np.interp(theta, self.nodes, self.path)
         lost = np.isnan(guess)
+        if lost.all():
+            nothing = np.full((len(theta), 2), -1)
+            return Bounds(theta, guess, guess, ~lost, ~lost, nothing, nothing)
         known = np.where(lost, 0.0, guess)
         near, _, missed = self.pair.measured(theta, known, (self._most_play,) * 2, False)
         low = np.where(lost, np.nan, near.low)

@@ -103,6 +103,7 @@ MADE = [
     ),
     ("gallery/beak", ("files.step=true",)),
     ("gallery/elliptic-trammel", ("files.step=true",)),
+    ("gallery/elliptic-wheels", ("files.step=true",)),
     ("gallery/five-bar", ("files.step=true",)),
     ("gallery/four-bar", ("files.step=true",)),
     ("gallery/four-bar", ("laser.thickness=3", "parts.make='laser'")),

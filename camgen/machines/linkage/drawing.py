@@ -36,6 +36,7 @@ from camgen.motion.program import Program
 from camgen.motion.segments import program
 from camgen.parts.generator.wheels import SECOND, Ridden, follower_of, level_of, named, pivot
 from camgen.parts.wheels.geneva import Geneva, GenevaLaw
+from camgen.parts.wheels.noncircular import Centrodes, NoncircularPair
 
 GROUND = m.GROUND
 RETURN = "return_spring"
@@ -65,6 +66,7 @@ class Drawing:
     genevas: Sequence[t.Geneva] = ()
     geneva_sizes: tuple[float, float] = (0.1, 2.0)  # air unless given, and wall of a wheel, mm
     planets: Sequence[t.Planets] = ()  # whose points and links are among the others
+    noncirculars: Sequence[t.Noncircular] = ()
 
     # ---- names ----------------------------------------------------------------------------------------------------
 
@@ -111,6 +113,7 @@ class Drawing:
             ("gear", (gear.joint for gear in self.gears)),
             ("cam", map(self.cam_name, self.cams)),
             ("geneva", map(self.geneva_name, self.genevas)),
+            ("noncircular", (each.joint for each in self.noncirculars)),
             ("freewheel", map(self.freewheel_name, self.freewheels)),
             ("planets", (row.title for row in self.planets)),
         ):
@@ -126,10 +129,12 @@ class Drawing:
         ]
 
     def levels_of_joints(self) -> list[str]:
-        """Names in [layers] of what has a level of its own beside the links: cams, the second one of a pair, gears, Geneva drives."""
+        """Names in [layers] of what has a level of its own beside the links: cams, the second one of a pair, gears, Geneva drives, wheels
+        that are not round."""
         levels = [level_of(gear.joint) for gear in self.gears]
         levels += [level_of(row.title) for row in self.planets]
         levels += [level_of(self.geneva_name(geneva)) for geneva in self.genevas]
+        levels += [level_of(each.joint) for each in self.noncirculars]
         for cam in (cam for cam in self.cams if cam.shape == "roller"):
             key = level_of(self.cam_name(cam))
             levels += [key, key + SECOND] if cam.closure == "conjugate" else [key]
@@ -165,16 +170,33 @@ class Drawing:
 
     def geneva_of(self, table: t.Geneva) -> Geneva:
         """Its wheel and disc; DesignError where there is none."""
-        ground = self.links[GROUND]
-        ends = [ground.index(self.pivot(link) or "") for link in (table.a, table.b)]
-        exact = shape(self.drawn(ground), _between(ground, self._given_lengths))[0]
-        distance = abs(complex(exact[ends[1]] - exact[ends[0]]))
+        distance = self._shafts_apart(table.a, table.b)
         usual, wall = self.geneva_sizes
         air = usual if table.clearance is None else table.clearance
         try:
             return Geneva(table.slots, distance, table.pin_radius, wall, air, air)
         except DesignError as error:
             raise named(error, f"geneva {self.geneva_name(table)}") from None
+
+    def _shafts_apart(self, a: str, b: str) -> float:
+        """Distance of the points at which two links are pinned to the ground, mm."""
+        ground = self.links[GROUND]
+        ends = [ground.index(self.pivot(link) or "") for link in (a, b)]
+        exact = shape(self.drawn(ground), _between(ground, self._given_lengths))[0]
+        return abs(complex(exact[ends[1]] - exact[ends[0]]))
+
+    @cached_property
+    def noncircular_pairs(self) -> dict[str, NoncircularPair]:
+        """Wheels that are not round, by their joints; DesignError where there are none such."""
+        made = {}
+        for each in self.noncirculars:
+            backlash = 2 * self.geneva_sizes[0] if each.backlash is None else each.backlash
+            try:
+                centrodes = Centrodes(each.law, self._shafts_apart(each.a, each.b))
+                made[each.joint] = NoncircularPair(centrodes, each.teeth, backlash)
+            except DesignError as error:
+                raise named(error, f"noncircular {each.joint}") from None
+        return made
 
     @cached_property
     def named_genevas(self) -> dict[str, tuple[Geneva, str]]:
@@ -254,6 +276,7 @@ class Drawing:
         joined += [name for gear in self.gears for name in (gear.a, gear.b)]
         joined += [cam.cam for cam in self.cams]
         joined += [name for geneva in self.genevas for name in (geneva.a, geneva.b)]
+        joined += [name for pair in self.noncirculars for name in (pair.a, pair.b)]
         return not (slots or others & {*self.links[follower]} or follower in joined)
 
     def speed_of(self, cam: t.Cam) -> float:
@@ -348,6 +371,7 @@ class Drawing:
         joints += [self._gear(gear, start) for row in self.planets for gear in planets.gears(row)]
         joints += [self._cam(cam, start, joints) for cam in self.cams]
         joints += [self._geneva(geneva, bodies, start) for geneva in self.genevas]
+        joints += [self._noncircular(each, start) for each in self.noncirculars]
         drives = [
             m.Drive(
                 name,
@@ -604,6 +628,12 @@ class Drawing:
         rest = start[table.b].angle - float(law(np.array(angle)))
         name = self.geneva_name(table)
         return m.Cam(name, table.a, table.b, law, phase=phase, rest=rest)
+
+    def _noncircular(self, table: t.Noncircular, start: Mapping[str, m.Pose]) -> m.Cam:
+        """The joint; its angle is 0 as drawn."""
+        law = self.noncircular_pairs[table.joint].centrodes.law.reversed
+        phase, rest = (start[link].angle for link in (table.a, table.b))
+        return m.Cam(table.joint, table.a, table.b, law, phase=phase, rest=rest)
 
     def _place(self, point: str, bodies: Mapping[str, m.Body]) -> m.Place:
         """A point on the first link that has it."""

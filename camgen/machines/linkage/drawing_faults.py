@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 from camgen.errors import Fault, Key, SpecError
 from camgen.machine.model import GROUND
@@ -121,9 +122,11 @@ def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
         yield from _cam_faults(drawing, ("cam", k), cam)
     for k, geneva in enumerate(drawing.genevas):
         yield from _geneva_faults(drawing, ("geneva", k), geneva)
+    for k, each in enumerate(drawing.noncirculars):
+        yield from _noncircular_faults(drawing, ("noncircular", k), each)
     for name in drawing.levels_of_joints():
         if name in drawing.links:
-            right = "another name: a cam, gear or Geneva drive has it, and its level"
+            right = "another name: a cam, a gear, a Geneva drive or a pair of wheels has it, and its level"
             yield Fault(("links", name), "", right)
     named = dict.fromkeys(drawing.names_of_drives(), "drive")
     for path, name in drawing.joints():
@@ -224,16 +227,42 @@ def _gear_faults(drawing: Drawing, path: Key, gear: t.Gear) -> Iterable[Fault]:
             yield Fault((*path, key), f"{value:g}", 'nothing: shift = "balanced" finds both')
 
 
-def _geneva_faults(drawing: Drawing, path: Key, geneva: t.Geneva) -> Iterable[Fault]:
-    links = {"a": geneva.a, "b": geneva.b}
-    for key, name in links.items():
+def _shaft_faults(drawing: Drawing, path: Key, pair: t.Geneva | t.Noncircular) -> Iterable[Fault]:
+    """What is wrong with the links of wheels that turn on the ground."""
+    for key, name in {"a": pair.a, "b": pair.b}.items():
         wrong = _link_fault(drawing, (*path, key), name)
         if not wrong and drawing.pivot(name) is None:
             right = "a link that shares a point with the ground: it turns there"
             wrong = [Fault((*path, key), repr(name), right)]
         yield from wrong
-    if geneva.a == geneva.b:
-        yield Fault((*path, "b"), repr(geneva.b), "another link")
+    if pair.a == pair.b:
+        yield Fault((*path, "b"), repr(pair.b), "another link")
+
+
+def _noncircular_faults(drawing: Drawing, path: Key, pair: t.Noncircular) -> Iterable[Fault]:
+    yield from _shaft_faults(drawing, path, pair)
+    ways = {
+        "eccentricity": pair.eccentricity is not None,
+        "sines_deg": bool(pair.sines_deg or pair.cosines_deg),
+        "points": pair.points is not None,
+    }
+    given = [key for key, there in ways.items() if there]
+    if len(given) != 1:
+        right = (
+            "one of eccentricity, waves (sines_deg, cosines_deg) and points, which say how b turns"
+        )
+        yield Fault(path, " and ".join(given) or "none of them", right)
+        return
+    if pair.eccentricity is not None and pair.turns != 1:
+        yield Fault((*path, "turns"), f"{pair.turns:g}", "1: equal ellipses turn alike")
+    try:
+        assert pair.law
+    except SpecError as error:
+        yield from (replace(fault, path=(*path, *fault.path)) for fault in error.faults)
+
+
+def _geneva_faults(drawing: Drawing, path: Key, geneva: t.Geneva) -> Iterable[Fault]:
+    yield from _shaft_faults(drawing, path, geneva)
     points = drawing.links.get(geneva.a, ())
     if points and (geneva.pin not in points or geneva.pin == drawing.pivot(geneva.a)):
         free = [point for point in points if point != drawing.pivot(geneva.a)]

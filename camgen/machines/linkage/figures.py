@@ -171,7 +171,13 @@ def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) 
     forces = Study() if made is None else _forces(linkage, made, theta, angle)
     return Study(
         Figures(figures) | forces.numbers,
-        Later(lambda: [*_plots(linkage, theta, run, angle), *forces.plots]),
+        Later(
+            lambda: [
+                *_plots(linkage, theta, run, angle),
+                *([] if made is None else gearing.plots(made.layout)),
+                *forces.plots,
+            ]
+        ),
         [*tables, *forces.tables],
         Later(lambda: [*paths(linkage), *threads(linkage, made)]),
         [*notes, *_notes(linkage, made)],

@@ -1,4 +1,4 @@
-"""What the report says of gears and planetary sets: ratios, and planets that are not evenly spread."""
+"""What the report says of gears, planetary sets and wheels that are not round: ratios, pitch curves, planets not evenly spread."""
 
 from __future__ import annotations
 
@@ -6,17 +6,21 @@ import itertools
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from camgen.machine.model import GROUND
 from camgen.parts.generator.gears import PlanetWish
 from camgen.parts.generator.layout import Layout
 from camgen.parts.wheels.planets import Member, seats, turns
-from camgen.study import Figure
+from camgen.study import Figure, Plot
 
+_TURN = np.linspace(0, math.tau, 721)
 _EVEN = 1e-9  # rad, by which planets that are evenly spread may differ
 
 
 def figures(layout: Layout) -> list[Figure]:
-    """Contact ratio of each pair, of planets once; how often a set's sun turns for one turn of what it drives."""
+    """Contact ratio of each pair, of planets once; how often a set's sun turns for one turn of what it drives; of wheels that are
+    not round their module, how fast the driven one is at most and at least, and how far a flank's normal leans at most."""
     pairs = {(each.a.part, each.b.part): each for each in reversed(layout.gear_pairs)}
     found = [
         Figure("contact ratio {of}", each.mesh.contact_ratio, "", each.joint.name)
@@ -25,7 +29,32 @@ def figures(layout: Layout) -> list[Figure]:
     for wish in layout.planets:
         fixed, driven = _members(wish)
         found.append(Figure("ratio {of}", turns(wish.teeth, fixed, driven)["sun"], "", wish.level))
+    for drive in layout.noncircular_drives:
+        centrodes = drive.pair.centrodes
+        speed = centrodes.law(_TURN, 1)
+        leans = math.degrees(drive.pair.pressure + float(np.abs(centrodes.lean(_TURN)).max()))
+        of = drive.joint.name
+        found += [
+            Figure("module {of}", drive.pair.module, "mm", of),
+            Figure("peak speed ratio {of}", float(speed.max()), "", of),
+            Figure("least speed ratio {of}", float(speed.min()), "", of),
+            Figure("greatest pressure angle {of}", leans, "deg", of),
+        ]
     return found
+
+
+def plots(layout: Layout) -> list[Plot]:
+    """Pitch curves of wheels that are not round, as they touch on the line of both axes at theta = 0."""
+    return [
+        Plot(
+            f"Pitch curves of {drive.joint.name}: one rolls on the other",
+            "x, mm",
+            "y, mm",
+            [(link, curve.real, curve.imag) for link, curve in drive.curves(_TURN)],
+            equal=True,
+        )
+        for drive in layout.noncircular_drives
+    ]
 
 
 def _members(wish: PlanetWish) -> tuple[Member, Member]:

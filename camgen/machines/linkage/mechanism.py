@@ -149,6 +149,12 @@ class Linkage(Mechanism):
         default=(),
         description="a crank that turns a slotted wheel on by steps, and holds it between",
     )
+    noncirculars: Annotated[
+        tuple[t.Noncircular, ...], Field(alias="noncircular", max_length=20)
+    ] = Field(
+        default=(),
+        description="two toothed wheels that are not round: one turns the other at a ratio that varies over the turn",
+    )
     freewheels: Annotated[tuple[t.Freewheel, ...], Field(alias="freewheel", max_length=20)] = Field(
         default=(),
         description="a link that turns on by steps; a wheel that goes to and fro drives it",
@@ -217,6 +223,7 @@ class Linkage(Mechanism):
             *(cam.cam for cam in self.cams),
             *(name for gear in self.gears for name in (gear.a, gear.b)),
             *(name for geneva in self.genevas for name in (geneva.a, geneva.b)),
+            *(name for pair in self.noncirculars for name in (pair.a, pair.b)),
         ]
         found += coils.faults(
             self.springs, links, turning, [*links, *self._drawing.names_of_joints()]
@@ -380,6 +387,7 @@ class Linkage(Mechanism):
             self.genevas,
             (self.print.slide_clearance / 2, self.making.wall),
             self.planets,
+            self.noncirculars,
         )
 
     @property
@@ -851,6 +859,7 @@ class Linkage(Mechanism):
             cams,
             gears,
             genevas=self._drawing.named_genevas,
+            noncirculars=self._drawing.noncircular_pairs,
             planets=sets,
             springs={each.name: each.stretched for each in springs},
             freewheels={each.wheel: (each.link, self._clutch) for each in self.freewheels},

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from camgen.errors import Fault, Key, SpecError
@@ -27,10 +29,12 @@ from camgen.machine.targets import (
 )
 from camgen.machines.loads.tables import CamLimitsTable
 from camgen.machines.pairs import Air
+from camgen.motion.closed import Harmonics, closed_program
 from camgen.motion.program import Program
 from camgen.motion.segments import Kind, Span, WholeTurn, program
 from camgen.parts.gears import GearWish
 from camgen.parts.generator.sizes import Name
+from camgen.parts.wheels.noncircular import WaveLaw, ellipses
 from camgen.settings import quotient
 from camgen.spec import (
     Coordinate,
@@ -242,6 +246,73 @@ class Geneva(Record):
     name: Name | None = Field(
         default=None, description="name of the joint; both links unless given"
     )
+
+
+class Noncircular(Record):
+    """Two toothed wheels that are not round: link a turns link b against it, at a ratio that varies over the turn."""
+
+    a: Name = Field(description="the driver: a link that turns on the ground")
+    b: Name = Field(description="the driven wheel: another link that turns on the ground")
+    teeth: WheelTeeth = Field(
+        description="teeth of the wheel of a; the distance of both shafts gives their size"
+    )
+    turns: Annotated[float, quantity("1", ge=0.05, le=20), BeforeValidator(quotient)] = Field(
+        default=1.0, description='turns of b for one turn of a, a number or a quotient, "1/2"'
+    )
+    eccentricity: Annotated[float, quantity("1", gt=0, le=0.9)] | None = Field(
+        default=None,
+        description="of two equal ellipses that turn about a focus each; as drawn, the far end of a's points to b",
+    )
+    sines_deg: Annotated[tuple[Degrees, ...], Field(max_length=100)] = Field(
+        default=(),
+        description="waves of b's angle t turns + sum of sines_k sin kt, in a's angle t from the drawn position, k from 1",
+    )
+    cosines_deg: Annotated[tuple[Degrees, ...], Field(max_length=100)] = Field(
+        default=(), description="further waves of b's angle, cosines_k (cos kt - 1)"
+    )
+    points: Annotated[tuple[tuple[float, float], ...], Field(max_length=20_000)] | None = Field(
+        default=None,
+        description="in place of waves: rows of angles of a and b over a turn of a, at most 30 deg apart",
+        json_schema_extra={"unit": "deg"},
+    )
+    tolerance_deg: Annotated[float, quantity("deg", gt=0, le=10)] = Field(
+        default=0.01, description="how far the waves may be off these rows"
+    )
+    backlash: Annotated[float, quantity("mm", gt=0, le=5)] | None = Field(
+        default=None,
+        description="play of the teeth along their pitch lines; print.slide_clearance unless given",
+    )
+    name: Name | None = Field(
+        default=None, description="name of the joint; both links unless given"
+    )
+
+    @property
+    def joint(self) -> str:
+        """Name of its joint."""
+        return self.name or f"{self.a} to {self.b}"
+
+    @property
+    def law(self) -> WaveLaw:
+        """Angle of b over that of a, both above 0, rad; SpecError of rows that make none."""
+        if self.eccentricity is not None:
+            return ellipses(self.eccentricity)
+        if self.points is None:
+            waves = (map(math.radians, each) for each in (self.cosines_deg, self.sines_deg))
+            return WaveLaw(self.turns, *map(tuple, waves))
+        rows = [(t, angle - self.turns * t) for t, angle in self.points]
+        try:
+            made = closed_program(rows, "points", math.radians(1), self.tolerance_deg)
+        except SpecError as error:
+            if not any(fault.path == ("tolerance",) for fault in error.faults):
+                raise
+            raise SpecError(
+                [replace(fault, path=("tolerance_deg",)) for fault in error.faults]
+            ) from None
+        (segment,) = made.segments
+        assert isinstance(segment.law.formula, Harmonics)
+        terms = np.array(segment.law.formula.terms)[1:] * segment.scale
+        waves = terms * np.exp(-1j * made.begin * np.arange(1, len(terms) + 1))
+        return WaveLaw(self.turns, tuple(waves.real.tolist()), tuple((-waves.imag).tolist()))
 
 
 class Planets(Record):

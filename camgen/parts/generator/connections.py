@@ -22,6 +22,7 @@ from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.gears import GearWish
 from camgen.parts.generator.gears import GearPair, GearWheel, PlanetWish, RingBody, gear_pairs
 from camgen.parts.generator.genevas import GenevaDrive
+from camgen.parts.generator.noncircular import NoncircularDrive
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.generator.webs import throws, webs, with_webs
 from camgen.parts.generator.wheels import (
@@ -37,6 +38,7 @@ from camgen.parts.hardware import FACETS
 from camgen.parts.part import Layer, Part
 from camgen.parts.wheels.geneva import Geneva
 from camgen.parts.wheels.involute import Ring
+from camgen.parts.wheels.noncircular import NoncircularPair
 from camgen.spec import Print
 
 GROUND = m.GROUND
@@ -126,6 +128,7 @@ class Connections:
     planets: Sequence[PlanetWish] = ()
     # wheel and disc of each Geneva drive, and the point of its pin
     genevas: Mapping[str, tuple[Geneva, str]] = field(default_factory=dict)
+    noncirculars: Mapping[str, NoncircularPair] = field(default_factory=dict)
     stems: Mapping[str, str] = field(default_factory=dict)  # how slides' runners reach their rails
     sunk: bool = False  # whether the ground's pins turn in the plate, heads under it
     springs: Mapping[str, StretchedSpring] = field(default_factory=dict)
@@ -261,12 +264,25 @@ class Connections:
     @cached_property
     def geneva_drives(self) -> list[GenevaDrive]:
         """Geneva drives."""
-        drives = []
-        for name, (geneva, pin) in self.genevas.items():
-            joint = self.machine.joint(name)
-            assert isinstance(joint, m.Cam)
-            drives.append(GenevaDrive(joint, geneva, pin))
-        return drives
+        return [
+            GenevaDrive(self._cam(name), geneva, pin)
+            for name, (geneva, pin) in self.genevas.items()
+        ]
+
+    @cached_property
+    def noncircular_drives(self) -> list[NoncircularDrive]:
+        """Pairs of wheels that are not round."""
+        return [NoncircularDrive(self._cam(name), pair) for name, pair in self.noncirculars.items()]
+
+    def _cam(self, name: str) -> m.Cam:
+        joint = self.machine.joint(name)
+        assert isinstance(joint, m.Cam)
+        return joint
+
+    @property
+    def edge_drives(self) -> Sequence[GenevaDrive | NoncircularDrive]:
+        """Pairs whose wheels drive each other by their edges."""
+        return [*self.geneva_drives, *self.noncircular_drives]
 
     @cached_property
     def rollers(self) -> list[Roller]:
@@ -278,11 +294,11 @@ class Connections:
 
     @cached_property
     def wheels(self) -> list[Wheel]:
-        """Cam discs, gears' wheels but no rings, wheels and discs of Geneva drives, counterweights."""
+        """Cam discs, gears' wheels but no rings, wheels that drive by their edges, counterweights."""
         return [
             *(tip.wheel for tip in self.tips),
             *(each.wheel for each in self.gear_wheels if not isinstance(each.gear, Ring)),
-            *(wheel for each in self.geneva_drives for wheel in each.wheels),
+            *(wheel for each in self.edge_drives for wheel in each.wheels),
             *self.weights,
         ]
 

@@ -23,6 +23,7 @@ from camgen.parts.gears import table, windows
 from camgen.parts.generator.gears import GearWheel, RingBody
 from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.layout import GROUND, Layout, pivot_name
+from camgen.parts.generator.noncircular import NoncircularDrive
 from camgen.parts.generator.pins import MountedPart
 from camgen.parts.generator.wheels import (
     Roller,
@@ -246,10 +247,20 @@ def geneva_parts(layout: Layout, drive: GenevaDrive) -> Iterator[MountedPart]:
     yield roller_part(layout, drive.roller)
 
 
-def _on_shaft(layout: Layout, link: str, drive: GenevaDrive, edge: Contour) -> MountedPart:
+def noncircular_parts(layout: Layout, drive: NoncircularDrive) -> Iterator[MountedPart]:
+    """Both wheels of a pair that are not round, each on its link's shaft."""
+    links = drive.joint.cam, drive.joint.follower
+    for link, edge in zip(links, drive.edges(layout.machine), strict=True):
+        part, mount = _on_shaft(layout, link, drive, edge)
+        yield replace(part, notes=(*part.notes, *drive.table(link))), mount
+
+
+def _on_shaft(
+    layout: Layout, link: str, drive: GenevaDrive | NoncircularDrive, edge: Contour
+) -> MountedPart:
     """A plate on the shaft of one of its links."""
     wheel = next(each for each in drive.wheels if each.link == link)
-    name = drive.lock_part if link == drive.joint.cam else drive.wheel_part
+    name = drive.part_on(link)
     sizes = layout.sizes
     start = float(layout.machine.start_of(link).angle)
     wide = sizes.shaft_diameter + layout.fits.press_clearance
@@ -257,8 +268,7 @@ def _on_shaft(layout: Layout, link: str, drive: GenevaDrive, edge: Contour) -> M
     try:
         region = plate(wheel.about, edge, {"bore": bore}, layout.min_wall)
     except DesignError as error:
-        remedy = "put the shafts further apart, or use a smaller pin_radius"
-        raise named(error, f"geneva {drive.joint.name}", remedy) from None
+        raise named(error, drive.thing, drive.remedy) from None
     level = layout.level[drive.level]
     notes = f"drawn at theta = 0, level {level}", f"pressed and glued on the shaft of {link}"
     thick = layout.wheel_thickness(link)

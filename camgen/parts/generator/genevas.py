@@ -20,6 +20,9 @@ class GenevaDrive:
     joint: m.Cam
     geneva: Geneva
     point: str  # of the crank, where its roller is
+    remedy = (
+        "put the shafts further apart, or use a smaller pin_radius"  # where a wheel has no room
+    )
 
     @property
     def level(self) -> str:
@@ -27,14 +30,13 @@ class GenevaDrive:
         return level_of(self.joint.name)
 
     @property
-    def wheel_part(self) -> str:
-        """Name of the slotted wheel."""
-        return f"geneva-{self.level}"
+    def thing(self) -> str:
+        """What it is in messages."""
+        return f"geneva {self.joint.name}"
 
-    @property
-    def lock_part(self) -> str:
-        """Name of the disc that locks it."""
-        return f"lock-{self.level}"
+    def part_on(self, link: str) -> str:
+        """Name of the part on the shaft of one of its links: the slotted wheel, or the disc that locks it."""
+        return f"{'lock' if link == self.joint.cam else 'geneva'}-{self.level}"
 
     @property
     def wheels(self) -> tuple[Wheel, Wheel]:

@@ -30,6 +30,7 @@ from camgen.machine.features import (
 from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.layout import Layout, pivot_name
+from camgen.parts.generator.noncircular import NoncircularDrive
 from camgen.parts.generator.pins import bearing_name
 from camgen.parts.generator.plates import SECOND
 from camgen.parts.generator.stubs import in_upper
@@ -65,8 +66,8 @@ def part_of(layout: Layout, link: str) -> str:
     parts = {tip.level: f"cam-{tip.name}{'-inner' * tip.grooved}" for tip in layout.tips}
     parts |= {each.level: each.part for each in layout.gear_wheels if each.link == link}
     parts |= {
-        each.level: each.wheel_part if link == each.joint.follower else each.lock_part
-        for each in layout.geneva_drives
+        each.level: each.part_on(link)
+        for each in layout.edge_drives
         if link in (each.joint.cam, each.joint.follower)
     }
     return part_name(link) if level is None else parts[level]
@@ -124,6 +125,7 @@ def features_of(layout: Layout, pins: Sequence[Mount]) -> Sequence[Feature]:
         angle = each.mesh.working_angle
         found.append(GearTeeth(each.joint.name, *both, turns, angle, implied))
     found += [_geneva(layout, drive) for drive in layout.geneva_drives]
+    found += [_noncircular(layout, drive) for drive in layout.noncircular_drives]
     found += [outline for tip in layout.tips for outline in _outlines(layout, tip)]
     found += [*_keyed(layout), *_steady(layout, pins)]
     marks = (*layout.pens.items(), *layout.thread_posts.items())
@@ -231,20 +233,35 @@ def _outlines(layout: Layout, tip: Tip) -> Iterator[CamOutline]:
 
 def _geneva(layout: Layout, drive: GenevaDrive) -> EdgePair:
     """What a Geneva drive is judged on."""
-    shaft = layout.sizes.shaft_diameter + layout.fits.press_clearance
     hole = layout.turning(drive.point) + layout.fits.slide_clearance
     geneva = drive.geneva
     seat = _eye(layout, drive.point, drive.joint.cam)
     return EdgePair(
         drive.joint.name,
         (
-            Edge(drive.lock_part, Eye(drive.lock_part, 0j, shaft)),
+            _edge(layout, drive.part_on(drive.joint.cam)),
             Edge(drive.roller.part, Eye(drive.roller.part, 0j, hole), seat),
         ),
-        (Edge(drive.wheel_part, Eye(drive.wheel_part, 0j, shaft)),),
+        (_edge(layout, drive.part_on(drive.joint.follower)),),
         pivot_of(layout, drive.joint.cam),
         pivot_of(layout, drive.joint.follower),
         geneva.slot_air,
         geneva.held,
         math.tau * geneva.stations,
     )
+
+
+def _noncircular(layout: Layout, drive: NoncircularDrive) -> EdgePair:
+    """What a pair of wheels that are not round is judged on."""
+    links = drive.joint.cam, drive.joint.follower
+    a, b = ((_edge(layout, drive.part_on(link)),) for link in links)
+    turns, swings = (pivot_of(layout, link) for link in links)
+    pair = drive.pair
+    period = math.tau * pair.turns
+    return EdgePair(drive.joint.name, a, b, turns, swings, pair.air, ((0.0, math.tau),), period)
+
+
+def _edge(layout: Layout, part: str) -> Edge:
+    """The edge of a wheel on a shaft."""
+    shaft = layout.sizes.shaft_diameter + layout.fits.press_clearance
+    return Edge(part, Eye(part, 0j, shaft))

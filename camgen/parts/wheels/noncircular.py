@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from typing import Any, Literal
 
@@ -30,8 +31,9 @@ from camgen.parts.wheels.involute import BasicRack
 
 LEAST_WAVE = 1e-15  # of the mean: smaller waves are rounding
 MOST_WAVES = 1024
-TOLERANCE = 1e-4  # mm, of the arcs of an edge
+TOLERANCE = 2e-4  # mm, of the arcs of an edge: a fifth of what files keep to unless a spec says so
 _LOOKS = 4096  # places of a turn at which extremes are looked for
+_MOST_TURNS = 400
 _NEWTON = 30  # steps at most
 
 
@@ -55,6 +57,12 @@ class WaveLaw:
         if order == 0:
             return np.asarray(value + self.mean * t - sum(self.cosines))
         return np.asarray(value + self.mean if order == 1 else value)
+
+    @property
+    def reversed(self) -> WaveLaw:
+        """The law that turns the other way."""
+        back = (tuple(-wave for wave in waves) for waves in (self.cosines, self.sines))
+        return WaveLaw(-self.mean, *back)
 
     @property
     def waves(self) -> int:
@@ -243,6 +251,16 @@ class NoncircularPair:
             )
             remedy = f"use teeth = {most} or more, or smaller waves"
             raise DesignError("teeth", local, least, "", where, remedy).saying(said)
+
+    @property
+    def turns(self) -> int:
+        """Of the driver, after which both stand as before."""
+        return Fraction(self.centrodes.law.mean).limit_denominator(_MOST_TURNS).denominator
+
+    @property
+    def air(self) -> float:
+        """Between two flanks on either side, square to them, mm."""
+        return self.backlash / 2 * math.cos(self.pressure)
 
     @property
     def driven_teeth(self) -> int:
