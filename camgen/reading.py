@@ -142,7 +142,7 @@ class Reference:
 
 
 def references(data: Data, path: Key = ()) -> Iterator[Reference]:
-    """All files that a spec's tables name: specs that it includes, tables of laws and loads, outlines of links, a path that is wanted; also those of
+    """All files that a spec's tables name: specs that it includes, tables of laws and loads, outlines of links and followers, a path that is wanted; also those of
     an included spec whose tables stand in it. What is no such table is left for `validate` to find."""
     for k, each in enumerate(_listed(data, "include")):
         inner = each.get("spec") if isinstance(each, dict) else None
@@ -161,6 +161,10 @@ def references(data: Data, path: Key = ()) -> Iterator[Reference]:
     for name, each in parts.items() if isinstance(parts, dict) else ():
         if isinstance(each, dict) and isinstance(each.get("outline"), str):
             yield Reference((*path, "parts", name, "outline"), "outline", each)
+    geometry = data.get("geometry")
+    follower = geometry.get("follower") if isinstance(geometry, dict) else None
+    if isinstance(follower, dict) and isinstance(follower.get("outline"), str):
+        yield Reference((*path, "geometry", "follower", "outline"), "outline", follower)
     wanted = data.get("wanted")
     for key in ("path", "drawing"):
         if isinstance(wanted, dict) and isinstance(wanted.get(key), str):

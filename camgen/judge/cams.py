@@ -13,12 +13,12 @@ import numpy as np
 
 from camgen import tolerances
 from camgen.findings import Finding, Where, at_most
-from camgen.geometry.rings import Ring
+from camgen.geometry.rings import Ring, Shape
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, SlideTip
 from camgen.judge.joints import Outline, RollingLaw, measured_machine
 from camgen.judge.measured import Files, Sections, read
-from camgen.machine.features import CamOutline, Flat, Mount, OwnTip
+from camgen.machine.features import CamOutline, Edge, Flat, Mount, OwnTip
 from camgen.machine.model import Cam, Law, Machine
 from camgen.numerics import Floats
 from camgen.study import Figure
@@ -41,12 +41,19 @@ def outline_law(joint: Cam, outline: Outline) -> Law:
 
 
 def outline_and_law(
-    machine: Machine, outline: CamOutline, mounts: Sequence[Mount], sections: Sections
+    machine: Machine,
+    outline: CamOutline,
+    mounts: Sequence[Mount],
+    sections: Sections,
+    shoe: Ring | None = None,
 ) -> tuple[Ring, RollingLaw]:
     """The outline in a part's sections, about its bore in the part's frame, and what the follower rolls to on it; ValueError
-    where it does not fit. A tip on another part counts as meant."""
+    where it does not fit. A tip on another part counts as meant; shoe: the outline of one that is an edge, as meant."""
     tip = outline.tip
-    if tip.part not in (None, outline.part):
+    files = {outline.part: sections}
+    if isinstance(tip, Edge):
+        files |= {tip.part: [[Shape(shoe, ())]]} if shoe is not None else {}
+    elif tip.part not in (None, outline.part):
         mount = next(mount for mount in mounts if mount.part == tip.part)
         tip_on_body = replace(tip, part=None, at=mount.place(tip.at))
         outline = replace(
@@ -55,7 +62,7 @@ def outline_and_law(
             if isinstance(tip_on_body, Flat)
             else tip_on_body,
         )
-    features = read([outline], {outline.part: sections}, False)
+    features = read([outline], files, False)
     law = measured_machine(machine, [outline], mounts, features).outlines[outline.joint][0].law
     away = 0j if outline.bore is None else features.eyes[outline.bore].centre
     return features.rings[outline].moved(shift=-away), law

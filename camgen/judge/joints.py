@@ -18,9 +18,12 @@ from camgen.geometry.rings import Ring
 from camgen.judge.contact import RollingContact, contact
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, Form, SlideTip
+from camgen.judge.edge_contact import EdgeContact
 from camgen.judge.edges import Engagement
 from camgen.judge.measured import Readings
 from camgen.judge.meshes import MeshedWheel, Meshing
+from camgen.judge.pair_events import Slide as Sliding
+from camgen.judge.pair_events import Turn
 from camgen.machine.features import (
     CamOutline,
     Demand,
@@ -71,7 +74,7 @@ class RollingLaw:
     that is not turned over.
     """
 
-    contact: RollingContact
+    contact: RollingContact | EdgeContact
     arm: float | None
     least: float | None = None
     middle: float = 0.0
@@ -97,6 +100,8 @@ class RollingLaw:
         return {}
 
     def _slope(self, theta: Floats) -> Floats:
+        if isinstance(self.contact, EdgeContact):
+            return self.contact.slope(theta)
         return np.asarray(
             (self.contact.angle(theta + _SLOPE) - self.contact.angle(theta - _SLOPE)) / (2 * _SLOPE)
         )
@@ -422,6 +427,10 @@ class _Builder:
 
     def _cam(self, feature: CamOutline, joint: Cam) -> None:
         """Its joint stays: which outline drives is said later."""
+        if isinstance(feature.tip, Edge):
+            law = self._edge_law(feature, joint, feature.tip)
+            self.outlines.setdefault(joint.name, []).append(Outline(feature, law, law))
+            return
         try:
             tip, facing, radius = self._tip(feature, joint)
             law = tight = self._rolling_law(feature, joint, tip, facing, radius, feature.free)
@@ -556,19 +565,8 @@ class _Builder:
     ) -> RollingLaw:
         """What a follower with this tip, so much larger, mm, rolls to on one outline."""
         radius += air
-        own, centre = self._pin_places(feature.turns, joint.cam)
-        mounts = [
-            mount for mount in self.mounts if (mount.part, mount.body) == (feature.part, joint.cam)
-        ]
-        if len(mounts) <= feature.copy:
-            raise ValueError(f"{feature.part} is not mounted on {joint.cam}")
-        mount = mounts[feature.copy]
-        if feature.bore is not None:
-            own += mount.place(self.found.eyes[feature.bore].centre) - mount.place(feature.bore.at)
-        turn = cmath.exp(1j * mount.angle) * (-1 if mount.flipped else 1)
-        turn = turn * cmath.exp(1j * joint.phase)
-        shift = (mount.at - own) * cmath.exp(1j * joint.phase)
-        ring = self.found.rings[feature].moved(turn, shift, mirror=mount.flipped)
+        centre = self._pin_places(feature.turns, joint.cam)[1]
+        ring, turn, shift = self._turning(feature, joint)
         form: Form
         if feature.swings is not None:
             axle, pivot = self._pin_places(feature.swings, joint.follower)
@@ -585,16 +583,8 @@ class _Builder:
                 middle = foot.imag
             lever: float | None = abs(arm)
         else:
-            assert joint.slide is not None
-            slide = self.joints[joint.slide]
-            assert isinstance(slide, Slide)
-            along = cmath.exp(1j * slide.angle)
-            start = (
-                slide.guide.at
-                + along * joint.rest
-                + cmath.exp(1j * slide.turn) * (tip - slide.runner.at)
-                - centre
-            )
+            start, along = self._sliding(joint, tip)
+            start -= centre
             lever = None
             middle = 0.0
             if facing is None:
@@ -603,9 +593,60 @@ class _Builder:
                 form = SlideFace(start - air * feature.leaves * along, along, feature.leaves)
         return RollingLaw(contact(ring, form), lever, feature.nominal.lever, middle, turn, shift)
 
+    def _turning(self, feature: CamOutline, joint: Cam) -> tuple[Ring, complex, complex]:
+        """A cam's outline about its shaft at theta = 0, and how it is turned and then shifted there from its part's frame."""
+        own = self._pin_places(feature.turns, joint.cam)[0]
+        mounts = [
+            mount for mount in self.mounts if (mount.part, mount.body) == (feature.part, joint.cam)
+        ]
+        if len(mounts) <= feature.copy:
+            raise ValueError(f"{feature.part} is not mounted on {joint.cam}")
+        mount = mounts[feature.copy]
+        if feature.bore is not None:
+            own += mount.place(self.found.eyes[feature.bore].centre) - mount.place(feature.bore.at)
+        turn = cmath.exp(1j * mount.angle) * (-1 if mount.flipped else 1)
+        turn = turn * cmath.exp(1j * joint.phase)
+        shift = (mount.at - own) * cmath.exp(1j * joint.phase)
+        return self.found.rings[feature].moved(turn, shift, mirror=mount.flipped), turn, shift
+
+    def _sliding(self, joint: Cam, point: complex) -> tuple[complex, complex]:
+        """Where a point of a follower that slides is on the ground at s = 0, and the way of its slide."""
+        assert joint.slide is not None
+        slide = self.joints[joint.slide]
+        assert isinstance(slide, Slide)
+        along = cmath.exp(1j * slide.angle)
+        way = cmath.exp(1j * slide.turn) * (point - slide.runner.at)
+        return slide.guide.at + along * joint.rest + way, along
+
+    def _edge_law(self, feature: CamOutline, joint: Cam, tip: Edge) -> RollingLaw:
+        """What a follower with an outline of any shape rolls to."""
+        centre = self._pin_places(feature.turns, joint.cam)[1]
+        ring, turn, shift = self._turning(feature, joint)
+        mount = self.made[self._mount(tip.part, Place(joint.follower), tip.bore.at)]
+        on_body = cmath.exp(1j * mount.angle) * (-1 if mount.flipped else 1)
+        shoe = self.found.edges[tip].moved(on_body, mount.at, mirror=mount.flipped)
+        freedom: Turn | Sliding = Turn()
+        if feature.swings is not None:
+            axle, pivot = self._pin_places(feature.swings, joint.follower)
+            shoe = shoe.moved(cmath.exp(1j * joint.rest)).moved(
+                shift=-axle * cmath.exp(1j * joint.rest)
+            )
+            apart = pivot - centre
+        else:
+            start, along = self._sliding(joint, 0j)
+            way, _ = self._sliding(joint, 1 + 0j)
+            shoe = shoe.moved(way - start, start - centre)
+            freedom = Sliding(along)
+            apart = 0j
+        contact = EdgeContact(ring, shoe, apart, freedom, feature.leaves, joint.law)
+        # cam and shoe may both be off
+        least = None if feature.nominal.lever is None else feature.nominal.lever / 2
+        return RollingLaw(contact, None, least, 0.0, turn, shift)
+
     def _tip(self, feature: CamOutline, joint: Cam) -> tuple[complex, complex | None, float]:
         """The follower's tip in its body's frame: its place, its face's direction, its radius, mm."""
         tip = feature.tip
+        assert not isinstance(tip, Edge)
         body = joint.follower
         if isinstance(tip, Flat):
             face = self.found.flats[tip]

@@ -269,6 +269,10 @@ class _Reader:
                 self._lost(f"{feature.joint}: the face is lost")
                 return
             self.readings.flats[tip] = face
+        if isinstance(tip, Edge):
+            self.edges(feature.joint, (tip,))
+            if tip not in self.readings.edges:
+                return
         self.readings.rings[feature] = ring
         measured = self.readings.eyes
         if feature.bore is not None:

@@ -120,6 +120,17 @@ class SlotFaces:
 
 
 @dataclass(frozen=True)
+class Edge:
+    """The outer outline of a part that sits on an axis of its body by a hole of its own."""
+
+    part: str
+    bore: Eye  # that hole
+    seat: Eye | None = (
+        None  # another part's hole on the axis; None: the pin on which the body turns
+    )
+
+
+@dataclass(frozen=True)
 class OwnTip:
     """A follower's tip as a part has it, beside the nominal one."""
 
@@ -152,7 +163,8 @@ class CamOutline:
     part: str
     turns: str  # Pin that holds the cam on the ground
     swings: str | None  # Pin that holds the follower on the ground; None for one that slides
-    tip: Eye | Flat  # an eye, in the follower's own frame where no part is made, or a flat face
+    # an eye, in the follower's own frame where no part is made, a flat face, or the outline of a part
+    tip: Eye | Flat | Edge
     radius: float | None = (
         None  # mm, of a roller whose seat the eye is; None: the eye's, as measured
     )
@@ -198,17 +210,6 @@ class GearTeeth:
         """Of both flanks against each other at the pitch point, 1/mm."""
         hollow = -1 if self.b.inside else 1
         return (1 / self.a.radius + hollow / self.b.radius) / math.sin(self.pressure)
-
-
-@dataclass(frozen=True)
-class Edge:
-    """The outer outline of a part that sits on an axis of its body by a hole of its own."""
-
-    part: str
-    bore: Eye  # that hole
-    seat: Eye | None = (
-        None  # another part's hole on the axis; None: the pin on which the body turns
-    )
 
 
 @dataclass(frozen=True)
@@ -451,7 +452,8 @@ def parts_of(features: Iterable[Feature]) -> set[str]:
         for value in vars(feature).values()
         if isinstance(value, Eye | Faces | Flat)
     }
-    found |= {feature.part for feature in features if isinstance(feature, CamOutline)}
+    for cam in (feature for feature in features if isinstance(feature, CamOutline)):
+        found |= {cam.part, cam.tip.part}
     pairs = (feature for feature in features if isinstance(feature, EdgePair))
     found |= {eye.part for pair in pairs for eye in eyes(pair)}
     return {part for part in found if part is not None}

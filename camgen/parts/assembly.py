@@ -15,12 +15,15 @@ from typing import Any
 import numpy as np
 
 from camgen.findings import NotJudged
+from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats
+from camgen.geometry.rings import Ring
 from camgen.machine.features import (
     Balance,
     CamOutline,
     Demand,
     DrumTrack,
+    Edge,
     Eye,
     Feature,
     Mount,
@@ -193,6 +196,14 @@ class Assembly:
         return {
             each.joint: each for each in reversed(self.features) if isinstance(each, CamOutline)
         }
+
+    def shoe(self, outline: CamOutline) -> Ring | None:
+        """The outline of the part that touches a cam with its edge, as it is meant; None where a tip or a face touches."""
+        if not isinstance(outline.tip, Edge):
+            return None
+        rim = self.by_name[outline.tip.part].region.outer.counter_clockwise()
+        points = facet_contour(rim, self.process.tolerance)
+        return Ring(points, np.zeros(len(points)))
 
     @cached_property
     def by_name(self) -> Mapping[str, Part]:

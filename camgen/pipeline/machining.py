@@ -218,9 +218,9 @@ def _rolled(mechanism: Mechanism, part: str, rings: Sequence[Ring]) -> RollingLa
         for each in mechanism.assembly.features
         if isinstance(each, CamOutline) and each.part == part
     )
-    return outline_and_law(mechanism.model, feature, mechanism.assembly.mounts, [pieces_of(rings)])[
-        1
-    ]
+    made = mechanism.assembly
+    sections = [pieces_of(rings)]
+    return outline_and_law(mechanism.model, feature, made.mounts, sections, made.shoe(feature))[1]
 
 
 def _rows(path: Path, columns: Sequence[str]) -> list[list[str]]:

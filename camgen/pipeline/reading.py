@@ -24,7 +24,7 @@ from camgen.judge.round_trip import (
     judge_exact,
     judge_mesh,
 )
-from camgen.machine.features import CamOutline, Feature, judged_outputs, parts_of
+from camgen.machine.features import CamOutline, Edge, Feature, judged_outputs, parts_of
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Part
@@ -211,6 +211,8 @@ def budget_of(
         None,
     )
     if drive is None or not parts[drive.part]:
+        return None
+    if isinstance(drive.tip, Edge):  # to follow one takes a second for each stage
         return None
     from camgen.judge.budget import Stages, error_budget
     from camgen.judge.joints import Nominal

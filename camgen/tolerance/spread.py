@@ -362,7 +362,13 @@ def laws_of(
             )
         laws[joint.name] = (
             outline,
-            outline_and_law(shifted, outline, mechanism.assembly.mounts, [[Shape(ring, ())]])[1],
+            outline_and_law(
+                shifted,
+                outline,
+                mechanism.assembly.mounts,
+                [[Shape(ring, ())]],
+                mechanism.assembly.shoe(outline),
+            )[1],
         )
     return laws
 

@@ -354,21 +354,29 @@ class FlatFace(Follower):
 
 @dataclass(frozen=True)
 class SlidingFace(FlatFace):
-    """Face square to its slide, through start + along * s (the stem's axis), s in mm; leaves -1: on the other side."""
+    """Face through start + along * s (the stem's axis), s in mm, square to its slide but for `lean`, by which its normal is turned
+    from there, rad; leaves -1: on the other side."""
 
     start: complex
     along: complex
     leaves: int = 1
+    lean: float = 0.0
+
+    @property
+    def ahead(self) -> complex:
+        """Its normal."""
+        return self.leaves * self.along * (cmath.rect(1, self.lean) if np.any(self.lean) else 1)
 
     def grown(self, by: float) -> Self:
         """It stands lower on its slide."""
-        return replace(self, start=self.start - by * self.leaves * self.along)
+        return replace(self, start=self.start - by * self.ahead)
 
     def line(self, theta: Any, motion: Motion, order: int) -> tuple[Points, Floats, Floats]:
         """h = start along the normal + s; phi turns back with theta."""
         theta = np.asarray(theta, float)
-        ahead = self.leaves * self.along
-        h = self.leaves * np.array([motion(theta, k) for k in range(order + 1)])
+        ahead = self.ahead
+        share = (ahead.conjugate() * self.along).real
+        h = share * np.array([motion(theta, k) for k in range(order + 1)])
         h[0] += (ahead.conjugate() * self.start).real
         phi = np.zeros_like(h)
         phi[0] = np.angle(ahead) - theta
@@ -379,7 +387,7 @@ class SlidingFace(FlatFace):
     def at_rest(self, s: Any) -> tuple[Points, Points]:
         """The stem's axis on the face."""
         place = self.start + self.along * np.asarray(s)
-        return place, np.full(place.shape, self.leaves * self.along)
+        return place, np.full(place.shape, self.ahead)
 
     def velocity(self, s: Any, point: Any = 0) -> Points:
         """The slide's direction."""
@@ -387,12 +395,16 @@ class SlidingFace(FlatFace):
 
     def resting_on(self, point: Any) -> Floats:
         """Displacement at which the face touches a point of the ground, (n,) mm."""
-        return np.asarray(np.real((np.asarray(point) - self.start) * self.along.conjugate()))
+        across = self.ahead.conjugate()
+        return np.asarray(
+            np.real((np.asarray(point) - self.start) * across) / (self.along * across).real
+        )
 
     def on_base(self, radius: float) -> Self:
         """Its stem as far beside the axis as before."""
         beside = (self.start * self.along.conjugate()).imag
-        return replace(self, start=(self.leaves * radius + 1j * beside) * self.along)
+        high = (self.leaves * radius - beside * math.sin(self.lean)) / math.cos(self.lean)
+        return replace(self, start=(high + 1j * beside) * self.along)
 
     def ahead_of(self, other: Self) -> float:
         """Along the slide."""

@@ -22,6 +22,7 @@ from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.facets import facet_contour
 from camgen.machine.cams.followers import SwingingArm, SwingingFace
 from camgen.machine.cams.profile import DiscCam
+from camgen.machine.cams.shoes import SwingingShoe
 from camgen.motion.program import Program
 from camgen.study import Figure, Figures
 
@@ -87,7 +88,7 @@ class ExactCam:
 
 def swings(cam: DiscCam[Any]) -> bool:
     """Whether its follower turns about a pivot."""
-    return isinstance(cam.follower, SwingingArm | SwingingFace)
+    return isinstance(cam.follower, SwingingArm | SwingingFace | SwingingShoe)
 
 
 def unit_of(cam: DiscCam[Any]) -> tuple[str, float]:

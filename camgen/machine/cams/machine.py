@@ -14,15 +14,17 @@ import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 
 from camgen.findings import Finding, Where
 from camgen.machine.cams.followers import SlidingFace, SlidingTip, SwingingArm, SwingingFace
-from camgen.machine.cams.limits import CamLimits
+from camgen.machine.cams.limits import CamLimits, swings
 from camgen.machine.cams.profile import DiscCam
-from camgen.machine.features import CamOutline, Eye, Flat, NominalCam
+from camgen.machine.cams.shoes import Shoe, SlidingShoe, SwingingShoe
+from camgen.machine.features import CamOutline, Edge, Eye, Flat, NominalCam
 from camgen.machine.forces import Forces
 from camgen.machine.model import (
     GROUND,
@@ -43,6 +45,7 @@ from camgen.machine.model import (
 from camgen.machine.run import solve
 from camgen.numerics import Floats, Points, distinct
 
+SHOE = "shoe"  # the part with a follower's own outline
 ROUNDING = 1e-12  # share of the greatest effort below which a spring that is needed is none
 
 
@@ -76,6 +79,13 @@ class CamTouch:
         """Radius of curvature there, mm, above 0 where it is convex, (n,): a groove's outer wall is a hollow then."""
         radius = self.cam.radius(math.pi - theta if self.mirrored else theta)
         return -(radius + 2 * self.cam.tip.tip_radius) if self.outer else radius
+
+    def across(self, theta: Floats) -> Floats:
+        """Radius of the follower where it touches, mm, (n,): 0 of an edge, inf of a flat face."""
+        follower = self.cam.follower
+        if isinstance(follower, Shoe):
+            return follower.own_radius(theta, self.cam.program)
+        return np.full(np.shape(theta), getattr(follower, "tip_radius", math.inf))
 
 
 @dataclass(frozen=True)
@@ -132,7 +142,11 @@ def contact_machine(
     of: Angle | Along
     slide: str | None = None
     match follower:
-        case SlidingTip(rest, along) | SlidingFace(rest, along):
+        case (
+            SlidingTip(start=rest, along=along)
+            | SlidingFace(start=rest, along=along)
+            | SlidingShoe(start=rest, along=along)
+        ):
             body = Body("follower", {"tip": rest}, load.inertia, rest)
             of = Along("guide")
             slide = "guide"
@@ -141,7 +155,7 @@ def contact_machine(
             )
             pose = Pose(along * start, 0.0)
             unit = "mm"
-        case SwingingArm() | SwingingFace():
+        case SwingingArm() | SwingingFace() | SwingingShoe():
             body = Body("follower", {"pivot": 0j}, inertia=load.inertia)
             of = Angle("follower")
             held = Pin("pivot", body.at("pivot"), Place(GROUND, follower.pivot))
@@ -175,10 +189,20 @@ def nominal_cam(cam: DiscCam[Any], limits: CamLimits, outer: bool = False) -> No
             lever = abs(arm) * math.cos(math.radians(cam.steepest))
         case SwingingFace():
             lever = min(map(abs, cam.face_contact))
+        case SwingingShoe():
+            lever = -cam.greatest(partial(_lever_below, cam))[1]
         case _:
             lever = math.cos(math.radians(cam.steepest))
     given = cam.reachable if cam.undercuts and not outer else None
     return NominalCam(given, lever, limits.ripple, limits.undercut)
+
+
+def _lever_below(cam: DiscCam[Any], theta: Any) -> Floats:
+    """Way of the follower's touched point along the normal for 1 of its s, below 0, (n,)."""
+    turn = np.exp(1j * np.asarray(theta))
+    way = cam.follower.velocity(cam.program(theta), cam.profile(theta) * turn)
+    normal = cam.follower.normal(theta, cam.program) * turn
+    return np.asarray(-np.abs(np.real(np.conj(normal) * way)))
 
 
 def cam_outline(
@@ -195,16 +219,15 @@ def cam_outline(
     largest hole is the outer wall of a groove that is so much wider than the tip, mm; None: the part is the cam itself.
     """
     follower = cam.follower
-    tip: Eye | Flat
-    swings: str | None = None
+    tip: Eye | Flat | Edge
     match follower:
         case SwingingArm():
             tip = Eye(None, follower.arm, 2 * follower.tip_radius)
-            swings = "pivot"
         case SwingingFace():
             at = follower.facing * complex(follower.ahead, sum(cam.face_contact) / 2)
             tip = Flat(None, at, cmath.phase(-follower.facing), width or math.inf)
-            swings = "pivot"
+        case Shoe():
+            tip = Edge(SHOE, Eye(SHOE, 0j, 0.0))
         case SlidingTip():
             tip = Eye(None, follower.start, 2 * follower.tip_radius)
         case _:
@@ -219,7 +242,7 @@ def cam_outline(
         "contact",
         part,
         "shaft",
-        swings,
+        "pivot" if swings(cam) else None,
         tip,
         leaves=follower.leaves,
         inside=outer,
@@ -322,7 +345,7 @@ def loaded(machine: Machine, cam: DiscCam[Any], load: FollowerLoad, theta: Float
         np.where(riding, math.nan, values)
         for values in (force, np.where(np.isinf(force), math.inf, torque))
     )
-    unit = 1.0 if isinstance(cam.follower, SwingingArm | SwingingFace) else 1e-3
+    unit = 1.0 if swings(cam) else 1e-3
     jumps = [abs(jump.size) for jump in cam.program.discontinuities(1) if jump.order == 1]
     kick = unit * load.inertia * abs(machine.speed) * max(jumps, default=0.0)
     return Loaded(

@@ -28,6 +28,7 @@ from camgen.machine.cams.profile import (
     sharpness,
     still,
 )
+from camgen.machine.cams.shoes import Shoe
 from camgen.numerics import Floats, Indices, distinct, gauss_legendre
 
 _BLOCK = 256  # cams whose arrays stay in the processor's cache
@@ -65,7 +66,7 @@ def figures_of(cams: Sequence[DiscCam[Any]]) -> list[ProfileFigures | None]:
     figures: list[ProfileFigures | None] = [None] * len(cams)
     kin: dict[Hashable, list[int]] = {}
     for k, cam in enumerate(cams):
-        if not cam.program.discontinuities(1):
+        if not cam.program.discontinuities(1) and not isinstance(cam.follower, Shoe):
             kin.setdefault(_kind(cam), []).append(k)
     for alike in kin.values():
         for first in range(0, len(alike), _BLOCK):

@@ -32,11 +32,14 @@ from camgen.geometry.outlines import Arc, Contour, Line, Piece, Smooth, end_poin
 from camgen.geometry.trimming import trim
 from camgen.machine.cams.followers import FlatFace, Follower, Motion, RoundTip
 from camgen.machine.cams.followers import SwingingArm as SwingingArm
+from camgen.machine.cams.shoes import Shoe
 from camgen.motion.program import Program, Segment
-from camgen.numerics import Floats, Points, distinct, greatest, sign_changes
+from camgen.numerics import Floats, Indices, Points, distinct, greatest, sign_changes
 from camgen.tolerances import SAME_POINT
 
 _BESIDE = 1e-12  # of a segment: a law's derivatives at a break inside it are those on the side that is asked for
+_SAMPLES = 1025  # of a stretch, between which an edge of a shoe is looked for that touches
+_HALVINGS = 60
 _ASIDE = 1e-9  # rad, to either side of where the pressure angle jumps
 
 
@@ -66,6 +69,10 @@ def pressure_angle_untrimmed(follower: Follower, theta: Any, motion: Motion) -> 
 
 def sharpness(follower: Follower, theta: Any, motion: Motion) -> Floats:
     """The radius of curvature of the untrimmed profile, mm, below 0, where it is to be convex; elsewhere -inf."""
+    if isinstance(follower, Shoe):
+        return np.asarray(
+            follower.chosen(theta, motion, lambda part: sharpness(part, theta, motion))
+        )
     radius = follower.radius(theta, motion)
     # a round tip may run in hollows, where its pitch curve's own radius is below 0; a face may not
     return (
@@ -161,19 +168,17 @@ class DiscCam(Generic[F]):
     @cached_property
     def steepest(self) -> float:
         """Largest pressure angle over the turn, deg, on the corners of undercuts too."""
-        corners = self.program.corners
-        return self.pressure_angle_between(float(corners[0]), float(corners[-1]))
+        return self.pressure_angle_between(self.corners[0], self.corners[-1])
 
     def pressure_angle_between(self, low: float, high: float, riding: bool = True) -> float:
         """Largest pressure angle between two cam angles, deg; riding: on the corners of undercuts too.
 
         It jumps where the speed does and at an undercut's ends: they are looked at from either side.
         """
-        corners = [float(b) for b in self.program.corners]
         ends = [
             low + (end - low) % math.tau for cut in self.undercuts for end in (cut.begin, cut.end)
         ]
-        marks = sorted({low, high, *(mark for mark in (*corners, *ends) if low < mark < high)})
+        marks = sorted({low, high, *(mark for mark in (*self.corners, *ends) if low < mark < high)})
         peaks = [
             greatest(self.pressure_angle, a + _ASIDE, b - _ASIDE, self.program.knots(a, b))[1]
             for a, b in pairwise(marks)
@@ -210,7 +215,7 @@ class DiscCam(Generic[F]):
                 f"cam angle {math.degrees(place):.3f} deg",
                 "the groove's outer wall is undercut there: use a smaller tip",
             )
-        pieces = [whole.reversed() for whole, _ in reversed(other._stretches())]
+        pieces = [each.whole.reversed() for each in reversed(other._stretches())]
         wall, cuts = trim(pieces)
         if cuts:
             raise DesignError(
@@ -224,9 +229,9 @@ class DiscCam(Generic[F]):
         return Contour(tuple(wall)).counter_clockwise()
 
     def greatest(self, f: Callable[[Any], Floats]) -> tuple[float, float]:
-        """Place and value of the largest f(theta) over the turn, looked for between the program's breaks; even in a dwell."""
+        """Place and value of the largest f(theta) over the turn, looked for between its corners; even in a dwell."""
         peaks = []
-        for a, b in pairwise(float(x) for x in self.program.corners):
+        for a, b in pairwise(self.corners):
             if self._segment(a, b)[0].scale == 0:
                 peaks.append(((a + b) / 2, float(f(np.array([(a + b) / 2]))[0])))
             else:
@@ -289,21 +294,22 @@ class DiscCam(Generic[F]):
     @cached_property
     def _outline(self) -> tuple[Contour, tuple[Undercut, ...]]:
         self._check_axis()
+        self._check_shoe()
         raw: list[Piece] = []
         places: list[
             tuple[float, float]
         ] = []  # cam angle of each raw piece's beginning, and its growth with the parameter
         stretches = self._stretches()
-        for k, (whole, motion) in enumerate(stretches):
-            begin = float(self.program.corners[k])
-            rest = self._resting(stretches[k - 1][0], whole, begin)
+        for k, stretch in enumerate(stretches):
+            begin = self.corners[k]
+            rest = self._resting(stretches[k - 1].whole, stretch.whole, begin)
             if rest:
                 raw.append(rest)
                 places.append((begin, 0.0))
-            for piece in self._forward(whole, motion):
+            for piece in stretch.forward:
                 raw.append(piece)
                 places.append((piece.t0, 1.0) if isinstance(piece, Smooth) else (begin, -1.0))
-        trims = not isinstance(self.cutter, RoundTip) or self.cutter.tip_radius > 0
+        trims = not _is_knife(self.cutter)
         pieces, cuts = trim(raw) if trims else (raw, [])
         outline = Contour(tuple(pieces)).reversed()
         if not outline.area > 0:
@@ -333,14 +339,14 @@ class DiscCam(Generic[F]):
         if near < 0:
             return
         where = f"cam angle {math.degrees(place):.3f} deg"
-        if isinstance(self.cutter, FlatFace):
+        if not isinstance(self.cutter, RoundTip):
             raise DesignError(
-                "distance of the face from the axis",
+                "distance of the follower from the axis",
                 -near,
                 0.0,
                 "mm",
                 where,
-                "the face reaches the shaft's axis there: use a larger base circle",
+                "it reaches the shaft's axis there: use a larger base circle",
             )
         rho = self.tip.tip_radius
         raise DesignError(
@@ -352,38 +358,58 @@ class DiscCam(Generic[F]):
             "the tip reaches the shaft's axis there: use a smaller tip or a smaller lift",
         )
 
-    def _stretches(self) -> list[tuple[Piece, Motion]]:
-        """Untrimmed profile between neighbouring corners, with the motion there; a dwell's is an arc about the axis."""
-        stretches: list[tuple[Piece, Motion]] = []
-        for a, b in pairwise(float(x) for x in self.program.corners):
+    def _check_shoe(self) -> None:
+        """DesignError where a shoe has no contact with a cam."""
+        if not isinstance(self.cutter, Shoe):
+            return
+        jump = next((each for each in self.program.discontinuities(1) if each.order <= 1), None)
+        if jump is not None:
+            raise DesignError(
+                "jump of the speed",
+                abs(jump.size),
+                0.0,
+                "per rad",
+                f"cam angle {math.degrees(jump.theta):.3f} deg",
+                "an outline of your own needs a program whose speed does not jump: use another law",
+            )
+        self.cutter.check(self.program, self.corners)
+
+    @cached_property
+    def corners(self) -> tuple[float, ...]:
+        """Cam angles between which the profile is one smooth curve, rad: the program's, and where a shoe touches by another edge."""
+        of_program = [float(x) for x in self.program.corners]
+        shoe = self.cutter
+        if not isinstance(shoe, Shoe):
+            return tuple(of_program)
+        corners = of_program[:1]
+        for a, b in pairwise(of_program):
+            segment, begin = self._segment(a, b)
+            motion = _continuation(segment, begin, a, b)
+            changes = _changes(lambda t, m=motion: shoe.touched(shoe.pole(t, m)), a, b)  # type: ignore[misc]
+            corners += [*(each for each in changes if a < each < b), b]
+        return tuple(corners)
+
+    def _stretches(self) -> list[_Stretch]:
+        """Untrimmed profile between neighbouring corners; a dwell's is an arc about the axis."""
+        stretches = []
+        for a, b in pairwise(self.corners):
             segment, begin = self._segment(a, b)
             motion = _continuation(segment, begin, a, b)
             knots = tuple(float(t) for t in self.program.knots(a, b))
-            whole: Piece = Smooth(partial(_envelope, self.cutter, motion), a, b, knots)
+            cutter: Follower = self.cutter
+            if isinstance(cutter, Shoe):
+                cutter = cutter.parts[int(cutter.touched(cutter.pole((a + b) / 2, motion)))]
+            whole: Piece = Smooth(partial(_envelope, cutter, motion), a, b, knots)
             if segment.scale == 0:
                 first = complex(whole.at(a))
                 whole = Arc(0j, abs(first), cmath.phase(first), a - b)
-            stretches.append((whole, motion))
+            stretches.append(_Stretch(whole, motion, cutter))
         return stretches
-
-    def _forward(self, whole: Piece, motion: Motion) -> list[Piece]:
-        """Stretches of a raw piece that run forwards: where the follower fits into the curve's bend."""
-        knife = isinstance(self.cutter, RoundTip) and self.cutter.tip_radius == 0
-        if knife or not isinstance(whole, Smooth):
-            return [whole]
-
-        def room(theta: Any) -> Floats:
-            return self.cutter.room(theta, motion)
-
-        marks = [whole.t0, *_roots(room, whole), whole.t1]
-        return [
-            replace(whole, t0=p, t1=q)
-            for p, q in pairwise(marks)
-            if room(np.asarray((p + q) / 2)) > 0
-        ]
 
     def _resting(self, before: Piece, after: Piece, theta: float) -> Piece | None:
         """Where the speed jumps so that the follower's own surface is the profile: an arc of the tip, a line of the face."""
+        if isinstance(self.cutter, Shoe):  # for which no speed jumps
+            return None
         a = end_point(before)
         b = start_point(after)
         if isinstance(self.cutter, FlatFace):
@@ -413,6 +439,58 @@ class DiscCam(Generic[F]):
         corner = at * np.exp(1j * worst)
         travel = np.abs(self.cutter.velocity(self.cutter.resting_on(corner), corner))
         return Undercut(begin, stop, at, shortfall, worst, shortfall * float(travel))
+
+
+@dataclass(frozen=True)
+class _Stretch:
+    """Untrimmed profile between two corners, the motion there, and the one tip or face that makes it."""
+
+    whole: Piece
+    motion: Motion
+    cutter: Follower
+
+    @property
+    def forward(self) -> list[Piece]:
+        """Its pieces that run forwards: where the follower fits into the curve's bend."""
+        whole = self.whole
+        if _is_knife(self.cutter) or not isinstance(whole, Smooth):
+            return [whole]
+
+        def room(theta: Any) -> Floats:
+            return self.cutter.room(theta, self.motion)
+
+        marks = [whole.t0, *_roots(room, whole), whole.t1]
+        return [
+            replace(whole, t0=p, t1=q)
+            for p, q in pairwise(marks)
+            if room(np.asarray((p + q) / 2)) > 0
+        ]
+
+
+def _is_knife(follower: Follower) -> bool:
+    return isinstance(follower, RoundTip) and follower.tip_radius == 0
+
+
+def _changes(which: Callable[[Any], Indices], a: float, b: float) -> list[float]:
+    """Places between a and b at which an integer function changes, each change told by even samples, to the last digits."""
+    x = np.linspace(a, b, _SAMPLES)
+    value = which(x)
+    changes: list[float] = []
+    at = np.flatnonzero(value[1:] != value[:-1])
+    low, high = x[at], x[at + 1]
+    first, last = value[at], value[at + 1]
+    while len(low):
+        begin, end = low, high
+        for _ in range(_HALVINGS):
+            middle = (begin + end) / 2
+            same = which(middle) == first
+            begin = np.where(same, middle, begin)
+            end = np.where(same, end, middle)
+        changes += end.tolist()
+        after = which(end)
+        more = np.flatnonzero((after != last) & (end < high))  # a third one between two samples
+        low, high, first, last = end[more], high[more], after[more], last[more]
+    return sorted(changes)
 
 
 def _roots(f: Callable[[Any], Floats], piece: Smooth) -> list[float]:

@@ -28,6 +28,7 @@ from camgen.machine.cams.followers import (
 )
 from camgen.machine.cams.limits import CamLimits
 from camgen.machine.cams.profile import DiscCam
+from camgen.machine.cams.shoes import Shoe, SwingingShoe
 from camgen.numerics import Floats, Points
 
 _CUSP = (
@@ -191,6 +192,10 @@ def least_base_radius(cam: DiscCam[Any], limits: CamLimits, room: float) -> floa
             far, arm = abs(pivot), abs(arm)
             low = max(1.001 * abs(far - arm), radius + 1e-3 * far)
             high = 0.999 * (far + arm)
+        case SwingingShoe():  # as near to the axis, and as far from it, as its outline comes
+            away = follower.distance(follower.seen(np.linspace(0, math.tau, 1441), 0j))
+            low = max(1.001 * float(np.min(away)), 1e-3 * abs(follower.pivot))
+            high = 0.999 * float(np.max(away))
         case _:
             low = radius + 1e-3 * stroke
             high = 1e3 * (stroke + radius)
@@ -204,6 +209,6 @@ def least_base_radius(cam: DiscCam[Any], limits: CamLimits, room: float) -> floa
     low = min(max(low, math.sqrt(max(0.0, (room + radius) ** 2 - beside**2))), high)
     steepest = math.radians(limits.steepest(cam))
     least = limits.least_radius
-    if isinstance(follower, FlatFace) and abs(least) < _CUSP:
+    if isinstance(follower, FlatFace | Shoe) and abs(least) < _CUSP:
         least = _CUSP
     return base(smallest(make, steepest, least, low, high))

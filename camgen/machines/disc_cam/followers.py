@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from camgen.errors import DesignError
 from camgen.machine.cams.followers import Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.cams.profile import SwingingArm
+from camgen.machine.cams.shoes import Shoe, SlidingShoe, SwingingShoe, convex_edges
 from camgen.machines.disc_cam.tables import DiscCamGeometry
 
 _UP = 1j
@@ -17,6 +18,8 @@ _UP = 1j
 def drawn(geometry: DiscCamGeometry) -> Follower:
     """The follower on some base circle that it can stand on."""
     f = geometry.follower
+    if f.shape == "outline":
+        return _shoe(geometry)
     if f.motion == "translating":
         base = abs(f.offset) + 1
     elif f.shape == "flat":
@@ -26,12 +29,33 @@ def drawn(geometry: DiscCamGeometry) -> Follower:
     return standing_on(base, geometry, 0.0)[0]
 
 
+def _shoe(geometry: DiscCamGeometry) -> Shoe:
+    """An outline of a person's own, somewhere on its way."""
+    f = geometry.follower
+    edges = convex_edges(f.drawing[0])
+    if f.motion == "translating":
+        return SlidingShoe(edges, complex(f.offset), _UP)
+    return SwingingShoe(edges, complex(f.pivot_distance or 0.0))
+
+
 def standing_on(base: float, geometry: DiscCamGeometry, top: float) -> Sequence[Follower]:
     """The follower on a base circle, mm; with conjugate closure also its second one, on the far side.
 
     top: greatest displacement, mm or rad. Raises DesignError where it cannot stand on that circle.
     """
     f = geometry.follower
+    if f.shape == "outline":
+        try:
+            return [_shoe(geometry).on_base(base)]
+        except ValueError:
+            raise DesignError(
+                "geometry.base_radius",
+                base,
+                0.0,
+                "mm",
+                "the base circle",
+                "the outline passes by it on its way: use another base_radius, or draw the outline nearer to its origin",
+            ) from None
     both = geometry.closure == "conjugate"
     radius = f.radius or 0.0
     prime = base + radius

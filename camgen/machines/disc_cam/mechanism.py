@@ -11,6 +11,7 @@ roller runs between the cam and an outer wall, three plates pinned together.   [
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
@@ -23,10 +24,12 @@ from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding
-from camgen.geometry.outlines import Floats
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Floats, Points, Region
 from camgen.machine.cams.followers import Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.cams.limits import Advice, CamLimits, ExactCam, cam_findings, undercut_numbers
 from camgen.machine.cams.machine import (
+    SHOE,
     CamTouch,
     FollowerLoad,
     Loaded,
@@ -36,6 +39,7 @@ from camgen.machine.cams.machine import (
 )
 from camgen.machine.cams.many import ProfileFigures
 from camgen.machine.cams.profile import DiscCam, SwingingArm
+from camgen.machine.cams.shoes import SlidingShoe, SwingingShoe
 from camgen.machine.cams.sizing import least_base_radius
 from camgen.machine.features import CamOutline, Demand, Mount
 from camgen.machine.model import Machine
@@ -61,7 +65,8 @@ from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
 from camgen.parts.disc_cams import disc_parts, roller_note, turning_note
-from camgen.parts.part import Part
+from camgen.parts.generator.sizes import contour_faults
+from camgen.parts.part import Layer, Part
 from camgen.parts.springs import to_wind, wished
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study
 from camgen.tolerances import WALL_FACETS
@@ -101,6 +106,7 @@ class DiscCamDrive(CamTables):
         slides = f.motion == "translating"
         flat = f.shape == "flat"
         roller = f.shape == "roller"
+        drawn_shoe = f.shape == "outline"
         found = []
         for key, belongs, needed, what in (
             ("radius", roller, True, "the radius of a roller"),
@@ -108,10 +114,12 @@ class DiscCamDrive(CamTables):
             ("pivot_distance", not slides, True, "where an oscillating follower has its pivot"),
             (
                 "arm",
-                not slides and not flat,
+                not slides and not flat and not drawn_shoe,
                 True,
                 "the arm of an oscillating roller or knife edge",
             ),
+            ("outline", drawn_shoe and f.contours is None, True, "an SVG or DXF beside the spec"),
+            ("contours", drawn_shoe, False, "read from the outline"),
             (
                 "face_offset",
                 flat and not slides,
@@ -124,15 +132,27 @@ class DiscCamDrive(CamTables):
             if belongs and needed and value is None:
                 found.append(Fault(("geometry", "follower", key), "", f"missing: {what}"))
             elif not belongs and value:
-                found.append(
-                    Fault(("geometry", "follower", key), f"{value:g}", f"nothing here: {what}")
-                )
+                shown = f"{value:g}" if isinstance(value, float) else ""
+                found.append(Fault(("geometry", "follower", key), shown, f"nothing here: {what}"))
+        found += contour_faults(("geometry", "follower", "contours"), f.contours or ())
         checks = [
             (
                 g.closure != "groove" or roller,
                 ("geometry", "closure"),
                 g.closure,
                 "force or conjugate: only rollers run in grooves",
+            ),
+            (
+                g.closure == "force" or not drawn_shoe,
+                ("geometry", "closure"),
+                g.closure,
+                "force: a follower with an outline of your own has one cam",
+            ),
+            (
+                not self.standing or not drawn_shoe,
+                ("parts", "make"),
+                p.make,
+                '"cams": a cam and its shoe; for a machine make the follower a link with parts.LINK.outline',
             ),
             (
                 self.standing or not p.hub_height or p.hub_diameter >= round_hub,
@@ -385,7 +405,8 @@ class DiscCamDrive(CamTables):
 
     def _bare(self) -> Assembly:
         """The cams alone."""
-        made = self._assembly(self._plates, self._beside(), self._outlines())
+        parts = [*self._plates, *self._shoe]
+        made = self._assembly(parts, self._beside(), self._outlines())
         spring = wished(self._spring_wish)
         hub = self.making.hub(self.allowed.min_wall)
         screw = [] if hub is None else hub.bought(self.making.hub_diameter / 2)
@@ -413,6 +434,21 @@ class DiscCamDrive(CamTables):
             replace(part, notes=(turning_note(self._sense), *rolls, *part.notes)) for part in made
         )
 
+    @cached_property
+    def _shoe(self) -> Sequence[Part]:
+        """The follower with an outline of a person's own."""
+        if self.geometry.follower.shape != "outline":
+            return ()
+        outer, *holes = self.geometry.follower.drawing
+        region = Region(
+            outer.counter_clockwise(), tuple(each.counter_clockwise() for each in holes)
+        )
+        layer = Layer(region, 0.0, self.making.thickness)
+        source = self.geometry.follower.drawn_in
+        notes = (f"as drawn in {source}",) if source else ()
+        least = self.allowed.min_wall
+        return (Part(SHOE, "Follower", (layer,), notes=notes, centres=(0j,), min_wall=least),)
+
     def _outlines(self) -> Sequence[CamOutline]:
         """The outline of the cam; of both cams of a pair, and both walls of a groove."""
         names = [part.name for part in self._plates]
@@ -435,7 +471,13 @@ class DiscCamDrive(CamTables):
             "outer": p.back,
             "cam-2": p.thickness + p.hub_height + self.print.slide_clearance,
         }
-        return [Mount(part.name, "cam", z=heights.get(part.name, 0.0)) for part in self._plates]
+        plates = [Mount(part.name, "cam", z=heights.get(part.name, 0.0)) for part in self._plates]
+        match self.cam.follower:
+            case SlidingShoe(start=start, turn=turn):
+                return [*plates, Mount(SHOE, "follower", start, cmath.phase(turn))]
+            case SwingingShoe(turn=turn):
+                return [*plates, Mount(SHOE, "follower", 0j, cmath.phase(turn))]
+        return plates
 
     def demands(self) -> tuple[Demand, ...]:
         """The play that is borne."""
@@ -592,7 +634,7 @@ class DiscCamDrive(CamTables):
         if f.shape == "flat":
             wide = max(high - low for low, high in (each.face_contact for each in self.cams))
             figures.append(Figure("face width needed", wide, "mm"))
-        else:
+        elif f.shape != "outline":
             pitch = cam.least_radius + cam.tip.tip_radius
             figures.append(Figure("pitch curvature radius min", pitch, "mm"))
         return Figures(figures) | self._forces.numbers
@@ -628,6 +670,12 @@ class DiscCamDrive(CamTables):
             notes.append("Whether the motion jumps is not judged: limits.continuous = -1.")
         return notes
 
+    @property
+    def _drawn_shoe(self) -> Points:
+        """Its outline as a closed line, in its own frame."""
+        rim = facet_contour(self.geometry.follower.drawing[0], self.accuracy.chord_tolerance)
+        return np.append(rim, rim[0])
+
     def _sketch(self) -> Sketch:
         """The follower at s = 0, in the frame that its pose moves: the ground's, or one at the pivot."""
         strokes = []
@@ -648,6 +696,10 @@ class DiscCamDrive(CamTables):
                         np.array([start - half, start + half]),
                         np.array([start, start + leaves * along * self.base_radius]),
                     ]
+                case SlidingShoe(start=start, turn=turn):
+                    strokes.append(start + turn * self._drawn_shoe)
+                case SwingingShoe(turn=turn):
+                    strokes.append(turn * self._drawn_shoe)
                 case SwingingFace(_, facing, ahead):
                     low, high = cam.face_contact
                     strokes.append(facing * (ahead + 1j * np.array([low, 0, high])))

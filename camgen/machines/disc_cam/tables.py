@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+import numpy as np
+from pydantic import Field, model_validator
 
+from camgen.geometry.outlines import Contour, bulged
 from camgen.machines.cam_tables import CamSizes
 from camgen.machines.loads.tables import CamLimitsTable, Drives, Weight
 from camgen.machines.pairs import Air
 from camgen.motion.polydyne import Lag
 from camgen.parts.disc_cams import CamParts
+from camgen.parts.generator.sizes import Contours
 from camgen.spec import Coordinate, Length, MinWall, Record, Rpm, quantity, turning
 
 
@@ -20,9 +23,19 @@ class FollowerTable(Record):
     motion: Literal["translating", "oscillating"] = Field(
         description='"translating" or "oscillating"'
     )
-    shape: Literal["roller", "flat", "knife"] = Field(
-        description='"roller" (with its radius), "flat" or "knife"; there is no default'
+    shape: Literal["roller", "flat", "knife", "outline"] = Field(
+        description='"roller" (with its radius), "flat", "knife" or "outline"; there is no default'
     )
+    outline: str | None = Field(
+        default=None,
+        description='"outline": an SVG or DXF beside the spec, whose largest contour is convex where the cam touches it\n'
+        "translating: +y points off the cam, and the origin lies on the slide; oscillating: the origin is the pivot A",
+    )
+    contours: Contours | None = Field(
+        default=None,
+        description="contours read from that file, each as rows of x, y, mm, and bulge",
+    )
+    drawn_in: str | None = Field(default=None, description="the name of that file")
     radius: Length | None = Field(default=None, description="radius of the roller")
     offset: Coordinate = Field(
         default=0.0,
@@ -45,6 +58,20 @@ class FollowerTable(Record):
         default=None,
         description="flat: width of the face, centred on the stem or on the contact; checked if given",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _drawn(cls, data: Any) -> Any:
+        """An outline says what shape it is."""
+        if isinstance(data, dict) and ("outline" in data or "contours" in data):
+            return {"shape": "outline", **data}
+        return data
+
+    @property
+    def drawing(self) -> list[Contour]:
+        """Its outline and the holes in it, as they are drawn; nothing without one."""
+        rows = [np.array(each) for each in self.contours or ()]
+        return [bulged(each[:, 0] + 1j * each[:, 1], each[:, 2]) for each in rows]
 
 
 class DiscCamGeometry(Record):

@@ -209,7 +209,8 @@ def contacts(run: Run, forces: Forces, assembly: Assembly, load: Weight | None) 
                 needs = "a spring or weight that keeps the follower on its cam"
                 check.not_judged.append(NotJudged("HERTZ", why, needs))
             continue
-        if _tip_radius(joint.touches[0]) == 0:
+        angle = _angle(run, joint.cam) - joint.phase
+        if np.any(joint.touches[0].across(angle) == 0):  # type: ignore[attr-defined]
             why = f"a knife edge touches at {joint.name}: it has no width, and no formula gives its pressure"
             check.not_judged.append(NotJudged("HERTZ", why, "a roller or a flat face"))
             continue
@@ -218,13 +219,12 @@ def contacts(run: Run, forces: Forces, assembly: Assembly, load: Weight | None) 
         length = layer.z1 - layer.z0
         if named is not None:
             length = min(length, named.width)
-        angle = _angle(run, joint.cam) - joint.phase
         first = forces.contacts[joint.name] * joint.leaves >= 0
         pressure = np.zeros(len(theta))
         for k, touch in enumerate(joint.touches[:2]):
             touches = first == (k == 0) if len(joint.touches) > 1 else True
             radius = touch.radius(angle)  # type: ignore[attr-defined]
-            across = _tip_radius(touch)
+            across = touch.across(angle)  # type: ignore[attr-defined]
             with np.errstate(all="ignore"):
                 curvature = np.where(
                     (radius > 0) | (radius < -across), 1 / radius + 1 / across, np.nan
@@ -375,16 +375,11 @@ def _misfit(follower: CamFollower, outline: CamOutline, joint: Cam) -> tuple[str
     if outline.roller is not None:
         why = f"the roller at {joint.name} is a made part, not a {follower.name}"
         return why, "no load.cam_follower, or cams alone"
-    radius = _tip_radius(joint.touches[0])
+    radius = float(np.max(joint.touches[0].across(np.zeros(1))))  # type: ignore[attr-defined]
     if abs(radius - follower.outside / 2) > SAME_POINT:
         why = f"{follower.name} has a radius of {follower.outside / 2:g} mm, the tip at {joint.name} {radius:g}"
         return why, f"a tip of {follower.outside / 2:g} mm, or another load.cam_follower"
     return None
-
-
-def _tip_radius(touch: Any) -> float:
-    """Radius of the tip that touches a cam, mm; inf of a face."""
-    return float(getattr(touch.cam.follower, "tip_radius", math.inf))
 
 
 def _bearing_life(check: LoadCheck, load: BallLoad, least: float | None) -> None:

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import AfterValidator, ConfigDict, Field, model_validator
 
-from camgen.errors import Fault
+from camgen.errors import Fault, Key
 from camgen.geometry.rings import Ring
 from camgen.parts.catalogue import (
     CORE_HOLES,
@@ -40,6 +40,17 @@ Name = Annotated[
 ]
 
 Bulge = Annotated[float, quantity("tan(sweep / 4)", ge=-1e6, le=1e6)]
+Contours = tuple[tuple[tuple[Coordinate, Coordinate, Bulge], ...], ...]  # the outer one first
+
+
+def contour_faults(path: Key, contours: Contours) -> Iterator[Fault]:
+    """Contours that bound no area; path: of their key."""
+    for k, rows in enumerate(contours):
+        z = np.array(rows).reshape(-1, 3)
+        ring = Ring(z[:, 0] + 1j * z[:, 1], z[:, 2])
+        if len(rows) < 2 or abs(ring.area) < 1e-6 or (ring.points == ring.ends).any():
+            right = "rows of x, y and bulge at different places, round an area"
+            yield Fault((*path, k), f"{len(rows)} rows", right)
 
 
 class Shape(Record):
@@ -85,7 +96,7 @@ class Shape(Record):
         default=None,
         description="an SVG or DXF beside the spec: its largest contour is the link's edge, in the coordinates of [points]",
     )
-    contours: tuple[tuple[tuple[Coordinate, Coordinate, Bulge], ...], ...] | None = Field(
+    contours: Contours | None = Field(
         default=None,
         description="contours read from that file, each as rows of x, y, mm, and bulge",
     )
@@ -440,12 +451,7 @@ class Parts(Record):
             yield Fault(("parts", link, "thickness"), f"{shape.thickness:g}", right)
         if shape.contours is not None and link == "ground":
             yield Fault(("parts", link, "outline"), repr(shape.drawn_in), "a link that moves")
-        for k, rows in enumerate(shape.contours or ()):
-            z = np.array(rows).reshape(-1, 3)
-            ring = Ring(z[:, 0] + 1j * z[:, 1], z[:, 2])
-            if len(rows) < 2 or abs(ring.area) < 1e-6 or (ring.points == ring.ends).any():
-                right = "rows of x, y and bulge at different places, round an area"
-                yield Fault(("parts", link, "contours", k), f"{len(rows)} rows", right)
+        yield from contour_faults(("parts", link, "contours"), shape.contours or ())
         for key in ("hub_diameter", "width", "bow", "rails", "stem"):
             if shape.contours is not None and getattr(shape, key) is not None:
                 right = "nothing here: the outline says how wide the link is"
