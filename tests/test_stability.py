@@ -28,7 +28,9 @@ def test_kept_or_refused(case: stability.Case, tmp_path: Path) -> None:
 
 def test_all_mechanisms_are_there() -> None:
     shipped = {case.mechanism for case in QUICK if case.name.startswith("as shipped")}
-    assert shipped == set(stability.TRUTHS) == set(MECHANISMS) - {"linkage", "coupon"}
+    # a linkage, a coupon and a drum have no outline and no output that is a formula of their own
+    others = {"linkage", "coupon", "cylinder-cam"}
+    assert shipped == set(stability.TRUTHS) == set(MECHANISMS) - others
 
 
 @pytest.mark.parametrize("mechanism", ["eccentric-drive", "thread-take-up", "chain-stitch-looper"])
