@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.numerics import Floats
+from camgen.numerics import Floats, peak
 
 _ROUNDS = 60
 _CLOSE = 1e-12  # of beta, rad, and of rho over the drum's radius
@@ -170,12 +170,12 @@ class DrumWall:
         beta, rho = (np.asarray(each, float) for each in np.broadcast_arrays(beta, rho))
         phi = beta.copy()
         r = rho.copy()
-        size = float(np.max(rho))
+        size = peak(rho)
         for _ in range(_ROUNDS):
             found = self.points(phi, r)
             off = beta - found.beta
             short = rho - found.rho
-            if np.max(np.abs(off)) < _CLOSE and np.max(np.abs(short)) < _CLOSE * size:
+            if np.all(np.abs(off) < _CLOSE) and np.all(np.abs(short) < _CLOSE * size):
                 return found
             # Newton; slopes by differences, which count for its pace alone
             ahead = self.points(phi + _STEP, r)

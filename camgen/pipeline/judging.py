@@ -38,7 +38,7 @@ from camgen.pipeline.making import (
     written,
 )
 from camgen.pipeline.reading import Read, budget_of, judge_motion, judge_part, moved_by
-from camgen.pipeline.scope import ANY, Outcome, Stage, not_judged, of_parts, unheard
+from camgen.pipeline.scope import ANY, Outcome, Stage, machined, not_judged, of_parts, unheard
 from camgen.pipeline.servo import servo_files
 from camgen.pipeline.summary import plates_of
 from camgen.progress import Progress
@@ -195,7 +195,7 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     stages.append(Stage((), "copies of parts in the assembly", ("3mf",), judge_assembly))
     if mechanism.laser is not None:
         stages.append(Stage((), "sheets for the laser", DRAWN, judge_laser))
-    if mechanism.files.machining:
+    if machined(mechanism):
         stages.append(Stage((), "tables for machine tools", DRAWN, judge_machining))
     if "servo" in kinds:
         stages.append(Stage(("SERVO_TABLE",), "cam tables for servo drives", (), judge_servo))
@@ -588,7 +588,7 @@ def cut_files(case: Case) -> list[Path]:
         from camgen.pipeline.laser import sheet_files
 
         files += sheet_files(case)
-    if case.mechanism.files.machining:
+    if machined(case.mechanism):
         from camgen.pipeline.machining import table_files
 
         files += table_files(case)

@@ -3,6 +3,7 @@
 <name>-<part>-profile.csv    contact, normal, curvature and pressure angle at each cam angle, in the part's frame
 <name>-<part>-path.dxf .csv  where the centre of a cutter of `files.cutter_radius` runs, counter-clockwise: round the cam, or
                              within the outer wall of a groove
+<name>-<part>-developed.dxf  a drum's track unrolled, see `development`
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from camgen.machine.model import Cam
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import offset
 from camgen.pipeline.case import Case
+from camgen.pipeline.development import judge_developments, make_developments
 
 _SIZE = Bound("a table for a machine tool", 50_000_000, most=200_000)
 _PROFILE = (
@@ -79,12 +81,13 @@ def cams_of(mechanism: Mechanism) -> dict[str, tuple[CamTouch, Mount, float]]:
 
 
 def make_tables(case: Case) -> None:
-    """Write what `files.profile_step_deg` and `files.cutter_radius` ask for, of every cam.
+    """Write what `files.profile_step_deg` and `files.cutter_radius` ask for, of every cam, and the development of every drum.
 
     DesignError where the cutter's path falls apart.
     """
     files = case.mechanism.files
     tolerance = case.mechanism.accuracy.chord_tolerance
+    make_developments(case)
     for name, (touch, mount, free) in cams_of(case.mechanism).items():
         if files.profile_step_deg is not None:
             rows = _profile(touch, mount, free, files.profile_step_deg)
@@ -171,7 +174,12 @@ def table_files(case: Case) -> list[Path]:
     names = [
         (f"{name}-{what}", ending)
         for name in case.parts
-        for what, ending in (("profile", "csv"), ("path", "dxf"), ("path", "csv"))
+        for what, ending in (
+            ("profile", "csv"),
+            ("path", "dxf"),
+            ("path", "csv"),
+            ("developed", "dxf"),
+        )
     ]
     return [path for path in (case.file(*each) for each in names) if path.exists()]
 
@@ -181,7 +189,7 @@ def judge_tables(case: Case) -> list[Finding]:
     outlines."""
     files = case.mechanism.files
     tolerance = case.mechanism.accuracy.chord_tolerance
-    findings: list[Finding] = []
+    findings = list(judge_developments(case))
     for name, (touch, *_) in cams_of(case.mechanism).items():
         rings = sorted(read_dxf(case.file(name, "dxf")).cut, key=lambda ring: -abs(ring.area))
         if not rings[touch.outer :]:

@@ -22,6 +22,7 @@ from camgen.parts.catalogue import CAM_FOLLOWERS, TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
 from camgen.pipeline.case import Case
 from camgen.pipeline.drawings import timing_facts, timing_of
+from camgen.pipeline.scope import machined
 from camgen.pipeline.summary import draw_part
 from camgen.progress import Progress
 from camgen.study import Table
@@ -69,7 +70,7 @@ def put_together(case: Case, only: frozenset[str], solids: Made, progress: Progr
         from camgen.files.timing import write_timing
 
         write_timing(case.folder, mechanism.name, motions, timing_facts(mechanism))
-    if "dxf" in only and mechanism.files.machining:
+    if "dxf" in only and machined(mechanism):
         from camgen.pipeline.machining import make_tables
 
         make_tables(case)

@@ -32,7 +32,7 @@ from camgen.pipeline.case import Case
 from camgen.pipeline.laser import sheet_files
 from camgen.pipeline.making import lying_sides, write_parts_list, written
 from camgen.pipeline.multibody import make_mjcf, mjcf_files
-from camgen.pipeline.scope import Outcome
+from camgen.pipeline.scope import Outcome, machined
 from camgen.pipeline.servo import make_servo_tables, servo_files
 from camgen.pipeline.summary import (
     Summary,
@@ -222,7 +222,7 @@ class Rebuild:
             make_servo_tables(copy)
         if "mjcf" in kinds:
             make_mjcf(case, folder)
-        if "dxf" in kinds and case.mechanism.files.machining:
+        if "dxf" in kinds and machined(case.mechanism):
             from camgen.pipeline.machining import make_tables
 
             make_tables(copy)

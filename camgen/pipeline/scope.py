@@ -101,6 +101,12 @@ def of_parts(mechanism: Mechanism) -> list[Stage]:
     return stages
 
 
+def machined(mechanism: Mechanism) -> bool:
+    """Whether there are files for machine tools: tables and paths that are asked for, developments of drums."""
+    drums = any(part.drum is not None for part in mechanism.assembly.parts)
+    return mechanism.files.machining or drums
+
+
 def not_judged(
     stages: Sequence[Stage], kinds: Collection[str], findings: Sequence[Finding]
 ) -> tuple[NotJudged, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 import tomllib
 from collections.abc import Callable, Mapping
@@ -22,6 +23,7 @@ from camgen.machines.cylinder_cam.mechanism import CylinderCam
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.case import Case
+from camgen.pipeline.development import judge_developments, make_developments
 from camgen.pipeline.drums import judge_drums
 from camgen.spec import validate
 
@@ -152,6 +154,45 @@ def test_damages_are_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    "geometry",
+    [
+        {"track": "groove", "follower": ARM},
+        {"track": "rib", "distance": 16.0},
+        {"track": "end"},
+    ],
+)
+def test_a_development_touches_the_roller_all_the_way(
+    tmp_path: Path, geometry: dict[str, Any]
+) -> None:
+    case = Case(drum(geometry=geometry), tmp_path)
+    make_developments(case)
+    assert [each.ok for each in judge_developments(case)] == [True]
+    other = Case(
+        drum(lift=15.1, geometry={**geometry, "radius": case.mechanism.track.radius}), tmp_path
+    )  # type: ignore[attr-defined]
+    assert [each.ok for each in judge_developments(other)] == [False]
+
+
+def test_a_smaller_cutter_leaves_what_the_reference_says(tmp_path: Path) -> None:
+    """With a slide beside the axis a cutter of 3 mm in place of 5 takes 5.4 um too much at the roller's inner end."""
+    sizes = {**SIZES, "roller": {"radius": 5.0, "length": 8.0, "end_clearance": 0.001}}
+    machine = drum(geometry=sizes, print={"slide_clearance": 0.0}, files={"cutter_radius": 3.0})
+    case = Case(machine, tmp_path)
+    make_developments(case)
+    _, path = judge_developments(case)
+    found = re.search(r"at the floor the cutter is ([0-9.]+) mm off", path.message)
+    # the reference's place is on the roller, which reaches a little less deep where it climbs
+    assert path.ok and found and 0.0053 < float(found[1]) < 0.0061
+    file = tmp_path / "cylinder-cam-drum-path.csv"
+    rows = file.read_text(encoding="utf-8").splitlines()
+    wall, theta, a, z, y = rows[300].split(",")
+    rows[300] = ",".join([wall, theta, a, f"{float(z) - 0.1:.6f}", y])
+    file.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    _, path = judge_developments(case)
+    assert not path.ok
+
+
+@pytest.mark.parametrize(
     ("track", "more"),
     [
         ("end", {}),
@@ -200,6 +241,7 @@ def test_what_is_wrong_is_told_by_its_keys() -> None:
         "geometry": {"track": "rib", "follower": {"motion": "oscillating", "offset": 2.0}},
         "print": {"shrinkage": 0.003},
         "spring": {"preload": 3.0},
+        "files": {"cutter_radius": 6.0, "profile_step_deg": 5.0},
     }
     with pytest.raises(SpecError) as caught:
         drum(**wrong)
@@ -210,6 +252,8 @@ def test_what_is_wrong_is_told_by_its_keys() -> None:
         "geometry.follower.offset",
         "geometry.follower.motion",
         "print.shrinkage",
+        "files.cutter_radius",
+        "files.profile_step_deg",
         "spring",
     }
 

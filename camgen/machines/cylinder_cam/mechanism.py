@@ -93,6 +93,7 @@ class CylinderCam(Mechanism):
             if value:
                 right = "0: a drum's walls lean to the bed, so its files are as drawn; let the slicer compensate"
                 found.append(Fault(("print", key), f"{value:g}", right))
+        found += self._cutter_faults()
         try:
             self._given  # noqa: B018
         except SpecError as error:
@@ -123,6 +124,26 @@ class CylinderCam(Mechanism):
             if value is not None:
                 right = "nothing here: of an oscillating follower"
                 found.append(Fault((*key, name), f"{value:g}", right))
+        return found
+
+    def _cutter_faults(self) -> list[Fault]:
+        """What no cutter does, and no table tells."""
+        roller = self.geometry.roller
+        cutter = self.files.cutter_radius
+        found = []
+        if self.files.profile_step_deg is not None:
+            right = "nothing here: a drum has no outline"
+            key = ("files", "profile_step_deg")
+            found.append(Fault(key, f"{self.files.profile_step_deg:g}", right))
+        if cutter is None:
+            return found
+        most = roller.radius + (self.geometry.track != "end") * self.print.slide_clearance / 2
+        if roller.cone_deg:
+            right = "nothing here: a track for a cone takes a cutter of its shape on the way of its axis"
+            found.append(Fault(("files", "cutter_radius"), f"{cutter:g}", right))
+        elif cutter > most:
+            right = f"at most {most:g} mm, of the roller and its clearance"
+            found.append(Fault(("files", "cutter_radius"), f"{cutter:g}", right))
         return found
 
     # ---- motion -----------------------------------------------------------------------------------------------------
