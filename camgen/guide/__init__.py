@@ -35,6 +35,7 @@ TOPICS = (
     "theory-chain-stitch-looper",
     "theory-indexing-cam",
     "theory-linkage",
+    "theory-dynamics",
     "theory-pairs",
     "theory-drums",
 )

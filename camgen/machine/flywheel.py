@@ -1,9 +1,4 @@
-"""How evenly a shaft turns, and the flywheel that evens it.
-
-The motor gives the mean torque; what the machine asks beyond it comes out of the shaft's own energy. With the greatest swing U of
-that energy over a turn, J lets the speed swing by delta = (greatest - least) / mean = U / (J w^2), for U = J (greatest^2 -
-least^2) / 2 and mean w = (greatest + least) / 2.
-"""
+"""What a shaft asks of its motor over a turn: mean torque, swing of the energy, and the spring that evens it best."""
 
 from __future__ import annotations
 
@@ -23,18 +18,6 @@ def energy_swing(theta: Floats, torque: Floats) -> float:
 def mean_torque(theta: Floats, torque: Floats) -> float:
     """Mean over the period, N m; as above."""
     return float(np.sum((torque[1:] + torque[:-1]) / 2 * np.diff(theta)) / (theta[-1] - theta[0]))
-
-
-def inertia_for(energy: float, fluctuation: float, speed: float) -> float:
-    """Inertia, kg m^2, of all that turns evenly with the shaft for a swing of its speed; energy J, speed rad/s."""
-    square = fluctuation * speed**2
-    return energy / square if square else float("inf")
-
-
-def fluctuation_of(energy: float, inertia: float, speed: float) -> float:
-    """Swing of the speed as a share of its mean; inf without inertia."""
-    twice_mean_energy = inertia * speed**2
-    return energy / twice_mean_energy if twice_mean_energy else float("inf")
 
 
 def spring_on_shaft(angle: Floats, torque: Floats) -> tuple[float, float, float]:

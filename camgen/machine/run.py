@@ -271,8 +271,12 @@ class Run:
     def _forces(self) -> Forces:
         if self._loaded is not None:
             return Run(self._loaded(), self.theta, self.order).forces()
+        return self.forces_at(self.machine.speed)
+
+    def forces_at(self, speed: float) -> Forces:
+        """The same at another speed of theta, rad/s."""
         q, first, second = self._poses
-        return kinetostatics(self._system, self.theta, q, first, second, self.machine.speed)
+        return kinetostatics(self._system, self.theta, q, first, second, speed)
 
     def plot(self, *outputs: str, order: int = 0) -> Figure:
         """Curves of the outputs, all unless named, over theta below each other, which a notebook shows.

@@ -38,6 +38,14 @@ class Journal:
 
 
 @dataclass(frozen=True)
+class DriveLimits:
+    """What a spec asks of how the machine runs, None where it says nothing."""
+
+    run_up: float | None = None  # s, from rest
+    speed_swing: float | None = None  # greatest less least speed, as a share of what lies between
+
+
+@dataclass(frozen=True)
 class MaterialLimits:
     """What a spec says that its materials and followers bear, None where it says nothing; how it says what pins are made of."""
 
@@ -47,6 +55,7 @@ class MaterialLimits:
     tooth_stress: float | None = None  # MPa, at the root of a tooth
     bearing_life: float | None = None  # h, of ball bearings
     motion: MotionLimits = MotionLimits()  # of the followers of cams
+    drive: DriveLimits = DriveLimits()
     keys: frozenset[str] = frozenset()  # of [parts], with the sizes of pins and shafts
 
 

@@ -41,6 +41,11 @@ NAMES = {
     "hertz pressure {of}": "Hertz pressure: {of}",
     "flywheel for 2 percent": "flywheel for a speed within 2 %",
     "flywheel for 10 percent": "flywheel for a speed within 10 %",
+    "starting torque": "torque at standstill that starts it at any angle",
+    "run up time": "time from rest until it runs",
+    "speed swing": "swing of the speed, as a share",
+    "settled speed": "mean speed once it runs",
+    "turning inertia": "inertia as the shaft feels it, mean",
     "balance weight at": "direction of the balance weight",
     "balance spring at": "direction of the balance spring",
     "print error {of}": "off by print errors: {of}",
@@ -73,7 +78,8 @@ _UNITS = {
 }
 _QUANTITIES = {
     FORCES: "balance spring at, balance weight at, counterweight, counterweight {of}, counterweight at, crank counterweight at, "
-    "crank moment asked at, residual share, second harmonic share, spring stretch greatest, spring stretch least",
+    "crank moment asked at, residual share, run up time, settled speed, speed swing, stalls at, second harmonic share, "
+    "spring stretch greatest, spring stretch least",
     MAKING: "motor shaft length, outline length, shaft length",
     SHAPE: "base radius, curvature radius min, disc wall, pitch curvature radius min, pitch radius max, pitch radius min, "
     "prime radius, pressure angle, pressure angle low passed, pressure angle return, pressure angle rise, profile area, "

@@ -141,19 +141,11 @@ ENGINE = (
 
 
 def test_flywheel_of_an_engine() -> None:
-    """Shigley, example 16-6: 3368 in lbf over two turns, 268 lbf in; its largest loop, 3531 in lbf, summed crudely up to 180 deg,
-    and delta = 0.1 at 250 rad/s ask for 0.565 lbf s^2 in."""
+    """Shigley, example 16-6: 3368 in lbf over two turns, 268 lbf in; its largest loop, 3531 in lbf, summed crudely up to 180 deg."""
     theta, torque = np.radians(15.0 * np.arange(len(ENGINE))), np.array(ENGINE, float)
     mean = flywheel.mean_torque(theta, torque)
     assert mean * 4 * math.pi == pytest.approx(3368, abs=1) and mean == pytest.approx(268, abs=0.1)
     assert flywheel.energy_swing(theta, torque) == pytest.approx(3531, rel=0.03)
-    assert flywheel.inertia_for(3531, 0.1, 250) == pytest.approx(0.565, abs=5e-4)
-    assert flywheel.fluctuation_of(3531, 0.565, 250) == pytest.approx(0.1, abs=1e-4)
-
-
-def test_flywheel_of_a_textbook_motor() -> None:
-    """Shigley and Uicker, Theory of Machines and Mechanisms, problem 18.1: 890.7 N m, delta 0.025, 481.7 rad/s: 0.154 kg m^2."""
-    assert flywheel.inertia_for(890.7, 0.025, 481.7) == pytest.approx(0.154, abs=5e-4)
 
 
 def test_a_sine_of_torque_swings_by_twice_its_size() -> None:

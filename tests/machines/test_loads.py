@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 
 from camgen.errors import SpecError
 from camgen.findings import Finding
@@ -198,18 +200,89 @@ def test_shaft_reach() -> None:
 
 
 def test_flywheel_that_is_told_keeps_to_the_swing() -> None:
-    settings = ("motor.fluctuation=0.02", "motor.speed_rpm=2000")
-    (loose,) = found("SPEED_FLUCTUATION", "eccentric-drive", *settings)
+    settings = ("limits.speed_swing=0.02", "motor.speed_rpm=2000")
+    (loose,) = found("SPEED_SWING", "eccentric-drive", *settings)
     assert not loose.ok
     more = numbers("eccentric-drive", *settings)["flywheel_for_2_percent_kg_m2"]
     for share, ok in ((1.001, True), (0.99, False)):
         (each,) = found(
-            "SPEED_FLUCTUATION",
+            "SPEED_SWING",
             "eccentric-drive",
             *settings,
             f"motor.flywheel_kg_m2={share * more}",
         )
         assert each.ok is ok and each.measured == pytest.approx(0.02, rel=0.02)
+
+
+LINE = ("motor.model=", "motor.stall_torque_n_m=0.004", "motor.no_load_rpm=90")
+BARE = ("load.gravity_deg=-90", "load.friction=0", "limits.run_up_s=0.1")
+
+
+def test_a_four_bar_runs_up_as_over_time() -> None:
+    """J w' = M(w) - T(theta, w), T as kinetostatics has it at even speed, J by the energy: by an integrator over time."""
+    machine = made("linkage", *LINE, *BARE)
+    said = assess(machine)
+    numbers = said.study.numbers
+    turn = np.linspace(0, math.tau, 1441)
+    run = solve(weighed(machine).machine, turn)
+    speeds = (1.0, 10.0)
+    slow, fast = (run.forces_at(speed) for speed in speeds)
+    inertia = CubicSpline(turn, 2 * fast.energy / 100, bc_type="periodic")
+    (still, quick) = (next(iter(each.drives.values())) for each in (slow, fast))
+    per_square = CubicSpline(turn, (quick - still) / 99, bc_type="periodic")
+    weight = CubicSpline(turn, still - (quick - still) / 99, bc_type="periodic")
+    no_load = 90 * math.tau / 60
+
+    def rates(_: float, state: np.ndarray) -> list[float]:
+        theta, speed = state
+        torque = 0.004 * (1 - speed / no_load) - weight(theta) - per_square(theta) * speed**2
+        return [speed, torque / inertia(theta)]
+
+    found = solve_ivp(
+        rates, (0, 3), [0, 0], method="LSODA", rtol=1e-9, atol=1e-11, dense_output=True
+    )
+    late = found.sol(np.linspace(1, 3, 20001))
+    late = late[:, late[0] > late[0, -1] - math.tau]
+    swing = 2 * np.ptp(late[1]) / (np.max(late[1]) + np.min(late[1]))
+    assert numbers["speed_swing"] == pytest.approx(swing, rel=1e-3)
+    time = math.tau / (late[1].size * 1e-4)
+    assert numbers["settled_speed_rpm"] == pytest.approx(time * 60 / math.tau, rel=1e-3)
+    (curve,) = (each for each in said.study.plots if each.title == "Speed of the shaft from rest")
+    times, rpm = curve.series[0][1:3]
+    assert np.max(np.abs(found.sol(times)[1] - rpm * math.tau / 60)) < 1e-3 * no_load
+
+
+def test_a_machine_that_stalls_says_where() -> None:
+    """Under its weight alone, where the motor's torque is less than the weights ask."""
+    weak = ("motor.stall_torque_n_m=0.0005", *BARE)
+    said = judged("linkage", *LINE, *weak)
+    (fails,) = (each for each in said.findings if each.code == "RUN_UP")
+    needed = said.study.numbers["starting_torque_n_m"]
+    assert not fails.ok and math.isinf(fails.measured) and "it stalls" in fails.message
+    assert said.study.numbers["stalls_at_deg"] == pytest.approx(
+        math.degrees(fails.where.theta or 0)
+    )
+    assert any("stalls at" in note for note in said.study.notes)
+    runs = judged("linkage", *LINE, f"motor.stall_torque_n_m={1.01 * needed}", *BARE)
+    assert math.isfinite(next(f.measured for f in runs.findings if f.code == "RUN_UP"))
+
+
+@pytest.mark.parametrize(
+    ("settings", "codes", "why"),
+    [
+        (("limits.run_up_s=1",), {"RUN_UP"}, "falls with its speed"),
+        (
+            ("limits.run_up_s=1", "limits.speed_swing=0.1", "drive.range_deg=[0, 30]"),
+            {"RUN_UP", "SPEED_SWING"},
+            "all round",
+        ),
+    ],
+)
+def test_what_cannot_be_run_up_is_not_judged(
+    settings: tuple[str, ...], codes: set[str], why: str
+) -> None:
+    left = [each for each in judged("linkage", *settings).not_judged if each.code in codes]
+    assert {each.code for each in left} == codes and all(why in each.why for each in left)
 
 
 # ---- contacts, bearings, pins ----------------------------------------------------------------------------------------

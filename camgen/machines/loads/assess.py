@@ -18,6 +18,7 @@ from camgen.machines.loads.applied import jumps
 from camgen.machines.loads.bearing import LoadCheck
 from camgen.machines.loads.pins import overstated
 from camgen.machines.loads.rubbing import locking_friction, with_friction
+from camgen.machines.loads.running import running
 from camgen.machines.loads.tables import Drives
 from camgen.machines.loads.weights import Masses, with_masses
 from camgen.numerics import peak
@@ -98,6 +99,9 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         assembly.motor.crank,
         lambda: locking_friction(machine, journals, load, mechanism.material.name, theta),
     )
+    runs = running(
+        run, motor, assembly.material_limits.drive, assembly.cycle.name, assembly.motor.crank
+    )
     hub = drive.hub_slip(
         assembly.motor.hub,
         Figures(torque.figures).get("drive_torque_n_m", 0.0),
@@ -116,7 +120,21 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         needs = "another spring.preload or spring.rate, or a spring of another kind"
         not_judged.append(NotJudged("SPRING_STRESS", why, needs))
     tips = LoadCheck(not_judged=not_judged)
-    checks = (reach, tips, pins, posts, cams, gears, slots, torque, hub, elastic, rates, springs)
+    checks = (
+        reach,
+        tips,
+        pins,
+        posts,
+        cams,
+        gears,
+        slots,
+        torque,
+        runs,
+        hub,
+        elastic,
+        rates,
+        springs,
+    )
     figures = [Figure("shaking force", peak(forces.shaking), "N")]
     for name, reaction in forces.reactions.items():
         figures.append(Figure("reaction {joint}", peak(reaction), "N", joint=name))
@@ -127,9 +145,9 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         figures += check.figures
     study = Study(
         Figures(each for each in figures if math.isfinite(each.value)),
-        [*torque.plots, *cams.plots, *elastic.plots],
+        [*torque.plots, *runs.plots, *cams.plots, *elastic.plots],
         [_mass_table(masses), *pins.tables, *elastic.tables],
-        notes=[*notes, *gears.notes, *jumps(machine)],
+        notes=[*notes, *gears.notes, *runs.notes, *jumps(machine)],
     )
     if assembly.balances:
         counterweight = getattr(mechanism, "counterweight", None)

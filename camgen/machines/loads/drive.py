@@ -1,4 +1,4 @@
-"""What turns the machine: DRIVE_TORQUE, SHAFT_REACH, SPEED_FLUCTUATION and the flywheel for a wanted one."""
+"""What turns the machine: DRIVE_TORQUE, SHAFT_REACH, SELF_LOCKING and HUB_SLIP."""
 
 from __future__ import annotations
 
@@ -24,7 +24,6 @@ from camgen.study import Figure, Plot
 
 _NOTHING = 1e-12  # N m
 _ROUNDING = 1e-9  # of what the forces in the pins could do at the longest lever: a torque below that is rounding, and 0
-_SHOWN = (0.02, 0.1)  # swings of the speed whose flywheels are figures
 
 
 def motor_of(drives: Drives | None, crank: float = 0.0) -> Motor | None:
@@ -132,10 +131,10 @@ def torque(
     crank: float = 0.0,
     locking: Callable[[], str] = str,
 ) -> LoadCheck:
-    """SELF_LOCKING, torque, power and evenness of the machine's drives; those of one motor are one shaft, seen from the first.
+    """SELF_LOCKING, torque and power of the machine's drives; those of one motor are one shaft, seen from the first.
 
-    DRIVE_TORQUE is judged where the spec names what turns it; else the torque that is needed is a figure alone. Evenness is of
-    a machine with one motor.
+    DRIVE_TORQUE is judged where the spec names what turns it; else the torque that is needed is a figure alone. What evens the
+    torque is of a machine with one motor.
     angle: what theta is called; crank: mm, of the machine's own hand crank, 0: none; locking: of a machine that locks says by
     which friction, and which it would bear.
     """
@@ -160,7 +159,7 @@ def torque(
     for each in motors:
         check.figures.extend(each.figures)
         if len(motors) == 1:
-            _even(each, drives, check)
+            _even(each, check)
         check.plots.append(each.plot(angle))
         check.findings.extend(each.findings(motor_of(drives, crank)))
     return check
@@ -182,8 +181,8 @@ def _motors(run: Run, forces: Forces) -> list[_Motor]:
     return motors
 
 
-def _even(motor: _Motor, drives: Drives | None, check: LoadCheck) -> None:
-    """Add how evenly the one motor turns: energy, flywheels, a spring that balances its torque, SPEED_FLUCTUATION."""
+def _even(motor: _Motor, check: LoadCheck) -> None:
+    """Add how evenly the one motor's torque is: swing of energy, and a spring that balances it."""
     run = motor.run
     speed = run.machine.speed
     theta = run.theta
@@ -192,20 +191,7 @@ def _even(motor: _Motor, drives: Drives | None, check: LoadCheck) -> None:
     needed = motor.needed
     most = peak(needed)
     energy = flywheel.energy_swing(theta, needed * np.sign(speed))
-    flywheel_given = 0.0 if drives is None else drives.flywheel_kg_m2
-    inertia = _inertia(run, drive.body) + flywheel_given
-
-    def flywheel_for(share: float) -> float:
-        """Inertia, kg m^2, of a flywheel for a swing of the speed."""
-        return max(0.0, flywheel.inertia_for(energy, share, speed) - inertia)
-
-    check.figures += [
-        Figure("energy swing", energy, "J"),
-        Figure("turning inertia", inertia, "kg m²"),
-    ]
-    for share in _SHOWN:
-        quantity = f"flywheel for {100 * share:g} percent"
-        check.figures.append(Figure(quantity, flywheel_for(share), "kg m²"))
+    check.figures.append(Figure("energy swing", energy, "J"))
     if isinstance(drive.law, Turning) and abs(turn - math.tau) < 1e-9 and energy:
         size, place, left = flywheel.spring_on_shaft(drive.law(theta, 0), needed)
         if left < most and size > _ROUNDING * most:
@@ -214,18 +200,6 @@ def _even(motor: _Motor, drives: Drives | None, check: LoadCheck) -> None:
                 Figure("balance spring at", math.degrees(place), "deg"),
                 Figure("drive torque balanced", left, "N m"),
             ]
-    fluctuation = None if drives is None else drives.fluctuation
-    swing = min(1.0, flywheel.fluctuation_of(energy, inertia, speed)) if energy else 0.0
-    if flywheel_given or fluctuation:
-        check.figures.append(Figure("speed fluctuation", swing))
-    if fluctuation is not None:
-        remark = (
-            f"by {energy:.4g} J on {inertia:.4g} kg m^2 that turn; "
-            f"a flywheel of {flywheel_for(fluctuation):.4g} kg m^2 more keeps to it"
-        )
-        check.findings.append(
-            at_most("SPEED_FLUCTUATION", swing, fluctuation, "share", Where("drive"), remark)
-        )
 
 
 def _torque_of_pins(run: Run, forces: Forces) -> float:
@@ -272,9 +246,3 @@ def _on_shaft(run: Run, of: Sequence[Drive], drives: Mapping[str, Floats]) -> Fl
         power = drives[each.name] * each.law(run.theta, 1) * (MM if each.slide else 1.0)
         total = total + np.where(rate != 0, power / np.where(rate != 0, rate, 1.0), 0.0)
     return np.where(np.isfinite(total), total, 0.0)
-
-
-def _inertia(run: Run, body: str) -> float:
-    """Inertia of the driven body about where it turns, its frame's origin, kg m^2."""
-    own = run.machine.body(body)
-    return own.inertia + own.mass * abs(own.centre * MM) ** 2

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from camgen.machine.cams.limits import CamLimits, MotionLimits
 from camgen.machines.loads.applied import Applied
-from camgen.parts.journals import MaterialLimits
+from camgen.parts.journals import DriveLimits, MaterialLimits
 from camgen.spec import Length, Record, quantity
 
 Positive = Annotated[float, Field(gt=0, le=1e6)]
@@ -58,10 +58,6 @@ class Drives(Record):
         default=None,
         description="length of the motor's shaft beyond its face; a finding fails if it is too short; "
         "unless given, that of its frame size",
-    )
-    fluctuation: Annotated[float, quantity("1", gt=0, le=1)] | None = Field(
-        default=None,
-        description="share by which the speed may vary; the report says which flywheel that needs",
     )
     flywheel_kg_m2: Annotated[float, quantity("kg m^2", ge=0, le=1e3)] = Field(
         default=0.0,
@@ -143,6 +139,16 @@ class LimitsTable(Record):
         description="hours that ball bearings and cam followers have to run; not judged unless given",
     )
 
+    run_up_s: Annotated[Positive, quantity("s")] | None = Field(
+        default=None,
+        description="longest time from rest until the machine runs; not judged unless given",
+    )
+    speed_swing: Annotated[float, quantity("1", gt=0, le=2)] | None = Field(
+        default=None,
+        description="share by which the speed may swing, such as 0.02; the finding says which flywheel that needs; "
+        "not judged unless given",
+    )
+
     @property
     def of_motion(self) -> MotionLimits:
         """Of the followers of cams."""
@@ -157,6 +163,7 @@ class LimitsTable(Record):
             self.tooth_stress_mpa,
             self.bearing_life_h,
             self.of_motion,
+            DriveLimits(self.run_up_s, self.speed_swing),
             frozenset() if sizes is None else frozenset(type(sizes).model_fields),
         )
 
