@@ -107,12 +107,15 @@ def too_large(keys: int, values: int) -> list[Fault]:
     ]
 
 
+FileKind = Literal["spec", "law", "load", "outline", "line", "path"]
+
+
 @dataclass(frozen=True)
 class Reference:
     """A key of a spec that names another file."""
 
     path: Key
-    kind: Literal["spec", "law", "load", "outline", "path"]  # what the file holds
+    kind: FileKind  # what the file holds
     table: Data  # in which the key stands, the last step of the path
 
     @property
@@ -141,6 +144,15 @@ class Reference:
         return folder / name
 
 
+# Keys of single tables that may name a file, and what that holds.
+_FILE_KEYS: tuple[tuple[tuple[str, ...], FileKind], ...] = (
+    (("geometry", "follower", "outline"), "outline"),
+    (("pen", "line"), "line"),
+    (("wanted", "path"), "path"),
+    (("wanted", "drawing"), "path"),
+)
+
+
 def references(data: Data, path: Key = ()) -> Iterator[Reference]:
     """All files that a spec's tables name: specs that it includes, tables of laws and loads, outlines of links and followers, a path that is wanted; also those of
     an included spec whose tables stand in it. What is no such table is left for `validate` to find."""
@@ -161,14 +173,12 @@ def references(data: Data, path: Key = ()) -> Iterator[Reference]:
     for name, each in parts.items() if isinstance(parts, dict) else ():
         if isinstance(each, dict) and isinstance(each.get("outline"), str):
             yield Reference((*path, "parts", name, "outline"), "outline", each)
-    geometry = data.get("geometry")
-    follower = geometry.get("follower") if isinstance(geometry, dict) else None
-    if isinstance(follower, dict) and isinstance(follower.get("outline"), str):
-        yield Reference((*path, "geometry", "follower", "outline"), "outline", follower)
-    wanted = data.get("wanted")
-    for key in ("path", "drawing"):
-        if isinstance(wanted, dict) and isinstance(wanted.get(key), str):
-            yield Reference((*path, "wanted", key), "path", wanted)
+    for key, kind in _FILE_KEYS:
+        table: Any = data
+        for step in key[:-1]:
+            table = table.get(step) if isinstance(table, dict) else None
+        if isinstance(table, dict) and isinstance(table.get(key[-1]), str):
+            yield Reference((*path, *key), kind, table)
     rest = {key: value for key, value in data.items() if key != "include"}
     yield from (Reference((*at, "file"), "law", law) for at, law in _laws(rest, path))
 

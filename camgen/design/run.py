@@ -425,7 +425,7 @@ def _for_path(request: Request) -> str:
 
 def _for_drawing(request: Request) -> str:
     from camgen.design.drawings import plotter_tables
-    from camgen.design.pen import peak_acceleration, pen_motion
+    from camgen.motion.pen import peak_acceleration, pen_motion
 
     def drawing() -> tuple[DrawingWish, Points]:
         found = wish(request.data, request.source)

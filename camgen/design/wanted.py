@@ -14,9 +14,9 @@ import numpy as np
 from pydantic import Field, TypeAdapter, create_model
 
 from camgen.design.fourbars import Room
-from camgen.errors import Fault, FileError, SpecError
-from camgen.machines.spec_files import stroke_of
-from camgen.motion.tables import read_table
+from camgen.errors import Fault, SpecError
+from camgen.machines.spec_files import line_of, rows_of
+from camgen.motion.pen import closed_line
 from camgen.numerics import Floats, Points
 from camgen.reading import Data, references
 from camgen.spec import Checked, Length, Record, validate
@@ -26,7 +26,6 @@ _MOST_POINTS = 20_000
 _DENSE = 500  # points of a path that is joined by lines
 _OF_USE = 20  # of the size of what is wanted: a design that is off by more is of no use, unless a tolerance says so
 _OF_REST = 50  # of its swing: what an output may move while it rests, unless a tolerance says so
-_OF_USE_CLOSED = 1 / 20  # of its size: a line whose ends are nearer is closed
 _ROUND = 1.5  # of its size: how far round what is wanted pivots may stand
 _LONG = 3.0  # of its size: the longest link
 _SMALLEST = 0.1  # mm: places that are nearer to each other are one place
@@ -99,7 +98,7 @@ class PathWish(Wish):
     def line(self, folder: Path) -> Points:
         """Its corners in their order, or its places where no lines join them; SpecError or FileError where they are no path."""
         corners = (
-            _table(_named("path", self.path, folder)) if isinstance(self.path, str) else self.path
+            rows_of(_named("path", self.path, folder)) if isinstance(self.path, str) else self.path
         )
         z = np.array([complex(*place) for place in corners], complex)
         z = z[np.abs(np.diff(z, prepend=np.nan)) != 0] if self.joined else np.unique(z)
@@ -150,26 +149,14 @@ class DrawingWish(Wish):
     def line(self, folder: Path) -> Points:
         """Corners of the closed line, the first not repeated, mm; SpecError or FileError where it is no line."""
         if isinstance(self.drawing, str):
-            path = _named("drawing", self.drawing, folder)
-            if path.suffix.lower() in (".svg", ".dxf"):
-                z, closed = stroke_of(path)
-            else:
-                z = np.array([complex(*place) for place in _table(path)], complex)
-                closed = False
+            z = line_of(_named("drawing", self.drawing, folder))
         else:
             z = np.array([complex(*place) for place in self.drawing], complex)
-            closed = False
-        z = z[np.abs(np.diff(z, prepend=np.nan)) != 0]
-        size = max(np.ptp(z.real), np.ptp(z.imag)) if z.size else 0.0
-        if z.size < 3 or size < 1:
+        line = closed_line(z, self.width)
+        if line is None:
             right = "a line of at least 3 different points, 1 mm across or more"
             raise SpecError([Fault(("wanted", "drawing"), f"{z.size} points", right)])
-        if self.width is not None:
-            z = z * (self.width / np.ptp(z.real))
-        near = abs(z[-1] - z[0]) < _OF_USE_CLOSED * size
-        if closed or near:
-            return np.asarray(z[:-1] if abs(z[-1] - z[0]) < SAME_POINT else z)
-        return np.concatenate([z, z[-2:0:-1]])
+        return line
 
 
 class FunctionWish(Wish):
@@ -786,16 +773,3 @@ def _named(key: str, path: str, folder: Path) -> Path:
     """The file that a wish names by this key, seen from the folder of its spec."""
     (reference,) = references({"wanted": {key: path}})
     return reference.file(folder)
-
-
-def _table(path: Path) -> Sequence[tuple[float, float]]:
-    """Rows x, y of a file, see `read_table`."""
-    rows = read_table(path, "x and y, mm")[1]
-    for x, y in rows:
-        if not (abs(x) <= 1e5 and abs(y) <= 1e5):
-            raise FileError(
-                path, f"has a point at {x:g}, {y:g}: x and y within +-100000 mm were expected"
-            )
-    if len(rows) > _MOST_POINTS:
-        raise FileError(path, f"holds {len(rows)} points; at most {_MOST_POINTS} are taken")
-    return rows

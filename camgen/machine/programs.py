@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -35,6 +37,31 @@ class CamLaw:
     def highest(self) -> float:
         """Greatest displacement that a segment begins or ends with: laws run between their ends."""
         return max(max(each.start, each.end) for each in self.program.segments)
+
+
+@dataclass(frozen=True, eq=False)
+class TableLaw:
+    """Angles of a period as the law of a drive: a cubic spline through them, and on by whole turns where a period ends turned on."""
+
+    angles: Floats  # rad, at even theta from 0 on, the end of the period left out
+    advance: float = 0.0  # rad, over a period
+
+    @cached_property
+    def _spline(self) -> Callable[[Floats, int], Floats]:
+        """The angles less their mean advance."""
+        from scipy.interpolate import CubicSpline
+
+        theta = np.linspace(0, math.tau, len(self.angles) + 1)
+        swing = self.angles - self.advance * theta[:-1] / math.tau
+        spline = CubicSpline(theta, np.append(swing, swing[0]), bc_type="periodic")
+        return lambda x, order: np.asarray(spline(x, order), float)
+
+    def __call__(self, theta: Floats, order: int = 0) -> Floats:
+        """Its order-th derivative at theta, (n,)."""
+        theta = np.asarray(theta, float)
+        value = self._spline(np.mod(theta, math.tau), order)
+        rate = self.advance / math.tau
+        return value + (rate * theta if order == 0 else rate if order == 1 else 0.0)
 
 
 @dataclass(frozen=True)

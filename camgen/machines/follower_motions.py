@@ -13,7 +13,8 @@ import numpy as np
 
 from camgen.findings import Finding, Where, at_most
 from camgen.geometry.outlines import Floats
-from camgen.machine.model import Cam
+from camgen.machine.model import Cam, Drive
+from camgen.machine.programs import DriveLaw, TableLaw
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.laws import last_digit
 from camgen.numerics import distinct, peak
@@ -92,7 +93,7 @@ def table_finding(table: DriveTable, motion: FollowerMotion, path: Path) -> Find
         message = f"from {first:g} to {last:g} deg, not from 0 to 360"
         return at_most(CODE, math.nan, 100 * limit, "percent", where, message)
     off = motion.off(table.curve())
-    message = f"off the follower's way by at most {off:.2g} {motion.unit} of {stroke:.4g} {motion.unit}, of {len(table.master)} rows"
+    message = f"off the motion by at most {off:.2g} {motion.unit} of {stroke:.4g} {motion.unit}, of {len(table.master)} rows"
     return at_most(CODE, 100 * off / stroke, 100 * limit, "percent", where, message)
 
 
@@ -102,6 +103,27 @@ def follower_motions(mechanism: Mechanism) -> Iterator[FollowerMotion]:
     for joint in mechanism.model.joints:
         if isinstance(joint, Cam):
             yield _motion(joint, sense)
+
+
+def table_motions(mechanism: Mechanism) -> Iterator[FollowerMotion]:
+    """What a servo drive can make by a table: the followers of all cams, and what motors turn by programs or along a line, from its
+    angle at theta = 0."""
+    yield from follower_motions(mechanism)
+    for drive in mechanism.model.drives:
+        if isinstance(drive.law, DriveLaw | TableLaw) and drive.slide is None:
+            yield _turned(drive)
+
+
+def _turned(drive: Drive) -> FollowerMotion:
+    start = float(drive.law(np.zeros(1), 0)[0])
+
+    def law(x: Floats, order: int) -> Floats:
+        x = np.asarray(x, float)
+        value = drive.law(np.radians(x.ravel()), order).reshape(x.shape)
+        return np.asarray(np.degrees(value - start * (order == 0)) * math.radians(1.0) ** order)
+
+    breaks = drive.law.program.breaks if isinstance(drive.law, DriveLaw) else np.zeros(0)
+    return FollowerMotion(drive.name, "deg", law, distinct(np.degrees(breaks) % 360))
 
 
 def _motion(joint: Cam, sense: int) -> FollowerMotion:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,20 +15,21 @@ from camgen.geometry import dxf_curves, svg_curves
 from camgen.geometry.chains import Chain, joined, nearest_gap
 from camgen.geometry.distances import inside
 from camgen.geometry.rings import Floats, Points, Ring
-from camgen.motion.tables import load_table, read_points
+from camgen.motion.tables import load_table, read_points, read_table
 from camgen.reading import Data, references, too_large
 
-_READ = ("law", "load", "outline")
+_READ = ("law", "load", "outline", "line")
 _DRAWING = Bound("a drawing of a link's outline", 10_000_000)
 _CHORDS = 2e-3  # mm, of curves of an outline that are no arcs: far below what a printer or a laser resolves
 _SIZES = (1.0, 1e4)  # mm across: what is smaller or larger has another unit
 _MOST_CORNERS = 20_000
+_FARTHEST = 1e5  # mm, of a place of a line
 _FINE = 1e-3  # mm, chords on which contours are looked at
 
 
 def with_tables(data: Data, folder: Path, source: str = "spec") -> Data:
     """A spec's tables, in which each law's and each load's `file` is replaced by its points and its name, each link's `outline`
-    by its contours and its name.
+    by its contours and its name, and the `line` of a pen by its places.
 
     Files are seen from the folder. So the resolved spec needs no other file. SpecError with all that name no file so, and where
     they hold more than a spec may.
@@ -48,6 +50,12 @@ def with_tables(data: Data, folder: Path, source: str = "spec") -> Data:
             table["drawn_in"] = table.pop("outline")
             table["contours"] = contours_of(file, each.path)
             values += 4 * sum(map(len, table["contours"]))
+            continue
+        if each.kind == "line":
+            table["drawn_in"] = table["line"]
+            places = line_of(file)
+            table["line"] = [[round(z.real, 9), round(z.imag, 9)] for z in places.tolist()]
+            values += 3 * len(table["line"])
             continue
         name = each.table.pop(str(each.path[-1]))
         if each.kind == "law":
@@ -89,6 +97,27 @@ def contours_of(path: Path, key: Key) -> list[list[list[float]]]:
         ]
         for ring in ordered
     ]
+
+
+def rows_of(path: Path) -> Sequence[tuple[float, float]]:
+    """Rows x, y of a file, mm, see `read_table`."""
+    rows = read_table(path, "x and y, mm")[1]
+    for x, y in rows:
+        if not (abs(x) <= _FARTHEST and abs(y) <= _FARTHEST):
+            raise FileError(
+                path, f"has a point at {x:g}, {y:g}: x and y within +-100000 mm were expected"
+            )
+    if len(rows) > _MOST_CORNERS:
+        raise FileError(path, f"holds {len(rows)} points; at most {_MOST_CORNERS} are taken")
+    return rows
+
+
+def line_of(path: Path) -> Points:
+    """Places of the one line of an SVG or DXF, or of a table, in order, (n,) complex mm; of a closed one the first again at its end."""
+    if path.suffix.lower() not in (".svg", ".dxf"):
+        return np.array([complex(*place) for place in rows_of(path)], complex)
+    z, closed = stroke_of(path)
+    return np.append(z, z[0]) if closed else z
 
 
 def stroke_of(path: Path) -> tuple[Points, bool]:

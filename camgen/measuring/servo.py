@@ -14,7 +14,7 @@ from camgen.files.folder import name_of
 from camgen.files.servo import CamTable, read_cam_table
 from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.rings import Floats
-from camgen.machines.follower_motions import follower_motions, table_finding
+from camgen.machines.follower_motions import table_finding, table_motions
 from camgen.machines.sources import read_mechanism
 from camgen.measuring.folder import write_folder
 from camgen.numerics import peak
@@ -123,7 +123,7 @@ def _compared(
     report: Report, columns: Mapping[str, Floats], driven: _Driven, against: Path
 ) -> tuple[Report, dict[str, Floats]]:
     """The report with the follower of the spec's cam that is nearest."""
-    motions = list(follower_motions(read_mechanism(against).resolved()))
+    motions = list(table_motions(read_mechanism(against).resolved()))
     if not motions:
         fault = Fault((), against.name, "the spec of a machine with a cam", source="--against")
         raise SpecError([fault], "command line")

@@ -1,4 +1,4 @@
-"""Cam tables for servo drives: what the follower of each cam does, written in the texts of the makers, read back and judged.
+"""Cam tables for servo drives: what the follower of each cam does, or a motor by its program, written in the texts of the makers, read back and judged.
 
 <name>-<cam>-codesys.st, -twincat.st   rows with velocity and acceleration, between which the drive lays quintics
 <name>-<cam>-s7.st                     points alone, every half degree
@@ -18,8 +18,8 @@ from camgen.geometry.outlines import Floats
 from camgen.machines.follower_motions import (
     NARROWEST,
     FollowerMotion,
-    follower_motions,
     table_finding,
+    table_motions,
 )
 from camgen.numerics import distinct
 from camgen.pipeline.case import Case
@@ -80,10 +80,18 @@ def _files(case: Case, motion: FollowerMotion) -> dict[str, Path]:
 
 def make_servo_tables(case: Case) -> None:
     """Write the tables of all cams; SpecError where the machine has none."""
-    motions = list(follower_motions(case.mechanism))
+    motions = list(table_motions(case.mechanism))
     if not motions:
         kind = case.mechanism.mechanism
-        raise SpecError([Fault(("only",), "servo", f"no servo tables: this {kind} has no cam")])
+        raise SpecError(
+            [
+                Fault(
+                    ("only",),
+                    "servo",
+                    f"no servo tables: this {kind} has no cam, and no drive with a program",
+                )
+            ]
+        )
     for motion in motions:
         files = _files(case, motion)
         rows = _rows(motion)
@@ -108,7 +116,7 @@ def judge_servo_tables(case: Case) -> Outcome:
     """SERVO_TABLE of each file: the drive's curve through the rows that are read back, against the motion of the follower."""
     findings: list[Finding] = []
     rows: list[tuple[object, ...]] = []
-    for motion in follower_motions(case.mechanism):
+    for motion in table_motions(case.mechanism):
         for path in _files(case, motion).values():
             finding, row = _judged(path, motion)
             findings.append(finding)

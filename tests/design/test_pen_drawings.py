@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 
 import camgen
 from camgen.design.drawings import Plotter
-from camgen.design.pen import peak_acceleration, pen_motion
 from camgen.errors import DesignError, FileError, SpecError
 from camgen.machines.spec_files import stroke_of
+from camgen.motion.pen import peak_acceleration, pen_motion
 
 REFERENCE = tomllib.loads(
     (Path(__file__).resolve().parents[1] / "reference" / "motion_tasks.toml").read_text()

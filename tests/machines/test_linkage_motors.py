@@ -6,6 +6,7 @@ import copy
 import math
 import tomllib
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,8 @@ from hypothesis import strategies as st
 import camgen
 from camgen import starters
 from camgen.errors import DesignError, SpecError
+from camgen.files.servo import read_cam_table
+from camgen.machines.follower_motions import FollowerMotion, table_finding, table_motions
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.machines.loads.assess import assess
 from camgen.spec import validate
@@ -25,8 +28,30 @@ O, C, ARM, ROD = -35 + 0j, 35 + 0j, 50.0, 80.0  # noqa: E741
 LAW = {"law": "cycloidal"}
 
 
-def tables() -> Tables:
+def star() -> Tables:
     return tomllib.loads(starters.text("five-bar"))
+
+
+def tables() -> Tables:
+    """The five-bar of the gallery, its pen where both rods meet, with programs in place of a line."""
+    spec = star()
+    del spec["pen"]
+    spec["links"]["left_rod"] = ["A", "P"]
+    for key in ("P-Q", "A-Q"):
+        del spec["lengths"][key]
+    del spec["points"]["Q"]
+    spec["output"][0]["point"] = "P"
+    return swing(spec, -30, 15)
+
+
+def swing(spec: Tables, left: float, right: float) -> Tables:
+    """With both arms there and back, deg."""
+    for drive, peak in zip(spec["drive"], (left, right), strict=True):
+        drive["segment"] = [
+            {"span_deg": 180, "to_deg": peak, **LAW},
+            {"span_deg": 180, "to_deg": 0, **LAW},
+        ]
+    return spec
 
 
 def cycloid(u: np.ndarray) -> np.ndarray:
@@ -46,21 +71,10 @@ def apex(a: np.ndarray, b: np.ndarray, radius: float) -> np.ndarray:
     return (a + b) / 2 + 1j * half / np.abs(half) * height
 
 
-def swinging(left: float, right: float) -> Tables:
-    """The five-bar of the gallery with both arms there and back, deg."""
-    spec = tables()
-    for drive, peak in zip(spec["drive"], (left, right), strict=True):
-        drive["segment"] = [
-            {"span_deg": 180, "to_deg": peak, **LAW},
-            {"span_deg": 180, "to_deg": 0, **LAW},
-        ]
-    return spec
-
-
 @settings(max_examples=25, deadline=None)
 @given(st.floats(-35, -5), st.floats(5, 35))
 def test_the_pen_is_where_two_circles_meet(left: float, right: float) -> None:
-    machine = camgen.load(swinging(left, right))
+    machine = camgen.load(swing(tables(), left, right))
     theta = np.linspace(0, math.tau, 181)
     drawn = math.atan2(40, 30)
     a = O + ARM * np.exp(1j * (math.pi - drawn + swung(theta, left)))
@@ -103,11 +117,11 @@ def drive(spec: Tables, k: int, **changes: Any) -> None:
         (lambda e: drive(e, 1, link="left"), ("drive", 1, "link"), "drive.0 turns left"),
         (lambda e: drive(e, 1, link="rihgt"), ("drive", 1, "link"), "right"),
         (lambda e: drive(e, 1, link="left_rod"), ("drive", 1, "link"), "shares a point"),
-        (lambda e: drive(e, 1, speed_rpm=12), ("drive", 1, "speed_rpm"), "10 as drive.0"),
+        (lambda e: drive(e, 1, speed_rpm=12), ("drive", 1, "speed_rpm"), "4 as drive.0"),
         (
-            lambda e: drive(e, 1, segment=[], speed_rpm=15),
+            lambda e: drive(e, 1, segment=[], speed_rpm=6),
             ("drive", 1, "speed_rpm"),
-            "whole multiple of drive.0's 10",
+            "whole multiple of drive.0's 4",
         ),
         (lambda e: drive(e, 1, segment=[], range_deg=[0, 9]), ("drive", 1, "range_deg"), "segment"),
         (lambda e: drive(e, 0, speed_rpm=-10), ("drive", 0, "speed_rpm"), "above 0"),
@@ -136,7 +150,7 @@ def test_a_program_out_of_reach_is_told_by_angle_and_shortfall() -> None:
     short = np.abs(b - a) - 2 * ROD
     first = math.degrees(theta[np.argmax(short > 0)])
     with pytest.raises(DesignError) as caught:
-        assert camgen.load(swinging(40, -40)).model
+        assert camgen.load(swing(tables(), 40, -40)).model
     said = caught.value
     assert said.value == pytest.approx(short.max(), abs=1e-9) and said.unit == "mm"
     assert f"from {first:.4g} deg" in said.sentence and "180 deg" in said.sentence
@@ -193,3 +207,123 @@ def test_without_motors_both_shafts_reach_below_the_plate() -> None:
     assert {"shaft", "shaft-right"} <= names.keys()
     assert low["shaft"] == low["shaft-right"] == -18
     assert "shafts' lower ends" in machine.assembly.board
+
+
+# ---- a pen that two motors lead -----------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def drawn() -> Linkage:
+    return validate(Linkage, star())
+
+
+THETA = np.linspace(0, math.tau, 361)
+
+
+def elbow(pivot: complex, far: np.ndarray, rod: float, side: int) -> np.ndarray:
+    """Where an arm about a pivot and a rod to `far` meet, on one side of the way there: circles about both."""
+    apart = np.abs(far - pivot)
+    along = (apart**2 + ARM**2 - rod**2) / (2 * apart)
+    return pivot + (far - pivot) / apart * (along + 1j * side * np.sqrt(ARM**2 - along**2))
+
+
+def arms(pen: np.ndarray) -> dict[str, np.ndarray]:
+    """Angles of both arms of the gallery's five-bar, whose pen is 15 mm from the pin of both rods and 94 mm from the left arm's."""
+    a = elbow(O, pen, 94.0, 1)
+    corner = math.acos((ROD**2 + 94**2 - 15**2) / (2 * ROD * 94))
+    b = elbow(C, a + ROD / 94 * np.exp(1j * corner) * (pen - a), ROD, -1)
+    return {"left": np.unwrap(np.angle(a - O)), "right": np.unwrap(np.angle(b - C))}
+
+
+def test_both_motors_turn_as_two_circles_say(drawn: Linkage) -> None:
+    run = drawn.run(THETA)
+    wanted = arms(np.asarray(run["pen"]))
+    for link, angle in wanted.items():
+        off = run.angle(link)[0] - angle
+        assert np.max(np.abs(off - round(off[0] / math.tau) * math.tau)) < 1e-9
+    assert np.abs(run["pen"][-1] - run["pen"][0]) < 1e-9
+
+
+def test_the_pen_is_on_its_line_and_all_of_the_line_is_drawn(drawn: Linkage) -> None:
+    import shapely
+
+    pen = np.asarray(drawn.run(np.linspace(0, math.tau, 7201))["pen"])
+    line = np.array([complex(*place) for place in star()["pen"]["line"]])
+    line += complex(5, 95) - complex(np.ptp(line.real) / 2 + line.real.min(), 1.7)
+    corners = shapely.LineString(np.column_stack([line.real, line.imag]))
+    path = shapely.LineString(np.column_stack([pen.real, pen.imag]))
+    assert shapely.hausdorff_distance(path, corners, densify=0.001) <= 0.1
+    assert drawn.wanted[0].path is not None and drawn.wanted[0].path.tolerance == 0.1
+
+
+def test_a_pen_out_of_reach_is_told_by_angle_and_shortfall() -> None:
+    """A circle whose farthest point is beyond arm and rod, 144 mm from O."""
+    spec = star()
+    circle = 20 * np.exp(1j * np.linspace(0, math.tau, 73))
+    spec["pen"] |= {"line": [[z.real, z.imag] for z in circle], "at": [-35, 130]}
+    with pytest.raises(DesignError, match="Q is led out of reach.*pen.at") as caught:
+        assert validate(Linkage, spec).chain
+    assert caught.value.unit == "mm" and caught.value.value == pytest.approx(6, abs=0.1)
+
+
+def table_of(motion: FollowerMotion, folder: Path) -> Path:
+    """Its rows as CSV, a row each deg, its velocity and acceleration by differences."""
+    x = np.linspace(0, 360, 1441)
+    y = motion.law(x, 0)
+    path = folder / "table.csv"
+    path.write_text("\n".join(f"{a:.6f},{b:.12f}" for a, b in zip(x, y, strict=True)))
+    return path
+
+
+def test_servo_tables_are_the_angles_and_a_damaged_one_is_refused(
+    drawn: Linkage, tmp_path: Path
+) -> None:
+    motions = {each.name: each for each in table_motions(drawn)}
+    assert set(motions) == {"drive of left", "drive of right"}
+    pen = np.asarray(drawn.run(np.radians(np.arange(361)))["pen"])
+    for link, angle in arms(pen).items():
+        motion = motions[f"drive of {link}"]
+        turned = np.degrees(angle - angle[0])
+        assert np.max(np.abs(motion.law(np.arange(361.0), 0) - turned)) < 1e-7
+        path = table_of(motion, tmp_path)
+        assert table_finding(read_cam_table(path), motion, path).ok
+        rows = path.read_text().splitlines()
+        master, slave = rows[700].split(",")
+        rows[700] = f"{master},{float(slave) + 0.02:.12f}"
+        path.write_text("\n".join(rows))
+        assert not table_finding(read_cam_table(path), motion, path).ok
+
+
+@pytest.mark.parametrize(
+    ("change", "path", "words"),
+    [
+        (lambda e: e["pen"].update(point="X"), ("pen", "point"), "Q"),
+        (lambda e: e["pen"].update(point="O"), ("pen", "point"), "moves"),
+        (lambda e: e["pen"].update(line=[[0, 0], [0, 0], [0, 0]]), ("pen", "line"), "different"),
+        (lambda e: e["pen"].update(line="star.svg"), ("pen", "line"), "in a file"),
+        (lambda e: e.update(drive=e["drive"][0]), ("drive",), "twice"),
+        (lambda e: swing(e, 5, 5), ("drive", 0, "segment"), "[pen] says"),
+        (lambda e: drive(e, 1, speed_rpm=8), ("drive", 1, "speed_rpm"), "of both"),
+    ],
+)
+def test_faults_of_a_pen(
+    change: Callable[[Tables], Any], path: tuple[str | int, ...], words: str
+) -> None:
+    spec = star()
+    change(spec)
+    with pytest.raises(SpecError) as caught:
+        validate(Linkage, spec)
+    found = [each for each in caught.value.faults if tuple(each.path) == path]
+    assert any(words in f"{fault.expected} {fault.nearest}" for fault in found)
+
+
+def test_a_line_in_a_file_is_the_same_line(drawn: Linkage, tmp_path: Path) -> None:
+    rows = star()["pen"]["line"]
+    (tmp_path / "star.csv").write_text("\n".join(f"{x},{y}" for x, y in rows))
+    text = starters.text("five-bar")
+    written = str(rows)
+    assert written in text
+    (tmp_path / "star.toml").write_text(text.replace(written, '"star.csv"'))
+    made = camgen.load(tmp_path / "star.toml")
+    assert made.pen.drawn_in == "star.csv"  # type: ignore[attr-defined]
+    assert made.pen.line == drawn.pen.line  # type: ignore[attr-defined,union-attr]

@@ -37,7 +37,7 @@ from camgen.machine.reach import refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machine.stepwise import stays_clear
 from camgen.machines import included as inc
-from camgen.machines.linkage import bridges, figures, freewheels, motors, planets, sheets
+from camgen.machines.linkage import bridges, figures, freewheels, motors, pens, planets, sheets
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.asked_range import refuse_range
@@ -129,6 +129,9 @@ class Linkage(Mechanism):
     driving: Annotated[t.Drives, Field(alias="drive")] = Field(
         description="what turns the machine; [[drive]] twice: two motors, each with its program"
     )
+    pen: t.Pen | None = Field(
+        default=None, description="a point that two motors lead along a line, in place of programs"
+    )
     slides: Annotated[tuple[t.Slide, ...], Field(alias="slide")] = Field(
         default=(), description="a link that moves along a line of another"
     )
@@ -199,6 +202,11 @@ class Linkage(Mechanism):
         return self.driving if isinstance(self.driving, tuple) else (self.driving,)
 
     @property
+    def _programmed(self) -> bool:
+        """Whether a drive runs a program, its own or a line's."""
+        return self.pen is not None or any(each.segments for each in self.drives)
+
+    @property
     def drive(self) -> t.Drive:
         """The first of them, by whose speed theta grows."""
         return self.drives[0]
@@ -206,7 +214,7 @@ class Linkage(Mechanism):
     @model_validator(mode="before")
     @classmethod
     def _of_sheet(cls, data: Any) -> Any:
-        return _upright(freewheels.filled(sheets.filled(data)))
+        return _upright(freewheels.filled(sheets.filled(pens.filled(data))))
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
@@ -282,6 +290,7 @@ class Linkage(Mechanism):
         found += self._side_faults()
         found += () if self.walk is None else self.walk.faults(self.wanted)
         found += motors.faults(self._drawing, self.making, self._of_one_motor)
+        found += () if self.pen is None else pens.faults(self.pen, self._drawing)
         if self.includes and self.drive.segments:
             right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
             found.append(Fault(("drive", "segment"), f"{len(self.drive.segments)} segments", right))
@@ -499,7 +508,9 @@ class Linkage(Mechanism):
         for spring in self._returning:
             chain = spring.on(chain)
         if len(self.drives) > 1:
-            return motors.driven(chain, self.drives)
+            return (
+                motors.driven(chain, self.drives) if self.pen is None else pens.led(chain, self.pen)
+            )
         law: m.Law | None
         program = self.drive.program()
         if program is None:
@@ -547,7 +558,7 @@ class Linkage(Mechanism):
     @cached_property
     def _moving(self) -> figures.LinkageMotion:
         """It without what is included, as figures see it."""
-        even = not any(each.segments for each in self.drives)
+        even = not self._programmed
         springs = bool(self.springs or self._returning)
         return figures.LinkageMotion(
             self.chain, self.cycle, [each.link for each in self.drives], self.wanted, even, springs
@@ -581,7 +592,7 @@ class Linkage(Mechanism):
             far = self._made_of(self._far_bodies, self._far_fitted)
             own = replace(both_sides(own, far, self._mirror, self.model), feet=self._feet)
         whole = assemblies.joined(own, [each.assembly for each in self.modules], self.model)
-        even = self.drive.range_deg is None and not any(each.segments for each in self.drives)
+        even = self.drive.range_deg is None and not self._programmed
         cams = any(isinstance(each, CamOutline) for each in whole.features)
         name = ("cam angle" if cams else "crank angle") if even else "drive angle"
         swept = self.rounds if self.rounds <= _SHOWN_TURNS else 1

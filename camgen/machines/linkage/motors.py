@@ -99,8 +99,13 @@ def moved(chain: m.Machine, drives: Sequence[Drive]) -> m.Machine:
     return replace(chain, drives=(*laws, *chain.drives[len(laws) :]))
 
 
-def refuse_open(machine: m.Machine) -> None:
-    """Raise DesignError where the laws of a machine's drives lead it over a period of theta where it does not close, or folds."""
+def refuse_open(
+    machine: m.Machine,
+    said: str = "the drives lead the machine out of reach",
+    remedy: str = "let the drives turn less far, or make the links there longer",
+) -> None:
+    """Raise DesignError where the laws of a machine's drives lead it over a period of theta where it does not close, or folds;
+    said, remedy: its words on that."""
     if stays_clear(machine):
         return
     theta = np.linspace(0, math.tau, LOOKED + 1)
@@ -115,7 +120,8 @@ def refuse_open(machine: m.Machine) -> None:
         is_open = ~np.isfinite(np.array(rows)).all(axis=0)
         if is_open.any():
             gaps = np.where(is_open, _gaps(chain, number, theta), 0.0)
-            raise _open_error(block.joints, np.degrees(theta), is_open, gaps)
+            error = _open_error(block.joints, np.degrees(theta), is_open, gaps)
+            raise error.saying(f"{said}: {error.sentence}").mended(remedy)
     refuse_folds(machine)
 
 
@@ -129,7 +135,7 @@ def _open_error(
     known = bool(np.isfinite(gaps).all())
     worst = int(np.argmax(gaps)) if known else first
     short = f", by {gaps[worst]:.4g} mm at {theta_deg[worst]:.4g} deg" if known else ""
-    said = f"the drives lead the machine out of reach: from {theta_deg[first]:.4g} deg of the period on {where} cannot close{short}"
+    said = f"from {theta_deg[first]:.4g} deg of the period on {where} cannot close{short}"
     value, limit, unit = (float(gaps[worst]), 0.0, "mm") if known else (100 * share, 0.0, "percent")
     return DesignError(
         f"gap at {where}" if known else "share of the period that does not close",
@@ -137,7 +143,6 @@ def _open_error(
         limit,
         unit,
         f"{theta_deg[worst]:.4g} deg of the period",
-        "let the drives turn less far, or make the links there longer",
     ).saying(said)
 
 

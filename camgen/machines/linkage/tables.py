@@ -13,6 +13,7 @@ from functools import lru_cache
 from typing import Annotated, Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from camgen.errors import Fault, Key, SpecError
@@ -30,6 +31,7 @@ from camgen.machine.targets import (
 from camgen.machines.loads.tables import CamLimitsTable
 from camgen.machines.pairs import Air
 from camgen.motion.closed import Harmonics, closed_program
+from camgen.motion.pen import closed_line
 from camgen.motion.program import Program
 from camgen.motion.segments import Kind, Span, WholeTurn, program
 from camgen.parts.gears import GearWish
@@ -147,6 +149,59 @@ Drives = Annotated[
     Discriminator(_number_of_drives),
     BeforeValidator(_with_speeds),
 ]
+
+
+class Pen(Record):
+    """A point that two motors lead along a line: what they turn follows from it, in place of programs of their own."""
+
+    point: Name = Field(description="the point that draws; an output of it is judged by the line")
+    line: (
+        Annotated[str, Field(max_length=300)]
+        | Annotated[tuple[Place, ...], Field(min_length=3, max_length=20_000)]
+    ) = Field(
+        description="one line: an SVG or DXF, a CSV of points, or [x, y] of its corners in order; an open one is drawn there and back"
+    )
+    at: Place | None = Field(
+        default=None,
+        description="where the middle of its box is on the ground; as drawn unless given",
+    )
+    width: Annotated[float, quantity("mm", ge=3, le=3000)] | None = Field(
+        default=None, description="width of the drawing; as drawn unless given"
+    )
+    tolerance: Annotated[float, quantity("mm", ge=0.01, le=5)] = Field(
+        default=0.1, description="how far the pen may be off the line, either way"
+    )
+    drawn_in: str | None = Field(default=None, description="file that the line was read from")
+
+    @property
+    def corners(self) -> NDArray[np.complex128] | None:
+        """Of the closed line on the ground, (n,) complex mm, the first not repeated; None where it is no line."""
+        if isinstance(self.line, str):
+            return None
+        z = closed_line(np.array([complex(*place) for place in self.line]), self.width)
+        if z is None or self.at is None:
+            return z
+        middle = complex(z.real.max() + z.real.min(), z.imag.max() + z.imag.min()) / 2
+        return np.asarray(z - middle + complex(*self.at))
+
+    def faults(self, drives: Sequence[Drive]) -> Iterator[Fault]:
+        """A line that is none, and what the drives say besides."""
+        if isinstance(self.line, str):
+            right = "its points: only a spec in a file can name another file"
+            yield Fault(("pen", "line"), self.line, right)
+        elif self.corners is None:
+            right = "a line of at least 3 different points, 1 mm across or more"
+            yield Fault(("pen", "line"), f"{len(self.line)} points", right)
+        if len(drives) != 2:
+            right = "[[drive]] twice beside [pen]: two motors lead a point"
+            yield Fault(("drive",), f"{len(drives)} drives", right)
+        for k, drive in enumerate(drives):
+            if drive.segments:
+                right = "nothing here: [pen] says how it turns"
+                yield Fault(("drive", k, "segment"), f"{len(drive.segments)} segments", right)
+            if drive.speed_rpm != abs(drives[0].speed_rpm):
+                right = f"{abs(drives[0].speed_rpm):g}, drawings a minute, of both"
+                yield Fault(("drive", k, "speed_rpm"), f"{drive.speed_rpm:g}", right)
 
 
 class Slide(Record):

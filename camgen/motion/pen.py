@@ -15,11 +15,32 @@ from collections.abc import Callable
 import numpy as np
 
 from camgen.numerics import Floats, Points, halved
+from camgen.tolerances import SAME_POINT
 
 _PLACES = 8192  # of the line, and of the turn
 _SHARE = 0.5  # of the tolerance, that the rounding takes
 _WIDEST = 0.5  # of the whole, that a window takes
 _STEPS = 24  # halvings of a window
+_NEAR = 1 / 20  # of its size: a line whose ends are nearer is closed
+_SMALLEST = 1.0  # mm across
+
+
+def closed_line(places: Points, width: float | None = None) -> Points | None:
+    """Corners of a line that a pen draws over and over, the first not repeated, mm; None of one that is too small, or of no 3 places.
+
+    places: of a line in order, (n,) complex mm; an open one is drawn there and back. width: its width, mm, in place of its own.
+    """
+    z = places[np.abs(np.diff(places, prepend=np.nan)) != 0]
+    size = max(np.ptp(z.real), np.ptp(z.imag)) if z.size else 0.0
+    if z.size < 3 or size < _SMALLEST:
+        return None
+    if width is not None:
+        z = z * (width / np.ptp(z.real))
+        size = max(np.ptp(z.real), np.ptp(z.imag))
+    gap = abs(z[-1] - z[0])
+    if gap < _NEAR * size:
+        return np.asarray(z[:-1] if gap < SAME_POINT else z)
+    return np.concatenate([z, z[-2:0:-1]])
 
 
 def pen_motion(line: Points, tolerance: float) -> Points:

@@ -1,0 +1,149 @@
+"""A point that two motors lead along a line: the angles that they turn by, from the point.
+
+led        the machine seen from its point: carriages along x and y carry it along the line, and both motors are let go. It is closed
+           as any machine is, on the branch that is drawn; what its driven links turn by is what the motors have to turn by
+stretched  an arm and its rod in line: the point is at the edge of what they reach, and a motor cannot hold its speed (inverse
+           singularity). The machine as it is driven folds elsewhere, where both rods are in line (direct singularity)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from camgen.errors import Fault
+from camgen.machine import freedom
+from camgen.machine import model as m
+from camgen.machine.model import GROUND
+from camgen.machine.programs import TableLaw
+from camgen.machine.run import solve
+from camgen.machine.stepwise import closed_by_dyads
+from camgen.machines.linkage.drawing import Drawing
+from camgen.machines.linkage.motors import refuse_open
+from camgen.machines.linkage.tables import Pen
+from camgen.motion.pen import pen_motion
+from camgen.numerics import Points
+from camgen.spec import unknown
+
+_OF_TOLERANCE = 0.9  # that the pen's motion takes; files and facets leave the rest
+_CARRIAGES = "pen x", "pen y"
+_RANK = 6  # digits of places that are written
+
+
+def filled(data: Any) -> Any:
+    """The tables of a spec in which an output of the pen's point is judged by its line."""
+    pen = data.get("pen") if isinstance(data, Mapping) else None
+    rows = data.get("output") if isinstance(data, Mapping) else None
+    if not isinstance(pen, Mapping) or not isinstance(rows, list | tuple):
+        return data
+    try:
+        known = Pen.model_validate(pen)
+    except ValidationError:
+        return data
+    line = known.corners
+    mine = [row for row in rows if isinstance(row, Mapping) and row.get("point") == known.point]
+    if line is None or any("path" in row for row in mine):
+        return data
+    closed = np.append(line, line[0])
+    places = tuple((round(z.real, _RANK), round(z.imag, _RANK)) for z in closed.tolist())
+    path = {"path": {"at": places, "tolerance": known.tolerance}}
+    if not mine:
+        return {**data, "output": (*rows, {"name": "pen", "point": known.point, **path})}
+    return {**data, "output": tuple({**row, **path} if row is mine[0] else row for row in rows)}
+
+
+def faults(pen: Pen, drawing: Drawing) -> Iterator[Fault]:
+    """What is wrong with it beside the other tables."""
+    moving = [
+        point
+        for point in drawing.points
+        if any(point in held for link, held in drawing.links.items() if link != GROUND)
+        and point not in drawing.links.get(GROUND, ())
+    ]
+    if pen.point not in drawing.points:
+        yield unknown(("pen", "point"), pen.point, drawing.points)
+    elif pen.point not in moving:
+        yield Fault(("pen", "point"), repr(pen.point), f"a point that moves: {', '.join(moving)}")
+    yield from pen.faults(drawing.drives)
+
+
+@lru_cache(maxsize=8)
+def _motion(pen: Pen) -> Points:
+    """Places of the pen at even theta of a period, (n,) complex mm."""
+    line = pen.corners
+    assert line is not None, "a fault of the spec"
+    return pen_motion(line, _OF_TOLERANCE * pen.tolerance)
+
+
+def led(chain: m.Machine, pen: Pen) -> m.Machine:
+    """The chain with the laws of its two motors, and as it stands at theta = 0, the pen at the line's beginning.
+
+    chain: closed as drawn. DesignError where the line is out of reach, or led through a fold.
+    """
+    seen = carried(chain, pen)
+    _refuse_far(seen, pen)
+    places = _motion(pen)
+    theta = np.linspace(0, math.tau, len(places) + 1)
+    run = solve(seen, theta, 0)
+    drives = []
+    for drive in chain.drives:
+        angle = run.angle(drive.body)[0]
+        advance = math.tau * round((angle[-1] - angle[0]) / math.tau)
+        drives.append(replace(drive, law=TableLaw(angle[:-1], advance)))
+    start = {
+        body.name: m.Pose(
+            complex(run.pose(body.name).place[0]), float(run.pose(body.name).angle[0])
+        )
+        for body in chain.moving
+    }
+    found = replace(chain, drives=tuple(drives), start=start)
+    refuse_open(found)
+    return found
+
+
+def _refuse_far(seen: m.Machine, pen: Pen) -> None:
+    """DesignError where the machine, seen from its point, does not close along the line, or folds."""
+    remedy = "draw the line elsewhere or smaller (pen.at, pen.width), or make the links longer"
+    refuse_open(seen, f"{pen.point} is led out of reach", remedy)
+
+
+def carried(chain: m.Machine, pen: Pen) -> m.Machine:
+    """The machine whose point carriages lead along the line, its motors let go, closed where the line begins."""
+    places = _motion(pen)
+    body = next(each for each in chain.moving if pen.point in each.points)
+    pose = chain.start_of(body.name)
+    at = complex(pose.place + np.exp(1j * pose.angle) * body.points[pen.point])
+    across, along = _CARRIAGES
+    ground = m.Place(GROUND)
+    joints = (
+        m.Slide(across, ground, m.Place(across)),
+        m.Slide(along, m.Place(across), m.Place(along), math.pi / 2),
+        m.Pin(f"pen at {pen.point}", m.Place(along), body.at(pen.point)),
+    )
+    start = {
+        **chain.start,
+        across: m.Pose(complex(at.real), 0.0),
+        along: m.Pose(at, 0.0),
+    }
+    drives = (
+        m.Drive(f"{across} drive", across, TableLaw(places.real), across),
+        m.Drive(f"{along} drive", along, TableLaw(places.imag), along),
+    )
+    machine = m.Machine(
+        (*chain.bodies, m.Body(across), m.Body(along)),
+        (*chain.joints, *joints),
+        drives,
+        start,
+        speed=chain.speed,
+    )
+    closed = closed_by_dyads(machine)
+    if closed is not None:
+        return closed
+    _refuse_far(machine, pen)
+    return freedom.close_drawing(machine)
