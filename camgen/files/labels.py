@@ -46,15 +46,21 @@ def _points(pieces: Iterable[Piece]) -> Points:
 
 def box(text: Text, air: float = 0.0) -> Any:
     """What a line of text takes on paper at most, with so much air round it, as a polygon of shapely."""
+    return _boxes(text, np.array([text.at]), air)[0]
+
+
+def _boxes(text: Text, places: Points, air: float) -> Any:
+    """The same of a text at several places, (n,)."""
     import shapely
 
     u = text.direction
-    left = text.at - {"left": 0.0, "centre": 0.5, "right": 1.0}[text.align] * text.room * u
+    room = text.room
+    left = places - {"left": 0.0, "centre": 0.5, "right": 1.0}[text.align] * room * u
     low = left - air * (u + 1j * u)
-    high = left + (text.room + air) * u + (text.height + air) * 1j * u
-    wide = text.room + 2 * air
-    corners = np.array([low, low + wide * u, high, high - wide * u])
-    return shapely.Polygon(np.column_stack([corners.real, corners.imag]))
+    high = left + (room + air) * u + (text.height + air) * 1j * u
+    wide = room + 2 * air
+    corners = np.stack([low, low + wide * u, high, high - wide * u], axis=-1)
+    return shapely.polygons(np.stack([corners.real, corners.imag], axis=-1))
 
 
 def _line(points: Points) -> Any:
@@ -72,6 +78,8 @@ class Obstacles:
     texts: list[Any] = field(default_factory=list)  # boxes of texts and arrowheads
     lines: list[Any] = field(default_factory=list)  # on which no text lies
     axes: list[Any] = field(default_factory=list)  # on which one lies if it must
+    # of each list, which only grows: how many it had, and the tree of those
+    _trees: dict[int, tuple[int, Any]] = field(default_factory=dict, repr=False)
 
     def add(self, things: Iterable[Stroke | Fill | Text]) -> None:
         """More things that are drawn."""
@@ -98,36 +106,32 @@ class Obstacles:
 
     def free(self, shapes: Any) -> Any:
         """Which of some shapes lie on no text and no arrowhead, (n,)."""
-        return _clear(self.texts, shapes)
+        return self._touching(self.texts, shapes) == 0
 
     def unlined(self, shapes: Any) -> Any:
         """Which of them no line crosses, (n,)."""
-        return _clear(self.lines, shapes)
+        return self._touching(self.lines, shapes) == 0
 
     def crossed(self, shapes: Any) -> Any:
         """How many lines each of them crosses, (n,)."""
-        return _touching(self.lines, shapes)
+        return self._touching(self.lines, shapes)
 
     def off_axes(self, shapes: Any) -> Any:
         """Which of them no centre line or hidden edge crosses, (n,)."""
-        return _clear(self.axes, shapes)
+        return self._touching(self.axes, shapes) == 0
 
+    def _touching(self, others: list[Any], shapes: Any) -> Any:
+        """How many of the others, one of the lists, each shape touches, (n,)."""
+        import shapely
 
-def _touching(others: Sequence[Any], shapes: Sequence[Any]) -> Any:
-    """How many of the others each shape touches, (n,)."""
-    import shapely
-
-    pairs = (
-        shapely.STRtree(others).query(np.asarray(shapes), predicate="intersects")
-        if others
-        else np.zeros((2, 0), int)
-    )
-    return np.bincount(pairs[0], minlength=len(shapes))
-
-
-def _clear(others: Sequence[Any], shapes: Any) -> Any:
-    """Which of some shapes touch none of the others, (n,)."""
-    return _touching(others, shapes) == 0
+        if not others:
+            return np.zeros(len(shapes), int)
+        count, tree = self._trees.get(id(others), (0, None))
+        if count != len(others):
+            tree = shapely.STRtree(others)
+            self._trees[id(others)] = len(others), tree
+        pairs = tree.query(np.asarray(shapes), predicate="intersects")
+        return np.bincount(pairs[0], minlength=len(shapes))
 
 
 def leader(
@@ -235,20 +239,22 @@ def _best(
         away = np.array([label.reach(way) for way in ways]) + _HIGH + distance
         places = hole.middle + away * ways + (label.half * ways.real + 1j * HEIGHT / 2 * ways.imag)
     texts = [_text(label, complex(place)) for place in places]
-    boxes = np.array([box(text, _AIR) for text in texts])
+    boxes = _boxes(texts[0], np.array([text.at for text in texts]), _AIR)
     free = obstacles.within(boxes) & obstacles.free(boxes) & obstacles.unlined(boxes)
     free &= True if crossing else obstacles.off_axes(boxes)
     if distance is None:
         edge = shapely.Polygon(np.column_stack([label.rim.real, label.rim.imag]))
         free &= shapely.contains(edge, boxes)
     elif distance in _NEAR:
-        free &= [_beside_its_own(label, others, complex(place)) for place in places]
+        free[free] = [_beside_its_own(label, others, complex(place)) for place in places[free]]
     if distance is None or distance in _NEAR:
         return Callout(texts[int(np.argmax(free))]) if free.any() else None
+    if not free.any():
+        return None
     starts = [_edge(text, label.half, hole.middle) for text in texts]
     tips = [_tip(label, start) for start in starts]
     leaders = [_line(np.array(ends)) for ends in zip(starts, tips, strict=True)]
-    free &= obstacles.free([leader.buffer(_AIR) for leader in leaders])
+    free &= obstacles.free(shapely.buffer(leaders, _AIR))
     if not free.any():
         return None
     crossings = obstacles.crossed(leaders)
