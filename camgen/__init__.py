@@ -4,6 +4,7 @@
     build      spec -> files in OUT/<name>/, read back and judged -> Report
     check      folder of an earlier build -> Report, from its files alone
     motion     an outline in any drawing or mesh, a follower -> the follower's motion
+    rolls      a drum in any mesh, a roller -> how far its follower is free, over the drum's angle
     drives     two outlines in any drawings or meshes -> where the driven one is free, over the driver's angle
     sweep      spec, values of its keys -> SweepTable: each variant judged, a row each
     design     spec with what is wanted -> DesignResult: the machine that fulfils it
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from camgen.design.run import DesignResult
     from camgen.findings import Finding
     from camgen.guide import Explanation
+    from camgen.judge.rolled_drum import Rolled
     from camgen.machine.forces import Forces
     from camgen.machine.run import Play, Run
     from camgen.machines.mechanism import Mechanism
@@ -67,6 +69,7 @@ __all__ = [
     "explain",
     "load",
     "motion",
+    "rolls",
     "sweep",
     "tolerance",
 ]
@@ -172,6 +175,28 @@ def motion(
     from camgen.measuring.motion import roll
 
     return roll(Path(file), follower, height, layer, harmonics)
+
+
+@checked
+def rolls(
+    file: str | PathLike[str],
+    roller: str | PathLike[str] | Mapping[str, Any],
+    harmonics: int = 36,
+) -> Rolled:
+    """What is free for the follower of a cylinder cam in a mesh of any maker, over one turn of the drum, its end left out.
+
+    roller: as `camgen motion --help` says of --roller, on one line, "radius=5,length=8,inner=22", as a dict or as a path to a TOML
+    file; harmonics: of a turn, low-pass of the derivatives.
+    All (n,): `theta` rad; `low`, `high`, `motion` (their middle) and `play`, mm along the axis or rad of an arm, nan where no wall is;
+    `speed` and `acceleration`, low-passed derivatives to theta; `pressure_angle` rad, at the roller's inner end; `cut`, where the
+    roller cuts into the drum beside its walls. `between`: mm, by which a wall may stand nearer between two angles.
+    Raises SpecError for the roller, FileError for the file, DesignError where the drum has no such track.
+    """
+    from pathlib import Path
+
+    from camgen.measuring.drum import rolls as rolled
+
+    return rolled(Path(file), roller, harmonics)
 
 
 @checked

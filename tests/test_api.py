@@ -501,7 +501,7 @@ def test_every_function_of_the_package_holds_its_arguments_against_their_types()
         if isinstance(function, types.FunctionType):
             first, *_ = inspect.signature(function).parameters
             with pytest.raises(camgen.SpecError, match=f"{first}: 1.5 - expected"):
-                function(1.5, *([{}] if name in ("drives", "motion", "sweep") else []))
+                function(1.5, *([{}] if name in ("drives", "motion", "rolls", "sweep") else []))
 
 
 def test_design_gives_the_machine_whose_text_the_command_prints(

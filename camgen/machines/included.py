@@ -78,6 +78,9 @@ def stack(
     for k, each in enumerate(includes):
         mechanism = _resolved(each, host)
         own = mechanism.assembly
+        if own.tracks:
+            right = "a machine that moves in a plane: the follower of a drum goes along its shaft"
+            raise SpecError([Fault(("include", k, "spec"), mechanism.mechanism, right)])
         levels = heights(own.parts, own.mounts)
         low = min(low for low, _ in levels)
         z = top + gap - low if each.z is None else each.z

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +20,7 @@ from camgen.geometry.mesh import mesh_faults
 from camgen.judge.follower_table import inline_tables
 from camgen.judge.rolled_drum import Rolled, RollerTable, roll, track_findings
 from camgen.measuring.folder import write_folder
-from camgen.measuring.meshes import MESH_SIZES, read_mesh
+from camgen.measuring.meshes import MESH_SIZES, ForeignMesh, read_mesh
 from camgen.numerics import Floats
 from camgen.report.report import Report
 from camgen.study import Figure, Plot
@@ -27,14 +29,33 @@ _EACH = 2  # of which every second is a row of motion.csv: a quarter degree
 _PACKAGES = ("numpy", "pydantic", "lib3mf", "trimesh")
 
 
-def read_roller(given: str, option: str = "--roller") -> RollerTable:
-    """The table from text such as "radius=5,length=8,inner=22", or a TOML file, its table [roller] or all of it.
+def read_roller(
+    given: str | PathLike[str] | Mapping[str, Any], option: str = "--roller"
+) -> RollerTable:
+    """The table from text such as "radius=5,length=8,inner=22", its keys, or a TOML file, its table [roller] or all of it.
 
     SpecError with every fault; FileError where the file cannot be read.
     """
-    data = reading.read(Path(given)) if given.endswith(".toml") else inline_tables(given, option)
+    if isinstance(given, Mapping):
+        data: Mapping[str, Any] = given
+    else:
+        text = str(given)
+        data = reading.read(Path(text)) if text.endswith(".toml") else inline_tables(text, option)
     table = data.get("roller", data)
-    return specs.validate(RollerTable, table if isinstance(table, dict) else data, option)
+    return specs.validate(RollerTable, dict(table if isinstance(table, Mapping) else data), option)
+
+
+def rolls(path: Path, roller: str | PathLike[str] | Mapping[str, Any], harmonics: int) -> Rolled:
+    """What is free for the follower of a roller in the drum of a mesh; SpecError, FileError or DesignError."""
+    table = read_roller(roller, "roller")
+    return roll(_mesh(path).mesh, table, harmonics)
+
+
+def _mesh(path: Path) -> ForeignMesh:
+    """The content of a mesh; FileError of any other file."""
+    if path.suffix.lower() not in MESH_SIZES:
+        raise FileError(path, f"a roller needs a mesh, {', '.join(MESH_SIZES)}")
+    return read_mesh(path)
 
 
 # ---- the report ------------------------------------------------------------------------------------------------------
@@ -52,10 +73,8 @@ def run(
     Raises SpecError, FileError or DesignError; where the mesh is not watertight, a finding says so.
     """
     table = read_roller(roller)
-    if path.suffix.lower() not in MESH_SIZES:
-        raise FileError(path, f"a roller needs a mesh, {', '.join(MESH_SIZES)}")
     progress(f"reading {path.name}")
-    content = read_mesh(path)
+    content = _mesh(path)
     progress("rolling")
     rolled = roll(content.mesh, table, harmonics)
     faults = mesh_faults(content.mesh)

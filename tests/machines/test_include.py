@@ -180,6 +180,13 @@ def test_wrong_include_is_told_by_its_key(
     assert said in told.value.faults[0].expected
 
 
+def test_a_drum_is_no_machine_in_a_plane(root: Path, tables: dict[str, Any]) -> None:
+    with pytest.raises(SpecError) as told:
+        _ = read_mechanism(include(root, tables, {"spec": "cylinder-cam.toml"})).assembly
+    assert [fault.key for fault in told.value.faults] == ["include.0.spec"]
+    assert "cylinder-cam" in str(told.value) and "plane" in str(told.value)
+
+
 def test_a_fault_inside_names_the_file(root: Path, tables: dict[str, Any]) -> None:
     data = include(root, tables, {"spec": "thread-take-up.toml"})
     data["include"][0]["spec"]["geometry"]["frame"] = -4

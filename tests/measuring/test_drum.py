@@ -17,6 +17,7 @@ from click.testing import CliRunner
 sys.path.insert(0, str(Path(__file__).parents[1] / "geometry"))
 from drums import ARM, END, PIVOT, REFERENCE, RIB, A, B, mesh_of  # noqa: E402
 
+import camgen  # noqa: E402
 from camgen.cli import cli  # noqa: E402
 from camgen.errors import SpecError  # noqa: E402
 from camgen.files.stl import write_stl  # noqa: E402
@@ -114,6 +115,15 @@ def test_a_groove_with_clearance_has_the_reference_s_play() -> None:
     rolled = roll(wide, read_roller("radius=5,length=7.3,inner=22"), 36, 720)
     assert rolled.play.min() == pytest.approx(0.0397, abs=1e-3)
     assert rolled.play.max() == pytest.approx(0.0440, abs=1e-3)
+
+
+def test_python_gives_what_is_free(tmp_path: Path, groove: Mesh) -> None:
+    file = tmp_path / "drum.stl"
+    write_stl(file, groove, "drum")
+    rolled = camgen.rolls(file, {"radius": 5.0, "length": 7.3, "inner": 22.0})
+    assert np.abs(rolled.motion - A.path.height(-rolled.theta, 0)).max() < TOLERANCE
+    with pytest.raises(SpecError, match="inner"):
+        camgen.rolls(file, {"radius": 5.0, "length": 7.3})
 
 
 def test_an_arm_an_end_cam_and_a_rib_are_told_by_the_table() -> None:
