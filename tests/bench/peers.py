@@ -4,7 +4,7 @@
 
 PEERS: an interpreter that has the peers, which stay out of camgen's own environment:
 
-    python3 -m venv peers && peers/bin/pip install build123d mechanism numba pylinkage
+    python3 -m venv peers && peers/bin/pip install build123d mechanism ncgears numba pylinkage
 
 (never cadquery beside build123d); shapely and trimesh are camgen's own or its tests'. A peer that is missing is named and its
 row has no ratio; one that takes longer than a minute is timed once. --results puts the table into RESULTS.md. A whole run takes
@@ -612,6 +612,40 @@ def slicing(folder: Path, rounds: int) -> Iterator[Row]:
     yield faster(work, "trimesh load and section", 5, a, b)
 
 
+# ---- wheels that are not round -----------------------------------------------------------------------------------------
+
+
+def wheels(peers: Peers, folder: Path, rounds: int) -> Iterator[Row]:
+    """Both edges of phi - 0.08 sin 2 phi and their proof over the turn, against the peer's and its own check."""
+    import numpy as np
+
+    from camgen.geometry.arcs import bulges
+    from camgen.geometry.rings import Ring
+    from camgen.judge.pairs import Body, OutlinePair, pivots_apart
+    from camgen.parts.wheels.noncircular import Centrodes, NoncircularPair, WaveLaw
+
+    stated = peers.job("noncircular", law="phi - 0.08*sin(2*phi)", folder=str(folder / "ncgears"))
+    told = stated["answer"] if stated else {}
+    distance = told.get("center_distance", 36.0)
+    plays: list[Any] = []
+
+    def ours() -> None:
+        law = WaveLaw(1.0, (), (0.0, -0.08))
+        backlash = 0.24 / math.cos(math.radians(20))
+        pair = NoncircularPair(Centrodes(law, distance), 24, backlash)
+        bodies = (Body([Ring(*bulges(edge))]) for edge in (pair.driver, pair.driven))
+        theta = np.linspace(0, math.tau, 721)
+        samples = OutlinePair(*bodies, pivots_apart(distance)).follow(theta, 0.0).samples
+        assert samples.proven[1:].all()
+        plays[:] = np.degrees([samples.play.min(), samples.play.max()])
+
+    a, b = alternated(rounds, partial(clocked, ours), peers.time if stated else None)
+    theirs = [told.get(f"{end}imum_backlash_deg", math.nan) for end in ("min", "max")]
+    notes = [f", play {low:.4f} to {high:.4f} deg" for low, high in (plays, theirs)]
+    work = "wheels of phi - 0.08 sin 2 phi, 24 teeth, and the proof of both"
+    yield faster(work, "ncgears, its own check", 5, a, b, (notes[0], notes[1]))
+
+
 # ---- the table -------------------------------------------------------------------------------------------------------
 
 
@@ -635,6 +669,7 @@ def main() -> None:
             slicing(folder, rounds),
             offsets(rounds),
             counts(),
+            wheels(peers, folder, rounds),
             outlines(peers, folder, rounds),
         )
         lines = [

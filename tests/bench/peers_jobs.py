@@ -72,6 +72,20 @@ def roller(base: float, radius: float, lift: float) -> tuple[Callable[[], Any], 
     }
 
 
+def noncircular(law: str, folder: str) -> tuple[Callable[[], Any], Any]:
+    """`ncgears`' wheels of 24 teeth and module 1.5 for a law psi(phi), checked by itself; answers with what it states of them."""
+    import ncgears
+
+    def work() -> Any:
+        return ncgears.generate_from_transmission(
+            law, teeth=24, module=1.5, clearance=0.04, output_directory=folder
+        )
+
+    stated = work().metadata
+    keys = ("center_distance", "minimum_backlash_deg", "maximum_backlash_deg")
+    return work, {key: stated[key] for key in keys}
+
+
 def build123d_stl(vertices: str, path: str) -> tuple[Callable[[], Any], Any]:
     """The straight outline through the vertices, extruded by 6 mm and written as STL."""
     import build123d
@@ -91,6 +105,7 @@ JOBS: dict[str, tuple[Callable[..., tuple[Callable[[], Any], Any]], str]] = {
     "four_bar": (four_bar, "pylinkage"),
     "roller": (roller, "mechanism"),
     "build123d_stl": (build123d_stl, "build123d"),
+    "noncircular": (noncircular, "ncgears"),
 }
 
 

@@ -141,12 +141,14 @@ def test_teeth_drive_by_the_law_with_the_play_of_the_closed_form(name: str) -> N
     assert np.all(np.abs(samples.high + law(t) - high) < arcs)
 
 
-def test_the_play_varies_as_ncgears_states_of_its_own_pair() -> None:
-    """Its clearance is another measure, so the ratio of most to least is compared: it has four digits."""
-    t = np.linspace(0, math.tau, 2001)
-    play = sum(_play(PAIRS["ncgears"], t))
-    least, most = KNOWN["ncgears"]["play_deg"]
-    assert abs(float(np.max(play) / np.min(play)) - most / least) < 2e-3
+def test_module_and_play_are_those_that_ncgears_states_of_its_pair() -> None:
+    """Its play is that of the offset at the least and greatest radius, where nothing leans."""
+    known = KNOWN["ncgears"]
+    backlash = 4 * known["clearance"] / math.cos(math.radians(20))
+    pair = NoncircularPair(Centrodes(_double(0.08), known["distance"]), 24, backlash)
+    assert math.isclose(pair.module, known["module"], rel_tol=1e-12)
+    play = np.degrees(sum(_play(pair, TURN)))
+    assert np.allclose([play.min(), play.max()], known["play_deg"], atol=1e-9)
 
 
 def test_equal_ellipses_with_an_odd_number_of_teeth_are_one_part() -> None:
