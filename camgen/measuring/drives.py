@@ -26,6 +26,7 @@ from camgen.judge.pairs import Body as Solid
 from camgen.judge.pairs import Jump, OutlinePair, PairMotion, hollow, pivots_apart
 from camgen.machine.features import PartPose
 from camgen.measuring.folder import OUTLINE_PACKAGES, write_folder
+from camgen.measuring.locking import Lock, locks, ways_back
 from camgen.measuring.outlines import AS_IT_IS, Hints, Outline, read_outline
 from camgen.report.animation import Animation, Body
 from camgen.report.report import Report
@@ -393,15 +394,20 @@ def _filled(
         numbers.append(Figure("pressure angle", math.degrees(steepest), "deg"))
     jumps = driven.motion.jumps(side)
     numbers.append(Figure("jumps", len(jumps)))
+    held = _held(driven, drive, jumps)
+    if held and all(math.isfinite(each.lost) for each in held):
+        draw = min(each.draw for each in held)
+        numbers.append(Figure("lost angle", math.degrees(max(ways_back(jumps, held))), "deg"))
+        numbers.append(Figure("draw angle", math.degrees(draw), "deg"))
     return replace(
         empty,
         findings=findings,
         numbers=empty.numbers | numbers,
         plots=_plots(driven, drive, rings),
-        tables=_tables(jumps, side, drive),
+        tables=_tables(jumps, side, drive, held),
         notes=tuple(_notes(driven, drive)),
         animation=_animation(driven, drive, rings),
-        remarks=tuple(_summary(driven, request, jumps)),
+        remarks=(*_summary(driven, request, jumps), *_holding(jumps, held)),
         files=("motion.csv", "report.json", "manifest.json"),
     )
 
@@ -532,12 +538,41 @@ def _rest(driven: Driven, drive: Drive) -> Floats:
     return np.where(np.isnan(sides[first]), sides[_other(first)], sides[first])
 
 
-def _tables(jumps: list[Jump], side: str, drive: Drive) -> list[Table]:
+def _held(driven: Driven, drive: Drive, jumps: list[Jump]) -> list[Lock]:
+    """How the driven outline holds the driver back behind each jump, where a spring makes a pawl of it and all are listed."""
+    if drive.spring is None or drive.slides is not None or len(jumps) > _ROWS:
+        return []
+    return list(locks(driven.motion, jumps, drive.spring))
+
+
+def _holding(jumps: list[Jump], held: list[Lock]) -> Iterator[str]:
+    """What a person wants to know of a ratchet; nothing where it locks nowhere."""
+    open_at = [jump for jump, lock in zip(jumps, held, strict=True) if math.isnan(lock.lost)]
+    if len(open_at) == len(held):
+        return
+    if open_at:
+        places = ", ".join(f"{math.degrees(each.theta):.2f}" for each in open_at)
+        yield f"turned back, the driver does not lock behind the jumps at {places} deg: it throws the driven outline out"
+        return
+    least = math.degrees(min(each.lost for each in held))
+    most = math.degrees(max(ways_back(jumps, held)))
+    draw = min(each.draw for each in held)
+    yield (
+        f"turned back, the driver locks after {least:.4g} deg at least, {most:.4g} deg at most; its push draws the driven outline in by "
+        f"{math.degrees(draw):.4g} deg at least: it holds without the spring up to a friction of {math.tan(draw):.3f}"
+    )
+
+
+def _tables(jumps: list[Jump], side: str, drive: Drive, held: list[Lock]) -> list[Table]:
     if not jumps:
         return []
     name, scale = drive.unit
     rows = [[math.degrees(each.theta), each.before * scale, each.after * scale] for each in jumps]
-    columns = ("driver angle, deg", f"before, {name}", f"after, {name}")
+    columns: tuple[str, ...] = ("driver angle, deg", f"before, {name}", f"after, {name}")
+    if held:
+        columns += ("back to the lock, deg", "drawn in, deg")
+        for row, lock in zip(rows, held, strict=False):
+            row += [math.degrees(lock.lost), math.degrees(lock.draw)]
     return [Table(f"Jumps of the {side} bound", columns, rows[:_ROWS])]
 
 

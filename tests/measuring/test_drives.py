@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import csv
 import json
 import math
@@ -19,7 +20,10 @@ from camgen.cli import cli
 from camgen.errors import SpecError
 from camgen.files.folder import name_of
 from camgen.geometry.rings import Ring
+from camgen.judge.pairs import Jump
 from camgen.measuring.drives import Drive, driven_by
+from camgen.measuring.locking import Lock, locks, ways_back
+from camgen.parts.wheels.ratchet import Pawl, RatchetWheel
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "judge"))
 from pair_outlines import Wheel, centre_distance  # noqa: E402
@@ -263,3 +267,65 @@ def test_options_of_a_wrong_type_are_told(gears: Path, options: dict[str, object
 def test_keys_that_are_no_text_are_told(gears: Path) -> None:
     with pytest.raises(SpecError):
         camgen.motion(gears / "pinion.dxf", {1: 2})
+
+
+WHEEL = RatchetWheel(12, 20.0, 17.0, math.radians(10))
+FAR, ARM, END = 30.0, 20.0, 0.5
+PAWL = Drive(FAR, spring="high", start=math.pi - 1)
+
+
+def edge_of(wheel: RatchetWheel) -> Ring:
+    corners = np.array([complex(piece.at(piece.t0)) for piece in wheel.outline().pieces])
+    return Ring(corners, np.zeros(len(corners)))
+
+
+def pawl_locks(edge: Ring) -> tuple[list[Jump], list[Lock]]:
+    """Drops of a pawl with a round end, and the lock behind each."""
+    end = Ring(np.array([ARM - END, ARM + END], complex), np.ones(2))
+    driven = driven_by(edge, end, PAWL)
+    drops = driven.motion.jumps("high")
+    return drops, list(locks(driven.motion, drops, "high"))
+
+
+def test_a_pawl_locks_where_its_end_lies_in_the_root() -> None:
+    """By the triangle of both pivots and the middle of the end in the root, between face and back."""
+    drops, found = pawl_locks(edge_of(WHEEL))
+    assert len(drops) == 12
+    seat = Pawl(WHEEL, complex(FAR), END).seat
+    opening = math.acos((FAR**2 + abs(seat) ** 2 - ARM**2) / (2 * FAR * abs(seat)))
+    pivot = FAR * cmath.rect(1, cmath.phase(seat) - opening)  # as the wheel sees it
+    pawl = Pawl(WHEEL, pivot, END)
+    contact = pawl.seat - END * pawl.push
+    lever = abs((pawl.push.conjugate() * (pivot - contact)).imag)
+    for drop, lock in zip(drops, found, strict=True):
+        lost = (drop.theta + cmath.phase(pivot)) % WHEEL.pitch
+        assert lock.lost == pytest.approx(lost, abs=1e-7)
+        assert lock.draw == pytest.approx(math.asin(lever / abs(pivot - contact)), abs=1e-6)
+    assert pawl.draw > 0
+
+
+def test_a_tooth_that_throws_the_pawl_out_loses_a_whole_tooth() -> None:
+    """Of one tooth the root lies before the tip, so that its face is a ramp down which the pawl slides."""
+    edge = edge_of(WHEEL)
+    drops, found = pawl_locks(edge)
+    sound = max(ways_back(drops, found))
+    assert sound == pytest.approx(WHEEL.pitch + found[0].lost, abs=1e-7)
+    damaged = edge.points.copy()
+    damaged[int(np.argmin(np.abs(damaged - cmath.rect(17, WHEEL.top))))] *= cmath.exp(-0.3j)
+    drops, found = pawl_locks(Ring(damaged, edge.bulges))
+    assert len(drops) == 11
+    assert max(ways_back(drops, found)) == pytest.approx(sound + WHEEL.pitch, abs=1e-6)
+
+
+def test_what_holds_is_told(tmp_path: Path) -> None:
+    pinion = write(tmp_path / "wheel.dxf", edge_of(WHEEL))
+    end = write(tmp_path / "pawl.dxf", Ring(np.array([ARM - END, ARM + END], complex), np.ones(2)))
+    options = ["--distance", "30", "--spring", "high", "--start-deg", "122"]
+    words = ["motion", str(pinion), "--drives", str(end), "-o", str(tmp_path), *options]
+    result = CliRunner().invoke(cli, words)
+    assert result.exit_code == 0, result.output
+    text = (tmp_path / "wheel-drives-pawl" / "report.json").read_text(encoding="utf-8")
+    numbers = json.loads(text)["numbers"]
+    assert numbers["lost_angle_deg"] == pytest.approx(32.7776, abs=1e-3)
+    assert numbers["draw_angle_deg"] == pytest.approx(25.1913, abs=1e-3)
+    assert "up to a friction of 0.470" in result.output

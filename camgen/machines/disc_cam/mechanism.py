@@ -24,8 +24,7 @@ from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding
-from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Floats, Points, Region
+from camgen.geometry.outlines import Floats, Region
 from camgen.machine.cams.followers import Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.cams.limits import Advice, CamLimits, ExactCam, cam_findings, undercut_numbers
 from camgen.machine.cams.machine import (
@@ -610,9 +609,11 @@ class DiscCamDrive(CamTables):
         return [*curves, *self._forces.plots]
 
     def _sketches(self) -> list[Sketch]:
-        """Of cams alone the follower and the shaft."""
+        """Of cams alone the shaft, and the follower that is no part."""
         shaft = Sketch("ground", (), ((0j, self.making.bore / 4),))
-        return [] if self.standing else [self._sketch(), shaft]
+        if self.standing:
+            return []
+        return [shaft] if self._shoe else [self._sketch(), shaft]
 
     def _figures(self) -> Figures:
         """Sizes of the cam, peaks of its motion, and of its forces."""
@@ -670,12 +671,6 @@ class DiscCamDrive(CamTables):
             notes.append("Whether the motion jumps is not judged: limits.continuous = -1.")
         return notes
 
-    @property
-    def _drawn_shoe(self) -> Points:
-        """Its outline as a closed line, in its own frame."""
-        rim = facet_contour(self.geometry.follower.drawing[0], self.accuracy.chord_tolerance)
-        return np.append(rim, rim[0])
-
     def _sketch(self) -> Sketch:
         """The follower at s = 0, in the frame that its pose moves: the ground's, or one at the pivot."""
         strokes = []
@@ -696,10 +691,6 @@ class DiscCamDrive(CamTables):
                         np.array([start - half, start + half]),
                         np.array([start, start + leaves * along * self.base_radius]),
                     ]
-                case SlidingShoe(start=start, turn=turn):
-                    strokes.append(start + turn * self._drawn_shoe)
-                case SwingingShoe(turn=turn):
-                    strokes.append(turn * self._drawn_shoe)
                 case SwingingFace(_, facing, ahead):
                     low, high = cam.face_contact
                     strokes.append(facing * (ahead + 1j * np.array([low, 0, high])))
