@@ -50,6 +50,7 @@ WINGS = {
         "report",
         "pipeline",
     },
+    "simulation": {"geometry", "machine", "machines", "parts", "files", "report", "pipeline"},
     "design": {"geometry", "motion", "machine", "machines", "report", "pipeline"},
     "live": {"motion", "machines", "report", "pipeline"},
 }

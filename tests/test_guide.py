@@ -17,7 +17,17 @@ from test_cli import run as run  # noqa: F401  a fixture
 from camgen import guide
 
 PACKAGE = Path(guide.__file__).parents[1]
-JUDGES = ("judge", "machine", "machines", "measuring", "pipeline", "sweep", "tolerance", "files")
+JUDGES = (
+    "judge",
+    "machine",
+    "machines",
+    "measuring",
+    "pipeline",
+    "simulation",
+    "sweep",
+    "tolerance",
+    "files",
+)
 # Capitals in the code that name no finding.
 OTHERS = set(
     "ABC ABCDEFGHIJKLMNOPQRSTUVWXYZ ABCDEFGHJKLMNPQRSTUVWXYZ ABS ARC ASA CENTER CIRCLE CONTINUOUS CUT DIM DIMENSION DXF "

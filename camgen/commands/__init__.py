@@ -8,6 +8,7 @@ from camgen.commands.help import explain, guide_, list_, selftest
 from camgen.commands.pages import explore, watch
 from camgen.commands.precision import bench, tolerance
 from camgen.commands.rolling import motion
+from camgen.commands.simulating import simulate
 from camgen.commands.specs import new, schema
 from camgen.commands.sweeping import sweep
 
@@ -24,6 +25,7 @@ COMMANDS = (
     new,
     schema,
     selftest,
+    simulate,
     sweep,
     tolerance,
     watch,

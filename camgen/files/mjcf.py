@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 from xml.etree import ElementTree as ET
 
@@ -131,6 +131,17 @@ class Model:
     height: float = 0.0
     friction: float = 0.6
     remarks: Sequence[str] = ()
+
+    @property
+    def mass(self) -> float:
+        """Of all, kg."""
+        return sum(link.mass.mass for link in (self.frame, *self.links))
+
+    @property
+    def bare(self) -> Model:
+        """The same without meshes, which only show."""
+        links = [replace(link, copies=()) for link in self.links]
+        return replace(self, shapes=(), frame=replace(self.frame, copies=()), links=links)
 
     @property
     def step(self) -> float:

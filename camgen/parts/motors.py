@@ -56,6 +56,7 @@ GEARED = {
         Geared("TT-1:48", 6.0, 0.4 * _KGF_CM, 200.0, "zbotic.in, TT gear motor for robot car"),
         Geared("N20-100:1", 6.0, 0.74 * _KGF_CM, 130.0, _POLOLU),
         Geared("N20-298:1", 6.0, 2.0 * _KGF_CM, 45.0, _POLOLU),
+        Geared("N20-1000:1", 6.0, 5.5 * _KGF_CM, 13.0, _POLOLU),
         # servos turn to and fro by half a turn; their speed is that of 60 deg in so many seconds
         Geared("SG90", 4.8, 1.8 * _KGF_CM, 10 / 0.12, "musefsales.com, servo motor SG90"),
         Geared("MG90S", 4.8, 1.8 * _KGF_CM, 10 / 0.1, "MG90S-Datasheet.pdf of TrDA-hab/Projects"),

@@ -35,12 +35,14 @@ from camgen.machine.model import (
 from camgen.machine.model import Path as Course
 from camgen.machine.run import solve
 from camgen.machine.tree import Branch, Coupling, Tree, tree_of
+from camgen.machines.linkage.mechanism import Linkage
 from camgen.machines.loads.drive import motor_of
 from camgen.machines.loads.tables import Drives
 from camgen.machines.loads.weights import with_masses
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.assembly import Assembly
 from camgen.parts.inertia import MassMoments, mass_moments, masses_together
+from camgen.parts.sides import PREFIX
 from camgen.pipeline.case import Case
 from camgen.pipeline.shown import solids
 
@@ -51,19 +53,39 @@ _FACETS = 1e-3  # mm, of an outline whose distance from a foot is looked for
 
 @dataclass(frozen=True)
 class Standing:
-    """How the machine stands on a floor: outputs that are its feet, their friction, and what it carries."""
+    """How a machine stands on a floor: outputs that are its feet, on both sides; frictions that are looked at; what it carries.
+
+    payload: kg, at a place of the ground, mm, None: at the shaft, in the middle between the feet.
+    """
 
     feet: Sequence[str]
-    friction: float = 0.6
-    payload: MassMoments | None = None
-    freedom: mjcf.Freedom = "space"
+    frictions: Sequence[float]
+    payload: float
+    payload_at: complex | None
+    freedom: mjcf.Freedom  # in its plane alone where it has one side
+    down: complex  # where gravity points, a unit complex
+
+
+def standing_of(mechanism: Mechanism) -> Standing | None:
+    """What a spec's table [walk] says; None where it has none."""
+    table = mechanism.walk if isinstance(mechanism, Linkage) else None
+    if table is None:
+        return None
+    outputs = {output.name for output in mechanism.assembly.machine.outputs}
+    far = [name for foot in table.feet if (name := f"{PREFIX}_{foot}") in outputs]
+    at = complex(*table.payload_at) if table.payload_at else None
+    freedom: mjcf.Freedom = "space" if far else "plane"
+    deg = None if mechanism.load is None else mechanism.load.gravity_deg
+    down = -1j if deg is None else cmath.rect(1.0, math.radians(deg))
+    carried = 1e-3 * table.payload_g
+    return Standing([*table.feet, *far], table.friction, carried, at, freedom, down)
 
 
 def make_mjcf(case: Case, build: Path) -> None:
     """Write the folder of the simulation into that of a build: the text, and a mesh for each part; SpecError where the machine has no such form."""
     from camgen.files.stl import write_stl
 
-    model = simulated(case.mechanism)
+    model = simulated(case.mechanism, standing_of(case.mechanism))
     folder = build / FOLDER
     (folder / mjcf.MESHES).mkdir(parents=True)
     name = f"{case.mechanism.name}.xml"
@@ -103,8 +125,7 @@ class _Simulated:
         standing = self.standing
         feet = [] if standing is None else [*map(self._foot, standing.feet)]
         links = [self._link(branch, feet) for branch in self.tree.branches]
-        payload = () if standing is None or standing.payload is None else (standing.payload,)
-        mass = masses_together([self._mass_of(GROUND), *payload])
+        mass = masses_together([self._mass_of(GROUND), *self._payload([foot for _, foot in feet])])
         fixed = self._link(Branch(GROUND, GROUND, None), feet)
         return mjcf.Model(
             self.mechanism.name,
@@ -119,9 +140,12 @@ class _Simulated:
                 if isinstance(load, Spring)
             ],
             self._motor,
-            self.assembly.down,
+            self.assembly.down
+            if standing is None
+            else (standing.down.real, standing.down.imag, 0.0),
             "fixed" if standing is None else standing.freedom,
             self._height([foot for _, foot in feet]),
+            0.6 if standing is None else standing.frictions[len(standing.frictions) // 2],
             remarks=self._remarks,
         )
 
@@ -257,12 +281,26 @@ class _Simulated:
         radius, low, high = max(reach)
         return place.body, mjcf.Foot(name, place.at, low, high, radius)
 
+    def _payload(self, feet: Sequence[mjcf.Foot]) -> list[MassMoments]:
+        """What the frame carries, as a point."""
+        standing = self.standing
+        if standing is None or not standing.payload:
+            return []
+        shaft = next(self.tree.turning(self.machine.drives[0].body))
+        seat = next(place.at for place in (shaft.a, shaft.b) if place.body == GROUND)
+        at = seat if standing.payload_at is None else standing.payload_at
+        middle = float(np.mean([(foot.low + foot.high) / 2 for foot in feet]))
+        centre = np.array([at.real, at.imag, middle])
+        return [MassMoments(standing.payload, centre, np.zeros((3, 3)))]
+
     def _height(self, feet: Sequence[mjcf.Foot]) -> float:
-        """Of the frame's origin over a floor that the lowest foot touches at the start, mm; 0 without feet."""
-        up = -complex(*self.assembly.down[:2])
+        """Of the frame's origin over a floor that the lowest foot touches at the start, mm; 0 without a floor."""
+        if self.standing is None:
+            return 0.0
+        up = -self.standing.down
         run = solve(self.machine, self.assembly.cycle.theta(np.zeros(1)), 0)
         low = [float(np.real(run[foot.name][0] * up.conjugate())) - foot.radius for foot in feet]
-        return -min(low, default=0.0)
+        return -min(low)
 
     @property
     def _remarks(self) -> list[str]:

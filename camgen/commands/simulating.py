@@ -1,0 +1,49 @@
+"""`camgen simulate`: machines on a floor, stepped in time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from camgen.commands.options import EXIT_CODES, json_option, quiet_option, verbose_option
+from camgen.commands.running import each, refuse_one_name_twice
+
+if TYPE_CHECKING:
+    from camgen.commands.running import Work
+
+
+@click.command(epilog=EXIT_CODES)
+@click.argument(
+    "specs", metavar="SPEC...", nargs=-1, required=True, type=click.Path(path_type=Path)
+)
+@click.option(
+    "-o",
+    "--out",
+    default="out",
+    type=click.Path(path_type=Path),
+    help="Output folder.  [default: out]",
+)
+@click.option(
+    "--set", "settings", metavar="KEY=VALUE", multiple=True, help="Such as parts.side_phase_deg=0."
+)
+@json_option
+@quiet_option
+@verbose_option
+def simulate(specs: Sequence[Path], out: Path, settings: Sequence[str], **shown: bool) -> None:
+    """Let each SPEC with a table [walk] walk on a floor: whether it walks, falls, slips or stalls, at each friction of walk.friction.
+
+    Writes OUT/<name>-walk/ with a page, a film and a table of the curves. Needs mujoco-core, the extra simulate.
+    """
+
+    def work() -> Work:
+        from camgen.simulation import walking
+
+        if len(specs) > 1:
+            refuse_one_name_twice(specs, settings)
+        return partial(walking.simulate, out=out, overrides=settings)
+
+    each(specs, work, 1, **shown)

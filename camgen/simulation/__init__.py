@@ -1,0 +1,1 @@
+"""Machines on a floor, stepped in time by MuJoCo."""

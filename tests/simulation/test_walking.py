@@ -1,0 +1,131 @@
+"""A walker goes as an independent prototype found it; verdicts fail on what they are there to see."""
+
+from __future__ import annotations
+
+import io
+import math
+import sys
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import ROOT
+from PIL import Image
+
+from camgen.errors import FileError, SpecError
+from camgen.machines.sources import read_mechanism
+from camgen.pipeline.multibody import simulated, standing_of
+from camgen.simulation import picture, walking
+from camgen.simulation.gait import Gait
+
+REFERENCE = tomllib.loads((ROOT / "tests" / "reference" / "walks.toml").read_text(encoding="utf-8"))
+FEET = 'walk.feet=["foot1", "foot2", "foot3", "foot4"]'
+
+
+@pytest.fixture(scope="module")
+def machine() -> Any:
+    spec = ROOT / "specs" / "four-leg-walker.toml"
+    return read_mechanism(spec, [FEET, "walk.payload_g=40"]).resolved()
+
+
+@pytest.fixture(scope="module")
+def model(machine: Any) -> Any:
+    standing = standing_of(machine)
+    assert standing is not None
+    return simulated(machine, standing)
+
+
+@pytest.fixture(scope="module")
+def run(machine: Any, model: Any) -> Gait:
+    """Two turns at the middle friction."""
+    return walking.walk(machine, model, 0.6, 2)
+
+
+def test_it_goes_as_the_prototype(run: Gait) -> None:
+    """Within 2 %, the prototype's own spread over steps and stiffness of contacts."""
+    there = REFERENCE["at_0_6"]
+    assert run.way_per_turn == pytest.approx(REFERENCE["way_mm"]["0.6"], rel=0.02)
+    assert run.slip_per_turn == pytest.approx(there["slip_mm"], rel=0.05)
+    tilt = np.degrees([run.tilt.min(), run.tilt.max()])
+    np.testing.assert_allclose(tilt, there["tilt_deg"], atol=0.3)
+    assert np.ptp(run.place[:, 2]) == pytest.approx(there["height_mm"], abs=0.1)
+    assert not (run.void or run.falls or run.stalls)
+    assert run.seconds_per_turn == pytest.approx(2.0, rel=0.02)
+    assert np.max(np.abs(run.roll)) < 1e-6 and abs(run.turning_per_turn) < 1e-6
+
+
+def judged(machine: Any, model: Any, gaits: list[Gait]) -> dict[str, bool]:
+    report = walking.judged(machine, model, gaits, 120.0)
+    return {each.code: each.ok for each in report.findings}
+
+
+def test_all_holds(machine: Any, model: Any, run: Gait) -> None:
+    found = judged(machine, model, [run])
+    assert found == dict.fromkeys(["BRANCH", "FALLS", "STALLS", "WALKS", "SLIPS"], True)
+
+
+def test_each_verdict_is_seen_to_fail(machine: Any, model: Any, run: Gait) -> None:
+    """One run of two is spoilt: it decides."""
+    spoilt = {
+        "BRANCH": {"error": np.where(run.time > 1, 119.0, run.error)},
+        "FALLS": {"clearance": run.clearance - run.clearance.max() - 1},
+        "STALLS": {"crank": np.minimum(run.crank, 2.7)},
+        "WALKS": {"place": run.place * [0.01, 1, 1]},
+        "SLIPS": {"sliding": 5 * run.sliding},
+    }
+    for code, damage in spoilt.items():
+        found = judged(machine, model, [run, replace(run, friction=1.0, **damage)])
+        assert not found[code] and found.get("BRANCH") is (code != "BRANCH")
+        assert (len(found) == 1) is (code == "BRANCH")
+
+
+def test_a_frame_that_leans_falls(run: Gait) -> None:
+    turn = math.radians(46)
+    over = np.array(
+        [[1, 0, 0], [0, math.cos(turn), -math.sin(turn)], [0, math.sin(turn), math.cos(turn)]]
+    )
+    leaning = replace(run, axes=np.einsum("ij,njk->nik", over, run.axes))
+    assert leaning.falls and np.degrees(leaning.roll.min()) == pytest.approx(-46, abs=0.1)
+
+
+def test_a_turn_to_the_side_is_no_loss_of_way(run: Gait) -> None:
+    """All seen from a world that is turned by 40 deg."""
+    turn = math.radians(40)
+    world = np.array(
+        [[math.cos(turn), -math.sin(turn), 0], [math.sin(turn), math.cos(turn), 0], [0, 0, 1]]
+    )
+    other = replace(run, place=run.place @ world.T, axes=np.einsum("ij,njk->nik", world, run.axes))
+    assert other.way_per_turn == pytest.approx(run.way_per_turn, rel=1e-9)
+    np.testing.assert_allclose(other.heading - run.heading, turn)
+
+
+def test_a_film_shows_it_going_on(
+    machine: Any, model: Any, run: Gait, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its ink moves to the right from the first frame to the last, of few frames."""
+    monkeypatch.setattr(picture, "_FRAMES", 1)
+    image = Image.open(io.BytesIO(picture.film(machine, model, run)))
+    frames = []
+    for k in (0, image.n_frames - 1):
+        image.seek(k)
+        pixels = np.asarray(image.convert("RGB"), int)
+        coloured = np.ptp(pixels, axis=2) > 60
+        frames.append(np.nonzero(coloured)[1].mean())
+    assert frames[1] - frames[0] > 0.2 * image.width
+
+
+def test_what_does_not_walk_is_told(tmp_path: Path) -> None:
+    with pytest.raises(SpecError, match="walk"):
+        walking.simulate(ROOT / "specs" / "linkage.toml", tmp_path)
+
+
+def test_without_the_engine_the_extra_is_named(
+    machine: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(FileError, match=r"pip install .*\[simulate\]"):
+        walking.simulate(machine, tmp_path)
+    assert not any(tmp_path.iterdir())
