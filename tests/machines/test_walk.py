@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -37,3 +38,23 @@ def test_all_that_is_wrong_with_feet_is_told_at_once() -> None:
     ]
     with pytest.raises(SpecError, match="walk.friction"):
         walker(FEET, "walk.friction=[0]")
+
+
+def test_a_slow_walk_is_that_of_an_independent_prototype() -> None:
+    """Each published value by its last digit."""
+    table = tomllib.loads((SPEC.parents[1] / "tests/reference/slow_walk.toml").read_text("utf-8"))
+    numbers = walker(FEET, "walk.payload_g=40").study().numbers
+    for key, row in table["four-leg-walker"].items():
+        assert numbers[key] == pytest.approx(row["value"], abs=row["within"]), key
+    assert numbers["walk_tilt_least_deg"] == pytest.approx(
+        -numbers["walk_tilt_greatest_deg"], abs=1e-3
+    )
+    assert numbers["walk_way_least_mm"] <= numbers["walk_way_mm"] <= numbers["walk_way_greatest_mm"]
+    ratio = numbers["walk_slip_work_greatest_j"] / numbers["walk_slip_work_least_j"]
+    assert ratio == pytest.approx(1.0 / 0.3)
+
+
+def test_freight_beyond_its_feet_makes_it_fall() -> None:
+    study = walker(FEET, "walk.payload_g=1000", "walk.payload_at=[400, 0]").study()
+    assert "walk_falls_at_deg" in study.numbers and "walk_way_mm" not in study.numbers
+    assert any("falls" in note for note in study.notes)

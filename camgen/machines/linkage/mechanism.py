@@ -37,7 +37,16 @@ from camgen.machine.reach import refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machine.stepwise import stays_clear
 from camgen.machines import included as inc
-from camgen.machines.linkage import bridges, figures, freewheels, motors, pens, planets, sheets
+from camgen.machines.linkage import (
+    bridges,
+    figures,
+    freewheels,
+    motors,
+    pens,
+    planets,
+    sheets,
+    walking,
+)
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.asked_range import refuse_range
@@ -50,7 +59,7 @@ from camgen.machines.loads.bearing import LoadCheck
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
 from camgen.machines.loads.lift_off import by_force, lift_off
 from camgen.machines.loads.tables import Drives
-from camgen.machines.loads.weights import gravity
+from camgen.machines.loads.weights import gravity, with_masses
 from camgen.machines.mechanism import Mechanism, Remarks
 from camgen.machines.return_spring import SAMPLES
 from camgen.motion.program import Program
@@ -962,11 +971,21 @@ class Linkage(Mechanism):
     def study(self) -> Study:
         """Outputs, curves and paths, the class of a four-bar; those of what is included; all outputs over one turn."""
         own = figures.study(self._moving, self._made, lambda: self.assembly.cycle.name)
+        if self.walk is not None:
+            own = together([own, self._walk(self.walk)])
         if not self.includes:
             return own
         whole = self.solve(np.linspace(*self.cycle.range, ROWS), 0)
         timing = figures.timing(whole, self.drive.link)
         return together([own, *map(inc.study, self.modules), timing])
+
+    def _walk(self, walk: t.Walk) -> Study:
+        """How it walks if it goes slowly, on the feet of both sides."""
+        solids = self.assembly.solids
+        machine = with_masses(self.assembly.exact, solids, self.load).machine
+        far = {f"{FAR}_{foot}" for foot in walk.feet}
+        feet = [*walk.feet, *(each.name for each in machine.outputs if each.name in far)]
+        return walking.study(machine, solids, walk, feet, self._down)
 
     @property
     def _made(self) -> figures.Build | None:
