@@ -22,7 +22,7 @@ from camgen.machine.features import Edge, EdgePair
 from camgen.machine.model import Law
 from camgen.study import Figure
 
-_STEP = math.radians(0.5)  # of the driver, from sample to sample
+_STEP = math.radians(0.5)  # of driver and carrier, from sample to sample
 _COARSE = 30  # such steps for each angle at which overlaps are looked for before
 _UNEVEN = (
     math.sqrt(5) - 1
@@ -44,8 +44,8 @@ class _Place:
 class Engagement:
     """The law of a Cam as its edges give it: the follower's angle less its rest over the cam's angle less the phase, rad.
 
-    a, b: rings of either body at those angles 0, about its axis, mm, in the order of the feature's edges; line: from the axis of
-    the cam to the follower's, mm; wanted: the law that is meant.
+    a, b: rings of driver and follower at those angles 0, about its axis, mm, in the order of the feature's edges; line: from the
+    axis of the driver to the follower's there, mm; wanted: the law that is meant.
     """
 
     feature: EdgePair
@@ -57,13 +57,14 @@ class Engagement:
     @cached_property
     def pair(self) -> OutlinePair:
         """Both bodies."""
-        return OutlinePair(Body(self.a), Body(self.b), pivots_apart(self.line))
+        return OutlinePair(Body(self.a), Body(self.b), pivots_apart(self.line, self.feature.rates))
 
     @cached_property
     def motion(self) -> PairMotion:
         """Where the follower is free over its period; nothing is followed where the edges overlap as they are meant to stand."""
         period = self.feature.period
-        count = math.ceil(period / _STEP / _COARSE)
+        fastest = max(1.0, *map(abs, self.feature.rates))
+        count = math.ceil(period * fastest / _STEP / _COARSE)
         coarse = period * np.sort(np.arange(count) * _UNEVEN % 1.0)
         wanted = self.wanted(coarse, 0)
         free = ~np.array([*map(self.pair.overlaps, coarse.tolist(), wanted.tolist())])

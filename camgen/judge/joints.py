@@ -495,16 +495,22 @@ class _Builder:
 
     def _edge_pair(self, feature: EdgePair, joint: Cam) -> Cam:
         """A pair whose follower goes where the edges let it."""
-        driver = self._pin_places(feature.turns, joint.cam)
-        driven = self._pin_places(feature.swings, joint.follower)
-        pivot, follower = self.nominal[feature.turns], self.nominal[feature.swings]
-        a = [self._edge(each, joint.cam, pivot, driver[0]) for each in feature.a]
-        b = [self._edge(each, joint.follower, follower, driven[0]) for each in feature.b]
+        spin, carried = feature.rates
+        driver = joint.cam if spin else GROUND
+        a = self._edges(feature.a, driver, feature.turns)
+        b = self._edges(feature.b, joint.follower, feature.swings)
+        axes = [
+            self._axle(pin, body, feature.carrier)[1]
+            for pin, body in ((feature.turns, driver), (feature.swings, joint.follower))
+        ]
+        # where all stand at the joint's angle 0
+        begin = joint.phase - self.machine.start_of(joint.cam).angle
+        turned = self.machine.start_of(feature.carrier).angle + carried * begin
         engagement = Engagement(
             feature,
-            tuple(ring.moved(cmath.exp(1j * joint.phase)) for ring in a),
+            tuple(ring.moved(cmath.exp(1j * spin * joint.phase)) for ring in a),
             tuple(ring.moved(cmath.exp(1j * joint.rest)) for ring in b),
-            driven[1] - driver[1],
+            (axes[1] - axes[0]) * cmath.exp(1j * turned),
             joint.law,
         )
         worst = engagement.worst_gap
@@ -515,6 +521,11 @@ class _Builder:
         )
         self.engagements[joint.name] = engagement
         return replace(joint, law=engagement)
+
+    def _edges(self, edges: Sequence[Edge], body: str, pin: str) -> list[Ring]:
+        """Those of a body that a pin holds."""
+        pivot = self._pin_places(pin, body)[0]
+        return [self._edge(edge, body, self.nominal[pin], pivot) for edge in edges]
 
     def _edge(self, edge: Edge, body: str, pin: Pin, pivot: complex) -> Ring:
         """An edge about the pivot of its body, in the body's axes, with its bore on its axis; pin: the nominal one."""

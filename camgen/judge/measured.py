@@ -293,12 +293,14 @@ class _Reader:
     def edges(self, joint: str, edges: Sequence[Edge]) -> None:
         """Outlines that touch others."""
         for edge in edges:
-            outline = self._whole_outline(joint, edge.part)
+            outline = self._whole_outline(joint, edge.part, edge.hole is not None, edge.hole)
             if outline is not None:
                 self.readings.edges[edge] = outline
 
-    def _whole_outline(self, joint: str, part: str, inside: bool = False) -> Ring | None:
-        outline = _whole(self.files[part], inside)
+    def _whole_outline(
+        self, joint: str, part: str, inside: bool = False, near: complex | None = None
+    ) -> Ring | None:
+        outline = _whole(self.files[part], inside, near)
         if outline is None:
             self._lost(f"{joint}: the outline of {part} is lost")
         return outline
@@ -315,8 +317,8 @@ class _Reader:
         self.readings.facing[feature] = angles[0], angles[1]
 
 
-def _whole(sections: Sections, inside: bool) -> Ring | None:
-    """A part's outline, or a ring's largest hole, material on its left; None without any.
+def _whole(sections: Sections, inside: bool, near: complex | None = None) -> Ring | None:
+    """A part's outline, or its largest hole, or the one near to a place; material on its left; None without any.
 
     Of heights that differ all the material that any of them shows: what stands on a wheel is left out.
     """
@@ -324,13 +326,20 @@ def _whole(sections: Sections, inside: bool) -> Ring | None:
     for shapes in sections:
         rings = [ring for shape in shapes for ring in (shape.holes if inside else (shape.outer,))]
         if rings:
-            ring = max(rings, key=lambda each: abs(each.area))
+            ring = _chosen(rings, near)
             if not any(_same(ring, other) for other in outlines):
                 outlines.append(ring)
     if not outlines:
         return None
     whole = outlines[0] if len(outlines) == 1 else _together(outlines, inside)
     return whole.counter_clockwise().reversed() if inside else whole.counter_clockwise()
+
+
+def _chosen(rings: Sequence[Ring], near: complex | None) -> Ring:
+    """The largest, or the one whose middle is nearest to a place."""
+    if near is None:
+        return max(rings, key=lambda each: abs(each.area))
+    return min(rings, key=lambda each: abs(each.centroid - near))
 
 
 def _together(rings: Sequence[Ring], inside: bool) -> Ring:

@@ -53,13 +53,18 @@ _FACETS = 1e-4  # mm, of outlines whose overlap is measured as an area
 _NO_OVERLAP = 4e-4  # mm, mean width of an overlap that facets may feign
 
 
-def pivots_apart(distance: complex) -> Pose:
-    """A driver that turns by theta about its origin; the driven body's pivot lies at `distance` from it, mm."""
+def pivots_apart(distance: complex, rates: tuple[float, float] = (1.0, 0.0)) -> Pose:
+    """A driver that turns about its origin; the driven body's pivot lies at `distance` from it at theta = 0, mm.
+
+    rates: of the driver and of what carries both pivots, rad for one of theta.
+    """
+    spin, carried = rates
 
     def pose(theta: Floats, order: int) -> tuple[Points, Floats]:
+        place = -complex(distance) * (1j * carried) ** order * np.exp(1j * carried * theta)
         if order == 0:
-            return np.full(theta.shape, -complex(distance)), theta
-        return np.zeros(theta.shape, complex), np.full(theta.shape, float(order == 1))
+            return place, spin * theta
+        return place, np.full(theta.shape, spin * (order == 1))
 
     return pose
 

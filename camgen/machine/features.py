@@ -121,13 +121,14 @@ class SlotFaces:
 
 @dataclass(frozen=True)
 class Edge:
-    """The outer outline of a part that sits on an axis of its body by a hole of its own."""
+    """An outline of a part that sits on an axis of its body by a hole of its own, or by its rim where it is a pin itself."""
 
     part: str
-    bore: Eye  # that hole
+    bore: Eye  # that hole or rim
     seat: Eye | None = (
         None  # another part's hole on the axis; None: the pin on which the body turns
     )
+    hole: complex | None = None  # middle of the hole whose edge it is, mm; None: the outer outline
 
 
 @dataclass(frozen=True)
@@ -214,20 +215,23 @@ class GearTeeth:
 
 @dataclass(frozen=True)
 class EdgePair:
-    """Of a Cam: the edges by which its body `cam` drives its follower, both turning on the ground.
+    """Of a Cam: the edges by which a driver turns its follower, each about a pin on what carries both.
 
     The follower counts as where its law wants it, as far as `free` is left on either side, mm; else as in the middle. held: ranges
-    of the joint's angle in which no more is left, rad; period: of the angle after which both stand as before.
+    of the joint's angle in which no more is left, rad; period: of the angle after which both stand as before. rates: of driver and
+    carrier, turns for one of the joint's angle; a driver of rate 0 is the ground, any other the joint's cam.
     """
 
     joint: str
-    a: tuple[Edge, ...]  # of the cam
+    a: tuple[Edge, ...]  # of the driver
     b: tuple[Edge, ...]  # of the follower
-    turns: str  # Pin that holds the cam on the ground
-    swings: str  # Pin that holds the follower
+    turns: str  # Pin that holds the driver on the carrier
+    swings: str  # Pin that holds the follower there; on the ground where the carrier turns about the same axis
     free: float
     held: tuple[tuple[float, float], ...]
     period: float
+    carrier: str = "ground"
+    rates: tuple[float, float] = (1.0, 0.0)
 
     @property
     def edges(self) -> tuple[Edge, ...]:
