@@ -11,6 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
@@ -28,6 +29,10 @@ _UNEVEN = (
     math.sqrt(5) - 1
 ) / 2  # of the period, from each of these to the next: no pitch of teeth fits
 _KNOWN = 8  # answers that are kept
+# Share of the air that is filled where levers are measured: what is left keeps pins off their dead points, where they have none.
+_FILLED = 0.75
+_NARROW = 1e-3  # rad, in which bounds are looked for at least
+_SIDES: tuple[Literal["low", "high"], ...] = ("low", "high")
 
 
 @dataclass(frozen=True)
@@ -38,6 +43,17 @@ class _Place:
     slope: Floats
     play: Floats
     lever: Floats  # mm that both edges must be off by, square to them, for 1 rad of the middle between them
+    gap: Floats  # air on both sides together, square to the edges, mm
+
+
+@dataclass(frozen=True)
+class _Side:
+    """What holds the driven body on one side, (n,) each."""
+
+    bound: Floats  # where it touches, rad
+    free: Floats  # air that is meant to be left there, mm
+    lever: Floats  # mm for 1 rad
+    slope: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,17 +135,16 @@ class Engagement:
         place = self._placed(self.motion.bounds(own))
         ends = self.wanted(np.array([0.0, period]), 0)
         value = place.value[back] + whole * (ends[1] - ends[0])
-        found = (value, place.slope[back], place.play[back], place.lever[back])
+        found = (value, *(each[back] for each in (place.slope, place.play, place.lever, place.gap)))
         return _Place(*(each.reshape(theta.shape) for each in found))
 
     def _placed(self, bounds: Bounds) -> _Place:
         """The follower between bounds."""
-        low = self.motion.touch(bounds, "low")
-        high = self.motion.touch(bounds, "high")
+        low, high = self._sides(bounds)
         wanted = self.wanted(bounds.theta, 0)
         # of a side that is open nan: nothing is there
-        least = np.where(np.isnan(bounds.low), -np.inf, bounds.low + self.feature.free / low.lever)
-        most = np.where(np.isnan(bounds.high), np.inf, bounds.high - self.feature.free / high.lever)
+        least = np.where(np.isnan(low.bound), -np.inf, low.bound + low.free / low.lever)
+        most = np.where(np.isnan(high.bound), np.inf, high.bound - high.free / high.lever)
         between = least > most
         below = ~between & (wanted < least)
         above = ~between & (wanted > most)
@@ -142,7 +157,28 @@ class Engagement:
         slope: Floats = np.select(cases, slopes, self.wanted(bounds.theta, 1))
         lever = 2 / (1 / low.lever + 1 / high.lever)
         lever = np.where(np.isnan(lever), np.fmax(low.lever, high.lever), lever)
-        return _Place(value, slope, bounds.play, lever)
+        gap = (high.bound - low.bound) * lever + 2 * (self.feature.free - low.free)
+        return _Place(value, slope, bounds.play, lever, gap)
+
+    def _sides(self, bounds: Bounds) -> list[_Side]:
+        """What holds the follower below and above: the driver grown by most of the air, so that levers are those of where the
+        follower is wanted and not of where it touches; the driver as it is where there is less air."""
+        free = self.feature.free
+        grown = replace(self.pair, overlap=-_FILLED * free)
+        middle = (bounds.low + bounds.high) / 2
+        guess = np.where(np.isnan(middle), 0.0, middle)
+        window = float(np.max(bounds.play[~np.isnan(bounds.play)], initial=_NARROW))
+        near, _, _ = grown.measured(bounds.theta, guess, (window, window), False)
+        within = (near.low >= bounds.low) & (near.high <= bounds.high)
+        sides = []
+        for side in _SIDES:
+            touch = self.pair.touch(bounds, side)
+            close = grown.touch(near, side)
+            bound = np.where(within, getattr(near, side), getattr(bounds, side))
+            left = np.where(within, (1 - _FILLED) * free, free)
+            lever = np.where(within, close.lever, touch.lever)
+            sides.append(_Side(bound, left, lever, np.where(within, close.slope, touch.slope)))
+        return sides
 
     def figures(self, kind: str) -> list[Figure]:
         """Least and greatest play of the follower over its period."""
@@ -173,9 +209,10 @@ class Engagement:
     def worst_gap(self) -> Gap:
         """Where it is held by least or most compared to what is meant."""
         samples = self.motion.samples
-        gaps = self._samples.play * self._samples.lever
-        gaps = np.nan_to_num(np.where(samples.free, gaps, 0.0), nan=0.0)[self._held]
-        k = int(self._held[np.argmax(np.abs(gaps - 2 * self.feature.free))])
+        meant = 2 * self.feature.free
+        gaps = np.where(samples.free, self._samples.gap, 0.0)
+        gaps = np.nan_to_num(gaps, nan=0.0)[self._held]
+        k = int(self._held[np.argmax(np.abs(gaps - meant))])
         gap = float(gaps[np.searchsorted(self._held, k)])
         sides = (samples.low_pair[k], samples.high_pair[k])
         drivers = [_owner(self.a, self.feature.a, int(pair[0])) for pair in sides]
@@ -187,10 +224,10 @@ class Engagement:
         phi = float(self.wanted(np.array([theta]), 0)[0])
         return [
             name
-            for a, first in zip(self.a, self.feature.a, strict=True)
-            for b, second in zip(self.b, self.feature.b, strict=True)
-            if replace(self.pair, driver=Body([a]), driven=Body([b])).overlaps(theta, phi)
-            for name in (first.part, second.part)
+            for first, a in _by_part(self.feature.a, self.a).items()
+            for second, b in _by_part(self.feature.b, self.b).items()
+            if replace(self.pair, driver=Body(a), driven=Body(b)).overlaps(theta, phi)
+            for name in (first, second)
         ]
 
 
@@ -202,6 +239,14 @@ class Gap:
     gap: float
     driver: str
     driven: str
+
+
+def _by_part(edges: Sequence[Edge], rings: Sequence[Ring]) -> dict[str, list[Ring]]:
+    """Rings of each part."""
+    found: dict[str, list[Ring]] = {}
+    for edge, ring in zip(edges, rings, strict=True):
+        found.setdefault(edge.part, []).append(ring)
+    return found
 
 
 def _owner(rings: Sequence[Ring], edges: Sequence[Edge], feature: int) -> str:
@@ -222,7 +267,9 @@ def judge_edges(engagement: Engagement, where: Where) -> Finding:
     proven[0] = True
     sound = samples.free & proven
     share = 100 * float(np.mean(sound))
-    turns = engagement.feature.period / math.tau
+    spin, carried = engagement.feature.rates
+    rate = abs(carried or spin)
+    turns = engagement.feature.period * rate / math.tau
     remark = f"of {len(sound)} angles in {turns:g} turns both outlines are free of each other, and between them"
     if sound.all():
         play = np.degrees(samples.play)
@@ -233,5 +280,6 @@ def judge_edges(engagement: Engagement, where: Where) -> Finding:
         theta = float(samples.theta[int(np.argmin(sound))])
         parts = engagement.overlapping(theta)
         remark += f"; there {' and '.join(parts)} overlap" if parts else "; there it is lost"
-    place = replace(where, joint=engagement.feature.joint, theta=theta % math.tau, angle="crank at")
+    theta = theta * (carried or spin) % math.tau
+    place = replace(where, joint=engagement.feature.joint, theta=theta, angle="crank at")
     return at_least("CONTACT", share, 100, "percent", place, remark)

@@ -25,9 +25,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal
+from itertools import product
+from typing import Any, Literal
 
 import numpy as np
 
@@ -70,6 +71,26 @@ def pivots_apart(distance: complex, rates: tuple[float, float] = (1.0, 0.0)) -> 
 
 
 @dataclass(frozen=True)
+class _Area:
+    """What an outer outline encloses, or what holes leave open, in facets, and the heights between which it is so."""
+
+    polygon: Any  # of shapely
+    hole: bool
+    low: float
+    high: float
+
+    def moved(self, turn: complex, place: complex) -> _Area:
+        """The same turned about the origin, then shifted."""
+        import shapely
+
+        def there(points: Floats) -> Floats:
+            z = place + turn * (points[:, 0] + 1j * points[:, 1])
+            return np.column_stack([z.real, z.imag])
+
+        return replace(self, polygon=shapely.transform(self.polygon, there))
+
+
+@dataclass(frozen=True)
 class Body:
     """Outlines of one body: rings with material on the left, mm, and the heights between which each is there."""
 
@@ -80,6 +101,24 @@ class Body:
     def features(self) -> Features:
         """What can be touched first."""
         return features(self.rings, self.heights)
+
+    @cached_property
+    def areas(self) -> list[_Area]:
+        """Each outer outline, and all holes of one height together: between them is material."""
+        import shapely
+
+        solid = []
+        holes: dict[Heights, list[Any]] = {}
+        for k, ring in enumerate(self.rings):
+            z = ring.facetted(_FACETS)
+            area = shapely.make_valid(shapely.Polygon(np.column_stack([z.real, z.imag])))
+            span = self.heights[k] if self.heights else EVERYWHERE
+            if ring.area > 0:
+                solid.append(_Area(area, False, *span))
+            else:
+                holes.setdefault(span, []).append(area)
+        opened = (_Area(shapely.union_all(each), True, *span) for span, each in holes.items())
+        return [*solid, *opened]
 
 
 @dataclass(frozen=True)
@@ -129,7 +168,8 @@ class Jump:
 class OutlinePair:
     """A driver and what it drives.
 
-    pose: of the driver, seen from the driven body's pivot. overlap: mm, by which both may overlap: pairs without clearance.
+    pose: of the driver, seen from the driven body's pivot. overlap: mm, by which both may overlap: pairs without clearance; below 0
+    by how much they must be apart.
     rest: the bound on which a spring holds the driven body; "play": none.
     """
 
@@ -209,6 +249,7 @@ class OutlinePair:
         size = min(_BLOCK, count)
         poses = poses.padded(-count % size)
         growth = greatest_way(self.bodies, poses) if prove else 0.0
+        growth = growth + max(0.0, -self.overlap)
         pairs = partners(self.bodies, poses, size, window, growth)
         met, pose = meetings(self.bodies, pairs, poses, size, -self.overlap)
         events = touches(met, self.freedom)
@@ -236,6 +277,12 @@ class OutlinePair:
             ahead[:count],
             missed[:count],
         )
+
+    def touch(self, bounds: Bounds, side: Literal["low", "high"]) -> Touch:
+        """Contact at one of the bounds."""
+        pairs = bounds.low_pair if side == "low" else bounds.high_pair
+        phi = bounds.low if side == "low" else bounds.high
+        return _touch(self, bounds.theta, phi, pairs)
 
     def cells(self, theta: float, near: float, window: float) -> list[tuple[float, float]]:
         """Intervals of phi between touches that may be free, nearest first; an open side is infinite."""
@@ -268,14 +315,13 @@ class OutlinePair:
         turn = complex(np.exp(1j * angle))
         own_turn = complex(self.freedom.turned(np.array([phi]))[0])
         own_place = complex(self.freedom.moved(np.array([phi]))[0])
-        for a, low_a, high_a in _with_heights(self.driver):
-            for b, low_b, high_b in _with_heights(self.driven):
-                if low_a < high_b and low_b < high_a:
-                    first = a.moved(turn, complex(place))
-                    second = b.moved(own_turn, own_place)
-                    if _shared_width(first, second) > _NO_OVERLAP + self.overlap:
-                        return True
-        return False
+        drivers = [area.moved(turn, complex(place)) for area in self.driver.areas]
+        driven = [area.moved(own_turn, own_place) for area in self.driven.areas]
+        return any(
+            _shared_width(a, b) > _NO_OVERLAP + self.overlap
+            for a, b in product(drivers, driven)
+            if a.low < b.high and b.low < a.high
+        )
 
     def component(self, theta: float, near: float, window: float) -> tuple[float, float] | None:
         """The free interval nearest to a phi, None where there is none; nan where open."""
@@ -291,26 +337,17 @@ class OutlinePair:
 _MOST_CELLS = 60  # that are tried for one start
 
 
-def _with_heights(body: Body) -> list[tuple[Ring, float, float]]:
-    spans = body.heights or [EVERYWHERE] * len(body.rings)
-    return [(ring, *span) for ring, span in zip(body.rings, spans, strict=True)]
-
-
-def _shared_width(first: Ring, second: Ring) -> float:
-    """Mean width of what two outlines with their material on the left share, mm; 0 where they share nothing."""
+def _shared_width(first: _Area, second: _Area) -> float:
+    """Mean width of what two areas share, mm; 0 where they share nothing."""
     import shapely
 
-    inside = [ring.area > 0 for ring in (first, second)]
-    polygons = []
-    for ring in (first, second):
-        z = ring.facetted(_FACETS)
-        polygons.append(shapely.make_valid(shapely.Polygon(np.column_stack([z.real, z.imag]))))
-    if all(inside):
-        shared = shapely.intersection(*polygons)
-    elif inside[0]:
-        shared = shapely.difference(*polygons)
+    if first.hole and second.hole:
+        shared = shapely.difference(second.polygon, first.polygon)
+    elif first.hole or second.hole:
+        solid, hole = (second, first) if first.hole else (first, second)
+        shared = shapely.difference(solid.polygon, hole.polygon)
     else:
-        shared = shapely.difference(polygons[1], polygons[0])
+        shared = shapely.intersection(first.polygon, second.polygon)
     return 2 * shared.area / shared.length if shared.area > 0 else 0.0
 
 
@@ -591,9 +628,7 @@ class PairMotion:
 
     def touch(self, bounds: Bounds, side: Literal["low", "high"]) -> Touch:
         """Contact at one of the bounds."""
-        pairs = bounds.low_pair if side == "low" else bounds.high_pair
-        phi = bounds.low if side == "low" else bounds.high
-        return _touch(self.pair, bounds.theta, phi, pairs)
+        return self.pair.touch(bounds, side)
 
     def jumps(self, side: Literal["low", "high"]) -> list[Jump]:
         """Where a bound jumps, found to the last digits between the samples.
