@@ -105,6 +105,7 @@ ALONE = ("uniform-swing", tuple(CAMS))
 MADE = [
     AUTOMATON,
     BEAK,
+    ("gallery/cycloidal-reducer", ()),
     ("gallery/elliptic-trammel", ("files.step=true",)),
     ("gallery/elliptic-wheels", ("files.step=true",)),
     ("gallery/five-bar", ("files.step=true",)),

@@ -34,7 +34,9 @@ from camgen.machines.linkage.links import shape
 from camgen.motion.polydyne import Lag, polydyne
 from camgen.motion.program import Program
 from camgen.motion.segments import program
+from camgen.parts.generator.cycloids import CycloidWish
 from camgen.parts.generator.wheels import SECOND, Ridden, follower_of, level_of, named, pivot
+from camgen.parts.wheels.cycloid import CycloidDisc, CycloidLaw, OutputWish
 from camgen.parts.wheels.geneva import Geneva, GenevaLaw
 from camgen.parts.wheels.noncircular import Centrodes, NoncircularPair
 
@@ -67,6 +69,7 @@ class Drawing:
     geneva_sizes: tuple[float, float] = (0.1, 2.0)  # air unless given, and wall of a wheel, mm
     planets: Sequence[t.Planets] = ()  # whose points and links are among the others
     noncirculars: Sequence[t.Noncircular] = ()
+    cycloids: Sequence[t.Cycloid] = ()
 
     # ---- names ----------------------------------------------------------------------------------------------------
 
@@ -116,6 +119,7 @@ class Drawing:
             ("noncircular", (each.joint for each in self.noncirculars)),
             ("freewheel", map(self.freewheel_name, self.freewheels)),
             ("planets", (row.title for row in self.planets)),
+            ("cycloid", (row.title for row in self.cycloids)),
         ):
             yield from (((kind, k), name) for k, name in enumerate(names))
 
@@ -198,6 +202,27 @@ class Drawing:
                 raise named(error, f"noncircular {each.joint}") from None
         return made
 
+    def cycloid_of(self, row: t.Cycloid) -> CycloidWish:
+        """What is asked of its disc and pins; DesignError where there is none."""
+        points = self.links[row.crank]
+        exact = shape(self.drawn(points), _between(points, self._given_lengths))[0]
+        shaft = points.index(self.pivot(row.crank) or "")
+        eccentricity = abs(complex(exact[points.index(row.at)] - exact[shaft]))
+        usual = self.geneva_sizes[0]
+        air = usual if row.clearance is None else row.clearance
+        try:
+            disc = CycloidDisc(row.pins, row.radius, row.pin_radius, eccentricity, air)
+        except DesignError as error:
+            raise named(error, f"cycloid {row.title}") from None
+        asked = OutputWish(row.output_pins, row.output_radius, row.output_pin_radius)
+        links = row.crank, row.at, row.disc
+        return CycloidWish(row.title, disc, *links, air, row.output, row.output_title, asked)
+
+    @cached_property
+    def cycloid_wishes(self) -> list[CycloidWish]:
+        """What is asked of each cycloidal drive."""
+        return [self.cycloid_of(row) for row in self.cycloids]
+
     @cached_property
     def named_genevas(self) -> dict[str, tuple[Geneva, str]]:
         """Each Geneva drive with its pin, by the name of its joint."""
@@ -253,7 +278,7 @@ class Drawing:
         turns = {
             each.link: rate for each in self.drives if (rate := self.rate_of(each)) is not None
         }
-        for _ in (*self.gears, *self.planets):
+        for _ in (*self.gears, *self.planets, *self.cycloids):
             for gear in self.gears:
                 if gear.a in turns:
                     turns.setdefault(gear.b, turns[gear.a] * gear.ratio)
@@ -261,6 +286,11 @@ class Drawing:
                     turns.setdefault(gear.a, turns[gear.b] / gear.ratio)
             for row in self.planets:
                 planets.turn_on(row, turns)
+            for each in self.cycloids:
+                if each.crank in turns:
+                    turns.setdefault(each.disc, -turns[each.crank] / (each.pins - 1))
+                if each.output and each.disc in turns:
+                    turns.setdefault(each.output, turns[each.disc])
         return turns.get(link)
 
     def moves_alone(self, follower: str) -> bool:
@@ -277,6 +307,9 @@ class Drawing:
         joined += [cam.cam for cam in self.cams]
         joined += [name for geneva in self.genevas for name in (geneva.a, geneva.b)]
         joined += [name for pair in self.noncirculars for name in (pair.a, pair.b)]
+        joined += [
+            name for row in self.cycloids for name in (row.crank, row.disc, row.output or "")
+        ]
         return not (slots or others & {*self.links[follower]} or follower in joined)
 
     def speed_of(self, cam: t.Cam) -> float:
@@ -372,6 +405,7 @@ class Drawing:
         joints += [self._cam(cam, start, joints) for cam in self.cams]
         joints += [self._geneva(geneva, bodies, start) for geneva in self.genevas]
         joints += [self._noncircular(each, start) for each in self.noncirculars]
+        joints += [joint for wish in self.cycloid_wishes for joint in _cycloid(wish, start)]
         drives = [
             m.Drive(
                 name,
@@ -651,6 +685,18 @@ class Drawing:
         if slide is not None:
             return m.Output(output.name, m.Along(self.slide_name(slide)))
         return m.Output(output.name, m.Angle(output.link), "rad")
+
+
+def _cycloid(wish: CycloidWish, start: Mapping[str, m.Pose]) -> list[m.Cam]:
+    """Its joints, at their angle 0 as drawn: crank and disc, disc and output, which turns as the disc does."""
+    crank, disc = (start[link].angle for link in (wish.crank, wish.link))
+    law = CycloidLaw(wish.disc)
+    joints = [m.Cam(wish.joint, wish.crank, wish.link, law, phase=crank, rest=disc)]
+    if wish.output is not None:
+        rest = start[wish.output].angle
+        together = (wish.output_joint, wish.link, wish.output, m.Turning())
+        joints.append(m.Cam(*together, phase=disc, rest=rest))
+    return joints
 
 
 def _between(

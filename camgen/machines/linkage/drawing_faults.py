@@ -124,6 +124,8 @@ def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
         yield from _geneva_faults(drawing, ("geneva", k), geneva)
     for k, each in enumerate(drawing.noncirculars):
         yield from _noncircular_faults(drawing, ("noncircular", k), each)
+    for k, row in enumerate(drawing.cycloids):
+        yield from _cycloid_faults(drawing, ("cycloid", k), row)
     for name in drawing.levels_of_joints():
         if name in drawing.links:
             right = "another name: a cam, a gear, a Geneva drive or a pair of wheels has it, and its level"
@@ -272,6 +274,39 @@ def _geneva_faults(drawing: Drawing, path: Key, geneva: t.Geneva) -> Iterable[Fa
         if {*(t.pair(key) or ())} == {geneva.pin, drawing.pivot(geneva.a) if points else None}:
             right = "left out: it follows from slots and the distance of both shafts"
             yield Fault(("lengths", key), "", right)
+
+
+def _cycloid_faults(drawing: Drawing, path: Key, row: t.Cycloid) -> Iterable[Fault]:
+    links = {"crank": row.crank, "disc": row.disc} | ({"output": row.output} if row.output else {})
+    wrong = [
+        fault for key, name in links.items() for fault in _link_fault(drawing, (*path, key), name)
+    ]
+    yield from wrong
+    if len({*links.values()}) < len(links):
+        yield Fault(path, ", ".join(links.values()), "links that differ")
+    if row.output is None:
+        keys = "output_radius", "output_pin_radius"
+        given = (key for key in keys if getattr(row, key) is not None)
+        yield from (Fault((*path, key), "", "nothing here, or an output") for key in given)
+    if wrong:
+        return
+    shaft = drawing.pivot(row.crank)
+    if shaft is None:
+        right = "a link that shares a point with the ground: it turns there"
+        yield Fault((*path, "crank"), repr(row.crank), right)
+        return
+    points = [point for point in drawing.links[row.crank] if point != shaft]
+    if row.at not in points:
+        right = f"a point of {row.crank} beside its shaft: {', '.join(points) or 'give it one'}"
+        yield Fault((*path, "at"), repr(row.at), right)
+    if [*drawing.links[row.disc]] != [row.at]:
+        right = f'a link with the point of the eccentric alone: {row.disc} = ["{row.at}"]'
+        yield Fault((*path, "disc"), repr(row.disc), right)
+    if row.output is not None and drawing.pivot(row.output) != shaft:
+        right = (
+            f"a link with the point {shaft} of the ground: it turns about the shaft of {row.crank}"
+        )
+        yield Fault((*path, "output"), repr(row.output), right)
 
 
 def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:

@@ -1,4 +1,4 @@
-"""What the report says of gears, planetary sets and wheels that are not round: ratios, pitch curves, planets not evenly spread."""
+"""What the report says of gears, planetary sets, cycloidal drives and wheels that are not round: ratios, pitch curves, planets."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _EVEN = 1e-9  # rad, by which planets that are evenly spread may differ
 
 
 def figures(layout: Layout) -> list[Figure]:
-    """Contact ratio of each pair, of planets once; how often a set's sun turns for one turn of what it drives; of wheels that are
+    """Contact ratio of each pair, of planets once; turns of a set's sun, or a disc's eccentric, for one of what it drives; of wheels that are
     not round their module, how fast the driven one is at most and at least, and how far a flank's normal leans at most."""
     pairs = {(each.a.part, each.b.part): each for each in reversed(layout.gear_pairs)}
     found = [
@@ -40,7 +40,8 @@ def figures(layout: Layout) -> list[Figure]:
             Figure("least speed ratio {of}", float(speed.min()), "", of),
             Figure("greatest pressure angle {of}", leans, "deg", of),
         ]
-    return found
+    cycloids = (drive.wish for drive in layout.cycloid_drives)
+    return [*found, *(Figure("ratio {of}", 1 / c.disc.ratio, "", c.joint) for c in cycloids)]
 
 
 def plots(layout: Layout) -> list[Plot]:
@@ -63,7 +64,14 @@ def _members(wish: PlanetWish) -> tuple[Member, Member]:
 
 
 def notes(layout: Layout) -> Iterator[str]:
-    """Of each set how it turns, and where its planets are unless they are evenly spread."""
+    """Of each set how it turns, and where its planets are unless they are evenly spread; of each cycloidal drive the same."""
+    for drive in layout.cycloid_drives:
+        asked = drive.wish
+        disc = asked.disc
+        yield (
+            f"Cycloidal drive {asked.joint}: {disc.pins} pins, {disc.lobes} lobes; {asked.crank} turns {disc.lobes} times for one "
+            f"turn of {asked.output or asked.link}, the other way. The disc has a play of at least {math.degrees(disc.play):.3g} deg."
+        )
     for wish in layout.planets:
         fixed, driven = _members(wish)
         ratio = turns(wish.teeth, fixed, driven)["sun"]

@@ -167,6 +167,10 @@ class Linkage(Mechanism):
         default=(),
         description="two toothed wheels that are not round: one turns the other at a ratio that varies over the turn",
     )
+    cycloids: Annotated[tuple[t.Cycloid, ...], Field(alias="cycloid", max_length=10)] = Field(
+        default=(),
+        description="a disc on an eccentric that rolls inside pins: few parts for a large reduction",
+    )
     freewheels: Annotated[tuple[t.Freewheel, ...], Field(alias="freewheel", max_length=20)] = Field(
         default=(),
         description="a link that turns on by steps; a wheel that goes to and fro drives it",
@@ -241,6 +245,7 @@ class Linkage(Mechanism):
             *(name for gear in self.gears for name in (gear.a, gear.b)),
             *(name for geneva in self.genevas for name in (geneva.a, geneva.b)),
             *(name for pair in self.noncirculars for name in (pair.a, pair.b)),
+            *(name for row in self.cycloids for name in (row.crank, row.output) if name),
         ]
         found += coils.faults(
             self.springs, links, turning, [*links, *self._drawing.names_of_joints()]
@@ -287,6 +292,7 @@ class Linkage(Mechanism):
             for name in self.making.discs or ()
             if name not in self.points
         ]
+        found += self._eccentric_faults()
         threaded = [point for each in self.wanted for point in each.thread or ()]
         if threaded and self.making.thread_posts is None:
             posts = self.making.thread_post_sizes
@@ -315,8 +321,21 @@ class Linkage(Mechanism):
             "include": bool(self.includes),
             "freewheel": bool(self.freewheels),
             "planets": bool(self.planets),
+            "cycloid": bool(self.cycloids),
             "counterweight": self.counterweight is not None,
         }
+
+    def _eccentric_faults(self) -> Iterator[Fault]:
+        """Eccentrics of cycloidal drives without a size."""
+        for row in self.cycloids:
+            shaft = self._drawing.pivot(row.crank) if row.crank in self.links else None
+            if row.at in (self.making.discs or ()) or not {shaft, row.at} <= self.points.keys():
+                continue
+            off = abs(self._drawing.at(row.at) - self._drawing.at(shaft or ""))
+            bore = self.making.shaft_diameter + self.print.press_clearance
+            least = math.ceil(2 * (off + self.allowed.min_wall) + bore)
+            right = f"missing: the diameter of the eccentric round the shaft, {least} mm or more"
+            yield Fault(("parts", "discs", row.at), "", right)
 
     def _side_faults(self) -> Iterator[Fault]:
         """Why there cannot be two sides, and soles without a foot."""
@@ -406,6 +425,7 @@ class Linkage(Mechanism):
             (self.print.slide_clearance / 2, self.making.wall),
             self.planets,
             self.noncirculars,
+            self.cycloids,
         )
 
     @property
@@ -631,8 +651,9 @@ class Linkage(Mechanism):
 
     @cached_property
     def rounds(self) -> int:
-        """Turns of the drive that bring round carriers and rings of planets; 1 where none are known."""
-        moving = (link for row in self.planets for link in (row.carrier, row.ring) if link)
+        """Turns of the drive that bring round carriers and rings of planets, and cycloidal discs; 1 where none are known."""
+        moving = [link for row in self.planets for link in (row.carrier, row.ring) if link]
+        moving += [row.disc for row in self.cycloids]
         rates = [rate for link in moving if (rate := self._drawing.turns_of(link)) is not None]
         return math.lcm(
             *(Fraction(rate).limit_denominator(_MOST_ROUNDS).denominator for rate in rates)
@@ -742,8 +763,8 @@ class Linkage(Mechanism):
     def _unswept(self) -> Iterator[NotJudged]:
         """What the sweep leaves out of carriers that come round after many turns alone."""
         if self.rounds > _SHOWN_TURNS:
-            why = f"bodies are moved over one turn of {self.rounds}, after which planets are back"
-            yield NotJudged("INTERFERENCE", why, "teeth of planets with a ratio of few whole turns")
+            why = f"bodies are moved over one turn of {self.rounds}, after which all are back"
+            yield NotJudged("INTERFERENCE", why, "a ratio of few whole turns")
 
     def _engraved(self, parts: Sequence[Part]) -> Sequence[Part]:
         """Parts with what is to be engraved in them: a text in a link, letters of holes in what has named points."""
@@ -881,6 +902,7 @@ class Linkage(Mechanism):
             genevas=self._drawing.named_genevas,
             noncirculars=self._drawing.noncircular_pairs,
             planets=sets,
+            cycloids=self._drawing.cycloid_wishes,
             springs={each.name: each.stretched for each in springs},
             freewheels={each.wheel: (each.link, self._clutch) for each in self.freewheels},
             marks={

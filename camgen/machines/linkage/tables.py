@@ -370,6 +370,53 @@ class Noncircular(Record):
         return WaveLaw(self.turns, tuple(waves.real.tolist()), tuple((-waves.imag).tolist()))
 
 
+class Cycloid(Record):
+    """A cycloidal drive: a disc on a crank's eccentric rolls inside pins of the ground and turns back by one lobe a turn."""
+
+    crank: Name = Field(description="the link that turns on the ground, with the eccentric")
+    disc: Name = Field(
+        description="the link that is the disc; it has no other point than the eccentric's"
+    )
+    at: Name = Field(
+        description="point of crank and disc: the eccentric's middle, a disc of parts.discs; how far it is from the shaft is the eccentricity"
+    )
+    pins: Annotated[int, quantity("1", ge=4, le=100)] = Field(
+        description="number of pins; the disc has one lobe less, and turns once for as many turns of the crank"
+    )
+    radius: Length = Field(description="radius of the circle on which the pins are")
+    pin_radius: Length = Field(description="radius of a pin")
+    clearance: Annotated[float, quantity("mm", gt=0, le=2)] | None = Field(
+        default=None,
+        description="air of the disc beside each pin, and of an output pin in its hole; half of print.slide_clearance unless given",
+    )
+    output: Name | None = Field(
+        default=None,
+        description="a link on the crank's shaft that turns with the disc, by pins in holes of it",
+    )
+    output_pins: Annotated[int, quantity("1", ge=3, le=40)] = Field(
+        default=6, description="number of the output's pins"
+    )
+    output_radius: Length | None = Field(
+        default=None, description="radius of the circle on which they are; found unless given"
+    )
+    output_pin_radius: Length | None = Field(
+        default=None, description="radius of one of them; as there is room unless given"
+    )
+    name: Name | None = Field(
+        default=None, description="name of the joint; crank and disc unless given"
+    )
+
+    @property
+    def title(self) -> str:
+        """Name of the joint of crank and disc."""
+        return self.name or f"{self.crank} to {self.disc}"
+
+    @property
+    def output_title(self) -> str:
+        """Name of the joint of disc and output."""
+        return f"{self.disc} to {self.output}"
+
+
 class Planets(Record):
     """A planetary set: planets on a carrier run round a sun and in a ring; one of these three is fixed, the ground."""
 

@@ -33,6 +33,7 @@ from camgen.parts.generator import plates
 from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.discs import (
     cam_parts,
+    cycloid_pins,
     disc_layer,
     gear_parts,
     geneva_parts,
@@ -110,6 +111,7 @@ class Bodies:
                 for drive in layout.noncircular_drives
                 for each in noncircular_parts(layout, drive)
             ),
+            *cycloid_pins(layout),
             *(each for point in layout.pivots for each in self._stack(point)),
             *covers(layout),
             *hand_crank(layout),
@@ -258,7 +260,7 @@ class Bodies:
             flat = layout.profile(point, link)
             if flat is not None:
                 holes[f"hole {point}"] = flat.moved(1, z)
-        holes |= layout.ring_holes(link)
+        holes |= layout.ring_holes(link) | layout.stud_holes(link)
         holes |= layout.slot_holes(link, layout.slots_of(link).keys())
         bore = next((layout.hole(point, link) for point, z in points.items() if z == 0), None)
         if link in layout.marks:
@@ -476,7 +478,7 @@ class Bodies:
             elif isinstance(joint, m.Pin | m.Slot):
                 point, a, b = point_of(layout, joint)
                 joint = replace(joint, clearance=layout.fit(point, a) + layout.fit(point, b))
-            elif isinstance(joint, m.Cam):
+            elif joint.name in layout.cams and isinstance(joint, m.Cam):
                 shaft = layout.at(joint.cam, layout.shaft_of(joint.cam))
                 joint = with_touches(joint, layout.tips, shaft)
             joints.append(joint)

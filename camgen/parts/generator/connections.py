@@ -20,6 +20,7 @@ from camgen.machine.features import Mount, StandIn
 from camgen.machine.jets import thread_length
 from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.gears import GearWish
+from camgen.parts.generator.cycloids import CycloidWish
 from camgen.parts.generator.gears import GearPair, GearWheel, PlanetWish, RingBody, gear_pairs
 from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.noncircular import NoncircularDrive
@@ -126,6 +127,7 @@ class Connections:
     cams: Mapping[str, Ridden] = field(default_factory=dict)  # what touches each
     gears: Mapping[str, GearWish] = field(default_factory=dict)  # what is asked of each pair
     planets: Sequence[PlanetWish] = ()
+    cycloids: Sequence[CycloidWish] = ()
     # wheel and disc of each Geneva drive, and the point of its pin
     genevas: Mapping[str, tuple[Geneva, str]] = field(default_factory=dict)
     noncirculars: Mapping[str, NoncircularPair] = field(default_factory=dict)
@@ -364,13 +366,17 @@ class Connections:
 
     @cached_property
     def over_shafts(self) -> dict[str, tuple[str, ...]]:
-        """Links of planetary sets that turn on the shaft at a point over what is fixed on it, a cap over them."""
+        """Links of planetary sets and cycloidal drives that turn on the shaft at a point over what is fixed on it, a cap over them."""
         over: dict[str, tuple[str, ...]] = {}
         for wish in self.planets:
             point = self.axis_of(wish.sun)
             if self.shafts.get(point) == wish.sun:
                 above = tuple(link for link in (wish.carrier, wish.ring) if link != GROUND)
                 over[point] = (*over.get(point, ()), *above)
+        for each in self.cycloids:
+            point = self.axis_of(each.crank)
+            if each.output is not None and self.shafts.get(point) == each.crank:
+                over[point] = (*over.get(point, ()), each.output)
         return over
 
     @cached_property

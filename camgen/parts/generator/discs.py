@@ -285,6 +285,17 @@ def _on_shaft(
     return part, Mount(name, link, at, -start, z=layout.floor(level))
 
 
+def cycloid_pins(layout: Layout) -> Iterator[MountedPart]:
+    """Pins of the ground round cycloidal discs, and those of outputs in their holes."""
+    made = "printed" if layout.sizes.pin == "printed" else TURNED
+    for stud in (stud for drive in layout.cycloid_drives for stud in drive.studs):
+        low, high = layout.stud_span(stud)
+        part = rod(stud.part, stud.title, 2 * stud.radius, round(high - low, 9))
+        on = "the ground plate" if stud.link == GROUND else f"link {stud.link}"
+        part = replace(part, notes=(f"pressed and glued into {on}",), process=made)
+        yield part, Mount(stud.part, stud.link, stud.at, z=low)
+
+
 def shaft_cap(layout: Layout, point: str) -> MountedPart:
     """What holds links that turn on a shaft over all that is fixed on it."""
     link = layout.shafts[point]

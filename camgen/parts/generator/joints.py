@@ -28,6 +28,7 @@ from camgen.machine.features import (
     Steady,
 )
 from camgen.parts.generator.connections import GROUND
+from camgen.parts.generator.cycloids import CycloidDrive, Stud
 from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.layout import Layout, pivot_name
 from camgen.parts.generator.noncircular import NoncircularDrive
@@ -126,6 +127,7 @@ def features_of(layout: Layout, pins: Sequence[Mount]) -> Sequence[Feature]:
         found.append(GearTeeth(each.joint.name, *both, turns, angle, implied))
     found += [_geneva(layout, drive) for drive in layout.geneva_drives]
     found += [_noncircular(layout, drive) for drive in layout.noncircular_drives]
+    found += [pair for drive in layout.cycloid_drives for pair in _cycloid(layout, drive)]
     found += [outline for tip in layout.tips for outline in _outlines(layout, tip)]
     found += [*_keyed(layout), *_steady(layout, pins)]
     marks = (*layout.pens.items(), *layout.thread_posts.items())
@@ -229,6 +231,46 @@ def _outlines(layout: Layout, tip: Tip) -> Iterator[CamOutline]:
         wall = nominal_cam(tip.cam, tip.ridden.limits, outer=True)
         free = layout.fits.slide_clearance
         yield replace(driving, part=f"{name}-outer", inside=True, free=free, nominal=wall)
+
+
+def _cycloid(layout: Layout, drive: CycloidDrive) -> Iterator[EdgePair]:
+    """What a cycloidal drive is judged on: pins of the ground round the disc, holes of the disc round those of the output."""
+    wish = drive.wish
+    part = part_name(wish.link)
+    bore = _eye(layout, wish.at, wish.link)
+    rides = axle_of(layout, wish.link, wish.crank)
+    lobes = wish.disc.lobes
+    yield EdgePair(
+        wish.joint,
+        tuple(_stud_edge(layout, stud) for stud in drive.pins),
+        (Edge(part, bore),),
+        pivot_of(layout, wish.crank),
+        rides,
+        wish.disc.equidistant,
+        ((0.0, math.tau),),
+        math.tau * lobes,
+        wish.crank,
+        (0.0, 1.0),
+    )
+    if wish.output is not None:
+        yield EdgePair(
+            wish.output_joint,
+            tuple(Edge(part, bore, hole=z) for z in drive.hole_places),
+            tuple(_stud_edge(layout, stud) for stud in drive.output_pins),
+            rides,
+            pivot_of(layout, wish.output),
+            wish.air,
+            ((0.0, math.tau),),
+            math.tau,
+            wish.crank,
+            (1.0, -float(lobes)),
+        )
+
+
+def _stud_edge(layout: Layout, stud: Stud) -> Edge:
+    """A pin's rim, in its hole of its link."""
+    seat = Eye(part_name(stud.link), stud.at, layout.stud_hole(stud))
+    return Edge(stud.part, Eye(stud.part, 0j, 2 * stud.radius, shaft=True), seat)
 
 
 def _geneva(layout: Layout, drive: GenevaDrive) -> EdgePair:

@@ -21,12 +21,14 @@ from camgen.parts.catalogue import Bearing, narrowest
 from camgen.parts.generator.changes import Change
 from camgen.parts.generator.connections import GROUND, Connections, StretchedSpring
 from camgen.parts.generator.covers import Cover, cover
+from camgen.parts.generator.cycloids import CycloidDrive, CycloidWish, Stud
 from camgen.parts.generator.gears import RingBody
 from camgen.parts.generator.guides import COVERED, STEMS, Guide, Rails, Runner, Way, guide
 from camgen.parts.generator.slotted import SlotHole, one_by_one
-from camgen.parts.generator.wheels import NOSE, Tip, pivot
+from camgen.parts.generator.wheels import NOSE, Tip, named, pivot
 from camgen.parts.part import d_bore, hull, with_bar
 from camgen.parts.set_screws import SetScrewHub
+from camgen.parts.wheels.cycloid import OutputPins
 
 __all__ = ["GROUND", "Layout", "StretchedSpring"]
 
@@ -412,7 +414,51 @@ class Layout(Connections):
         foot = self.sizes.rail_width / 2 + wall
         guides = (each for each in self.guides.values() if each.joint.guide.body == link)
         feet = ((z, foot) for each in guides for ends in each.rails for z in ends)
-        return [*self.round_hubs(link), *feet, *self.ring_seats(link)]
+        return [*self.round_hubs(link), *feet, *self.ring_seats(link), *self._stud_hubs(link)]
+
+    # ---- cycloidal drives --------------------------------------------------------------------------------------------
+
+    @cached_property
+    def cycloid_drives(self) -> list[CycloidDrive]:
+        """Cycloidal drives, with the output pins for which there is room; DesignError where there is none."""
+        return [CycloidDrive(wish, self.machine, self._output_pins(wish)) for wish in self.cycloids]
+
+    def _output_pins(self, wish: CycloidWish) -> OutputPins | None:
+        if wish.output is None:
+            return None
+        wall = self.rim
+        clear = self.head_radius(wish.at) + self.fits.slide_clearance
+        inner = max(self.hole(wish.at, wish.link) / 2 + wall, clear)
+        try:
+            return wish.pins.pins(wish.disc, inner, wall, wish.air)
+        except DesignError as error:
+            raise named(error, f"cycloid {wish.joint}") from None
+
+    def studs(self, link: str) -> list[Stud]:
+        """Pins of cycloidal drives that are pressed into a link."""
+        studs = [stud for drive in self.cycloid_drives for stud in drive.studs]
+        return [stud for stud in studs if stud.link == link]
+
+    def stud_hole(self, stud: Stud) -> float:
+        """Diameter of the hole into which it is pressed, mm."""
+        return 2 * stud.radius + self.fits.press_clearance
+
+    def _stud_hubs(self, link: str) -> list[tuple[complex, float]]:
+        return [(stud.at, self.stud_hole(stud) / 2 + self.rim) for stud in self.studs(link)]
+
+    def stud_holes(self, link: str) -> dict[str, Contour]:
+        """Holes of a link for them."""
+        return {
+            f"{stud.part} {k}": circle(stud.at, self.stud_hole(stud) / 2)
+            for k, stud in enumerate(self.studs(link), 1)
+        }
+
+    def stud_span(self, stud: Stud) -> tuple[float, float]:
+        """Underside and upper side of it, mm: through its link and over the whole thickness of the disc."""
+        low = self.floor(self.level[stud.disc])
+        high = self.top_of(stud.disc)
+        own = 0.0 if stud.link == GROUND else self.floor(self.level[stud.link])
+        return min(low, own), max(high, round(own + self.thickness(stud.link), 9))
 
     def ring_seats(self, link: str) -> list[tuple[complex, float]]:
         """Hubs round the dowels of rings on a link: place in its axes and radius."""
@@ -464,11 +510,14 @@ class Layout(Connections):
         )
 
     def own_contours(self, link: str) -> list[Contour]:
-        """The outline of a person's drawing and its holes, in the link's axes; nothing of other links. DesignError where the
-        link has another body than a plate with round holes.
+        """The outline of a cycloidal disc or a person's drawing and its holes, in the link's axes; nothing of other links.
+        DesignError where the link has another body than a plate with round holes.
 
         A hole within a hub is the drawing of that joint, whose hole is the machine's.
         """
+        for drive in self.cycloid_drives:
+            if drive.wish.link == link:
+                return drive.contours()
         shape = self.sizes.shape(link)
         if not shape.contours:
             return []

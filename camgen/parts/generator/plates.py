@@ -127,6 +127,7 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
     hubs += [disc for disc in layout.hubs(GROUND) if disc not in layout.round_hubs(GROUND)]
     channels = layout.channels_in(False)
     holes |= layout.slot_holes(GROUND, channels.keys()) | layout.ring_holes(GROUND)
+    holes |= layout.stud_holes(GROUND)
     hubs += [(z, layout.hub(point, GROUND)) for point, ends in channels.items() for z in ends]
     # a screw's head beside the collar
     radius = s.mount_diameter / 2

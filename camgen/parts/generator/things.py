@@ -38,7 +38,9 @@ def things(layout: Layout, run: Run) -> Things:
     before = [*over_cams, *over_genevas, *over_springs]
     axes, over_axes = _axes(courses, before)
     walls, over_walls = _walls(courses)
-    over = [*before, *over_axes, *over_walls]
+    studs, over_studs = _studs(courses)
+    axes += studs
+    over = [*before, *over_axes, *over_walls, *over_studs]
     over += [(upper, lower) for lower, upper in pairwise(layout.webs)]
     bands = [*_links(courses), *cams, *_wheels(courses), *_rings(courses), *genevas, *springs]
     openings = _openings(layout, run.theta.size)
@@ -282,6 +284,23 @@ def _axes(courses: _Courses, before: Over) -> tuple[list[Axis], Over]:
                 Axis(name, (link,), courses.way(link, point), half, over=_ALL, point=point)
             )
     return found, over
+
+
+def _studs(courses: _Courses) -> tuple[list[Axis], Over]:
+    """Pins of cycloidal drives: those of the ground go up to the disc, those of the output, which lies over it, down to it."""
+    layout = courses.layout
+    axes = []
+    over = Over()
+    for drive in layout.cycloid_drives:
+        disc = drive.wish.link
+        over += [] if drive.wish.output is None else [(drive.wish.output, disc)]
+        for k, stud in enumerate(drive.studs, 1):
+            grounded = stud.link == GROUND
+            held = (disc,) if grounded else (stud.link, disc)
+            way = courses.ways(stud.link, [stud.at])[0]
+            name = f"{stud.part} {k}"
+            axes.append(Axis(name, held, way, stud.radius, grounded, over=0))
+    return axes, over
 
 
 def _strapped(layout: Layout, point: str) -> list[str]:

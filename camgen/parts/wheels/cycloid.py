@@ -5,6 +5,7 @@
     lobes       pins - 1: the disc turns by -1/lobes while its eccentric turns once
     equidistant what is cut away more than a pin's radius, mm; the play comes from it
     offset      by how much smaller a pin circle is that the disc is cut for, mm
+    output      pins of a link about the eccentric's axis, in round holes of the disc that are wider by the eccentricity
 
 [the curve's derivative is i (R exp(it) - eN exp(iNt)), so its normal is that without the i]
 """
@@ -19,6 +20,7 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, Floats, Points, Smooth
+from camgen.tolerances import SAME_POINT
 
 
 @dataclass(frozen=True)
@@ -148,6 +150,74 @@ class CycloidDisc:
         turn = math.tau / self.pins
         return [complex(self.radius * np.exp(1j * turn * k)) for k in range(self.pins)]
 
+    @property
+    def hollow(self) -> float:
+        """Least radius of the outline about the disc's axis, in the middle of a hollow, mm."""
+        return self.cut_radius - self.eccentricity - self.cut
+
     def output_hole(self, pin: float, air: float) -> float:
         """Radius of a hole through which an output pin of this radius takes the turning off, mm."""
         return pin + self.eccentricity + air
+
+
+@dataclass(frozen=True)
+class CycloidLaw:
+    """The disc's angle over its eccentric's, rad, both 0 where a hollow of the disc lies on a pin."""
+
+    disc: CycloidDisc
+
+    def __call__(self, t: Any, order: int = 0) -> Floats:
+        """Its order-th derivative at the eccentric's angle t, (n,) rad."""
+        t = np.asarray(t, float)
+        if order == 0:
+            return np.asarray(self.disc.ratio * t)
+        return np.full(t.shape, self.disc.ratio if order == 1 else 0.0)
+
+
+@dataclass(frozen=True)
+class OutputPins:
+    """Pins of a link about the shaft, each in a round hole of the disc: they turn as the disc does.
+
+    Between a hole's centre and its pin's lies the eccentricity, the same way at all of them.
+    """
+
+    count: int
+    circle: float  # radius of the circle on which they are, mm
+    pin: float  # radius of a pin, mm
+    hole: float  # radius of a hole, mm
+
+
+@dataclass(frozen=True)
+class OutputWish:
+    """What is asked of output pins; what is None is as large as there is room for, mm."""
+
+    count: int
+    circle: float | None = None
+    pin: float | None = None
+
+    def pins(self, disc: CycloidDisc, inner: float, wall: float, air: float) -> OutputPins:
+        """Pins of a disc; inner: radius of the disc that they keep clear of, mm. DesignError where there is no room."""
+        outer = disc.hollow - wall
+        circle = round((inner + outer) / 2, 2) if self.circle is None else self.circle
+        room = min(circle - inner, outer - circle)
+        beside = circle * math.sin(math.pi / self.count) - wall / 2
+        least = disc.output_hole(0.0, air)
+        largest = min(room, beside)
+        if self.pin is None:
+            pin = math.floor(20 * (largest - least)) / 20  # to a twentieth of a millimetre
+        else:
+            pin = self.pin
+        hole = disc.output_hole(pin, air)
+        what = "radius of a hole for an output pin"
+        if pin <= 0 or hole > room + SAME_POINT:
+            remedy = (
+                f"put the output pins on a circle of {(inner + outer) / 2:.4g} mm, or use a larger radius of the pins' circle"
+                if pin <= 0 or self.circle is not None
+                else f"use an output_pin_radius of at most {largest - least:.4g} mm"
+            )
+            at = f"between {inner:.4g} mm, the eccentric with its keeper, and {outer:.4g} mm, a wall within the hollows of the disc"
+            raise DesignError(what, max(hole, least), room, "mm", at, remedy)
+        if hole > beside + SAME_POINT:
+            remedy = "use fewer output_pins, or smaller ones"
+            raise DesignError(what, hole, beside, "mm", "a wall from its neighbours", remedy)
+        return OutputPins(self.count, circle, pin, hole)
