@@ -31,7 +31,7 @@ from camgen.parts.wheels.involute import BasicRack
 
 LEAST_WAVE = 1e-15  # of the mean: smaller waves are rounding
 MOST_WAVES = 1024
-TOLERANCE = 2e-4  # mm, of the arcs of an edge: a fifth of what files keep to unless a spec says so
+TOLERANCE = 1e-4  # mm, of the arcs of an edge: a tenth of what files keep to unless a spec says so
 _LOOKS = 4096  # places of a turn at which extremes are looked for
 _MOST_TURNS = 400
 _NEWTON = 30  # steps at most
