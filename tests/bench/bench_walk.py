@@ -1,0 +1,111 @@
+"""What a simulation in MuJoCo gives for its step and the stiffness of its loops. Run `python tests/bench/bench_walk.py`.
+
+Two of Jansen's legs, their frame held, gravity in their plane, a turn of the crank at 30 rpm after a start of 0.3 s. Foot: greatest
+distance from where the machine closes at the same crank angle; loop: greatest gap of a pin that closes one; energy: greatest
+difference of the drive's work and the energy stored, as a share of the swing of that.
+"""
+
+from __future__ import annotations
+
+import re
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from camgen.files import mjcf
+from camgen.machine.model import MM
+from camgen.machine.run import solve
+from camgen.machines.sources import read_mechanism
+from camgen.pipeline.multibody import simulated, standing_of
+
+SPEC = Path(__file__).resolve().parents[2] / "specs" / "two-leg-walker.toml"
+STIFF = "0.9999 0.9999 0.0001 0.5 2"
+SOFT = "0.9 0.95 0.001 0.5 2"
+# integrator, step in s, time constant of the loops in steps (None: 0.02 s), their impedance
+ROWS = [
+    ("implicitfast", 1e-3, None, SOFT),
+    ("implicitfast", 1e-3, 2, SOFT),
+    ("implicitfast", 1e-4, 2, SOFT),
+    ("discrete", 2e-3, 2, STIFF),
+    ("discrete", 1e-3, 2, STIFF),
+    ("discrete", 5e-4, 2, STIFF),
+    ("discrete", 2.5e-4, 2, STIFF),
+]
+
+
+def measured(text: str, motor: mjcf.Motor, machine: Any) -> tuple[float, float, float, float]:
+    """Foot, mm; loop, mm; energy, %; seconds for a second."""
+    simulation = mujoco.MjModel.from_xml_string(text)
+    simulation.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
+    data = mujoco.MjData(simulation)
+    feet = {each.name: each.of.of for each in machine.outputs}
+    cranks, places, gaps, works, stored = [], [], [], [0.0], []
+    begun = time.perf_counter()
+    joint = data.joint(motor.joint)
+    for k in range(round((2 * np.pi / motor.speed + 0.3) / simulation.opt.timestep)):
+        data.ctrl[0] = motor.control * min(1.0, data.time / 0.3)
+        before = joint.qpos[0]
+        mujoco.mj_step(simulation, data)
+        torque = simulation.actuator_gainprm[0, 0] * (data.ctrl[0] - joint.qvel[0])
+        works.append(works[-1] + torque * (joint.qpos[0] - before))
+        if k % 20:
+            continue
+        mujoco.mj_kinematics(simulation, data)
+        mujoco.mj_comPos(simulation, data)
+        mujoco.mj_energyPos(simulation, data)
+        mujoco.mj_energyVel(simulation, data)
+        stored.append((works[-1], float(data.energy.sum())))
+        cranks.append(float(joint.qpos[0]))
+        frame = data.body("ground").xmat.reshape(3, 3).T
+        ends = [frame @ (data.geom(name).xpos - data.body("ground").xpos) / MM for name in feet]
+        places.append([complex(x, y) for x, y, _ in ends])
+        ties = zip(simulation.eq_obj1id, simulation.eq_obj2id, strict=True)
+        gaps.append(
+            max(np.hypot(*(frame @ (data.site_xpos[a] - data.site_xpos[b]))[:2]) for a, b in ties)
+        )
+    seconds = (time.perf_counter() - begun) / data.time
+    run = solve(machine, np.array(cranks), 0)
+    closed = np.stack([run[name] for name in feet], axis=1)
+    work, energy = np.array(stored).T
+    off = np.ptp(energy - work) / np.ptp(energy)
+    return float(np.max(np.abs(closed - np.array(places)))), max(gaps) / MM, 100 * off, seconds
+
+
+def main() -> None:
+    """Print the table."""
+    mechanism = read_mechanism(SPEC, ['walk.feet=["foot", "foot2"]', "drive.speed_rpm=30"])
+    mechanism = mechanism.resolved()
+    standing = standing_of(mechanism)
+    assert standing is not None
+    model = simulated(mechanism, standing).bare
+    model = replace(model, motor=replace(model.motor, stall=None))
+    text = mjcf.text(model).replace('<joint name="forward" type="slide" axis="1 0 0" />', "")
+    text = text.replace('<joint name="upward" type="slide" axis="0 1 0" />', "")
+    text = text.replace('<joint name="tilt" type="hinge" axis="0 0 1" />', "")
+    text = re.sub(r'<geom name="floor"[^>]*/>', "", text)
+    print(
+        "| integrator, step, ms | time constant, ms | foot, mm | loop, mm | energy, % | s for 1 s |"
+    )
+    print("|---|---|---|---|---|---|")
+    for integrator, step, steps, impedance in ROWS:
+        constant = 0.02 if steps is None else steps * step
+        one = re.sub(
+            r'timestep="[^"]*" integrator="discrete"',
+            f'timestep="{step}" integrator="{integrator}"',
+            text,
+        )
+        loops = f'<equality solref="{constant} 1" solimp="{impedance}"'
+        one = re.sub(r'<equality solref="[^"]*" solimp="[^"]*"', loops, one)
+        foot, loop, energy, seconds = measured(one, model.motor, mechanism.assembly.exact)
+        print(
+            f"| {integrator} {1e3 * step:g} | {1e3 * constant:g} | {foot:.2g} | {loop:.2g} | {energy:.2g} | {seconds:.2g} |",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()
