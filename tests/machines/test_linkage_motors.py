@@ -19,6 +19,7 @@ from camgen import starters
 from camgen.errors import DesignError, SpecError
 from camgen.files.servo import read_cam_table
 from camgen.machines.follower_motions import FollowerMotion, table_finding, table_motions
+from camgen.machines.linkage import pens
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.machines.loads.assess import assess
 from camgen.spec import validate
@@ -264,6 +265,40 @@ def test_a_pen_out_of_reach_is_told_by_angle_and_shortfall() -> None:
     with pytest.raises(DesignError, match="Q is led out of reach.*pen.at") as caught:
         assert validate(Linkage, spec).chain
     assert caught.value.unit == "mm" and caught.value.value == pytest.approx(6, abs=0.1)
+
+
+def test_arm_and_rod_stretch_no_further_than_the_angle_between_them_says(drawn: Linkage) -> None:
+    """Seen from the pen: the angle between arm and rod at A, and at B; a stricter limit fails.
+
+    At B the least is beside theta = 0, where the places that are looked at are 0.5 deg apart: 1e-3 deg of an angle that is even there.
+    """
+    pen = np.asarray(drawn.run(np.linspace(0, math.tau, 7201))["pen"])
+    angles = arms(pen)
+    assert drawn.pen is not None
+    found = pens.stretches(drawn.chain, drawn.pen, 20.0)
+    a = O + ARM * np.exp(1j * angles["left"])
+    corner = math.acos((ROD**2 + 94**2 - 15**2) / (2 * ROD * 94))
+    p = a + ROD / 94 * np.exp(1j * corner) * (pen - a)
+    b = C + ARM * np.exp(1j * angles["right"])
+    for finding, arm, rod in zip(found, (a - O, b - C), (pen - a, p - b), strict=True):
+        between = np.abs(np.angle(rod / arm))
+        least = np.degrees(np.minimum(between, math.pi - between)).min()
+        assert finding.ok and finding.measured == pytest.approx(least, abs=1e-3)
+    assert not any(each.ok for each in pens.stretches(drawn.chain, drawn.pen, 70.0))
+
+
+def test_the_reach_of_the_pen_ends_at_circles(drawn: Linkage) -> None:
+    """On the left arm's side: rings about O; all that is reached is in it, and the drawing is reached."""
+    (shown,) = [plot for plot in drawn.study().plots if plot.title == "Reach of the pen"]
+    series = {name: x + 1j * y for name, x, y in shown.series}
+    assert set(series) == {"edge of the reach", "rods in line", "line"}
+    far = np.abs(series["edge of the reach"] - O)
+    assert far.max() < 144 and far.min() > 44
+    a = elbow(O, series["rods in line"], 94.0, 1)
+    corner = math.acos((ROD**2 + 94**2 - 15**2) / (2 * ROD * 94))
+    p = a + ROD / 94 * np.exp(1j * corner) * (series["rods in line"] - a)
+    b = elbow(C, p, ROD, -1)
+    assert np.max(np.abs(np.sin(np.angle((p - a) / (p - b))))) < 0.051
 
 
 def table_of(motion: FollowerMotion, folder: Path) -> Path:

@@ -966,9 +966,11 @@ class Linkage(Mechanism):
 
     def limits(self) -> Sequence[Finding]:
         """Targets by the model as designed, and how near each loop comes to a fold."""
+        least = self.allowed.transmission_angle_deg
         found = [
             *figures.targets(self._moving),
-            *figures.transmission_angles(self._moving, self.allowed.transmission_angle_deg),
+            *figures.transmission_angles(self._moving, least),
+            *(() if self.pen is None else pens.stretches(self.chain, self.pen, least)),
             *wheels.limits(self._layout.tips),
         ]
         return [
@@ -995,6 +997,8 @@ class Linkage(Mechanism):
         own = figures.study(self._moving, self._made, lambda: self.assembly.cycle.name)
         if self.walk is not None:
             own = together([own, self._walk(self.walk)])
+        if (pen := self.pen) is not None:
+            own = together([own, Study(plots=Later(lambda: [pens.reach_of(self.chain, pen)]))])
         if not self.includes:
             return own
         whole = self.solve(np.linspace(*self.cycle.range, ROWS), 0)

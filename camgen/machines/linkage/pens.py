@@ -10,30 +10,39 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from camgen.errors import Fault
+from camgen.errors import Fault, listed
+from camgen.findings import Finding, Where, at_least
 from camgen.machine import freedom
 from camgen.machine import model as m
+from camgen.machine.loops import chain_of
 from camgen.machine.model import GROUND
 from camgen.machine.programs import TableLaw
-from camgen.machine.run import solve
+from camgen.machine.reach import determinant, folds
+from camgen.machine.run import Run, solve
+from camgen.machine.state import Dyad
 from camgen.machine.stepwise import closed_by_dyads
 from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.linkage.motors import refuse_open
 from camgen.machines.linkage.tables import Pen
 from camgen.motion.pen import pen_motion
-from camgen.numerics import Points
+from camgen.numerics import Floats, Points
 from camgen.spec import unknown
+from camgen.study import Plot
 
 _OF_TOLERANCE = 0.9  # that the pen's motion takes; files and facets leave the rest
 _CARRIAGES = "pen x", "pen y"
 _RANK = 6  # digits of places that are written
+_GRID = 121  # places each way of the picture of the reach
+_WIDE = 2.2  # of the longest lever, half of that picture
+_FOLDED = 0.05  # sine of the transmission angle below which a place is shown as one
 
 
 def filled(data: Any) -> Any:
@@ -111,6 +120,102 @@ def _refuse_far(seen: m.Machine, pen: Pen) -> None:
     """DesignError where the machine, seen from its point, does not close along the line, or folds."""
     remedy = "draw the line elsewhere or smaller (pen.at, pen.width), or make the links longer"
     refuse_open(seen, f"{pen.point} is led out of reach", remedy)
+
+
+def stretches(chain: m.Machine, pen: Pen, least_deg: float) -> list[Finding]:
+    """TRANSMISSION_ANGLE seen from the pen: how near each arm and its rod come to one line, where no motor can hold its speed.
+
+    chain: as it is led. It is the angle between both, or its supplement.
+    """
+    return [
+        at_least(
+            "TRANSMISSION_ANGLE",
+            math.degrees(math.asin(min(1.0, abs(fold.determinant)))),
+            least_deg,
+            "deg",
+            Where(
+                f"{listed('joint', fold.joints)}, seen from the pen",
+                theta=fold.theta,
+                angle="",
+                digits=2,
+            ),
+            "least along the line; at 0 an arm and its rod are stretched, and the pen is at the edge of its reach",
+        )
+        for fold in folds(carried(chain, pen))
+    ]
+
+
+def reach_of(chain: m.Machine, pen: Pen) -> Plot:
+    """Where the pen can be led with its arms on the sides that they have, the line, and where the rods are in line.
+
+    chain: as it is led. A grid of places, each closed from the pen, then from the motors' angles.
+    """
+    line = _motion(pen)
+    middle = complex(line.real.mean(), line.imag.mean())
+    size = max(
+        abs(place.at)
+        for joint in chain.joints
+        if isinstance(joint, m.Pin)
+        for place in (joint.a, joint.b)
+    )
+    across = np.linspace(-_WIDE * size, _WIDE * size, _GRID)
+    places = (middle + across[None, :] + 1j * across[:, None]).ravel()
+    index = np.arange(places.size, dtype=float)
+    seen = carried(chain, pen)
+    ways = (places.real, places.imag)
+    drives = tuple(
+        replace(drive, law=_Listed(values)) for drive, values in zip(seen.drives, ways, strict=True)
+    )
+    run = solve(replace(seen, drives=drives), index, 0)
+    with np.errstate(all="ignore"):
+        turned = [_Listed(_direction(run, drive.body)) for drive in chain.drives]
+        led_on = replace(
+            chain,
+            drives=tuple(replace(d, law=law) for d, law in zip(chain.drives, turned, strict=True)),
+        )
+        steps = chain_of(led_on)
+        least = np.full(places.size, np.inf)
+        for number, step in enumerate(steps.steps):
+            if isinstance(step, Dyad):
+                least = np.fmin(least, np.abs(determinant(steps, number, index)))
+    open_ = ~np.isfinite(turned[0].values + turned[1].values)
+    reached = ~open_.reshape(_GRID, _GRID)
+    edge = reached & ~_inner(reached)
+    folded = reached & (least.reshape(_GRID, _GRID) < _FOLDED)
+    grid = places.reshape(_GRID, _GRID)
+    series = [
+        ("edge of the reach", grid[edge].real, grid[edge].imag),
+        ("rods in line", grid[folded].real, grid[folded].imag),
+        ("line", line.real, line.imag),
+    ]
+    series = [each for each in series if each[1].size]
+    dots = [name for name, *_ in series if name != "line"]
+    return Plot("Reach of the pen", "x, mm", "y, mm", series, equal=True, dots=dots)
+
+
+def _direction(run: Run, body: str) -> Floats:
+    """A body's angle at each place by itself, rad, whichever way the places are passed."""
+    return np.asarray(np.angle(run.point(body, 1 + 0j)[0] - run.point(body, 0j)[0]), float)
+
+
+def _inner(reached: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Places of a grid whose four neighbours are reached too, as far as the grid goes."""
+    wide = np.pad(reached, 1, constant_values=True)
+    return np.asarray(wide[:-2, 1:-1] & wide[2:, 1:-1] & wide[1:-1, :-2] & wide[1:-1, 2:])
+
+
+@dataclass(frozen=True, eq=False)
+class _Listed:
+    """Values by their number, in place of a law: theta counts them."""
+
+    values: Floats
+
+    def __call__(self, theta: Floats, order: int = 0) -> Floats:
+        """Those of the nearest numbers, (n,)."""
+        if order:
+            return np.zeros(np.shape(theta))
+        number = np.clip(np.rint(theta).astype(int), 0, len(self.values) - 1)
+        return np.asarray(self.values[number], float)
 
 
 def carried(chain: m.Machine, pen: Pen) -> m.Machine:
