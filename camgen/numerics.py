@@ -277,7 +277,8 @@ def greatest(
         low = x[max(k - 1, 0)]
         high = x[min(k + 1, len(x) - 1)]
         # round a smooth crest f is flat to rounding long before the interval is
-        flat = high - low <= 1e-7 * max(1.0, abs(b)) and y[k] - best <= 1e-15 * abs(best)
+        gain = 0.0 if y[k] == best else y[k] - best  # of values that are all infinite too
+        flat = high - low <= 1e-7 * max(1.0, abs(b)) and gain <= 1e-15 * abs(best)
         if flat or high - low <= 1e-14 * max(1.0, abs(b)):
             break
         best = y[k]

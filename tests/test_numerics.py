@@ -236,3 +236,7 @@ def test_greatest() -> None:
         2.7182818, abs=1e-12
     )
     assert greatest(lambda x: np.where(x == 0.5, 2.0, -x), 0.0, 1.0, also=[0.5])[0] == 0.5
+
+
+def test_the_greatest_of_values_that_are_all_infinite_is_infinite() -> None:
+    assert greatest(lambda x: np.full(np.shape(x), -np.inf), 0.0, 1.0)[1] == -np.inf
