@@ -274,6 +274,8 @@ def greatest(
     for _ in range(40):
         y = f(x)
         k = int(np.nanargmax(y))
+        if np.isinf(y[k]):  # of which no more is gained
+            break
         low = x[max(k - 1, 0)]
         high = x[min(k + 1, len(x) - 1)]
         # round a smooth crest f is flat to rounding long before the interval is
