@@ -282,7 +282,8 @@ def _minima(value: Callable[[Floats], Floats], theta: Floats) -> list[tuple[floa
         return np.nan_to_num(value(t), nan=-1.0)
 
     at = safe(theta)
-    inner = np.flatnonzero((at[1:-1] <= at[:-2]) & (at[1:-1] <= at[2:])) + 1
+    beyond = np.pad(at, 1, constant_values=np.inf)  # both ends are looked at like any other place
+    inner = np.flatnonzero((at <= beyond[:-2]) & (at <= beyond[2:]))
     inner = inner[at[inner] >= 0]
     place = theta[inner]
     least = at[inner]

@@ -316,7 +316,7 @@ class Noncircular(Record):
     )
     eccentricity: Annotated[float, quantity("1", gt=0, le=0.9)] | None = Field(
         default=None,
-        description="of two equal ellipses that turn about a focus each; as drawn, the far end of a's points to b",
+        description="eccentricity of two equal ellipses that turn about a focus each; as drawn, the far end of a's points to b",
     )
     sines_deg: Annotated[tuple[Degrees, ...], Field(max_length=100)] = Field(
         default=(),
