@@ -25,6 +25,7 @@ from pydantic import Field
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats, Region
+from camgen.machine.cams.bounce import Bounce
 from camgen.machine.cams.followers import Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.cams.limits import Advice, CamLimits, ExactCam, cam_findings, undercut_numbers
 from camgen.machine.cams.machine import (
@@ -42,7 +43,16 @@ from camgen.machine.cams.shoes import SlidingShoe, SwingingShoe
 from camgen.machine.cams.sizing import least_base_radius
 from camgen.machine.features import CamOutline, Demand, Mount
 from camgen.machine.model import Machine
-from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of, polydyne_faults
+from camgen.machines.cam_loads import (
+    bounce,
+    bounce_study,
+    bounce_words,
+    force_study,
+    lift_off,
+    load_faults,
+    load_of,
+    polydyne_faults,
+)
 from camgen.machines.cam_tables import CamTables
 from camgen.machines.disc_cam.curves import plots, segments_table
 from camgen.machines.disc_cam.followers import drawn, standing_on
@@ -393,6 +403,13 @@ class DiscCamDrive(CamTables):
         theta = np.union1d(np.linspace(0, math.tau, 1441), breaks - 1e-9)
         return loaded(self._pulled, self.cam, self._load or FollowerLoad(), theta)
 
+    @cached_property
+    def _bounce(self) -> Bounce | None:
+        """What the follower of a cam alone does where a spring does not hold it."""
+        if not self._loaded or self.standing or self.geometry.closure != "force":
+            return None
+        return bounce(self._loaded, self._load or FollowerLoad(), self.cam, self.model.speed)
+
     @property
     def _spring_wish(self) -> tuple[float, float, float] | None:
         """Of a cam alone beside a sliding stem, as [spring] says."""
@@ -551,9 +568,12 @@ class DiscCamDrive(CamTables):
             cams, self.cam_limits, face_width=f.face_width, chord_tolerance=facets
         )
         if self._loaded and self.geometry.closure == "force":
-            findings.append(
-                lift_off(self._loaded, self._load or FollowerLoad(), f.motion == "translating")
-            )
+            slides = f.motion == "translating"
+            finding = lift_off(self._loaded, self._load or FollowerLoad(), slides)
+            if self._bounce:
+                words = bounce_words(self._bounce, slides)
+                finding = replace(finding, message=f"{finding.message}; {words}")
+            findings.append(finding)
         return findings
 
     def forecast(self) -> Sequence[Finding]:
@@ -599,7 +619,13 @@ class DiscCamDrive(CamTables):
             Later(self._plots),
             Later(lambda: [segments_table(self.program, self._unit)]),
             Later(self._sketches),
-            Later(lambda: [*self._notes(), *self._forces.notes]),
+            Later(
+                lambda: [
+                    *self._notes(),
+                    *self._forces.notes,
+                    *bounce_study(self._bounce, self._unit[0] == "mm").notes,
+                ]
+            ),
         )
 
     def _plots(self) -> list[Plot]:
@@ -638,7 +664,8 @@ class DiscCamDrive(CamTables):
         elif f.shape != "outline":
             pitch = cam.least_radius + cam.tip.tip_radius
             figures.append(Figure("pitch curvature radius min", pitch, "mm"))
-        return Figures(figures) | self._forces.numbers
+        hop = bounce_study(self._bounce, f.motion == "translating").numbers
+        return Figures(figures) | self._forces.numbers | hop
 
     @cached_property
     def _forces(self) -> Study:
