@@ -179,7 +179,11 @@ def test_views_are_the_shadows_of_the_body_that_is_made(
         assert unlike(filled(shapely.union_all(plan)), shadow(mesh, 2, (0, 1))) < FACETS, name
         seen = shadow(mesh, 0, (2, 1), 1)
         drawn_side = shapely.transform(filled(shapely.union_all(side)), lambda points: points)
-        assert unlike(moved_to(drawn_side, seen), seen) < FACETS, name
+        if sheet.part.drum is None:
+            assert unlike(moved_to(drawn_side, seen), seen) < FACETS, name
+        else:  # drawn as its blank: its development shows the track
+            blank = moved_to(drawn_side, seen).buffer(FACETS)
+            assert blank.contains(seen) and blank.area < 1.5 * seen.area, name
         # heights stand beside each other: the view from the left is not moved up or down, the one from above not sideways
         assert drawn_side.bounds[1::2] == pytest.approx(seen.bounds[1::2], abs=FACETS), name
         if sheet.part.side_profile is not None:

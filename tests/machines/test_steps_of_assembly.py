@@ -348,7 +348,7 @@ def unfixed(machine: Mechanism) -> list[str]:
 
 def empty(machine: Mechanism) -> list[Ring]:
     """Holes for a pin or a shaft of the machine, by their size, through which none goes. Left out are pens, what a motor that is
-    bought reaches into, and pockets over a screw's hole, which are as wide by chance."""
+    bought reaches into and the spacers on its shaft, and pockets over a screw's hole, which are as wide by chance."""
     holes, outlines = edges(machine)
     slide = max(machine.print.slide_clearance, machine.print.press_clearance) + 1e-3
     slender = [each for each in outlines if re.search(r"pin|shaft|dowel|axle", part_of(each.copy))]
@@ -384,7 +384,11 @@ def empty(machine: Mechanism) -> list[Ring]:
     meant = [
         hole
         for hole in meant
-        if not any(part_of(hole.copy) == part and abs(hole.at - at) < 1e-3 for part, at in left)
+        if not any(
+            (part_of(hole.copy) == part or hole.copy.startswith("spacer"))
+            and abs(hole.at - at) < 1e-3
+            for part, at in left
+        )
     ]
     return [hole for hole in meant if not any(each.goes_through(hole, 1.0) for each in outlines)]
 

@@ -15,7 +15,7 @@ from camgen.errors import DesignError
 from camgen.geometry.facets import facet_contour
 from camgen.machine.model import GROUND
 from camgen.machine.run import solve
-from camgen.machines.linkage import motors
+from camgen.machines.linkage import motors, pens
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.numerics import Floats, Points
 
@@ -52,14 +52,16 @@ def traces(
     """Place of each point at these angles, (n,) complex mm; nan where the machine does not close.
 
     theta: (n,) rad; points, lengths: in place of those of the spec, mm. The branch is that of the drawn places.
-    Raises DesignError where the joints hold too much or too little.
+    Raises DesignError where the joints hold too much or too little, or the pen of two motors is out of reach.
     """
     drawing = linkage._drawing
     if points is not None:
         drawing = replace(drawing, points=points)
     if lengths is not None:
         drawing = replace(drawing, lengths=lengths)
-    machine = motors.moved(drawing.rough, linkage.drives)
+    chain = drawing.rough
+    pen = linkage.pen
+    machine = motors.moved(chain, linkage.drives) if pen is None else pens.led(chain, pen)
     run = solve(machine, theta, 0)
     return {
         point: np.full(theta.shape, body.points[point])
