@@ -93,7 +93,7 @@ def _strip(sheet: Sheet, motion: Motion, corner: complex, across: float, high: f
     sheet.line(*points.tolist(), layer="CUT")
     name = complex(corner.real - _NAMES + 3, corner.imag)
     sheet.text(name + 1j * (high / 2 + 1), motion.name, 3.5, room=_NAMES - 5)
-    size = f"{least:.4g} to {most:.4g} {motion.unit}"
+    size = f"{least:z.4g} to {most:z.4g} {motion.unit}"
     sheet.text(name + 1j * (high / 2 - 5), size, 2.5, room=_NAMES - 5)
     last = -_APART
     for degrees in motion.ends:

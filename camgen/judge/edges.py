@@ -32,7 +32,11 @@ _KNOWN = 8  # answers that are kept
 # Share of the air that is filled where levers are measured: what is left keeps pins off their dead points, where they have none.
 _FILLED = 0.75
 _NARROW = 1e-3  # rad, in which bounds are looked for at least
-_SIDES: tuple[Literal["low", "high"], ...] = ("low", "high")
+# Sides, the way from each to the middle, and which of two places is nearer to the edge.
+_SIDES: tuple[tuple[Literal["low", "high"], float, np.ufunc], ...] = (
+    ("low", 1.0, np.fmin),
+    ("high", -1.0, np.fmax),
+)
 
 
 @dataclass(frozen=True)
@@ -51,7 +55,8 @@ class _Side:
     """What holds the driven body on one side, (n,) each."""
 
     bound: Floats  # where it touches, rad
-    free: Floats  # air that is meant to be left there, mm
+    end: Floats  # where the air that is meant is left, rad; nan of a side that is open
+    free: Floats  # air that is meant to be left at the bound, mm
     lever: Floats  # mm for 1 rad
     slope: Floats
 
@@ -143,8 +148,8 @@ class Engagement:
         low, high = self._sides(bounds)
         wanted = self.wanted(bounds.theta, 0)
         # of a side that is open nan: nothing is there
-        least = np.where(np.isnan(low.bound), -np.inf, low.bound + low.free / low.lever)
-        most = np.where(np.isnan(high.bound), np.inf, high.bound - high.free / high.lever)
+        least = np.where(np.isnan(low.end), -np.inf, low.end)
+        most = np.where(np.isnan(high.end), np.inf, high.end)
         between = least > most
         below = ~between & (wanted < least)
         above = ~between & (wanted > most)
@@ -162,7 +167,11 @@ class Engagement:
 
     def _sides(self, bounds: Bounds) -> list[_Side]:
         """What holds the follower below and above: the driver grown by most of the air, so that levers are those of where the
-        follower is wanted and not of where it touches; the driver as it is where there is less air."""
+        follower is wanted and not of where it touches; the driver as it is where there is less air.
+
+        Where the air that is meant is left follows from either to first order; the one that holds the follower less counts, so
+        that a corner, where one of both levers is of another edge, pushes nothing off.
+        """
         free = self.feature.free
         grown = replace(self.pair, overlap=-_FILLED * free)
         middle = (bounds.low + bounds.high) / 2
@@ -171,13 +180,16 @@ class Engagement:
         near, _, _ = grown.measured(bounds.theta, guess, (window, window), False)
         within = (near.low >= bounds.low) & (near.high <= bounds.high)
         sides = []
-        for side in _SIDES:
+        for side, inwards, freer in _SIDES:
             touch = self.pair.touch(bounds, side)
             close = grown.touch(near, side)
-            bound = np.where(within, getattr(near, side), getattr(bounds, side))
+            touching = getattr(bounds, side)
+            bound = np.where(within, getattr(near, side), touching)
             left = np.where(within, (1 - _FILLED) * free, free)
             lever = np.where(within, close.lever, touch.lever)
-            sides.append(_Side(bound, left, lever, np.where(within, close.slope, touch.slope)))
+            end = freer(bound + inwards * left / lever, touching + inwards * free / touch.lever)
+            slope = np.where(within, close.slope, touch.slope)
+            sides.append(_Side(bound, end, left, lever, slope))
         return sides
 
     def figures(self, kind: str) -> list[Figure]:

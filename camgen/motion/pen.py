@@ -121,7 +121,8 @@ def _time_law(places: Points) -> Floats:
     speed = np.empty(len(places))
     speed[order] = np.sqrt(square)
     mean = (speed + np.roll(speed, -1)) / 2
-    stopped = 2 * np.sqrt(steps)  # from rest to rest: where a line turns back, neighbours may both be at rest
+    # from rest to rest: where a line turns back, neighbours may both be at rest
+    stopped = 2 * np.sqrt(steps)
     return np.concatenate([[0.0], np.cumsum(np.minimum(steps / mean, stopped))])
 
 

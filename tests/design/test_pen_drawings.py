@@ -18,7 +18,7 @@ import camgen
 from camgen.design.drawings import Plotter
 from camgen.errors import DesignError, FileError, SpecError
 from camgen.machines.spec_files import stroke_of
-from camgen.motion.pen import peak_acceleration, pen_motion
+from camgen.motion.pen import closed_line, peak_acceleration, pen_motion
 
 REFERENCE = tomllib.loads(
     (Path(__file__).resolve().parents[1] / "reference" / "motion_tasks.toml").read_text()
@@ -60,6 +60,15 @@ def test_least_acceleration_within_the_tolerance(name: str, tolerance: float, pe
     pen = pen_motion(LINES[name], tolerance)
     assert 0.8 * peak < peak_acceleration(pen) < 1.05 * peak
     assert 0.97 * tolerance < apart(pen, LINES[name]) < 1.01 * tolerance
+
+
+def test_an_open_line_is_drawn_there_and_back() -> None:
+    """All of its corners are reached, also where it turns back and its curvature has no bound."""
+    line = closed_line(np.array([18j, -10 - 14j, 17 + 5j]))
+    assert line is not None and line.tolist() == [18j, -10 - 14j, 17 + 5j, -10 - 14j]
+    pen = pen_motion(line, 0.05)
+    assert max(float(np.min(np.abs(pen - corner))) for corner in line) < 0.0505
+    assert peak_acceleration(pen) < 2e3
 
 
 def test_a_circle_is_drawn_evenly() -> None:

@@ -83,7 +83,10 @@ def swept(path: Path, name: str, *settings: str, **shifts: complex) -> list[Find
 
 @pytest.mark.parametrize(
     "name",
-    sorted({path.stem for path in SPECS.glob("*.toml")} - {"uniform-swing", "four-leg-walker"}),
+    sorted(
+        {path.stem for path in SPECS.glob("*.toml")}
+        - {"uniform-swing", "four-leg-walker", "cylinder-cam"}  # the last is one body
+    ),
 )
 def test_free_as_designed(tmp_path: Path, name: str) -> None:
     coarse = (

@@ -310,6 +310,8 @@ def test_edges_fit_arcs_within_the_tolerance() -> None:
         (lambda: Ring(30, RACK, tip=27.0), "radius of a ring's tips"),
         (lambda: Geneva(4, 60, 18.0, 1.0), "radius of the pin"),
         (lambda: CycloidDisc(11, 40.0, 3.0, 4.0), "eccentricity"),
+        (lambda: CycloidDisc(11, 40.0, 3.0, 0.0), "eccentricity"),
+        (lambda: CycloidDisc(11, 40.0, 3.0, 0.05, 0.1), "eccentricity"),
         (lambda: RatchetWheel(12, 20.0, 21.0), "radius of the roots"),
         (lambda: Sizes(RACK, 5, 5).mesh().check(1.2), "contact ratio"),
     ],

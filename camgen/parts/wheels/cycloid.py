@@ -37,6 +37,15 @@ class CycloidDisc:
     def __post_init__(self) -> None:
         if self.pins < 3:
             raise DesignError("pins of a cycloidal disc", self.pins, 3, "", "", "use more pins")
+        if not self.eccentricity > max(self.equidistant, SAME_POINT):
+            raise DesignError(
+                "eccentricity",
+                self.eccentricity,
+                max(self.equidistant, SAME_POINT),
+                "mm",
+                "",
+                "draw the eccentric's point farther from the shaft: it is to be more than the air round the pins",
+            )
         share = self.eccentricity * self.pins / self.cut_radius
         if not share < 1:
             raise DesignError(

@@ -28,6 +28,7 @@ from camgen.geometry.arcs import fit_family
 from camgen.geometry.outlines import Contour, Piece
 from camgen.numerics import Floats, Points
 from camgen.parts.wheels.involute import BasicRack
+from camgen.tolerances import SAME_POINT
 
 LEAST_WAVE = 1e-15  # of the mean: smaller waves are rounding
 MOST_WAVES = 1024
@@ -111,6 +112,9 @@ class Centrodes:
     distance: float
 
     def __post_init__(self) -> None:
+        if not self.distance > SAME_POINT:
+            remedy = "draw their axes apart"
+            raise DesignError("distance of the axes", self.distance, SAME_POINT, "mm", "", remedy)
         t = np.linspace(0, math.tau, _LOOKS)
         slope = self.law(t, 1)
         k = int(np.argmin(slope))
