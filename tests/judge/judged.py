@@ -74,11 +74,12 @@ def _spec(case: Case) -> str:
 
 
 def _bytes(paths: Iterable[Path]) -> str:
-    """A hash of files, by their names."""
+    """A hash of files, by their names, and of all files in folders."""
     held = hashlib.sha256()
     for path in paths:
-        data = path.read_bytes() if path.exists() else b"none"
-        held.update(f"{path.name} {len(data)} ".encode() + data)
+        for each in sorted(path.rglob("*")) if path.is_dir() else [path]:
+            data = each.read_bytes() if each.is_file() else b"none"
+            held.update(f"{each.name} {len(data)} ".encode() + data)
     return held.hexdigest()
 
 
