@@ -292,9 +292,8 @@ def gdal(path: Path) -> Problem:
         for shape, layer in zip(shapes, layers, strict=True)
         if layer == "CUT"
     ]
-    told = (
-        {"PITCH", "SCALE"} if path.stem.endswith("-developed") else set()
-    )  # nobody cuts a drum from it
+    developed = path.stem.endswith("-developed")
+    told = {"PITCH", "SCALE"} if developed else set()  # nobody cuts a drum from it
     wrong = [f"layer {layer}" for layer in sorted(set(layers) - {"CUT", *told})]
     wrong += ["an open contour" for contour in contours if not contour.is_closed]
     wrong += [
@@ -304,6 +303,11 @@ def gdal(path: Path) -> Problem:
     ]
     if wrong or not contours:
         return "; ".join(wrong) or "no contour"
+    if developed:  # Pappus: a groove's area is the length of its middle by its width; a drum's curvature is within the share
+        (pitch,) = [shapely.from_wkb(shape) for shape in shapes[layers == "PITCH"]]
+        wide, middle = ((box[2] - box[0]) for box in (contours[0].bounds, pitch.bounds))
+        groove = pitch.length * (wide - middle)
+        return unlike("area", shapely.Polygon(contours[0]).area, groove, 1e-3)
     areas = sorted((shapely.Polygon(contour).area for contour in contours), reverse=True)
     return unlike("area", areas[0] - sum(areas[1:]), part_of(path)["area_mm2"], 1e-4)
 
