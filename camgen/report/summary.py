@@ -21,6 +21,9 @@ from camgen.study import Figure
 _STROKES = ("stroke", "swing", "index", "needle stroke", "{of} stroke")  # how far a machine moves
 _ALONG = "{of} stroke along"
 _COUNT = 5  # of figures
+_NOTHING = (
+    1e-6  # of a torque in N m, a mass in g or a time in h: less is none that a person speaks of
+)
 _KINDS = ("dxf", "stl", "3mf", "step", "glb", "svg", "png", "gif", "pdf")
 # What is shown beside the stroke, the weightiest first: what it is called, code of its findings, else quantity of a figure.
 _OTHERS = (
@@ -113,7 +116,7 @@ def _figures(report: Report) -> Iterator[Headline]:
         yield Headline(words.name(stroke), stroke.value, stroke.unit, along=along)
     for name, code, quantity in _OTHERS:
         figure = next((each for each in designed if each.quantity == quantity), None)
-        if quantity and not (figure and figure.value):
+        if quantity and not (figure and figure.value > _NOTHING):
             continue  # such as the torque of a cam on which nothing is known to press
         judged = [each for each in report.findings if each.code == code]
         worst = _worst(judged)

@@ -6,6 +6,7 @@ import json
 import math
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -85,6 +86,9 @@ def test_the_verdict_stands_first_then_what_fails_then_figures(
         "  Torque needed           0.25  N m",
         "  Motion error        1.234e-5  deg  at most 0.0018 (MOTION_ERROR)",
     ]
+    idle = Figure("drive torque", 2.9e-8, "N m")  # nothing presses on the cam
+    print_report(replace(report, numbers=report.numbers | [idle]))
+    assert "Torque needed" not in capsys.readouterr().out
     print_report(report, verbose=True)
     every = capsys.readouterr().out
     assert [code in every for code in ("margin", "TRANSMISSION_ANGLE (crank angle 90 deg) holds")]
