@@ -723,7 +723,7 @@ class _Layout:
         if part.outlined:
             lines += [f"Profile: {self.stem}.dxf,", f"within {tolerance:g} of the exact curve"]
         else:
-            lines += ["Blank; its track:", f"{self.stem}-developed.dxf"]
+            lines += ["The blank is drawn; its track:", f"{self.stem}-developed.dxf"]
         if self.turns:
             lines.append("+ : positive sense of turning (ccw)")
         facts = self.facts

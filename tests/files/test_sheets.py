@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import tomllib
 from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import pairwise
@@ -26,6 +27,7 @@ from camgen.geometry.arcs import as_circle
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.geometry.outlines import Region, circle, polygon
+from camgen.machines.sources import read_mechanism
 from camgen.parts.part import Layer, Part
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
@@ -174,16 +176,13 @@ def test_views_are_the_shadows_of_the_body_that_is_made(
     sheets: list[Drawn], tmp_path: Path
 ) -> None:
     for sheet in sheets:
-        name, mesh = sheet.part.name, body(sheet.part, tmp_path)
+        # a drum is drawn as its blank; the next test reads which file has the track
+        name, mesh = sheet.part.name, body(replace(sheet.part, drum=None), tmp_path)
         plan, side, above = views(sheet)
         assert unlike(filled(shapely.union_all(plan)), shadow(mesh, 2, (0, 1))) < FACETS, name
         seen = shadow(mesh, 0, (2, 1), 1)
         drawn_side = shapely.transform(filled(shapely.union_all(side)), lambda points: points)
-        if sheet.part.drum is None:
-            assert unlike(moved_to(drawn_side, seen), seen) < FACETS, name
-        else:  # drawn as its blank: its development shows the track
-            blank = moved_to(drawn_side, seen).buffer(FACETS)
-            assert blank.contains(seen) and blank.area < 1.5 * seen.area, name
+        assert unlike(moved_to(drawn_side, seen), seen) < FACETS, name
         # heights stand beside each other: the view from the left is not moved up or down, the one from above not sideways
         assert drawn_side.bounds[1::2] == pytest.approx(seen.bounds[1::2], abs=FACETS), name
         if sheet.part.side_profile is not None:
@@ -193,6 +192,31 @@ def test_views_are_the_shadows_of_the_body_that_is_made(
             assert drawn_above.bounds[::2] == pytest.approx(seen.bounds[::2], abs=FACETS), name
         else:
             assert_section_is_that_of_the_body(sheet, mesh, above)
+
+
+def drum(**geometry: object) -> Part:
+    """That of the starter, with other keys in its geometry."""
+    data = tomllib.loads((SPECS / "cylinder-cam.toml").read_text(encoding="utf-8"))
+    data["geometry"] |= geometry
+    (part,) = read_mechanism(data).assembly.parts
+    return part
+
+
+@pytest.mark.parametrize("geometry", [{}, {"track": "end"}, {"track": "rib", "distance": 16.0}])
+def test_a_drum_is_drawn_as_its_blank_and_says_so(
+    geometry: dict[str, object], tmp_path: Path
+) -> None:
+    """The track lies within the blank, which is no larger than the drum, and its file is named."""
+    part = drum(**geometry)
+    sheet = drawn(part, tmp_path)
+    test_views_are_the_shadows_of_the_body_that_is_made([sheet], tmp_path)
+    blank = shadow(body(replace(part, drum=None), tmp_path), 0, (2, 1))
+    made = shadow(body(part, tmp_path), 0, (2, 1))
+    assert made.difference(blank.buffer(FACETS)).is_empty
+    assert made.bounds == pytest.approx(blank.bounds, abs=FACETS)
+    texts = {text.dxf.text for text in sheet.texts}
+    assert texts >= {"The blank is drawn; its track:", "x-drum-developed.dxf"}
+    assert not any(text.startswith("Profile:") for text in texts)
 
 
 def plane_of(sheet: Drawn) -> float | None:
