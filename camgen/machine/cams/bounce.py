@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgen.numerics import Floats
+from camgen.numerics import Floats, halved
 
 RESTITUTION = (
     0.3  # speed after a knock over that before it: assumed, it moves what comes after the first hop
@@ -146,7 +146,8 @@ def _hops(lift: Lift, spring: Spring, speed: float, angle: float, end: float) ->
             angle = leave
             velocity = float(_at(lift, angle, 1)) * speed
         place = float(_at(lift, angle, 0))
-        left, sprung = angle, velocity
+        left = angle
+        sprung = velocity
 
         def gap(a: Floats, order: int = 0) -> Floats:
             flown = spring.flight(place, sprung, (a - left) / speed)  # noqa: B023
@@ -175,16 +176,12 @@ def _first(value: Callable[[Floats], Floats], low: float, high: float) -> float 
         below = np.flatnonzero(value(steps[begin : begin + _STRETCH]) <= 0)
         if below.size:
             k = begin + int(below[0])
-            return _edge(value, float(steps[k - 1]), float(steps[k])) if k else low
+            if k == 0:
+                return low
+            return halved(
+                lambda angle: bool(value(np.array([angle]))[0] <= 0),
+                float(steps[k - 1]),
+                float(steps[k]),
+                _ROUNDS,
+            )
     return None
-
-
-def _edge(value: Callable[[Floats], Floats], good: float, bad: float) -> float:
-    """The angle from which on a value is 0 or less, between one where it is above and one where it is not."""
-    for _ in range(_ROUNDS):
-        middle = (good + bad) / 2
-        if value(np.array([middle]))[0] <= 0:
-            bad = middle
-        else:
-            good = middle
-    return bad

@@ -18,7 +18,7 @@ from camgen.geometry.drums import Drum
 from camgen.machine.features import DrumTrack
 from camgen.machines.cylinder_cam.tables import DrumGeometry
 from camgen.motion.program import Program
-from camgen.numerics import Floats
+from camgen.numerics import Floats, halved
 
 _SAMPLES = 2881  # of the turn, and both sides of each break of the program
 _BESIDE = 1e-9  # rad
@@ -232,7 +232,4 @@ def smallest(track: Track, steepest: float) -> float:
         worst = replace(track, radius=high).steepest
         remedy = "no drum is large enough: a smaller swing, a longer arm, or a larger limits.pressure_angle_deg"
         raise DesignError("pressure angle", worst, steepest, "deg", "any radius", remedy)
-    for _ in range(_BISECTIONS if high > least else 0):
-        middle = (low + high) / 2
-        low, high = (low, middle) if fits(middle) else (middle, high)
-    return high
+    return high if high == least else halved(fits, low, high, _BISECTIONS)

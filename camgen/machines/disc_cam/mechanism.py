@@ -623,7 +623,7 @@ class DiscCamDrive(CamTables):
                 lambda: [
                     *self._notes(),
                     *self._forces.notes,
-                    *bounce_study(self._bounce, self._unit[0] == "mm").notes,
+                    *self._hop.notes,
                 ]
             ),
         )
@@ -644,7 +644,9 @@ class DiscCamDrive(CamTables):
     def _figures(self) -> Figures:
         """Sizes of the cam, peaks of its motion, and of its forces."""
         unit, scale = self._unit
-        f, cam, low, high = self.geometry.follower, self.cam, *self._highest
+        f = self.geometry.follower
+        cam = self.cam
+        low, high = self._highest
         peaks = [scale * abs(self._speed) ** k * self.program.peak(k) for k in (1, 2)]
         figures = [
             Figure("stroke" if unit == "mm" else "swing", scale * (high - low), unit),
@@ -664,8 +666,7 @@ class DiscCamDrive(CamTables):
         elif f.shape != "outline":
             pitch = cam.least_radius + cam.tip.tip_radius
             figures.append(Figure("pitch curvature radius min", pitch, "mm"))
-        hop = bounce_study(self._bounce, f.motion == "translating").numbers
-        return Figures(figures) | self._forces.numbers | hop
+        return Figures(figures) | self._forces.numbers | self._hop.numbers
 
     @cached_property
     def _forces(self) -> Study:
@@ -676,6 +677,10 @@ class DiscCamDrive(CamTables):
         return force_study(
             self._loaded, self._load or FollowerLoad(), slides, pushed, bool(gravity(self.load))
         )
+
+    @property
+    def _hop(self) -> Study:
+        return bounce_study(self._bounce, self._unit[0] == "mm")
 
     def _notes(self) -> list[str]:
         notes = [
