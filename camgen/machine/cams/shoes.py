@@ -98,6 +98,25 @@ def _heading(piece: Edge, t: float) -> complex:
     return way * (-1 if piece.t1 < piece.t0 else 1)
 
 
+def _depth(arc: Arc) -> float:
+    """Of the hollow that an arc is, mm."""
+    return arc.radius * (1 - math.cos(min(abs(arc.sweep) / 2, math.pi)))
+
+
+def _hollow(depth: float, where: str, edge: Edge) -> DesignError:
+    """Of an outline that is hollow by a depth, mm, on an edge or beside it."""
+    middle = complex(edge.at((edge.t0 + edge.t1) / 2))
+    return DesignError(
+        "geometry.follower.outline",
+        depth,
+        0.0,
+        "mm",
+        f"{where}, on its edge at ({middle.real:.3f}, {middle.imag:.3f}) mm",
+        "the outline is hollow where the cam would touch it: the rest of it cuts so deep into the cam; "
+        "make it convex there",
+    )
+
+
 @dataclass(frozen=True)
 class _Arcs:
     """Convex arcs and corners of an outline, (k,) each."""
@@ -275,18 +294,30 @@ class Shoe(Follower):
         return np.where(np.isinf(first), np.nan, first)
 
     def on_base(self, radius: float) -> Self:
-        """Where it first touches the circle as it comes in."""
+        """Where it first touches the circle as it comes in; DesignError where only a hollow edge can."""
         found = []
         for part in self.parts:
             try:
                 s = self.standing(part, radius)
             except (ValueError, ZeroDivisionError):
                 continue
-            if abs(float(self.distance(self.seen(s, 0j))) - radius) < _TOUCHES:
+            if abs(float(self.distance(self.seen(s, 0j))) - radius) < _TOUCHES and self._leaves(s):
                 found.append(s)
-        if not found:
+        if found:
+            return self.moved(max(found))
+        arcs = [each for each in self.edges if isinstance(each, Arc)]
+        # a smaller circle lies in a hollow, a larger one on its ends
+        hollows = [each for each in arcs if each.sweep < 0 and each.radius >= radius]
+        if not hollows:
             raise ValueError("the outline touches no such circle")
-        return self.moved(max(found))
+        deepest = max(hollows, key=_depth)
+        raise _hollow(_depth(deepest), f"a base circle of {radius:g} mm", deepest)
+
+    def _leaves(self, s: float) -> bool:
+        """Whether the edge nearest to the axis moves away from it as the follower leaves."""
+        normal = self.normal_on(s, np.zeros(1, complex))
+        velocity = self.velocity(s, np.zeros(1, complex))
+        return bool(self.leaves * np.real(np.conj(normal) * velocity)[0] > 0)
 
     # ---- what no cam can be made for --------------------------------------------------------------------------------
 
@@ -316,16 +347,7 @@ class Shoe(Follower):
         if hollow > _CONVEX:
             pole = self.pole(np.asarray(place), motion)
             edge = self.convex[int(self.touched(pole))]
-            middle = complex(edge.at((edge.t0 + edge.t1) / 2))
-            raise DesignError(
-                "geometry.follower.outline",
-                hollow,
-                0.0,
-                "mm",
-                f"cam angle {math.degrees(place):.3f} deg, on its edge at ({middle.real:.3f}, {middle.imag:.3f}) mm",
-                "the outline is hollow where the cam would touch it: the rest of it cuts so deep into the cam; "
-                "make it convex there",
-            )
+            raise _hollow(hollow, f"cam angle {math.degrees(place):.3f} deg", edge)
 
     def standing_over(self, pole: Any) -> Floats:
         """By how much the outline stands out over the tangent at the point nearest to a pole, seen, (n,) mm; 0 where it is convex."""

@@ -187,6 +187,19 @@ def test_a_hollow_sole_is_refused_where_it_would_touch() -> None:
     assert "geometry.follower.outline" in said and "hollow" in said and "cam angle" in said
 
 
+@pytest.mark.parametrize("half", [14.5, 15.0, 20.0])
+def test_a_sole_in_whose_hollow_the_base_circle_lies_is_refused(half: float) -> None:
+    """A bulge of 0.3 is a hollow of 0.3 times half its chord, here of a radius above that of the base circle."""
+    points = np.array([-half, half, half + 20j, -half + 20j])
+    sole = bulged(points, np.array([-0.3, 0.0, 0.0, 0.0]))
+    with pytest.raises(DesignError, match="hollow where the cam would touch it") as refused:
+        slid(sole)
+    assert refused.value.value == pytest.approx(0.3 * half)
+    assert f"on its edge at (0.000, {0.3 * half:.3f}) mm" in str(refused.value).replace(
+        "-0.0", "0.0"
+    )
+
+
 def test_an_arm_as_fast_as_its_cam_is_refused() -> None:
     motion = turn((30, 0.0, 0.4), (60, 0.4, 0.0), (270, 0.0, 0.0))
     with pytest.raises(DesignError, match="swings as fast as its cam turns"):
