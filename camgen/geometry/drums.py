@@ -126,14 +126,11 @@ class Drum:
         )
 
     @cached_property
-    def span(self) -> tuple[float, float]:
-        """Lowest and highest place of its walls, mm.
-
-        DesignError where a wall is undercut, leaves the drum's ends, or a rib has no thickness.
-        """
+    def edges(self) -> tuple[Floats, ...]:
+        """Heights of each wall at the floor and outside, (2, n) mm, over even angles; DesignError where one is undercut."""
         beta = np.linspace(0, math.tau, _FINE, endpoint=False)
         inner = np.full(len(beta), self.floor)
-        levels = []
+        heights = []
         for wall in self.walls:
             ratio = wall.area_ratio(beta, inner)
             k = int(np.argmin(ratio))
@@ -146,19 +143,43 @@ class Drum:
                     f"the inner end of the roller, cam angle {math.degrees(-beta[k]) % 360:.4g} deg",
                     "the wall is undercut: take a smaller roller, a larger radius or a longer span",
                 )
-            levels.append(wall.over(beta, np.array([[self.floor], [self.outside]])).z)
+            heights.append(wall.over(beta, np.array([[self.floor], [self.outside]])).z)
+        return tuple(heights)
+
+    @cached_property
+    def span(self) -> tuple[float, float]:
+        """Lowest and highest place of its walls, mm.
+
+        DesignError where a wall is undercut, leaves the drum's ends, or a rib has no thickness.
+        """
+        levels = self.edges
         low = float(min(np.min(z) for z in levels))
         high = float(max(np.max(z) for z in levels))
-        if low <= 0 or high >= self.length:
-            value = low if low <= 0 else high
-            limit = 0.0 if low <= 0 else self.length
-            remedy = "the track leaves the drum: make it longer, or the lift smaller"
-            raise DesignError("height of the wall", value, limit, "mm", "the drum's end", remedy)
         if self.track == "rib" and float(np.min(levels[1] - levels[0])) <= 0:
             thickness = float(np.min(levels[1] - levels[0]))
             remedy = "move the rollers apart, or take smaller ones"
             raise DesignError("thickness of the rib", thickness, 0.0, "mm", "its thinnest", remedy)
+        if low <= 0 or high >= self.length:
+            raise self._leaving(low, high)
         return low, high
+
+    def _leaving(self, low: float, high: float) -> DesignError:
+        """Of walls that leave its ends."""
+        below = low <= 0
+        width = high - low
+        if width < self.length:
+            way = (
+                f"up by more than {-low:.4g}"
+                if below
+                else f"down by more than {high - self.length:.4g}"
+            )
+            remedy = f"the track leaves the drum, which is long enough: move the follower {way} mm"
+        else:
+            remedy = f"the track takes {width:.4g} mm of the drum's {self.length:.4g}: make it longer, or the lift smaller"
+        value = low if below else high
+        limit = 0.0 if below else self.length
+        where = "its lowest" if below else "its highest"
+        return DesignError("height of the wall", value, limit, "mm", where, remedy)
 
     def _grid(self, tolerance: float) -> tuple[Floats, int]:
         """Angles, and the number of rows from floor to outside, that need the fewest triangles."""

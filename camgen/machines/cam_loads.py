@@ -28,12 +28,18 @@ _JUMPS = "its speed jumps, and no spring holds it then: use a law that ends smoo
 
 
 def load_faults(
-    load: LoadTable | None, spring: SpringTable | None, slides: bool, pushed: bool, made: bool
+    load: LoadTable | None,
+    spring: SpringTable | None,
+    slides: bool,
+    pushed: bool,
+    made: bool,
+    sprung: str = 'closure "force"',
 ) -> list[Fault]:
-    """What is wrong; slides: a translating follower; pushed: only a spring keeps it on its cam; made: it is a part."""
+    """What is wrong; slides: a translating follower; pushed: only a spring keeps it on its cam, as `sprung` says; made: it is a
+    part."""
     found = []
     if spring is not None and not pushed:
-        found.append(Fault(("spring",), "", 'nothing here: only closure "force" has a spring'))
+        found.append(Fault(("spring",), "", f"nothing here: only {sprung} has a spring"))
     if load is None:
         return (
             [*found, Fault(("load",), "", "missing: the mass that [spring] has to move")]
@@ -110,6 +116,20 @@ def unweighed(deg: float, inertia: bool, made: bool) -> Fault | None:
     return Fault(
         ("load", "gravity_deg"), f"{deg:g}", f"nothing here: {why}; left out, the cam lies flat"
     )
+
+
+def corrected(
+    wanted: Program, load: LoadTable | None, spring: SpringTable | None, speed: float
+) -> Program:
+    """What a cam is made for: the wanted motion, with load.polydyne corrected for the follower's elasticity.
+
+    speed: of the cam, rad/s.
+    """
+    if load is None or not load.polydyne:
+        return wanted
+    from camgen.motion.polydyne import polydyne
+
+    return polydyne(wanted, load.lag(speed, spring.rate if spring else 0.0))
 
 
 def load_of(load: LoadTable | None, spring: SpringTable | None) -> FollowerLoad | None:

@@ -8,6 +8,7 @@ import re
 import sys
 import tomllib
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -83,8 +84,18 @@ def test_the_drum_is_as_small_as_the_pressure_angle_lets_it() -> None:
     track = drum().track
     assert track.inner == pytest.approx(2 * 15 / math.radians(120) / math.tan(math.radians(30)))
     assert track.steepest == pytest.approx(30)
-    narrow = drum(limits={"pressure_angle_deg": 80.0}).track
+    narrow = drum(5.0).track
     assert narrow.inner == pytest.approx(4 + 5 + 0.5)  # the roller stays clear of the bore
+
+
+def test_the_smallest_drum_is_not_undercut_at_its_floor() -> None:
+    """A steep wall reaches the floor's radius at a smaller depth than the roller's end: there it is undercut first."""
+    steep = drum(limits={"pressure_angle_deg": 80.0}).track
+    assert float(np.min(steep.walls[0])) > 0.1  # beside the roller there is room to spare
+    assert replace(steep, radius=steep.radius + 0.001).regular
+    smaller = replace(steep, radius=steep.radius - 0.001)
+    with pytest.raises(DesignError, match="undercut"):
+        smaller.drum.edges  # noqa: B018
 
 
 def test_pressure_angles_and_areas_are_the_references() -> None:
@@ -256,6 +267,25 @@ def test_what_is_wrong_is_told_by_its_keys() -> None:
         "files.profile_step_deg",
         "spring",
     }
+    assert 'spring - nothing here: only track "end" has a spring' in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("geometry", "value", "remedy"),
+    [
+        ({"follower": {"height": 1000.0}}, 1020.1, "move the follower down by more than 988.9 mm"),
+        ({"follower": {"height": 1.0}}, -4.1, "move the follower up by more than 4.1 mm"),
+        ({"track": "end", "length": 2.0}, -8.95, "the track takes 15 mm of the drum's 2"),
+    ],
+)
+def test_a_track_that_leaves_its_drum_is_told_before_the_spec_is_filled_in(
+    geometry: dict[str, Any], value: float, remedy: str
+) -> None:
+    """A roller of radius 5.1 with its play stands up to 15 mm above the height; of an end cam the lower wall alone counts."""
+    with pytest.raises(DesignError) as refused:
+        drum(geometry=geometry).resolved()
+    assert refused.value.value == pytest.approx(value, abs=1e-6)
+    assert remedy in str(refused.value)
 
 
 def test_no_drum_is_told_as_such() -> None:
@@ -263,7 +293,11 @@ def test_no_drum_is_told_as_such() -> None:
         drum(60.0, geometry={"follower": ARM}, limits={"pressure_angle_deg": 20.0}).track  # noqa: B018
     with pytest.raises(DesignError, match="the bore reaches the track"):
         drum(geometry={"radius": 11.0}).track  # noqa: B018
-    with pytest.raises(DesignError, match="height of the wall"):
+    with pytest.raises(DesignError, match=r"the track takes 25\.2 mm of the drum's 20"):
         drum(geometry={"length": 20.0}).limits()
+    with pytest.raises(DesignError, match="geometry.follower.offset is 40 mm"):
+        drum(geometry={"radius": 32.0, "follower": {"offset": 40.0}}).track  # noqa: B018
+    with pytest.raises(DesignError, match="thickness of the rib"):
+        drum(geometry={"track": "rib", "distance": 5.0}).track  # noqa: B018
     steep = drum(geometry={"radius": 25.0}).limits()
     assert [each.code for each in steep if not each.ok] == ["PRESSURE_ANGLE"]

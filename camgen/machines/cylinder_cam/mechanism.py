@@ -28,7 +28,14 @@ from camgen.machine.cams.machine import FollowerLoad, Loaded, contact_machine
 from camgen.machine.features import Demand, Mount
 from camgen.machine.model import Cam, Machine
 from camgen.machine.run import solve
-from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of, polydyne_faults
+from camgen.machines.cam_loads import (
+    corrected,
+    force_study,
+    lift_off,
+    load_faults,
+    load_of,
+    polydyne_faults,
+)
 from camgen.machines.cylinder_cam.tables import DrumGeometry, DrumLimits, DrumParts
 from camgen.machines.cylinder_cam.track import Track, smallest
 from camgen.machines.disc_cam.curves import motion_plots, segments_table
@@ -36,7 +43,6 @@ from camgen.machines.disc_cam.tables import DiscCamMotor, LoadTable, SpringTable
 from camgen.machines.loads.weights import gravity
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.pairs import still_faults
-from camgen.motion.polydyne import polydyne
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
 from camgen.numerics import Floats
@@ -98,7 +104,9 @@ class CylinderCam(Mechanism):
             self._given  # noqa: B018
         except SpecError as error:
             found += error.faults
-        found += load_faults(self.load, self.spring, not self._swings, g.track == "end", False)
+        found += load_faults(
+            self.load, self.spring, not self._swings, g.track == "end", False, 'track "end"'
+        )
         if not found and self.load is not None and self.load.polydyne:
             found += polydyne_faults(self.load, self.spring, self._given, False)
         return [*found, *still_faults(("segment",), [table.kind for table in self.segment])]
@@ -164,10 +172,7 @@ class CylinderCam(Mechanism):
     @cached_property
     def program(self) -> Program:
         """The follower's motion over the turn, mm or rad; on a clockwise drum the segments lie the other way round."""
-        made = self._given
-        if self.load is not None and self.load.polydyne:
-            rate = self.spring.rate if self.spring else 0.0
-            made = polydyne(made, self.load.lag(self._speed, rate))
+        made = corrected(self._given, self.load, self.spring, self._speed)
         return made if self._sense > 0 else made.backwards()
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
@@ -203,13 +208,21 @@ class CylinderCam(Mechanism):
         given = self.geometry.radius
         track = Track(self.geometry, self.program, clearance, p.reach, p.wall, given or 0.0)
         if given is None:
-            return replace(track, radius=smallest(track, self._steepest))
-        if track.floor <= p.reach:
+            track = replace(track, radius=smallest(track, self._steepest))
+        elif track.floor <= p.reach:
             least = given + p.reach - track.floor
             remedy = "the bore reaches the track: a larger radius, a shorter roller or a smaller parts.bore"
             raise DesignError(
                 "geometry.radius", given, least, "mm", "the floor of the track", remedy
             )
+        offset = self.geometry.follower.offset
+        if abs(offset) >= track.floor:
+            remedy = "the roller passes beside the track's floor: a smaller offset or a larger geometry.radius"
+            limit = math.copysign(track.floor, offset)
+            raise DesignError(
+                "geometry.follower.offset", offset, limit, "mm", "the floor of the track", remedy
+            )
+        track.drum.span  # noqa: B018  refuses what is no drum
         return track
 
     def _found(self) -> Mapping[str, object]:

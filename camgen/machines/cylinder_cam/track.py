@@ -204,6 +204,17 @@ class Track:
             bends.append(relative - 1 / radius)
         return np.array(areas), np.array(bends)
 
+    @property
+    def regular(self) -> bool:
+        """Whether no wall is undercut, from the outside down to the floor, which lies deeper than the roller."""
+        if float(np.min(self.walls[0])) <= 0:
+            return False
+        try:
+            self.drum.edges  # noqa: B018
+        except DesignError:
+            return False
+        return True
+
     def lever(self, theta: Floats) -> Floats:
         """Way of the roller along the contact's normal for each unit of the follower's, (n,) mm."""
         arm = (self.geometry.follower.arm or 0.0) if self.swings else 1.0
@@ -211,8 +222,8 @@ class Track:
 
 
 def smallest(track: Track, steepest: float) -> float:
-    """Least radius of the drum at which the pressure angle at the roller's inner end stays below a limit, deg, and its bore has its
-    wall. DesignError where none has."""
+    """Least radius of the drum at which the pressure angle at the roller's inner end stays below a limit, deg, no wall is
+    undercut, and its bore has its wall. DesignError where none has."""
     roller = track.geometry.roller
     inside = track.bore_reach + track.wall + 2 * roller.end_clearance + roller.length
     # the roller stays clear of the other side of the drum's axis, and of that axis' neighbourhood where walls have no slope
@@ -220,7 +231,7 @@ def smallest(track: Track, steepest: float) -> float:
 
     def fits(radius: float) -> bool:
         tried = replace(track, radius=radius)
-        return tried.steepest <= steepest and float(np.min(tried.walls[0])) > 0
+        return tried.steepest <= steepest and tried.regular
 
     low = high = least
     for _ in range(_TRIES):

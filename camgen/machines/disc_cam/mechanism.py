@@ -47,6 +47,7 @@ from camgen.machines.cam_loads import (
     bounce,
     bounce_study,
     bounce_words,
+    corrected,
     force_study,
     lift_off,
     load_faults,
@@ -69,7 +70,6 @@ from camgen.machines.free_play import between
 from camgen.machines.loads.tables import CamLimitsTable
 from camgen.machines.loads.weights import gravity
 from camgen.machines.pairs import air_faults, still_faults
-from camgen.motion.polydyne import polydyne
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
@@ -128,7 +128,7 @@ class DiscCamDrive(CamTables):
                 "the arm of an oscillating roller or knife edge",
             ),
             ("outline", drawn_shoe and f.contours is None, True, "an SVG or DXF beside the spec"),
-            ("contours", drawn_shoe, False, "read from the outline"),
+            ("contours", drawn_shoe, False, 'a follower of shape "outline" has one'),
             (
                 "face_offset",
                 flat and not slides,
@@ -138,11 +138,13 @@ class DiscCamDrive(CamTables):
             ("face_width", flat, False, "the width of a flat face"),
         ):
             value = getattr(f, key)
+            typed = "outline" if key == "contours" and f.drawn_in else key  # what was read from it
+            place = ("geometry", "follower", typed)
             if belongs and needed and value is None:
-                found.append(Fault(("geometry", "follower", key), "", f"missing: {what}"))
+                found.append(Fault(place, "", f"missing: {what}"))
             elif not belongs and value:
                 shown = f"{value:g}" if isinstance(value, float) else ""
-                found.append(Fault(("geometry", "follower", key), shown, f"nothing here: {what}"))
+                found.append(Fault(place, shown, f"nothing here: {what}"))
         found += contour_faults(("geometry", "follower", "contours"), f.contours or ())
         checks = [
             (
@@ -228,11 +230,7 @@ class DiscCamDrive(CamTables):
     @cached_property
     def program(self) -> Program:
         """The follower's motion over the turn, mm or rad; on a clockwise cam the segments lie the other way round."""
-        made = self._given
-        if self.load is not None and self.load.polydyne:
-            made = polydyne(
-                made, self.load.lag(self._speed, self.spring.rate if self.spring else 0.0)
-            )
+        made = corrected(self._given, self.load, self.spring, self._speed)
         return made if self._sense > 0 else made.backwards()
 
     @cached_property
