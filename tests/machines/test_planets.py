@@ -41,7 +41,7 @@ FIXED_CARRIER = SPEC | {
 }
 FIXED_SUN = SPEC | {
     "links": {"ground": ["O"], "ring": ["O"], "carrier": ["O", "P"]},
-    "planets": [{**SET, "sun": None, "ring": "ring", "fixed": "sun"}],
+    "planets": [{**SET, "sun": None, "ring": "ring", "fixed": "sun", "teeth": [24, 15]}],
     "drive": {"link": "carrier"},
     "output": [{"name": "out", "link": "ring"}],
 }
@@ -57,7 +57,7 @@ def machine(spec: dict[str, Any], **row: Any) -> Any:
     [
         (SPEC, 1 / (1 + RING / SUN)),
         (FIXED_CARRIER, -SUN / RING),
-        (FIXED_SUN, 1 + SUN / RING),
+        (FIXED_SUN, 1 + 24 / 54),
     ],
 )
 def test_members_turn_as_willis_has_it(spec: dict[str, Any], rate: float) -> None:
@@ -99,9 +99,32 @@ def test_planets_that_meet_are_refused_with_how_many_fit() -> None:
         machine(SPEC, teeth=[12, 24], count=4).assembly  # noqa: B018
 
 
-def test_a_sun_that_stands_still_moves_but_has_no_parts() -> None:
-    with pytest.raises(DesignError, match="fix the ring or the carrier"):
-        machine(FIXED_SUN).assembly  # noqa: B018
+def test_a_sun_that_stands_still_and_is_too_small_for_its_dowels_is_refused() -> None:
+    with pytest.raises(DesignError, match=r"room for dowels .*4.4 mm .*larger sun"):
+        machine(FIXED_SUN, teeth=[12, 18]).assembly  # noqa: B018
+
+
+@pytest.mark.parametrize(
+    ("driven", "out", "over"), [("carrier", "ring", ["cap-carrier"]), ("ring", "carrier", [])]
+)
+def test_a_sun_stands_on_the_plate_and_its_ring_hangs_past_the_carrier(
+    driven: str, out: str, over: list[str]
+) -> None:
+    """The plate of either that turns lies over the planets; the shaft of the one that drives goes through the sun."""
+    spec = FIXED_SUN | {"drive": {"link": driven}, "output": [{"name": "out", "link": out}]}
+    assembly = machine(spec).assembly
+    mounts = {each.part: each for each in assembly.mounts}
+    parts = assembly.by_name
+    top = {name: mounts[name].z + parts[name].thickness for name in mounts if name in parts}
+    sun = mounts["gear-planet-sun"]
+    assert (sun.body, sun.z) == ("ground", parts["ground"].thickness)
+    assert mounts["gear-planet-ring"].body == "ring"
+    assert top["gear-planet-ring"] == pytest.approx(mounts["ring"].z)
+    assert top["gear-planet"] < mounts["carrier"].z < top["carrier"] < mounts["ring"].z
+    assert [name for name in parts if name.startswith("cap-")] == over
+    assert mounts["shaft"].body == driven and mounts["shaft"].z < 0
+    dowels = [each for each in assembly.mounts if each.part == "dowel-gear-planet-sun"]
+    assert len(dowels) == 3 and all(each.body == "ground" for each in dowels)
 
 
 def test_a_length_says_how_far_planets_are_from_the_axis() -> None:
@@ -113,7 +136,12 @@ def test_a_length_says_how_far_planets_are_from_the_axis() -> None:
 
 @pytest.mark.parametrize(
     ("spec", "row"),
-    [(SPEC, {}), (FIXED_CARRIER, {}), (SPEC, {"teeth": [12, 17], "spacing": "nearest"})],
+    [
+        (SPEC, {}),
+        (FIXED_CARRIER, {}),
+        (FIXED_SUN, {}),
+        (SPEC, {"teeth": [12, 17], "spacing": "nearest"}),
+    ],
 )
 def test_all_teeth_lie_in_gaps_as_drawn_and_as_they_move(
     spec: dict[str, Any], row: dict[str, Any]
@@ -231,3 +259,34 @@ def test_a_tooth_of_the_sun_that_is_missing_is_named(sound: Path, tmp_path: Path
     failed = damaged(sound, tmp_path, "gear-planet-sun", broken)
     (mesh,) = [each for each in failed if each.code == "GEAR_MESH"]
     assert "is at 60.0 deg of gear-planet-sun" in mesh.message
+
+
+@pytest.fixture(scope="module")
+def still_sun(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One planet: the set is the least that shows a sun on the plate."""
+    out = tmp_path_factory.mktemp("still")
+    spec = FIXED_SUN | {"planets": [FIXED_SUN["planets"][0] | {"count": 1}]}
+    report = camgen.build(spec, out, ["dxf"])
+    assert report.ok, [str(finding) for finding in report.findings if not finding.ok]
+    assert sum(each.code == "GEAR_MESH" for each in report.findings) == 2
+    return out / "set"
+
+
+def test_a_sun_on_the_plate_is_judged_with_its_planets(still_sun: Path, tmp_path: Path) -> None:
+    """Sound as it is; beside the axis by 10 um, or with a flank of 20 um, it is named."""
+    findings = {each.code: each for each in judged(still_sun)}
+    assert all(each.ok for each in findings.values())
+    assert findings["MOTION_ERROR"].measured < 1e-6
+
+    def flank(points: Points) -> Points:
+        turned = points * cmath.exp(-1j * math.radians(30))
+        angle = np.angle(turned)
+        off = (angle > 0) & (angle < 0.9 * math.pi / 24) & (np.abs(points) > 14)
+        return points * np.where(off, np.exp(0.02j / np.abs(points)), 1)
+
+    for change in (lambda points: points + 0.01, flank):
+        copy = tmp_path / change.__name__.strip("<>")
+        failed = damaged(still_sun, copy, "gear-planet-sun", change)
+        meshes = [each for each in failed if each.code == "GEAR_MESH"]
+        assert meshes and meshes[0].where.joint == "ground to planet_1"
+    assert "is at 30.0 deg of gear-planet-sun" in meshes[0].message

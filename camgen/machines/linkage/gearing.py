@@ -19,7 +19,7 @@ _EVEN = 1e-9  # rad, by which planets that are evenly spread may differ
 
 
 def figures(layout: Layout) -> list[Figure]:
-    """Contact ratio of each pair, of planets once; turns of a set's sun, or a disc's eccentric, for one of what it drives; of wheels that are
+    """Contact ratio of each pair, of planets once; turns of a set's fast member, or a disc's eccentric, for one of the slow; of wheels that are
     not round their module, how fast the driven one is at most and at least, and how far a flank's normal leans at most."""
     pairs = {(each.a.part, each.b.part): each for each in reversed(layout.gear_pairs)}
     found = [
@@ -27,8 +27,7 @@ def figures(layout: Layout) -> list[Figure]:
         for each in reversed(pairs.values())
     ]
     for wish in layout.planets:
-        fixed, driven = _members(wish)
-        found.append(Figure("ratio {of}", turns(wish.teeth, fixed, driven)["sun"], "", wish.level))
+        found.append(Figure("ratio {of}", _ratio(wish), "", wish.level))
     for drive in layout.noncircular_drives:
         centrodes = drive.pair.centrodes
         speed = centrodes.law(_TURN, 1)
@@ -58,9 +57,17 @@ def plots(layout: Layout) -> list[Plot]:
     ]
 
 
-def _members(wish: PlanetWish) -> tuple[Member, Member]:
-    """What is fixed, and what turns beside the sun."""
-    return ("ring", "carrier") if wish.ring == GROUND else ("carrier", "ring")
+def _members(wish: PlanetWish) -> tuple[Member, Member, Member]:
+    """What is fixed, what turns fast, and what turns slowly."""
+    if wish.sun == GROUND:
+        return "sun", "ring", "carrier"
+    return ("ring", "sun", "carrier") if wish.ring == GROUND else ("carrier", "sun", "ring")
+
+
+def _ratio(wish: PlanetWish) -> float:
+    """Turns of what turns fast for one of what turns slowly."""
+    fixed, fast, slow = _members(wish)
+    return turns(wish.teeth, fixed, slow)[fast]
 
 
 def notes(layout: Layout) -> Iterator[str]:
@@ -73,13 +80,13 @@ def notes(layout: Layout) -> Iterator[str]:
             f"turn of {asked.output or asked.link}, the other way. The disc has a play of at least {math.degrees(disc.play):.3g} deg."
         )
     for wish in layout.planets:
-        fixed, driven = _members(wish)
-        ratio = turns(wish.teeth, fixed, driven)["sun"]
+        fixed, fast, slow = _members(wish)
+        ratio = _ratio(wish)
         sun, planet, ring = wish.teeth
         way = "the same way" if ratio > 0 else "the other way"
         yield (
-            f"Planetary set {wish.level}: sun {sun}, planets {planet}, ring {ring} teeth; the {fixed} is fixed, and the sun turns "
-            f"{abs(ratio):.6g} times for one turn of the {driven}, {way}."
+            f"Planetary set {wish.level}: sun {sun}, planets {planet}, ring {ring} teeth; the {fixed} is fixed, and the {fast} turns "
+            f"{abs(ratio):.6g} times for one turn of the {slow}, {way}."
         )
         angles = seats(wish.teeth, len(wish.planets))
         steps = [b - a for a, b in itertools.pairwise([*angles, angles[0] + math.tau])]

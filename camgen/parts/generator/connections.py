@@ -21,7 +21,7 @@ from camgen.machine.jets import thread_length
 from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.gears import GearWish
 from camgen.parts.generator.cycloids import CycloidWish
-from camgen.parts.generator.gears import GearPair, GearWheel, PlanetWish, RingBody, gear_pairs
+from camgen.parts.generator.gears import DowelledWheel, GearPair, GearWheel, PlanetWish, gear_pairs
 from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.noncircular import NoncircularDrive
 from camgen.parts.generator.sizes import Parts
@@ -32,6 +32,7 @@ from camgen.parts.generator.wheels import (
     Tip,
     Wheel,
     groove_rim,
+    level_of,
     tips,
     with_seconds,
 )
@@ -254,14 +255,40 @@ class Connections:
         return list(dict.fromkeys(every))
 
     @cached_property
-    def rings(self) -> list[RingBody]:
-        """Rings of inner teeth."""
+    def dowelled(self) -> list[DowelledWheel]:
+        """Rings of inner teeth, and suns that stand still."""
         rim = groove_rim(self.sizes) + self.fits.press_clearance
-        return [
-            RingBody(wheel, wheel.gear, rim)
-            for wheel in self.gear_wheels
-            if isinstance(wheel.gear, Ring)
-        ]
+        bore = self.sizes.shaft_diameter / 2 + self.fits.slide_clearance
+        between = {
+            level_of(wish.level): wish.carrier for wish in self.planets if wish.sun == GROUND
+        }
+        found = []
+        for wheel in self.gear_wheels:
+            root = wheel.gear.root
+            if isinstance(wheel.gear, Ring):
+                found.append(DowelledWheel(wheel, root + rim, between.get(wheel.level, "")))
+            elif wheel.link == GROUND:
+                self._refuse_small(wheel, root - bore)
+                found.append(DowelledWheel(wheel, bore))
+        return found
+
+    def _refuse_small(self, sun: GearWheel, room: float) -> None:
+        """DesignError where a sun on the ground has no room for dowels between its bore and its teeth, mm."""
+        needed = self.sizes.pin_diameter + self.fits.press_clearance + 2 * self.min_wall
+        if room < needed:
+            raise DesignError(
+                "room for dowels between the sun's bore and its teeth",
+                room,
+                needed,
+                "mm",
+                f"planets {sun.level}",
+                "use a larger sun: more teeth of it in planets.teeth, or the first planet's pin further from the axis",
+            )
+
+    @property
+    def standing_suns(self) -> list[GearWheel]:
+        """Suns on the ground, through which a shaft goes."""
+        return [each.wheel for each in self.dowelled if not each.within]
 
     @cached_property
     def geneva_drives(self) -> list[GenevaDrive]:
@@ -296,10 +323,11 @@ class Connections:
 
     @cached_property
     def wheels(self) -> list[Wheel]:
-        """Cam discs, gears' wheels but no rings, wheels that drive by their edges, counterweights."""
+        """Cam discs, gears' wheels on shafts and pins, wheels that drive by their edges, counterweights."""
+        on_dowels = {each.wheel for each in self.dowelled}
         return [
             *(tip.wheel for tip in self.tips),
-            *(each.wheel for each in self.gear_wheels if not isinstance(each.gear, Ring)),
+            *(each.wheel for each in self.gear_wheels if each not in on_dowels),
             *(wheel for each in self.edge_drives for wheel in each.wheels),
             *self.weights,
         ]
@@ -333,7 +361,7 @@ class Connections:
     def alone(self) -> dict[str, str]:
         """Links that are no more than a wheel on their shaft, and the level of that wheel."""
         levels = {wheel.link: wheel.level for wheel in reversed(self.wheels)}
-        ringed = {ring.wheel.link for ring in self.rings}
+        ringed = {each.wheel.link for each in self.dowelled}
         return {
             link: level
             for link, level in levels.items()
@@ -353,11 +381,13 @@ class Connections:
         return {**shafts, **self.guest_links}
 
     def axis_of(self, link: str) -> str:
-        """The point about which a link turns on the ground; of the ground one with planets about it."""
-        if link == GROUND:
-            link = next(wish.sun for wish in self.planets if wish.ring == GROUND)
+        """The point about which a link turns on the ground."""
         held = self.bodies[link].points
         return next(point for point in held if self.pivots.get(point, ("",))[0] == GROUND)
+
+    def axis_of_wheel(self, wheel: GearWheel) -> str:
+        """The point of the ground about which the teeth of a wheel on dowels lie."""
+        return self.axis_of(wheel.beside or wheel.link)
 
     @cached_property
     def planet_pins(self) -> dict[str, str]:
@@ -369,9 +399,11 @@ class Connections:
         """Links of planetary sets and cycloidal drives that turn on the shaft at a point over what is fixed on it, a cap over them."""
         over: dict[str, tuple[str, ...]] = {}
         for wish in self.planets:
-            point = self.axis_of(wish.sun)
-            if self.shafts.get(point) == wish.sun:
-                above = tuple(link for link in (wish.carrier, wish.ring) if link != GROUND)
+            members = wish.turning
+            point = self.axis_of(members[0])
+            fixed = self.shafts.get(point)
+            above = members[members.index(fixed) + 1 :] if fixed in members else []
+            if above:
                 over[point] = (*over.get(point, ()), *above)
         for each in self.cycloids:
             point = self.axis_of(each.crank)
@@ -385,6 +417,7 @@ class Connections:
         pairs = [
             *((roller.point, roller.level) for roller in self.rollers),
             *((self.shaft_of(wheel.link), wheel.level) for wheel in self.wheels),
+            *((self.axis_of_wheel(sun), sun.level) for sun in self.standing_suns),
             *((end[1], name) for name, each in self.springs.items() for end in (each.a, each.b)),
         ]
         riders: dict[str, list[str]] = {}

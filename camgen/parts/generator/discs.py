@@ -20,7 +20,7 @@ from camgen.parts.catalogue import TURNED
 from camgen.parts.disc_cams import CamParts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.gears import table, windows
-from camgen.parts.generator.gears import GearWheel, RingBody
+from camgen.parts.generator.gears import DowelledWheel, GearWheel
 from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.layout import GROUND, Layout, pivot_name
 from camgen.parts.generator.noncircular import NoncircularDrive
@@ -124,12 +124,12 @@ def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
 
 
 def gear_parts(layout: Layout) -> Iterator[MountedPart]:
-    """Wheels of gears on their links' shafts, planets on their pins, all of a set one part; rings on their dowels."""
-    rings = {ring.wheel.part: ring for ring in layout.rings}
+    """Wheels of gears on their links' shafts, planets on their pins, all of a set one part; rings and suns on their dowels."""
+    on_dowels = {each.wheel: each for each in layout.dowelled}
     made: dict[str, Part] = {}
     for wheel in layout.gear_wheels:
-        if wheel.part in rings:
-            yield from ring_parts(layout, rings[wheel.part])
+        if wheel in on_dowels:
+            yield from dowelled_parts(layout, on_dowels[wheel])
             continue
         if wheel.part not in made:
             made[wheel.part] = gear_part(layout, wheel)
@@ -143,7 +143,7 @@ def gear_parts(layout: Layout) -> Iterator[MountedPart]:
 def gear_part(layout: Layout, wheel: GearWheel) -> Part:
     """A gear's wheel as drawn at theta = 0; a planet in its own frame."""
     gear = wheel.gear
-    assert isinstance(gear, involute.Wheel), "a ring is made by ring_parts"
+    assert isinstance(gear, involute.Wheel), "a ring is made by dowelled_parts"
     sizes = layout.sizes
     start = float(layout.machine.start_of(wheel.link).angle)
     edge = gear.outline().moved(cmath.exp(1j * wheel.tooth))
@@ -193,32 +193,45 @@ def _wheel_bore(layout: Layout, link: str, start: float) -> tuple[Contour, float
     return circle(0j, wide / 2), wide, held
 
 
-def ring_parts(layout: Layout, ring: RingBody) -> Iterator[MountedPart]:
-    """A ring with inner teeth as drawn at theta = 0, and the dowels that hold it on its link."""
-    wheel = ring.wheel
+def _dowelled_region(layout: Layout, dowelled: DowelledWheel, name: str) -> Region:
+    """A ring or a sun as drawn at theta = 0."""
+    wheel = dowelled.wheel
+    gear = wheel.gear
+    hole = (layout.sizes.pin_diameter + layout.fits.press_clearance) / 2
+    holes = {f"dowel {k}": circle(z, hole) for k, z in enumerate(dowelled.dowels, 1)}
+    if isinstance(gear, involute.Ring):
+        edge = circle(0j, dowelled.edge)
+        tooth = wheel.tooth + gear.pitch / 2
+        holes["teeth"] = gear.outline().moved(cmath.exp(1j * tooth))
+    else:
+        edge = gear.outline().moved(cmath.exp(1j * wheel.tooth))
+        holes["bore"] = circle(0j, dowelled.edge)
+    return plate(name, edge, holes, layout.min_wall)
+
+
+def dowelled_parts(layout: Layout, dowelled: DowelledWheel) -> Iterator[MountedPart]:
+    """A ring with inner teeth as drawn at theta = 0, or a sun, and the dowels that hold it on its link."""
+    wheel = dowelled.wheel
     link = wheel.link
     sizes = layout.sizes
     start = float(layout.machine.start_of(link).angle)
-    half = wheel.gear.pitch / 2
-    hole = (sizes.pin_diameter + layout.fits.press_clearance) / 2
-    holes = {"teeth": ring.gear.outline().moved(cmath.exp(1j * (wheel.tooth + half)))}
-    holes |= {f"dowel {k}": circle(z, hole) for k, z in enumerate(ring.dowels, 1)}
+    kind = "ring" if isinstance(wheel.gear, involute.Ring) else "sun"
     on = "the ground plate" if link == GROUND else f"link {link}, which lies over it"
-    region = plate(f"ring of {link}", circle(0j, ring.outside), holes, layout.min_wall)
-    low, thick = layout.ring_span(ring)
+    region = _dowelled_region(layout, dowelled, f"{kind} of {link}")
+    low, thick = layout.ring_span(dowelled)
     part = Part(
         wheel.part,
-        f"Ring of {'the ground' if link == GROUND else link}",
+        f"{kind.capitalize()} of {'the ground' if link == GROUND else link}",
         (Layer(region, 0.0, thick),),
-        centres=(0j, *ring.dowels),
+        centres=(0j, *dowelled.dowels),
         notes=(
             f"drawn at theta = 0, level {layout.level[wheel.level]}",
             f"three dowels hold it on {on}, pressed and glued",
-            *table(wheel.mesh, ring.gear),
+            *table(wheel.mesh, wheel.gear),
         ),
         min_wall=layout.min_wall,
     )
-    at = layout.at(link, layout.axis_of(link))
+    at = layout.at(link, layout.axis_of_wheel(wheel))
     yield part, Mount(wheel.part, link, at, -start, z=low)
     bottom = 0.0 if link == GROUND else low
     top = low + thick if link == GROUND else layout.top_of(link)
@@ -228,7 +241,7 @@ def ring_parts(layout: Layout, ring: RingBody) -> Iterator[MountedPart]:
         name, f"Dowel of the {part.title.lower()}", sizes.pin_diameter, round(top - bottom, 9)
     )
     dowel = replace(dowel, notes=("pressed and glued in",), process=made)
-    yield from ((dowel, Mount(name, link, z, z=bottom)) for z, _ in layout.ring_seats(link))
+    yield from ((dowel, Mount(name, link, z, z=bottom)) for z in layout.dowel_places(dowelled))
 
 
 def geneva_parts(layout: Layout, drive: GenevaDrive) -> Iterator[MountedPart]:

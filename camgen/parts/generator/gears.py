@@ -2,6 +2,7 @@
 
 planet    turns on a pin of the carrier; all planets of a set are one part
 ring      a plate of its own on dowels: under its link, which lies over what runs in it, or on the ground's plate
+sun       of a set whose sun stands still a plate of its own on dowels, on the ground's plate round the shaft
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from camgen.parts.wheels import involute
 from camgen.parts.wheels.mesh import Mesh
 from camgen.parts.wheels.planets import PlanetSet, seats
 
-DOWELS = 3  # of a ring on its link
+DOWELS = 3  # of a ring on its link, or a sun on the ground
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class GearWheel:
     spokes: int
     tooth: float  # rad, direction of a tooth in its part's frame
     turned: float = 0.0  # rad, of that frame on the ground as drawn
+    beside: str = ""  # a link that turns about its axis, of a wheel on the ground
 
     def teeth(self, mesh: Mesh) -> Teeth:
         """On what it is measured, with one of its mates."""
@@ -75,24 +77,39 @@ class PlanetWish:
     teeth: tuple[int, int, int]  # of sun, planet, ring
     joints: tuple[str, ...]  # each planet's with the sun, the first one's with the ring
 
+    @property
+    def turning(self) -> list[str]:
+        """Links that turn about its axis, in the order in which they lie over each other."""
+        return [link for link in (self.sun, self.carrier, self.ring) if link != m.GROUND]
+
 
 @dataclass(frozen=True)
-class RingBody:
-    """A ring of inner teeth on its link: round its root a rim, in whose middle dowels are."""
+class DowelledWheel:
+    """A wheel that dowels hold: a ring of inner teeth on its link, in the rim round its root; a sun on the ground, between bore and root."""
 
     wheel: GearWheel
-    gear: involute.Ring
-    rim: float  # mm
+    edge: float  # mm, radius of the ring's rim, of the sun's bore
+    between: str = ""  # link that turns between a ring and its link
+
+    @property
+    def gear(self) -> involute.Wheel | involute.Ring:
+        """Its teeth."""
+        return self.wheel.gear
+
+    @property
+    def within(self) -> float:
+        """Least radius of what it takes, mm."""
+        return self.gear.tip if isinstance(self.gear, involute.Ring) else 0.0
 
     @property
     def outside(self) -> float:
-        """Its radius, mm."""
-        return self.gear.root + self.rim
+        """Greatest radius, mm."""
+        return self.edge if isinstance(self.gear, involute.Ring) else self.gear.tip
 
     @property
     def dowels(self) -> list[complex]:
         """Places of its dowels as drawn, from its axis, mm; the first behind a tooth."""
-        radius = self.gear.root + self.rim / 2
+        radius = (self.gear.root + self.edge) / 2
         turns = (self.wheel.tooth + math.tau * k / DOWELS for k in range(DOWELS))
         return [cmath.rect(radius, turn) for turn in turns]
 
@@ -132,11 +149,8 @@ class _Making:
 
     def planets(self, wish: PlanetWish) -> list[GearPair]:
         """Those of a set: a tooth of the sun points to the first planet, and all others follow."""
-        if m.GROUND == wish.sun:
-            remedy = 'fix the ring or the carrier: fixed = "ring"'
-            said = f"the sun of {wish.level} would stand under what turns over it, and no such wheel is made"
-            raise DesignError("suns that stand still", 1, 0, "", wish.level, remedy).saying(said)
-        centre = pivot(self.machine, wish.sun)[1]
+        beside = wish.turning[0]
+        centre = pivot(self.machine, beside)[1]
         arm = self._first_pin(wish) - centre
         sun, planet, ring = wish.teeth
         where = f"planets {wish.level}"
@@ -146,13 +160,16 @@ class _Making:
         self._refuse_near(wish, outer, inner, where)
         way = cmath.phase(arm)
         level = level_of(wish.level)
-        on_sun = GearWheel(level, wish.sun, f"gear-{level}-sun", outer, outer.a, 0, way)
+        on_sun = GearWheel(
+            level, wish.sun, f"gear-{level}-sun", outer, outer.a, 0, way, beside=beside
+        )
         near = math.pi * (
             1 + 1 / planet
         )  # of a planet's tooth from the line, a tooth of the sun on that
         turned = math.remainder(near, math.tau / planet) * planet / ring
         tooth = way + turned + math.pi / ring
-        on_ring = GearWheel(level, wish.ring, f"gear-{level}-ring", inner, inner.b, 0, tooth)
+        named_ring = level, wish.ring, f"gear-{level}-ring"
+        on_ring = GearWheel(*named_ring, inner, inner.b, 0, tooth, beside=beside)
         *with_sun, with_ring = map(self.joint, wish.joints)
         pairs = []
         for k, seat in enumerate(seats(wish.teeth, len(wish.planets))):

@@ -22,7 +22,7 @@ from camgen.parts.generator.changes import Change
 from camgen.parts.generator.connections import GROUND, Connections, StretchedSpring
 from camgen.parts.generator.covers import Cover, cover
 from camgen.parts.generator.cycloids import CycloidDrive, CycloidWish, Stud
-from camgen.parts.generator.gears import RingBody
+from camgen.parts.generator.gears import DowelledWheel
 from camgen.parts.generator.guides import COVERED, STEMS, Guide, Rails, Runner, Way, guide
 from camgen.parts.generator.slotted import SlotHole, one_by_one
 from camgen.parts.generator.wheels import NOSE, Tip, named, pivot
@@ -461,23 +461,26 @@ class Layout(Connections):
         return min(low, own), max(high, round(own + self.thickness(stud.link), 9))
 
     def ring_seats(self, link: str) -> list[tuple[complex, float]]:
-        """Hubs round the dowels of rings on a link: place in its axes and radius."""
+        """Hubs round the dowels of rings and suns on a link: place in its axes and radius."""
         radius = (self.sizes.pin_diameter + self.fits.press_clearance) / 2 + self.rim
-        seats = []
-        for ring in (each for each in self.rings if each.wheel.link == link):
-            turn = cmath.exp(-1j * self.machine.start_of(link).angle)
-            at = self.at(link, self.axis_of(link))
-            seats += [(at + turn * z, radius) for z in ring.dowels]
-        return seats
+        held = (each for each in self.dowelled if each.wheel.link == link)
+        return [(z, radius) for each in held for z in self.dowel_places(each)]
+
+    def dowel_places(self, dowelled: DowelledWheel) -> list[complex]:
+        """Places of a ring's or sun's dowels, in its link's axes, mm."""
+        link = dowelled.wheel.link
+        turn = cmath.exp(-1j * self.machine.start_of(link).angle)
+        at = self.at(link, self.axis_of_wheel(dowelled.wheel))
+        return [at + turn * z for z in dowelled.dowels]
 
     def ring_holes(self, link: str) -> dict[str, Contour]:
-        """Holes of a link for the dowels of its rings."""
+        """Holes of a link for the dowels of its rings and suns."""
         radius = (self.sizes.pin_diameter + self.fits.press_clearance) / 2
         seats = enumerate(self.ring_seats(link), 1)
         return {f"dowel {k} of the ring": circle(z, radius) for k, (z, _) in seats}
 
-    def ring_span(self, ring: RingBody) -> tuple[float, float]:
-        """Underside and thickness of a ring, mm: up to its link, or down to the plate; of sheet a level's."""
+    def ring_span(self, ring: DowelledWheel) -> tuple[float, float]:
+        """Underside and thickness of a ring or sun, mm: up to its link, or down to the plate; of sheet a level's."""
         level = self.level[ring.wheel.level]
         link = ring.wheel.link
         low = self.floor(level)
@@ -635,6 +638,8 @@ class Layout(Connections):
         # a roller is as thick as its wheel
         wheels += [roller.wheel for roller in self.rollers if roller.point == point]
         links += [(wheel.level, wheel.high or self.wheel_thickness(wheel.link)) for wheel in wheels]
+        suns = (each for each in self.standing_suns if self.axis_of_wheel(each) == point)
+        links += [(sun.level, self.sizes.thickness) for sun in suns]
         floors = [(self.level[name], self.floor(self.level[name]), thick) for name, thick in links]
         levels = {(level, low, low + thick) for level, low, thick in floors}
         grooves = [

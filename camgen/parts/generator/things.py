@@ -17,6 +17,7 @@ from camgen.machine.run import Run
 from camgen.numerics import Points
 from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.cures import slimmer, slimmer_pin
+from camgen.parts.generator.gears import DowelledWheel
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.plates import motor_holes
 from camgen.parts.generator.wheels import Roller
@@ -42,12 +43,17 @@ def things(layout: Layout, run: Run) -> Things:
     axes += studs
     over = [*before, *over_axes, *over_walls, *over_studs]
     over += [(upper, lower) for lower, upper in pairwise(layout.webs)]
-    bands = [*_links(courses), *cams, *_wheels(courses), *_rings(courses), *genevas, *springs]
+    dowelled = _dowelled(courses)
+    collars, over_collars = _collars(courses)
+    walls += collars
+    over += over_collars
+    bands = [*_links(courses), *cams, *_wheels(courses), *dowelled, *genevas, *springs]
     openings = _openings(layout, run.theta.size)
-    # a ring hangs under its link, or stands on the plate
-    rings = [ring.wheel for ring in layout.rings]
+    # a ring hangs under its link, a ring or sun of the ground stands on the plate
     stacked = [
-        (each.level, "") if each.link == GROUND else (each.link, each.level) for each in rings
+        (each.wheel.level, "") if each.wheel.link == GROUND else (each.wheel.link, each.wheel.level)
+        for each in layout.dowelled
+        if not each.between
     ]
     return Things(bands, axes, layout.fits.slide_clearance, walls, over, openings, stacked)
 
@@ -198,25 +204,45 @@ def _wheels(courses: _Courses) -> list[Band]:
     return bands
 
 
-def _rings(courses: _Courses) -> list[Band]:
-    """Rings with inner teeth: chords of them, for what moves inside."""
+def _dowelled(courses: _Courses) -> list[Band]:
+    """Rings with inner teeth: chords of them, for what moves inside; suns on the ground."""
     layout = courses.layout
     bands = []
-    for ring in layout.rings:
-        wheel = ring.wheel
-        at = layout.at(GROUND, layout.axis_of(wheel.link))
-        half = (ring.outside - ring.gear.tip) / 2
-        middle = ring.gear.tip + half
-        radius = half + middle * (1 - math.cos(math.pi / _CHORDS))
-        about = f"ring of {wheel.link}"
-        for k in range(_CHORDS):
-            ends = [
-                (at + cmath.rect(middle, math.tau * each / _CHORDS), radius) for each in (k, k + 1)
-            ]
-            band = courses.band(about, GROUND, ends, wheel.level)
-            smaller = f"a smaller {about} (a shorter distance of its pair's axes)"
+    for each in layout.dowelled:
+        wheel = each.wheel
+        about = f"{'ring' if each.within else 'sun'} of {wheel.link}"
+        smaller = f"a smaller {about} (a shorter distance of its pair's axes)"
+        for discs in _chords(layout, each):
+            band = courses.band(about, GROUND, discs, wheel.level)
             bands.append(replace(band, slim=smaller))
     return bands
+
+
+def _chords(layout: Layout, dowelled: DowelledWheel) -> list[list[tuple[complex, float]]]:
+    """Discs on the ground in whose bands a ring is, one band a chord of it; the disc that a sun is."""
+    at = layout.at(GROUND, layout.axis_of_wheel(dowelled.wheel))
+    if not dowelled.within:
+        return [[(at, dowelled.outside)]]
+    half = (dowelled.outside - dowelled.within) / 2
+    middle = dowelled.within + half
+    radius = half + middle * (1 - math.cos(math.pi / _CHORDS))
+    ends = [(at + cmath.rect(middle, math.tau * k / _CHORDS), radius) for k in range(_CHORDS + 1)]
+    return [list(pair) for pair in pairwise(ends)]
+
+
+def _collars(courses: _Courses) -> tuple[list[Wall], Over]:
+    """Rings that go up past a carrier to their links."""
+    layout = courses.layout
+    walls = []
+    over = Over()
+    for each in (each for each in layout.dowelled if each.between):
+        wheel = each.wheel
+        over += [(wheel.link, each.between), (each.between, wheel.level)]
+        name = f"ring of {wheel.link}"
+        for discs in _chords(layout, each):
+            corners = courses.ways(GROUND, [z for z, _ in discs])
+            walls.append(Wall(name, corners, discs[0][1], wheel.link, wheel.level))
+    return walls, over
 
 
 def _springs(courses: _Courses) -> tuple[list[Band], Over]:
