@@ -214,6 +214,19 @@ class GearTeeth:
 
 
 @dataclass(frozen=True)
+class PinTracks:
+    """Of an EdgePair: round pins, each of which is wanted at a known gap from the other side's edges all the way.
+
+    pins: on which side they are. lobes: of the one edge along which all of them go; 0 of holes with a pin in each. gap: mm over the angle
+    from the line of both axes to the pin, seen from the pins' axis, (n,) rad.
+    """
+
+    pins: Literal["a", "b"]
+    lobes: int
+    gap: Callable[[Floats], Floats]
+
+
+@dataclass(frozen=True)
 class EdgePair:
     """Of a Cam: the edges by which a driver turns its follower, each about a pin on what carries both.
 
@@ -232,6 +245,7 @@ class EdgePair:
     period: float
     carrier: str = "ground"
     rates: tuple[float, float] = (1.0, 0.0)
+    tracks: PinTracks | None = None
 
     @property
     def edges(self) -> tuple[Edge, ...]:

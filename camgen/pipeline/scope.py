@@ -85,8 +85,11 @@ def of_parts(mechanism: Mechanism) -> list[Stage]:
         stages.append(Stage(("FACE_WIDTH",), "where the face is touched", READ))
     if any(isinstance(feature, GearTeeth) for feature in features):
         stages.append(Stage(("GEAR_MESH",), "the outlines of gears, one driving the other", READ))
-    if any(isinstance(feature, EdgePair) for feature in features):
+    pairs = [feature for feature in features if isinstance(feature, EdgePair)]
+    if pairs:
         stages.append(Stage(("CONTACT",), "outlines of any shape, one driving the other", READ))
+    if any(pair.tracks is not None for pair in pairs):
+        stages.append(Stage(("PIN_TRACK",), "each pin along lobes or in its hole", READ))
     if len(cams) < len(features):
         wishes = mechanism.assembly.demands
         codes = dict.fromkeys(target.code for each in wishes for target in each.targets)

@@ -9,7 +9,9 @@ import cmath
 import math
 from dataclasses import dataclass
 
-from camgen.geometry.outlines import Contour, circle
+import numpy as np
+
+from camgen.geometry.outlines import Contour, Floats, circle
 from camgen.machine import model as m
 from camgen.parts.generator.wheels import pivot
 from camgen.parts.wheels.cycloid import CycloidDisc, OutputPins, OutputWish
@@ -28,6 +30,10 @@ class CycloidWish:
     output: str | None = None  # link with the output pins
     output_joint: str = ""  # of disc and output
     pins: OutputWish = OutputWish(6)
+
+    def output_gap(self, angle: Floats) -> Floats:
+        """Of an output pin from its hole: the same air all the way, (n,) mm."""
+        return np.full(np.shape(angle), self.air)
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ from camgen.machine.features import (
     Mark,
     Mount,
     PinEyes,
+    PinTracks,
     Ring,
     SharedFlat,
     SlotFaces,
@@ -251,6 +252,7 @@ def _cycloid(layout: Layout, drive: CycloidDrive) -> Iterator[EdgePair]:
         math.tau * lobes,
         wish.crank,
         (0.0, 1.0),
+        PinTracks("a", lobes, wish.disc.gap),
     )
     if wish.output is not None:
         yield EdgePair(
@@ -264,6 +266,7 @@ def _cycloid(layout: Layout, drive: CycloidDrive) -> Iterator[EdgePair]:
             math.tau,
             wish.crank,
             (1.0, -float(lobes)),
+            PinTracks("b", 0, wish.output_gap),
         )
 
 

@@ -22,6 +22,8 @@ from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, Floats, Points, Smooth
 from camgen.tolerances import SAME_POINT
 
+_NEWTON = 6  # steps to a foot that is an offset away
+
 
 @dataclass(frozen=True)
 class CycloidDisc:
@@ -163,6 +165,23 @@ class CycloidDisc:
     def hollow(self) -> float:
         """Least radius of the outline about the disc's axis, in the middle of a hollow, mm."""
         return self.cut_radius - self.eccentricity - self.cut
+
+    def gap(self, angle: Any) -> Floats:
+        """Of a pin from the outline, (n,) mm; angle: from the eccentric to the pin, seen from the shaft, rad.
+
+        The foot on the trace of the pins that the disc is cut for is found by Newton's method, from the pin's own place.
+        """
+        # seen from the disc a pin is at -angle / lobes of the trace, but for the offset
+        t = -np.asarray(angle, float) / self.lobes
+        centre = self.trace(t) + self.offset * np.exp(1j * t)
+        for _ in range(_NEWTON):
+            way = centre - self.trace(t)
+            first, second = self.trace(t, 1), self.trace(t, 2)
+            along = np.real(np.conj(first) * way)
+            t = t - along / (np.real(np.conj(second) * way) - np.abs(first) ** 2)
+        out = -1j * self.trace(t, 1)
+        apart = np.real(np.conj(out / np.abs(out)) * (centre - self.trace(t)))
+        return np.asarray(apart + self.equidistant)
 
     def output_hole(self, pin: float, air: float) -> float:
         """Radius of a hole through which an output pin of this radius takes the turning off, mm."""
