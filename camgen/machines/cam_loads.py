@@ -4,23 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from camgen.errors import Fault
 from camgen.findings import Finding
-from camgen.machine.cams.bounce import RESTITUTION, Bounce, Spring, hops, lift_off_speed, spring_of
-from camgen.machine.cams.limits import swings
+from camgen.machine.cams.bounce import Bounce
 from camgen.machine.cams.machine import FollowerLoad, Loaded
-from camgen.machine.model import MM
-from camgen.numerics import Floats, peak
+from camgen.machines.loads.lift_off import with_hops
+from camgen.numerics import peak
 from camgen.study import Figure, Figures, Plot, Study
 
 if TYPE_CHECKING:
-    from camgen.machine.cams.followers import Follower
-    from camgen.machine.cams.profile import DiscCam
     from camgen.machines.disc_cam.tables import LoadTable, SpringTable
     from camgen.motion.program import Program
 
@@ -142,79 +138,21 @@ def load_of(load: LoadTable | None, spring: SpringTable | None) -> FollowerLoad 
     )
 
 
-def bounce(
-    found: Loaded, load: FollowerLoad, cam: DiscCam[Follower], speed: float
-) -> Bounce | None:
-    """What a follower does that its spring does not hold; None where it is held, or where that cannot be said.
-
-    speed: of the cam, rad/s, below 0 clockwise. Not said where the speed of the lift jumps, where the cam is undercut or the
-    follower's mass pulls differently at each angle.
-    """
-    if found.kick or not np.nanmin(found.effort) < 0 or not np.all(np.isfinite(found.force)):
-        return None
-    leaves = cam.follower.leaves
-    sense = math.copysign(1.0, speed)
-    lowest = float(np.min(leaves * cam.program(found.theta)))
-
-    def lift(angle: Floats, order: int) -> Floats:
-        value = leaves * sense**order * cam.program(np.mod(sense * angle, math.tau), order)
-        return np.asarray(value - lowest if order == 0 else value)
-
-    unit = 1.0 if swings(cam) else MM
-    given = Spring(unit * load.inertia, load.damping, load.rate, load.preload + load.resistance)
-    theta = sense * found.theta
-    spring = spring_of(lift, found.effort, theta, abs(speed), given)
-    if spring is None:
-        return None
-    flights = hops(lift, spring, abs(speed))
-    flown = [replace(hop, leaves=sense * hop.leaves, lands=sense * hop.lands) for hop in flights]
-    return Bounce(lift_off_speed(lift, spring, theta), flown) if flown else None
-
-
-def bounce_words(bounce: Bounce, slides: bool) -> str:
-    """What a person reads of it beside LIFT_OFF."""
-    hop = bounce.highest
-    rpm = bounce.lift_off * 60 / math.tau
-    lost = f"contact is lost from {rpm:.4g} rpm" if rpm else "nothing holds it at any speed"
-    left = f"it leaves at {math.degrees(hop.leaves) % 360:.1f} deg"
-    if not math.isfinite(hop.lands):
-        return f"{lost}; {left} and does not come back"
-    height = f"{hop.height:.3g} mm" if slides else f"{math.degrees(hop.height):.3g} deg"
-    speed = f"{bounce.knock * MM:.3g} m/s" if slides else f"{bounce.knock:.3g} rad/s"
-    lands = f"{math.degrees(hop.lands) % 360:.1f} deg"
-    return f"{lost}; {left}, flies up to {height} off the cam, comes back at {lands} and hits it with up to {speed}"
-
-
-def bounce_study(bounce: Bounce | None, slides: bool) -> Study:
-    """Figures of a follower that leaves its cam."""
-    if bounce is None:
-        return Study()
-    unit, scale = ("mm", 1.0) if slides else ("deg", math.degrees(1))
-    figures = [
-        Figure("lift off speed", bounce.lift_off * 60 / math.tau, "rpm"),
-        Figure("hop", scale * bounce.highest.height, unit),
-        Figure("knock", bounce.knock * (MM if slides else scale), "m/s" if slides else "deg/s"),
-    ]
-    note = (
-        f"A follower that hits its cam is taken to spring back with {RESTITUTION:g} of the speed."
-    )
-    return Study(Figures(each for each in figures if math.isfinite(each.value)), notes=(note,))
-
-
 def lift_off(
     found: Loaded,
     load: FollowerLoad,
     slides: bool,
+    bounce: Bounce | None,
     jumps: str = _JUMPS,
     lower: str = "less mass, speed or a longer span",
 ) -> Finding:
-    """LIFT_OFF, with the spring that would keep the follower on; jumps: what is said where its speed does; lower: what lowers
-    that spring."""
+    """LIFT_OFF, with the spring that would keep the follower on; bounce: what it does where it is not kept; jumps: what is said
+    where its speed does; lower: what lowers that spring."""
     preload, rate = found.spring_needed(load)
     units = _spring_units(slides)
     stiffer = f" or a spring.rate above {rate:.4g} {units[1]}" if math.isfinite(rate) else ""
     kept = f"a spring.preload above {preload:.4g} {units[0]}{stiffer} keeps it; {lower} lowers that"
-    return found.keeps_contact(jumps if found.kick else kept)
+    return with_hops(found.keeps_contact(jumps if found.kick else kept), bounce, slides)
 
 
 def force_study(

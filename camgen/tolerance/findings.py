@@ -22,8 +22,7 @@ from camgen.findings import Finding, Where, at_least, at_most
 from camgen.judge.cams import FollowerOnOutline
 from camgen.judge.joints import Outline
 from camgen.machine.cams.machine import keeps_contact
-from camgen.machine.constraints import Constraints
-from camgen.machine.model import Along, Angle, Cam, Law, Machine, Output
+from camgen.machine.model import Cam, Machine
 from camgen.machine.reach import folds
 from camgen.machine.run import solve
 from camgen.machines.loads.assess import assess
@@ -31,7 +30,7 @@ from camgen.machines.loads.lift_off import by_force
 from camgen.machines.loads.weights import with_gravity
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
-from camgen.tolerance.spread import Spread, laws_of, shifted_by
+from camgen.tolerance.spread import Bend, Spread, laws_of, shifted_by
 
 _SAME = 1e-6  # share of a value, by which copies differ where the print does nothing
 _LITTLE = 1e-3  # of its limit, of what needs no yield
@@ -53,7 +52,7 @@ class CopiesFinding:
 
 def copies_findings(spread: Spread, errors: Floats) -> list[CopiesFinding]:
     """All findings of copies with these errors, (copies, modes) mm, that differ between them; worst yield first."""
-    bends = _bends(spread)
+    bends = spread.bends
     limits = spread.mechanism.limits()
     exact = np.zeros(len(spread.modes))
     first = _followers(spread, exact, spread.mechanism.model)
@@ -194,51 +193,3 @@ def _of_model(
         yield keeps_contact(
             theta, np.fmin.reduce([pressing[name] for name in forced]), False, Where("contact"), ""
         )
-
-
-# ---- the motion of a copy's cams ---------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Bend:
-    """What each mode does to a follower's s over its cam's angle: a periodic curve through all of them at once."""
-
-    curves: object
-
-    def law(self, wanted: Law, errors: Floats) -> Law:
-        """The wanted law and the sum of the modes times their errors, mm."""
-
-        def law(theta: Floats, order: int = 0) -> Floats:
-            bent = self.curves(np.mod(theta, math.tau), order) @ errors  # type: ignore[operator]
-            return np.asarray(wanted(theta, order) + bent)
-
-        return law
-
-
-def _bends(spread: Spread) -> dict[str, Bend]:
-    """Of each cam that says how it is touched and makes one turn, always the same way."""
-    from scipy.interpolate import CubicSpline
-
-    machine = spread.mechanism.model
-    cams = [joint for joint in machine.joints if isinstance(joint, Cam) and joint.touches]
-    outputs = [
-        Output(f"s of {cam.name}", Angle(cam.follower) if cam.slide is None else Along(cam.slide))
-        for cam in cams
-    ]
-    if not cams:
-        return {}
-    followed = replace(machine, outputs=tuple(outputs))
-    run = solve(followed, spread.theta, 0)
-    found = spread.felt(run, [each.name for each in outputs])
-    system = Constraints(followed)
-    poses = run.poses()
-    bends = {}
-    for cam, output in zip(cams, outputs, strict=True):
-        angle = np.asarray(system.angle(cam.cam, poses) + np.zeros(len(poses))) - cam.phase
-        turned = float(angle[-1] - angle[0])
-        if abs(abs(turned) - math.tau) < 1e-9 and np.all(np.diff(angle) * turned > 0):
-            at, first = np.unique(np.mod(angle[:-1], math.tau), return_index=True)
-            rows = found[output.name].modes.T[:-1][first]
-            closed = np.append(at, at[0] + math.tau), np.concatenate([rows, rows[:1]])
-            bends[cam.name] = Bend(CubicSpline(*closed, bc_type="periodic"))
-    return bends

@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.errors import DesignError, Fault, SpecError
-from camgen.machine.model import Output, unit_of
+from camgen.machine.model import MM, Output, unit_of
 from camgen.machines.sources import Source, read_mechanism
 from camgen.numerics import Floats
+from camgen.parts.motors import RPM
 from camgen.progress import Progress, silent
 from camgen.report.report import Report
 from camgen.study import Figure, Figures, Plot, Table
+from camgen.tolerance.bounces import CopiesBounce, bounces
 from camgen.tolerance.findings import CopiesFinding, copies_findings
 from camgen.tolerance.spread import (
     Copies,
@@ -112,6 +114,7 @@ def tolerance(
     tables += _yields(spread, copies, figures)
     tables += _timings(struck, figures)
     few = drawn_again(spread, printing.seed, range(min(printing.samples, MOST)))
+    tables += _bounces(bounces(spread, few, printing.seed), mechanism.model.speed, figures)
     tables += _target_yields(targets(spread, few), figures) + _loops(
         loops(spread, few, printing.seed), figures
     )
@@ -377,6 +380,51 @@ def _timings(found: Sequence[Timing], figures: list[Figure]) -> list[Table]:
         if found
         else []
     )
+
+
+def _bounces(found: Sequence[CopiesBounce], speed: float, figures: list[Figure]) -> list[Table]:
+    """From which speed followers leave their cams, by what is off; and what they do at the machine's own."""
+    if not found:
+        return []
+    speeds: list[tuple[object, ...]] = []
+    hops: list[tuple[object, ...]] = []
+    for each in found:
+        low, middle, high = (
+            float(np.quantile(each.all, share)) / RPM for share in (0.01, 0.5, 0.99)
+        )
+        figures.append(Figure("lift off speed 1 percent {of}", low, "rpm", each.cam))
+        spreads = (each.print_alone, each.springs_alone, each.all)
+        sizes = [float(np.std(one)) / RPM for one in spreads]
+        speeds.append(
+            (each.cam, each.designed / RPM, each.rubbing / RPM, *sizes, low, middle, high)
+        )
+        stays = each.all > abs(speed)
+        figures += _yield(each.cam + " stays on", stays)
+        hops.append((each.cam, 100 * float(np.mean(stays)), _sure(stays), *_hop(each)))
+    count = len(found[0].all)
+    heads = ("cam", "as designed", "with friction", "print alone, sd", "springs alone, sd")
+    ends = ("all, sd", "1 % below", "half below", "99 % below")
+    title = f"Speed from which a follower leaves its cam, rpm, of the first {count} copies"
+    own = f"At {abs(speed) / RPM:.4g} rpm, of those copies"
+    of_those = ("highest hop", "in the air", "hardest knock")
+    columns = ("cam", *_HOLD, *(f"{each} of those that leave, half below" for each in of_those))
+    return [Table(title, (*heads, *ends), speeds), Table(own, columns, hops)]
+
+
+def _hop(copies: CopiesBounce) -> tuple[str, str, str]:
+    """Of the copies that leave their cam the middle one and the worst: how far, how long, how hard."""
+    if not copies.leaving:
+        return "", "", ""
+    unit, scale = ("mm", 1.0) if copies.slides else ("deg", math.degrees(1))
+    per, size = ("m/s", MM) if copies.slides else ("deg/s", scale)
+
+    def both(values: Sequence[float], unit: str) -> str:
+        return f"{np.median(values):.3g}, at most {max(values):.3g} {unit}"
+
+    heights = [scale * each.highest.height for each in copies.leaving]
+    lost = [100 * each.lost for each in copies.leaving]
+    knocks = [size * each.knock for each in copies.leaving]
+    return both(heights, unit), both(lost, "%"), both(knocks, per)
 
 
 def _loops(found: Sequence[Loop], figures: list[Figure]) -> list[Table]:

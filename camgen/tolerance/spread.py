@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,8 +23,11 @@ from camgen.machine.closing import close
 from camgen.machine.constraints import Constraints
 from camgen.machine.features import CamOutline, Eye, Mark, judged_outputs
 from camgen.machine.model import (
+    Along,
+    Angle,
     Cam,
     Joint,
+    Law,
     Machine,
     Output,
     Pin,
@@ -51,6 +54,9 @@ from camgen.parts import materials
 from camgen.study import Figure, Figures, Study, Table
 from camgen.tolerances import SAME_POINT
 
+if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
+
 _ANGLES = 145  # of the turn, at which copies are looked at, and at least:
 _PER_WAVE = 12  # of a wave of an outline's form
 _NOTHING = 1e-9  # mm or rad, by which rounding moves what no joint moves
@@ -76,6 +82,33 @@ def sizes_of(mechanism: Mechanism) -> Sizes:
 
 
 @dataclass(frozen=True)
+class Bend:
+    """What each mode does to a follower's s over its cam's angle: a periodic curve through all of them at once."""
+
+    curves: PPoly
+
+    def by(self, errors: Floats) -> Law:
+        """The sum of the modes times their errors, mm."""
+        from scipy.interpolate import PPoly
+
+        bent = PPoly(self.curves.c @ errors, self.curves.x, "periodic")
+
+        def law(theta: Floats, order: int = 0) -> Floats:
+            return np.asarray(bent(theta, order))
+
+        return law
+
+    def law(self, wanted: Law, errors: Floats) -> Law:
+        """The wanted law and that."""
+        bent = self.by(errors)
+
+        def law(theta: Floats, order: int = 0) -> Floats:
+            return np.asarray(wanted(theta, order) + bent(theta, order))
+
+        return law
+
+
+@dataclass(frozen=True)
 class Spread:
     """A mechanism's modes and what they do to each judged output; holes: as `sensitivities` has them."""
 
@@ -98,6 +131,11 @@ class Spread:
             each for each in self.mechanism.assembly.features if isinstance(each, CamOutline)
         ]
         return {each.joint: each.free / (2 if each.inside else 1) for each in outlines}
+
+    @cached_property
+    def bends(self) -> Mapping[str, Bend]:
+        """Of each cam that says how it is touched and makes one turn, always the same way."""
+        return _bends(self)
 
     def budget(self) -> Table:
         """Largest error of each output by where it arises, at three standard deviations."""
@@ -178,6 +216,35 @@ def spread_of(mechanism: Mechanism) -> Spread:
     }
     told = any(np.any(np.abs(each.modes) > _NOTHING) for each in kept.values())
     return Spread(mechanism, theta[sound], sizes, holes, modes if told else (), outputs, kept)
+
+
+def _bends(spread: Spread) -> dict[str, Bend]:
+    """See `Spread.bends`."""
+    from scipy.interpolate import CubicSpline
+
+    machine = spread.mechanism.model
+    cams = [joint for joint in machine.joints if isinstance(joint, Cam) and joint.touches]
+    outputs = [
+        Output(f"s of {cam.name}", Angle(cam.follower) if cam.slide is None else Along(cam.slide))
+        for cam in cams
+    ]
+    if not cams:
+        return {}
+    followed = replace(machine, outputs=tuple(outputs))
+    run = solve(followed, spread.theta, 0)
+    found = spread.felt(run, [each.name for each in outputs])
+    system = Constraints(followed)
+    poses = run.poses()
+    bends = {}
+    for cam, output in zip(cams, outputs, strict=True):
+        angle = np.asarray(system.angle(cam.cam, poses) + np.zeros(len(poses))) - cam.phase
+        turned = float(angle[-1] - angle[0])
+        if abs(abs(turned) - math.tau) < 1e-9 and np.all(np.diff(angle) * turned > 0):
+            at, first = np.unique(np.mod(angle[:-1], math.tau), return_index=True)
+            rows = found[output.name].modes.T[:-1][first]
+            closed = np.append(at, at[0] + math.tau), np.concatenate([rows, rows[:1]])
+            bends[cam.name] = Bend(CubicSpline(*closed, bc_type="periodic"))
+    return bends
 
 
 def _exact(mechanism: Mechanism) -> list[str]:

@@ -6,6 +6,7 @@
     land    where y meets s again; knock, the speed at which it does
 
 After a knock the follower springs back with a share of that speed, the restitution; where that is small it stays on.
+m, c, k, P of a follower in a machine are those that give what presses at all angles: what moves with it counts as mass at its place.
 [Norton, Cam Design and Manufacturing Handbook, ch. 10]
 """
 
@@ -13,21 +14,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from camgen.machine.forces import Forces
+from camgen.machine.model import Cam
+from camgen.machine.run import Run
 from camgen.numerics import Floats, halved
 
-RESTITUTION = (
-    0.3  # speed after a knock over that before it: assumed, it moves what comes after the first hop
-)
 TURNS = 2  # a hop may reach into the next turn
 _STEP = math.radians(0.1)  # of the cam, at which contact and flight are looked at
 _STRETCH = 300  # steps that are looked at together
 _ROUNDS = 40  # halvings of a step, down to the rounding of an angle
 _STAYS = 3e-3  # of the greatest speed of the lift, below which a follower does not spring back
-_EVEN = 1e-6  # of the greatest effort, by which what is constant may change
+_EVEN = 1e-9  # of a cam's turning, by which its rate may change
+_FITS = 1e-2  # of the greatest effort, by which one mass on one spring may miss it
+_NONE = 1e-9  # of it, or of a lift, that is rounding
+_TURN = np.linspace(0, math.tau, 1441)
 
 Lift = Callable[[Floats, int], Floats]  # lift and its derivatives by the cam's angle, rad
 
@@ -74,7 +78,7 @@ class Spring:
 class Hop:
     """A flight between cam and cam."""
 
-    leaves: float  # angle of the cam, rad, from 0 of the first turn
+    leaves: float  # angle, rad: of the cam, or of the machine
     lands: float  # inf where nothing brings it back
     height: float  # greatest distance of the follower from where the cam would have it, mm or rad
     knock: float  # speed at which they meet, mm/s or rad/s
@@ -84,8 +88,9 @@ class Hop:
 class Bounce:
     """What a follower that leaves its cam does."""
 
-    lift_off: float  # least speed of the cam at which it leaves, rad/s
-    hops: Sequence[Hop]  # over some turns, at least one
+    lift_off: float  # least speed of the machine at which it leaves, rad/s
+    hops: Sequence[Hop]  # over some turns of the cam
+    turn: float  # of the cam, rad of the machine's angle
 
     @property
     def highest(self) -> Hop:
@@ -93,25 +98,102 @@ class Bounce:
         return max(self.hops, key=lambda hop: hop.height)
 
     @property
+    def lost(self) -> float:
+        """Share of the motion that the follower flies."""
+        return sum(abs(hop.lands - hop.leaves) for hop in self.hops) / (TURNS * self.turn)
+
+    @property
     def knock(self) -> float:
         """Greatest speed at which it meets the cam, mm/s or rad/s."""
         return max(hop.knock for hop in self.hops)
 
 
-def spring_of(
-    lift: Lift, effort: Floats, theta: Floats, speed: float, spring: Spring
-) -> Spring | None:
-    """The spring with what presses at all angles the same, effort at theta, (n,), being known; None where that changes over the turn.
+@dataclass(frozen=True)
+class Contact:
+    """A cam that turns evenly, and what presses its follower on it; its lift is over the cam's angle, forwards from 0 of its law."""
 
-    So weight and resistance of a slide count; that of an arm's mass, which pulls differently at each angle, does not go.
+    lift: Lift
+    spring: Spring
+    rate: float  # of the cam over theta, with its sign
+    begin: float  # angle of the cam at theta 0, rad
+    sense: float  # 1 or -1: the cam's, as time goes on
+
+    def bounce(self, speed: float, restitution: float) -> Bounce:
+        """What the follower does at a speed of the machine, rad/s; angles are theta."""
+        flown = hops(self.lift, self.spring, abs(speed * self.rate), restitution)
+        told = [
+            replace(hop, leaves=self._theta(hop.leaves), lands=self._theta(hop.lands))
+            for hop in flown
+        ]
+        return Bounce(self.lift_off, told, math.tau / abs(self.rate))
+
+    @property
+    def lift_off(self) -> float:
+        """Least speed of the machine, rad/s, at which nothing presses somewhere; inf where there is none."""
+        return lift_off_speed(self.lift, self.spring, _TURN) / abs(self.rate)
+
+    def _theta(self, angle: float) -> float:
+        return (self.sense * angle - self.begin) / self.rate
+
+
+def contact_of(cam: Cam, run: Run, still: Forces) -> Contact | None:
+    """How a follower is pressed on its cam, by what it takes over a turn; without friction in its pins.
+
+    still: the same at rest. None where the cam turns unevenly or its law is not that of a turn, and where mass or pull change too
+    much over the turn for one mass on one spring.
     """
-    rest = effort - spring.push(lift, theta, speed)
-    known = np.isfinite(rest)
-    largest = float(np.max(np.abs(effort[known]), initial=0.0))
-    if not spring.mass or np.ptp(rest[known]) > _EVEN * largest:
+    angle, turning, bend = run.angle(cam.cam)
+    rate = float(np.mean(turning))
+    if not rate or max(np.ptp(turning), np.max(np.abs(bend))) > _EVEN * abs(rate):
         return None
-    constant = spring.preload + float(np.median(rest[known]))
-    return Spring(spring.mass, spring.damping, spring.rate, constant)
+    ends = np.array([cam.law(np.array([0.0, math.tau]), order) for order in (0, 1)])
+    if np.ptp(ends, axis=1).max() > _NONE:
+        return None
+    sense = math.copysign(1.0, rate * run.machine.speed)
+    lowest = float(np.min(cam.leaves * cam.law(_TURN, 0)))
+
+    def lift(forwards: Floats, order: int) -> Floats:
+        law = cam.law(np.mod(sense * forwards, math.tau), order)
+        return np.asarray(cam.leaves * sense**order * law - (0.0 if order else lowest))
+
+    forwards = sense * (angle - cam.phase)
+    spring = fitted_spring(
+        [lift(forwards, order) for order in range(3)],
+        abs(rate * run.machine.speed),
+        cam.leaves * still.contacts[cam.name],
+        cam.leaves * run.forces().contacts[cam.name],
+    )
+    begin = float(angle[0]) - cam.phase - rate * float(run.theta[0])
+    return None if spring is None else Contact(lift, spring, rate, begin, sense)
+
+
+def fitted_spring(
+    lift: Sequence[Floats], speed: float, still: Floats, effort: Floats
+) -> Spring | None:
+    """The mass on a spring that takes what a follower does; None where none does.
+
+    lift: it and its derivatives by the cam's angle, (n,) each; speed: of the cam, rad/s; still, effort: what presses at rest and at
+    this speed, (n,).
+    """
+    largest = float(np.max(np.abs(effort)))
+    if not np.all(np.isfinite(effort)) or not largest:
+        return None
+    rate, preload = _shares([lift[0], np.ones_like(still)], still, largest)
+    mass, damping = _shares([lift[2] * speed**2, lift[1] * speed], effort - still, largest)
+    if mass <= 0:
+        return None
+    spring = Spring(mass, damping, rate, preload)
+    fitted = mass * lift[2] * speed**2 + damping * lift[1] * speed + rate * lift[0] + preload
+    return spring if np.max(np.abs(fitted - effort)) <= _FITS * largest else None
+
+
+def _shares(of: Sequence[Floats], total: Floats, largest: float) -> list[float]:
+    """By how much two curves make up a third; 0 of one that makes up nothing of the largest."""
+    sizes = [float(np.max(np.abs(each))) or 1.0 for each in of]
+    columns = np.stack([each / size for each, size in zip(of, sizes, strict=True)], axis=1)
+    found = np.linalg.lstsq(columns, total, rcond=None)[0]
+    pairs = zip(found.tolist(), sizes, strict=True)
+    return [share / size if abs(share) > _NONE * largest else 0.0 for share, size in pairs]
 
 
 def lift_off_speed(lift: Lift, spring: Spring, theta: Floats) -> float:
@@ -128,14 +210,21 @@ def lift_off_speed(lift: Lift, spring: Spring, theta: Floats) -> float:
     return float(np.min(speed, where=(bend < 0) & np.isfinite(speed), initial=math.inf))
 
 
-def hops(lift: Lift, spring: Spring, speed: float) -> list[Hop]:
-    """Flights over some turns at a speed above 0, rad/s, from where the cam presses hardest; none where it presses everywhere."""
+def hops(lift: Lift, spring: Spring, speed: float, restitution: float) -> list[Hop]:
+    """Flights over some turns at a speed above 0, rad/s, from where the cam presses hardest; none where it presses everywhere.
+
+    restitution: speed after a knock over that before it, which moves what comes after the first hop.
+    """
     angle = np.arange(0, math.tau, _STEP)
     begin = float(angle[int(np.argmax(spring.push(lift, angle, speed)))])
-    return list(_hops(lift, spring, speed, begin, begin + TURNS * math.tau))
+    return list(_hops(lift, spring, (speed, restitution), begin, begin + TURNS * math.tau))
 
 
-def _hops(lift: Lift, spring: Spring, speed: float, angle: float, end: float) -> Iterator[Hop]:
+def _hops(
+    lift: Lift, spring: Spring, knocks: tuple[float, float], angle: float, end: float
+) -> Iterator[Hop]:
+    """Flights from an angle to another; knocks: speed and restitution."""
+    speed, restitution = knocks
     stays = _STAYS * speed * float(np.max(np.abs(lift(np.arange(0, math.tau, _STEP), 1))))
     velocity = None  # of a follower that springs back
     while angle < end:
@@ -161,7 +250,7 @@ def _hops(lift: Lift, spring: Spring, speed: float, angle: float, end: float) ->
         knock = -float(gap(np.array([land]), 1)[0])
         yield Hop(left, land, float(np.max(gap(flown))), max(knock, 0.0))
         angle = land
-        back = RESTITUTION * knock
+        back = restitution * knock
         velocity = float(_at(lift, land, 1)) * speed + back if back > stays else None
 
 

@@ -22,6 +22,7 @@ from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, Where, at_least, at_most
+from camgen.machine.cams.bounce import Bounce
 from camgen.machine.cams.followers import SlidingTip, SwingingArm
 from camgen.machine.cams.limits import ARM_PRESSURE, SLIDE_PRESSURE, program_findings
 from camgen.machine.cams.machine import FollowerLoad, Loaded, contact_machine
@@ -40,6 +41,7 @@ from camgen.machines.cylinder_cam.tables import DrumGeometry, DrumLimits, DrumPa
 from camgen.machines.cylinder_cam.track import Track, smallest
 from camgen.machines.disc_cam.curves import motion_plots, segments_table
 from camgen.machines.disc_cam.tables import DiscCamMotor, LoadTable, SpringTable
+from camgen.machines.loads.lift_off import bounce_figures, bounce_of
 from camgen.machines.loads.weights import gravity
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.pairs import still_faults
@@ -293,7 +295,8 @@ class CylinderCam(Mechanism):
         ]
         air = []
         if self._loaded is not None and self.geometry.track == "end":
-            air.append(lift_off(self._loaded, self._load or FollowerLoad(), not self._swings))
+            load = self._load or FollowerLoad()
+            air.append(lift_off(self._loaded, load, not self._swings, self._bounce))
         return [
             at_most(
                 "PRESSURE_ANGLE",
@@ -345,6 +348,13 @@ class CylinderCam(Mechanism):
         kick = unit * self._load.inertia * abs(self._speed) * max(jumps, default=0.0)
         return Loaded(theta, lift - np.min(lift), effort, force, torque, kick, forces)
 
+    @cached_property
+    def _bounce(self) -> Bounce | None:
+        """What the follower of an end cam does where no spring holds it."""
+        if self._loaded is None or self.geometry.track != "end":
+            return None
+        return bounce_of(self._pulled, self._loaded, self.load)
+
     @property
     def _forces(self) -> Study:
         if self._loaded is None:
@@ -368,6 +378,7 @@ class CylinderCam(Mechanism):
                 Figure("pressure angle", track.steepest, "deg"),
                 Figure("peak speed", peaks[0], f"{unit}/s"),
                 Figure("peak acceleration", peaks[1], f"{unit}/s²"),
+                *bounce_figures(self._bounce, not self._swings),
             ]
         )
         forces = self._forces

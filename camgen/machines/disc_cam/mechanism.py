@@ -44,9 +44,6 @@ from camgen.machine.cams.sizing import least_base_radius
 from camgen.machine.features import CamOutline, Demand, Mount
 from camgen.machine.model import Machine
 from camgen.machines.cam_loads import (
-    bounce,
-    bounce_study,
-    bounce_words,
     corrected,
     force_study,
     lift_off,
@@ -67,6 +64,7 @@ from camgen.machines.disc_cam.tables import (
 )
 from camgen.machines.disc_cam.walls import CamWalls
 from camgen.machines.free_play import between
+from camgen.machines.loads.lift_off import bounce_figures, bounce_of
 from camgen.machines.loads.tables import CamLimitsTable
 from camgen.machines.loads.weights import gravity
 from camgen.machines.pairs import air_faults, still_faults
@@ -403,10 +401,10 @@ class DiscCamDrive(CamTables):
 
     @cached_property
     def _bounce(self) -> Bounce | None:
-        """What the follower of a cam alone does where a spring does not hold it."""
-        if not self._loaded or self.standing or self.geometry.closure != "force":
+        """What the follower does where no spring holds it; None where it is held, or where that is not known."""
+        if not self._loaded or self.geometry.closure != "force":
             return None
-        return bounce(self._loaded, self._load or FollowerLoad(), self.cam, self.model.speed)
+        return bounce_of(self._pulled, self._loaded, self.load)
 
     @property
     def _spring_wish(self) -> tuple[float, float, float] | None:
@@ -567,11 +565,8 @@ class DiscCamDrive(CamTables):
         )
         if self._loaded and self.geometry.closure == "force":
             slides = f.motion == "translating"
-            finding = lift_off(self._loaded, self._load or FollowerLoad(), slides)
-            if self._bounce:
-                words = bounce_words(self._bounce, slides)
-                finding = replace(finding, message=f"{finding.message}; {words}")
-            findings.append(finding)
+            load = self._load or FollowerLoad()
+            findings.append(lift_off(self._loaded, load, slides, self._bounce))
         return findings
 
     def forecast(self) -> Sequence[Finding]:
@@ -617,13 +612,7 @@ class DiscCamDrive(CamTables):
             Later(self._plots),
             Later(lambda: [segments_table(self.program, self._unit)]),
             Later(self._sketches),
-            Later(
-                lambda: [
-                    *self._notes(),
-                    *self._forces.notes,
-                    *self._hop.notes,
-                ]
-            ),
+            Later(lambda: [*self._notes(), *self._forces.notes]),
         )
 
     def _plots(self) -> list[Plot]:
@@ -664,7 +653,8 @@ class DiscCamDrive(CamTables):
         elif f.shape != "outline":
             pitch = cam.least_radius + cam.tip.tip_radius
             figures.append(Figure("pitch curvature radius min", pitch, "mm"))
-        return Figures(figures) | self._forces.numbers | self._hop.numbers
+        figures += bounce_figures(self._bounce, f.motion == "translating")
+        return Figures(figures) | self._forces.numbers
 
     @cached_property
     def _forces(self) -> Study:
@@ -675,10 +665,6 @@ class DiscCamDrive(CamTables):
         return force_study(
             self._loaded, self._load or FollowerLoad(), slides, pushed, bool(gravity(self.load))
         )
-
-    @property
-    def _hop(self) -> Study:
-        return bounce_study(self._bounce, self._unit[0] == "mm")
 
     def _notes(self) -> list[str]:
         notes = [

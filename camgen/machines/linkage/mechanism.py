@@ -57,7 +57,7 @@ from camgen.machines.linkage.weights import counterbalanced, under_faults, weigh
 from camgen.machines.loads.applied import efforts
 from camgen.machines.loads.bearing import LoadCheck
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
-from camgen.machines.loads.lift_off import by_force, lift_off
+from camgen.machines.loads.lift_off import by_force, lift_off, restitution_of
 from camgen.machines.loads.tables import Drives
 from camgen.machines.loads.weights import gravity, with_masses
 from camgen.machines.mechanism import Mechanism, Remarks
@@ -90,7 +90,7 @@ from camgen.parts.sides import PREFIX as FAR
 from camgen.parts.sides import Mirror, both_sides
 from camgen.parts.stiffness import bending_stiffness
 from camgen.spec import Checked, unknown, validate
-from camgen.study import ROWS, Later, Study, together
+from camgen.study import ROWS, Figures, Later, Study, together
 
 _SAMPLES = np.linspace(
     0, math.tau, 1440, endpoint=False
@@ -986,7 +986,9 @@ class Linkage(Mechanism):
         if not cams or lacking(self._layout) is not None:
             return LoadCheck()
         theta = np.linspace(*self.cycle.range, len(_SAMPLES) + 1)
-        return lift_off(self._pulled, cams, self._drawing.kicks(), theta, self.assembly.cycle.name)
+        kicks = self._drawing.kicks()
+        bounces = restitution_of(self.load)
+        return lift_off(self._pulled, cams, kicks, theta, self.assembly.cycle.name, bounces)
 
     def remarks(self) -> Remarks:
         """How many links are closed together on what each kind of file shows."""
@@ -995,6 +997,8 @@ class Linkage(Mechanism):
     def study(self) -> Study:
         """Outputs, curves and paths, the class of a four-bar; those of what is included; all outputs over one turn."""
         own = figures.study(self._moving, self._made, lambda: self.assembly.cycle.name)
+        if self._pressed.figures:
+            own = together([own, Study(Figures(self._pressed.figures))])
         if self.walk is not None:
             own = together([own, self._walk(self.walk)])
         if (pen := self.pen) is not None:

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from camgen.findings import NotJudged, Where
-from camgen.machine.cams.machine import keeps_contact
-from camgen.machine.model import Cam, Machine
+from camgen.findings import Finding, NotJudged, Where
+from camgen.machine.cams.bounce import Bounce, contact_of
+from camgen.machine.cams.machine import Loaded, keeps_contact
+from camgen.machine.model import MM, Cam, Machine
 from camgen.machine.run import solve
 from camgen.machines.loads.bearing import LoadCheck
 from camgen.machines.loads.pins import STILL
+from camgen.machines.loads.tables import Weight
 from camgen.numerics import Floats
+from camgen.study import Figure
 
 _SLOW = 1e-6  # of the speed, at which inertia does nothing
 _NEEDS = "[cam.spring], [[spring]], or [load] with gravity_deg or [[load.on]]: what presses the follower on its cam"
@@ -32,17 +36,23 @@ def slow(machine: Machine) -> Machine:
 
 
 def lift_off(
-    machine: Machine, cams: Sequence[Cam], kicks: Collection[str], theta: Floats, angle: str
+    machine: Machine,
+    cams: Sequence[Cam],
+    kicks: Collection[str],
+    theta: Floats,
+    angle: str,
+    restitution: float | None,
 ) -> LoadCheck:
-    """LIFT_OFF of some of its cams, not judged where no spring, weight or load acts on the follower.
+    """LIFT_OFF of some of its cams, not judged where no spring, weight or load acts on the follower; and how it bounces.
 
     machine: with its masses and loads, without friction in its pins; kicks: joints whose follower's speed jumps; theta: (n,)
-    rad; angle: what theta is called.
+    rad; angle: what theta is called; restitution: None where followers are elastic, and hops not told.
     """
     check = LoadCheck()
     if not cams:
         return check
-    forces = solve(machine, theta).forces()
+    run = solve(machine, theta)
+    forces = run.forces()
     still = solve(slow(machine), theta).forces()
     for cam in cams:
         effort = cam.leaves * forces.contacts[cam.name]
@@ -61,5 +71,77 @@ def lift_off(
         if jumps:
             remedy = "its speed jumps, and no spring holds it then: use a law that ends smoothly"
         where = Where(joint=cam.name, angle=angle)
-        check.findings.append(keeps_contact(theta, force, jumps, where, remedy))
+        finding = keeps_contact(theta, force, jumps, where, remedy)
+        contact = None
+        if not finding.ok and not jumps and restitution is not None:
+            contact = contact_of(cam, run, still)
+        if contact is not None and restitution is not None:
+            bounce = contact.bounce(machine.speed, restitution)
+            finding = with_hops(finding, bounce, bool(cam.slide))
+            check.figures += bounce_figures(bounce, bool(cam.slide), cam.name)
+        check.findings.append(finding)
     return check
+
+
+def restitution_of(load: Weight | None) -> float | None:
+    """With which a follower springs back from its cam; None of an elastic one, whose hops are not told."""
+    load = load or Weight()
+    return load.restitution if load.stiffness is None else None
+
+
+def bounce_of(machine: Machine, found: Loaded, load: Weight | None) -> Bounce | None:
+    """What the follower of a machine of one cam does where it leaves it; None where it does not, or that cannot be said.
+
+    machine: with its loads; found: what they do.
+    """
+    restitution = restitution_of(load)
+    if (
+        restitution is None
+        or found.keeps_contact("").ok
+        or found.kick
+        or np.any(np.isnan(found.force))
+    ):
+        return None
+    cam = machine.joint("contact")
+    assert isinstance(cam, Cam)
+    still = solve(slow(machine), found.theta).forces()
+    contact = contact_of(cam, solve(machine, found.theta), still)
+    return None if contact is None else contact.bounce(machine.speed, restitution)
+
+
+def with_hops(finding: Finding, bounce: Bounce | None, slides: bool) -> Finding:
+    """LIFT_OFF with what a person reads of the hops beside it."""
+    if bounce is None or not bounce.hops:
+        return finding
+    hop = bounce.highest
+    rpm = bounce.lift_off * 60 / math.tau
+    lost = f"contact is lost from {rpm:.4g} rpm" if rpm else "nothing holds it at any speed"
+    left = f"it leaves at {math.degrees(hop.leaves) % 360:.1f} deg"
+    if not math.isfinite(hop.lands):
+        return replace(finding, message=f"{finding.message}; {lost}; {left} and does not come back")
+    height = f"{hop.height:.3g} mm" if slides else f"{math.degrees(hop.height):.3g} deg"
+    speed = f"{bounce.knock * MM:.3g} m/s" if slides else f"{bounce.knock:.3g} rad/s"
+    lands = f"{math.degrees(hop.lands) % 360:.1f} deg"
+    flight = (
+        f"flies up to {height} off the cam, comes back at {lands} and hits it with up to {speed}"
+    )
+    return replace(finding, message=f"{finding.message}; {lost}; {left}, {flight}")
+
+
+def bounce_figures(bounce: Bounce | None, slides: bool, of: str = "") -> list[Figure]:
+    """Of a follower that leaves its cam; of: the cam, where there may be others."""
+    if bounce is None or not bounce.hops:
+        return []
+    unit, scale = ("mm", 1.0) if slides else ("deg", math.degrees(1))
+    named = " {of}" if of else ""
+    figures = [
+        Figure(f"lift off speed{named}", bounce.lift_off * 60 / math.tau, "rpm", of),
+        Figure(f"hop{named}", scale * bounce.highest.height, unit, of),
+        Figure(
+            f"knock{named}",
+            bounce.knock * (MM if slides else scale),
+            "m/s" if slides else "deg/s",
+            of,
+        ),
+    ]
+    return [each for each in figures if math.isfinite(each.value)]

@@ -103,6 +103,15 @@ class Weight(Record):
     contact_friction: Annotated[float, quantity("1", ge=0, le=3)] = Field(
         default=0.0, description="friction coefficient of a tip that slides on a cam"
     )
+    restitution: Annotated[float, quantity("1", ge=0, lt=1)] = Field(
+        default=0.3,
+        description="speed of a follower after a knock on its cam over that before it; where LIFT_OFF fails, it moves "
+        "what comes after the first hop",
+    )
+    spring_error: Annotated[float, quantity("1", ge=0, le=0.5)] = Field(
+        default=0.05,
+        description="standard deviation of the rate of a spring, and of its preload, as a share; for camgen tolerance",
+    )
     cam_follower: CamFollowerName | None = Field(
         default=None,
         description='bought roller on the cams, "KR16" to "KR52" by its diameter; its life is judged',

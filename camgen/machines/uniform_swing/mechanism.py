@@ -34,6 +34,7 @@ from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Demand, Eye, Feature, Mount, OwnTip
 from camgen.machine.model import Machine
 from camgen.machines.cam_loads import unweighed
+from camgen.machines.loads.lift_off import bounce_of
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.pairs import air_faults
 from camgen.machines.uniform_swing.cam_plate import CamPlate
@@ -288,7 +289,9 @@ class UniformSwing(Mechanism):
             return None
         turn = np.linspace(0, math.tau, ROWS)
         lever = None if self.sizes.pair else self.spring.lever
-        return SwingForces(loaded(self._pulled, self.cam, self._load, turn), self._load, lever)
+        found = loaded(self._pulled, self.cam, self._load, turn)
+        bounce = None if lever is None else bounce_of(self._pulled, found, self.load)
+        return SwingForces(found, self._load, lever, bounce)
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """The canvas that the recovered motion lays; for a machine also the choice of the blend."""

@@ -12,11 +12,13 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
+from camgen.machine.cams.bounce import Bounce
 from camgen.machine.cams.followers import SwingingArm
 from camgen.machine.cams.limits import ARM_PRESSURE, undercut_numbers
 from camgen.machine.cams.machine import FollowerLoad, Loaded
 from camgen.machine.cams.profile import DiscCam
 from camgen.machines.cam_loads import force_plots, lift_off
+from camgen.machines.loads.lift_off import bounce_figures
 from camgen.machines.uniform_swing.pictures import Model, pictures
 from camgen.machines.uniform_swing.tables import SwingGeometry
 from camgen.machines.uniform_swing.web_thickness import BAND, STRIPS, blend_choice, canvas
@@ -233,13 +235,14 @@ class SwingForces:
     loaded: Loaded
     load: FollowerLoad
     lever: float | None  # mm, from the pivot to a straight spring that closes the cam; None: a pair
+    bounce: Bounce | None  # what it does where that spring does not hold it
 
     def findings(self) -> list[Finding]:
         """LIFT_OFF, where a spring closes the cam."""
         less = "less inertia or a longer reversal_blend_deg"
         if self.lever is None:
             return []
-        return [lift_off(self.loaded, self.load, False, _NO_SPRING, less)]
+        return [lift_off(self.loaded, self.load, False, self.bounce, _NO_SPRING, less)]
 
     def study(self) -> Study:
         """Curves and figures; where a spring closes the cam also the one that keeps contact."""
@@ -267,6 +270,7 @@ class SwingForces:
             Figure("spring rate needed", rate, "N m/rad"),
             Figure("spring force needed", force, "N"),
             Figure("spring rate needed", stiff, "N/mm"),
+            *bounce_figures(self.bounce, False),
         ]
         kept = f"What keeps contact: a straight spring on a lever of {self.lever:g} mm that pulls with {force:.3g} N where "
         kept += "the tip is nearest to the shaft (spring.preload)"
