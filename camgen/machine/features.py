@@ -218,12 +218,15 @@ class PinTracks:
     """Of an EdgePair: round pins, each of which is wanted at a known gap from the other side's edges all the way.
 
     pins: on which side they are. lobes: of the one edge along which all of them go; 0 of holes with a pin in each. gap: mm over the angle
-    from the line of both axes to the pin, seen from the pins' axis, (n,) rad.
+    from the line of both axes to the pin, seen from the pins' axis, (n,) rad. lever: mm, and curvature: of both together, 1/mm, where one
+    pin alone holds the follower and is pressed hardest.
     """
 
     pins: Literal["a", "b"]
     lobes: int
     gap: Callable[[Floats], Floats]
+    lever: float
+    curvature: float
 
 
 @dataclass(frozen=True)

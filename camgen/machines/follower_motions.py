@@ -13,7 +13,7 @@ import numpy as np
 
 from camgen.findings import Finding, Where, at_most
 from camgen.geometry.outlines import Floats
-from camgen.machine.model import Cam, Drive
+from camgen.machine.model import Cam, Drive, Turning
 from camgen.machine.programs import DriveLaw, TableLaw
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.laws import last_digit
@@ -98,10 +98,10 @@ def table_finding(table: DriveTable, motion: FollowerMotion, path: Path) -> Find
 
 
 def follower_motions(mechanism: Mechanism) -> Iterator[FollowerMotion]:
-    """Those of all cams of a machine."""
+    """Those of all cams of a machine; what turns on evenly by its edges, as a cycloidal disc does, has no timing."""
     sense = mechanism.assembly.cycle.sense
     for joint in mechanism.model.joints:
-        if isinstance(joint, Cam):
+        if isinstance(joint, Cam) and not isinstance(joint.law, Turning):
             yield _motion(joint, sense)
 
 

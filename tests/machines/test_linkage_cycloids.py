@@ -18,8 +18,11 @@ from stl_rows import TRIANGLE, with_own_normals
 import camgen
 from camgen.errors import DesignError, SpecError
 from camgen.findings import Finding
+from camgen.machines.follower_motions import follower_motions
+from camgen.machines.loads.assess import assess
 from camgen.machines.sources import read_mechanism
 from camgen.numerics import Floats, Points
+from camgen.parts import materials
 from camgen.pipeline.case import Case
 from camgen.pipeline.reading import judge_motion, judge_part
 
@@ -120,6 +123,55 @@ def test_a_disc_that_would_be_undercut_is_refused_with_the_largest_pin() -> None
 def test_holes_that_meet_lobes_or_each_other_are_refused(row: dict[str, Any], said: str) -> None:
     with pytest.raises(DesignError, match=said):
         machine(**row).assembly  # noqa: B018
+
+
+def test_a_pin_is_pressed_by_the_load_over_its_lever() -> None:
+    """All normals meet at the pitch point, e pins from the shaft. The pin whose normal passes farthest from the disc's axis holds it."""
+    output = {"output": "out", "value": 0.5}
+    tables = {
+        "drive": {"link": "crank", "speed_rpm": 10},
+        "load": {"friction": 0.0, "on": [output]},
+    }
+    found = {
+        each.where.joint: each
+        for each in assess(read_mechanism(SPEC | tables)).findings
+        if each.code == "HERTZ"
+    }
+    n, e, radius, pin = 7, 2.0, 32.0, 4.0
+    pressed = []
+    for x in np.linspace(0, math.tau / n, 1001):
+        pins = radius * np.exp(1j * (x + math.tau * np.arange(n) / n))
+        normals = pins - e * n
+        normals /= np.abs(normals)
+        levers = np.imag(np.conj(pins - e) * normals)
+        holds = int(np.argmax(levers))
+        t = -(x + math.tau * holds / n) / LOBES + np.array([-1e-3, 0, 1e-3])
+        along = radius * np.exp(1j * t) - e * n * np.exp(1j * n * t)
+        edge = (
+            radius * np.exp(1j * t) - e * np.exp(1j * n * t) - (pin + AIR) * along / np.abs(along)
+        )
+        ends = edge[[0, 2]] - edge[1]
+        across = np.imag(np.conj(-ends[0]) * ends[1])
+        bend = 2 * across / abs(np.prod(ends) * (edge[2] - edge[0]))
+        pressed.append((1 / pin + bend) / levers[holds])
+    own = materials.of("PLA").elastic
+    give = 2 * own.compliance * math.pi * 4
+    assert found["crank to disc"].measured == pytest.approx(
+        math.sqrt(500 * max(pressed) / give), rel=2e-3
+    )
+    # four pins: of two that are 45 deg off the line that pushes best, one holds
+    drive = machine().bodies.layout.cycloid_drives[0].output
+    lever = drive.circle * math.cos(math.pi / 4)
+    bend = 1 / drive.pin - 1 / (drive.pin + e + AIR)
+    assert found["disc to flange"].measured == pytest.approx(
+        math.sqrt(500 / lever * bend / give), rel=1e-6
+    )
+
+
+def test_all_turns_are_swept_and_nothing_of_it_is_a_cam() -> None:
+    reducer = machine()
+    assert reducer.assembly.cycle.swept == LOBES
+    assert [*follower_motions(reducer)] == []
 
 
 @pytest.fixture(scope="module")

@@ -132,8 +132,7 @@ def test_all_of_a_spec_is_judged(
     folder = built(name, *changes)
     report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
     assert report["ok"] and folder.name == Path(name).name
-    left = {"INTERFERENCE"} if name.endswith("cycloidal-reducer") else set()  # one turn of ten
-    assert {each["code"] for each in report["not_judged"]} == left
+    assert not report["not_judged"]
 
 
 # Of each way to make parts one machine, each with one number of cores: cams with exact files and tables, stands and bends,

@@ -36,7 +36,7 @@ from camgen.motion.program import Program
 from camgen.motion.segments import program
 from camgen.parts.generator.cycloids import CycloidWish
 from camgen.parts.generator.wheels import SECOND, Ridden, follower_of, level_of, named, pivot
-from camgen.parts.wheels.cycloid import CycloidDisc, CycloidLaw, OutputWish
+from camgen.parts.wheels.cycloid import CycloidDisc, OutputWish
 from camgen.parts.wheels.geneva import Geneva, GenevaLaw
 from camgen.parts.wheels.noncircular import Centrodes, NoncircularPair
 
@@ -690,7 +690,7 @@ class Drawing:
 def _cycloid(wish: CycloidWish, start: Mapping[str, m.Pose]) -> list[m.Cam]:
     """Its joints, at their angle 0 as drawn: crank and disc, disc and output, which turns as the disc does."""
     crank, disc = (start[link].angle for link in (wish.crank, wish.link))
-    law = CycloidLaw(wish.disc)
+    law = m.Turning(wish.disc.ratio)
     joints = [m.Cam(wish.joint, wish.crank, wish.link, law, phase=crank, rest=disc)]
     if wish.output is not None:
         rest = start[wish.output].angle

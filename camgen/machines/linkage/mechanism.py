@@ -99,6 +99,7 @@ _SAMPLES = np.linspace(
 
 _MOST_ROUNDS = 200  # of a drive, that bring round the carrier of planets
 _SHOWN_TURNS = 8  # of the drive, at most
+_SWEPT_TURNS = 100  # of the drive, at most
 _MARK = 0.8  # of a hub's radius, to the hole that shows how what turns on stands
 
 
@@ -624,7 +625,7 @@ class Linkage(Mechanism):
         even = self.drive.range_deg is None and not self._programmed
         cams = any(isinstance(each, CamOutline) for each in whole.features)
         name = ("cam angle" if cams else "crank angle") if even else "drive angle"
-        swept = self.rounds if self.rounds <= _SHOWN_TURNS else 1
+        swept = self.rounds if self.rounds <= _SWEPT_TURNS else 1
         cycle = replace(self.cycle, name=name, turns=self.turns, swept=swept)
         whole = replace(whole, cycle=cycle)
         if self.making.stand == "none":
@@ -762,9 +763,9 @@ class Linkage(Mechanism):
     @property
     def _unswept(self) -> Iterator[NotJudged]:
         """What the sweep leaves out of carriers that come round after many turns alone."""
-        if self.rounds > _SHOWN_TURNS:
+        if self.rounds > _SWEPT_TURNS:
             why = f"bodies are moved over one turn of {self.rounds}, after which all are back"
-            yield NotJudged("INTERFERENCE", why, "a ratio of few whole turns")
+            yield NotJudged("INTERFERENCE", why, f"a ratio of at most {_SWEPT_TURNS} whole turns")
 
     def _engraved(self, parts: Sequence[Part]) -> Sequence[Part]:
         """Parts with what is to be engraved in them: a text in a link, letters of holes in what has named points."""

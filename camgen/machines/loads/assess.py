@@ -73,18 +73,18 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
     forces = run.forces()
     # friction may spare a pin, and may be less than its table says
     smooth = solve(machine, theta).forces()
-    in_slots = bearing.slot_forces(run, forces)
+    on_edges = bearing.edge_forces(run, forces, assembly)
     on_pins = replace(
         forces,
         reactions=_worse(smooth.reactions, forces.reactions),
         normals=_worse(smooth.normals, forces.normals),
-        pressing={**forces.pressing, **in_slots},
+        pressing={**forces.pressing, **on_edges},
     )
     pins = bearing.plain_bearings(run, on_pins, journals, assembly.limits_of, load)
     posts = bearing.bent_posts(on_pins, assembly.posts, assembly.limits_of, not machine.loads)
     cams = bearing.contacts(run, forces, assembly, load)
     gears = bearing.gears(run, forces, assembly)
-    slots = bearing.slots(run, in_slots, assembly)
+    edges = bearing.edges(run, on_edges, assembly)
     lives = {each.code for check in (pins, cams) for each in check.findings}
     lives |= {each.code for check in (pins, cams) for each in check.not_judged}
     asked = any(assembly.limits_of(joint.name).bearing_life is not None for joint in machine.joints)
@@ -127,7 +127,7 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         posts,
         cams,
         gears,
-        slots,
+        edges,
         torque,
         runs,
         hub,

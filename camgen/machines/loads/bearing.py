@@ -333,40 +333,55 @@ def _hertz(
     check.findings.append(at_most("HERTZ", pressure, limit, "MPa", where, said))
 
 
-def slot_forces(run: Run, forces: Forces) -> dict[str, Floats]:
-    """Of each Geneva drive the force of its roller on a wall of the slot, N, (n,), by its joint; 0 while the disc holds the wheel."""
+def edge_forces(run: Run, forces: Forces, assembly: Assembly) -> dict[str, Floats]:
+    """Of Geneva and cycloidal drives the force at a pin, N, (n,), by the joint.
+
+    Of a Geneva drive that of its roller on a wall of the slot, 0 while the disc holds the wheel; of pins along lobes or in holes as
+    if one alone held all, where its lever is least.
+    """
     found = {}
+    pairs = {each.joint: each for each in assembly.features if isinstance(each, EdgePair)}
     for joint in run.machine.joints:
-        if isinstance(joint, Cam) and isinstance(joint.law, GenevaLaw):
+        pair = pairs.get(joint.name)
+        if not isinstance(joint, Cam) or pair is None:
+            continue
+        torque = np.abs(_finite(forces.contacts[joint.name])) / MM
+        if pair.tracks is not None:
+            found[joint.name] = torque / pair.tracks.lever
+        elif isinstance(joint.law, GenevaLaw):
             geneva = joint.law.geneva
             angle = _angle(run, joint.cam) - joint.phase
             lever = np.abs(geneva.distance - geneva.crank * np.exp(1j * angle))
             drives = joint.law(angle, 1) != 0
-            torque = _finite(forces.contacts[joint.name])
-            found[joint.name] = np.where(drives, np.abs(torque) / MM / lever, 0.0)
+            found[joint.name] = np.where(drives, torque / lever, 0.0)
     return found
 
 
-def slots(run: Run, forces: Mapping[str, Floats], assembly: Assembly) -> LoadCheck:
-    """HERTZ of the rollers of Geneva drives on the walls of their slots; forces: N, of each joint."""
+def edges(run: Run, forces: Mapping[str, Floats], assembly: Assembly) -> LoadCheck:
+    """HERTZ of the rollers of Geneva drives in their slots, and of cycloidal drives' pins; forces: N, of each joint."""
     check = LoadCheck()
     own = materials.of(assembly.process.material).elastic
     for feature in assembly.features:
         if not isinstance(feature, EdgePair) or feature.joint not in forces:
             continue
-        joint = run.machine.joint(feature.joint)
-        assert isinstance(joint, Cam) and isinstance(joint.law, GenevaLaw)
         k = int(np.argmax(forces[feature.joint]))
         force = float(forces[feature.joint][k])
         if not force > STILL:
             continue
         layers = [assembly.by_name[edge.part].drawn for edge in feature.edges]
         width = min(layer.z1 - layer.z0 for layer in layers)
-        curvature = 1 / joint.law.geneva.pin
+        remark = f"by {force:.4g} N on a line of {width:.4g} mm"
+        if feature.tracks is not None:
+            curvature = feature.tracks.curvature
+            remark += ", as if one pin alone held all"
+        else:
+            joint = run.machine.joint(feature.joint)
+            assert isinstance(joint, Cam) and isinstance(joint.law, GenevaLaw)
+            curvature = 1 / joint.law.geneva.pin
         pressure = float(strength.line_contact(force, width, curvature, own, own)[0])
         part = feature.b[0].part
         where = Where(part=part, joint=feature.joint, theta=float(run.theta[k]), digits=1)
-        _hertz(check, assembly, pressure, where, f"by {force:.4g} N on a line of {width:.4g} mm")
+        _hertz(check, assembly, pressure, where, remark)
     return check
 
 

@@ -252,9 +252,9 @@ def _cycloid(layout: Layout, drive: CycloidDrive) -> Iterator[EdgePair]:
         math.tau * lobes,
         wish.crank,
         (0.0, 1.0),
-        PinTracks("a", lobes, wish.disc.gap),
+        PinTracks("a", lobes, wish.disc.gap, *wish.disc.hardest),
     )
-    if wish.output is not None:
+    if wish.output is not None and drive.output is not None:
         yield EdgePair(
             wish.output_joint,
             tuple(Edge(part, bore, hole=z) for z in drive.hole_places),
@@ -266,7 +266,7 @@ def _cycloid(layout: Layout, drive: CycloidDrive) -> Iterator[EdgePair]:
             math.tau,
             wish.crank,
             (1.0, -float(lobes)),
-            PinTracks("b", 0, wish.output_gap),
+            PinTracks("b", 0, wish.output_gap, *drive.output.hardest),
         )
 
 

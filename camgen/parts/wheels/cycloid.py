@@ -23,6 +23,7 @@ from camgen.geometry.outlines import Contour, Floats, Points, Smooth
 from camgen.tolerances import SAME_POINT
 
 _NEWTON = 6  # steps to a foot that is an offset away
+_PLACES = 721  # of the eccentric, from one pin to the next
 
 
 @dataclass(frozen=True)
@@ -183,23 +184,27 @@ class CycloidDisc:
         apart = np.real(np.conj(out / np.abs(out)) * (centre - self.trace(t)))
         return np.asarray(apart + self.equidistant)
 
+    @property
+    def hardest(self) -> tuple[float, float]:
+        """Lever, mm, and curvature of pin and lobe together, 1/mm, where one pin alone holds the disc and is pressed hardest.
+
+        Of the pins on the side that pushes the one with the greatest lever holds it; where it hands over, its lever is least.
+        """
+        x = np.linspace(0.0, math.tau / self.pins, _PLACES)[:, None]
+        t = -(x + math.tau * np.arange(self.pins) / self.pins) / self.lobes
+        along = self.trace(t, 1)
+        levers = np.real(np.conj(self.trace(t)) * along) / np.abs(along)
+        curvature, _ = self._curvature(t)
+        both = 1 / self.pin + curvature / (1 - self.cut * curvature)
+        holds = np.argmax(levers, axis=1)[:, None]
+        lever = np.take_along_axis(levers, holds, 1)
+        bend = np.take_along_axis(both, holds, 1)
+        worst = int(np.argmax(bend / lever))
+        return float(lever[worst, 0]), float(bend[worst, 0])
+
     def output_hole(self, pin: float, air: float) -> float:
         """Radius of a hole through which an output pin of this radius takes the turning off, mm."""
         return pin + self.eccentricity + air
-
-
-@dataclass(frozen=True)
-class CycloidLaw:
-    """The disc's angle over its eccentric's, rad, both 0 where a hollow of the disc lies on a pin."""
-
-    disc: CycloidDisc
-
-    def __call__(self, t: Any, order: int = 0) -> Floats:
-        """Its order-th derivative at the eccentric's angle t, (n,) rad."""
-        t = np.asarray(t, float)
-        if order == 0:
-            return np.asarray(self.disc.ratio * t)
-        return np.full(t.shape, self.disc.ratio if order == 1 else 0.0)
 
 
 @dataclass(frozen=True)
@@ -213,6 +218,14 @@ class OutputPins:
     circle: float  # radius of the circle on which they are, mm
     pin: float  # radius of a pin, mm
     hole: float  # radius of a hole, mm
+
+    @property
+    def hardest(self) -> tuple[float, float]:
+        """Lever, mm, and curvature of pin and hole together, 1/mm, where one pin alone holds the disc and is pressed hardest.
+
+        That is where two pins are as far off the line that pushes best, half of their spacing.
+        """
+        return self.circle * math.cos(math.pi / self.count), 1 / self.pin - 1 / self.hole
 
 
 @dataclass(frozen=True)
