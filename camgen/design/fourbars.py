@@ -125,6 +125,19 @@ class FourBars:
         p = a + (b - a) * ((self.p[0] - self.a[0]) / (self.b[0] - self.a[0]))
         return FourBars(self.o, self.c, a, b, p)
 
+    def with_cognates(self) -> FourBars:
+        """These, the two cognates of each, and all of them driven by their rockers, (6 m).  [Roberts]"""
+        toward_a = (self.p - self.a) / (self.b - self.a)
+        toward_b = (self.p - self.b) / (self.a - self.b)
+        third = self.o + (self.c - self.o) * toward_a[0]
+        a = self.o + self.p - self.a
+        b = self.c + self.p - self.b
+        at_o = FourBars(self.o, third, a, a + (self.a - self.o) * toward_a, self.p)
+        at_c = FourBars(self.c, third, b, b + (self.b - self.c) * toward_b, self.p)
+        cognates = joined(joined(self, at_o), at_c)
+        back = FourBars(cognates.c, cognates.o, cognates.b, cognates.a, cognates.p)
+        return joined(cognates, back)
+
     def defects(self) -> Mapping[str, Flags]:
         """Which have which defect besides bounds and the transmission angle, (m,).
 

@@ -12,6 +12,7 @@ from camgen.design.dwells import Rest, six_bars
 from camgen.design.dyads import Poses
 from camgen.design.found import CRANK, NO_ERROR, Found, Judged, place
 from camgen.design.fourbars import FourBars, Motion, Room, Verdict, joined, verdict_of
+from camgen.design.nine_points import COUNT, nine_point_four_bars
 from camgen.design.poses import exact_four_bars, near_four_bars
 from camgen.design.projected import Passing, exact_five, near
 from camgen.design.sliders import judged as judged_sliders
@@ -93,8 +94,10 @@ def point_designs(wish: PointWish, room: Room, tables: Data, rng: np.random.Gene
     """Four-bars that pass the points; DesignError where none is free of defects."""
     passing = Passing(wish.places, wish.crank)
     bars = near(passing, room, wish.allowance, rng, wish.effort)
-    if wish.timed and len(wish.points) == _EXACT:
+    if wish.timed and len(wish.places) == _EXACT:
         bars = joined(exact_five(passing), bars)
+    if not wish.timed and len(wish.places) == COUNT:
+        bars = joined(nine_point_four_bars(wish.places), bars)
     off = np.max(np.abs(bars.p - passing.points[:, None]), axis=0)
     verdict = room.judged(bars)
     sifted = _Sifted.of(wish, verdict, bars.bars, off / wish.allowance)
