@@ -20,11 +20,15 @@ from typing import Any
 
 import numpy as np
 
+from camgen.design.request import Request
+from camgen.design.wanted import DrawingWish
 from camgen.errors import CamgenError, DesignError, SpecError
 from camgen.findings import Finding
-from camgen.machines.sources import read_mechanism
+from camgen.machines.sources import changed, read_mechanism
+from camgen.motion.pen import peak_acceleration, pen_motion
 from camgen.numerics import Floats, Points, peak
 from camgen.reading import Data
+from camgen.spec import dump
 
 _HALF = 26.0  # mm, of the distance of the arms' pivots: room for hubs and pins between them
 _NIB = 14.0  # mm, of the pen beyond the joint of both rods
@@ -43,6 +47,7 @@ _OF_ROWS = 0.02  # of the tolerance, that rows of a table may take
 _GAIN = 2.0  # way of the pen for that of an arm's end, at most
 _DIGITS = 6  # of rows, deg, and of points, mm
 _TRIES = 12
+_OF_DRAWING = 0.9  # of its tolerance, that the pen's motion takes; files and facets leave the rest
 _NORTH_WEST = np.exp(0.75j * math.pi)
 
 
@@ -230,6 +235,29 @@ def _with_lever(line: Points, arm: float, cam: float, radius: float) -> Plotter 
             return found
         lever = needed
     return None
+
+
+def written(request: Request) -> str:
+    """Text of the spec of a machine that draws the line that a spec wants; SpecError, DesignError."""
+
+    def drawing() -> tuple[DrawingWish, Points]:
+        found: DrawingWish = request.wish()
+        return found, found.line(request.folder)
+
+    _, (wish, line) = request.for_linkage(drawing)
+    pen = pen_motion(line, _OF_DRAWING * wish.tolerance)
+    request.say(f"peak acceleration of the pen: {peak_acceleration(pen):.4g} mm/rad^2")
+    closed = np.append(line, line[0])
+    rest = request.with_lash("lash", wish.lash)
+    data, found = plotter_tables(pen, closed, wish.tolerance, rest, wish.roller_radius)
+    request.say(
+        f"arms of {found.arm:.4g} mm, rods of {found.rod:.4g} mm, cams of {found.cam:.4g} mm in the middle"
+    )
+    if request.text is None:
+        return dump(changed(data, request.source, request.folder))
+    name = wish.drawing if isinstance(wish.drawing, str) else f"{len(wish.drawing)} points"
+    note = f"found by camgen design for the drawing {name}; output.path: that line, and how far the pen may be off"
+    return request.with_found(data, ["points", "links", "drive", "cam", "output"], note)
 
 
 def plotter_tables(

@@ -15,21 +15,23 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from functools import partial
 
 import numpy as np
 
-from camgen.design.prototype import Prototype, miss, prototype, rounded_up
+from camgen.design.found import CRANK, Found, Judged
+from camgen.design.offers import Aim, Offer
+from camgen.design.request import Request
 from camgen.design.wanted import FunctionWish
-from camgen.errors import DesignError
+from camgen.design.weighing import with_prototype
+from camgen.errors import DesignError, counted
 from camgen.machine.targets import Function
 from camgen.numerics import Floats, solve
 from camgen.reading import Data
 from camgen.report.sketches import Sketch
+from camgen.workers import Workers
 
 ROCKER = "rocker"
-CRANK = "crank"
 _GRID = 90  # places of each of phi0 and psi0
 _APART = 4  # places of the grid between two drawings to start from
 _STARTS = 16  # by their error; half as many by their transmission angle
@@ -44,7 +46,7 @@ _WIDE = math.radians(
 )  # error up to which the transmission angle is raised where no tolerance is wanted, or _TIMES the least
 _TIMES = 4.0
 _ROUNDING = 1e-9  # by which a length may leave its bounds
-_DIGITS = 6  # of a coordinate, mm
+_SEEN = 60  # places of the rocker's way in a sketch
 
 
 @dataclass(frozen=True)
@@ -57,91 +59,72 @@ class Generator:
     lengths: tuple[float, float, float]
     error: float
     transmission: float
-    wish: FunctionWish
-    tables: Data
 
-    @cached_property
-    def points(self) -> Mapping[str, list[float]]:
-        """Points by name, mm, as drawn: at the first pair."""
-        crank, _, rocker = self.lengths
-        psi = self._rocker(np.zeros(1))[0]
-        places = {
-            "O": 0j,
-            "C": 1 + 0j,
-            "A": crank * np.exp(1j * self.phi0),
-            "B": 1 + rocker * np.exp(1j * psi),
-        }
-        size = self.wish.frame
-        return {
-            name: [
-                round(size * float(z.real), _DIGITS) + 0.0,
-                round(size * float(z.imag), _DIGITS) + 0.0,
-            ]
-            for name, z in places.items()
-        }
-
-    def _rocker(self, turns: Floats) -> Floats:
+    def rocker(self, turns: Floats) -> Floats:
         """Its angle after turns of the crank, (m,) rad."""
-        return np.asarray(
-            _close(np.array([self.phi0, self.side, *self.lengths])[:, None], turns)[0][:, 0]
-        )
+        numbers = np.array([self.phi0, self.side, *self.lengths])[:, None]
+        return np.asarray(_close(numbers, turns)[0][:, 0])
 
-    @property
-    def least_tolerance(self) -> float:
-        """A tolerance that it keeps, deg: its own error and a fiftieth."""
-        return max(rounded_up(1.02 * math.degrees(self.error)), 0.01)
-
-    def data(self, tolerance: float | None = None) -> Data:
-        """Tables of the spec; tolerance: of FUNCTION_ERROR, deg, unless given the wish's, or what it keeps and no more than is borne."""
-        pairs = self.wish.turns
-        limit = tolerance or self.wish.tolerance
-        limit = limit or min(self.least_tolerance, self.wish.allowance)
-        links = {"ground": ["O", "C"], CRANK: ["O", "A"], "coupler": ["A", "B"], ROCKER: ["C", "B"]}
-        drive = {
-            "link": CRANK,
-            "range_deg": [min(x for x, _ in pairs), max(x for x, _ in pairs)],
-            **self.tables.get("drive", {}),
-        }
-        output = [
-            {
-                "name": "function",
-                "link": ROCKER,
-                "function": {"at": [list(pair) for pair in pairs], "tolerance": limit},
-            }
-        ]
-        tables = {"points": self.points, "links": links, "drive": drive, "output": output}
-        return {**{key: value for key, value in self.tables.items() if key not in tables}, **tables}
-
-    @cached_property
-    def prototype(self) -> Prototype:
-        """Whether it can be made, and its play."""
-        error = miss(Function.code, math.degrees(self.error), self.wish.allowance, "deg")
-        return prototype(self.data(self.least_tolerance), error)
-
-    @cached_property
-    def sketch(self) -> Sketch:
-        """What a sketch shows: the first position, and the way of the rocker's end."""
-        turns = np.array([x for x, _ in self.wish.turns])
-        psi = self._rocker(np.radians(np.linspace(turns.min(), turns.max(), 60)))
-        way = self.wish.frame * (1 + self.lengths[2] * np.exp(1j * psi))
-        points = {name: complex(*place) for name, place in self.points.items()}
-        return Sketch(points, [("O", "A"), ("A", "B"), ("C", "B")], ["O", "C"], way, way[:0])
-
-    def row(self, number: int) -> dict[str, Any]:
-        """What a table of the front shows."""
-        crank, coupler, rocker = (self.wish.frame * length for length in self.lengths)
-        return {
-            "design": number,
-            "worst_error_deg": float(f"{math.degrees(self.error):.4g}"),
-            "transmission_deg": round(math.degrees(self.transmission), 3),
-            "crank_mm": round(crank, 4),
-            "coupler_mm": round(coupler, 4),
-            "rocker_mm": round(rocker, 4),
-            **self.prototype.row,
-        }
+    def places(self, frame: float) -> Mapping[str, complex]:
+        """Its points as drawn, at the first pair; frame: mm."""
+        crank, _, rocker = self.lengths
+        a = crank * np.exp(1j * self.phi0)
+        b = 1 + rocker * np.exp(1j * self.rocker(np.zeros(1))[0])
+        return {"O": 0j, "C": complex(frame), "A": complex(frame * a), "B": complex(frame * b)}
 
 
-def search(wish: FunctionWish, tables: Data) -> list[Generator]:
+def offer(request: Request) -> Offer:
+    """Four-bars for the function that a spec wants; SpecError, DesignError."""
+    wish: FunctionWish
+    _, wish = request.for_linkage(request.wish)
+    found = partial(machine, wish, request.with_lash("lash_deg", wish.lash))
+    searched = search(wish)
+    request.say(f"parts of {counted(len(searched), 'design')}")
+    with Workers(request.jobs) as workers:
+        designs = list(workers.map(with_prototype, [found(each) for each in searched]))
+    best_in = "transmits best"
+    error_counts = wish.tolerance is None
+    return Offer(
+        designs,
+        Aim(wish.lash, wish.useful_play, "deg", error_counts, best_in, wish.further),
+        f"Four-bars for the function of {request.data.get('name')}",
+        "each is nearer to the function than all of better transmission, or transmits better than all nearer. Design 1 is "
+        "01.toml, and so on. Those that can be built stand first.",
+        {
+            "worst_error_deg": "at most {:.4g} deg off at the pairs",
+            "transmission_deg": "transmission angle {:.4g} deg and more",
+            "lash": "play of {:.3g} deg",
+        },
+        "found by camgen design for a function; output.function: its pairs, and how far this machine may be off",
+    )
+
+
+def machine(wish: FunctionWish, tables: Data, each: Generator) -> Found:
+    """A four-bar for the function as a machine of a spec's other tables."""
+    turns = [x for x, _ in wish.turns]
+    values = {"at": [list(pair) for pair in wish.turns]}
+    share = "" if wish.tolerance else "a twentieth of the rocker's swing"
+    off = (math.degrees(each.error), wish.allowance, "deg", "tolerance", share)
+    judged = Judged({"name": "function", "link": ROCKER}, "function", values, Function.code, *off)
+    crank, coupler, rocker = (wish.frame * length for length in each.lengths)
+    figures = {
+        "worst_error_deg": math.degrees(each.error),
+        "transmission_deg": math.degrees(each.transmission),
+        "crank_mm": crank,
+        "coupler_mm": coupler,
+        "rocker_mm": rocker,
+    }
+    places = each.places(wish.frame)
+    moving = {CRANK: ["O", "A"], "coupler": ["A", "B"], ROCKER: ["C", "B"]}
+    psi = each.rocker(np.radians(np.linspace(min(turns), max(turns), _SEEN)))
+    way = np.asarray(wish.frame + rocker * np.exp(1j * psi))
+    sketch = Sketch(places, list(moving.values()), ["O", "C"], way, way[:0])
+    drive = {"link": CRANK, "range_deg": [min(turns), max(turns)], **tables.get("drive", {})}
+    links = {"ground": ["O", "C"], **moving}
+    return Found(places, links, drive, [judged], figures, -each.transmission, sketch, tables)
+
+
+def search(wish: FunctionWish) -> list[Generator]:
     """Four-bars for the function: a front from the least error to the greatest least transmission angle; DesignError."""
     pairs = np.radians(np.array(wish.turns))
     least = math.radians(wish.transmission_deg)
@@ -182,8 +165,6 @@ def search(wish: FunctionWish, tables: Data) -> list[Generator]:
                     (lengths[0], lengths[1], lengths[2]),
                     float(error[k]),
                     float(transmission[k]),
-                    wish,
-                    tables,
                 )
             )
     remedy = f"{wish.further}, or a function that turns less or bends less"

@@ -17,13 +17,16 @@ from typing import Any
 
 import numpy as np
 
+from camgen.design.request import Request
 from camgen.design.wanted import KeyWish
-from camgen.errors import CamgenError, DesignError, Fault, Key, SpecError
+from camgen.edits import edited, with_tables
+from camgen.errors import CamgenError, DesignError, Fault, Key, SpecError, dotted
 from camgen.findings import Finding
 from camgen.machines.mechanism import Mechanism
-from camgen.machines.sources import Template, prepare
+from camgen.machines.sources import Template, changed, prepare
 from camgen.numerics import Floats
-from camgen.spec import unknown
+from camgen.settings import override
+from camgen.spec import dump, unknown
 
 _EACH = 60  # designs for each key and unit of effort
 _CROWD = 6  # of them at once for each key
@@ -186,3 +189,46 @@ def _short(finding: Finding) -> float:
     """By how much a finding fails, as a share of its limit."""
     off = abs(finding.measured - finding.limit) / max(abs(finding.limit), 1e-6)
     return 1.0 if math.isnan(off) else 0.01 + off
+
+
+def written(request: Request) -> str:
+    """Text of the spec whose keys are set as a spec wants; SpecError, DesignError."""
+
+    def keys() -> KeyWish:
+        found: KeyWish = request.wish()
+        wrong = [fault for key, ends in found.vary.items() for fault in _beyond(request, key, ends)]
+        if wrong:
+            raise SpecError(wrong, request.source)
+        return found
+
+    where = (request.source, request.folder)
+    *_, goal = request.checked(lambda: changed(request.rest, *where), keys)
+    settings = Search(request.rest, *where, goal, request.say).run()
+    if request.text is not None:
+        text = with_tables(edited(request.text, settings), {}, ["wanted"])
+        return text.replace("\n", request.ends)
+    rest = request.rest
+    for setting in settings:
+        rest = override(rest, setting)
+    return dump(changed(rest, *where))
+
+
+def _beyond(request: Request, key: str, ends: Sequence[float | str]) -> list[Fault]:
+    """What is wrong with a key that varies, at both ends or each word by itself: no such key, or a value that it cannot have."""
+    for value in ends:
+        try:
+            changed(request.rest, request.source, request.folder, [f"{key}={value!r}"])
+        except SpecError as error:
+            own_faults = [fault for fault in error.faults if dotted(fault.path) == key or not value]
+            own_faults = own_faults or [
+                fault
+                for fault in error.faults
+                if fault.unknown or fault.source == "--set" and not fault.path
+            ]
+            if own_faults:
+                text = value if isinstance(value, str) else f"{value:g}"
+                return [
+                    Fault(("wanted", "vary", key), text, fault.expected, fault.nearest)
+                    for fault in own_faults
+                ]
+    return []

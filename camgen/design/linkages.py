@@ -1,129 +1,129 @@
-"""A design of a path search as a spec: points, links, drive, the output that is judged; and whether it can be made."""
+"""Designs of a path search as machines: points, links, drive, and the output that is judged."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
 
 import numpy as np
 
+from camgen.design import paths
 from camgen.design.chains import Chain
+from camgen.design.found import CRANK, Found, Judged, place
+from camgen.design.offers import Aim, Offer
 from camgen.design.paths import ChainDesign
-from camgen.design.prototype import Prototype, miss, prototype, rounded_up
+from camgen.design.polish import Goal
+from camgen.design.request import Request
+from camgen.design.target import Target
+from camgen.design.wanted import PathWish
+from camgen.design.weighing import PathFront
+from camgen.errors import DesignError, counted
 from camgen.machine.targets import Trace, path_distance
 from camgen.numerics import Points
 from camgen.reading import Data
 from camgen.report.sketches import Sketch
+from camgen.workers import Workers
 
 TRACED = "P"
-CRANK = "crank"
+# of the wanted path's longest chord: error, and length of all bars, that a front reaches to
+_WORST = 0.2
+_MOST = 10.0
 _STEPS = 2000  # angles of a turn, corners of the line in place of the path
 _RESOLUTION = 0.001  # of the distance that is borne, to which the worst one is found
-_DIGITS = 6  # of a coordinate, mm
 _SKETCHED = 600  # places of the wanted path in a sketch
 
 
 @dataclass(frozen=True)
-class Candidate:
-    """A design and the wanted path, as a machine of some spec's other tables."""
+class Tracing:
+    """The wanted path, and what else designs need to be machines of some spec."""
 
-    design: ChainDesign
     wanted: Points  # corners of the wanted path, or its places where no lines join them
     tables: Data  # of the spec, less what is found
     allowance: float  # mm, how far path and wanted one may be apart
     joined: bool = True  # whether lines join the wanted points in their order
-    tolerance: float | None = None  # mm, that the wish says
+    share: str = ""  # what the allowance is where the wish does not say it
 
-    @cached_property
-    def path(self) -> Points:
-        """What the last point traces over a turn, complex mm."""
-        return self.design.chain.trace(np.array([self.design.points]), _STEPS)[0][:, 0]
+    def found(self, design: ChainDesign) -> Found:
+        """A design as a machine."""
+        chain = design.chain
+        path = chain.trace(np.array([design.points]), _STEPS)[0][:, 0]
+        worst = self._worst(path)
+        values = {"at": [place(z) for z in self.wanted], "joined": self.joined}
+        output = {"name": "path", "point": TRACED}
+        limits = (Trace.code, worst, self.allowance, "mm", "tolerance", self.share)
+        judged = Judged(output, "path", values, *limits)
+        figures = {
+            "links": len(chain.bodies),
+            "worst_distance_mm": worst,
+            "mean_distance_mm": design.error / 2,
+            "bars_mm": design.bars,
+        }
+        every = names(chain)
+        bodies = [[every[k] for k in sorted(body)] for body in chain.bodies]
+        links = {CRANK: bodies[1]} | {f"link{k}": body for k, body in enumerate(bodies[2:], 1)}
+        places = dict(zip(every, design.points, strict=True))
+        still = [every[k] for k in (0, *range(2, chain.base))]
+        step = max(1, len(self.wanted) // _SKETCHED)
+        shown = np.append(self.wanted[::step], self.wanted[-1:])
+        sketch = Sketch(
+            places, list(links.values()), still, path[:: _STEPS // 120], shown, self.joined
+        )
+        drive = {"link": CRANK, **self.tables.get("drive", {})}
+        links = {"ground": bodies[0], **links}
+        return Found(places, links, drive, [judged], figures, design.bars, sketch, self.tables)
 
-    @cached_property
-    def worst(self) -> float:
+    def _worst(self, path: Points) -> float:
         """Greatest distance from the path to the wanted one or back, mm: no place of either is farther from the other one."""
-        corners = np.append(self.path, self.path[:1])
-        bend = np.abs(
-            np.diff(corners, 2, append=corners[1])
-        )  # twice what a second difference says of the way between
+        corners = np.append(path, path[:1])
+        # a second difference says twice how far the way between bends
+        bend = np.abs(np.diff(corners, 2, append=corners[1]))
+        resolution = _RESOLUTION * self.allowance
         return path_distance(
-            corners, float(np.max(bend)) / 4, self.wanted, self.joined, _RESOLUTION * self.allowance
+            corners, float(np.max(bend)) / 4, self.wanted, self.joined, resolution
         ).proven
 
-    @property
-    def least_tolerance(self) -> float:
-        """A tolerance that it keeps, mm: its worst distance and a fiftieth."""
-        return rounded_up(1.02 * self.worst + 1e-3)
 
-    def data(self, tolerance: float | None = None) -> Data:
-        """Tables of the spec; tolerance: of PATH_ERROR, mm, unless given the wish's, or what it keeps and no more than is borne."""
-        tolerance = tolerance or self.tolerance or min(self.least_tolerance, self.allowance)
-        trace = {
-            "at": [_place(z) for z in self.wanted],
-            "joined": self.joined,
-            "tolerance": tolerance,
-        }
-        drive = {"link": CRANK, **self.tables.get("drive", {})}
-        output = [{"name": "path", "point": TRACED, "path": trace}]
-        own = {"points": self.points, "links": self.links, "drive": drive, "output": output}
-        return {**{key: value for key, value in self.tables.items() if key not in own}, **own}
+def offer(request: Request) -> Offer:
+    """Linkages for the path that a spec wants; SpecError, DesignError."""
 
-    @property
-    def points(self) -> Mapping[str, list[float]]:
-        """Points by name, as drawn."""
-        return dict(zip(names(self.design.chain), map(_place, self.design.points), strict=True))
+    def path() -> tuple[PathWish, Points]:
+        record: PathWish = request.wish()
+        return record, record.line(request.folder)
 
-    @property
-    def links(self) -> Mapping[str, list[str]]:
-        """Points of each link."""
-        points = names(self.design.chain)
-        bodies = [[points[k] for k in sorted(body)] for body in self.design.chain.bodies]
-        return {
-            "ground": bodies[0],
-            CRANK: bodies[1],
-            **{f"link{k}": body for k, body in enumerate(bodies[2:], 1)},
-        }
-
-    @property
-    def miss(self) -> str:
-        """What of the wish it does not keep; empty where it keeps it."""
-        return miss(Trace.code, self.worst, self.allowance, "mm")
-
-    @cached_property
-    def prototype(self) -> Prototype:
-        """Whether it can be made, and its play."""
-        return prototype(self.data(self.least_tolerance), self.miss)
-
-    @cached_property
-    def sketch(self) -> Sketch:
-        """What a sketch shows."""
-        chain = self.design.chain
-        every = dict(zip(names(chain), self.design.points, strict=True))
-        still = [name for k, name in enumerate(every) if k == 0 or 2 <= k < chain.base]
-        links = [points for name, points in self.links.items() if name != "ground"]
-        step = max(1, len(self.wanted) // _SKETCHED)
-        return Sketch(
-            every,
-            links,
-            still,
-            self.path[:: _STEPS // 120],
-            np.append(self.wanted[::step], self.wanted[-1:]),
-            self.joined,
-        )
-
-    def row(self, number: int) -> dict[str, Any]:
-        """What a table of the front shows."""
-        chain = self.design.chain
-        return {
-            "design": number,
-            "links": len(chain.bodies),
-            "worst_distance_mm": round(self.worst, 6),
-            "mean_distance_mm": round(self.design.error / 2, 6),
-            "bars_mm": round(self.design.bars, 4),
-            **self.prototype.row,
-        }
+    sizes, (wish, line) = request.for_linkage(path)
+    target = Target(wish.points(line))
+    chord = target.chord
+    shortest = wish.shortest or sizes.pin_diameter + 2 * sizes.wall  # of a hub
+    sine = math.sin(math.radians(max(wish.transmission_deg, 0.1)))
+    goal = Goal(target, _WORST * chord, _MOST * chord, shortest, sine)
+    kinds = [chain for chain in paths.kinds(wish.bars // 2, 2) if len(chain.bodies) <= wish.bars]
+    minutes = "; this takes minutes" if len(kinds) > 1 else ""
+    request.say(f"searched: {counted(len(kinds), 'chain')}{minutes}")
+    share = "" if wish.tolerance else "a twentieth of the path's longest chord"
+    tables = request.with_lash("lash", wish.lash)
+    tracing = Tracing(line, tables, wish.allowance(chord), wish.joined, share)
+    with Workers(request.jobs) as workers:
+        found = paths.search(goal, kinds, wish.effort, wish.seed, workers.map, request.say)
+        if not found:
+            raise DesignError("designs whose chain closes", 0, 1, "", "wanted", wish.further)
+        designs = PathFront(tracing.found, workers.map, request.say).of_all(found)
+    play = wish.useful_play(chord)
+    name = wish.path if isinstance(wish.path, str) else f"{len(wish.path)} points"
+    return Offer(
+        designs,
+        Aim(wish.lash, play, "mm", True, "has the shortest bars", wish.further),
+        f"Linkages for the path of {request.data.get('name')}",
+        "each is nearer to the path in the mean than all with less bar, or has less bar than all nearer, of all designs or of "
+        "those that can be built. Design 1 is 01.toml, and so on. Those that can be built stand first: by their greatest "
+        f"distance from the path those whose play is of use, {play:.4g} mm at most.",
+        {
+            "worst_distance_mm": "at most {:.3g} mm from the path",
+            "bars_mm": "bars of {:.4g} mm",
+            "mean_distance_mm": "{:.3g} mm in the mean",
+            "lash": "play of {:.3g} mm",
+        },
+        f"found by camgen design for the path {name}; output.path: that path, and how far this machine's may be from it",
+    )
 
 
 def names(chain: Chain) -> list[str]:
@@ -131,7 +131,3 @@ def names(chain: Chain) -> list[str]:
     rest = ["C"] if chain.grounds == 1 else [f"C{k}" for k in range(1, chain.grounds + 1)]
     dyads = [f"B{k}" if len(chain.pairs) > 2 else "B" for k in range(1, len(chain.pairs))]
     return ["O", "A", *rest, *dyads, TRACED]
-
-
-def _place(z: complex) -> list[float]:
-    return [round(float(z.real), _DIGITS) + 0.0, round(float(z.imag), _DIGITS) + 0.0]

@@ -10,11 +10,13 @@ import numpy as np
 
 from camgen.design.dwells import Rest, six_bars
 from camgen.design.dyads import Poses
-from camgen.design.found import CRANK, NO_ERROR, Found, Judged, place
+from camgen.design.found import CRANK, Found, Judged, place
 from camgen.design.fourbars import FourBars, Motion, Room, Verdict, joined, verdict_of
 from camgen.design.nine_points import COUNT, nine_point_four_bars
+from camgen.design.offers import NO_ERROR, Aim, Offer
 from camgen.design.poses import exact_four_bars, near_four_bars
 from camgen.design.projected import Passing, exact_five, near
+from camgen.design.request import Request
 from camgen.design.sliders import judged as judged_sliders
 from camgen.design.sliders import slider_cranks
 from camgen.design.wanted import (
@@ -26,11 +28,13 @@ from camgen.design.wanted import (
     SlideWish,
     kind_of,
 )
+from camgen.design.weighing import weighed
 from camgen.errors import DesignError, counted
 from camgen.machine.targets import Dwell, Function, Stroke, Through
 from camgen.numerics import Floats, Indices
 from camgen.reading import Data
 from camgen.report.sketches import Sketch
+from camgen.workers import Workers
 
 COUPLER = "coupler"
 SLIDER = "slider"
@@ -50,6 +54,27 @@ class Designs:
 
     losses: Floats
     of: Callable[[int], Found]
+
+
+def offer(request: Request) -> Offer:
+    """Linkages for the positions that a spec wants; SpecError, DesignError."""
+    wish: LinkWish
+    sizes, wish = request.for_linkage(request.wish, of_drive=("range_deg", "segment"))
+    room = wish.room(sizes.pin_diameter + 2 * sizes.wall)
+    designs = designs_for(wish, room, request.with_lash(wish.lash_key, wish.lash))
+    with Workers(request.jobs) as workers:
+        looked = weighed(designs.losses, designs.of, workers.map, request.say)
+    best_in = "shorter bars" if wish.trades_size else "a smaller error"
+    aim = (wish.lash, wish.useful_play, wish.unit, not wish.trades_size, "transmits best")
+    return Offer(
+        looked,
+        Aim(*aim, wish.further, wish.tighter),
+        f"Linkages for {wish.title} of {request.data.get('name')}",
+        f"each has {best_in} than all that transmit better, or was tried next. Design 1 is 01.toml, and so on. Those that "
+        "can be built stand first.",
+        wish.figures,
+        f"found by camgen design for {wish.title}; [[output]]: what was wanted, and how far this machine may be off",
+    )
 
 
 def designs_for(wish: LinkWish, room: Room, tables: Data) -> Designs:
@@ -125,7 +150,7 @@ def slide_designs(wish: SlideWish, room: Room, tables: Data) -> Designs:
         one = bars.those(np.array([number]))
         ends = one.ends(bool(verdict.all_round[number]))
         figures = {**sifted.figures(number, ends), "off_mm": float(off[number])}
-        limits = (float(off[number]), wish.allowance, "mm", "tolerance", wish.tolerance is not None)
+        limits = (float(off[number]), wish.allowance, "mm", "tolerance", wish.share)
         pairs = [list(each) for each in zip(_degrees(turned), way.tolist(), strict=True)]
         output = {"name": "slide", "link": SLIDER}
         judged = Judged(output, "function", {"at": pairs}, Function.code, *limits)
@@ -141,7 +166,9 @@ def slide_designs(wish: SlideWish, room: Room, tables: Data) -> Designs:
         )
         slides = [{"link": SLIDER, "along": ["R", "S"]}]
         drive = _drive(ends, 1, tables)
-        return Found(places, links, drive, [judged], figures, sketch, tables, slides)
+        return Found(
+            places, links, drive, [judged], figures, sifted.loss(number), sketch, tables, slides
+        )
 
     return Designs(sifted.losses, of)
 
@@ -173,8 +200,8 @@ def dwell_designs(wish: DwellWish, room: Room, tables: Data, rng: np.random.Gene
         }
         output = {"name": "dwell", "link": ARM}
         span = {"span_deg": wish.dwell.span_deg}
-        off = (float(moves[number]), wish.allowance, "deg", "tolerance", wish.tolerance is not None)
-        far = (float(astray[number]), swing / _OF_SWING, "deg", "dwell.swing_deg", True)
+        off = (float(moves[number]), wish.allowance, "deg", "tolerance", wish.share)
+        far = (float(astray[number]), swing / _OF_SWING, "deg", "dwell.swing_deg")
         judged = [
             Judged(output, "dwell", span, Dwell.code, *off, "band"),
             Judged(output, "stroke", {"value": swing}, Stroke.code, *far),
@@ -189,7 +216,7 @@ def dwell_designs(wish: DwellWish, room: Room, tables: Data, rng: np.random.Gene
         sketch = Sketch(places, list(moving.values()), "OCE", turn, arc)
         links = {"ground": ["O", "C", "E"], **moving}
         drive = _drive((0.0, math.tau), 1, tables)
-        return Found(places, links, drive, judged, figures, sketch, tables)
+        return Found(places, links, drive, judged, figures, sifted.loss(number), sketch, tables)
 
     return Designs(sifted.losses, of)
 
@@ -217,6 +244,10 @@ class _Sifted:
         first = bars if wish.trades_size else np.maximum(share, NO_ERROR)
         losses = np.stack([first[numbers], -verdict.transmission[numbers]], axis=1)
         return cls(bars, verdict.transmission, numbers, losses)
+
+    def loss(self, number: int) -> float:
+        """Of one design: less, the better it transmits."""
+        return -float(self.transmission[number])
 
     def figures(self, number: int, ends: tuple[float, float]) -> Mapping[str, float]:
         """Of the front's table; ends: of the crank's range, rad."""
@@ -282,8 +313,7 @@ def _judged_places(wish: FourBarWish, motion: Motion, off: float) -> Judged:
     """Where P is, each at the crank's angle."""
     theta = _degrees(motion.theta)
     values = {"at": [place(z) for z in wish.places], "theta_deg": theta}
-    given = wish.tolerance is not None
-    limits = (off, wish.allowance, "mm", "tolerance", given)
+    limits = (off, wish.allowance, "mm", "tolerance", wish.share)
     return Judged({"name": "place", "point": "P"}, "points", values, Through.code, *limits)
 
 
@@ -293,8 +323,7 @@ def _judged_poses(wish: PoseWish, motion: Motion, off_mm: float, off_deg: float)
     whole = math.tau * np.round((motion.coupler - wanted) / math.tau)
     angles = _degrees(wanted + whole - whole[0])
     pairs = {"at": [list(pair) for pair in zip(_degrees(motion.theta), angles, strict=True)]}
-    given = wish.tolerance_deg is not None
-    limits = (off_deg, wish.allowance_deg, "deg", "tolerance_deg", given)
+    limits = (off_deg, wish.allowance_deg, "deg", "tolerance_deg", wish.share_deg)
     angle = Judged({"name": "angle", "link": COUPLER}, "function", pairs, Function.code, *limits)
     return [_judged_places(wish, motion, off_mm), angle]
 
@@ -323,9 +352,9 @@ def _found(
     sketch = Sketch(
         places, [links[key] for key in (CRANK, COUPLER, "rocker")], "OC", path, wish.places, False
     )
-    return Found(
-        places, links, _drive(motion.ends, motion.sense, tables), judged, figures, sketch, tables
-    )
+    drive = _drive(motion.ends, motion.sense, tables)
+    loss = -figures["transmission_deg"]
+    return Found(places, links, drive, judged, figures, loss, sketch, tables)
 
 
 def _drive(ends: tuple[float, float], sense: int, tables: Data) -> Data:

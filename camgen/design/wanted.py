@@ -193,13 +193,22 @@ class FunctionWish(Wish):
     @property
     def further(self) -> str:
         """What gives the search more room."""
-        return "a greater wanted.longest, a smaller wanted.shortest or wanted.transmission_deg"
+        return "a greater wanted.frame or wanted.longest, a smaller wanted.shortest or wanted.transmission_deg"
 
     @property
     def allowance(self) -> float:
         """How far the rocker may be off, deg."""
+        return self.tolerance or self._swing / _OF_USE
+
+    @property
+    def useful_play(self) -> float:
+        """Play with which the rocker is still of use, deg."""
+        return self.lash or self._swing / _OF_USE
+
+    @property
+    def _swing(self) -> float:
         rocker = [b for _, b in self.function]
-        return self.tolerance or (max(rocker) - min(rocker)) / _OF_USE
+        return max(rocker) - min(rocker)
 
     @property
     def turns(self) -> Sequence[tuple[float, float]]:
@@ -387,6 +396,11 @@ class LinkWish(Wish):
         }
 
     @property
+    def share(self) -> str:
+        """What the allowance is where no tolerance is given."""
+        return "" if self.tolerance else "a twentieth of its size"
+
+    @property
     def errors(self) -> Mapping[str, str]:
         """Those of how far it is off."""
         return {"off_mm": "at most {:.3g} mm off"}
@@ -522,6 +536,11 @@ class PoseWish(FourBarWish):
         """How far the body's angle may be off, deg."""
         angles = [angle for _, _, angle in self.poses]
         return self.tolerance_deg or max((max(angles) - min(angles)) / _OF_USE, _LEAST_ANGLE)
+
+    @property
+    def share_deg(self) -> str:
+        """What that is where no tolerance is given."""
+        return "" if self.tolerance_deg else "a twentieth of the angles' range"
 
     def faults(self) -> list[Fault]:
         """What does not go together."""
@@ -679,6 +698,11 @@ class DwellWish(LinkWish):
     def allowance(self) -> float:
         """Band within which the output rests, deg."""
         return self.tolerance or self.dwell.swing_deg / _OF_REST
+
+    @property
+    def share(self) -> str:
+        """What that is where no tolerance is given."""
+        return "" if self.tolerance else "a fiftieth of its swing"
 
     @property
     def useful_play(self) -> float:

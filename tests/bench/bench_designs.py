@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from camgen.design import candidates
+from camgen.design import weighing
 from camgen.design.front import Front
 from camgen.design.run import design
 
@@ -44,14 +44,14 @@ def spent() -> float:
 
 
 def main() -> None:
-    weighing = candidates.Candidates.front
+    plain = weighing.PathFront.of_all
     begun: list[float] = []
 
-    def timed(self: candidates.Candidates, designs: Any) -> Any:
+    def timed(self: weighing.PathFront, designs: Any) -> Any:
         begun.append(spent())
-        return weighing(self, designs)
+        return plain(self, designs)
 
-    candidates.Candidates.front = timed  # type: ignore[method-assign]
+    weighing.PathFront.of_all = timed  # type: ignore[method-assign]
     for name, wanted in wishes().items():
         fronts: list[Front] = []
         first = spent()

@@ -6,6 +6,7 @@ import csv
 import math
 import tomllib
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +14,17 @@ import numpy as np
 import pytest
 
 from camgen.design import paths
-from camgen.design.candidates import Candidates
 from camgen.design.chains import chains
-from camgen.design.linkages import Candidate
+from camgen.design.found import Found
+from camgen.design.front import Front
+from camgen.design.linkages import Tracing
+from camgen.design.offers import Aim, rank
 from camgen.design.paths import ChainDesign, Task, solve_task
 from camgen.design.polish import Goal
 from camgen.design.prototype import Prototype, prototype
-from camgen.design.run import Front, _merit, design
+from camgen.design.run import design
 from camgen.design.target import Target
+from camgen.design.weighing import PathFront
 from camgen.errors import DesignError
 from camgen.findings import Finding
 from camgen.machines.linkage.mechanism import Linkage
@@ -44,8 +48,12 @@ DRAG_LINK: dict[str, Any] = {
 }
 
 
-def candidate(each: ChainDesign, allowance: float = 1.0) -> Candidate:
-    return Candidate(each, np.append(PATH, PATH[:1]), TABLES, allowance)
+def tracing(allowance: float = 1.0) -> Tracing:
+    return Tracing(np.append(PATH, PATH[:1]), TABLES, allowance)
+
+
+def machine() -> Found:
+    return tracing().found(ChainDesign(FOUR_BAR, tuple(DRAWN[0].tolist()), 0.0, 1.0))
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +72,7 @@ def test_a_second_plate_is_tried_before_a_design_is_refused() -> None:
 
 
 def test_a_machine_that_stands_as_it_is_stays_so() -> None:
-    data = candidate(ChainDesign(FOUR_BAR, tuple(DRAWN[0].tolist()), 0.0, 1.0)).data()
+    data = machine().data()
     _, change = validate(Linkage, data).on_a_frame()
     assert not change.sizes
     assert prototype(data, "").row["parts"] == ""
@@ -84,9 +92,10 @@ def test_plates_that_the_spec_says_are_kept_and_the_refusal_says_what_was_tried(
 
 
 def test_the_front_is_the_same_on_several_cores(found: list[ChainDesign]) -> None:
-    alone = Candidates(candidate, map, lambda text: None).front(found)
+    of = tracing().found
+    alone = PathFront(of, map, lambda text: None).of_all(found)
     with Workers(2) as workers:
-        together = Candidates(candidate, workers.map, lambda text: None).front(found)
+        together = PathFront(of, workers.map, lambda text: None).of_all(found)
     assert [each.row(1) for each in alone] == [each.row(1) for each in together]
     assert alone and all(not each.miss for each in alone)
 
@@ -94,22 +103,18 @@ def test_the_front_is_the_same_on_several_cores(found: list[ChainDesign]) -> Non
 def test_parts_of_what_misses_the_path_are_made_only_where_nothing_else_can_be_built(
     found: list[ChainDesign],
 ) -> None:
-    def weighed(allowance: float) -> tuple[list[Candidate], list[Candidate]]:
-        looked: list[Candidate] = []
+    def weighed(allowance: float) -> tuple[list[Found], list[Found]]:
+        looked: list[Found] = []
 
-        def run(
-            task: Callable[[Candidate], Candidate], each: Sequence[Candidate]
-        ) -> Iterable[Candidate]:
+        def run(task: Callable[[Any], Found], each: Sequence[Any]) -> Iterable[Found]:
             done = list(map(task, each))
             looked.extend(done)
             return done
 
-        front = Candidates(lambda each: candidate(each, allowance), run, lambda text: None).front(
-            found
-        )
+        front = PathFront(tracing(allowance).found, run, lambda text: None).of_all(found)
         return front, looked
 
-    worst = sorted(candidate(each).worst for each in paths.apart(found))
+    worst = sorted(tracing().found(each).share for each in paths.apart(found))  # of 1 mm
     front, looked = weighed(1.01 * worst[1])
     missed = [each for each in looked if each.miss]
     assert missed and not any("prototype" in vars(each) for each in missed)
@@ -120,10 +125,11 @@ def test_parts_of_what_misses_the_path_are_made_only_where_nothing_else_can_be_b
 
 def weighed(
     worst: float, lash: float, obstacle: str = "", failures: Sequence[Finding] = ()
-) -> Candidate:
-    each = candidate(ChainDesign(FOUR_BAR, tuple(DRAWN[0].tolist()), worst, 100.0), 1.0)
+) -> Found:
+    drawn = machine()
+    each = replace(drawn, judged=[replace(drawn.judged[0], error=worst)])
     miss = "far" if worst > 1 else ""
-    vars(each).update(worst=worst, prototype=Prototype(miss, obstacle, failures, lash, {}))
+    vars(each).update(prototype=Prototype(miss, obstacle, failures, lash, {}))
     return each
 
 
@@ -136,7 +142,8 @@ def test_the_nearest_of_those_with_useful_play_stands_first() -> None:
         weighed(3.0, 1.0),  # can be built, but misses the path
         weighed(0.05, math.nan, "no levels"),
     ]
-    assert sorted(reversed(order), key=lambda each: _merit(each, 5.0)) == order
+    aim = Aim(None, 5.0, "mm", True, "", "")
+    assert sorted(reversed(order), key=lambda each: rank(aim, each)) == order
 
 
 def test_the_page_draws_the_wanted_path_and_what_can_be_built_first(tmp_path: Path) -> None:
@@ -165,6 +172,8 @@ def test_the_page_draws_the_wanted_path_and_what_can_be_built_first(tmp_path: Pa
     # what is written is the first, and the words say its error and its play
     first = tomllib.loads((tmp_path / "front" / "01.toml").read_text(encoding="utf-8"))
     assert tomllib.loads(text)["points"] == first["points"]
-    assert any(line.startswith("design 1 of ") and " play of " in line for line in said)
+    assert any(", design 1: at most" in line and " play of " in line for line in said)
     least = min(rows, key=lambda row: float(row["bars_mm"]) if row["verdict"] == "holds" else 1e9)
-    assert any(line.startswith(f"design {least['design']} has the shortest") for line in said)
+    assert any(
+        line.startswith(f"has the shortest bars: design {least['design']}:") for line in said
+    )

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgen.design.functions import Generator, search
+from camgen.design.functions import Generator, machine, search
 from camgen.design.run import design
 from camgen.design.wanted import FunctionWish, PathWish
 from camgen.errors import DesignError, SpecError
@@ -29,7 +29,7 @@ LOG = tuple(
 
 def missed(made: Generator, pairs: Any) -> float:
     """How much shorter or longer than it is the coupler would have to be at the pairs, as a share of the frame."""
-    points = {name: complex(*place) for name, place in made.points.items()}
+    points = made.places(60.0)
     o, a, b, c = (points[name] for name in "OABC")
     (x0, y0), lengths = pairs[0], []
     for x, y in pairs:
@@ -40,7 +40,7 @@ def missed(made: Generator, pairs: Any) -> float:
 
 @pytest.fixture(scope="module")
 def logarithm() -> list[Generator]:
-    return search(FunctionWish(function=LOG), TABLES)
+    return search(FunctionWish(function=LOG))
 
 
 def test_three_pairs_are_met_exactly(logarithm: list[Generator]) -> None:
@@ -62,12 +62,14 @@ def test_a_linkage_s_own_function_is_found_again_and_judged_by_the_kernel() -> N
     made = np.degrees(solve(own.chain, turns, 0)["turn"].real)
     pairs = tuple(zip(np.degrees(turns).tolist(), (made - made[0]).tolist(), strict=True))
     wish = FunctionWish(function=pairs)
-    best = search(wish, TABLES)[0]
+    best = search(wish)[0]
     assert math.degrees(best.error) < 1e-3 and missed(best, pairs) < 1e-4
-    found = validate(Linkage, best.data(0.01))
+    within = FunctionWish(function=pairs, tolerance=0.01)
+    data = machine(within, TABLES, best).data()
+    found = validate(Linkage, data)
     (finding,) = (each for each in found.limits() if each.code == "FUNCTION_ERROR")
     assert finding.ok and finding.measured == pytest.approx(math.degrees(best.error), abs=1e-5)
-    wrong = best.data(0.01)
+    wrong = machine(within, TABLES, best).data()
     wrong["output"][0]["function"]["at"][3][1] += 1.0
     (finding,) = (
         each for each in validate(Linkage, wrong).limits() if each.code == "FUNCTION_ERROR"
@@ -81,7 +83,7 @@ def test_a_linkage_s_own_function_is_found_again_and_judged_by_the_kernel() -> N
 
 def test_a_front_trades_error_for_transmission() -> None:
     bent = tuple((x, 60 * (x / 90) ** 2) for x in range(0, 91, 10))
-    front = search(FunctionWish(function=bent), TABLES)
+    front = search(FunctionWish(function=bent))
     errors, angles = [each.error for each in front], [each.transmission for each in front]
     assert len(front) > 1 and errors == sorted(errors) and angles == sorted(angles)
 
@@ -89,7 +91,7 @@ def test_a_front_trades_error_for_transmission() -> None:
 def test_the_search_goes_along_the_bounds_to_the_tolerance_and_the_transmission_angle() -> None:
     # another route, least squares on all lengths from many starts, ends at a coupler of twice the frame as well
     square = tuple((x, x**2 / 90) for x in (0, 22.5, 45, 67.5, 90))
-    front = search(FunctionWish(function=square, tolerance=0.125), TABLES)
+    front = search(FunctionWish(function=square, tolerance=0.125))
     assert any(
         math.degrees(each.error) < 0.1197 and math.degrees(each.transmission) > 61.1
         for each in front
@@ -98,7 +100,7 @@ def test_the_search_goes_along_the_bounds_to_the_tolerance_and_the_transmission_
         math.degrees(each.error) <= 0.125 and max(each.lengths) <= 2 + 1e-9 for each in front
     )
     sine = ((6.02885683, 6.3019), (45, 42.4264), (83.97114317, 59.6682))
-    steep = search(FunctionWish(function=sine, transmission_deg=80), TABLES)[0]
+    steep = search(FunctionWish(function=sine, transmission_deg=80))[0]
     assert steep.transmission > math.radians(81.40) and missed(steep, sine) < 1e-7
     np.testing.assert_allclose(60 * np.array(steep.lengths), [73.618, 120, 43.509], atol=0.02)
 
@@ -114,7 +116,7 @@ def test_what_no_four_bar_transmits_is_told() -> None:
         DesignError,
         match=r"least transmission angle is [1-7]\d\..* limit 80 deg.*wanted.transmission_deg",
     ):
-        search(FunctionWish(function=((0, 0), (20, 100), (40, 0)), transmission_deg=80), TABLES)
+        search(FunctionWish(function=((0, 0), (20, 100), (40, 0)), transmission_deg=80))
 
 
 def test_without_a_tolerance_a_useless_four_bar_is_none() -> None:
@@ -124,7 +126,7 @@ def test_without_a_tolerance_a_useless_four_bar_is_none() -> None:
         "lash": 60,
     }  # a swing of 100 deg
     with pytest.raises(
-        DesignError, match=r"nearest buildable design is [12]\d\.\d+ deg off .*twentieth .*, 5 deg"
+        DesignError, match=r"nearest buildable design is [12]\d\.\d+ deg off; .*twentieth .*, 5 deg"
     ):
         design({**TABLES, "wanted": hardly})
     assert FunctionWish(function=LOG).allowance == pytest.approx((LOG[2][1] - LOG[0][1]) / 20)

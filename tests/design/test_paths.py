@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
 from camgen.design.chains import Chain, chains
-from camgen.design.linkages import Candidate
+from camgen.design.linkages import Tracing
 from camgen.design.paths import ChainDesign, Task, area, front, search, solve_task
 from camgen.design.polish import Goal, pack, polish
 from camgen.design.run import Front, design
@@ -54,7 +54,8 @@ def test_a_chain_traces_what_the_machine_of_its_spec_does(chain: Chain) -> None:
         if least[0] > 0.2:
             break
     tables = {"mechanism": "linkage", "name": "found"}
-    data = Candidate(ChainDesign(chain, tuple(drawn[0]), 0.0, 0.0), path[:, 0], tables, 1.0).data()
+    tracing = Tracing(path[:, 0], tables, 1.0)
+    data = tracing.found(ChainDesign(chain, tuple(drawn[0]), 0.0, 0.0)).data()
     from camgen.machines.linkage.mechanism import Linkage
 
     run = solve(validate(Linkage, data).chain, 2 * np.pi * np.arange(36) / 36, 0)
@@ -67,19 +68,16 @@ def test_each_corner_of_the_wanted_path_counts_and_is_judged() -> None:
     """By all distances of many places; the corners are no places of an even grid along the lines."""
     own = FOUR_BAR.trace(DRAWN, 9)[0][:, 0]
     corners = np.append(own, own[:1]) * 1.02 + 0.3
-    design = Candidate(
-        ChainDesign(FOUR_BAR, tuple(DRAWN[0]), 0.0, 0.0),
-        corners,
-        {"mechanism": "linkage", "name": "found"},
-        1.2,
-    )
+    tracing = Tracing(corners, {"mechanism": "linkage", "name": "found"}, 1.2)
+    drawn = ChainDesign(FOUR_BAR, tuple(DRAWN[0]), 0.0, 0.0)
+    design = tracing.found(drawn)
     path, line = (
         FOUR_BAR.trace(DRAWN, 20_000)[0][:, 0],
         np.interp(np.arange(0, 9, 1e-3), range(10), corners),
     )
     a, b = (np.stack([z.real, z.imag], axis=-1) for z in (path, np.append(line, corners)))
     worst = max(cKDTree(a).query(b)[0].max(), cKDTree(b).query(a)[0].max())
-    assert worst - 1e-3 < design.worst < worst + 5e-3 and design.worst > 1.2
+    assert worst - 1e-3 < design.judged[0].error < worst + 5e-3 and design.judged[0].error > 1.2
     from camgen.machines.linkage.mechanism import Linkage
 
     data = design.data()
@@ -88,12 +86,10 @@ def test_each_corner_of_the_wanted_path_counts_and_is_judged() -> None:
         len(trace["at"]) == 10 and trace["tolerance"] == 1.2
     )  # what is borne, though it reaches less
     (finding,) = (each for each in validate(Linkage, data).limits() if each.code == "PATH_ERROR")
-    assert finding.measured == pytest.approx(design.worst, abs=3e-3) and not finding.ok
-    assert (
-        design.prototype.miss.startswith("PATH_ERROR")
-        and not replace(design, allowance=worst + 1).prototype.miss
-    )
-    kept = validate(Linkage, replace(design, allowance=worst + 1).data()).limits()
+    assert finding.measured == pytest.approx(design.judged[0].error, abs=3e-3) and not finding.ok
+    wider = replace(tracing, allowance=worst + 1).found(drawn)
+    assert design.prototype.miss.startswith("PATH_ERROR") and not wider.prototype.miss
+    kept = validate(Linkage, wider.data()).limits()
     assert all(each.ok for each in kept if each.code == "PATH_ERROR")
 
 
@@ -111,7 +107,7 @@ def test_without_a_tolerance_a_useless_path_is_none() -> None:
     kept = list[Front]()
     with pytest.raises(
         DesignError,
-        match=r"nearest buildable design is 1\d\.\d+ mm from the path; .*twentieth .*, 4\.999 mm",
+        match=r"nearest buildable design is 1\d\.\d+ mm off; .*twentieth .*, 4\.999 mm",
     ):
         design({**tables, "wanted": {"path": eight, "bars": 4, "effort": 0}}, keep=kept.append)
     (front,) = kept
