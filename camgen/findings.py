@@ -23,6 +23,7 @@ class Where:
     theta: float | None = None  # rad
     angle: str = "cam angle"  # what theta is called
     digits: int | None = 3  # decimals of the angle, deg; None: as many as it has
+    unit: str = "deg"  # what a degree of theta stands for, "mm" of a way
     module: str = ""  # name of an included machine
 
     def __str__(self) -> str:
@@ -37,7 +38,7 @@ class Where:
             return ""
         degrees = math.degrees(self.theta)
         number = f"{degrees:g}" if self.digits is None else f"{degrees:.{self.digits}f}"
-        return f"{self.angle} {number} deg".lstrip()
+        return f"{self.angle} {number} {self.unit}".lstrip()
 
 
 def in_file(path: PurePath) -> Where:

@@ -30,6 +30,7 @@ FRAMES = {
     "elliptic-trammel": 8,
     "heart": 10,
     "geneva-table": 60,
+    "pencil-cam": 14,
     "elliptic-wheels": 10,
     "planetary-reducer": 8,
 }  # frame of the moving picture that shows most

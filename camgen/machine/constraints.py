@@ -261,6 +261,9 @@ class Constraints:
                 curvature - (0.0 if rates is None else each.law(theta, 2)),
             )
             return
+        if each.over is not None:
+            self._write_linear(each, q, rates, rows, (value, slopes, curvature))
+            return
         angle = self.angle(each.cam, q) - each.phase + np.zeros(len(q))
         if each.cam != GROUND:
             k = self.column[each.cam] + 2
@@ -268,6 +271,28 @@ class Constraints:
             if rates is not None:
                 curvature = curvature - each.law(angle, 2) * rates[:, k] ** 2
         rows.add(value - each.rest - each.law(angle, 0), slopes, curvature)
+
+    def _write_linear(
+        self,
+        each: Cam,
+        q: Floats,
+        rates: Floats | None,
+        rows: Conditions,
+        follower: tuple[Any, dict[int, Any], Any],
+    ) -> None:
+        """The condition of a cam that slides; follower: its place or angle, slopes and curvature."""
+        assert each.over is not None
+        value, slopes, curvature = follower
+        place, onward, bend = self.along(each.over, q, rates)
+        place = place - each.phase
+        slope = each.law(place, 1)
+        slopes = dict(slopes)
+        for k, share in onward.items():
+            slopes[k] = slopes.get(k, 0.0) - slope * share
+        if rates is not None:
+            speed = sum(share * rates[:, k] for k, share in onward.items())
+            curvature = curvature - slope * bend - each.law(place, 2) * speed**2
+        rows.add(value - each.rest - each.law(place, 0), slopes, curvature)
 
     def _turns(self, *parts: tuple[str, Any]) -> dict[int, Any]:
         """Slopes of a sum of angles."""

@@ -403,6 +403,17 @@ class DrumTrack:
 
 
 @dataclass(frozen=True)
+class PlateEdge:
+    """Of a Cam that slides along -x: the plate on whose upper edge a round tip runs, and the tip at s = 0; mm."""
+
+    part: str
+    joint: str
+    radius: float
+    rest: complex  # its centre at way 0, of an arm from its axle
+    pivot: complex | None = None  # the axle of an arm; None: it slides along y
+
+
+@dataclass(frozen=True)
 class Balance:
     """The first moment that all solids on a body are to have together about the pin on which it turns."""
 

@@ -122,7 +122,7 @@ class Gear:
 @dataclass(frozen=True)
 class Cam:
     """A cam contact: the follower's angle, or its place along a slide, is s = rest + law(cam's angle - phase); angles are those
-    to the ground."""
+    to the ground. Of a linear cam the law's argument is the cam's place along the slide `over`, mm."""
 
     name: str
     cam: str
@@ -138,6 +138,7 @@ class Cam:
         Touch, ...
     ] = ()  # where known: the first pushes the way it leaves, a second back
     friction: float = 0.0  # coefficient of what slides there
+    over: str | None = None  # the slide of a cam that does not turn
 
 
 @dataclass(frozen=True)

@@ -134,15 +134,12 @@ def relations(machine: Machine, groups: Groups) -> list[Relation]:
             constant -= each.rest
             turns = groups.of[each.cam]
             argument = None if turns == GROUND else ("angle", turns)
+            excess = groups.excess[each.cam]
+            if each.over is not None:
+                argument = ("length", each.over)
+                excess = 0.0
             equations.append(
-                Relation(
-                    each.name,
-                    shares,
-                    constant,
-                    each.law,
-                    argument,
-                    groups.excess[each.cam] - each.phase,
-                )
+                Relation(each.name, shares, constant, each.law, argument, excess - each.phase)
             )
     return equations
 

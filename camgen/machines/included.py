@@ -78,8 +78,10 @@ def stack(
     for k, each in enumerate(includes):
         mechanism = _resolved(each, host)
         own = mechanism.assembly
-        if own.tracks:
+        if own.tracks or own.edges:
             right = "a machine that moves in a plane: the follower of a drum goes along its shaft"
+            if own.edges:
+                right = "a machine that is turned by a shaft: a plate slides"
             raise SpecError([Fault(("include", k, "spec"), mechanism.mechanism, right)])
         levels = heights(own.parts, own.mounts)
         low = min(low for low, _ in levels)

@@ -29,6 +29,7 @@ from camgen.machine.features import (
     Mount,
     PartPose,
     Passing,
+    PlateEdge,
     StandIn,
     Strand,
     SweptMachine,
@@ -62,6 +63,7 @@ class Cycle:
     sense: int = 1  # of theta: -1 where the input shaft turns clockwise
     name: str = "crank angle"  # of theta, for people
     to_and_fro: bool = False  # the drive goes from the least angle to the greatest and back
+    unit: str = "deg"  # what a degree of theta stands for, "mm" of a way
 
     @property
     def range(self) -> tuple[float, float]:
@@ -151,6 +153,7 @@ class Assembly:
     mounts: Sequence[Mount] = ()  # where every copy of every part stands on the machine's bodies
     features: Sequence[Feature] = ()  # of parts, on which the joints are measured
     tracks: Sequence[DrumTrack] = ()  # of drums, in which rollers run
+    edges: Sequence[PlateEdge] = ()  # of plates that slide, on which tips run
     passing: Sequence[Passing] = ()  # parts that pass by each other without a joint
     demands: Sequence[Demand] = ()  # on the outputs
     stand_ins: Sequence[StandIn] = ()  # what is not made but in the way

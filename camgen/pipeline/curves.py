@@ -124,7 +124,10 @@ def as_designed(mechanism: Mechanism) -> list[Plot]:
         curve = Curves(output, theta, len(outputs) == 1)
         curve.want(*run.derivatives(output.name))
         plots += [
-            replace(plot, x_label=f"{mechanism.assembly.cycle.name}, deg") for plot in curve.plots()
+            replace(
+                plot, x_label=f"{mechanism.assembly.cycle.name}, {mechanism.assembly.cycle.unit}"
+            )
+            for plot in curve.plots()
         ]
     return plots
 

@@ -38,7 +38,7 @@ from camgen.pipeline.making import (
     written,
 )
 from camgen.pipeline.reading import Read, budget_of, judge_motion, judge_part, moved_by
-from camgen.pipeline.scope import ANY, Outcome, Stage, machined, not_judged, of_parts, unheard
+from camgen.pipeline.scope import ANY, READ, Outcome, Stage, machined, not_judged, of_parts, unheard
 from camgen.pipeline.servo import servo_files
 from camgen.pipeline.summary import plates_of
 from camgen.progress import Progress
@@ -180,6 +180,7 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
             )
         )
     stages += _of_drums(mechanism.assembly)
+    stages += _of_plates(mechanism.assembly)
     if mechanism.assembly.balances:
         stages.append(
             Stage(
@@ -236,6 +237,13 @@ def _of_drums(made: Assembly) -> Iterator[Stage]:
         yield Stage(
             tuple(codes), "the roller, rolled in the track of its drum", SOLID, roll_in_drums
         )
+
+
+def _of_plates(made: Assembly) -> Iterator[Stage]:
+    """The stage of tips on the edges of plates that slide."""
+    if made.edges:
+        codes = ("MOTION_ERROR", "SPEED_RIPPLE", "PRESSURE_ANGLE", "CONTACT")
+        yield Stage(codes, "the follower, run along the plate's edge", READ, run_over_plates)
 
 
 def _on_the_table(made: Assembly) -> Iterator[Stage]:
@@ -373,6 +381,13 @@ def roll_in_drums(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.pipeline.drums import judge_drums
 
     return judge_drums(case, kinds)
+
+
+def run_over_plates(case: Case, kinds: Sequence[str]) -> Outcome:
+    """The follower of each plate that slides, on the edge in its files."""
+    from camgen.pipeline.plate_edges import judge_plate_edges
+
+    return judge_plate_edges(case, kinds)
 
 
 def weigh_crank(case: Case, kinds: Sequence[str]) -> Outcome:

@@ -66,10 +66,13 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
         stands = [PartPose(body.place, body.angle)]
         heights = _heights(assembly, s)
         bodies.append(Body(s.name, stands, (), s.strokes, s.circles, course, heights))
-    if not mechanism.assembly.features:
+    if not mechanism.model.outputs:
         return Animation(theta, bodies, mechanism.motion(theta), "output", "mm")
     output = mechanism.model.outputs[0]
     unit, scale = unit_of(output)
+    if not assembly.features:
+        shown = scale * mechanism.motion(assembly.cycle.theta(theta))
+        return Animation(theta, bodies, shown, output.name, unit)
     name = f"{output.name} x" if isinstance(output.of, Path) else output.name
     return Animation(
         theta,

@@ -180,11 +180,14 @@ def test_wrong_include_is_told_by_its_key(
     assert said in told.value.faults[0].expected
 
 
-def test_a_drum_is_no_machine_in_a_plane(root: Path, tables: dict[str, Any]) -> None:
+@pytest.mark.parametrize(("name", "said"), [("cylinder-cam", "plane"), ("linear-cam", "slides")])
+def test_a_drum_or_plate_is_on_no_shaft_of_others(
+    root: Path, tables: dict[str, Any], name: str, said: str
+) -> None:
     with pytest.raises(SpecError) as told:
-        _ = read_mechanism(include(root, tables, {"spec": "cylinder-cam.toml"})).assembly
+        _ = read_mechanism(include(root, tables, {"spec": f"{name}.toml"})).assembly
     assert [fault.key for fault in told.value.faults] == ["include.0.spec"]
-    assert "cylinder-cam" in str(told.value) and "plane" in str(told.value)
+    assert name in str(told.value) and said in str(told.value)
 
 
 def test_a_fault_inside_names_the_file(root: Path, tables: dict[str, Any]) -> None:

@@ -113,6 +113,7 @@ MADE = [
     SHEET,
     ("gallery/geneva-table", ("files.step=true",)),
     ("gallery/groove", ("output.step=true",)),
+    ("gallery/pencil-cam", ("files.step=true",)),
     ("gallery/scotch-yoke", ("files.step=true",)),
     ("gallery/valve", ("output.step=true",)),
     ALONE,

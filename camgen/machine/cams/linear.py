@@ -1,0 +1,145 @@
+"""Linear cams: a plate that slides along -x, and a round tip that its upper edge moves.
+
+theta    way of the plate, of which a degree stands for a millimetre, so that it is an angle to all that reads a program
+x        the same in mm: 180 theta / pi
+plate    frame of the plate: at x = 0 that of the ground; the tip stands at +x in it when the plate has gone by x
+
+The plate does not turn, so the pitch curve is x + trace(s), and what a round tip leaves of it is its parallel curve, as of a
+disc: tan(alpha) = ds/dx of a slide, and the radius of curvature of a slide's pitch curve is (1 + s'^2)^1.5 / |s''|.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.geometry.outlines import Line, Piece, Smooth, end_point, start_point
+from camgen.machine.cams.followers import Motion, RoundTip, SlidingTip, SwingingArm
+from camgen.machine.cams.profile import sharpness
+from camgen.motion.stroke import Stroke
+from camgen.numerics import Floats, Points, greatest
+
+WAY = math.degrees(1)  # mm of the plate's way for 1 of theta
+_BESIDE = 1e-9  # of theta, to either side of a joint
+
+
+def _pitches(tip: RoundTip, turn: complex, theta: Any, motion: Motion, order: int) -> list[Points]:
+    """Trace point in the plate's frame with derivatives to theta; turn: of the trace point's velocity for 1 of s."""
+    theta = np.asarray(theta, float)
+    s = [motion(theta, k) for k in range(order + 1)]
+    way = tip.velocity(s[0], 0)
+    rows = [np.asarray(WAY * theta + tip.trace(s[0]))]
+    if order > 0:
+        rows.append(np.asarray(WAY + way * s[1]))
+    if order > 1:
+        rows.append(np.asarray(way * (s[2] + turn * s[1] ** 2)))
+    if order > 2:
+        rows.append(np.asarray(way * (s[3] + 3 * turn * s[1] * s[2] + turn**2 * s[1] ** 3)))
+    return rows
+
+
+@dataclass(frozen=True)
+class PlateSlide(SlidingTip):
+    """A round tip on a slide over a plate."""
+
+    def pitches(self, theta: Any, motion: Motion, order: int) -> list[Points]:
+        """Trace point in the plate's frame and its derivatives to theta up to an order 0..3, each (n,) complex."""
+        return _pitches(self, 0j, theta, motion, order)
+
+
+@dataclass(frozen=True)
+class PlateArm(SwingingArm):
+    """A round tip on an arm over a plate."""
+
+    def pitches(self, theta: Any, motion: Motion, order: int) -> list[Points]:
+        """Trace point in the plate's frame and its derivatives to theta up to an order 0..3, each (n,) complex."""
+        return _pitches(self, 1j, theta, motion, order)
+
+
+@dataclass(frozen=True)
+class LinearCam:
+    """A plate's upper edge: a program over its way, a follower, and all that follows from them."""
+
+    program: Stroke
+    follower: PlateSlide | PlateArm
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Least and greatest theta."""
+        joints = self.program.joints
+        return float(joints[0]), float(joints[-1])
+
+    def greatest(self, f: Callable[[Any], Floats]) -> tuple[float, float]:
+        """Place and value of the largest f(theta) along the way, looked for between corners."""
+        corners = self.program.corners
+        peaks = [
+            greatest(f, a + _BESIDE, b - _BESIDE, self.program.knots(a, b))
+            for a, b in pairwise(corners)
+        ]
+        return max(peaks, key=lambda each: each[1])
+
+    def pressure_angle(self, theta: Any) -> Floats:
+        """Angle between the contact's normal and the follower's way, rad, (n,), 0 or more."""
+        s = self.program(theta)
+        return self.follower.pressure_angle(s, 0j, self.follower.normal(theta, self.program))
+
+    @cached_property
+    def steepest(self) -> float:
+        """Largest pressure angle, deg."""
+        return math.degrees(self.greatest(self.pressure_angle)[1])
+
+    @cached_property
+    def least_radius(self) -> float:
+        """Least radius of curvature of the edge where it is convex, mm; inf: it is nowhere."""
+        return -self.greatest(lambda theta: sharpness(self.follower, theta, self.program))[1]
+
+    @cached_property
+    def edge(self) -> tuple[Piece, ...]:
+        """The upper edge from left to right; DesignError where the tip does not fit, or the speed of the lift jumps."""
+        self._check()
+        pieces: list[Piece] = []
+        for a, b in pairwise(self.program.corners):
+            knots = tuple(float(t) for t in self.program.knots(a, b))
+            piece: Piece = Smooth(partial(_within, self, a, b), a, b, knots)
+            middle = np.array([(a + b) / 2])
+            if self.program(middle, 1)[0] == 0 and self.program(middle, 2)[0] == 0:
+                piece = Line(start_point(piece), end_point(piece))
+            pieces.append(piece)
+        return tuple(pieces)
+
+    def _check(self) -> None:
+        jump = next((each for each in self.program.discontinuities(1) if each.order <= 1), None)
+        if jump is not None:
+            where = f"{WAY * jump.theta:.4g} mm of the way"
+            remedy = "the edge would have a kink there: use a law that ends smoothly"
+            raise DesignError("jump of the speed", abs(jump.size) / WAY, 0.0, "", where, remedy)
+        at, tight = self.greatest(lambda theta: -self.follower.room(theta, self.program))
+        if tight >= 0:
+            radius = 1 / float(self.follower.pitch_curvature(np.array([at]), self.program)[0])
+            where = f"{WAY * at:.4g} mm of the way"
+            remedy = "the edge is undercut: use a smaller roller, a longer span or a smaller lift"
+            tip = self.follower.tip_radius
+            raise DesignError("radius of the pitch curve", radius, tip, "mm", where, remedy)
+        at, back = self.greatest(lambda t: -self.follower.pitch(t, self.program, 1).real)
+        if back >= 0:
+            where = f"{WAY * at:.4g} mm of the way"
+            remedy = (
+                "the arm carries its roller along faster than the plate goes: use a longer span"
+            )
+            raise DesignError(
+                "way of the roller over the plate", -back / WAY, 0.0, "", where, remedy
+            )
+
+
+def _within(cam: LinearCam, low: float, high: float, theta: Floats, order: int) -> Points:
+    """The envelope of one stretch; at its ends derivatives are those of the inside."""
+    if order:
+        theta = np.clip(theta, low + _BESIDE, high - _BESIDE)
+    return cam.follower.envelope(theta, cam.program, order)

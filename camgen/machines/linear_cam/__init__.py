@@ -1,0 +1,1 @@
+"""A linear cam: a plate that slides to and fro and moves a follower by its upper edge."""

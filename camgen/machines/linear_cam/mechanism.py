@@ -1,0 +1,341 @@
+"""Any linear cam: a plate slides along, and its upper edge moves a follower through segments of motion.
+
+        (o)            The plate slides along -x, so the follower passes along +x over it: way 0 is where it stands at x = 0 of
+     ____|___          the plate's files. A translating follower slides along y, its output is in mm; an oscillating one has its
+    /        \\__       axle on the left, its output is the arm's angle, growing upwards. Gravity or a spring holds it on the
+   |____________|      edge. The way is gone through to and fro.
+
+theta is the way: a degree of it stands for a millimetre.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from camgen.errors import Fault, SpecError
+from camgen.findings import Finding, Where, at_least, at_most
+from camgen.geometry.outlines import Contour, Line, Region, circle, end_point, start_point
+from camgen.machine.cams.limits import ARM_PRESSURE, SLIDE_PRESSURE, program_findings
+from camgen.machine.cams.linear import WAY, LinearCam, PlateArm, PlateSlide
+from camgen.machine.features import Mount, PlateEdge
+from camgen.machine.model import (
+    GROUND,
+    Along,
+    Angle,
+    Body,
+    Cam,
+    Drive,
+    Joint,
+    Machine,
+    Output,
+    Pin,
+    Place,
+    Pose,
+    Slide,
+    Turning,
+)
+from camgen.machines.linear_cam.tables import PlateDrive, PlateGeometry, PlateLimits, PlateParts
+from camgen.machines.mechanism import Mechanism
+from camgen.motion.stroke import Stroke, StrokeSegment, stroke
+from camgen.numerics import Floats
+from camgen.parts.assembly import Assembly, Cycle
+from camgen.parts.disc_cams import roller_note
+from camgen.parts.part import Layer, Part
+from camgen.study import Figure, Figures, Later, Plot, Sketch, Study
+
+_SMOOTHER = "a law that ends smoother joins them"
+_FLATTER = "a longer span or a smaller lift lowers it"
+_AS_DRAWN = "0: the edge of a linear cam is in its files as drawn; let the slicer compensate"
+_NO_TURN = "nothing here: a plate that slides has no cam angle"
+# keys of every spec that a plate has no use for, and what would be right
+_UNUSED = (
+    ("print", "profile_compensation", _AS_DRAWN),
+    ("print", "shrinkage", _AS_DRAWN),
+    ("files", "profile_step_deg", _NO_TURN),
+    ("files", "cutter_radius", "nothing here: no path of a cutter is made along a plate"),
+)
+_SAMPLES = 1441  # of the way, in curves
+
+
+class OverWay:
+    """The stroke as a law of the plate's place, mm."""
+
+    def __init__(self, program: Stroke) -> None:
+        self.program = program
+
+    def __call__(self, place: Floats, order: int = 0) -> Floats:
+        """Displacement or its derivative to the place, (n,)."""
+        return np.asarray(self.program(np.asarray(place, float) / WAY, order) / WAY**order)
+
+
+class LinearCamDrive(Mechanism):
+    """Spec and answers of a linear cam; the output is the follower's displacement s, mm or rad."""
+
+    geometry: PlateGeometry
+    segment: Annotated[tuple[StrokeSegment, ...], Field(min_length=1, max_length=100)] = Field(
+        description="segments of the motion: one after another they make the way"
+    )
+    drive: PlateDrive = Field(
+        default=PlateDrive.model_construct(), description="what moves the plate"
+    )
+    making: Annotated[PlateParts, Field(alias="parts")] = PlateParts.model_construct()
+    allowed: Annotated[PlateLimits, Field(alias="limits")] = PlateLimits.model_construct()
+
+    def faults(self) -> Sequence[Fault]:
+        """What is wrong between keys that are right one by one."""
+        f = self.geometry.follower
+        found = []
+        for key, belongs, what in (
+            ("radius", f.shape == "roller", "the radius of a roller"),
+            ("arm", self._swings, "the arm of an oscillating follower"),
+        ):
+            value = getattr(f, key)
+            path = ("geometry", "follower", key)
+            if belongs and value is None:
+                found.append(Fault(path, "", f"missing: {what}"))
+            elif not belongs and value is not None:
+                found.append(Fault(path, f"{value:g}", f"nothing here: {what}"))
+        if f.start_deg and not self._swings:
+            path = ("geometry", "follower", "start_deg")
+            found.append(
+                Fault(path, f"{f.start_deg:g}", "nothing here: of an oscillating follower")
+            )
+        if self.allowed.min_wall < self.print.nozzle:
+            right = f"at least the nozzle, {self.print.nozzle:g} mm"
+            found.append(Fault(("limits", "min_wall"), f"{self.allowed.min_wall:g}", right))
+        for table, key, right in _UNUSED:
+            value = getattr(getattr(self, table), key)
+            if value:
+                found.append(Fault((table, key), f"{value:g}", right))
+        try:
+            self.program  # noqa: B018
+        except SpecError as error:
+            found += error.faults
+        return found
+
+    # ---- motion -----------------------------------------------------------------------------------------------------
+
+    @property
+    def _swings(self) -> bool:
+        return self.geometry.follower.motion == "oscillating"
+
+    @property
+    def _unit(self) -> tuple[str, float]:
+        return ("deg", math.degrees(1)) if self._swings else ("mm", 1.0)
+
+    @property
+    def _speed(self) -> float:
+        return self.drive.speed / WAY
+
+    @cached_property
+    def program(self) -> Stroke:
+        """The follower's motion along the way, mm or rad, over theta."""
+        return stroke(self.segment, 1 / self._unit[1], 1 / WAY)
+
+    def motion(self, theta: Floats, order: int = 0) -> Floats:
+        """Wanted displacement s (mm or rad) or its derivative to theta, (n,)."""
+        return self.program(theta, order)
+
+    @cached_property
+    def cam(self) -> LinearCam:
+        """The plate's edge."""
+        f = self.geometry.follower
+        radius = f.radius or 0.0
+        rest = 1j * (self.geometry.height + radius)
+        if not self._swings:
+            return LinearCam(self.program, PlateSlide(rest, 1j, radius))
+        arm = cmath.rect(f.arm or 0.0, math.radians(f.start_deg))
+        return LinearCam(self.program, PlateArm(rest - arm, arm, radius, 1))
+
+    def _unloaded(self) -> Machine:
+        """Plate and follower; output "lift", mm, or "swing", rad."""
+        follower = self.cam.follower
+        start = float(self.program(np.zeros(1))[0])
+        held: Joint
+        of: Angle | Along
+        if isinstance(follower, PlateSlide):
+            rest = follower.start
+            body = Body("follower", {"tip": rest})
+            held = Slide("guide", Place(GROUND, rest), body.at("tip"), math.pi / 2)
+            pose = Pose(1j * start, 0.0)
+            of = Along("guide")
+            output = Output("lift", of, "mm")
+        else:
+            body = Body("follower", {"pivot": 0j})
+            held = Pin("pivot", body.at("pivot"), Place(GROUND, follower.pivot))
+            pose = Pose(follower.pivot, start)
+            of = Angle("follower")
+            output = Output("swing", of, "rad")
+        slide = None if self._swings else "guide"
+        law = OverWay(self.program)
+        contact = Cam("contact", "cam", "follower", law, slide, closure="force", over="rails")
+        plate = Body("cam", {"datum": 0j})
+        rails = Slide("rails", Place(GROUND), plate.at("datum"), math.pi)
+        return Machine(
+            (Body(GROUND), plate, body),
+            (rails, held, contact),
+            (Drive("motor", "cam", Turning(WAY), "rails"),),
+            {"cam": Pose(0j, 0.0), "follower": pose},
+            (),
+            (output,),
+            self._speed,
+        )
+
+    # ---- parts ------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _outline(self) -> Contour:
+        """The plate's outline, counter-clockwise; beyond the way its edge goes straight on."""
+        edge = self.cam.edge
+        ends = self.making.ends
+        left = start_point(edge[0])
+        right = end_point(edge[-1])
+        low, high = self.cam.range
+        tangents = [
+            complex(self.cam.follower.normal(np.array([t]), self.program)[0])
+            for t in (low + 1e-9, high - 1e-9)
+        ]
+        first = left + 1j * tangents[0] * ends
+        last = right - 1j * tangents[1] * ends
+        corners = [complex(first.real), complex(last.real), last]
+        return Contour(
+            (
+                Line(corners[0], corners[1]),
+                Line(corners[1], last),
+                Line(last, right),
+                *(piece.reversed() for piece in reversed(edge)),
+                Line(left, first),
+                Line(first, corners[0]),
+            )
+        )
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """The plate."""
+        p = self.making
+        holes = tuple(circle(place, p.hole / 2) for place in self._screws)
+        region = Region(self._outline, holes)
+        f = self.geometry.follower
+        notes = roller_note(2 * f.radius) if f.radius else ()
+        part = Part(
+            "cam",
+            "Plate of a linear cam",
+            (Layer(region, 0.0, p.thickness),),
+            notes=notes,
+            centres=self._screws,
+            min_wall=self.allowed.min_wall,
+        )
+        made = self._assembly([part], [Mount("cam", "cam")])
+        low, high = self.cam.range
+        cycle = Cycle(low, high, name="way of the plate", to_and_fro=True, unit="mm")
+        return replace(made, cycle=cycle, edges=(self._told,))
+
+    @property
+    def _screws(self) -> tuple[complex, ...]:
+        """Middles of the holes for screws."""
+        places = [complex(WAY * theta, self.geometry.height / 2) for theta in self.cam.range]
+        return tuple(places) if self.making.hole else ()
+
+    @property
+    def _told(self) -> PlateEdge:
+        """What the judge is told of the follower."""
+        follower = self.cam.follower
+        pivot = None if isinstance(follower, PlateSlide) else follower.pivot
+        reference = follower.start if isinstance(follower, PlateSlide) else follower.arm
+        return PlateEdge("cam", "contact", follower.tip_radius, reference, pivot)
+
+    # ---- checks and figures -----------------------------------------------------------------------------------------
+
+    def limits(self) -> Sequence[Finding]:
+        """PRESSURE_ANGLE and CURVATURE of the edge, and what the program does."""
+        self.cam.edge  # noqa: B018  refuses what is no plate
+        usual = ARM_PRESSURE if self._swings else SLIDE_PRESSURE
+        steep = self.allowed.pressure_angle_deg or usual
+        plate = Where("exact edge")
+        of_program = program_findings(
+            self.program, self._unit, self.allowed.of_cams(0.0), _SMOOTHER
+        )
+        return [
+            at_most("PRESSURE_ANGLE", self.cam.steepest, steep, "deg", plate, _FLATTER),
+            at_least(
+                "CURVATURE",
+                self.cam.least_radius,
+                self.allowed.least_radius,
+                "mm",
+                plate,
+                f"least radius of the convex edge; {_FLATTER.replace('lowers', 'widens')}",
+            ),
+            *(
+                replace(each, where=replace(each.where, angle="way", unit="mm"))
+                for each in of_program
+            ),
+        ]
+
+    def study(self) -> Study:
+        """Sizes, motion and its derivatives, pressure angle."""
+        unit, scale = self._unit
+        low, high = self.program.extremes
+        begin, end = self.cam.range
+        peaks = [scale * self._speed**k * self.program.peak(k) for k in (1, 2)]
+        figures = [
+            Figure("swing" if self._swings else "stroke", scale * (high - low), unit),
+            Figure("way", WAY * (end - begin), "mm"),
+            Figure("pressure angle", self.cam.steepest, "deg"),
+            Figure("curvature radius min", self.cam.least_radius, "mm"),
+            Figure("peak speed", peaks[0], f"{unit}/s"),
+            Figure("peak acceleration", peaks[1], f"{unit}/s²"),
+        ]
+        return Study(
+            Figures(each for each in figures if math.isfinite(each.value)),
+            Later(self._plots),
+            sketches=Later(lambda: [self._sketch()]),
+            notes=Later(self._notes),
+        )
+
+    def _plots(self) -> list[Plot]:
+        unit, scale = self._unit
+        low, high = self.cam.range
+        theta = np.union1d(np.linspace(low, high, _SAMPLES), self.program.breaks[1:] - 1e-9)
+        way = WAY * theta
+        names = ("Displacement", "Velocity", "Acceleration")
+        units = (unit, f"{unit}/s", f"{unit}/s^2")
+        label = "way of the plate, mm"
+        rows = [scale * self._speed**k * self.program(theta, k) for k in range(3)]
+        curves = [
+            Plot(name, label, text, [("wanted", way, row)])
+            for name, text, row in zip(names, units, rows, strict=True)
+        ]
+        steep = np.degrees(self.cam.pressure_angle(theta))
+        return [*curves, Plot("Pressure angle", label, "deg", [("exact edge", way, steep)])]
+
+    def _sketch(self) -> Sketch:
+        """The follower at s = 0, in the frame that its pose moves."""
+        follower = self.cam.follower
+        radius = follower.tip_radius
+        if isinstance(follower, PlateSlide):
+            stroke = np.array([follower.start, follower.start + 1j * self.geometry.height])
+            centre = follower.start
+        else:
+            stroke = np.array([0, follower.arm])
+            centre = follower.arm
+        return Sketch("follower", [stroke], [(centre, radius)] if radius else [], "follower")
+
+    def _notes(self) -> list[str]:
+        follower = self.cam.follower
+        over = f"{follower.trace(0.0).item().imag:.4g} mm over the plate's bottom"
+        place = f"at displacement 0 the centre of its tip stands {over}"
+        if isinstance(follower, PlateArm):
+            pivot = follower.pivot
+            place = f"its axle stands at x = {pivot.real:.4g}, y = {pivot.imag:.4g} mm; {place}"
+        return [
+            f"The plate is what is made. Bring its slide, the follower with its guide, and what presses it on the edge: {place}.",
+            "The plate goes along -x from way 0, where the follower stands at x = 0 of its files.",
+        ]

@@ -1,0 +1,231 @@
+"""Linear cams: edges against the reference's numbers and a roller of the test's own, files against damages."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camgen.errors import DesignError, SpecError
+from camgen.files.stl import write_stl
+from camgen.geometry.mesh import Mesh
+from camgen.geometry.rings import Ring
+from camgen.judge.edge_runs import Tip, pressure_angle, run
+from camgen.machine.cams.linear import WAY
+from camgen.machine.constraints import Constraints
+from camgen.machine.model import Along, Resistance
+from camgen.machine.run import solve
+from camgen.machines.linear_cam.mechanism import LinearCamDrive
+from camgen.parts.solids import solid
+from camgen.pipeline.case import Case
+from camgen.pipeline.plate_edges import judge_plate_edges
+from camgen.spec import validate
+
+TOP = Path(__file__).parents[2]
+REFERENCE = tomllib.loads(
+    (TOP / "tests" / "reference" / "linear-cams.toml").read_text(encoding="utf-8")
+)
+ARM = {"motion": "oscillating", "shape": "roller", "radius": 5.0, "arm": 50.0, "start_deg": -8.0}
+UNEVEN = [
+    {"kind": "rise", "span": 60.0, "lift": 12.0, "law": "3-4-5"},
+    {"kind": "return", "span": 45.0, "to": 4.0, "law": "cycloidal"},
+]
+
+
+def linear(**tables: Any) -> LinearCamDrive:
+    """The starter, with other keys in its tables."""
+    data = tomllib.loads((TOP / "specs" / "linear-cam.toml").read_text(encoding="utf-8"))
+    for name, keys in tables.items():
+        data[name] = {**data.get(name, {}), **keys} if isinstance(keys, dict) else keys
+    return validate(LinearCamDrive, data)
+
+
+def test_a_rise_has_the_references_angle_and_curvature() -> None:
+    machine = linear()
+    assert machine.cam.steepest == pytest.approx(REFERENCE["pressure_angle_deg"], abs=1e-3)
+    pitch = machine.cam.least_radius + 5
+    assert pitch == pytest.approx(REFERENCE["pitch_radius"], abs=1e-3)
+
+
+@pytest.mark.parametrize("follower", [{"shape": "roller", "radius": 5.0}, ARM])
+def test_the_roller_touches_the_edge_and_never_enters_it(follower: dict[str, Any]) -> None:
+    """Its centre by hand: the way, and the slide or the arm's triangle; a dense polygon of the edge is R away from it."""
+    machine = linear(geometry={"follower": follower, "height": 20.0}, segment=UNEVEN)
+    edge = np.concatenate(
+        [piece.at(np.linspace(piece.t0, piece.t1, 4001)) for piece in machine.cam.edge]
+    )
+    theta = np.linspace(*machine.cam.range, 41)[1:-1]
+    s = machine.motion(theta)
+    if "arm" in follower:
+        turn = np.exp(1j * (math.radians(-8) + s))
+        centre = 25j - 50 * np.exp(1j * math.radians(-8)) + 50 * turn
+    else:
+        centre = 1j * (25 + s)
+    away = np.abs(edge[None] - (WAY * theta + centre)[:, None]).min(axis=1)
+    assert away == pytest.approx(np.full(39, 5.0), abs=2e-5)
+
+
+def test_a_way_ends_where_it_will() -> None:
+    machine = linear(segment=UNEVEN)
+    low, high = machine.cam.range
+    assert WAY * (high - low) == pytest.approx(105)
+    assert machine.motion(np.array([low, high, high + 1])) == pytest.approx([0, 4, 4])
+    assert machine.program.discontinuities(2) == []
+    # half a 3-4-5 rise at half its span
+    assert machine.motion(np.array([30 / WAY]))[0] == pytest.approx(6)
+
+
+def test_the_drive_bears_the_load_times_the_slope() -> None:
+    """15 N on the slide take 15 ds/dx of the drive, by virtual work; both routes to the poses agree."""
+    machine = linear().model
+    pressed = replace(machine, loads=(Resistance("load", Along("guide"), -15.0),))
+    theta = np.linspace(0.1, 2.0, 7)
+    forces = solve(pressed, theta).forces()
+    slope = linear().motion(theta, 1) / WAY
+    assert forces.drives["motor"] == pytest.approx(15 * slope, abs=1e-9)
+    ran = solve(machine, theta)
+    system = Constraints(machine)
+    poses = [ran.pose(body) for body in system.bodies]
+    q = np.column_stack(
+        [
+            part
+            for pose in poses
+            for part in (pose.place.real, pose.place.imag, pose.angle + 0 * theta)
+        ]
+    )
+    rates = np.zeros_like(q)
+    rates[:, 3 * system.bodies.index("cam")] = -WAY
+    rates[:, 3 * system.bodies.index("follower") + 1] = linear().motion(theta, 1)
+    misfits, slopes, bends = system.evaluate(q, theta, rates)
+    assert np.abs(misfits).max() < 1e-12
+    # along the motion a condition changes with theta by the drive's rate alone, and bends as the lift does
+    row = system.rows["contact"].start
+    assert np.einsum("nc,nc->n", slopes[:, row], rates) == pytest.approx(0, abs=1e-9)
+    assert bends[:, row] == pytest.approx(-linear().motion(theta, 2), abs=1e-6)
+
+
+# ---- the judge -------------------------------------------------------------------------------------------------------
+
+
+def hill(radius: float) -> Ring:
+    """A half disc on its flat side, of one arc."""
+    return Ring(np.array([radius, -radius], complex), np.array([1.0, 0.0]))
+
+
+def test_a_tip_over_a_half_disc_runs_on_a_larger_one() -> None:
+    x = np.linspace(-25, 25, 41)
+    s = run(hill(30.0), Tip(5.0, 40j), x, 1e-7)
+    assert s == pytest.approx(np.sqrt(35.0**2 - x**2) - 40, abs=1e-6)
+    steep = pressure_angle(Tip(5.0, 40j), s, -x / np.sqrt(35.0**2 - x**2))
+    assert steep == pytest.approx(np.abs(np.arcsin(x / 35)))
+
+
+def test_an_arm_over_a_half_disc_makes_a_triangle() -> None:
+    """Axle, the disc's middle and the tip's centre: all three sides are known."""
+    x = np.linspace(-10, 10, 21)
+    pivot = -50 + 36j
+    s = run(hill(30.0), Tip(5.0, 50 + 0j, pivot), x, 1e-7)
+    axle = x + pivot
+    far = np.abs(axle)
+    cosine = (far**2 + 50**2 - 35**2) / (2 * far * 50)
+    assert s == pytest.approx(np.angle(-axle) + np.arccos(cosine), abs=1e-6)
+
+
+def test_nothing_stops_a_tip_beside_the_plate() -> None:
+    s = run(hill(30.0), Tip(5.0, 40j), np.array([34.0, 36.0]), 1e-4)
+    assert np.isnan(s).tolist() == [False, True]
+
+
+def verdicts(tmp_path: Path, machine: LinearCamDrive, mesh: Mesh) -> set[str]:
+    """Codes that fail of an STL in place of the machine's own."""
+    case = Case(machine, tmp_path)
+    write_stl(case.file("cam", "stl"), mesh, "cam")
+    return {each.code for each in judge_plate_edges(case, ["stl"]).findings if not each.ok}
+
+
+@pytest.mark.parametrize("follower", [{"shape": "roller", "radius": 5.0}, ARM])
+def test_damages_are_refused(tmp_path: Path, follower: dict[str, Any]) -> None:
+    machine = linear(geometry={"follower": follower}, segment=UNEVEN)
+    (part,) = machine.assembly.parts
+    sound = solid(part, machine.accuracy.chord_tolerance)
+    assert verdicts(tmp_path, machine, sound) == set()
+
+    def moved(shift: list[float]) -> Mesh:
+        return Mesh(sound.vertices + np.array(shift), sound.faces)
+
+    assert "MOTION_ERROR" in verdicts(tmp_path, machine, moved([0, 0.01, 0]))
+    assert "MOTION_ERROR" in verdicts(tmp_path, machine, moved([0.05, 0, 0]))
+    assert "CONTACT" in verdicts(tmp_path, machine, moved([60, 0, 0]))
+    turned = Mesh(
+        sound.vertices * np.array([-1.0, 1.0, 1.0]) + np.array([105.0, 0, 0]), sound.faces[:, ::-1]
+    )
+    assert {"MOTION_ERROR", "SPEED_RIPPLE"} <= verdicts(tmp_path, machine, turned)
+    steep = machine.replace({"limits.pressure_angle_deg": machine.cam.steepest - 0.5})
+    assert verdicts(tmp_path, steep, sound) == {"PRESSURE_ANGLE"}
+
+
+# ---- what is refused -------------------------------------------------------------------------------------------------
+
+
+def test_what_is_wrong_is_told_by_its_keys() -> None:
+    with pytest.raises(SpecError) as caught:
+        linear(
+            geometry={"follower": {"shape": "knife", "radius": 3.0, "start_deg": 5.0}},
+            segment=[{"kind": "rise", "span": 20.0}, {"kind": "return", "span": 20.0, "to": 30.0}],
+            print={"profile_compensation": 0.05, "shrinkage": 0.003},
+            files={"cutter_radius": 4.0, "profile_step_deg": 5.0},
+        )
+    keys = {fault.key for fault in caught.value.faults}
+    assert keys >= {
+        "geometry.follower.radius",
+        "geometry.follower.start_deg",
+        "segment.0.lift",
+        "print.profile_compensation",
+        "print.shrinkage",
+        "files.cutter_radius",
+        "files.profile_step_deg",
+    }
+    with pytest.raises(SpecError) as caught:
+        linear(geometry={"follower": {"shape": "roller", "motion": "oscillating"}})
+    assert {fault.key for fault in caught.value.faults} == {
+        "geometry.follower.radius",
+        "geometry.follower.arm",
+    }
+
+
+@pytest.mark.parametrize(
+    ("tables", "said"),
+    [
+        ({"geometry": {"follower": {"shape": "roller", "radius": 60.0}}}, "undercut"),
+        (
+            {
+                "segment": [
+                    {"kind": "rise", "span": 30.0, "lift": 9.0, "law": "uniform"},
+                    {"kind": "dwell", "span": 10.0},
+                ]
+            },
+            "jump of the speed",
+        ),
+        (
+            {
+                "geometry": {"follower": {**ARM, "start_deg": -70.0}},
+                "segment": [{"kind": "return", "span": 8.0, "to": -18.0, "law": "cycloidal"}],
+            },
+            "carries its roller along|undercut",
+        ),
+    ],
+)
+def test_no_plate_is_told_as_such(tables: dict[str, Any], said: str) -> None:
+    with pytest.raises(DesignError, match=said):
+        linear(**tables).limits()
+
+
+def test_a_steep_plate_fails_by_its_angle_and_radius() -> None:
+    tables = {"pressure_angle_deg": 20.0, "least_radius": 40.0}
+    failing = {each.code: str(each.where) for each in linear(limits=tables).limits() if not each.ok}
+    assert set(failing) == {"PRESSURE_ANGLE", "CURVATURE"}
