@@ -229,7 +229,7 @@ class Engagement:
         sides = (samples.low_pair[k], samples.high_pair[k])
         drivers = [_owner(self.a, self.feature.a, int(pair[0])) for pair in sides]
         driven = [_owner(self.b, self.feature.b, int(pair[1])) for pair in sides]
-        return Gap(float(samples.theta[k]), gap, drivers[0] or drivers[1], driven[0] or driven[1])
+        return Gap(gap, meant, drivers[0] or drivers[1], driven[0] or driven[1])
 
     def overlapping(self, theta: float) -> list[str]:
         """Parts that overlap where the follower is wanted."""
@@ -245,10 +245,10 @@ class Engagement:
 
 @dataclass(frozen=True)
 class Gap:
-    """How the follower is held at an angle: air of both sides together, mm, and the parts that hold it."""
+    """How the follower is held: air of both sides together, mm, as it is and as it is meant, and the parts that hold it."""
 
-    theta: float
     gap: float
+    meant: float
     driver: str
     driven: str
 

@@ -24,6 +24,7 @@ from camgen.judge.measured import Readings
 from camgen.judge.meshes import MeshedWheel, Meshing
 from camgen.judge.pair_events import Slide as Sliding
 from camgen.judge.pair_events import Turn
+from camgen.judge.pin_tracks import TrackedPins
 from camgen.machine.features import (
     CamOutline,
     Demand,
@@ -506,7 +507,8 @@ class _Builder:
         # where all stand at the joint's angle 0
         begin = joint.phase - self.machine.start_of(joint.cam).angle
         turned = self.machine.start_of(feature.carrier).angle + carried * begin
-        engagement = Engagement(
+        kind = Engagement if feature.tracks is None else TrackedPins
+        engagement = kind(
             feature,
             tuple(ring.moved(cmath.exp(1j * spin * joint.phase)) for ring in a),
             tuple(ring.moved(cmath.exp(1j * joint.rest)) for ring in b),
@@ -514,11 +516,10 @@ class _Builder:
             joint.law,
         )
         worst = engagement.worst_gap
-        meant = 2 * feature.free
         # each body answers for one half
-        self.fits[joint.name] = Fit(
-            worst.gap, meant, abs(worst.gap - meant) / 2, parts=(worst.driver, worst.driven)
-        )
+        off = abs(worst.gap - worst.meant) / 2
+        parts = worst.driver, worst.driven
+        self.fits[joint.name] = Fit(worst.gap, worst.meant, off, parts=parts)
         self.engagements[joint.name] = engagement
         return replace(joint, law=engagement)
 

@@ -18,7 +18,7 @@ from camgen.judge.edges import judge_edges
 from camgen.judge.joints import Closable, Fit, Nominal, Outline, measured_machine
 from camgen.judge.measured import Files, Sections, read
 from camgen.judge.meshes import judge_mesh
-from camgen.judge.pin_tracks import judge_tracks
+from camgen.judge.pin_tracks import TrackedPins, judge_tracks
 from camgen.judge.proof import Proof, with_laws
 from camgen.machine.features import CamOutline, Demand, judged_outputs, parts_of
 from camgen.machine.model import GROUND, Cam, Clutch, Output, bodies_of, unit_of
@@ -107,7 +107,8 @@ def judge_machine(
         edges = {each.part for each in engagement.feature.edges}
         edges_where = named(files.where, edges)
         findings.append(judge_edges(engagement, edges_where))
-        findings += judge_tracks(engagement, 2 * off + slack, edges_where)
+        if isinstance(engagement, TrackedPins):
+            findings.append(judge_tracks(engagement, 2 * off + slack, edges_where))
         numbers |= engagement.figures(files.kind)
     unseen = _nominal(nominal)
     if any(math.isinf(each.error) for each in judged):

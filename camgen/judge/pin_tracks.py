@@ -18,9 +18,10 @@ import numpy as np
 
 from camgen.findings import Finding, Where, at_most
 from camgen.geometry.rings import Floats, Points, Ring
-from camgen.judge.edges import Engagement
+from camgen.judge.edges import Engagement, Gap
 from camgen.judge.pair_features import Features, features
 from camgen.machine.features import PinTracks
+from camgen.study import Figure
 
 _STEP = math.radians(1.0)  # of what carries or turns, from sample to sample
 _BLOCK = 16  # samples that are looked up together
@@ -54,16 +55,13 @@ class TrackGap:
 
 
 @dataclass(frozen=True, eq=False)
-class TrackedPins:
+class TrackedPins(Engagement):
     """Pins and what they go along, as the files have both."""
-
-    engagement: Engagement
-    tracks: PinTracks
 
     @cached_property
     def theta(self) -> Floats:
         """Angles of the joint over its period, (n,) rad."""
-        feature = self.engagement.feature
+        feature = self.feature
         fastest = max(1.0, *map(abs, feature.rates))
         count = math.ceil(feature.period * fastest / _STEP)
         return np.linspace(0.0, feature.period, count, endpoint=False)
@@ -71,7 +69,7 @@ class TrackedPins:
     @cached_property
     def worst(self) -> TrackGap:
         """The pin farthest from its gap."""
-        pins, edges = self._sides
+        pins, edges = self._pins_and_edges
         hulls = [features([pin.counter_clockwise()]) for pin in pins]
         all_gaps = np.array([self._gaps(k, pin, edges, hulls[k]) for k, pin in enumerate(pins)])
         wanted = np.array([self._wanted(pin) for pin in pins])
@@ -88,15 +86,36 @@ class TrackedPins:
         )
 
     @property
-    def _sides(self) -> tuple[tuple[Ring, ...], tuple[Ring, ...]]:
+    def _pins_and_edges(self) -> tuple[tuple[Ring, ...], tuple[Ring, ...]]:
         """The pins, and what they go along."""
-        both = self.engagement.a, self.engagement.b
-        return both if self.tracks.pins == "a" else both[::-1]
+        return (self.a, self.b) if self.tracks.pins == "a" else (self.b, self.a)
+
+    @property
+    def tracks(self) -> PinTracks:
+        """As they are meant."""
+        assert self.feature.tracks is not None
+        return self.feature.tracks
+
+    def figures(self, kind: str) -> list[Figure]:
+        """Those of any engagement, and by how much the follower turns unevenly where it is held on the worse side, peak to peak."""
+        samples = self.motion.samples
+        even = self.wanted(samples.theta, 0)
+        sides = [side - even for side in (samples.low, samples.high)]
+        known = [side[np.isfinite(side)] for side in sides]
+        ripple = max((math.degrees(np.ptp(side)) for side in known if len(side)), default=0.0)
+        own = Figure("ripple {of}", ripple, "deg", self.feature.joint, kind=kind)
+        return [*super().figures(kind), own]
+
+    @cached_property
+    def worst_gap(self) -> Gap:
+        """That of the pin farthest from its gap, for both sides together."""
+        driver, driven = self.feature.a[0].part, self.feature.b[0].part
+        return Gap(2 * self.worst.gap, 2 * self.worst.wanted, driver, driven)
 
     def _seen(self, theta: Floats, points: Points) -> Points:
         """Points of the pins' body, (n,), as the other one sees them, mm."""
-        place, angle = self.engagement.pair.pose(theta, 0)
-        turn = np.exp(1j * self.engagement.wanted(theta, 0))
+        place, angle = self.pair.pose(theta, 0)
+        turn = np.exp(1j * self.wanted(theta, 0))
         own = np.exp(1j * angle)
         if self.tracks.pins == "a":
             return np.asarray((place + own * points) / turn)
@@ -118,17 +137,17 @@ class TrackedPins:
 
     def _wanted(self, pin: Ring) -> Floats:
         """Its gap as it is meant, (n,) mm."""
-        _, angle = self.engagement.pair.pose(self.theta, 0)
-        turns = angle if self.tracks.pins == "a" else self.engagement.wanted(self.theta, 0)
-        carried = self.engagement.feature.rates[1] * self.theta
-        line = np.angle(self.engagement.line) if self.engagement.line else 0.0
+        _, angle = self.pair.pose(self.theta, 0)
+        turns = angle if self.tracks.pins == "a" else self.wanted(self.theta, 0)
+        carried = self.feature.rates[1] * self.theta
+        line = np.angle(self.line) if self.line else 0.0
         return self.tracks.gap(np.angle(pin.centroid) + turns - carried - line)
 
     def _lobe(self, pin: Ring, theta: float) -> int:
         """Number of the lobe at which a pin is, 0 where there are none."""
         if not self.tracks.lobes:
             return 0
-        first = self._seen(np.zeros(1), np.array([self._sides[0][0].centroid]))[0]
+        first = self._seen(np.zeros(1), np.array([self._pins_and_edges[0][0].centroid]))[0]
         here = self._seen(np.array([theta]), np.array([pin.centroid]))[0]
         share = float(np.angle(here / first)) / math.tau % 1.0
         return int(share * self.tracks.lobes) % self.tracks.lobes + 1
@@ -181,25 +200,18 @@ def _reach(hull: Features, centre: complex, towards: Points) -> Floats:
     return np.asarray(np.max(np.where(turned <= round_.half + _SAME_NORMAL, ahead, 0.0), axis=1))
 
 
-def judge_tracks(engagement: Engagement, limit: float, where: Where) -> list[Finding]:
-    """PIN_TRACK: by how much the gap of a pin is off the one meant, all pins all the way, mm; nothing of other pairs.
+def judge_tracks(pins: TrackedPins, limit: float, where: Where) -> Finding:
+    """PIN_TRACK: by how much the gap of a pin is off the one meant, all pins all the way, mm.
 
     limit: mm; where: the files of all edges.
     """
-    tracks = engagement.feature.tracks
-    if tracks is None:
-        return []
-    worst = TrackedPins(engagement, tracks).worst
+    worst = pins.worst
     at = f"pin {worst.pin} at lobe {worst.lobe}" if worst.lobe else f"pin {worst.pin} in its hole"
-    spin, carried = engagement.feature.rates
-    place = replace(
-        where,
-        joint=engagement.feature.joint,
-        theta=worst.theta * (carried or spin) % math.tau,
-        angle="crank at",
-    )
+    spin, carried = pins.feature.rates
+    theta = worst.theta * (carried or spin) % math.tau
+    place = replace(where, joint=pins.feature.joint, theta=theta, angle="crank at")
     remark = (
         f"{at}: gap {worst.gap:.4f} mm, {worst.wanted:.4f} mm wanted; most off of all pins all the way, {worst.least:.4f} to "
         f"{worst.most:.4f} mm"
     )
-    return [at_most("PIN_TRACK", worst.off, limit, "mm", place, remark)]
+    return at_most("PIN_TRACK", worst.off, limit, "mm", place, remark)

@@ -57,6 +57,7 @@ NAMES = {
     "walk slip work greatest": "walk: work lost to slip in a turn, greatest",
     "walk least support": "walk: least share of the load on a foot",
     "walk falls at": "walk: falls at",
+    "ripple {of}": "uneven turning, held on one side: {of}",
     "balance weight at": "direction of the balance weight",
     "balance spring at": "direction of the balance spring",
     "print error {of}": "off by print errors: {of}",

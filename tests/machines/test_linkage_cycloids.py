@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import cmath
+import json
 import math
 import shutil
 from collections.abc import Callable, Sequence
@@ -168,6 +169,22 @@ def test_a_pin_is_pressed_by_the_load_over_its_lever() -> None:
     )
 
 
+def test_an_offset_moves_the_air_from_the_flanks(tmp_path: Path) -> None:
+    """The drive holds with the gaps of its own disc, and a disc cut without the offset is told with what it is off at a lobe's top."""
+    offset = SPEC | {"cycloid": [ROW | {"output": None, "output_pins": 6, "offset": 0.05}]}
+    links = {key: value for key, value in SPEC["links"].items() if key != "flange"}
+    offset |= {"links": links, "output": [{"name": "out", "link": "disc"}]}
+    report = camgen.build(offset, tmp_path, ["dxf"])
+    assert report.ok, [str(finding) for finding in report.findings if not finding.ok]
+    (track,) = [each for each in report.findings if each.code == "PIN_TRACK"]
+    assert track.measured < 0.002
+    folder = tmp_path / "reducer"
+    text = (folder / "spec.toml").read_text(encoding="utf-8")
+    (folder / "spec.toml").write_text(text.replace("offset = 0.05", "offset = 0.0"), "utf-8")
+    track = findings(folder)["PIN_TRACK", "crank to disc"]
+    assert not track.ok and track.measured == pytest.approx(0.05, abs=0.002)
+
+
 def test_all_turns_are_swept_and_nothing_of_it_is_a_cam() -> None:
     reducer = machine()
     assert reducer.assembly.cycle.swept == LOBES
@@ -225,6 +242,12 @@ def plays(x: Floats) -> Floats:
 def test_the_play_is_that_of_the_curves(sound: Path) -> None:
     """Of a disc and pins as they are drawn, and never less than 2 delta over the greatest lever of a pin, e z."""
     found = findings(sound)
+    numbers = json.loads((sound / "report.json").read_text(encoding="utf-8"))["numbers"]
+    joint = "crank_to_disc"
+    for figure in ("least_play", "greatest_play", "ripple"):
+        designed = numbers[f"{figure}_{joint}_deg"]
+        # by the levers before it has turned; an arc 1 um off the curve
+        assert numbers[f"{figure}_{joint}_dxf_deg"] == pytest.approx(designed, rel=0.02, abs=0.005)
     contact = found["CONTACT", "crank to disc"]
     assert contact.ok and contact.measured == 100.0
     told = contact.message.split("play ")[1].split(" deg")[0].split(" to ")

@@ -241,20 +241,36 @@ def test_cycloidal_discs_hold_the_prototypes_limits() -> None:
         assert disc.largest_pin == pytest.approx(largest, abs=5e-4)
     for delta, play in row["play"]:
         disc = CycloidDisc(row["pins"], row["radius"], 3.0, 1.5, delta)
-        assert disc.play == pytest.approx(play, abs=1e-8)
+        assert disc.play[0] == pytest.approx(play, rel=1e-5)
+    disc = CycloidDisc(row["pins"], row["radius"], 3.0, 1.5, row["levers"][0])
+    assert disc.play == pytest.approx(row["levers"][1:3], abs=5e-9)
+    assert 1e3 * disc.ripple * 1.5 * disc.lobes == pytest.approx(row["levers"][3], abs=5e-3)
     with pytest.raises(DesignError, match="smaller pins"):
         CycloidDisc(11, 40, 9.0, 3.0)
 
 
-def test_a_cycloidal_disc_keeps_its_cut_from_every_pin() -> None:
-    disc = CycloidDisc(11, 40.0, 3.0, 1.5, 0.05)
+@pytest.mark.parametrize("offset", [-0.03, 0.0, 0.1])
+def test_a_cycloidal_disc_keeps_its_gap_from_every_pin(offset: float) -> None:
+    disc = CycloidDisc(11, 40.0, 3.0, 1.5, 0.05, offset)
     edge = _polygon(disc.outline())
     for turn in np.linspace(0, math.tau, 7):
         placed = translate(
             _turned(edge, disc.ratio * turn), 1.5 * math.cos(turn), 1.5 * math.sin(turn)
         )
         gaps = [placed.exterior.distance(shapely.Point(z.real, z.imag)) for z in disc.pin_places()]
-        assert gaps == pytest.approx([disc.cut] * 11, abs=2 * CHORD)
+        wanted = disc.gap(np.angle(disc.pin_places()) - turn)
+        assert gaps == pytest.approx(wanted + 3.0, abs=2 * CHORD)
+        assert wanted.min() >= disc.least_gap > 0
+
+
+def test_the_air_of_a_lobe_is_more_where_a_smaller_circle_of_pins_leaves_it() -> None:
+    """All of the offset at the top of a lobe and in a hollow; on a flank the share along its normal, which leans by asin(e n / r)."""
+    disc = CycloidDisc(11, 40.0, 3.0, 1.5, 0.05, 0.02)
+    assert disc.gap([0.0, math.pi]) == pytest.approx([0.07, 0.07], abs=1e-12)
+    lean = math.asin(1.5 * 11 / 40)
+    assert disc.least_gap == pytest.approx(0.05 + 0.02 * math.cos(lean), abs=2e-5)
+    with pytest.raises(DesignError, match="air of a lobe.*more clearance"):
+        CycloidDisc(11, 40.0, 3.0, 1.5, 0.05, -0.05)
 
 
 @pytest.mark.parametrize("row", REFERENCE["geneva"]["rows"])

@@ -211,7 +211,8 @@ class Drawing:
         usual = self.geneva_sizes[0]
         air = usual if row.clearance is None else row.clearance
         try:
-            disc = CycloidDisc(row.pins, row.radius, row.pin_radius, eccentricity, air)
+            sizes = row.pins, row.radius, row.pin_radius, eccentricity
+            disc = CycloidDisc(*sizes, air, row.offset)
         except DesignError as error:
             raise named(error, f"cycloid {row.title}") from None
         asked = OutputWish(row.output_pins, row.output_radius, row.output_pin_radius)

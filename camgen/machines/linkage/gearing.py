@@ -39,8 +39,16 @@ def figures(layout: Layout) -> list[Figure]:
             Figure("least speed ratio {of}", float(speed.min()), "", of),
             Figure("greatest pressure angle {of}", leans, "deg", of),
         ]
-    cycloids = (drive.wish for drive in layout.cycloid_drives)
-    return [*found, *(Figure("ratio {of}", 1 / c.disc.ratio, "", c.joint) for c in cycloids)]
+    for asked in (drive.wish for drive in layout.cycloid_drives):
+        disc = asked.disc
+        least, most = map(math.degrees, disc.play)
+        found += [
+            Figure("ratio {of}", 1 / disc.ratio, "", asked.joint),
+            Figure("least play {of}", least, "deg", asked.joint),
+            Figure("greatest play {of}", most, "deg", asked.joint),
+            Figure("ripple {of}", math.degrees(disc.ripple), "deg", asked.joint),
+        ]
+    return found
 
 
 def plots(layout: Layout) -> list[Plot]:
@@ -75,9 +83,10 @@ def notes(layout: Layout) -> Iterator[str]:
     for drive in layout.cycloid_drives:
         asked = drive.wish
         disc = asked.disc
+        least, most = map(math.degrees, disc.play)
         yield (
             f"Cycloidal drive {asked.joint}: {disc.pins} pins, {disc.lobes} lobes; {asked.crank} turns {disc.lobes} times for one "
-            f"turn of {asked.output or asked.link}, the other way. The disc has a play of at least {math.degrees(disc.play):.3g} deg."
+            f"turn of {asked.output or asked.link}, the other way. The disc has a play of {least:.4g} to {most:.4g} deg."
         )
     for wish in layout.planets:
         fixed, fast, slow = _members(wish)

@@ -389,6 +389,10 @@ class Cycloid(Record):
         default=None,
         description="air of the disc beside each pin, and of an output pin in its hole; half of print.slide_clearance unless given",
     )
+    offset: Annotated[float, quantity("mm", ge=-2, le=2)] = Field(
+        default=0.0,
+        description="by how much smaller a circle of pins is for which the disc is cut: more air at the top of its lobes and in its hollows, less on the flanks that drive",
+    )
     output: Name | None = Field(
         default=None,
         description="a link on the crank's shaft that turns with the disc, by pins in holes of it",

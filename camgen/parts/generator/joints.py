@@ -247,7 +247,7 @@ def _cycloid(layout: Layout, drive: CycloidDrive) -> Iterator[EdgePair]:
         (Edge(part, bore),),
         pivot_of(layout, wish.crank),
         rides,
-        wish.disc.equidistant,
+        wish.disc.least_gap,
         ((0.0, math.tau),),
         math.tau * lobes,
         wish.crank,

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -40,11 +41,12 @@ class CycloidDisc:
     def __post_init__(self) -> None:
         if self.pins < 3:
             raise DesignError("pins of a cycloidal disc", self.pins, 3, "", "", "use more pins")
-        if not self.eccentricity > max(self.equidistant, SAME_POINT):
+        most = max(self.equidistant + abs(self.offset), SAME_POINT)
+        if not self.eccentricity > most:
             raise DesignError(
                 "eccentricity",
                 self.eccentricity,
-                max(self.equidistant, SAME_POINT),
+                most,
                 "mm",
                 "",
                 "draw the eccentric's point farther from the shaft: it is to be more than the air round the pins",
@@ -73,6 +75,15 @@ class CycloidDisc:
                 "",
                 "use smaller pins, or a smaller eccentricity",
             )
+        if self.offset and not self.least_gap > 0:
+            raise DesignError(
+                "least air of a lobe beside a pin",
+                self.least_gap,
+                0,
+                "mm",
+                "",
+                "use more clearance, or less offset",
+            )
 
     @property
     def lobes(self) -> int:
@@ -95,9 +106,38 @@ class CycloidDisc:
         return -1 / self.lobes
 
     @property
-    def play(self) -> float:
-        """Free angle of the disc, rad, by its pins' greatest lever, e z: the least it has anywhere."""
-        return 2 * self.equidistant / (self.eccentricity * self.lobes)
+    def least_gap(self) -> float:
+        """Least gap of a pin from the outline, all the way round, mm."""
+        return float(np.min(self.gap(np.linspace(0.0, math.pi, _PLACES))))
+
+    @property
+    def play(self) -> tuple[float, float]:
+        """Free angle of the disc, least and greatest, rad: by the gaps of its pins over their levers, to first order."""
+        free, _, _ = self._held
+        both = free + free[::-1]  # the other way round the same pins, as in a mirror
+        return float(both.min()), float(both.max())
+
+    @property
+    def ripple(self) -> float:
+        """By how much the disc turns unevenly where it is held on one side, peak to peak, rad: to first order."""
+        return float(np.ptp(self._held[0]))
+
+    @cached_property
+    def _held(self) -> tuple[Floats, Floats, Floats]:
+        """The pin that holds the disc on one side while the eccentric goes from one pin to the next, (n,): the disc's angle until it
+        does, rad, its lever, mm, and the curvature of pin and lobe together, 1/mm."""
+        x = np.linspace(0.0, math.tau / self.pins, _PLACES)[:, None]
+        x = x + math.tau * np.arange(self.pins) / self.pins
+        t = -x / self.lobes
+        along = self.trace(t, 1)
+        levers = np.real(np.conj(self.trace(t)) * along) / np.abs(along)
+        curvature, _ = self._curvature(t)
+        both = 1 / self.pin + curvature / (1 - self.cut * curvature)
+        pushes = levers > SAME_POINT
+        ways = np.where(pushes, self.gap(x) / np.where(pushes, levers, 1.0), np.inf)
+        holds = np.argmin(ways, axis=1)
+        row = np.arange(_PLACES)
+        return ways[row, holds], levers[row, holds], both[row, holds]
 
     @property
     def largest_pin(self) -> float:
@@ -186,21 +226,10 @@ class CycloidDisc:
 
     @property
     def hardest(self) -> tuple[float, float]:
-        """Lever, mm, and curvature of pin and lobe together, 1/mm, where one pin alone holds the disc and is pressed hardest.
-
-        Of the pins on the side that pushes the one with the greatest lever holds it; where it hands over, its lever is least.
-        """
-        x = np.linspace(0.0, math.tau / self.pins, _PLACES)[:, None]
-        t = -(x + math.tau * np.arange(self.pins) / self.pins) / self.lobes
-        along = self.trace(t, 1)
-        levers = np.real(np.conj(self.trace(t)) * along) / np.abs(along)
-        curvature, _ = self._curvature(t)
-        both = 1 / self.pin + curvature / (1 - self.cut * curvature)
-        holds = np.argmax(levers, axis=1)[:, None]
-        lever = np.take_along_axis(levers, holds, 1)
-        bend = np.take_along_axis(both, holds, 1)
+        """Lever, mm, and curvature of pin and lobe together, 1/mm, where one pin alone holds the disc and is pressed hardest."""
+        _, lever, bend = self._held
         worst = int(np.argmax(bend / lever))
-        return float(lever[worst, 0]), float(bend[worst, 0])
+        return float(lever[worst]), float(bend[worst])
 
     def output_hole(self, pin: float, air: float) -> float:
         """Radius of a hole through which an output pin of this radius takes the turning off, mm."""
