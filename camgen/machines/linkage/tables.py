@@ -391,7 +391,7 @@ class Cycloid(Record):
     )
     offset: Annotated[float, quantity("mm", ge=-2, le=2)] = Field(
         default=0.0,
-        description="by how much smaller a circle of pins is for which the disc is cut: more air at the top of its lobes and in its hollows, less on the flanks that drive",
+        description="how much smaller the circle of pins is for which the disc is cut: more air at the top of its lobes and in its hollows, less on the flanks that drive",
     )
     output: Name | None = Field(
         default=None,
