@@ -9,6 +9,7 @@
     sweep      spec, values of its keys -> SweepTable: each variant judged, a row each
     design     spec with what is wanted -> DesignResult: the machine that fulfils it
     tolerance  spec -> Report: what print errors do to the motion
+    simulate   spec with [walk] -> Report: how the machine walks on a floor, in MuJoCo; files in OUT/<name>-walk/
     explain    code of a finding -> what it means and what helps
 
 Lengths are millimetres and angles radians; keys and figures that end in `_deg` are degrees. Nothing is printed. What a user
@@ -70,6 +71,7 @@ __all__ = [
     "load",
     "motion",
     "rolls",
+    "simulate",
     "sweep",
     "tolerance",
 ]
@@ -288,6 +290,26 @@ def tolerance(
     from camgen.tolerance.report import tolerance as copies
 
     return copies(spec, (), PrintRun(samples, seed, worst, judged))
+
+
+@checked
+def simulate(
+    spec: str | PathLike[str] | Mapping[str, Any] | Mechanism,
+    out: str | PathLike[str] = "out",
+    copies: int = 0,
+    seed: int = 1,
+) -> Report:
+    """How a machine with a table [walk] walks on a floor, at each friction of it; page, curves and film in OUT/<name>-walk/.
+
+    copies: printed ones that walk as well, with errors and play of the print; seed: the same gives the same copies.
+    Needs mujoco-core, the extra simulate.
+    Raises SpecError where there is no such table; DesignError; FileError where MuJoCo is not there.
+    """
+    from pathlib import Path
+
+    from camgen.simulation import walking
+
+    return walking.simulate(spec, Path(out), (), walking.Prints(copies, seed))
 
 
 @checked

@@ -105,7 +105,10 @@ def _simple_words(node: Data, root: Data) -> str:
         return one_of(node.get("enum") or [node["const"]])
     kind = node.get("type")
     if kind == "object":
-        return f"a table with {', '.join(node.get('properties', ()))}"
+        if "properties" not in node:
+            kinds = [*node.get("patternProperties", {}).values(), node.get("additionalProperties")]
+            return f"a table of names, each {in_words(kinds[0], root)}"
+        return f"a table with {', '.join(node['properties'])}"
     if kind == "array":
         if "prefixItems" in node:
             return "a list of " + ", ".join(in_words(item, root) for item in node["prefixItems"])

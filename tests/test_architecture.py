@@ -50,7 +50,16 @@ WINGS = {
         "report",
         "pipeline",
     },
-    "simulation": {"geometry", "machine", "machines", "parts", "files", "report", "pipeline"},
+    "simulation": {
+        "geometry",
+        "machine",
+        "machines",
+        "parts",
+        "files",
+        "report",
+        "tolerance",
+        "pipeline",
+    },
     "design": {"geometry", "motion", "machine", "machines", "report", "pipeline"},
     "live": {"motion", "machines", "report", "pipeline"},
 }

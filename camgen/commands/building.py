@@ -15,7 +15,9 @@ from camgen.commands.options import (
     jobs_option,
     json_option,
     kinds_of,
+    out_option,
     quiet_option,
+    set_option,
     verbose_option,
 )
 from camgen.commands.running import each, refuse_one_name_twice
@@ -31,26 +33,14 @@ if TYPE_CHECKING:
 @click.argument(
     "specs", metavar="SPEC...", nargs=-1, required=True, type=click.Path(path_type=Path)
 )
-@click.option(
-    "-o",
-    "--out",
-    default="out",
-    type=click.Path(path_type=Path),
-    help="Output folder.  [default: out]",
-)
+@out_option
 @click.option(
     "--only",
     metavar="KINDS",
     callback=kinds_of,
     help=f"Make only these kinds, of {','.join(ANY_KIND)}; servo: cam tables for drives; mjcf: a folder for MuJoCo; plots: curves as SVG and PNG; animation: one turn as GIF; picture: PNG.",
 )
-@click.option(
-    "--set",
-    "settings",
-    metavar="KEY=VALUE",
-    multiple=True,
-    help="Change a key, such as segment.1.lift=8; KEY= removes it.",
-)
+@set_option("Change a key, such as segment.1.lift=8; KEY= removes it.")
 @jobs_option
 @json_option
 @quiet_option

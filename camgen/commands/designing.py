@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from camgen.commands.options import EXIT_CODES
+from camgen.commands.options import EXIT_CODES, set_option
 from camgen.commands.running import hand_over, refuse_taken
 from camgen.errors import FileError, printable
 
@@ -16,13 +16,7 @@ from camgen.errors import FileError, printable
 @click.command(epilog=EXIT_CODES)
 @click.argument("spec", type=click.Path(path_type=Path))
 @click.argument("file", required=False, type=click.Path(path_type=Path))
-@click.option(
-    "--set",
-    "settings",
-    metavar="KEY=VALUE",
-    multiple=True,
-    help="Change a value: wanted.feed_range=80.",
-)
+@set_option("Change a value: wanted.feed_range=80.")
 @click.option(
     "--front",
     type=click.Path(path_type=Path),

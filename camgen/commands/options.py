@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable
+from pathlib import Path
+from typing import Any
 
 import click
 
@@ -26,6 +28,13 @@ SWEEP_CODES = _CODES.format(
     "some variant holds", "none holds (the table is written, and says why)", ""
 )
 
+out_option = click.option(
+    "-o",
+    "--out",
+    default="out",
+    type=click.Path(path_type=Path),
+    help="Output folder.  [default: out]",
+)
 jobs_option = click.option(
     "-j",
     "--jobs",
@@ -47,6 +56,11 @@ verbose_option = click.option(
 json_option = click.option(
     "--json", "as_json", is_flag=True, help="Print JSON: one object, or a list for several."
 )
+
+
+def set_option(such_as: str) -> Callable[[Any], Any]:
+    """--set, with a sentence that shows what it sets."""
+    return click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help=such_as)
 
 
 def completed(names: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:

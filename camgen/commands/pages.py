@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from camgen.commands.options import EXIT_CODES
+from camgen.commands.options import EXIT_CODES, out_option
 from camgen.errors import printable
 
 _browser = click.option("--open", "browser", is_flag=True, help="Open the page in a browser.")
@@ -21,13 +21,7 @@ _port = click.option(
 
 @click.command(epilog=EXIT_CODES)
 @click.argument("spec", type=click.Path(path_type=Path))
-@click.option(
-    "-o",
-    "--out",
-    default="out",
-    type=click.Path(path_type=Path),
-    help="Output folder.  [default: out]",
-)
+@out_option
 @_port
 @_browser
 def watch(spec: Path, **served: Any) -> None:

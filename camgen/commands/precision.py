@@ -7,20 +7,14 @@ from pathlib import Path
 
 import click
 
-from camgen.commands.options import EXIT_CODES, json_option
+from camgen.commands.options import EXIT_CODES, json_option, out_option, set_option
 from camgen.commands.running import refuse_one_name_twice
 from camgen.errors import printable
 
 
 @click.command(epilog=EXIT_CODES)
 @click.argument("specs", metavar="[SPEC]...", nargs=-1, type=click.Path(path_type=Path))
-@click.option(
-    "-o",
-    "--out",
-    default="out",
-    type=click.Path(path_type=Path),
-    help="Output folder.  [default: out]",
-)
+@out_option
 def bench(specs: Sequence[Path], out: Path) -> None:
     """Measure accuracy and cost of tolerances from 1e-1 to 1e-7 mm, for each SPEC, or for three starter specs.
 
@@ -44,9 +38,7 @@ def bench(specs: Sequence[Path], out: Path) -> None:
 
 @click.command(epilog=EXIT_CODES)
 @click.argument("spec", type=click.Path(path_type=Path))
-@click.option(
-    "--set", "settings", metavar="KEY=VALUE", multiple=True, help="Such as print.size_error=0.05."
-)
+@set_option("Such as print.size_error=0.05.")
 @click.option("--samples", type=int, default=100_000, help="Printed copies.  [default: 100000]")
 @click.option(
     "--seed", type=int, default=1, help="The same seed gives the same copies.  [default: 1]"

@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from camgen.commands.options import EXIT_CODES, json_option, quiet_option, verbose_option
+from camgen.commands.options import (
+    EXIT_CODES,
+    json_option,
+    out_option,
+    quiet_option,
+    verbose_option,
+)
 from camgen.commands.running import each
 
 if TYPE_CHECKING:
@@ -140,13 +146,7 @@ _OF_OUTLINES = ("height", "layer", "line_width", "dpi", "others", "across", "pro
     default=36,
     help="Low-pass of speed, acceleration.  [default: 36]",
 )
-@click.option(
-    "-o",
-    "--out",
-    default="out",
-    type=click.Path(path_type=Path),
-    help="Output folder.  [default: out]",
-)
+@out_option
 @json_option
 @quiet_option
 @verbose_option

@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from camgen.commands.options import EXIT_CODES, json_option, quiet_option, verbose_option
+from camgen.commands.options import (
+    EXIT_CODES,
+    json_option,
+    out_option,
+    quiet_option,
+    set_option,
+    verbose_option,
+)
 from camgen.commands.running import each, refuse_one_name_twice
 
 if TYPE_CHECKING:
@@ -20,20 +27,28 @@ if TYPE_CHECKING:
 @click.argument(
     "specs", metavar="SPEC...", nargs=-1, required=True, type=click.Path(path_type=Path)
 )
+@out_option
+@set_option("Such as parts.side_phase_deg=0.")
 @click.option(
-    "-o",
-    "--out",
-    default="out",
-    type=click.Path(path_type=Path),
-    help="Output folder.  [default: out]",
+    "--copies",
+    type=int,
+    default=0,
+    help="Printed copies that walk as well, with errors and play of the print.  [default: 0]",
 )
 @click.option(
-    "--set", "settings", metavar="KEY=VALUE", multiple=True, help="Such as parts.side_phase_deg=0."
+    "--seed", type=int, default=1, help="The same seed gives the same copies.  [default: 1]"
 )
 @json_option
 @quiet_option
 @verbose_option
-def simulate(specs: Sequence[Path], out: Path, settings: Sequence[str], **shown: bool) -> None:
+def simulate(
+    specs: Sequence[Path],
+    out: Path,
+    settings: Sequence[str],
+    copies: int,
+    seed: int,
+    **shown: bool,
+) -> None:
     """Let each SPEC with a table [walk] walk on a floor: whether it walks, falls, slips or stalls, at each friction of walk.friction.
 
     Writes OUT/<name>-walk/ with a page, a film and a table of the curves. Needs mujoco-core, the extra simulate.
@@ -44,6 +59,7 @@ def simulate(specs: Sequence[Path], out: Path, settings: Sequence[str], **shown:
 
         if len(specs) > 1:
             refuse_one_name_twice(specs, settings)
-        return partial(walking.simulate, out=out, overrides=settings)
+        prints = walking.Prints(copies, seed)
+        return partial(walking.simulate, out=out, overrides=settings, prints=prints)
 
     each(specs, work, 1, **shown)

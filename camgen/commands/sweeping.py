@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from camgen.commands.options import SWEEP_CODES, kinds_of
+from camgen.commands.options import SWEEP_CODES, kinds_of, set_option
 from camgen.errors import printable
 
 
@@ -45,9 +45,7 @@ from camgen.errors import printable
     multiple=True,
     help="Keep this figure, such as stroke_mm.  [default: all]",
 )
-@click.option(
-    "--set", "settings", metavar="KEY=VALUE", multiple=True, help="Change a key for every variant."
-)
+@set_option("Change a key for every variant.")
 @click.option(
     "--build",
     "build_kinds",

@@ -25,6 +25,7 @@ from camgen.machine.model import GROUND, Cam, Clutch, Output, bodies_of, unit_of
 from camgen.numerics import Floats
 from camgen.study import Figure, Figures, Table
 
+_STILL = 1e-9  # mm or rad, the stroke of an output that does not move
 _RANGE = 0.5  # of an output's range: with more play a mechanism is none
 _ROUNDING = 1e-10  # mm or rad, of an output that no joint moves, such as the driven link's angle
 MOTION_ERROR = "motion error {of}"  # its figure
@@ -113,9 +114,10 @@ def judge_machine(
     unseen = _nominal(nominal)
     if any(math.isinf(each.error) for each in judged):
         return Verdict(tuple(findings), numbers, not_judged=unseen)
-    if proof.fits or (on_cams.sound and others):
+    bounded = [each for each in judged if math.isfinite(each.lash[0])]
+    if bounded and (proof.fits or (on_cams.sound and others)):
         worst = max(
-            judged, key=lambda each: 2 * each.band / each.lash[0] if each.lash[0] else math.inf
+            bounded, key=lambda each: 2 * each.band / each.lash[0] if each.lash[0] else math.inf
         )
         findings.append(worst.play(every, alone))
     strokes = [each for each in judged if each.demand.stroke]
@@ -280,7 +282,7 @@ class _OutputResult:
     def lash(self) -> tuple[float, str]:
         """The play that is borne, and why no more."""
         half = self.measured_stroke * _RANGE
-        if self.demand.lash < half:
+        if self.demand.lash < half or self.nominal_stroke <= _STILL:
             return self.demand.lash, self.demand.lash_of
         return half, "half of the stroke: with more it is no mechanism"
 

@@ -20,6 +20,7 @@ from camgen.machine.run import Run
 from camgen.machine.targets import Course, breadth, rectangle, stroke
 from camgen.numerics import Floats
 
+_STILL = 1e-9  # mm or rad, of an output that does not move
 _LASH = 0.25  # of an output's stroke, or of a path's smaller side: the play that is accepted unless the spec says otherwise
 _LINE = 0.05  # of a path's length, below which its ways there and back are one
 ANGLES = 721  # at which it is looked at: the play turns so slowly that half a degree loses less than a file's facets add
@@ -42,9 +43,9 @@ def of_pins(run: Run, demands: Sequence[Demand]) -> list[Finding]:
             continue
         name = demand.output
         play = 2 * float(np.nanmax(run.play(name).total))
-        if play > 0:
+        limit, reason = limit_of(demand.lash, np.asarray(run[name]), demand.lash_of)
+        if play > 0 and math.isfinite(limit):
             unit, scale = unit_of(run.machine.output(name))
-            limit, reason = limit_of(demand.lash, np.asarray(run[name]), demand.lash_of)
             remark = f"by the clearance of its joints; {reason}"
             where = Where(output=name)
             findings.append(at_most("LASH", scale * play, scale * limit, unit, where, remark))
@@ -74,13 +75,15 @@ def accepted(course: Course, lash: float | None, lash_deg: float | None) -> tupl
         if breadth(course.value) >= _LINE * size:
             size = width
             of = "path's smaller side"
+    if size <= _STILL:
+        return math.inf, f"not known, it stands still: give {key}"
     return scale * _LASH * size, f"a quarter of the {of} ({key} sets another)"
 
 
 def limit_of(lash: float, value: Any, key: str = "limits.lash") -> tuple[float, str]:
     """The play that is accepted of an output with these values over the motion, (n,), and why no more."""
     half = float(max(np.ptp(np.real(value)), np.ptp(np.imag(value)))) / 2
-    if lash < half:
+    if lash < half or half <= _STILL:  # an output that stands still has no stroke that bounds it
         return lash, f"the limit is {key}"
     return half, "the limit is half of the stroke"
 

@@ -99,10 +99,15 @@ def mjcf_files(build: Path) -> list[Path]:
     return sorted(path for path in (build / FOLDER).rglob("*") if path.is_file())
 
 
-def simulated(mechanism: Mechanism, standing: Standing | None = None) -> mjcf.Model:
-    """The machine at the start of its period, fixed in the world, or on its feet; SpecError where it cannot be told."""
+def simulated(
+    mechanism: Mechanism, standing: Standing | None = None, copy: Machine | None = None
+) -> mjcf.Model:
+    """The machine at the start of its period, fixed in the world, or on its feet; SpecError where it cannot be told.
+
+    copy: of it, whose pins are a little elsewhere.
+    """
     assembly = mechanism.assembly
-    machine = with_masses(assembly.exact, assembly.solids, mechanism.load).machine
+    machine = with_masses(copy or assembly.exact, assembly.solids, mechanism.load).machine
     tree = tree_of(machine)
     if tree.left_out:
         right = "a machine of pins, slides, slots and gears, driven evenly: MJCF has no form of"

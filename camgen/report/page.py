@@ -53,6 +53,7 @@ def to_html(report: Report) -> str:
     scene = report.scene
     first = summary(report)
     machine = player(report.animation, scene is not None) if report.animation else ""
+    machine += _film(report)
     machine += f'<p class="flat">{escape(sentence(report.why_flat))}</p>' if report.why_flat else ""
     return Template(_asset("page.html")).substitute(
         name=escape(report.name),
@@ -83,6 +84,15 @@ def to_html(report: Report) -> str:
         script=_asset("page.js"),
         viewer=_viewer(report, scene) if scene is not None else "",
     )
+
+
+def _film(report: Report) -> str:
+    """The moving picture in the page itself."""
+    if not report.film:
+        return ""
+    data = base64.b64encode(report.film).decode("ascii")
+    alt = escape(f"{report.name} in motion")
+    return f'<section><img class="film" alt="{alt}" src="data:image/gif;base64,{data}"></section>'
 
 
 def write_html(path: str | PathLike[str], report: Report) -> None:

@@ -38,7 +38,7 @@ class Report:
     animation, scene: the machine in motion, drawn and in three dimensions; budget: the error budget by stage; files: further
     files of the folder to which the page links, and places: those that do not lie at the top, by name; not_judged: codes that were left out; warnings: sentences that a person should
     read before the parts are made; why_flat: a sentence on what to build for a view in three dimensions; remarks: what this run did beside the result, and folder: where it wrote, told but not
-    written: the same spec gives the same files; summary: the verdict of a report without findings.
+    written: the same spec gives the same files; summary: the verdict of a report without findings; film: a GIF that the page shows.
     """
 
     name: str
@@ -60,6 +60,7 @@ class Report:
     why_flat: str = ""
     summary: str = "Nothing is judged here"
     places: Mapping[str, str] = field(default_factory=dict)
+    film: bytes = b""
 
     @property
     def ok(self) -> bool:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -52,6 +52,13 @@ class Gait:
     error: Floats  # (n,) mm
     up: Floats  # (3,) the frame's direction that is up at the start
     wanted: int  # turns
+    copy: int = 0  # number of the printed copy, 0: exact
+
+    @property
+    def name(self) -> str:
+        """What it is a run of."""
+        copy = f", copy {self.copy}" if self.copy else ""
+        return f"friction {self.friction:g}{copy}"
 
     @property
     def void(self) -> bool:
@@ -300,10 +307,3 @@ def _gathered(
         -np.array(model.down),
         wanted,
     )
-
-
-def gaits(
-    model: mjcf.Model, machine: Machine, start: float, wanted: int, frictions: Sequence[float]
-) -> list[Gait]:
-    """A run at each friction."""
-    return [gait(replace(model, friction=each), machine, start, wanted) for each in frictions]

@@ -1,4 +1,5 @@
-"""What a simulation in MuJoCo gives for its step and the stiffness of its loops. Run `python tests/bench/bench_walk.py`.
+"""What a simulation in MuJoCo gives for its step and the stiffness of its loops, and by which phase the walker's sides are best
+apart. Run `python tests/bench/bench_walk.py`, or `python tests/bench/bench_walk.py phases`.
 
 Two of Jansen's legs, their frame held, gravity in their plane, a turn of the crank at 30 rpm after a start of 0.3 s. Foot: greatest
 distance from where the machine closes at the same crank angle; loop: greatest gap of a pin that closes one; energy: greatest
@@ -8,6 +9,7 @@ difference of the drive's work and the energy stored, as a share of the swing of
 from __future__ import annotations
 
 import re
+import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -21,8 +23,11 @@ from camgen.machine.model import MM
 from camgen.machine.run import solve
 from camgen.machines.sources import read_mechanism
 from camgen.pipeline.multibody import simulated, standing_of
+from camgen.simulation import walking
 
-SPEC = Path(__file__).resolve().parents[2] / "specs" / "two-leg-walker.toml"
+SPECS = Path(__file__).resolve().parents[2] / "specs"
+SPEC = SPECS / "two-leg-walker.toml"
+WALKER = SPECS / "gallery" / "walker.toml"
 STIFF = "0.9999 0.9999 0.0001 0.5 2"
 SOFT = "0.9 0.95 0.001 0.5 2"
 # integrator, step in s, time constant of the loops in steps (None: 0.02 s), their impedance
@@ -107,5 +112,23 @@ def main() -> None:
         )
 
 
+def phases() -> None:
+    """Print how the walker of the gallery goes with its far side ahead by each of these angles, at a friction of 0.6.
+
+    Its crank has two throws half a turn apart: from 180 deg on all comes again.
+    """
+    print("| far side ahead, deg | ends | way, mm a turn | slip, mm a turn | roll, deg |")
+    print("|---|---|---|---|---|")
+    for phase in range(0, 180, 15):
+        mechanism = read_mechanism(WALKER, [f"parts.side_phase_deg={phase}"]).resolved()
+        standing = standing_of(mechanism)
+        assert standing is not None
+        run = walking.walk(mechanism, simulated(mechanism, standing), 0.6, 3)
+        end = f"falls after {run.turns:.2f} turns" if run.falls else "walks"
+        roll = np.degrees(np.max(np.abs(run.roll)))
+        row = f"{run.way_per_turn:.0f} | {run.slip_per_turn:.0f} | {roll:.0f}"
+        print(f"| {phase} | {end} | {row} |", flush=True)
+
+
 if __name__ == "__main__":
-    main()
+    phases() if "phases" in sys.argv[1:] else main()

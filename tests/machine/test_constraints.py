@@ -92,7 +92,7 @@ def test_it_shares_nothing_with_the_maker_but_the_model() -> None:
 
 # Imports inside the kernel go to its earlier rows only.
 ROWS = (
-    {"model", "strength", "flywheel", "matching", "run_up", "gait"},
+    {"model", "strength", "flywheel", "matching", "run_up", "slow_walk"},
     {"elimination"},
     {"jets", "constraints", "targets", "balancing", "programs", "freewheels", "tree"},
     {"friction"},

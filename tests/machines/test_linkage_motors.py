@@ -359,3 +359,30 @@ def test_a_line_in_a_file_is_the_same_line(drawn: Linkage, tmp_path: Path) -> No
     made = camgen.load(tmp_path / "star.toml")
     assert made.pen.drawn_in == "star.csv"  # type: ignore[attr-defined]
     assert made.pen.line == drawn.pen.line  # type: ignore[attr-defined,union-attr]
+
+
+@pytest.mark.parametrize(
+    ("change", "fault"),
+    [
+        (
+            lambda e: drive(e, 0, speed_rpm=0),
+            "drive.0.speed_rpm: 0 - expected a number other than 0",
+        ),
+        (
+            lambda e: drive(e, 1, speed_rpm=7),
+            "drive.1.speed_rpm: 7 - expected 4, drawings a minute",
+        ),
+        (
+            lambda e: drive(e, 0, range_deg=[0, 50]),
+            "drive.0.range_deg: [0.0, 50.0] - expected nothing",
+        ),
+        (lambda e: e["drive"].pop(), "drive: 1 drive - expected [[drive]] twice beside [pen]"),
+        (lambda e: e["parts"].update(discs={}), "a table of names, each a number >= 0.001"),
+    ],
+)
+def test_beside_a_pen_a_slip_is_one_fault(change: Callable[[Tables], None], fault: str) -> None:
+    spec = star()
+    change(spec)
+    with pytest.raises(SpecError) as caught:
+        camgen.load(spec)
+    assert len(caught.value.faults) == 1 and fault in str(caught.value)

@@ -16,10 +16,13 @@ from conftest import ROOT
 from PIL import Image
 
 from camgen.errors import FileError, SpecError
+from camgen.machine.print_errors import Sizes
 from camgen.machines.sources import read_mechanism
 from camgen.pipeline.multibody import simulated, standing_of
+from camgen.report.page import to_html
 from camgen.simulation import picture, walking
 from camgen.simulation.gait import Gait
+from camgen.tolerance.printed import printed_copy
 
 REFERENCE = tomllib.loads((ROOT / "tests" / "reference" / "walks.toml").read_text(encoding="utf-8"))
 FEET = 'walk.feet=["foot1", "foot2", "foot3", "foot4"]'
@@ -115,6 +118,52 @@ def test_a_film_shows_it_going_on(
         coloured = np.ptp(pixels, axis=2) > 60
         frames.append(np.nonzero(coloured)[1].mean())
     assert frames[1] - frames[0] > 0.2 * image.width
+
+
+def test_a_printed_copy_walks_a_little_otherwise(machine: Any, model: Any, run: Gait) -> None:
+    """Its legs stay closed on its own pins, not on the exact ones; both kinds of runs have figures of their own."""
+    copy = printed_copy(machine.assembly.exact, Sizes(0, 0, 0.02, 0), np.random.default_rng(3))
+    standing = standing_of(machine)
+    assert standing is not None
+    made = simulated(machine, standing, copy)
+    other = replace(walking.walk(machine, made, 0.6, 2, copy), copy=1)
+    assert not other.void and walking.walk(machine, made, 0.6, 1).void
+    assert 0.1 < abs(other.way_per_turn - run.way_per_turn) < 40
+    report = walking.judged(machine, model, [run, other], 120.0)
+    assert report.numbers["way_per_turn_least_mm"] == run.way_per_turn
+    assert report.numbers["copies_way_per_turn_least_mm"] == other.way_per_turn
+    damaged = replace(other, crank=np.minimum(other.crank, 2.7))
+    (stalls,) = [
+        each
+        for each in walking.judged(machine, model, [run, damaged], 120.0).findings
+        if each.code == "STALLS"
+    ]
+    assert not stalls.ok and "copy 1" in str(stalls.where)
+    void = replace(other, error=np.full(len(other.time), 119.0))
+    alone = walking.judged(machine, model, [run, void], 120.0)
+    assert alone.ok and "copies_way_per_turn_least_mm" not in alone.numbers
+
+
+def test_copies_that_do_not_close_are_told(machine: Any) -> None:
+    """With centres 0.2 mm off the legs come to their folds; with exact ones, and pins without play, none does."""
+    rough = machine.replace({"print.place_error": 0.2})
+    drawn = walking._copies(rough, walking.Prints(2, 1))
+    assert len(drawn.closing) < drawn.drawn and "do not close" in drawn.note
+    assert drawn.figures[0].value < 100
+    fine = machine.replace({"print.place_error": 0.0, "print.slide_clearance": 0.01})
+    assert walking._copies(fine, walking.Prints(2, 1)).drawn == 2
+
+
+def test_the_page_shows_the_film_by_itself(machine: Any, model: Any, run: Gait) -> None:
+    report = walking.judged(machine, model, [run], 120.0)
+    assert "data:image/gif" not in to_html(report)
+    page = to_html(replace(report, film=b"GIF89a"))
+    assert 'src="data:image/gif;base64,R0lGODlh"' in page and "img-src data:" in page
+
+
+def test_counts_of_copies_that_are_none_are_refused(machine: Any, tmp_path: Path) -> None:
+    with pytest.raises(SpecError, match=r"--copies: 101.*\n.*--seed: -1"):
+        walking.simulate(machine, tmp_path, prints=walking.Prints(101, -1))
 
 
 def test_what_does_not_walk_is_told(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -19,7 +19,7 @@ from camgen.machine.centrodes import centrodes
 from camgen.machine.closed_form import four_bar
 from camgen.machine.features import Demand
 from camgen.machine.landmarks import double_points
-from camgen.machine.reach import folds, four_bar_lengths, transmission
+from camgen.machine.reach import Fold, folds, four_bar_lengths, transmission
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import NO_STROKES, Course, Through, Trace, extent, time_ratio
 from camgen.machines.free_play import accepted
@@ -341,22 +341,24 @@ def demands(linkage: LinkageMotion, allowed: LinkageLimits) -> tuple[Demand, ...
 def transmission_angles(linkage: LinkageMotion, least_deg: float) -> list[Finding]:
     """How near each loop comes to a fold, on the model as designed."""
     return [
-        at_least(
-            "TRANSMISSION_ANGLE",
-            math.degrees(math.asin(min(1.0, abs(fold.determinant)))),
+        fold_margin(
+            fold,
             least_deg,
-            "deg",
             Where(
                 listed("joint", fold.joints),
                 joint=fold.joints[0] if len(fold.joints) == 1 else "",
-                theta=fold.theta,
-                angle="",
-                digits=2,
             ),
             "least over the motion; at 0 the chain folds and may go on either way",
         )
         for fold in folds(linkage.chain, *linkage.cycle.range)
     ]
+
+
+def fold_margin(fold: Fold, least_deg: float, where: Where, message: str) -> Finding:
+    """TRANSMISSION_ANGLE of the place at which a loop comes nearest to a fold."""
+    angle = math.degrees(math.asin(min(1.0, abs(fold.determinant))))
+    place = replace(where, theta=fold.theta, angle="", digits=2)
+    return at_least("TRANSMISSION_ANGLE", angle, least_deg, "deg", place, message)
 
 
 def _forces(linkage: LinkageMotion, made: Build, theta: Floats, angle: Callable[[], str]) -> Study:

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
-from camgen.errors import CamgenError, DesignError, Fault, SpecError
+from camgen.errors import CamgenError, DesignError, Fault, SpecError, counted
 from camgen.findings import Finding, NotJudged
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
@@ -306,10 +306,15 @@ class Linkage(Mechanism):
         found += self._side_faults()
         found += () if self.walk is None else self.walk.faults(self.wanted)
         found += motors.faults(self._drawing, self.making, self._of_one_motor)
-        found += () if self.pen is None else pens.faults(self.pen, self._drawing)
+        if self.pen is None:
+            found += motors.program_faults(self._drawing.drives)
+        else:
+            found += pens.faults(self.pen, self._drawing)
         if self.includes and self.drive.segments:
             right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
-            found.append(Fault(("drive", "segment"), f"{len(self.drive.segments)} segments", right))
+            found.append(
+                Fault(("drive", "segment"), counted(len(self.drive.segments), "segment"), right)
+            )
         return [
             *found,
             *(inc.faults(self.includes, self._host) if self.includes else ()),

@@ -31,8 +31,7 @@ _WHOLE = 1e-9  # turns, by which a whole number may be missed
 
 def faults(drawing: Drawing, sizes: Parts, beside: Mapping[str, bool]) -> Iterator[Fault]:
     """What is wrong between several drives; beside: tables that only a machine of one motor has, and whether they are there."""
-    first, *others = drawing.drives
-    if not others:
+    if len(drawing.drives) == 1:
         return
     pivots: dict[str, int] = {}
     for k, drive in enumerate(drawing.drives):
@@ -43,11 +42,6 @@ def faults(drawing: Drawing, sizes: Parts, beside: Mapping[str, bool]) -> Iterat
             if before != k:
                 right = f"a link with a pivot of its own: at {pivot} drive.{before} turns {drawing.drives[before].link}"
                 yield Fault((*path, "link"), repr(drive.link), right)
-        if drive.range_deg is not None:
-            right = "segments in its place: several motors move by programs, or evenly"
-            yield Fault((*path, "range_deg"), str(list(drive.range_deg)), right)
-    for k, drive in enumerate(others, 1):
-        yield from _speed_faults(("drive", k, "speed_rpm"), first, drive)
     words = "nothing here beside several motors: it is for a machine with one"
     for table, there in beside.items():
         if there:
@@ -59,6 +53,17 @@ def faults(drawing: Drawing, sizes: Parts, beside: Mapping[str, bool]) -> Iterat
     ):
         if value != usual:
             yield Fault(("parts", key), str(value), words)
+
+
+def program_faults(drives: Sequence[Drive]) -> Iterator[Fault]:
+    """What is wrong with how several motors turn, each by itself."""
+    first, *others = drives
+    for k, drive in enumerate(drives if others else ()):
+        if drive.range_deg is not None:
+            right = "segments in its place: several motors move by programs, or evenly"
+            yield Fault(("drive", k, "range_deg"), str(list(drive.range_deg)), right)
+    for k, drive in enumerate(others, 1):
+        yield from _speed_faults(("drive", k, "speed_rpm"), first, drive)
 
 
 def _speed_faults(path: Key, first: Drive, drive: Drive) -> Iterator[Fault]:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from camgen.errors import Fault, listed
-from camgen.findings import Finding, Where, at_least
+from camgen.findings import Finding, Where
 from camgen.machine import freedom
 from camgen.machine import model as m
 from camgen.machine.loops import chain_of
@@ -30,6 +30,7 @@ from camgen.machine.run import Run, solve
 from camgen.machine.state import Dyad
 from camgen.machine.stepwise import closed_by_dyads
 from camgen.machines.linkage.drawing import Drawing
+from camgen.machines.linkage.figures import fold_margin
 from camgen.machines.linkage.motors import refuse_open
 from camgen.machines.linkage.tables import Pen
 from camgen.motion.pen import pen_motion
@@ -128,17 +129,10 @@ def stretches(chain: m.Machine, pen: Pen, least_deg: float) -> list[Finding]:
     chain: as it is led. It is the angle between both, or its supplement.
     """
     return [
-        at_least(
-            "TRANSMISSION_ANGLE",
-            math.degrees(math.asin(min(1.0, abs(fold.determinant)))),
+        fold_margin(
+            fold,
             least_deg,
-            "deg",
-            Where(
-                f"{listed('joint', fold.joints)}, seen from the pen",
-                theta=fold.theta,
-                angle="",
-                digits=2,
-            ),
+            Where(f"{listed('joint', fold.joints)}, seen from the pen"),
             "least along the line; at 0 an arm and its rod are stretched, and the pen is at the edge of its reach",
         )
         for fold in folds(carried(chain, pen))

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
-from camgen.errors import Fault, Key, SpecError
+from camgen.errors import Fault, Key, SpecError, counted
 from camgen.machine.cams.limits import CamLimits
 from camgen.machine.targets import (
     Dwell,
@@ -131,11 +131,13 @@ class Drive(Record):
 
 
 def _with_speeds(value: object) -> object:
-    """A list of drives in which those that say no speed have that of the first."""
+    """A list of drives in which those that say no speed have that of the first, or, if it is none, any: one fault is enough."""
     if not isinstance(value, list | tuple) or not value or not isinstance(value[0], Mapping):
         return value
-    speed = {key: value[0][key] for key in ("speed_rpm",) if key in value[0]}
-    return tuple({**speed, **row} if isinstance(row, Mapping) else row for row in value)
+    first = value[0].get("speed_rpm")
+    speed = first if isinstance(first, int | float) and first else 1.0
+    others = [{"speed_rpm": speed, **row} if isinstance(row, Mapping) else row for row in value[1:]]
+    return (value[0], *others)
 
 
 def _number_of_drives(value: object) -> str:
@@ -194,11 +196,15 @@ class Pen(Record):
             yield Fault(("pen", "line"), f"{len(self.line)} points", right)
         if len(drives) != 2:
             right = "[[drive]] twice beside [pen]: two motors lead a point"
-            yield Fault(("drive",), f"{len(drives)} drives", right)
+            yield Fault(("drive",), counted(len(drives), "drive"), right)
+            return
         for k, drive in enumerate(drives):
+            right = "nothing here: [pen] says how it turns"
             if drive.segments:
-                right = "nothing here: [pen] says how it turns"
-                yield Fault(("drive", k, "segment"), f"{len(drive.segments)} segments", right)
+                typed = counted(len(drive.segments), "segment")
+                yield Fault(("drive", k, "segment"), typed, right)
+            if drive.range_deg is not None:
+                yield Fault(("drive", k, "range_deg"), str(list(drive.range_deg)), right)
             if drive.speed_rpm != abs(drives[0].speed_rpm):
                 right = f"{abs(drives[0].speed_rpm):g}, drawings a minute, of both"
                 yield Fault(("drive", k, "speed_rpm"), f"{drive.speed_rpm:g}", right)

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from camgen.machine.gait import Gait, gait
 from camgen.machine.model import GROUND, MM, Machine
 from camgen.machine.run import solve
+from camgen.machine.slow_walk import SlowWalk, slow_walk
 from camgen.machines.linkage.tables import Walk
 from camgen.machines.loads.weights import PULL
 from camgen.numerics import Points
@@ -47,13 +47,13 @@ def study(
         return Study(
             notes=["The walk is not told: no mass of the machine is known, or it does not close."]
         )
-    found = gait(up * places, up * moment / mass, up * shaft)
-    if not isinstance(found, Gait):
+    found = slow_walk(up * places, up * moment / mass, up * shaft)
+    if not isinstance(found, SlowWalk):
         deg = math.degrees(theta[found])
         said = f"The walker falls at crank angle {deg:.1f} deg: its centre of mass lies beyond its feet."
         return Study(Figures([Figure("walk falls at", deg, "deg")]), notes=[said])
     least, greatest = found.way_between(min(walk.friction), max(walk.friction))
-    work = mass * PULL * found.loaded_slip * MM
+    work = mass * PULL * found.slip * MM
     tilt = np.degrees(found.tilt)
     figures = [
         Figure("walk way", found.way, "mm"),

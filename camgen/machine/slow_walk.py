@@ -19,7 +19,7 @@ _ON_FLOOR = 1e-9  # mm, by which another foot may lie below the floor
 
 
 @dataclass(frozen=True)
-class Gait:
+class SlowWalk:
     """Rows over a turn, (n,), both ends: tilt of the frame, rad, counter-clockwise; height of a point of it over the floor, mm; the
     two feet that it stands on, (2, n), with their shares of the load; where all feet are along the floor from that point, (k, n)."""
 
@@ -59,22 +59,14 @@ class Gait:
         ahead = np.min(np.where(may_stick, self._moves, np.inf), axis=0)
         return -float(np.sum(back)), -float(np.sum(ahead))
 
-    @cached_property
-    def _slips(self) -> Floats:
-        return np.asarray(np.abs(self._moves[0] - self._moves[1]))
-
     @property
     def slip(self) -> float:
-        """Of the loaded foot that does not stick, in a turn, mm."""
-        return float(np.sum(self._slips))
-
-    @property
-    def loaded_slip(self) -> float:
-        """The same weighed by its share of the load, mm: times weight and friction it is work."""
-        return float(np.sum(self._slips * np.min(self.shares[:, :-1], axis=0)))
+        """Of the foot that does not stick, in a turn, mm, by its share of the load: times weight and friction it is work."""
+        slips = np.abs(self._moves[0] - self._moves[1])
+        return float(np.sum(slips * np.min(self.shares[:, :-1], axis=0)))
 
 
-def gait(feet: Points, centre: Points, point: complex) -> Gait | int:
+def slow_walk(feet: Points, centre: Points, point: complex) -> SlowWalk | int:
     """How a frame walks on feet, (k, n) complex mm in it, y up, with its centre of mass, (n,); or the row at which it falls.
 
     point: of the frame, whose height and way are told.
@@ -106,6 +98,6 @@ def gait(feet: Points, centre: Points, point: complex) -> Gait | int:
     turn = np.exp(1j * tilt)
     right_share = shares[chosen, rows]
     height = np.imag(turn * (point - feet[pair[0], rows]))
-    return Gait(
+    return SlowWalk(
         tilt, height, pair, np.stack([1 - right_share, right_share]), np.real(turn * (feet - point))
     )
