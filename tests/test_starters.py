@@ -256,3 +256,8 @@ def test_a_short_starter_is_the_same_machine(name: str) -> None:
 
 def test_the_shortest_way_to_a_cam_has_some_fifteen_lines() -> None:
     assert len(starters.short("disc-cam").splitlines()) == 16
+
+
+@pytest.mark.parametrize("name", [*MECHANISMS, *starters.examples()])
+def test_the_title_in_lists_is_whole_sentences(name: str) -> None:
+    assert starters.summary(name).endswith(".")

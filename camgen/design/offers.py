@@ -66,7 +66,8 @@ def written(request: Request, offer: Offer) -> str:
     request.say(f"of {len(order)}, {front.caption(rows[order.index(best)])}")
     if best.prototype.lash > aim.useful_play:
         request.say(
-            f"no design has less play, and of use is {aim.useful_play:.4g} {aim.unit} at most: {aim.tighter}"
+            f"the least play of a design is {best.prototype.lash:.3g} {aim.unit}, more than {aim.useful_play:.4g} {aim.unit} "
+            f"(wanted.lash, which is not set): {aim.tighter}"
         )
     other = min(near, key=lambda each: each.loss)
     if other is not best:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from camgen.errors import CamgenError
+from camgen.errors import CamgenError, counted
 from camgen.findings import Finding
 from camgen.machine.model import unit_of
 from camgen.reading import Data
@@ -86,6 +87,21 @@ def _lash(machine: Mechanism) -> float:
     theta = np.linspace(*machine.assembly.cycle.range, _ANGLES)
     play = machine.solve(theta, 1).play(output.name)
     return 2 * unit_of(output)[1] * float(np.max(play.total))
+
+
+def tally(judged: Sequence[Prototype], far: int = 0) -> str:
+    """How many designs are of use, and why the others are not; far: others, too far from the wish for their parts to be made."""
+    useful = sum(each.of_use for each in judged)
+    text = f"{counted(len(judged) + far, 'design')} judged, {useful} of use"
+    unmade = sum(bool(each.obstacle) for each in judged)
+    far += sum(bool(each.miss) and not each.refusal for each in judged)
+    codes = Counter(
+        code for each in judged for code in dict.fromkeys(finding.code for finding in each.failures)
+    )
+    reasons = {"too far from what is wanted": far, "with parts that cannot be made": unmade}
+    reasons |= {f"beyond {code}": count for code, count in codes.most_common()}
+    others = [f"{count} {reason}" for reason, count in reasons.items() if count]
+    return f"{text}; {', '.join(others)}" if others else text
 
 
 def miss(code: str, error: float, limit: float, unit: str) -> str:

@@ -16,6 +16,7 @@ import numpy as np
 from camgen.design import paths
 from camgen.design.found import Found
 from camgen.design.paths import ChainDesign
+from camgen.design.prototype import tally
 from camgen.numerics import Floats
 
 _AT_ONCE = 6  # designs of a front that are weighed together
@@ -60,17 +61,13 @@ def weighed(
         chosen = remaining[layer[spread]]
         looked += run(with_prototype, [of(int(k)) for k in chosen])
         useful = sum(each.prototype.of_use for each in looked)
-        say(_judged(len(looked), useful))
+        say(tally([each.prototype for each in looked]))
         near = np.min(
             np.max(np.abs(losses[remaining][:, None] - losses[chosen]) / _scale(losses), axis=2),
             axis=1,
         )
         remaining = remaining[near > _ELSEWHERE]
     return looked
-
-
-def _judged(count: int, useful: int) -> str:
-    return f"{count} designs judged, {useful} of them can be built and keep the limits"
 
 
 def _scale(losses: Floats) -> Floats:
@@ -106,7 +103,7 @@ class PathFront:
                 layer, self.run(partial(_if_near, self.of), layer), strict=True
             ):
                 (misses if each.miss else hits)[design] = each
-            self.say(_judged(len(hits) + len(misses), len(_useful(hits))))
+            self.say(tally([each.prototype for each in hits.values()], len(misses)))
             seen = set(layer)
             remaining = [each for each in remaining if each not in seen]
         if not _useful(hits):

@@ -234,7 +234,7 @@ def _rolled(
     numbers = first.numbers
     compared = None
     if request.against is not None:
-        progress("laying it on the spec's cam")
+        progress("fitting the outline to the cam of the spec")
         compared = _compared(first, path, request)
         ring = compared.ring
         if "scale_percent" in compared.numbers:  # found from the outline: it is off no more

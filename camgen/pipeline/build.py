@@ -110,7 +110,7 @@ def check(folder: Path, progress: Progress = silent, jobs: int | None = 1) -> Re
         judged = judged_files(case, names)
         judged_changes = [name for name in differ if name in judged]
         other_changes = [name for name in differ if name not in judged]
-        progress("making anew what is beside the parts", 0.85)
+        progress("comparing the other files with a rebuild", 0.85)
         rebuilt = Rebuild(case, kinds, manifest, report, columns, bool(judged_changes)).outcome(
             other_changes, workers
         )

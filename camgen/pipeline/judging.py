@@ -89,14 +89,16 @@ def judge(
         progress(f"reading back {name}", 0.45 + 0.2 * k / len(case.parts))
         outcome, sections[name] = next(reading)
         parts.append(outcome)
-    progress("letting the parts touch", 0.65)
+    progress("recovering the motion from the files", 0.65)
     motion, columns, recovered = moved_by(mechanism, files, sections)
     budget = (
         budget_of(case, sections, [study.numbers, motion.numbers]) if "report" in kinds else None
     )
     stages = []
     for k, (what, outcome_of) in enumerate(started):
-        progress(f"looking at {what or 'the design'}", 0.7 + 0.15 * k / len(started))
+        progress(
+            f"checking {what}" if what else "checking the design", 0.7 + 0.15 * k / len(started)
+        )
         stages.append(outcome_of())
     if not columns:
         columns = dict(study.columns)
@@ -168,13 +170,13 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     stages = []
     if mechanism.assembly.passing:
         stages.append(
-            Stage(("CLEARANCE",), "parts that pass by each other over the turn", ANY, pass_by)
+            Stage(("CLEARANCE",), "clearances of passing parts over a turn", ANY, pass_by)
         )
     if sum(part.count for part in mechanism.assembly.parts) + len(mechanism.assembly.stand_ins) > 1:
         stages.append(
             Stage(
                 ("INTERFERENCE",),
-                "all bodies, moved past each other through a turn",
+                "clearances of all bodies over a turn",
                 ("3mf",),
                 sweep_assembly,
             )

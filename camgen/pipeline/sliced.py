@@ -140,7 +140,7 @@ def check_gcode(
     where = Where(file=", ".join(path.name for path in plates), kind="gcode")
     complete, absent = judge_sliced_copies(count, expected, plate_copies, where)
     findings.append(complete)
-    progress("letting the parts touch")
+    progress("recovering the motion from the layers")
     motion, figures, not_judged = _motion_of_print(case, prints, on_side, where)
     columns = (
         "part",

@@ -95,7 +95,7 @@ def tolerance(
     if faults:
         raise SpecError(faults, "command line")
     mechanism = read_mechanism(spec, overrides).resolved()
-    progress("working out what each error does", 0.1)
+    progress("computing the sensitivity to each print error", 0.1)
     spread = spread_of(mechanism)
     struck = timings(mechanism)
     if not spread.modes and struck:
@@ -106,7 +106,7 @@ def tolerance(
     if not spread.modes:
         why = "its bodies follow laws by themselves"
         raise DesignError("joints that print errors can displace", 0, 1, "", mechanism.name, why)
-    progress("printing copies", 0.3)
+    progress("sampling printed copies", 0.3)
     copies = copies_of(spread, printing.samples, printing.seed)
     figures = []
     tables = [spread.budget(), _quantiles(spread, copies, figures)]

@@ -21,12 +21,12 @@ from camgen.design.linkages import Tracing
 from camgen.design.offers import Aim, rank
 from camgen.design.paths import ChainDesign, Task, solve_task
 from camgen.design.polish import Goal
-from camgen.design.prototype import Prototype, prototype
+from camgen.design.prototype import Prototype, prototype, tally
 from camgen.design.run import design
 from camgen.design.target import Target
 from camgen.design.weighing import PathFront
 from camgen.errors import DesignError
-from camgen.findings import Finding
+from camgen.findings import Finding, Where
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.spec import validate
 from camgen.workers import Workers
@@ -144,6 +144,24 @@ def test_the_nearest_of_those_with_useful_play_stands_first() -> None:
     ]
     aim = Aim(None, 5.0, "mm", True, "", "")
     assert sorted(reversed(order), key=lambda each: rank(aim, each)) == order
+
+
+def test_what_is_not_of_use_is_counted_by_its_reason() -> None:
+    lash = Finding("LASH", False, 6.0, 5.0, "mm", Where(), "")
+    force = Finding("CONTACT_FORCE", False, -1.0, 0.0, "N", Where(), "")
+    designs = [
+        weighed(0.4, 2.0),
+        weighed(0.4, math.nan, "no levels"),
+        weighed(3.0, math.nan, "no levels"),
+        weighed(3.0, 1.0),
+        weighed(0.4, 6.0, failures=[lash, lash, force]),
+        weighed(0.4, 6.0, failures=[lash]),
+    ]
+    assert tally([each.prototype for each in designs], far=4) == (
+        "10 designs judged, 1 of use; 5 too far from what is wanted, 2 with parts that cannot be made, 2 beyond LASH, "
+        "1 beyond CONTACT_FORCE"
+    )
+    assert tally([designs[0].prototype]) == "1 design judged, 1 of use"
 
 
 def test_the_page_draws_the_wanted_path_and_what_can_be_built_first(tmp_path: Path) -> None:

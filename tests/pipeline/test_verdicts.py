@@ -222,7 +222,7 @@ def test_what_was_not_judged_is_said_by_name_in_terminal_and_page(
     assert told[:3] == [
         f"not judged: {codes}: no {kinds} is in the folder; it judges {what}"
         for codes, kinds, what in (
-            ("INTERFERENCE", "3MF", "all bodies, moved past each other through a turn"),
+            ("INTERFERENCE", "3MF", "clearances of all bodies over a turn"),
             ("BED_FIT", "STL or 3MF", "room on the printer's bed"),
             ("WATERTIGHT, VOLUME", "STL or 3MF or STEP", "solids"),
         )
