@@ -141,7 +141,8 @@ def _assigned(data: Data, keys: Sequence[str], value: Any) -> Data:
             raise SpecError([fault])
         if not last:
             inner = holder.setdefault(key, {}) if isinstance(holder, dict) else holder[key]
-            holder[key] = copy(inner)  # what lies beside the path stays shared
+            # what lies beside the path stays shared; rows of a record are a tuple
+            holder[key] = list(inner) if isinstance(inner, tuple) else copy(inner)
             holder = holder[key]
         elif removed:
             del holder[key]

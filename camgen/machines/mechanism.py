@@ -15,7 +15,6 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
-from operator import getitem
 from pathlib import Path
 from typing import TYPE_CHECKING, Self, TypeVar
 
@@ -260,19 +259,18 @@ class Mechanism(Spec, ABC):
     def resolved(self) -> Self:
         """A spec that makes the same files, with everything filled in that camgen works out."""
         data = self.model_dump(by_alias=True, exclude_none=True)
-        for key, value in self._found().items():
-            *tables, last = key.split(".")
-            reduce(getitem, tables, data)[last] = value
-        return validate(type(self), data)
+        return validate(type(self), self._settled(data))
 
     def settled_tables(self) -> Data:
         """The spec's tables as they were read, with what camgen works out filled in; DesignError where nothing fits.
 
         What follows from other keys, such as a dwell that takes the rest of the turn, stays open.
         """
-        return reduce(
-            lambda data, item: assigned(data, *item), self._found().items(), self.source_tables
-        )
+        return self._settled(self.source_tables)
+
+    def _settled(self, tables: Data) -> Data:
+        """Tables of this spec with what camgen works out."""
+        return reduce(lambda data, item: assigned(data, *item), self._found().items(), tables)
 
     def remarks(self) -> Remarks:
         """What is to be said of it beside its findings."""

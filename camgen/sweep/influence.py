@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -32,6 +32,9 @@ _DIGITS = 3  # of a value at which the limit is reached
 _FORM = frozenset(
     {"files", "drawing", "name", "mechanism"}
 )  # tables that say how files are written
+_ARRANGED = frozenset({"layers", "include"})  # tables that camgen fills in to say where parts are
+_LEVELS = frozenset({"to", "to_deg"})  # keys of a segment that say where it ends
+_LIFTS = frozenset({"lift", "lift_deg"})
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,7 @@ class KeyEffect:
 
     keys: Sequence[str]  # as for `--set`
     value: float  # as it is
+    found: bool  # whether camgen found it, as the spec leaves it open
     tried: float
     measured: float  # of the finding, where the key has the value tried
     limit: float  # the same; some limits follow the machine's size
@@ -86,10 +90,27 @@ def influence(spec: Source, code: str) -> Influence:
     limit_keys += trial.unset_limits()
     effects.sort(key=lambda each: -each[0])
     told = [
-        KeyEffect(keys, value, tried, found.measured, found.limit, trial.last(keys, value, tried))
+        KeyEffect(
+            keys,
+            value,
+            trial.found(keys),
+            tried,
+            found.measured,
+            found.limit,
+            trial.last(keys, value, tried),
+        )
         for _, keys, value, tried, found in effects[:_MOST]
     ]
     return Influence(findings, trial.finding, limit_keys, told)
+
+
+@dataclass(frozen=True)
+class _Level:
+    """A level at which a program ends a segment, and rests in those behind it that end there too."""
+
+    paths: list[Key]  # that say it
+    value: float
+    closing: bool = False  # whether the turn begins or ends at it
 
 
 def _judge(mechanism: Mechanism, code: str) -> Callable[[Mechanism], Sequence[Finding]]:
@@ -124,6 +145,29 @@ def _numbers(value: Any, path: Key = ()) -> Iterator[tuple[Key, float]]:
             yield from _numbers(item, (*path, k))
 
 
+def _levels(value: Any, path: Key = ()) -> Iterator[_Level]:
+    """The levels of all programs in a spec's tables."""
+    for key, item in value.items() if isinstance(value, Mapping) else enumerate(value):
+        if key == "segment" and isinstance(item, list | tuple):
+            yield from _levels_of((*path, key), item)
+        elif isinstance(item, Mapping | list | tuple):
+            yield from _levels(item, (*path, key))
+
+
+def _levels_of(path: Key, rows: Sequence[Mapping[str, Any]]) -> list[_Level]:
+    """The levels of one program."""
+    levels = [_Level([], 0.0, True)]
+    for k, row in enumerate(rows):
+        if not row.keys().isdisjoint(_LIFTS):
+            levels.append(_Level([], math.nan))  # from here the spec says no level
+        for key in row.keys() & _LEVELS:
+            if row[key] != levels[-1].value:
+                levels.append(_Level([], float(row[key])))
+            levels[-1].paths.append((*path, k, key))
+    *before, last = levels
+    return [*before, replace(last, closing=last.value == 0)]
+
+
 def _nearby(value: float) -> tuple[float, float]:
     """A little more, and a little less where that is refused."""
     if isinstance(value, int):
@@ -149,9 +193,25 @@ class _Trial:
 
     @property
     def numbers(self) -> Mapping[Key, float]:
-        """Numbers of the spec by their keys, with those that are typed and stand for others, such as at_deg for span_deg."""
-        typed = {path: float(value) for path, value in _numbers(self.mechanism.source_tables)}
+        """Numbers of the spec by their keys, with those that are typed and stand for others, such as at_deg for span_deg, and
+        those that camgen found."""
+        tables = {key: each for key, each in self.template.data.items() if key not in _ARRANGED}
+        typed = {
+            path: float(value)
+            for source in (tables, self.mechanism.source_tables)
+            for path, value in _numbers(source)
+        }
         return typed | dict(_numbers(self.keys))
+
+    @cached_property
+    def _given(self) -> frozenset[str]:
+        """Keys that the spec sets, or that have a default."""
+        tables = (self.mechanism.source_tables, self.keys)
+        return frozenset(dotted(path) for each in tables for path, _ in _numbers(each))
+
+    def found(self, keys: Sequence[str]) -> bool:
+        """Whether camgen found the value of these keys."""
+        return self._given.isdisjoint(keys)
 
     @property
     def margin(self) -> float:
@@ -166,7 +226,15 @@ class _Trial:
     def changes(self) -> Iterator[tuple[Sequence[str], float, float, Finding]]:
         """Keys, their value, another one near it and the finding then; what is refused alone goes with its likes in a list."""
         refused: dict[tuple[str, float], list[str]] = {}
-        for path, value in self.numbers.items():
+        numbers = dict(self.numbers)
+        for level in _levels(self.mechanism.source_tables):
+            for path in level.paths:
+                numbers.pop(path, None)
+            keys = [dotted(path) for path in level.paths]
+            change = self._changed(keys, level.value) if keys and not level.closing else None
+            if change is not None:
+                yield keys, level.value, *change
+        for path, value in numbers.items():
             keys = [dotted(path)]
             change = self._changed(keys, value)
             if change is not None:
@@ -209,10 +277,10 @@ class _Trial:
         """Keys of [limits] that are not set and would set this limit."""
         schema = type(self.mechanism).model_json_schema(by_alias=True)
         rules = keys_of(step_below(schema, "limits", schema), schema)
-        given = self.keys.get("limits", {})
+        given = self.numbers
         keys = []
         for key, rule in rules.items():
-            if key in given or unit_of(rule) != self.finding.unit:
+            if ("limits", key) in given or unit_of(rule) != self.finding.unit:
                 continue
             wanted = self.finding.limit * (1 + _STEP) or _STEP
             found = self([f"limits.{key}"], wanted)
@@ -221,7 +289,9 @@ class _Trial:
         return keys
 
     def last(self, keys: Sequence[str], value: float, tried: float) -> float | None:
-        """The value of the keys, to three digits, at which the finding just holds."""
+        """The value of the keys, to three digits, at which the finding just holds; None where it is at its limit already."""
+        if not self.felt(self.margin):
+            return None
         margins = [(value, self.margin)]
         at = tried
         for _ in range(_SECANTS):
@@ -289,7 +359,8 @@ def _title(spec: Source) -> str:
 def _effect_text(effect: KeyEffect, finding: Finding) -> str:
     keys = " and ".join(f"`{key}`" for key in effect.keys)
     result = _number(effect.measured, finding)
-    text = f"{keys}, now {effect.value:.6g}: {effect.tried:.6g} gives {result}"
+    state = "found" if effect.found else "now"
+    text = f"{keys}, {state} {effect.value:.6g}: {effect.tried:.6g} gives {result}"
     if effect.limit != finding.limit:
         text += f" against {_number(effect.limit, finding)}"
     if effect.last is None:

@@ -272,3 +272,15 @@ def test_a_long_run_is_told_beforehand(
     with Bar() as progress:
         progress(f"note: {long_run(links, 3)}")
     assert capsys.readouterr().err == "note: 42 links: to make and judge it takes about 38 s\n"
+
+
+def test_a_base_radius_that_is_found_is_filled_into_the_rows_as_they_are_typed() -> None:
+    chart = [{"at_deg": 180, "to_deg": 20}, {"at_deg": 360, "to_deg": 0}]
+    data = cam_machine(segment=chart, base_radius="least")
+    machine = validate(Linkage, data)
+    vars(machine)["source_tables"] = data
+    (row,) = machine.settled_tables()["cam"]
+    base_radius = row["base_radius"]
+    assert base_radius > 0 and {**row, "base_radius": "least"} == data["cam"][0]
+    (filled,) = machine.resolved().model_dump(by_alias=True)["cam"]
+    assert filled["base_radius"] == base_radius

@@ -134,7 +134,8 @@ def test_an_open_dwell_takes_the_rest_of_a_turn_that_is_changed() -> None:
 
 
 def test_the_corners_of_a_timing_chart_are_tried_under_the_keys_that_are_typed() -> None:
-    """The same rise by its corner and by its span, the dwell behind it taking what is left."""
+    """The same rise by its corner and by its span, the dwell behind it taking what is left; its level goes with that of the
+    dwell, as the lifts of rise and return go together, and the level at which the turn closes stays."""
     spans = STEEP["segment"]
     ends = (90, 210, 360)
     lifts = (25, 25, 0)
@@ -149,6 +150,45 @@ def test_the_corners_of_a_timing_chart_are_tried_under_the_keys_that_are_typed()
     (span,) = [each for each in spanned.effects if list(each.keys) == ["segment.0.span_deg"]]
     assert (corner.value, corner.tried) == (span.value, span.tried) == (90, 91.8)
     assert corner.measured == pytest.approx(span.measured, rel=1e-12)
+    (level,) = [each for each in chart.effects if any(key.endswith(".to") for key in each.keys)]
+    (lift,) = [each for each in spanned.effects if any(key.endswith(".lift") for key in each.keys)]
+    assert (level.keys, level.value) == (["segment.0.to", "segment.1.to"], lift.value)
+    assert level.measured == pytest.approx(lift.measured, rel=1e-12)
+
+
+def test_levels_of_a_program_are_those_between_which_it_moves() -> None:
+    def levels(*rows: dict[str, float]) -> list[tuple[float, bool, int]]:
+        found = sweep_influence._levels({"drive": {"segment": rows}})
+        return [(each.value, each.closing, len(each.paths)) for each in found if each.paths]
+
+    around = levels({"to": 0}, {"to": 9}, {}, {"to": 9}, {"to": 0}, {"to": 9}, {"to": 0}, {"to": 0})
+    assert around == [(0, True, 1), (9, False, 2), (0, False, 1), (9, False, 1), (0, True, 2)]
+    assert levels({"to_deg": 90}, {"to_deg": 90}) == [(90, False, 2)]  # it turns on
+    assert levels({"to": 9}, {"lift": 9}, {"to": 9}) == [(9, False, 1), (9, False, 1)]
+
+
+def test_a_value_that_camgen_found_is_a_key_and_stays_while_others_change(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    kept = {"base_radius", "radius"}
+    numbers = sweep_influence._numbers
+    monkeypatch.setattr(
+        sweep_influence,
+        "_numbers",
+        lambda *tables: [each for each in numbers(*tables) if each[0][-1] in kept],
+    )
+    follower = STEEP["geometry"]["follower"]
+    open_ = {**STEEP, "geometry": {"follower": follower}}
+    found = influence(open_, "PRESSURE_ANGLE")
+    free = camgen.load(open_)
+    base = free.resolved().geometry.base_radius
+    effects = {each.keys[0]: each for each in found.effects}
+    assert effects["geometry.base_radius"].found and not effects["geometry.follower.radius"].found
+    assert effects["geometry.base_radius"].value == base
+    for key, effect in effects.items():
+        changed = free.replace({"geometry.base_radius": base, key: effect.tried})
+        assert effect.measured == pytest.approx(changed.limits()[0].measured, rel=1e-12)
+    assert f"`geometry.base_radius`, found {base:.6g}: " in influence_text(open_, "PRESSURE_ANGLE")
 
 
 def test_what_only_makes_it_worse_is_no_remedy_and_the_way_is_said() -> None:

@@ -945,10 +945,11 @@ class Linkage(Mechanism):
         tables = [inc.resolved_table(each) for each in self.modules]
         sizes = self.bodies.layout.sizes
         bases = self._drawing.bases
-        cams = self.model_dump(by_alias=True, exclude_none=True)["cam"]
-        for name, cam in zip(self._drawing.named_cams, cams, strict=True):
-            cam |= {"base_radius": bases[name]} if name in bases else {}
-        levels |= {"cam": cams} if bases else {}
+        levels |= {
+            f"cam.{k}.base_radius": bases[name]
+            for k, name in enumerate(self._drawing.named_cams)
+            if name in bases
+        }
         if sizes != self.making:  # a link is bent
             levels["parts"] = sizes.model_dump(by_alias=True, exclude_none=True)
         return {**super()._found(), **levels, **weight, **({"include": tables} if tables else {})}
