@@ -15,6 +15,7 @@ from camgen.errors import DesignError, SpecError
 from camgen.findings import Finding
 from camgen.machine import targets
 from camgen.machine.targets import extent
+from camgen.machines import free_play
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.pipeline.build import build
 from camgen.reading import read
@@ -183,6 +184,18 @@ def test_the_play_of_an_arc_is_borne_to_a_quarter_of_its_length() -> None:
     (asked,) = machine.assembly.demands
     chord = max(np.abs(arc - arc[k]).max() for k in range(0, 721, 5))
     assert asked.lash == pytest.approx(chord / 4, rel=1e-2) and "length" in asked.lash_of
+
+
+def test_what_stands_still_has_no_stroke_that_bounds_its_play() -> None:
+    """Unless the spec says how much is borne nothing is; of what moves by 2 mm half of that at most."""
+    still = np.zeros(9)
+    assert free_play.limit_of(0.2, still)[0] == 0.2
+    assert free_play.limit_of(math.inf, still)[0] == math.inf
+    assert free_play.limit_of(math.inf, np.linspace(0, 2, 9))[0] == 1.0
+    course = targets.Course(np.linspace(0, math.tau, 9), still, still, "deg", True)
+    lash, said = free_play.accepted(course, None, None)
+    assert lash == math.inf and "limits.lash_deg" in said
+    assert free_play.accepted(course, None, 3.0)[0] == math.radians(3)
 
 
 def test_the_play_of_a_path_is_borne_to_a_quarter_of_its_smaller_side() -> None:
