@@ -24,6 +24,7 @@ from camgen.machines.loads.assess import assess
 from camgen.machines.sources import read_mechanism
 from camgen.numerics import Floats, Points
 from camgen.parts import materials
+from camgen.parts.assembly import order_of_assembly
 from camgen.pipeline.case import Case
 from camgen.pipeline.reading import judge_motion, judge_part
 
@@ -183,6 +184,12 @@ def test_an_offset_moves_the_air_from_the_flanks(tmp_path: Path) -> None:
     (folder / "spec.toml").write_text(text.replace("offset = 0.05", "offset = 0.0"), "utf-8")
     track = findings(folder)["PIN_TRACK", "crank to disc"]
     assert not track.ok and track.measured == pytest.approx(0.05, abs=0.002)
+
+
+def test_output_pins_come_last_from_above() -> None:
+    """Through the link that holds them into the disc: before, they would stand loose in holes far wider than they are."""
+    steps = {row[1]: row[0] for row in order_of_assembly(machine().assembly).rows}
+    assert steps["ring-pin-disc"] < steps["disc"] < steps["flange"] < steps["output-pin-disc"]
 
 
 def test_all_turns_are_swept_and_nothing_of_it_is_a_cam() -> None:

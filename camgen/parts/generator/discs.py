@@ -304,9 +304,10 @@ def cycloid_pins(layout: Layout) -> Iterator[MountedPart]:
     for stud in (stud for drive in layout.cycloid_drives for stud in drive.studs):
         low, high = layout.stud_span(stud)
         part = rod(stud.part, stud.title, 2 * stud.radius, round(high - low, 9))
-        on = "the ground plate" if stud.link == GROUND else f"link {stud.link}"
+        grounded = stud.link == GROUND
+        on = "the ground plate" if grounded else f"link {stud.link}, from above"
         part = replace(part, notes=(f"pressed and glued into {on}",), process=made)
-        yield part, Mount(stud.part, stud.link, stud.at, z=low)
+        yield part, Mount(stud.part, stud.link, stud.at, z=low, flipped=not grounded)
 
 
 def shaft_cap(layout: Layout, point: str) -> MountedPart:

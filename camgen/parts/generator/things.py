@@ -20,13 +20,14 @@ from camgen.parts.generator.cures import slimmer, slimmer_pin
 from camgen.parts.generator.gears import DowelledWheel
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.plates import motor_holes
-from camgen.parts.generator.wheels import Roller
+from camgen.parts.generator.wheels import Roller, Wheel
 from camgen.parts.level_rules import Axis, Band, Opening, Things, Wall
 
 _COARSE = 0.1  # mm, by which the corners of an own outline's hull may lie off it
 _ALL = 99  # levels: more than there are
 _PIECES = 4  # of the band of a link with a strap
 _CHORDS = 24  # of a ring
+_NEARER = "shafts nearer to each other"
 Over = list[tuple[str, str]]  # levels, of which the first must lie over the second
 
 
@@ -47,7 +48,7 @@ def things(layout: Layout, run: Run) -> Things:
     collars, over_collars = _collars(courses)
     walls += collars
     over += over_collars
-    bands = [*_links(courses), *cams, *_wheels(courses), *dowelled, *genevas, *springs]
+    bands = [*_links(courses), *cams, *_gears(courses), *dowelled, *genevas, *springs]
     openings = _openings(layout, run.theta.size)
     # a ring hangs under its link, a ring or sun of the ground stands on the plate
     stacked = [
@@ -174,33 +175,31 @@ def _genevas(courses: _Courses) -> tuple[list[Band], Over]:
     bands = []
     over = Over()
     for drive in layout.geneva_drives:
-        for wheel in drive.wheels:
-            shaft = layout.shaft_of(wheel.link)
-            disc = [(layout.at(GROUND, shaft), wheel.radius)]
-            band = courses.band(wheel.about, GROUND, disc, wheel.level)
-            slim = f"a smaller {wheel.about} (shafts nearer to each other)"
-            bands.append(replace(band, slim=slim, move=f"points.{shaft} elsewhere"))
+        bands += [_wheel(courses, wheel, GROUND, _NEARER) for wheel in drive.wheels]
         bands.append(_rolling(courses, drive.roller))
         over.append((drive.level, drive.joint.cam))
     return bands, over
 
 
-def _wheels(courses: _Courses) -> list[Band]:
+def _wheel(courses: _Courses, wheel: Wheel, on: str, how: str) -> Band:
+    """A wheel about its shaft on a link, and how it may become smaller."""
+    shaft = courses.layout.shaft_of(wheel.link)
+    disc = [(courses.layout.at(on, shaft), wheel.radius)]
+    band = courses.band(wheel.about, on, disc, wheel.level)
+    smaller = f"a smaller {wheel.about} ({how})"
+    return replace(band, slim=smaller, move=f"points.{shaft} elsewhere")
+
+
+def _gears(courses: _Courses) -> list[Band]:
     """Wheels of gears, counterweights."""
     layout = courses.layout
     cams = [tip.wheel for tip in layout.tips]
     bands = []
     for wheel in (each for each in layout.wheels if each not in cams):
-        shaft = layout.shaft_of(wheel.link)
-        how = "shafts nearer to each other"
-        if wheel in layout.weights:
-            how = 'counterweight.made = "steel", or a greater thickness'
+        weighs = wheel in layout.weights
+        how = 'counterweight.made = "steel", or a greater thickness' if weighs else _NEARER
         on = wheel.link if wheel.link in layout.planet_pins else GROUND
-        disc = [(layout.at(on, shaft), wheel.radius)]
-        band = courses.band(wheel.about, on, disc, wheel.level)
-        smaller = f"a smaller {wheel.about} ({how})"
-        move = f"points.{shaft} elsewhere"
-        bands.append(replace(band, slim=smaller, move=move))
+        bands.append(_wheel(courses, wheel, on, how))
     return bands
 
 
