@@ -13,12 +13,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
 from camgen.errors import DesignError, counted, listed
 from camgen.machine.constraints import Constraints
-from camgen.machine.model import Drive, Machine, Pin, Pose, Slide
+from camgen.machine.model import Drive, Machine, Pin, Place, Pose, Slide
 from camgen.numerics import Floats
 
 # A singular value below this share of the largest is none.
@@ -29,6 +30,9 @@ TAKES_PART = 1e-6
 AWAY = 0.05
 # A drawing closes when its gaps are below this share of its size.
 CLOSED = 1e-12
+# Sine of the angle between two links of a locked chain below which they lie in line: a position that leaves nothing to spare
+# closes to the root of the gap that is left.
+IN_LINE = 1e-3
 # Bodies that a message names.
 NAMED = 10
 # Steps of Newton's method on a rough drawing, and the longest of them: share of the size, rad.
@@ -112,7 +116,7 @@ def refuse_unsound(machine: Machine) -> Freedom:
             ).saying(
                 f"the chain is rigid: {_joints(freedom.bound)} leave no degree of freedom to drive ({_tally(freedom)})"
             )
-        raise _locked_error(freedom)
+        raise _dead_point(machine, freedom) or _locked_error(freedom)
     if freedom.moves:
         remedy = (
             "join it to another link, or drive it"
@@ -157,6 +161,59 @@ def _locked_error(freedom: Freedom) -> DesignError:
         _joints(freedom.bound),
         "take away a link, or make one of its pins a slot",
     ).saying(f"{message} ({_tally(freedom)})")
+
+
+def _dead_point(machine: Machine, freedom: Freedom) -> DesignError | None:
+    """The error of a chain with as many degrees of freedom as drives that two links in one line hold, for the way between their
+    ends is the longest or shortest that they have; None where no such two are."""
+    if freedom.count != freedom.drives:
+        return None
+    pins = [each for each in machine.joints if isinstance(each, Pin) and each.name in freedom.bound]
+    for middle in pins:
+        if not {middle.a.body, middle.b.body} <= {*freedom.loose}:
+            continue
+        first, last = (
+            [
+                (pin, _placed(machine, place))
+                for pin in pins
+                for place in (pin.a, pin.b)
+                if place.body == body and pin is not middle
+            ]
+            for body in (middle.a.body, middle.b.body)
+        )
+        at = _placed(machine, middle.a)
+        for (one, start), (other, end) in product(first, last):
+            arm = at - start
+            rest = end - at
+            if abs((arm.conjugate() * rest).imag) <= IN_LINE * abs(arm) * abs(rest):
+                return _in_line(
+                    (one.name, middle, other.name), abs(arm), abs(rest), abs(end - start)
+                )
+    return None
+
+
+def _placed(machine: Machine, place: Place) -> complex:
+    """Where a place of a body is as drawn, mm."""
+    pose = machine.start_of(place.body)
+    return complex(pose.place + place.at * np.exp(1j * pose.angle))
+
+
+def _in_line(pins: tuple[str, Pin, str], arm: float, rest: float, way: float) -> DesignError:
+    """The error of two links, arm and rest mm long, that are in line over the whole way between their ends."""
+    one, middle, other = pins
+    lengths = [f"lengths.{one}-{middle.name}", f"lengths.{other}-{middle.name}"]
+    if way > max(arm, rest):
+        verb, bound = "reach", "more"
+        remedy = f"a longer {' or '.join(lengths)}"
+    else:
+        verb, bound = "come down to", "less"
+        shorter, longer = lengths if arm < rest else lengths[::-1]
+        remedy = f"a longer {shorter} or a shorter {longer}"
+    line = f"at theta = 0 {one}, {middle.name} and {other} lie in one line"
+    reach = f"{middle.a.body} and {middle.b.body} {verb} the {way:.6g} mm from {one} to {other} and no {bound}"
+    return DesignError("length to spare", 0.0, 0.0, "mm", f"{one} and {other}", remedy).saying(
+        f"no link can move: {line}; {reach}"
+    )
 
 
 def _tally(freedom: Freedom) -> str:

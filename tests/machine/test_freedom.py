@@ -105,6 +105,28 @@ def test_a_rigid_chain_and_an_over_constrained_loop_are_named() -> None:
         refuse_unsound(braced)
 
 
+@pytest.mark.parametrize(
+    ("lengths", "reach", "remedy"),
+    [
+        ((70, 20, 25, 25), "reach the 50 mm from C to A and no more", "a longer .*C-B or .*A-B"),
+        ((70, 40, 20, 10), "reach the 30 mm from C to A and no more", "a longer .*C-B or .*A-B"),
+        (
+            (20, -5, 35, 10),
+            "come down to the 25 mm .* no less",
+            "a longer .*C-B or a shorter .*A-B",
+        ),
+    ],
+)
+def test_a_four_bar_that_lies_in_one_line_and_cannot_leave_it_is_told(
+    lengths: tuple[float, float, float, float], reach: str, remedy: str
+) -> None:
+    """One link is as long as the other three together, so that no other position closes."""
+    assert 2 * max(map(abs, lengths)) == sum(map(abs, lengths))
+    said = f"at theta = 0 C, B and A lie in one line; rocker and coupler {reach}; {remedy}"
+    with pytest.raises(DesignError, match=said):
+        refuse_unsound(four_bar(*lengths))
+
+
 def three_cranks() -> Machine:
     """A parallelogram with a third crank: 3 n - 2 j counts none, and it moves."""
     points = {"O": 0j, "C": 40 + 0j, "E": 20 + 0j, "A": 6 + 8j, "B": 46 + 8j, "D": 26 + 8j}
