@@ -9,7 +9,7 @@ change point   the determinant touches or passes 0 and the chain goes on: two br
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from camgen.errors import DesignError, listed
 from camgen.machine.closed_form import four_bar
 from camgen.machine.loops import Chain, chain_of
-from camgen.machine.model import GROUND, Gear, Machine, Pin, bodies_of
+from camgen.machine.model import GROUND, Gear, Joint, Machine, Pin, bodies_of
 from camgen.machine.newton import Block
 from camgen.machine.state import Direct, Step
 from camgen.numerics import Floats, roots
@@ -97,7 +97,7 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
         360,
         "deg",
         f"{names}: it closes from {low:.6g} to {high:.6g} deg",
-        cure + _grashof(four_bar_lengths(machine, crank), crank),
+        cure + _limits(machine, span, crank),
     ).saying(f"the drive cannot turn fully: {closes}")
 
 
@@ -154,12 +154,18 @@ def _steep(machine: Machine, within: tuple[float, float], least: float) -> tuple
 def four_bar_lengths(machine: Machine, crank: str) -> dict[str, float] | None:
     """Lengths, mm, of frame, crank, coupler and output, in this order by their links, of a four-bar that is driven at a
     ground pivot; None of another machine."""
-    pins = [joint for joint in machine.joints if isinstance(joint, Pin)]
+    return _four_bar(machine.joints, crank)
+
+
+def _four_bar(joints: Sequence[Joint], crank: str) -> dict[str, float] | None:
+    """The same of these joints and the bodies that they hold."""
+    pins = [joint for joint in joints if isinstance(joint, Pin)]
     ground = [pin for pin in pins if GROUND in (pin.a.body, pin.b.body)]
-    if not len(machine.joints) == len(pins) == 4 or len(machine.moving) != 3 or len(ground) != 2:
+    moving = dict.fromkeys(body for pin in pins for body in bodies_of(pin) if body != GROUND)
+    if not len(joints) == len(pins) == 4 or len(moving) != 3 or len(ground) != 2:
         return None
     lengths: dict[str, float] = {}
-    for body in (GROUND, *(each.name for each in machine.moving)):
+    for body in (GROUND, *moving):
         places = [place.at for pin in pins for place in (pin.a, pin.b) if place.body == body]
         if len(places) != 2:
             return None
@@ -176,10 +182,24 @@ def four_bar_lengths(machine: Machine, crank: str) -> dict[str, float] | None:
     return {name: lengths[name] for name in (GROUND, crank, coupler, output[0])}
 
 
-def _grashof(lengths: dict[str, float] | None, crank: str) -> str:
+def _limits(machine: Machine, span: Reach, crank: str) -> str:
+    """Why the crank of each four-bar at which a machine opens does not turn fully, and the longest that would; empty where no
+    four-bar opens."""
+    texts = {}
+    for names in span.ends:
+        bodies = {body for name in names for body in bodies_of(machine.joint(name))}
+        bodies |= {crank, GROUND}
+        loop = [joint for joint in machine.joints if bodies.issuperset(bodies_of(joint))]
+        lengths = _four_bar(loop, crank)
+        if lengths is not None:
+            whole = len(loop) == len(machine.joints)
+            where = "" if whole else f" in the loop of {listed('link', list(lengths)[1:])}"
+            texts[names] = f"by Grashof{where} {_grashof(lengths, crank)}"
+    return f": {'; '.join(texts.values())}" if texts else ""
+
+
+def _grashof(lengths: dict[str, float], crank: str) -> str:
     """Why a four-bar's crank does not turn fully, and the longest that would."""
-    if lengths is None:
-        return ""
     bar = four_bar(*lengths.values())
     shortest, *_, longest = sorted(lengths, key=lambda name: lengths[name])
     short = f"{shortest} ({lengths[shortest]:.6g} mm)"
@@ -192,8 +212,8 @@ def _grashof(lengths: dict[str, float] | None, crank: str) -> str:
     )
     if bar.margin < 0:
         ends = f"the shortest, {short}, and the longest, {long}"
-        return f": by Grashof {ends}, are {-bar.margin:.4g} mm more than the other two{cure}"
-    return f": by Grashof the shortest link turns fully, which is {short}, not {crank}{cure}"
+        return f"{ends}, are {-bar.margin:.4g} mm more than the other two{cure}"
+    return f"the shortest link turns fully, which is {short}, not {crank}{cure}"
 
 
 @lru_cache(maxsize=4)  # a machine is the same object for its limits

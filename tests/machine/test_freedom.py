@@ -236,6 +236,23 @@ def test_range_of_a_triple_rocker_by_the_law_of_cosines() -> None:
     refuse_partial(four_bar(frame, 21.99, coupler, rocker))
 
 
+def test_the_four_bar_at_which_a_larger_machine_opens_is_told_by_its_links() -> None:
+    """The triple-rocker above, and a second four-bar on its crank that turns fully."""
+    bar = four_bar(40, 25, 30, 32)
+    points = {name: bar.start[link].place for name, link in (("O", "crank"), ("A", "coupler"))}
+    points |= {"C": 40 + 0j, "W": -70 + 0j}
+    points["B"] = points["A"] + 30 * np.exp(1j * bar.start["coupler"].angle)
+    points["V"] = -40 + 50j
+    links = {GROUND: "O C W", "crank": "O A", "coupler": "A B", "rocker": "C B"}
+    links |= {"rod": "A V", "wing": "W V"}
+    said = (
+        r"by Grashof in the loop of links crank, coupler and rocker the shortest, crank \(25 mm\), and the longest, \w+ "
+        r"\(40 mm\), are 3 mm more than the other two; crank turns fully below 22 mm$"
+    )
+    with pytest.raises(DesignError, match=said):
+        refuse_partial(linked(points, links, "crank"))
+
+
 def test_range_by_newton_ends_at_the_same_dead_point_in_both_ways_of_solving() -> None:
     """Stephenson III from the far side: at its end the four-bar and the link stand so that the determinant is nothing."""
     machine = stephenson_three(crank=8 + 7j)
