@@ -191,11 +191,16 @@ class Board:
             return {**self._seen(), "verdict": f"saved in {self.spec.name}"}
 
     def start(self, request: Answer) -> Answer:
-        """Begin with an empty sheet, or with one of the gallery."""
+        """Begin a new sheet, empty or with one of the gallery; what was drawn before stays behind Undo, and in its file."""
         name = request.get("name")
         with self.lock:
             if name and str(name) not in self.gallery:
                 raise SpecError([specs.unknown(("name",), str(name), self.gallery)], "gallery")
+            if self.text is not None:
+                self.past = [*self.past, self.text][-_MOST_UNDONE:]
+                self.future.clear()
+            self.spec = None
+            self.saved = ""
             self._take(self.gallery[str(name)] if name else _EMPTY)
         return Answer(ok=True, verdict="", errors=[])
 
@@ -288,16 +293,24 @@ class Board:
             if self.spec is not None:
                 self._read(self.spec)
             if self.text is None:
-                return Template(asset("start.html")).substitute(cards=cards(self.gallery))
+                return self.choice()
             seen = self._seen()
         data = json.dumps(seen, ensure_ascii=False).replace("<", "\\u003c")
-        return Template(asset("draw.html")).substitute(name=escape(seen["file"]), data=data)
+        way = '<a href="gallery">Gallery</a>' if self.gallery else ""
+        return Template(asset("draw.html")).substitute(
+            name=escape(seen["file"]), data=data, gallery=way
+        )
+
+    def choice(self) -> str:
+        """The gallery, with which a sheet begins; what is drawn stays."""
+        return Template(asset("start.html")).substitute(cards=cards(self.gallery))
 
     def app(self, word: str) -> Starlette:
         """What serves it, below the word."""
         asked = ("draw", "undo", "redo", "idle", "limits", "preview", "build", "save", "start")
         answers = {f"/{name}": getattr(self, name) for name in asked}
-        return served(word, self.page, self.last_build, answers)
+        pages = {"/": self.page, "/gallery": self.choice}
+        return served(word, pages, self.last_build, answers)
 
 
 # ---- what is drawn ---------------------------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ function start() {  // the page before: an empty sheet, or one of the gallery
   document.querySelectorAll("[data-start]").forEach(button => button.addEventListener("click", async () => {
     const answer = await ask("start", { name: button.dataset.start });
     byId("said").hidden = answer.ok;
-    if (answer.ok) location.reload(); else tell(answer, "");
+    if (answer.ok) location.assign("./"); else tell(answer, "");
   }));
 }
 
@@ -161,11 +161,12 @@ function draw(seen) {
         if (pivot) out.push(arrow(to(pivot)));
       }
     });
+    const driven = pivotOf(seen.sheet.drive);  // its name stands outside the arrow
     for (const name of Object.keys(at).filter(there)) {
       const [x, y] = to(name), still = ground().includes(name);
       if (still) out.push(`<path class="stand" d="M${x} ${y}l-9 15h18zM${x - 13} ${y + 15}h26"/>`);
       const kind = `pin${name === chosen.point ? " picked" : ""}${seen.sheet.output.some(row => row.point === name) ? " output" : ""}`;
-      out.push(`<circle class="${kind}" cx="${x}" cy="${y}" r="5"/>`, words([x + 9, y - 8], name, "name"));
+      out.push(`<circle class="${kind}" cx="${x}" cy="${y}" r="5"/>`, words([x + (name === driven ? 19 : 9), y - (name === driven ? 17 : 8)], name, "name"));
     }
     for (const { path, text } of now().faults || []) {  // each where it is
       const on = path[0] === "points" ? [path[1]] : path[0] === "links" ? seen.sheet.links[path[1]] : path[0] === "lengths" ? String(path[1]).split("-") : [];

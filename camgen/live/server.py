@@ -18,7 +18,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.middleware import Middleware
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
-from starlette.routing import Mount, Route
+from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Receive, Scope, Send
 
@@ -176,7 +176,7 @@ class Explorer:
         """What serves it, below the word."""
         return served(
             word,
-            self.page,
+            {"/": self.page},
             self.last_build,
             {"/preview": self.preview, "/build": self.build, "/save": self.save},
         )
@@ -189,7 +189,7 @@ def watcher(last_build: LastBuild, word: str) -> Starlette:
         return {"number": last_build.number, **last_build.answer}
 
     return served(
-        word, partial(_page, "watch.html", last_build.spec), last_build, {"/state": state}
+        word, {"/": partial(_page, "watch.html", last_build.spec)}, last_build, {"/state": state}
     )
 
 
@@ -204,26 +204,30 @@ def asset(file: str) -> str:
 
 def served(
     word: str,
-    page: Callable[[], str],
+    pages: Mapping[str, Callable[[], str]],
     last_build: LastBuild,
     answers: Mapping[str, Callable[[Answer], Answer]],
 ) -> Starlette:
-    """A page, its script and style, the files of the last build, and what the page asks for: JSON to JSON."""
-
-    async def shown(request: Request) -> Response:
-        try:
-            text = await run_in_threadpool(page)
-        except CamgenError as error:
-            return PlainTextResponse(str(error), 500)
-        return Response(text, media_type="text/html", headers={"Content-Security-Policy": _POLICY})
-
-    routes = [Route("/", shown), Mount("/out", app=last_build)]
+    """Pages, their scripts and style, the files of the last build, and what the pages ask for: JSON to JSON."""
+    routes: list[BaseRoute] = [Mount("/out", app=last_build)]
+    routes += [Route(path, _showing(page)) for path, page in pages.items()]
     routes += [
         Route(f"/{file}", Response(asset(file), media_type=f"text/{kind}"))
         for file, kind in _FILES.items()
     ]
     routes += [Route(path, _answering(reply), methods=["POST"]) for path, reply in answers.items()]
     return Starlette(routes=routes, middleware=[Middleware(OnlyHere, word=word)])
+
+
+def _showing(page: Callable[[], str]) -> Callable[[Request], Awaitable[Response]]:
+    async def shown(_request: Request) -> Response:
+        try:
+            text = await run_in_threadpool(page)
+        except CamgenError as error:
+            return PlainTextResponse(str(error), 500)
+        return Response(text, media_type="text/html", headers={"Content-Security-Policy": _POLICY})
+
+    return shown
 
 
 def _answering(reply: Callable[[Answer], Answer]) -> Callable[[Request], Awaitable[Response]]:

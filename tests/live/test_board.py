@@ -315,8 +315,16 @@ def test_a_four_bar_from_an_empty_sheet(tmp_path: Path, monkeypatch: pytest.Monk
     assert page.post("/limits", json={}).json()["verdict"].endswith("hold")
     assert page.post("/save", json={}).json()["verdict"] == "saved in my-linkage.toml"
     assert read_mechanism(tmp_path / "my-linkage.toml").name == "my-linkage"
+    assert 'href="gallery"' in page.get("/").text
+    assert 'data-start="walking-leg"' in page.get("/gallery").text
+    saved = (tmp_path / "my-linkage.toml").read_text(encoding="utf-8")
+    assert page.post("/start", json={"name": "walking-leg"}).json()["ok"]
+    assert page.post("/save", json={}).json()["verdict"] == "saved in walking-leg.toml"
+    assert (tmp_path / "my-linkage.toml").read_text(encoding="utf-8") == saved
+    assert page.post("/undo", json={}).json()["text"] == saved
     other = client(Board(None, tmp_path / "out"))
     other.post("/start", json={})
+    assert 'href="gallery"' not in other.get("/").text
     refused = other.post("/save", json={})
     assert refused.status_code == 409 and "is there already" in refused.json()["errors"][0]
 
