@@ -30,6 +30,7 @@ from camgen import tolerance as _tolerance  # noqa: F401
 from camgen._version import __version__ as __version__
 from camgen.arguments import checked
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError
+from camgen.progress import silent
 
 if TYPE_CHECKING:
     from camgen.design.run import DesignResult
@@ -84,6 +85,10 @@ _LATER = {
     "Run": "machine.run",
     "SweepTable": "sweep.results",
 }
+
+
+def __dir__() -> list[str]:
+    return [name for name in globals() if name.startswith("__")] + __all__
 
 
 def __getattr__(name: str) -> Any:
@@ -258,7 +263,7 @@ def sweep(
 def design(
     spec: str | PathLike[str] | Mapping[str, Any] | Mechanism,
     jobs: int = 1,
-    say: Callable[[str], None] = lambda text: None,
+    say: Callable[[str], None] = silent,
 ) -> DesignResult:
     """Search for what a spec's table [wanted] asks: a linkage for a path or a function, or values of keys that hold all limits.
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any, Literal
 
 from camgen.bounds import Bound, read_bytes
-from camgen.errors import Fault, Key, SpecError
+from camgen.errors import Fault, FileError, Key, SpecError
 from camgen.schemas import shortened
 
 Data = dict[str, Any]
@@ -43,6 +44,8 @@ def read(path: Path) -> Data:
     FileError where it cannot be read; SpecError with line and column where it is empty, not UTF-8 or not TOML, or nested
     deeper than any spec, and where it holds more than any.
     """
+    if not Path(path).exists() and (meant := _meant(Path(path))):
+        raise FileError(path, f"cannot be read: there is no such file; did you mean {meant}?")
     raw = read_bytes(path, SPEC_FILE)
     try:
         text = raw.decode("utf-8-sig")
@@ -75,6 +78,17 @@ def read(path: Path) -> Data:
             [Fault((), "the file is empty", expected, source="line 1, column 1")], str(path)
         )
     return tables(data, str(path))
+
+
+def _meant(path: Path) -> str:
+    """The spec beside it whose name is nearest; "" where none is near."""
+    try:
+        beside = sorted(each.name for each in path.parent.glob("*.toml"))
+    except (OSError, ValueError):
+        return ""
+    name = path.name if path.suffix else f"{path.name}.toml"
+    near = get_close_matches(name, beside, 1)
+    return str(path.with_name(near[0])) if near else ""
 
 
 def counted(text: str) -> tuple[int, int]:
@@ -310,27 +324,41 @@ def _syntax_fault(text: str, error: Exception) -> Fault:
     place = f"line {line}, column {column}" if line else _place(end)
     rows = (text if line else end).split("\n")
     quoted = rows[int(line) - 1 if line else -1].strip()
-    return Fault((), shortened(quoted), _syntax_in_words(quoted, reason), source=place)
+    before = rows[: int(line) - 1 if line else -1]
+    return Fault((), shortened(quoted), _syntax_in_words(quoted, reason, before), source=place)
 
 
 _COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)\s*(?:#.*)?$")
 _UNQUOTED = re.compile(r"=\s*([A-Za-z][\w .-]*?)\s*(?:#.*)?$")
 _WITH_UNIT = re.compile(r"=\s*([+-]?[\d.]+)\s*([a-zA-Z°]+)\s*(?:#.*)?$")
+_CURLY = re.compile("[\u201c\u201d\u201e\u2018\u2019]")
 _TWICE = re.compile(r"Cannot declare \(.*\) twice")
 
 
-def _syntax_in_words(line: str, reason: str) -> str:
-    """What a line that is no TOML should be: usual mistakes by their cure, others by tomllib's reason."""
+def _syntax_in_words(line: str, reason: str, before: Sequence[str]) -> str:
+    """What a line that is no TOML should be: usual mistakes by their cure, others by tomllib's reason; before: the lines above."""
     if number := _COMMA.search(line):
         return f"a decimal point, not a comma: {number[1]}.{number[2]}"
     if number := _WITH_UNIT.search(line):
         return f"a number without a unit: {number[1]}"
+    if _CURLY.search(line):
+        return 'straight quotes: "..."'
     if (word := _UNQUOTED.search(line)) and word[1] not in ("true", "false", "inf", "nan"):
         return f'quotes round text: "{word[1]}"'
+    name = line.partition("]")[0].strip("[ ")
     if _TWICE.fullmatch(reason) and line.startswith("[") and not line.startswith("[["):
-        name = line.partition("]")[0].strip("[ ")
-        return f"[{name}] once only: put its keys together, or write [[{name}]] for each row if it is a list"
+        first = _first(before, re.compile(rf"\s*\[\s*{re.escape(name)}\s*\]"))
+        return f"[[{name}]], here and in line {first}, if it is a list; else [{name}] once, with all of its keys"
     if reason == "Cannot overwrite a value" and line.startswith("[["):
-        name = line.partition("]")[0].strip("[ ")
         return f"[[{name}]] at each row of a list: above it stands otherwise, such as [{name}]"
+    if reason == "Cannot overwrite a value":
+        key = line.partition("=")[0].strip()
+        header = max((k for k, row in enumerate(before) if row.lstrip().startswith("[")), default=0)
+        first = header + _first(before[header:], re.compile(rf"\s*{re.escape(key)}\s*="))
+        return f"{key} once: it stands in line {first} too"
     return f"valid TOML: {reason}"
+
+
+def _first(rows: Sequence[str], form: re.Pattern[str]) -> int:
+    """Number of the first row of a form, from 1."""
+    return next((k for k, row in enumerate(rows, 1) if form.match(row)), 0)

@@ -13,6 +13,7 @@ import re
 import sys
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from copy import deepcopy
+from dataclasses import replace
 from datetime import date
 from difflib import get_close_matches
 from functools import cached_property, lru_cache
@@ -478,7 +479,8 @@ def choose(data: Data, known: Collection[str], source: str = "spec") -> str:
     name = data.get("mechanism")
     if isinstance(name, str) and name in known:
         return name
-    faults = [unknown(("mechanism",), name, known)]
+    fault = unknown(("mechanism",), name, known)
+    faults = [replace(fault, expected=f"missing: {fault.expected}") if name is None else fault]
     tables = wording(data, Spec.old_words).data
     shared = {key: tables[key] for key in tables if key in Spec.model_fields} | {"mechanism": ""}
     try:
@@ -614,8 +616,11 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
         )  # where names of tables are free
         if no_such:
             close = get_close_matches(str(path[-1]), keys, 1) or _in_another(path, root)
-            nearest = close[0] if close else None
+            nearest = (close or _longer(str(path[-1]), keys) or [None])[0]
             expected = f"{UNKNOWN}; known here: {', '.join(keys)}"
+            if path[-1] == "diameter" and "radius" in keys and isinstance(value, int | float):
+                nearest = None
+                expected = f"{UNKNOWN}; write radius = {value / 2:g}, which is half of it"
         elif key:
             held = members_of(_locate(item["loc"][:-2], data, root)[1] or {}, root)
             expected = next(
@@ -637,8 +642,8 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
             expected = item["msg"]
         elif item["type"] == "value_error":
             expected = str(item["ctx"]["error"])
-        if node is not None and not (no_such or key):
-            expected = _meant(path, value, node) or expected
+        meant = "" if node is None or no_such or key else _meant(path, value, node)
+        expected = meant or expected
         if (
             item["type"] == "too_short"
             and isinstance(value, list | tuple)
@@ -646,6 +651,8 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
         ):
             continue  # items of it were wrong, told by themselves, and are not counted
         given = "" if item["type"] == "missing" or key else shown(value)
+        if meant and isinstance(value, dict):
+            given = "a table"
         if item["type"] in ("too_long", "too_short") and isinstance(value, list):
             given = f"a list of {len(value)}"
         found.setdefault(
@@ -660,12 +667,18 @@ def _in_another(path: Sequence[str | int], root: Data) -> list[str]:
     holders = [
         table
         for table, node in keys_of(root, root).items()
-        if len(path) == 2 and path[1] in keys_of(node, root)
+        if len(path) <= 2 and path[-1] in keys_of(node, root)
     ]
-    return [f"{holders[0]}.{path[1]}"] if len(holders) == 1 else []
+    return [f"{holders[0]}.{path[-1]}"] if len(holders) == 1 else []
+
+
+def _longer(name: str, keys: Sequence[str]) -> list[str]:
+    """The shortest key of which a name is one word: rpm as speed_rpm."""
+    return sorted((key for key in keys if name in key.split("_")), key=len)[:1]
 
 
 _NUMBER = re.compile(r"([+-]?\d+(?:[.,]\d+)?)\s*(\S*)")
+_FIT = re.compile(r"[A-Za-z]{1,2}\d{1,2}")  # of ISO 286, such as H7
 # What a number is in and how people write that, with the size of each.
 _UNITS: dict[str, tuple[str, dict[str, float]]] = {
     "mm": (
@@ -691,7 +704,12 @@ def _meant(path: Sequence[str | int], value: object, node: Data) -> str:
     }:
         return f"a list, each row of which begins with [[{dotted(path)}]]"
     if isinstance(value, dict) and path[:-1] == ["parts"] and _scalar(node):
-        return f"a value: {path[-1]} is a key of [parts]; a link with a table of its own needs another name"
+        return f"a value, because {path[-1]} is a key of [parts]: give the link another name"
+    if path == ["name"] and isinstance(value, str):
+        plain = re.sub(r"[^a-z0-9]+", "-", value.lower()).strip("-")[:60].strip("-")
+        return f'{in_words(node, node)}: write "{plain}"' if plain not in ("", value) else ""
+    if path[-1] in ("lift", "lift_deg") and isinstance(value, int | float) and value < 0:
+        return f'a number above 0: kind = "return" with {path[-1]} = {-value:g} goes back'
     unit = unit_of(node)
     found = _NUMBER.fullmatch(value.strip()) if isinstance(value, str) and unit else None
     if found is None or unit is None:
@@ -699,6 +717,8 @@ def _meant(path: Sequence[str | int], value: object, node: Data) -> str:
     number, written = found[1].replace(",", "."), found[2]
     if not written:
         return f"a number without quotes: write {number}"
+    if _FIT.fullmatch(written):
+        return f"a number without a fit: write {number}; drawing.bore_fit has the fit"
     several = {each: _UNITS.get(each, ("", {each: 1.0})) for each in unit.split(" or ")}
     words = several[unit][0] if unit in several else ""
     words = words or f"it is in {unit}"

@@ -211,7 +211,7 @@ def test_name_that_is_one(name: str) -> None:
         (b"# a remark\n\n", "line 1, column 1", "empty"),
         (b"a = \nb = 1", "line 1, column 5", "Invalid value"),
         (b"a = 1\n[x\n", "line 2, column 3", "']'"),
-        (b"a = 1\na = 2\n\n\n", "line 2, column 6", "overwrite"),
+        (b"a = 1\na = 2\n\n\n", "line 2, column 6", "stands in line 1 too"),
         (b'a = 1\nb = "\xff"', "line 2, column 6", "UTF-8"),
         (b"\x00\x01", "line 1, column 1", "Invalid"),
         (b'a = "x\ny"', "line 1, column 7", "character"),
@@ -238,8 +238,9 @@ def test_syntax_fault_has_line_and_column(
         ("side = left", 'quotes round text: "left"'),
         (
             "[shape]",
-            "[shape] once only: put its keys together, or write [[shape]] for each row if it is a list",
+            "[[shape]], here and in line 1, if it is a list; else [shape] once, with all of its keys",
         ),
+        ("side = \u201cleft\u201d", 'straight quotes: "..."'),
         (
             "[[shape]]",
             "[[shape]] at each row of a list: above it stands otherwise, such as [shape]",
@@ -254,6 +255,22 @@ def test_usual_mistakes_are_told_by_their_cure(tmp_path: Path, line: str, cure: 
     assert caught.value.faults[0].expected == cure
 
 
+def test_a_key_that_stands_twice_is_told_with_its_first_line(tmp_path: Path) -> None:
+    path = tmp_path / "s.toml"
+    path.write_text("side = 1\n[shape]\n\nside = 2\nwidth = 3\nside = 4\n")
+    with pytest.raises(SpecError, match=r"line 6, .*side once: it stands in line 4 too"):
+        read(path)
+
+
+def test_a_spec_that_is_not_there_is_looked_for_beside(tmp_path: Path) -> None:
+    (tmp_path / "shopcam.toml").write_text("a = 1")
+    for name in ("shopcam", "shop-cam.toml"):
+        with pytest.raises(FileError, match=r"did you mean .*shopcam\.toml\?"):
+            read(tmp_path / name)
+    with pytest.raises(FileError, match="cannot be read: No such file"):
+        read(tmp_path / "walker.toml")
+
+
 @pytest.mark.parametrize(
     "width, said",
     [
@@ -263,6 +280,7 @@ def test_usual_mistakes_are_told_by_their_cure(tmp_path: Path, line: str, cure: 
         ("12,5", "a number without quotes: write 12.5"),
         ("25 apples", "a number >= 0.001 and <= 1000000"),
         ("25 rpm", "a number without a unit; lengths are in mm"),
+        ("25 H7", "a number without a fit: write 25; drawing.bore_fit has the fit"),
     ],
 )
 def test_a_number_in_quotes_is_told_as_it_should_be_written(width: str, said: str) -> None:
@@ -749,6 +767,25 @@ def test_a_link_with_the_name_of_a_key_of_parts_says_so(key: str) -> None:
         "parts": {key: {"band": 5}},
     }
     with pytest.raises(
-        SpecError, match=f"{key} is a key of .parts.; a link with a table of its own"
+        SpecError, match=f"a value, because {key} is a key of .parts.: give the link another name"
     ):
         camgen.load(tables)
+
+
+@pytest.mark.parametrize(
+    "setting, said",
+    [
+        ("base_radius=20", "did you mean 'geometry.base_radius'?"),
+        ("motor.rpm=20", "did you mean 'speed_rpm'?"),
+        ("geometry.follower.diameter=16", "write radius = 8, which is half of it"),
+        ('parts.bore="20 H7"', "a number without a fit: write 20; drawing.bore_fit has the fit"),
+        ("segment.0.lift=-12", 'kind = "return" with lift = 12 goes back'),
+        ('name="My Cam"', 'write "my-cam"'),
+        ("mechanism=", "mechanism - missing: one of"),
+    ],
+)
+def test_what_is_meant_is_told_of_a_machine(setting: str, said: str) -> None:
+    data = override(read(TOP / "specs" / "disc-cam.toml"), setting)
+    with pytest.raises(SpecError) as caught:
+        read_mechanism(data)
+    assert said in str(caught.value)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -26,6 +26,13 @@ class Front:
     texts: Sequence[str]  # a spec for each design
     rows: Sequence[Mapping[str, Any]]  # of the table
     sketches: Sequence[Sketch]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __iter__(self) -> Iterator[Mapping[str, Any]]:
+        """The rows of the table."""
+        return iter(self.rows)
 
     def __repr__(self) -> str:
         """Its title and figures."""

@@ -198,6 +198,9 @@ class StagingFolder:
             path = str(error.filename or self.target)
             if hasattr(self, "_new"):
                 path = path.replace(str(self._new), str(self.target))
+            file = next((each for each in self.target.parents if each.is_file()), None)
+            if file is not None:
+                raise FileError(file, "is a file, where the output needs a folder") from error
             raise FileError(path, f"cannot be written: {error.strerror or error}") from error
 
 

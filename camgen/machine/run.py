@@ -154,7 +154,11 @@ class Run:
         return f"{name}: {', '.join(ends)} {unit}" if ends else f"{name}: does not close"
 
     def __getitem__(self, name: str) -> Floats | Points:
-        rows: Floats | Points = self.derivatives(name)[0]
+        """An output by its name, (n,); KeyError where there is none."""
+        try:
+            rows: Floats | Points = self.derivatives(name)[0]
+        except ValueError as error:
+            raise KeyError(str(error)) from None
         return rows
 
     def derivatives(self, name: str) -> Floats | Points:

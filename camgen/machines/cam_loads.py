@@ -37,8 +37,9 @@ def load_faults(
     if spring is not None and not pushed:
         found.append(Fault(("spring",), "", f"nothing here: only {sprung} has a spring"))
     if load is None:
+        key = "mass_kg" if slides else "inertia_kg_m2"
         return (
-            [*found, Fault(("load",), "", "missing: the mass that [spring] has to move")]
+            [*found, Fault(("load", key), "", "missing: what [spring] has to move")]
             if spring is not None
             else found
         )

@@ -183,7 +183,6 @@ def test_a_run_lists_its_outputs_and_says_which_names_it_has() -> None:
     assert list(run) == names == list(run.velocity) and names[0] in run and "nix" not in run
     assert "nix" not in run.velocity and run.acceleration.get("nix") is None
     asked = [
-        run.__getitem__,
         run.pose,
         run.angle,
         run.length,
@@ -194,3 +193,5 @@ def test_a_run_lists_its_outputs_and_says_which_names_it_has() -> None:
     for ask in asked:
         with pytest.raises(ValueError, match="nix is no .* there are: "):
             ask("nix")
+    with pytest.raises(KeyError, match="nix is no output of this machine; there are: "):
+        run["nix"]

@@ -463,6 +463,20 @@ def test_frequency_of_a_follower_is_that_of_its_mass() -> None:
     assert 0 < given["vibration_in_dwells_contact_mm"] <= given["vibration_contact_mm"]
 
 
+def test_a_metal_cam_without_a_load_says_that_its_contact_is_not_judged() -> None:
+    """A printed one is a trial, and its report says what would judge it; nobody hardens a cam on which nothing presses."""
+
+    def left_out(*settings: str) -> list[str]:
+        return [each.code for each in assess(made("disc-cam", *settings)).not_judged]
+
+    metal = "material.name=16MnCr5"
+    assert left_out() == []
+    assert left_out(metal) == ["LIFT_OFF", "HERTZ"]
+    groove = ("geometry.closure=groove", "parts.hub_height=0")
+    assert left_out(metal, *groove) == ["HERTZ"]
+    assert left_out(metal, *HEAVY) == []
+
+
 def test_an_elastic_follower_lifts_off_where_it_is_told() -> None:
     fast = numbers("disc-cam", *HEAVY)["lift_off_speed_contact_rpm"]
     for share, ok in ((0.99, True), (1.01, False)):

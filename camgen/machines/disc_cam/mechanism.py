@@ -23,7 +23,7 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
-from camgen.findings import Finding
+from camgen.findings import Finding, NotJudged
 from camgen.geometry.outlines import Floats, Region
 from camgen.machine.cams.bounce import Bounce
 from camgen.machine.cams.followers import Follower, SlidingFace, SlidingTip, SwingingFace
@@ -70,6 +70,7 @@ from camgen.machines.loads.weights import gravity
 from camgen.machines.pairs import air_faults, still_faults
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
+from camgen.parts import materials
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
 from camgen.parts.disc_cams import disc_parts, roller_note, turning_note
 from camgen.parts.generator.sizes import contour_faults
@@ -413,6 +414,15 @@ class DiscCamDrive(CamTables):
             return None
         return self.spring.rate, self.spring.preload, self._highest[1] - self._highest[0]
 
+    def _unpressed(self) -> Sequence[NotJudged]:
+        """Of a cam alone without a load: a material that is not printed has a strength that wants to be judged."""
+        if self.standing or self._load is not None or materials.of(self.material.name).printed:
+            return ()
+        codes = ("LIFT_OFF", "HERTZ") if self.geometry.closure == "force" else ("HERTZ",)
+        why = "nothing says which force presses the follower on the cam"
+        needs = "[load], with the mass that moves, and [spring]" if len(codes) > 1 else "[load]"
+        return [NotJudged(code, why, needs) for code in codes]
+
     # ---- parts ------------------------------------------------------------------------------------------------------
 
     def _bare(self) -> Assembly:
@@ -680,8 +690,7 @@ class DiscCamDrive(CamTables):
             notes += open_rails(self.linkage.bodies.layout)
         elif self.geometry.closure == "force" and not self._loaded:
             notes.append(
-                "LIFT_OFF is not judged: give the force that presses the follower on the cam by [spring] and "
-                "[load]."
+                "What holds the follower on the cam is yours: with [load] and [spring], LIFT_OFF and HERTZ judge it."
             )
         if self.allowed.continuous < 0:
             notes.append("Whether the motion jumps is not judged: limits.continuous = -1.")
