@@ -88,7 +88,7 @@ _LATER = {
 
 
 def __dir__() -> list[str]:
-    return [name for name in globals() if name.startswith("__")] + __all__
+    return ["__doc__", "__file__", "__name__", "__version__", *__all__]
 
 
 def __getattr__(name: str) -> Any:

@@ -673,8 +673,8 @@ def _in_another(path: Sequence[str | int], root: Data) -> list[str]:
 
 
 def _longer(name: str, keys: Sequence[str]) -> list[str]:
-    """The shortest key of which a name is one word: rpm as speed_rpm."""
-    return sorted((key for key in keys if name in key.split("_")), key=len)[:1]
+    """The shortest key that holds a name: rpm as speed_rpm."""
+    return sorted((key for key in keys if len(name) > 2 and name in key), key=len)[:1]
 
 
 _NUMBER = re.compile(r"([+-]?\d+(?:[.,]\d+)?)\s*(\S*)")
