@@ -616,7 +616,7 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
         )  # where names of tables are free
         if no_such:
             close = get_close_matches(str(path[-1]), keys, 1) or _in_another(path, root)
-            nearest = (close or _longer(str(path[-1]), keys) or [None])[0]
+            nearest = next(iter(close or _longer(str(path[-1]), keys)), None)
             expected = f"{UNKNOWN}; known here: {', '.join(keys)}"
             if path[-1] == "diameter" and "radius" in keys and isinstance(value, int | float):
                 nearest = None
