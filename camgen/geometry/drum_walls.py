@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.numerics import Floats, peak
+from camgen.numerics import Floats, Points, peak
 
 _ROUNDS = 60
 _CLOSE = 1e-12  # of beta, rad, and of rho over the drum's radius
@@ -52,10 +52,23 @@ class DrumRoller:
 
 @dataclass(frozen=True)
 class RollerPath:
-    """Y and Z of the roller's axis, mm, as functions of phi (rad) and order."""
+    """Y + i Z of the roller's axis, mm, as a function of phi (rad) and order."""
 
-    beside: Callable[[Floats, int], Floats]
-    height: Callable[[Floats, int], Floats]
+    place: Callable[[Floats, int], Points]
+
+    def beside(self, phi: Floats, order: int) -> Floats:
+        """Y, mm, or its derivative by phi."""
+        return self.place(phi, order).real
+
+    def height(self, phi: Floats, order: int) -> Floats:
+        """Z, likewise."""
+        return self.place(phi, order).imag
+
+    def raised(self, shift: float) -> RollerPath:
+        """The same, higher by a shift, mm."""
+        return RollerPath(
+            lambda phi, order: self.place(phi, order) + (1j * shift if order == 0 else 0.0)
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,10 +91,12 @@ def slide_path(
     motion: Callable[[Floats, int], Floats], height: float, offset: float = 0.0
 ) -> RollerPath:
     """A roller on a slide along the axis: Z = height + s(theta), Y = offset; motion: s by theta and order, mm."""
-    return RollerPath(
-        lambda phi, order: np.full(np.shape(phi), offset if order == 0 else 0.0),
-        lambda phi, order: (-1) ** order * motion(-phi, order) + (height if order == 0 else 0.0),
-    )
+
+    def place(phi: Floats, order: int) -> Points:
+        along = (-1) ** order * motion(-phi, order)
+        return np.asarray(along * 1j + (complex(offset, height) if order == 0 else 0.0))
+
+    return RollerPath(place)
 
 
 def swing_path(
@@ -92,20 +107,17 @@ def swing_path(
     motion: gamma by theta and order, rad, from the line square to the axis; the arm's axle is parallel to u.
     """
 
-    def turned(phi: Floats, order: int) -> Floats:
-        """Derivative by phi of arm exp(i gamma)."""
-        tip = arm * np.exp(1j * motion(-phi, 0))
+    def place(phi: Floats, order: int) -> Points:
+        """Seen from the pivot -arm exp(-i gamma)."""
+        tip = -arm * np.exp(-1j * motion(-phi, 0))
         if order == 0:
-            return np.asarray(tip)
+            return np.asarray(tip + complex(pivot, height))
         first = -motion(-phi, 1)
         if order == 1:
-            return np.asarray(1j * first * tip)
-        return np.asarray((1j * motion(-phi, 2) - first**2) * tip)
+            return np.asarray(-1j * first * tip)
+        return np.asarray((-1j * motion(-phi, 2) - first**2) * tip)
 
-    return RollerPath(
-        lambda phi, order: (pivot if order == 0 else 0.0) - turned(phi, order).real,
-        lambda phi, order: (height if order == 0 else 0.0) + turned(phi, order).imag,
-    )
+    return RollerPath(place)
 
 
 @dataclass(frozen=True)
@@ -118,9 +130,12 @@ class DrumWall:
 
     def contact(self, phi: Floats, r: Floats) -> Floats:
         """Angle psi of the contact round the roller, rad, from k towards t."""
-        reach = r + self.roller.at(r) * self.roller.slope + self.path.beside(phi, 1)
-        climb = self.path.height(phi, 1)
-        tilt = np.arcsin(self.path.beside(phi, 0) * self.roller.slope / np.hypot(reach, climb))
+        return self._contact(self.path.place(phi, 0), self.path.place(phi, 1), r)
+
+    def _contact(self, place: Points, velocity: Points, r: Floats) -> Floats:
+        reach = r + self.roller.at(r) * self.roller.slope + velocity.real
+        climb = velocity.imag
+        tilt = np.arcsin(place.real * self.roller.slope / np.hypot(reach, climb))
         turn = -np.arctan2(climb, reach) - self.side * tilt
         return np.asarray(turn if self.side > 0 else math.pi + turn)
 
@@ -130,10 +145,12 @@ class DrumWall:
         Exact for a cylinder: 1 - side R (Z'' (r + Y') - Z' Y'') / V^3 + side R Y Z' / V^3 - R^2 Z'^2 / V^4; of a cone with r*.
         """
         radius = self.roller.at(r)
-        reach = r + radius * self.roller.slope + self.path.beside(phi, 1)
-        climb = self.path.height(phi, 1)
+        velocity = self.path.place(phi, 1)
+        change = self.path.place(phi, 2)
+        reach = r + radius * self.roller.slope + velocity.real
+        climb = velocity.imag
         speed = np.hypot(reach, climb)
-        bend = self.path.height(phi, 2) * reach - climb * self.path.beside(phi, 2)
+        bend = change.imag * reach - climb * change.real
         bend = bend - self.path.beside(phi, 0) * climb
         return np.asarray(
             1 - self.side * radius * bend / speed**3 - (radius * climb / speed**2) ** 2
@@ -141,10 +158,12 @@ class DrumWall:
 
     def points(self, phi: Floats, r: Floats) -> WallPoints:
         """Where the roller at phi touches the wall at the depth r; shapes broadcast."""
-        phi, r = np.broadcast_arrays(phi, r)
-        psi = self.contact(phi, r)
+        return self._points(phi, self.path.place(phi, 0), self.path.place(phi, 1), r)
+
+    def _points(self, phi: Floats, place: Points, velocity: Points, r: Floats) -> WallPoints:
+        psi = self._contact(place, velocity, r)
         radius = self.roller.at(r)
-        across = self.path.beside(phi, 0) + radius * np.sin(psi)
+        across = place.real + radius * np.sin(psi)
         turn = np.arctan2(across, r)
         cosine = 1 / math.hypot(1, self.roller.slope)
         inward = self.roller.slope * cosine
@@ -158,7 +177,7 @@ class DrumWall:
         return WallPoints(
             phi + turn,
             rho,
-            self.path.height(phi, 0) + radius * np.cos(psi),
+            place.imag + radius * np.cos(psi),
             np.abs(up),
             sense * outward,
             -rho * onward / up,
@@ -172,14 +191,16 @@ class DrumWall:
         r = rho.copy()
         size = peak(rho)
         for _ in range(_ROUNDS):
-            found = self.points(phi, r)
+            place = self.path.place(phi, 0)
+            velocity = self.path.place(phi, 1)
+            found = self._points(phi, place, velocity, r)
             off = beta - found.beta
             short = rho - found.rho
             if np.all(np.abs(off) < _CLOSE) and np.all(np.abs(short) < _CLOSE * size):
                 return found
             # Newton; slopes by differences, which count for its pace alone
             ahead = self.points(phi + _STEP, r)
-            outer = self.points(phi, r + _STEP * size)
+            outer = self._points(phi, place, velocity, r + _STEP * size)
             turned = (ahead.beta - found.beta) / _STEP
             widened = (ahead.rho - found.rho) / _STEP
             leant = (outer.beta - found.beta) / (_STEP * size)

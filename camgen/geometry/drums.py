@@ -68,7 +68,7 @@ class Drum:
         if self.track == "groove":
             return tuple(DrumWall(self.path, self.roller, side) for side in (-1, 1))
         return tuple(
-            DrumWall(_moved(self.path, -side * self.pitch / 2), self.roller, side)
+            DrumWall(self.path.raised(-side * self.pitch / 2), self.roller, side)
             for side in (1, -1)
         )
 
@@ -238,14 +238,6 @@ class Drum:
             for radius, z in zip(rho[::-1], heights[1][::-1], strict=True)
         ]
         return [*bottom, *lower, *upper, *end]
-
-
-def _moved(path: RollerPath, shift: float) -> RollerPath:
-    """The path, along the axis."""
-    return RollerPath(
-        path.beside,
-        lambda phi, order: path.height(phi, order) + (shift if order == 0 else 0.0),
-    )
 
 
 def _bends(wall: WallPoints) -> Floats:

@@ -80,11 +80,16 @@ class Program:
         """Cam angles at which the segments begin, and the end of the last, (n + 1,) rad."""
         return self.begin + np.concatenate(([0.0], np.cumsum([s.span for s in self.segments])))
 
+    @cached_property
+    def _starts(self) -> Floats:
+        """The same after `begin`, from 0."""
+        return self.joints - self.begin
+
     def __call__(self, theta: Any, order: int = 0) -> Floats:
         """Displacement (order 0) or its derivative to theta, (n,); at a joint the later segment counts."""
         angle = np.mod(np.asarray(theta, float) - self.begin, 2 * math.pi)
-        starts = self.joints - self.begin
-        which = np.clip(np.searchsorted(starts, angle, side="right") - 1, 0, len(self.segments) - 1)
+        starts = self._starts
+        which = np.minimum(starts.searchsorted(angle, side="right"), len(self.segments)) - 1
         result = np.empty(angle.shape)
         first, last = (which.min(), which.max()) if which.size else (0, -1)
         for k in range(first, last + 1):

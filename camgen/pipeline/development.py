@@ -26,7 +26,7 @@ from camgen.errors import FileError
 from camgen.files.dxf import CUT_LAYER, add_contour, document, read_contours
 from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.arcs import fit_arcs
-from camgen.geometry.drum_walls import DrumWall
+from camgen.geometry.drum_walls import DrumWall, WallPoints
 from camgen.geometry.drums import Drum
 from camgen.geometry.outlines import Contour, Line, Points, Smooth
 from camgen.machine.model import Cam
@@ -213,18 +213,26 @@ class _Development:
         return distinct(np.mod(wall.points(phi, depth).beta, math.tau))
 
     def _curve(self, wall: DrumWall) -> Callable[[Floats, int], Points]:
-        radius = self.radius
+        radius = np.array(self.radius)
+        last: dict[bytes, WallPoints] = {}
+
+        def points(beta: Floats) -> WallPoints:
+            """Point and tangent are mostly asked at the same places, one after the other."""
+            key = beta.tobytes()
+            if key not in last:
+                found = wall.over(beta, radius)
+                last.clear()
+                last[key] = found
+            return last[key]
 
         def curve(beta: Floats, order: int) -> Points:
             beta = np.asarray(beta, float)
             if order == 0:
-                return np.asarray(wall.over(beta, np.array(radius)).z + 1j * radius * beta)
+                return np.asarray(points(beta).z + 1j * radius * beta)
             if order == 1:
-                return np.asarray(wall.over(beta, np.array(radius)).along + 1j * radius)
-            after, before = (
-                wall.over(beta + side * _STEP, np.array(radius)).along for side in (1, -1)
-            )
-            return np.asarray((after - before) / (2 * _STEP) + 0j)
+                return np.asarray(points(beta).along + 1j * radius)
+            beside = wall.over(np.stack([beta - _STEP, beta + _STEP]), radius).along
+            return np.asarray((beside[1] - beside[0]) / (2 * _STEP) + 0j)
 
         return curve
 
