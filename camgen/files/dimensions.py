@@ -117,8 +117,8 @@ def hole_of(contour: Contour) -> Hole:
     if circle:
         centre, radius = circle
         return Hole(centre, f"Ø{number(2 * radius)}", centre, radius)
-    arcs = [piece for piece in contour.pieces if isinstance(piece, Arc)]
-    if len(arcs) == len(contour.pieces) == 4 and abs(arcs[0].centre - arcs[2].centre) < 1e-9:
+    arcs = _arcs(contour)
+    if _is_arc_slot(contour):
         outer, inner = sorted((arcs[0], arcs[2]), key=lambda arc: -arc.radius)
         radius = (outer.radius + inner.radius) / 2
         width = outer.radius - inner.radius
@@ -137,11 +137,28 @@ def hole_of(contour: Contour) -> Hole:
         shape = f"slot {number(abs(b - a) + 2 * radius)} × {number(2 * radius)}{at}"
         return Hole((a + b) / 2, shape, (a + b) / 2, 0.0, (upper - lower) / 2)
     box = f"{number(upper.real - lower.real)} × {number(upper.imag - lower.imag)}"
-    widest = max(arcs, key=lambda arc: abs(arc.sweep), default=None)
-    if widest and abs(widest.sweep) > math.pi:
-        shape = f"Ø{number(2 * widest.radius)}, {box} overall"
-        return Hole(widest.centre, shape, widest.centre, widest.radius)
+    if around := round_of(contour):
+        centre, radius = around
+        return Hole(centre, f"Ø{number(2 * radius)}, {box} overall", centre, radius)
     return Hole((lower + upper) / 2, box, (lower + upper) / 2, 0.0, (upper - lower) / 2)
+
+
+def round_of(contour: Contour) -> tuple[complex, float] | None:
+    """Centre and radius, mm, of a circle, or of one with a keyway or flat; None of any other hole."""
+    circle = as_circle(contour)
+    if circle or _is_arc_slot(contour) or _round_ends(contour):
+        return circle
+    widest = max(_arcs(contour), key=lambda arc: abs(arc.sweep), default=None)
+    return (widest.centre, widest.radius) if widest and abs(widest.sweep) > math.pi else None
+
+
+def _arcs(contour: Contour) -> list[Arc]:
+    return [piece for piece in contour.pieces if isinstance(piece, Arc)]
+
+
+def _is_arc_slot(contour: Contour) -> bool:
+    arcs = _arcs(contour)
+    return len(arcs) == len(contour.pieces) == 4 and abs(arcs[0].centre - arcs[2].centre) < 1e-9
 
 
 def _round_ends(contour: Contour) -> tuple[tuple[complex, complex], float] | None:

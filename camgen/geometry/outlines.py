@@ -177,12 +177,12 @@ def _image(z: complex, turn: complex, shift: complex, mirror: bool) -> complex:
 
 def start_point(piece: Piece) -> complex:
     """First point of a piece."""
-    return complex(piece.at(piece.t0))
+    return piece.a if isinstance(piece, Line) else complex(piece.at(piece.t0))
 
 
 def end_point(piece: Piece) -> complex:
     """Last point of a piece."""
-    return complex(piece.at(piece.t1))
+    return piece.b if isinstance(piece, Line) else complex(piece.at(piece.t1))
 
 
 def _integral(piece: Piece, integrand: Callable[[Points, Points], Floats]) -> float:
@@ -228,11 +228,13 @@ class Contour:
     pieces: tuple[Piece, ...]
 
     def __post_init__(self) -> None:
-        size = max(1.0, *(abs(start_point(p)) for p in self.pieces))
-        for piece, following in zip(self.pieces, self.pieces[1:] + self.pieces[:1], strict=True):
-            gap = abs(end_point(piece) - start_point(following))
+        starts = [start_point(piece) for piece in self.pieces]
+        size = max(1.0, *map(abs, starts))
+        for piece, following in zip(self.pieces, starts[1:] + starts[:1], strict=True):
+            end = end_point(piece)
+            gap = abs(end - following)
             if not gap <= SAME_POINT * size:
-                raise ValueError(f"contour has a gap of {gap:.3g} mm at {end_point(piece):.6g}")
+                raise ValueError(f"contour has a gap of {gap:.3g} mm at {end:.6g}")
 
     @cached_property
     def area(self) -> float:
@@ -343,13 +345,18 @@ def kidney(
 
 def extent(contours: Sequence[Contour]) -> tuple[complex, complex]:
     """Lower left and upper right corner of the box round contours of lines and arcs, complex mm, exact."""
-    points: list[complex] = []
-    for piece in (p for contour in contours for p in contour.pieces):
-        points += [start_point(piece), end_point(piece)]
-        if isinstance(piece, Arc):
-            low, high = sorted((piece.t0, piece.t1))
-            quarter = math.pi / 2
-            turns = range(math.ceil(low / quarter), math.floor(high / quarter) + 1)
-            points += [piece.centre + piece.radius * 1j ** (k % 4) for k in turns]
+    pieces = [piece for contour in contours for piece in contour.pieces]
+    others = [piece for piece in pieces if not isinstance(piece, Arc)]
+    points = [end for piece in others for end in (start_point(piece), end_point(piece))]
+    arcs = [piece for piece in pieces if isinstance(piece, Arc)]
+    quarter = math.pi / 2
+    for arc in arcs:
+        low, high = sorted((arc.t0, arc.t1))
+        turns = range(math.ceil(low / quarter), math.floor(high / quarter) + 1)
+        points += [arc.centre + arc.radius * 1j ** (k % 4) for k in turns]
+    centres = np.array([arc.centre for arc in arcs], complex)
+    radii = np.array([arc.radius for arc in arcs])
+    ends = np.array([(arc.t0, arc.t1) for arc in arcs]).reshape(-1, 2).T
+    points += (centres + radii * np.exp(1j * ends)).ravel().tolist()
     z = np.array(points)
     return complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())

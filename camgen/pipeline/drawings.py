@@ -6,26 +6,27 @@ common, and their diameters differ by the clearance of what slides or is pressed
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
 
 import numpy as np
 
-from camgen.files.dimensions import hole_of, number
+from camgen.files.dimensions import number, round_of
 from camgen.files.limits import in_limits
 from camgen.files.timing import Motion
 from camgen.files.title_block import Facts, Fit
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Points
-from camgen.machine.features import CamOutline, PinEyes
+from camgen.machine.features import CamOutline, PartPose, PinEyes
 from camgen.machine.model import Cam
 from camgen.machines.follower_motions import follower_motions
 from camgen.machines.mechanism import Mechanism
 from camgen.parts import materials
-from camgen.parts.assembly import cut_of_sheet
+from camgen.parts.assembly import Assembly, cut_of_sheet
 from camgen.parts.catalogue import CUT, TURNED
 from camgen.parts.materials import STEEL
 from camgen.parts.part import Part
-from camgen.parts.standing import standing
+from camgen.parts.standing import Round, standing
 from camgen.tolerances import SAME_POINT
 
 _SAMPLES = 1441  # of a turn
@@ -137,21 +138,12 @@ def _fits(mechanism: Mechanism, part: Part, seat: str) -> Iterator[Fit]:
         "press": mechanism.print.press_clearance,
         "slide": mechanism.print.slide_clearance,
     }
-    poses = mechanism.assembly.poses(np.zeros(1))
-    shafts = [
-        standing(other, pose, layer, outer.place, outer.radius)
-        for other in mechanism.assembly.parts
-        if other.name != part.name
-        for layer in other.layers
-        if (outer := hole_of(layer.region.outer)).radius
-        for pose in poses[other.name]
-    ]
+    poses, outlines = _standing_still(mechanism.assembly)
+    shafts = [shaft for other, rounds in outlines.items() if other != part.name for shaft in rounds]
     holes = set[tuple[complex, float]]()
     for layer in part.layers:
-        for place, radius in (
-            (hole.place, hole.radius) for hole in map(hole_of, layer.region.holes)
-        ):
-            if not radius or (place, radius) in holes:
+        for place, radius in filter(None, map(round_of, layer.region.holes)):
+            if (place, radius) in holes:
                 continue
             inside = list(_nominal_diameters(mechanism, part.name, place))
             for pose in poses[part.name]:
@@ -166,6 +158,24 @@ def _fits(mechanism: Mechanism, part: Part, seat: str) -> Iterator[Fit]:
                         words = f"{in_limits(seat, 2 * radius)}, {words}"
                     yield Fit(place, 2 * radius, words)
                     break
+
+
+@lru_cache(maxsize=1)  # an assembly is the same object for all of its parts
+def _standing_still(
+    assembly: Assembly,
+) -> tuple[Mapping[str, Sequence[PartPose]], dict[str, list[Round]]]:
+    """At angle 0, by the parts' names: where their copies are, and the round outlines of these."""
+    poses = assembly.poses(np.zeros(1))
+    outlines = {
+        part.name: [
+            standing(part, pose, layer, *outer)
+            for layer in part.layers
+            if (outer := round_of(layer.region.outer))
+            for pose in poses[part.name]
+        ]
+        for part in assembly.parts
+    }
+    return poses, outlines
 
 
 def _nominal_diameters(mechanism: Mechanism, part: str, place: complex) -> Iterator[float]:
