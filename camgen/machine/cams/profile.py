@@ -502,15 +502,31 @@ def _roots(f: Callable[[Any], Floats], piece: Smooth) -> list[float]:
 
 
 def _continuation(segment: Segment, begin: float, a: float, b: float) -> Motion:
-    """The segment's motion between the breaks a and b, its derivatives at these those on the inside."""
+    """The segment's motion between the breaks a and b, its derivatives at these those on the inside.
+
+    Curves are asked for point, tangent and bend at the same angles one after the other: what the law says there is kept
+    until other angles come.
+    """
     low = a - begin
     high = b - begin
     low += _BESIDE * segment.span if low > 0 else 0.0
     high -= _BESIDE * segment.span if high < (1 - _BESIDE) * segment.span else 0.0
 
+    asked = np.empty(0)
+    known: dict[int, Floats] = {}
+
     def motion(theta: Any, order: int) -> Floats:
-        angle = np.asarray(theta) - begin
-        return segment.at(np.clip(angle, low, high) if order else angle, order)
+        nonlocal asked
+        theta = np.asarray(theta, float)
+        if not np.array_equal(theta, asked):
+            asked = theta.copy()
+            known.clear()
+        if order not in known:
+            angle = theta - begin
+            angle = np.minimum(np.maximum(angle, low), high) if order else angle
+            known[order] = np.asarray(segment.at(angle, order))
+            known[order].flags.writeable = False
+        return known[order]
 
     return motion
 
