@@ -217,8 +217,8 @@ def drives(
 
     Both turn about their files' origins, the driven one `distance` mm to the right; or it slides: slides, direction in rad.
     ratio: driven turns for one of the driver, less than 0 against it; spring: "low" or "high", the end on which the driven one
-    is held; inside: the driver runs within the driven contour; start: rad or mm, near which the driven one begins; height, layer:
-    of a mesh's section, mm, and of a DXF.
+    is held; inside: the driver runs within the driven contour; start: rad or mm, near which the driven one begins; centre,
+    driven_centre: (x, y) of the pivots in their files; height, layer: of a mesh's section, mm, and of a DXF.
     All (n,), every quarter degree: `theta` rad; `low`, `high` and `play` rad or mm, nan where open; `free`; `error`, of the pushing
     flank less ratio x theta, and `transmission_error`, its peak to peak; `proven`, that nothing is skipped between samples.
     Raises SpecError for the options, FileError for a file, DesignError where they never touch or always overlap.

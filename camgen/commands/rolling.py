@@ -34,8 +34,20 @@ def _ratio(context: click.Context, option: click.Parameter, value: str | None) -
     raise click.BadParameter(f"{value!r} is no ratio such as -12/30 or -0.4")
 
 
+def _place(context: click.Context, option: click.Parameter, value: str | None) -> complex | None:
+    """X/Y, mm."""
+    if value is None:
+        return None
+    try:
+        x, y = map(float, value.split("/"))
+    except ValueError:
+        raise click.BadParameter(f"{value!r} is no place such as 42/0") from None
+    return complex(x, y)
+
+
 # options that go with --drives alone
 _OF_DRIVES = ("distance", "slides", "ratio", "tolerance", "spring", "inside", "start")
+_OF_DRIVES += ("centre", "driven_centre")
 # and those that go with --follower alone
 _OF_FOLLOWER = ("second_follower", "second", "against")
 # of what reads an outline, which a roller in a drum does not
@@ -58,7 +70,7 @@ _OF_OUTLINES = ("height", "layer", "line_width", "dpi", "others", "across", "pro
     "--drives",
     metavar="DRIVEN",
     type=click.Path(path_type=Path),
-    help="In place of a follower: the outline that FILE drives, pivoted at its file's origin.",
+    help="In place of a follower: the outline that FILE drives.",
 )
 @click.option("--distance", type=float, metavar="A", help="The driven pivot is at (A, 0), mm.")
 @click.option(
@@ -96,6 +108,18 @@ _OF_OUTLINES = ("height", "layer", "line_width", "dpi", "others", "across", "pro
     type=float,
     default=0.0,
     help="Angle near which the driven outline begins, deg (mm on a slide).  [default: 0, as drawn]",
+)
+@click.option(
+    "--centre",
+    callback=_place,
+    metavar="X/Y",
+    help="Where FILE has the driver's pivot, mm.  [default: 0/0]",
+)
+@click.option(
+    "--driven-centre",
+    callback=_place,
+    metavar="X/Y",
+    help="Where DRIVEN has its pivot, mm.  [default: 0/0]",
 )
 @click.option(
     "--second-follower",
@@ -195,7 +219,7 @@ def motion(
 
     \b
       camgen motion pinion.dxf --drives wheel.dxf --distance 42 --ratio -12/30 --tolerance 0.01
-    lets one outline drive another. Each turns about its file's origin. motion.csv has both ends of the
+    lets one outline drive another. Each turns about its file's origin, or --centre. motion.csv has both ends of the
     driven one's play, every quarter degree of the driver. Writes OUT/<file>-drives-<driven>/.
 
     \b
@@ -299,4 +323,6 @@ def _drive(options: dict[str, Any]) -> Drive:
         options["spring"],
         options["inside"],
         math.radians(start) if slides is None else start,
+        options["centre"] or 0j,
+        options["driven_centre"] or 0j,
     )

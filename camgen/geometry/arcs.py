@@ -20,6 +20,7 @@ import numpy as np
 
 from camgen.geometry.facets import LAST_STEP, ShareLaw, Track, cross, dot, facet, fewest
 from camgen.geometry.outlines import Arc, Contour, Floats, Line, Piece, Points, Smooth, start_point
+from camgen.geometry.rings import Ring
 from camgen.numerics import roots
 
 # A biarc turns by no more than this, rad, however loose the tolerance: each of its arcs stays well below a half circle.
@@ -35,6 +36,9 @@ _FLATTEST = 1e5
 _SPREAD = 64
 _SEEN = 11
 _EVENLY = 0.1
+# Of arcs in place of straight edges: how many of these there must be, and how far an arc turns at most, rad.
+_LEAST_RUN = 3
+_ARC_TURN = math.pi / 4
 
 
 @dataclass(frozen=True)
@@ -303,3 +307,80 @@ def theoretical_arcs(contour: Contour, tolerance: float) -> float:
         return 2 * float(Track(forward, _biarc_law(tolerance)).share.sum())
 
     return sum(least(piece) for piece in contour.pieces)
+
+
+def with_arcs(ring: Ring, tolerance: float) -> Ring:
+    """An outline with arcs in place of straight edges: all corners and the middles of all edges lie within the tolerance of them, mm.
+
+    Each arc goes from a corner to another one through one between, and takes as many edges as it can. Edges that are no part
+    of one stay as they are.
+    """
+    straight = ring.bulges == 0
+    if np.count_nonzero(straight) < _LEAST_RUN:
+        return ring
+    ways = ring.ends - ring.points
+    turn = np.abs(np.angle(ways * np.roll(ways, 1).conj()))
+    # no arc goes past the sharpest corner, or the end of an arc
+    first = int(np.argmax(np.where(straight & np.roll(straight, 1), turn, math.pi)))
+    points = np.roll(ring.points, -first)
+    bulges = np.roll(ring.bulges, -first)
+    curved = np.append(np.flatnonzero(bulges), len(points))
+    around = np.append(points, points[:1])
+    kept = []
+    bent = []
+    k = 0
+    while k < len(points):
+        edge = int(curved[np.searchsorted(curved, k)])
+        run = 1 if edge == k else _longest_arc(around[k : edge + 1], tolerance)
+        kept.append(k)
+        chosen = around[k : k + run + 1]
+        bent.append(_bulge_through(chosen) if run > 1 else float(bulges[k]))
+        k += run
+    return Ring(points[kept], np.array(bent))
+
+
+def _longest_arc(points: Points, tolerance: float) -> int:
+    """How many edges from the first point on one arc takes, at least 1."""
+    most = len(points) - 1
+    works = 1
+    fails = most + 1
+    step = 2
+    while step < fails and _lie_on_arc(points[: step + 1], tolerance):
+        works = step
+        step = min(2 * step, most) if step < most else fails
+    fails = min(fails, step)
+    while fails - works > 1:
+        middle = (works + fails) // 2
+        if _lie_on_arc(points[: middle + 1], tolerance):
+            works = middle
+        else:
+            fails = middle
+    return works
+
+
+def _bulge_through(points: Points) -> float:
+    """Of the arc from the first point to the last one through the one in the middle; 0 of a line."""
+    via = points[len(points) // 2]
+    half = cmath.phase((points[-1] - via) / (via - points[0]))
+    return math.tan(half / 2) if abs(half) * _FLATTEST > 1 else 0.0
+
+
+def _lie_on_arc(points: Points, tolerance: float) -> bool:
+    """Whether corners and middles of edges are that near to the arc, one after the other along it."""
+    chord = points[-1] - points[0]
+    if not (abs(chord) > 0 and np.abs(np.diff(points)).min() > 0):
+        return False
+    bulge = _bulge_through(points)
+    samples = np.concatenate([points, (points[1:] + points[:-1]) / 2])
+    z = (samples - points[0]) / chord
+    if bulge == 0.0:
+        off = np.abs(z.imag) * abs(chord)
+        along = z[: len(points)].real
+    else:
+        if 4 * abs(math.atan(bulge)) > _ARC_TURN:
+            return False
+        centre = 0.5 + 0.25j * (1 / bulge - bulge)
+        radius = abs(centre)
+        off = np.abs(np.abs(z - centre) - radius) * abs(chord)
+        along = math.copysign(1.0, bulge) * np.angle((z[: len(points)] - centre) / -centre)
+    return bool(off.max() <= tolerance and (np.diff(along) > 0).all())

@@ -8,6 +8,7 @@ transmission error peak to peak of the pushing flank less ratio x theta
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -20,6 +21,7 @@ import numpy as np
 from camgen.errors import DesignError, Fault, FileError, SpecError
 from camgen.files.folder import name_of
 from camgen.findings import Finding, Where, at_least, at_most, in_file
+from camgen.geometry.arcs import with_arcs
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.pair_events import Slide, Turn
 from camgen.judge.pairs import Body as Solid
@@ -31,12 +33,14 @@ from camgen.measuring.outlines import AS_IT_IS, Hints, Outline, read_outline
 from camgen.report.animation import Animation, Body
 from camgen.report.report import Report
 from camgen.study import Figure, Plot, Table
+from camgen.tolerances import CURVE_CHORDS
 
 MOST_TURNS = 60
 _PER_TURN = 1440  # samples: every quarter degree
 _REPEATS = 1e-4  # of a turn, by which a pair may be off after its turns
 _TYPED = 1e-6  # by which a ratio that is typed in decimals may be off a fraction
 _STEEPEST = 1e4  # ratio that is taken, either way
+_SAME_OUTLINE = 2 * CURVE_CHORDS  # mm, by which straight edges may lie off arcs in place of them
 _ALLOWED = 2e-3  # mm, overlap of pairs that are drawn without any clearance
 _FRAMES = 120
 _ROWS = 50  # of jumps that are listed
@@ -52,6 +56,8 @@ class DriveOptions(TypedDict, total=False):
     spring: Side
     inside: bool
     start: float
+    centre: tuple[float, float]
+    driven_centre: tuple[float, float]
     height: float
     layer: str
 
@@ -60,6 +66,7 @@ class DriveOptions(TypedDict, total=False):
 class Drive:
     """How one outline drives another: driver at (0, 0), driven body's pivot at (distance, 0), or its slide through (0, 0).
 
+    centre, driven_centre: places of both pivots in their files, mm.
     slides: direction, rad. ratio: turns of the driven body for one of the driver, of a slide mm for a radian; less than 0: they
     turn against each other. inside: the driver runs within the driven contour. start: rad or mm, near which the driven body begins.
     """
@@ -70,6 +77,8 @@ class Drive:
     spring: Side | None = None
     inside: bool = False
     start: float = 0.0
+    centre: complex = 0j
+    driven_centre: complex = 0j
 
     @property
     def unit(self) -> tuple[str, float]:
@@ -107,6 +116,9 @@ class Drive:
             yield _fault(str(self.spring), "low or high", "--spring")
         if not math.isfinite(self.start):
             yield _fault(f"{self.start:g}", "a finite number", "--start-deg")
+        for place, option in ((self.centre, "--centre"), (self.driven_centre, "--driven-centre")):
+            if not cmath.isfinite(place):
+                yield _fault(f"{place.real:g}/{place.imag:g}", "two finite numbers", option)
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,6 +201,7 @@ def drives(driver: Path, driven: Path, distance: float | None, options: DriveOpt
         ("a number", _is_number, ("slides", "ratio", "start", "height")),
         ("text", lambda value: isinstance(value, str), ("spring", "layer")),
         ("True or False", lambda value: isinstance(value, bool), ("inside",)),
+        ("two numbers", _is_place, ("centre", "driven_centre")),
     ]
     wrong = [
         _fault(repr(options[name]), right, name)  # type: ignore[literal-required]
@@ -205,6 +218,8 @@ def drives(driver: Path, driven: Path, distance: float | None, options: DriveOpt
         options.get("spring"),
         options.get("inside", False),
         options.get("start", 0.0),
+        complex(*options.get("centre", (0.0, 0.0))),
+        complex(*options.get("driven_centre", (0.0, 0.0))),
     )
     hints = Hints(options.get("height"), options.get("layer"))
     faults = list(drive.faults())
@@ -224,8 +239,15 @@ def _is_number(value: object) -> bool:
     return isinstance(value, int | float | np.number) and not isinstance(value, bool)
 
 
+def _is_place(value: object) -> bool:
+    return isinstance(value, tuple | list) and len(value) == 2 and all(map(_is_number, value))
+
+
 def driven_by(driver: Ring, driven: Ring, drive: Drive) -> Driven:
-    """Motion of an outline that another one drives; DesignError where they never touch, or overlap throughout."""
+    """Motion of an outline that another one drives, both about their origins; DesignError where they never touch, or overlap
+    throughout, or one is to turn round a place that is outside of it."""
+    _refuse_outside(drive, driver, driven)
+    driver, driven = (with_arcs(ring, _SAME_OUTLINE) for ring in (driver, driven))
     reach = [float(np.max(np.abs(ring.samples()))) for ring in (driver, driven)]
     if drive.distance is not None and drive.distance > sum(reach):
         remedy = "they never touch: bring the pivots together"
@@ -241,13 +263,13 @@ def driven_by(driver: Ring, driven: Ring, drive: Drive) -> Driven:
     bounds = motion.samples
     if not bounds.free.any():
         distance = drive.distance or 0.0
-        remedy = "take a greater distance, or check that each file's origin is its pivot"
+        remedy = "take a greater distance, or say where the pivots are in their files: --centre, --driven-centre"
         apart = f"with pivots {distance:g} mm apart" if drive.distance else "where it slides"
         raise DesignError(
             "distance of the pivots", distance, sum(reach), "mm", "all angles", remedy
         ).saying(f"the outlines overlap at every angle {apart}")
     if np.isnan(bounds.low).all() and np.isnan(bounds.high).all():
-        remedy = "they never touch: check distance, origins of the files and --driven-inside"
+        remedy = "they never touch: check distance, --centre, --driven-centre and --driven-inside"
         distance = drive.distance or 0.0
         raise DesignError("distance of the pivots", distance, sum(reach), "mm", "any angle", remedy)
     low, high = _without_overlap(motion)
@@ -257,6 +279,25 @@ def driven_by(driver: Ring, driven: Ring, drive: Drive) -> Driven:
     return Driven(
         theta, low, high, bounds.free, *errors, bounds.proven, motion.pair.overlap, motion
     )
+
+
+def _refuse_outside(drive: Drive, driver: Ring, driven: Ring) -> None:
+    """DesignError where a ratio makes an outline turn round and round a place that is outside of it."""
+    if drive.ratio is None:
+        return
+    bodies = [("driver", "--centre", driver, drive.centre)]
+    if drive.slides is None:
+        bodies.append(("driven outline", "--driven-centre", driven, drive.driven_centre))
+    for name, option, ring, known in bodies:
+        if ring.encloses(0j):
+            continue
+        middle = ring.centroid
+        place = middle + known
+        said = f"the {name} would turn about a place that is outside of it, {abs(middle):.4g} mm from its middle"
+        remedy = f"say where its pivot is in its file: {option} {place.real:.3f}/{place.imag:.3f} is its middle"
+        raise DesignError(
+            "distance of the pivot from the middle", abs(middle), 0, "mm", name, remedy
+        ).saying(said)
 
 
 def _followed(
@@ -300,13 +341,21 @@ def _without_overlap(motion: PairMotion) -> tuple[Floats, Floats]:
 
 
 def _read(driver: Path, driven: Path, drive: Drive, hints: Hints) -> tuple[Outline, Outline]:
-    """Outlines of both files: the largest contour, or of a driven one round the driver the smallest that has room for it."""
+    """Outlines of both files about their pivots: the largest contour, or of a driven one round the driver the smallest that has room
+    for it."""
+    first, second = _from_files(driver, driven, drive, hints)
+    return first.about(drive.centre), second.about(drive.driven_centre)
+
+
+def _from_files(driver: Path, driven: Path, drive: Drive, hints: Hints) -> tuple[Outline, Outline]:
+    """The same about their files' origins."""
     first = read_outline(driver, hints, 1)
     second = read_outline(driven, hints, 1)
     if not drive.inside or first.ring is None or second.ring is None:
         return first, second
     area = abs(first.ring.area)
-    pivot = -(drive.distance or 0.0) * complex(np.exp(-1j * drive.start))
+    away = (drive.distance or 0.0) * complex(np.exp(-1j * drive.start))
+    pivot = drive.driven_centre - away
     rank = 1
     while True:
         rank += 1
@@ -579,10 +628,10 @@ def _tables(jumps: list[Jump], side: str, drive: Drive, held: list[Lock]) -> lis
 def _notes(driven: Driven, drive: Drive) -> Iterator[str]:
     name, _ = drive.unit
     yield (
-        "The driver turns counter-clockwise about its file's origin; angles of the driven outline count from its file's pose, "
+        "The driver turns counter-clockwise about its pivot; angles of the driven outline count from its file's pose, "
         "counter-clockwise."
         if name == "deg"
-        else "The driver turns counter-clockwise about its file's origin; the driven outline's way counts from its file's place."
+        else "The driver turns counter-clockwise about its pivot; the driven outline's way counts from its file's place."
     )
     open_count = np.count_nonzero(~driven.proven[1:])
     if open_count:

@@ -56,6 +56,12 @@ class Outline:
     remark: str  # a sentence on the reading
     numbers: Figures = field(default_factory=Figures)  # of what measured it
 
+    def about(self, pivot: complex) -> Outline:
+        """The same, seen from a place in its file, mm."""
+        if self.ring is None or not pivot:
+            return self
+        return replace(self, ring=self.ring.moved(shift=-pivot))
+
 
 @dataclass(frozen=True)
 class Hints:

@@ -23,7 +23,7 @@ from camgen.parts.wheels.involute import BasicRack, Ring, Wheel
 from camgen.parts.wheels.mesh import Mesh, Sizes
 
 _LARGE = 2.0  # mm, module that is not passed where more teeth serve as well
-_MOST = 400  # teeth of a wheel
+MOST_TEETH = 400  # teeth of a wheel
 _WHOLE = 1e-9  # of a ratio, that counts as one of whole numbers
 _SMOOTH = 1.2  # contact ratio of a pair whose teeth are found
 _LEAST = 1.05  # of one whose teeth are given
@@ -152,7 +152,7 @@ class _Pair:
             if mesh.side < 0:
                 mesh.check(_SMOOTH)
         except DesignError:
-            small = 2 * self.distance / max(self.least, self.distance / _MOST)
+            small = 2 * self.distance / max(self.least, self.distance / MOST_TEETH)
             return times * self._per_module > small
         whole = mesh.side < 0 or self.wish.shifts != (0.0, 0.0) or not mesh.begins_low
         return mesh.contact_ratio >= _SMOOTH and whole
@@ -184,7 +184,7 @@ def pair(
         remedy = "inner = true makes b a ring with its teeth inside; or put a link with a wheel between, and two gears, each with a ratio below 0"
         message = f"gear.ratio {ratio:g} at {where}: wheels side by side turn against each other"
         raise DesignError("ratio of wheels", ratio, 0, "", where, remedy).saying(message)
-    fraction = Fraction(abs(ratio)).limit_denominator(_MOST)
+    fraction = Fraction(abs(ratio)).limit_denominator(MOST_TEETH)
     if abs(fraction - abs(ratio)) > _WHOLE * abs(ratio) or not fraction:
         _not_whole(ratio, fraction, where)
     asked = _Pair(distance, backlash, least, fraction, wish, where)
@@ -205,12 +205,12 @@ def pair(
 def _not_whole(ratio: float, fraction: Fraction, where: str) -> NoReturn:
     """DesignError that names the nearest ratio of whole teeth."""
     if abs(ratio) >= 1:
-        fraction = 1 / Fraction(1 / abs(ratio)).limit_denominator(_MOST)
-    fraction = fraction or Fraction(1, _MOST)
+        fraction = 1 / Fraction(1 / abs(ratio)).limit_denominator(MOST_TEETH)
+    fraction = fraction or Fraction(1, MOST_TEETH)
     nearest = math.copysign(float(fraction), ratio)
     sign = "-" if ratio < 0 else ""
     remedy = f"take one of whole teeth, such as {sign}{fraction.numerator}/{fraction.denominator} = {nearest:.12g}"
-    message = f"ratio {ratio:.12g} at {where} is none of wheels of at most {_MOST} teeth"
+    message = f"ratio {ratio:.12g} at {where} is none of wheels of at most {MOST_TEETH} teeth"
     raise DesignError("ratio", ratio, nearest, "", where, remedy).saying(message)
 
 

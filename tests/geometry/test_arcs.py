@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_facets import blunt_cam, ellipse, knife_cam, sine, spiral
 
-from camgen.geometry.arcs import as_circle, bulges, fit_arcs, theoretical_arcs
+from camgen.geometry.arcs import as_circle, bulges, fit_arcs, theoretical_arcs, with_arcs
 from camgen.geometry.outlines import (
     Arc,
     Contour,
@@ -23,6 +24,7 @@ from camgen.geometry.outlines import (
     polygon,
     start_point,
 )
+from camgen.geometry.rings import Ring
 
 
 def closed(piece: Smooth) -> Contour:
@@ -237,3 +239,36 @@ def test_refused() -> None:
         fit_arcs(Contour((ellipse(1, 1, 2.0, 2.0),)), 1e-3)
     with pytest.raises(ValueError, match="arcs"):
         bulges(knife_cam())
+
+
+@given(
+    st.lists(st.tuples(st.floats(5, 9), st.integers(1, 40)), min_size=3, max_size=9),
+    st.sampled_from([1e-4, 2e-3, 0.05]),
+    st.integers(0, 400),
+)
+@settings(max_examples=25, deadline=None)
+def test_arcs_in_place_of_edges_keep_to_corners_and_middles(
+    rows: list[tuple[float, int]], tolerance: float, first: int
+) -> None:
+    """Rounds of any fineness between corners, begun anywhere: no corner and no middle of an edge is farther off than the tolerance."""
+    corners = []
+    for k, (radius, edges) in enumerate(rows):
+        ends = math.tau * k / len(rows), math.tau * (k + 1) / len(rows)
+        corners.append(radius * np.exp(1j * np.linspace(*ends, edges + 1)))
+    polygon = Ring(np.roll(np.concatenate(corners), first), np.zeros(sum(map(len, corners))))
+    made = with_arcs(polygon, tolerance)
+    assert len(made.points) <= len(polygon.points)
+    assert np.isin(made.points, polygon.points).all()
+    z = made.facetted(1e-5)
+    edge = shapely.LinearRing(np.column_stack([z.real, z.imag]))
+    for places in (polygon.points, (polygon.points + polygon.ends) / 2):
+        off = shapely.distance(edge, shapely.points(places.real, places.imag))
+        assert off.max() <= tolerance + 2e-5
+
+
+def test_a_fine_circle_is_few_arcs_and_edges_that_turn_sharply_stay() -> None:
+    circle = Ring(10 * np.exp(1j * np.linspace(0, math.tau, 500, endpoint=False)), np.zeros(500))
+    few = with_arcs(circle, 1e-3)
+    assert len(few.points) < 12 and few.area == pytest.approx(math.pi * 100, rel=1e-4)
+    square = Ring(np.array([0, 1, 1 + 1j, 1j]), np.zeros(4))
+    assert np.array_equal(with_arcs(square, 1e-3).points, square.points)

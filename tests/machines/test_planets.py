@@ -71,6 +71,7 @@ def test_members_turn_as_willis_has_it(spec: dict[str, Any], rate: float) -> Non
     ("row", "said"),
     [
         ({"count": 7}, "planets.0.count: 7 - expected 1 or 2 or 3 or 4 .*a sun of 17 teeth"),
+        ({"count": 7, "teeth": [400, 17]}, "planets.0.count: 7 .*; or a sun of 396 teeth"),
         ({"ring": "sun"}, 'planets.0.ring: .*fixed = "ring" is the ground'),
         ({"carrier": None}, "planets.0.carrier - missing"),
         ({"carrier": "sun"}, "planets.0: sun, sun - expected links that differ"),

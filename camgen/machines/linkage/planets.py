@@ -14,6 +14,7 @@ from typing import cast
 from camgen.errors import Fault, Key
 from camgen.machine.model import GROUND
 from camgen.machines.linkage import tables as t
+from camgen.parts.gears import MOST_TEETH
 from camgen.parts.generator.gears import PlanetWish
 from camgen.parts.wheels.planets import Member, seats
 from camgen.parts.wheels.planets import turns as wheel_turns
@@ -152,9 +153,11 @@ def _seat_faults(path: Key, row: t.Planets) -> Iterable[Fault]:
     )  # neighbours' distance to that at which their tips meet, of two planets
     fit = [k for k in range(1, 13) if k == 1 or apart * math.sin(math.pi / k) > 1]
     counts = [str(k) for k in fit if whole % k == 0]
-    step = next(more for more in range(1, row.count + 1) if (whole + 2 * more) % row.count == 0)
+    period = row.count if row.count % 2 else row.count // 2
+    fitting = sun + -(sun + planet) % period
+    fitting -= period * (fitting > MOST_TEETH)
     right = (
         f"{' or '.join(counts)} with {sun} and {planet} teeth: sun and ring have {whole} together, a multiple of "
-        f'the count; or a sun of {sun + step} teeth; or spacing = "nearest"'
+        f'the count; or a sun of {fitting} teeth; or spacing = "nearest"'
     )
     yield Fault((*path, "count"), str(row.count), right)

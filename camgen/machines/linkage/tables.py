@@ -34,7 +34,7 @@ from camgen.motion.closed import Harmonics, closed_program
 from camgen.motion.pen import closed_line
 from camgen.motion.program import Program
 from camgen.motion.segments import Kind, Span, WholeTurn, program
-from camgen.parts.gears import GearWish
+from camgen.parts.gears import MOST_TEETH, GearWish
 from camgen.parts.generator.sizes import Name
 from camgen.parts.wheels.noncircular import WaveLaw, ellipses
 from camgen.settings import quotient
@@ -51,7 +51,7 @@ from camgen.spec import (
 
 Place = tuple[Coordinate, Coordinate]
 Two = tuple[Name, Name]
-WheelTeeth = Annotated[int, quantity("1", ge=5, le=400)]
+WheelTeeth = Annotated[int, quantity("1", ge=5, le=MOST_TEETH)]
 Degrees = Annotated[float, quantity("deg", ge=-36000, le=36000)]
 
 
