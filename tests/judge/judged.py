@@ -4,6 +4,8 @@ judged once."""
 from __future__ import annotations
 
 import hashlib
+import math
+import shutil
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -16,6 +18,7 @@ import numpy as np
 import pytest
 from kept import Kept
 
+import camgen
 from camgen.files.formats import FORMATS
 from camgen.findings import Finding
 from camgen.geometry.rings import Points
@@ -25,7 +28,7 @@ from camgen.pipeline.build import check
 from camgen.pipeline.case import Case
 from camgen.pipeline.judging import Reading, judge
 from camgen.pipeline.judging import _stages as stages_of
-from camgen.pipeline.reading import Read, budget_of, judge_part, moved_by
+from camgen.pipeline.reading import Read, budget_of, judge_motion, judge_part, moved_by
 from camgen.pipeline.scope import Outcome, Stage
 from camgen.pipeline.summary import draw_part
 from camgen.progress import silent
@@ -42,6 +45,29 @@ def move_outline(path: Path, change: Callable[[Points], Points]) -> None:
     rows[:, :2] = np.column_stack([points.real, points.imag])
     line.set_points(rows.tolist(), "xyseb")
     drawing.saveas(path)
+
+
+def drawn(spec: Mapping[str, Any], to: Path) -> Path:
+    """The folder of a sound build, drawings alone."""
+    report = camgen.build(spec, to, ["dxf"])
+    assert report.ok, [str(finding) for finding in report.findings if not finding.ok]
+    return to / str(spec["name"])
+
+
+def moved_copy(folder: Path, to: Path, file: str, change: Callable[[Points], Points]) -> Path:
+    """A copy of a build with other points of the longest outline in one file."""
+    copy = Path(shutil.copytree(folder, to / folder.name))
+    move_outline(copy / file, change)
+    return copy
+
+
+def motion_findings(folder: Path, count: int) -> list[Finding]:
+    """What the judge says of the motion that the folder's drawings give, at so many angles."""
+    case = Case(read_mechanism(folder / "spec.toml"), folder)
+    parts = {name: judge_part(case, name, ["dxf"], dimensioned=False)[1] for name in case.parts}
+    result = judge_motion(case.mechanism, "dxf", parts, np.linspace(0, math.tau, count))
+    assert result is not None
+    return list(result[0].findings)
 
 
 def mechanism_of(folder: Path) -> Mechanism:

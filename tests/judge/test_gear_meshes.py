@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import math
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from judged import move_outline
+from judged import drawn, motion_findings, moved_copy
 
 import camgen
 from camgen.findings import Finding
-from camgen.machines.sources import read_mechanism
 from camgen.numerics import Points
-from camgen.pipeline.case import Case
-from camgen.pipeline.reading import judge_motion, judge_part
 
 TEETH = 36  # of the crank's wheel, which has twice as many as the drum's
 SPEC = {
@@ -43,19 +39,12 @@ RING = "inner-gear-pair-drum.dxf"
 
 @pytest.fixture(scope="module")
 def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    out = tmp_path_factory.mktemp("pair")
-    report = camgen.build(SPEC, out, ["dxf"])
-    assert report.ok, [str(finding) for finding in report.findings if not finding.ok]
-    return out / "pair"
+    return drawn(SPEC, tmp_path_factory.mktemp("pair"))
 
 
 def meshing(folder: Path) -> Finding:
     """What the judge says of the folder's drawings."""
-    case = Case(read_mechanism(folder / "spec.toml"), folder)
-    parts = {name: judge_part(case, name, ["dxf"], dimensioned=False)[1] for name in case.parts}
-    result = judge_motion(case.mechanism, "dxf", parts, np.linspace(0, math.tau, 9))
-    assert result is not None
-    (found,) = [each for each in result[0].findings if each.code == "GEAR_MESH"]
+    (found,) = [each for each in motion_findings(folder, 9) if each.code == "GEAR_MESH"]
     return found
 
 
@@ -63,10 +52,7 @@ def damaged(
     folder: Path, to: Path, change: Callable[[Points], Points], wheel: str = WHEEL
 ) -> Finding:
     """The pair with other points of a wheel's teeth."""
-    shutil.copytree(folder, to / folder.name)
-    path = to / folder.name / wheel
-    move_outline(path, change)
-    return meshing(to / folder.name)
+    return meshing(moved_copy(folder, to, wheel, change))
 
 
 def flank(points: Points, by: float, tooth: float = 3) -> Points:
@@ -133,10 +119,7 @@ def test_facets_of_a_sound_pair_fit(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def ring(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    out = tmp_path_factory.mktemp("inner")
-    report = camgen.build(INNER, out, ["dxf"])
-    assert report.ok, [str(finding) for finding in report.findings if not finding.ok]
-    return out / "inner"
+    return drawn(INNER, tmp_path_factory.mktemp("inner"))
 
 
 def test_a_sound_ring_turns_evenly_within_its_arcs(ring: Path) -> None:

@@ -10,14 +10,10 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
-from judged import move_outline
+from judged import drawn, motion_findings, moved_copy
 
-import camgen
 from camgen.findings import Finding
-from camgen.machines.sources import read_mechanism
 from camgen.numerics import Points
-from camgen.pipeline.case import Case
-from camgen.pipeline.reading import judge_motion, judge_part
 
 SPEC = {
     "mechanism": "linkage",
@@ -36,29 +32,19 @@ WHEEL, LOCK, ROLLER = (f"table-{name}-geneva.dxf" for name in ("geneva", "lock",
 
 @pytest.fixture(scope="module")
 def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    out = tmp_path_factory.mktemp("table")
-    report = camgen.build(SPEC, out, ["dxf"])
-    assert report.ok, [str(finding) for finding in report.findings if not finding.ok]
-    return out / "table"
+    return drawn(SPEC, tmp_path_factory.mktemp("table"))
 
 
 def findings(folder: Path) -> dict[str, Finding]:
     """What the judge says of the motion that the folder's drawings give, by code."""
-    case = Case(read_mechanism(folder / "spec.toml"), folder)
-    parts = {name: judge_part(case, name, ["dxf"], dimensioned=False)[1] for name in case.parts}
-    result = judge_motion(case.mechanism, "dxf", parts, np.linspace(0, math.tau, 721))
-    assert result is not None
-    return {each.code: each for each in result[0].findings}
+    return {each.code: each for each in motion_findings(folder, 721)}
 
 
 def damaged(
     folder: Path, to: Path, file: str, change: Callable[[Points], Points]
 ) -> dict[str, Finding]:
     """The drive with other points of the outline in one file."""
-    shutil.copytree(folder, to / "table")
-    path = to / "table" / file
-    move_outline(path, change)
-    return findings(to / "table")
+    return findings(moved_copy(folder, to, file, change))
 
 
 def test_a_sound_drive_moves_as_its_closed_form(sound: Path) -> None:

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import math
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from judged import move_outline
+from judged import drawn, motion_findings, moved_copy
 
-import camgen
 from camgen.findings import Finding
-from camgen.machines.sources import read_mechanism
 from camgen.numerics import Points
 from camgen.parts.wheels.noncircular import TOLERANCE
-from camgen.pipeline.case import Case
-from camgen.pipeline.reading import judge_motion, judge_part
 
 SPEC = {
     "mechanism": "linkage",
@@ -45,28 +40,19 @@ NEAR = math.radians(7.4)  # half of a tooth's pitch: the one on Ox, of either wh
 
 @pytest.fixture(scope="module")
 def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    out = tmp_path_factory.mktemp("pair")
-    report = camgen.build(SPEC, out, ["dxf"])
-    assert report.ok, [str(finding) for finding in report.findings if not finding.ok]
-    return out / "pair"
+    return drawn(SPEC, tmp_path_factory.mktemp("pair"))
 
 
 def findings(folder: Path) -> dict[str, Finding]:
     """What the judge says of the motion that the folder's drawings give, by code."""
-    case = Case(read_mechanism(folder / "spec.toml"), folder)
-    parts = {name: judge_part(case, name, ["dxf"], dimensioned=False)[1] for name in case.parts}
-    result = judge_motion(case.mechanism, "dxf", parts, np.linspace(0, math.tau, 721))
-    assert result is not None
-    return {each.code: each for each in result[0].findings}
+    return {each.code: each for each in motion_findings(folder, 721)}
 
 
 def damaged(
     folder: Path, to: Path, file: str, change: Callable[[Points], Points]
 ) -> dict[str, Finding]:
     """The pair with other points of the outline in one file."""
-    shutil.copytree(folder, to / "pair")
-    move_outline(to / "pair" / file, change)
-    return findings(to / "pair")
+    return findings(moved_copy(folder, to, file, change))
 
 
 def test_a_sound_pair_turns_by_its_law(sound: Path) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import cmath
 import math
-import shutil
 from collections.abc import Callable
 from itertools import combinations
 from pathlib import Path
@@ -12,16 +11,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from judged import move_outline
+from judged import drawn, motion_findings, moved_copy
 
-import camgen
 from camgen.errors import DesignError, SpecError
 from camgen.findings import Finding
 from camgen.geometry.facets import facet_contour
 from camgen.machines.sources import read_mechanism
 from camgen.numerics import Points
-from camgen.pipeline.case import Case
-from camgen.pipeline.reading import judge_motion, judge_part
 
 SUN, PLANET, RING = 12, 18, 48
 SET = {"sun": "sun", "carrier": "carrier", "at": "P", "count": 3, "teeth": [SUN, PLANET]}
@@ -197,32 +193,24 @@ def test_the_report_says_ratio_contact_ratios_and_where_uneven_planets_are() -> 
 
 @pytest.fixture(scope="module")
 def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    out = tmp_path_factory.mktemp("set")
-    report = camgen.build(SPEC, out, ["dxf"])
-    assert report.ok, [str(finding) for finding in report.findings if not finding.ok]
-    assert sum(each.code == "GEAR_MESH" for each in report.findings) == 2
-    return out / "set"
+    return drawn(SPEC, tmp_path_factory.mktemp("set"))
 
 
 def judged(folder: Path) -> list[Finding]:
     """What the judge says of the folder's drawings."""
-    case = Case(read_mechanism(folder / "spec.toml"), folder)
-    parts = {name: judge_part(case, name, ["dxf"], dimensioned=False)[1] for name in case.parts}
-    result = judge_motion(case.mechanism, "dxf", parts, np.linspace(0, math.tau, 9))
-    assert result is not None
-    return list(result[0].findings)
+    return motion_findings(folder, 9)
 
 
 def damaged(folder: Path, to: Path, part: str, change: Callable[[Points], Points]) -> list[Finding]:
     """The set with other points of a part's teeth."""
-    shutil.copytree(folder, to / "set")
-    path = to / "set" / f"set-{part}.dxf"
-    move_outline(path, change)
-    return [each for each in judged(to / "set") if not each.ok]
+    copy = moved_copy(folder, to, f"set-{part}.dxf", change)
+    return [each for each in judged(copy) if not each.ok]
 
 
 def test_the_set_closes_on_its_files_with_a_carrier_that_moves(sound: Path) -> None:
-    findings = {each.code: each for each in judged(sound)}
+    every = judged(sound)
+    assert sum(each.code == "GEAR_MESH" for each in every) == 2
+    findings = {each.code: each for each in every}
     assert all(each.ok for each in findings.values())
     assert findings["MOTION_ERROR"].measured < 1e-6
     # both meshes' backlash at the pitch circles, 0.2 mm each, and the pins' play, seen from the carrier
@@ -265,12 +253,8 @@ def test_a_tooth_of_the_sun_that_is_missing_is_named(sound: Path, tmp_path: Path
 @pytest.fixture(scope="module")
 def still_sun(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One planet: the set is the least that shows a sun on the plate."""
-    out = tmp_path_factory.mktemp("still")
     spec = FIXED_SUN | {"planets": [FIXED_SUN["planets"][0] | {"count": 1}]}
-    report = camgen.build(spec, out, ["dxf"])
-    assert report.ok, [str(finding) for finding in report.findings if not finding.ok]
-    assert sum(each.code == "GEAR_MESH" for each in report.findings) == 2
-    return out / "set"
+    return drawn(spec, tmp_path_factory.mktemp("still"))
 
 
 def test_a_sun_on_the_plate_is_judged_with_its_planets(still_sun: Path, tmp_path: Path) -> None:
