@@ -46,8 +46,17 @@ def _place(context: click.Context, option: click.Parameter, value: str | None) -
 
 
 # options that go with --drives alone
-_OF_DRIVES = ("distance", "slides", "ratio", "tolerance", "spring", "inside", "start")
-_OF_DRIVES += ("centre", "driven_centre")
+_OF_DRIVES = (
+    "distance",
+    "slides",
+    "ratio",
+    "tolerance",
+    "spring",
+    "inside",
+    "start",
+    "centre",
+    "driven_centre",
+)
 # and those that go with --follower alone
 _OF_FOLLOWER = ("second_follower", "second", "against")
 # of what reads an outline, which a roller in a drum does not
