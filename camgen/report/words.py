@@ -90,7 +90,7 @@ _UNITS = {
 }
 _QUANTITIES = {
     FORCES: "balance spring at, balance weight at, counterweight, counterweight {of}, counterweight at, crank counterweight at, "
-    "crank moment asked at, hop, knock, lift off speed, residual share, run up time, settled speed, speed swing, stalls at, second harmonic share, "
+    "crank moment asked at, hop, hop {of}, knock, knock {of}, lift off speed, lift off speed {of}, lift off speed 1 percent {of}, residual share, run up time, settled speed, speed swing, stalls at, second harmonic share, "
     "spring stretch greatest, spring stretch least",
     MAKING: "motor shaft length, outline length, shaft length",
     SHAPE: "base radius, curvature radius min, disc wall, pitch curvature radius min, pitch radius max, pitch radius min, "

@@ -1,5 +1,5 @@
 """What a simulation in MuJoCo gives for its step and the stiffness of its loops, and by which phase the walker's sides are best
-apart. Run `python tests/bench/bench_walk.py`, or `python tests/bench/bench_walk.py phases`.
+apart. Run `python tests/bench/bench_walk.py`, or with `phases` or `widths` behind it.
 
 Two of Jansen's legs, their frame held, gravity in their plane, a turn of the crank at 30 rpm after a start of 0.3 s. Foot: greatest
 distance from where the machine closes at the same crank angle; loop: greatest gap of a pin that closes one; energy: greatest
@@ -22,11 +22,13 @@ from camgen.files import mjcf
 from camgen.machine.model import MM
 from camgen.machine.run import solve
 from camgen.machines.sources import read_mechanism
+from camgen.parts.sides import PREFIX
 from camgen.pipeline.multibody import simulated, standing_of
 from camgen.simulation import walking
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 SPEC = SPECS / "two-leg-walker.toml"
+FEET = 'walk.feet=["foot1", "foot2", "foot3", "foot4"]'
 WALKER = SPECS / "gallery" / "walker.toml"
 STIFF = "0.9999 0.9999 0.0001 0.5 2"
 SOFT = "0.9 0.95 0.001 0.5 2"
@@ -130,5 +132,49 @@ def phases() -> None:
         print(f"| {phase} | {end} | {row} |", flush=True)
 
 
+def apart(model: mjcf.Model, by: float) -> mjcf.Model:
+    """The model with its far side further off, mm, its frame's mass in the middle."""
+
+    def link(each: mjcf.Link, off: float) -> mjcf.Link:
+        mass = replace(each.mass, centre=each.mass.centre + off * np.array([0.0, 0.0, 1.0]))
+        feet = [replace(foot, low=foot.low + off, high=foot.high + off) for foot in each.feet]
+        return replace(each, mass=mass, feet=feet)
+
+    links = [link(each, by if each.name.startswith(PREFIX) else 0.0) for each in model.links]
+    return replace(model, links=links, frame=link(model.frame, by / 2))
+
+
+def widths() -> None:
+    """Print how four of Jansen's legs a side go at 30 rpm, 80 g, friction 0.6, by phase and distance of the sides."""
+    print(
+        "| far side ahead, deg | sides apart, mm | ends | way, mm a turn | slip | tilt, deg | roll |"
+    )
+    print("|---|---|---|---|---|---|---|")
+    spec = SPECS / "four-leg-walker.toml"
+    two = [FEET, "walk.payload_g=80", "parts.sides=2", "parts.plates=2"]
+    for phase, by in ((0, 0.0), (90, 0.0), (90, 35.0), (90, 60.0)):
+        mechanism = read_mechanism(spec, [*two, f"parts.side_phase_deg={phase}"]).resolved()
+        standing = standing_of(mechanism)
+        assert standing is not None
+        model = apart(simulated(mechanism, standing), by)
+        run = walking.walk(mechanism, model, 0.6, 4)
+        middles = [
+            np.mean(
+                [
+                    foot.low
+                    for each in model.links
+                    if far is each.name.startswith(PREFIX)
+                    for foot in each.feet
+                ]
+            )
+            for far in (False, True)
+        ]
+        tilt = np.degrees([run.tilt.min(), run.tilt.max()])
+        roll = np.degrees(np.max(np.abs(run.roll)))
+        end = "falls" if run.falls else "walks"
+        row = f"{run.way_per_turn:.0f} | {run.slip_per_turn:.0f} | {tilt[0]:.1f} to {tilt[1]:.1f} | {roll:.0f}"
+        print(f"| {phase} | {np.ptp(middles):.0f} | {end} | {row} |", flush=True)
+
+
 if __name__ == "__main__":
-    phases() if "phases" in sys.argv[1:] else main()
+    {"phases": phases, "widths": widths}.get(sys.argv[-1], main)()
