@@ -30,6 +30,7 @@ from camgen.machine.features import PartPose
 from camgen.measuring.folder import OUTLINE_PACKAGES, write_folder
 from camgen.measuring.locking import Lock, locks, ways_back
 from camgen.measuring.outlines import AS_IT_IS, Hints, Outline, read_outline
+from camgen.measuring.teeth import UnlikeTooth, unlike_tooth
 from camgen.report.animation import Animation, Body
 from camgen.report.report import Report
 from camgen.study import Figure, Plot, Table
@@ -42,6 +43,7 @@ _TYPED = 1e-6  # by which a ratio that is typed in decimals may be off a fractio
 _STEEPEST = 1e4  # ratio that is taken, either way
 _SAME_OUTLINE = 2 * CURVE_CHORDS  # mm, by which straight edges may lie off arcs in place of them
 _ALLOWED = 2e-3  # mm, overlap of pairs that are drawn without any clearance
+_ALIKE = 1e-3  # mm, within which teeth are told to be alike
 _FRAMES = 120
 _ROWS = 50  # of jumps that are listed
 
@@ -443,6 +445,12 @@ def _filled(
         numbers.append(Figure("pressure angle", math.degrees(steepest), "deg"))
     jumps = driven.motion.jumps(side)
     numbers.append(Figure("jumps", len(jumps)))
+    teeth = [
+        (name, tooth)
+        for name, ring in zip(("driver", "driven outline"), rings, strict=True)
+        if (tooth := unlike_tooth(ring)) is not None
+    ]
+    numbers += [Figure("tooth off {of}", tooth.off, "mm", name) for name, tooth in teeth]
     held = _held(driven, drive, jumps)
     if held and all(math.isfinite(each.lost) for each in held):
         draw = min(each.draw for each in held)
@@ -456,7 +464,7 @@ def _filled(
         tables=_tables(jumps, side, drive, held),
         notes=tuple(_notes(driven, drive)),
         animation=_animation(driven, drive, rings),
-        remarks=(*_summary(driven, request, jumps), *_holding(jumps, held)),
+        remarks=(*_summary(driven, request, jumps), *_unlike(teeth), *_holding(jumps, held)),
         files=("motion.csv", "report.json", "manifest.json"),
     )
 
@@ -592,6 +600,16 @@ def _held(driven: Driven, drive: Drive, jumps: list[Jump]) -> list[Lock]:
     if drive.spring is None or drive.slides is not None or len(jumps) > _ROWS:
         return []
     return list(locks(driven.motion, jumps, drive.spring))
+
+
+def _unlike(teeth: list[tuple[str, UnlikeTooth]]) -> Iterator[str]:
+    """Which tooth of each outline is least like the others; one alone that is thin may drive as well as any, borne by its neighbours."""
+    for name, tooth in teeth:
+        if tooth.off < _ALIKE:
+            yield f"the {tooth.count} teeth of the {name} are alike within {_ALIKE:g} mm"
+        else:
+            at = math.degrees(tooth.direction) % 360
+            yield f"the tooth of the {name} that is least like the others is at {at:.1f} deg: {tooth.off:.4f} mm off"
 
 
 def _holding(jumps: list[Jump], held: list[Lock]) -> Iterator[str]:

@@ -121,6 +121,11 @@ def test_a_flank_that_is_off_by_20_um_is_seen_at_its_tooth(gears: Path) -> None:
         options = ["motion", *words, "--tolerance", "0.01", "-o", str(gears / "off"), *extra]
         result = CliRunner().invoke(cli, options)
         assert result.exit_code == code, (extra, result.output)
+        told = re.search(
+            r"driven outline that is least like .* at ([\d.]+) deg: 0.01[5-9]", result.output
+        )
+        assert told is not None and float(told[1]) == pytest.approx(7 * 12, abs=6)
+        assert "12 teeth of the driver are alike" in result.output
         assert not extra or "BACK_FLANK_ERROR" not in result.output
 
 
