@@ -21,6 +21,7 @@ from camgen.files.stl import write_stl
 from camgen.findings import Finding
 from camgen.geometry.mesh import Mesh
 from camgen.machines.cylinder_cam.mechanism import CylinderCam
+from camgen.parts import materials
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.case import Case
@@ -245,6 +246,33 @@ def test_forces_are_those_of_the_follower() -> None:
     fast = drum(geometry={"track": "end"}, load={"mass_kg": 1.0}, motor={"speed_rpm": 300.0})
     (off,) = (each for each in fast.limits() if each.code == "LIFT_OFF")
     assert not off.ok
+
+
+def test_the_rollers_pressure_is_that_of_a_line_contact() -> None:
+    """200 N on a slide that stands: in a dwell the wall is plane, and where it bends most the reference has its radius."""
+    machine = drum(
+        geometry=SIZES,
+        load={"resistance": 200.0},
+        motor={"speed_rpm": 1e-3},
+        material={"name": "C45"},
+        print={"slide_clearance": 0.0},
+    )
+    pressure = machine._pressure
+    assert pressure is not None
+    give = materials.of("C45").elastic.compliance + materials.STEEL.elastic.compliance
+
+    def by_hand(force: float, radius: float) -> float:
+        return math.sqrt(force / 7.5 / (math.pi * radius * give))
+
+    dwell = int(np.searchsorted(machine.track.theta, math.radians(150)))
+    assert pressure[dwell] == pytest.approx(by_hand(200, 5), rel=1e-9)
+    tightest = float(REFERENCE["a"]["least_relative_radius"])
+    steepest = math.cos(math.radians(float(REFERENCE["a"]["pressure_angle_deg"][0])))
+    assert by_hand(200, tightest) < pressure.max() < by_hand(200 / steepest, tightest)
+    (found,) = (each for each in machine.limits() if each.code == "HERTZ")
+    assert found.measured == pressure.max() and found.ok == (found.measured <= found.limit)
+    limited = machine.replace({"limits.hertz_mpa": 0.99 * found.measured})
+    assert not next(each for each in limited.limits() if each.code == "HERTZ").ok
 
 
 def test_what_is_wrong_is_told_by_its_keys() -> None:

@@ -29,6 +29,7 @@ from camgen.machine.cams.machine import FollowerLoad, Loaded, contact_machine
 from camgen.machine.features import Demand, Mount
 from camgen.machine.model import Cam, Machine
 from camgen.machine.run import solve
+from camgen.machine.strength import line_contact
 from camgen.machines.cam_loads import (
     corrected,
     force_study,
@@ -48,6 +49,7 @@ from camgen.machines.pairs import still_faults
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
 from camgen.numerics import Floats
+from camgen.parts import materials
 from camgen.parts.assembly import Assembly
 from camgen.parts.disc_cams import turning_note
 from camgen.parts.part import drum_part
@@ -267,7 +269,8 @@ class CylinderCam(Mechanism):
     # ---- checks and figures -----------------------------------------------------------------------------------------
 
     def limits(self) -> Sequence[Finding]:
-        """PRESSURE_ANGLE, UNDERCUT, CURVATURE, MIN_WALL of the drum, those of the program, and LIFT_OFF of an end cam with [load]."""
+        """PRESSURE_ANGLE, UNDERCUT, CURVATURE, MIN_WALL of the drum, those of the program; with [load] HERTZ, and LIFT_OFF of an
+        end cam."""
         track = self.track
         low, high = track.drum.span
         areas, bends = track.walls
@@ -297,6 +300,7 @@ class CylinderCam(Mechanism):
         if self._loaded is not None and self.geometry.track == "end":
             load = self._load or FollowerLoad()
             air.append(lift_off(self._loaded, load, not self._swings, self._bounce))
+        air += self._hertz()
         return [
             at_most(
                 "PRESSURE_ANGLE",
@@ -355,6 +359,43 @@ class CylinderCam(Mechanism):
             return None
         return bounce_of(self._pulled, self._loaded, self.load)
 
+    @cached_property
+    def _pressure(self) -> Floats | None:
+        """Greatest pressure of a steel roller on the wall that bears it, (n,) MPa over the track's angles, as if all of its length
+        bore alike; at its inner end, where the wall bends most. None without [load], of a cone, and where nothing presses.
+        """
+        roller = self.geometry.roller
+        if self._loaded is None or roller.cone_deg:
+            return None
+        force = np.where(np.isfinite(self._loaded.force), self._loaded.force, 0.0)
+        if self.geometry.track == "end":
+            force = np.maximum(force, 0.0)
+        if not np.any(force):
+            return None
+        track = self.track
+        bends = track.walls[1]
+        sides = [wall.side for wall in track.drum.walls]
+        lower = bends[sides.index(-1)]
+        bend = lower if len(sides) == 1 else np.where(force >= 0, lower, bends[sides.index(1)])
+        curvature = bend + 1 / track.drum.walls[0].roller.radius
+        own = materials.of(self.material.name)
+        steel = materials.STEEL.elastic
+        return np.asarray(
+            line_contact(np.abs(force), roller.length, curvature, own.elastic, steel)[0]
+        )
+
+    def _hertz(self) -> list[Finding]:
+        """HERTZ of the roller in its track, where a limit of the drum's material is known."""
+        own = materials.of(self.material.name)
+        limit = self.allowed.hertz_mpa or own.hertz
+        if self._pressure is None or limit is None:
+            return []
+        k = int(np.argmax(self._pressure))
+        by = "limits.hertz_mpa" if self.allowed.hertz_mpa else own.hertz_source
+        said = f"steel roller on a line of {self.geometry.roller.length:.4g} mm, {own.name}; {by}; its ends press harder still"
+        where = Where("drum", theta=float(self.track.theta[k]), digits=1)
+        return [at_most("HERTZ", float(self._pressure[k]), limit, "MPa", where, said)]
+
     @property
     def _forces(self) -> Study:
         if self._loaded is None:
@@ -382,6 +423,9 @@ class CylinderCam(Mechanism):
             ]
         )
         forces = self._forces
+        if self._pressure is not None:
+            most = float(np.max(self._pressure))
+            figures |= Figures([Figure("hertz pressure {of}", most, "MPa", "contact")])
         return Study(
             figures | forces.numbers,
             Later(lambda: [*self._plots(), *forces.plots]),
