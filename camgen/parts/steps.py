@@ -486,11 +486,21 @@ def _pin_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing
         for other in reversed(below)
         if any(slot.holds(outline) for slot in other.slots for outline in copy.outlines)
     )
-    flush = not copy.mount.flipped and any(  # what is turned over has a head
-        fixing.how(hole, other.part, outline, copy.part) != "free"
-        and abs(hole.low - other.mount.z) < SAME_POINT
-        and abs(hole.low - min(each.low for each in copy.outlines)) < SAME_POINT
+    fixed = [
+        (hole, other)
         for hole, other, outline in round_holes
-    )
-    ways += ["flush with its underside"] if flush else []
+        if fixing.how(hole, other.part, outline, copy.part) != "free"
+    ]
+    if copy.mount.flipped:  # from above, where a head may be in the way
+        side = "flush with its upper side"
+        top = max((each.high for each in copy.outlines), default=0.0)
+        gaps = [
+            (hole.high - other.mount.z - other.part.thickness, hole.high - top)
+            for hole, other in fixed
+        ]
+    else:
+        side = "flush with its underside"
+        foot = min((each.low for each in copy.outlines), default=0.0)
+        gaps = [(hole.low - other.mount.z, hole.low - foot) for hole, other in fixed]
+    ways += [side] if any(max(map(abs, gap)) < SAME_POINT for gap in gaps) else []
     return ", ".join([*ways, *(f"in the slot of {name}" for name in slots)])

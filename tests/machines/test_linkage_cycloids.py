@@ -189,6 +189,8 @@ def test_an_offset_moves_the_air_from_the_flanks(tmp_path: Path) -> None:
 def test_output_pins_come_last_from_above() -> None:
     """Through the link that holds them into the disc: before, they would stand loose in holes far wider than they are."""
     steps = {row[1]: row[0] for row in order_of_assembly(machine().assembly).rows}
+    said = {row[1]: row[3] for row in order_of_assembly(machine().assembly).rows}
+    assert said["output-pin-disc"] == "pressed and glued into flange, flush with its upper side"
     assert steps["ring-pin-disc"] < steps["disc"] < steps["flange"] < steps["output-pin-disc"]
 
 
