@@ -10,7 +10,7 @@ import cmath
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from camgen.judge.measured import Readings
 from camgen.judge.meshes import MeshedWheel, Meshing
 from camgen.judge.pair_events import Slide as Sliding
 from camgen.judge.pair_events import Turn
+from camgen.judge.pawls import PawlMotion
 from camgen.judge.pin_tracks import TrackedPins
 from camgen.machine.features import (
     CamOutline,
@@ -37,6 +38,7 @@ from camgen.machine.features import (
     GearTeeth,
     Mark,
     Mount,
+    PawlPair,
     PinEyes,
     SharedFlat,
     SlideFaces,
@@ -55,12 +57,14 @@ from camgen.machine.model import (
     Place,
     Slide,
     Slot,
+    Turning,
     centres_of,
     placed,
 )
 from camgen.numerics import Floats
 from camgen.tolerances import SAME_POINT
 
+STILL = Turning(0.0)  # law of a follower that stands still
 _STEEP = 0.25  # cosine of a pressure angle (75 deg) that no cam is meant to reach, so that a wrong one widens no limit
 _KNOWN = 8  # answers of a rolled follower that are kept
 _SLOPE = 1e-6  # rad of cam angle, over which the slope of a rolled motion is taken: shorter than any facet
@@ -159,7 +163,7 @@ class Closable:
     """The machine as measured; the fit of each joint that was, and the outlines of each cam, the one that drives first.
 
     meshings: of each Gear its wheels, of planets that are alike those of the first; engagements: of each Cam its edges, where these
-    have any shape.
+    have any shape; pawls: of each ratchet wheel and pawl.
     """
 
     machine: Machine
@@ -167,6 +171,7 @@ class Closable:
     outlines: Mapping[str, Sequence[Outline]]
     meshings: Mapping[str, Meshing]
     engagements: Mapping[str, Engagement]
+    pawls: Mapping[str, PawlMotion]
 
 
 def measured_machine(
@@ -198,6 +203,21 @@ def measured_machine(
         builder.outlines,
         builder.meshings,
         builder.engagements,
+        builder.pawls,
+    )
+
+
+@lru_cache(maxsize=4)  # a machine is the same object for all kinds of its files
+def at_rest(machine: Machine, joints: frozenset[str]) -> Machine:
+    """The machine with the followers of some cams at rest."""
+    if not joints:
+        return machine
+    return replace(
+        machine,
+        joints=tuple(
+            replace(each, law=STILL) if isinstance(each, Cam) and each.name in joints else each
+            for each in machine.joints
+        ),
     )
 
 
@@ -253,6 +273,7 @@ class _Builder:
         self.outlines: dict[str, list[Outline]] = {}
         self.meshings: dict[str, Meshing] = {}
         self.engagements: dict[str, Engagement] = {}
+        self.pawls: dict[str, PawlMotion] = {}
 
     def put(
         self,
@@ -278,6 +299,9 @@ class _Builder:
                 new = joint
             case GearTeeth(), Gear():
                 new = self._gear(feature, joint)
+            case PawlPair(), Cam():
+                self._pawl_pair(feature, joint)
+                new = replace(joint, law=STILL)
             case EdgePair(), Cam():
                 new = self._edge_pair(feature, joint)
             case _:
@@ -522,6 +546,23 @@ class _Builder:
         self.fits[joint.name] = Fit(worst.gap, worst.meant, off, parts=parts)
         self.engagements[joint.name] = engagement
         return replace(joint, law=engagement)
+
+    def _pawl_pair(self, feature: PawlPair, joint: Cam) -> None:
+        """A wheel and its pawl, which is judged by itself: nothing hangs on it, and no step of Newton's method goes past a fall."""
+        (wheel,) = self._edges(feature.a, joint.cam, feature.turns)
+        (pawl,) = self._edges(feature.b, joint.follower, feature.swings)
+        axes = [
+            self._pin_places(pin, body)[1]
+            for pin, body in ((feature.turns, joint.cam), (feature.swings, joint.follower))
+        ]
+        self.pawls[joint.name] = PawlMotion(
+            feature,
+            wheel.moved(cmath.exp(1j * joint.phase)),
+            pawl.moved(cmath.exp(1j * joint.rest)),
+            axes[1] - axes[0],
+            joint.law,
+            self.machine.start_of(joint.cam).angle - joint.phase,
+        )
 
     def _edges(self, edges: Sequence[Edge], body: str, pin: str) -> list[Ring]:
         """Those of a body that a pin holds."""

@@ -15,9 +15,10 @@ from camgen.files.formats import READABLE
 from camgen.findings import Finding, NotJudged, Where, at_most
 from camgen.judge.cams import judge_cams, named
 from camgen.judge.edges import judge_edges
-from camgen.judge.joints import Closable, Fit, Nominal, Outline, measured_machine
+from camgen.judge.joints import Closable, Fit, Nominal, Outline, at_rest, measured_machine
 from camgen.judge.measured import Files, Sections, read
 from camgen.judge.meshes import judge_mesh
+from camgen.judge.pawls import judge_pawl
 from camgen.judge.pin_tracks import TrackedPins, judge_tracks
 from camgen.judge.proof import Proof, with_laws
 from camgen.machine.features import CamOutline, Demand, judged_outputs, parts_of
@@ -111,6 +112,10 @@ def judge_machine(
         if isinstance(engagement, TrackedPins):
             findings.append(judge_tracks(engagement, 2 * off + slack, edges_where))
         numbers |= engagement.figures(files.kind)
+    for pawl in measured.pawls.values():
+        both = {each.part for each in pawl.feature.edges}
+        findings += judge_pawl(pawl, off + slack, named(files.where, both))
+        numbers |= pawl.figures(files.kind)
     unseen = _nominal(nominal)
     if any(math.isinf(each.error) for each in judged):
         return Verdict(tuple(findings), numbers, not_judged=unseen)
@@ -180,8 +185,9 @@ class _Closing:
         laws_given = tuple((name, outline.feature.nominal.law) for name, outline in driven.items())
         machine = replace(with_laws(self.measured.machine, laws), outputs=tuple(self.outputs))
         measured = replace(self.measured, machine=machine)
+        meant = at_rest(self.nominal.machine, frozenset(self.measured.pawls))
         return Proof(
-            self.nominal.machine,
+            meant,
             measured,
             self.theta,
             tuple((name, law) for name, law in laws_given if law is not None),

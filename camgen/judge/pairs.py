@@ -583,6 +583,7 @@ class _Following:
 _LOOKS = 25  # samples at which anything free is looked for
 _JUMP = 2e-4  # rad, or share of the driver's reach on a slide, of a bound within a step
 _HALVINGS = 40
+_LOST = 5.0  # times the slope beside it, from which one may be that of a lever that goes to 0
 _BACK = 1e-3  # rad
 _PATIENCE = 60  # steps that are not proven, after which none is halved any more
 
@@ -633,7 +634,8 @@ class PairMotion:
     def jumps(self, side: Literal["low", "high"]) -> list[Jump]:
         """Where a bound jumps, found to the last digits between the samples.
 
-        A jump changes it by more than the slopes on both sides explain, and by more than ever two obstacles that meet.
+        A jump changes it by more than the slopes on both sides explain, and by more than ever two obstacles that meet. Just before a
+        drop the lever of what holds the body may go to 0 and its slope beyond all bounds: then the other side's counts.
         """
         bounds = self.samples
         phi = bounds.low if side == "low" else bounds.high
@@ -641,29 +643,30 @@ class PairMotion:
         step = np.diff(bounds.theta)
         steep = np.maximum(np.abs(slope[1:]), np.abs(slope[:-1]))
         change = np.abs(np.diff(phi) - (slope[1:] + slope[:-1]) / 2 * step)
+        calm = np.minimum(np.abs(slope[1:]), np.abs(slope[:-1]))
         least = _JUMP * (1.0 if self.pair.freedom.period < math.inf else self.pair.bodies.a.far)
         with np.errstate(invalid="ignore"):
-            at = np.flatnonzero(change > least + 2 * steep * step)
-        return [self._jump(int(k), side) for k in at]
+            plain = change > least + 2 * steep * step
+            lever_lost = steep > _LOST * np.maximum(calm, 1.0)
+            lever_lost &= np.abs(np.diff(phi)) > least + 2 * calm * step
+        found = self._halved(np.flatnonzero(plain | lever_lost), side)
+        return [each for each in found if abs(each.after - each.before) > least]
 
-    def _jump(self, k: int, side: Literal["low", "high"]) -> Jump:
-        """The jump between two samples, by halving."""
-        left = float(self.samples.theta[k])
-        right = float(self.samples.theta[k + 1])
-        phi = self.samples.low if side == "low" else self.samples.high
-        before = float(phi[k])
-        after = float(phi[k + 1])
-        for _ in range(_HALVINGS):
+    def _halved(self, steps: Ints, side: Literal["low", "high"]) -> list[Jump]:
+        """The jumps between some samples and the next ones, by halving all of these steps together."""
+        phi = getattr(self.samples, side)
+        left, right = (self.samples.theta[k].copy() for k in (steps, steps + 1))
+        before, after = (phi[k].copy() for k in (steps, steps + 1))
+        for _ in range(_HALVINGS if len(steps) else 0):
             middle = (left + right) / 2
-            found = self.bounds(np.array([middle]))
-            here = float((found.low if side == "low" else found.high)[0])
-            if not abs(here - before) <= abs(here - after):
-                right = middle
-                after = here if math.isfinite(here) else after
-            else:
-                left = middle
-                before = here
-        return Jump((left + right) / 2, before, after)
+            here = getattr(self.bounds(middle), side)
+            later = ~(np.abs(here - before) <= np.abs(here - after))
+            right = np.where(later, middle, right)
+            left = np.where(later, left, middle)
+            after = np.where(later & np.isfinite(here), here, after)
+            before = np.where(later, before, here)
+        rows = zip(((left + right) / 2).tolist(), before.tolist(), after.tolist(), strict=True)
+        return [Jump(*row) for row in rows]
 
 
 def _touch(pair: OutlinePair, theta: Floats, phi: Floats, pairs: Ints) -> Touch:

@@ -6,11 +6,15 @@ import functools
 
 import numpy as np
 
-from camgen.geometry.rings import Floats, Points
+from camgen.geometry.rings import Floats, Ints, Points
 from camgen.judge.slabs import Course
 
 AT_REST = 1e-6  # mm, a path that is no motion
 STRAIGHT = 1e-6  # mm, and share of a turn, by which a guest that slides may be off its straight way
+
+_SUDDEN = 4  # times the turns in the steps beside it, from which a step is looked into
+_HALVINGS = 24
+_REST = 0.2  # of its turn, that a step with a jump keeps as it is halved
 
 
 class Motion:
@@ -22,7 +26,31 @@ class Motion:
     def __init__(self, home: Course, guest: Course, theta: Floats) -> None:
         self.theta = theta
         self._courses = (home, guest)
-        self.turns, self.shifts = self.at(theta)
+        self.turns, self.shifts = self._read(theta)
+        self._jumps = [int(k) for k in self._sudden() if self._jumps_in(int(k))]
+
+    def _sudden(self) -> Ints:
+        """Steps of the grid in which the guest turns many times as far as in those before and after."""
+        steps = np.abs(np.diff(self.turns))
+        if len(steps) < 3:
+            return np.empty(0, int)
+        ahead = np.append(steps[2:], [0.0, 0.0])
+        behind = np.append([0.0, 0.0], steps[:-2])
+        return np.flatnonzero(steps > _SUDDEN * np.maximum(ahead, behind) + AT_REST)
+
+    def _jumps_in(self, k: int) -> bool:
+        """Whether the turn in a step of the grid does not grow less as the step is halved."""
+        low, high = float(self.theta[k]), float(self.theta[k + 1])
+        first, last = (complex(self.turns[n]) for n in (k, k + 1))
+        whole = abs(last - first)
+        for _ in range(_HALVINGS):
+            middle = (low + high) / 2
+            here = complex(self._read(np.array([middle]))[0][0])
+            if abs(here - first) > abs(last - here):
+                high, last = middle, here
+            else:
+                low, first = middle, here
+        return abs(last - first) > _REST * whole
 
     @property
     def at_rest(self) -> bool:
@@ -31,7 +59,30 @@ class Motion:
         return bool(np.max(ways) < AT_REST)
 
     def at(self, theta: Floats) -> tuple[Points, Points]:
-        """Turn and shift at other angles."""
+        """Turn and shift at other angles; in a step of the grid in which the guest jumps, on the way that it turns through."""
+        turns, shifts = self._read(theta)
+        for k in self._jumps:
+            low, high = self.theta[k], self.theta[k + 1]
+            inside = np.flatnonzero((theta > low) & (theta < high))
+            if len(inside):
+                share = (theta[inside] - low) / (high - low)
+                turns[inside], shifts[inside] = self._between(k, share)
+        return turns, shifts
+
+    def _between(self, k: int, share: Floats) -> tuple[Points, Points]:
+        """From one pose of the grid to the next about the point that both have in common, or straight where they only slide."""
+        by = self.turns[k + 1] / self.turns[k]
+        way = self.shifts[k + 1] - by * self.shifts[k]
+        turn = np.exp(1j * np.angle(by) * share)
+        if abs(by - 1) < AT_REST:
+            return self.turns[k] * turn, self.shifts[k] + share * (
+                self.shifts[k + 1] - self.shifts[k]
+            )
+        centre = way / (1 - by)
+        return self.turns[k] * turn, centre + (self.shifts[k] - centre) * turn
+
+    def _read(self, theta: Floats) -> tuple[Points, Points]:
+        """Turn and shift by the courses."""
         (alpha, p), (beta, q) = (course(theta) for course in self._courses)
         back = np.exp(-1j * alpha)
         return np.exp(1j * (beta - alpha)), (q - p) * back

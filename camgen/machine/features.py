@@ -257,6 +257,21 @@ class EdgePair:
 
 
 @dataclass(frozen=True)
+class PawlPair(EdgePair):
+    """Of a Cam: a toothed wheel past which a pawl drops, each about its pin on the ground, the pawl always on the wheel.
+
+    passes: the sense in which the wheel does, +1 or -1; first: where a tip points in the wheel's drawing, rad; the next tooth to
+    drop has the next number.
+    """
+
+    passes: Literal[1, -1] = 1
+    teeth: int = 0
+    first: float = 0.0
+    end: float = 0.0  # radius of the pawl's end, mm
+    friction: float = 0.0  # coefficient at which a tooth is to draw the pawl in by itself
+
+
+@dataclass(frozen=True)
 class SharedFlat:
     """Two parts of one body on one pin with a flat: the first tells where the second stands, whatever its mount says."""
 

@@ -23,12 +23,12 @@ from camgen.files.folder import name_of
 from camgen.findings import Finding, Where, at_least, at_most, in_file
 from camgen.geometry.arcs import with_arcs
 from camgen.geometry.rings import Floats, Points, Ring
+from camgen.judge.locking import Lock, locks, ways_back
 from camgen.judge.pair_events import Slide, Turn
 from camgen.judge.pairs import Body as Solid
 from camgen.judge.pairs import Jump, OutlinePair, PairMotion, hollow, pivots_apart
 from camgen.machine.features import PartPose
 from camgen.measuring.folder import OUTLINE_PACKAGES, write_folder
-from camgen.measuring.locking import Lock, locks, ways_back
 from camgen.measuring.outlines import AS_IT_IS, Hints, Outline, read_outline
 from camgen.measuring.teeth import UnlikeTooth, unlike_tooth
 from camgen.report.animation import Animation, Body

@@ -116,6 +116,7 @@ MADE = [
     ("gallery/geneva-table", ("files.step=true",)),
     ("gallery/groove", ("output.step=true",)),
     ("gallery/pencil-cam", ("files.step=true",)),
+    ("gallery/ratchet", ("files.step=true",)),
     ("gallery/scotch-yoke", ("files.step=true",)),
     ("gallery/valve", ("output.step=true",)),
     ALONE,

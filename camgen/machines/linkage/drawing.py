@@ -35,10 +35,12 @@ from camgen.motion.polydyne import Lag, polydyne
 from camgen.motion.program import Program
 from camgen.motion.segments import program
 from camgen.parts.generator.cycloids import CycloidWish
+from camgen.parts.generator.ratchets import RatchetWish
 from camgen.parts.generator.wheels import SECOND, Ridden, follower_of, level_of, named, pivot
 from camgen.parts.wheels.cycloid import CycloidDisc, OutputWish
 from camgen.parts.wheels.geneva import Geneva, GenevaLaw
 from camgen.parts.wheels.noncircular import Centrodes, NoncircularPair
+from camgen.parts.wheels.ratchet import PawlLaw, RatchetWheel, pawl_of
 
 GROUND = m.GROUND
 RETURN = "return_spring"
@@ -70,6 +72,7 @@ class Drawing:
     planets: Sequence[t.Planets] = ()  # whose points and links are among the others
     noncirculars: Sequence[t.Noncircular] = ()
     cycloids: Sequence[t.Cycloid] = ()
+    ratchets: Sequence[t.Ratchet] = ()
 
     # ---- names ----------------------------------------------------------------------------------------------------
 
@@ -117,6 +120,7 @@ class Drawing:
             ("cam", map(self.cam_name, self.cams)),
             ("geneva", map(self.geneva_name, self.genevas)),
             ("noncircular", (each.joint for each in self.noncirculars)),
+            ("ratchet", (each.joint for each in self.ratchets)),
             ("freewheel", map(self.freewheel_name, self.freewheels)),
             ("planets", (row.title for row in self.planets)),
             ("cycloid", (row.title for row in self.cycloids)),
@@ -134,11 +138,12 @@ class Drawing:
 
     def levels_of_joints(self) -> list[str]:
         """Names in [layers] of what has a level of its own beside the links: cams, the second one of a pair, gears, Geneva drives, wheels
-        that are not round."""
+        that are not round, ratchets."""
         levels = [level_of(gear.joint) for gear in self.gears]
         levels += [level_of(row.title) for row in self.planets]
         levels += [level_of(self.geneva_name(geneva)) for geneva in self.genevas]
         levels += [level_of(each.joint) for each in self.noncirculars]
+        levels += [level_of(each.joint) for each in self.ratchets]
         for cam in (cam for cam in self.cams if cam.shape == "roller"):
             key = level_of(self.cam_name(cam))
             levels += [key, key + SECOND] if cam.closure == "conjugate" else [key]
@@ -201,6 +206,23 @@ class Drawing:
             except DesignError as error:
                 raise named(error, f"noncircular {each.joint}") from None
         return made
+
+    def ratchet_of(self, table: t.Ratchet) -> RatchetWish:
+        """What is asked of its wheel and pawl; DesignError where there are none such."""
+        rate = self.turns_of(table.a) or 1.0
+        way: Literal[1, -1] = 1 if self.drive.speed_rpm * rate > 0 else -1
+        distance = self._shafts_apart(table.a, table.b)
+        try:
+            wheel = RatchetWheel(table.teeth, table.radius, table.radius - table.deep)
+            pawl = pawl_of(wheel, distance, table.end_radius, math.radians(table.draw_deg))
+        except DesignError as error:
+            raise named(error, f"ratchet {table.joint}") from None
+        return RatchetWish(PawlLaw(pawl, way), table.friction)
+
+    @cached_property
+    def ratchet_wishes(self) -> dict[str, RatchetWish]:
+        """What is asked of each ratchet, by its joint."""
+        return {each.joint: self.ratchet_of(each) for each in self.ratchets}
 
     def cycloid_of(self, row: t.Cycloid) -> CycloidWish:
         """What is asked of its disc and pins; DesignError where there is none."""
@@ -308,6 +330,7 @@ class Drawing:
         joined += [cam.cam for cam in self.cams]
         joined += [name for geneva in self.genevas for name in (geneva.a, geneva.b)]
         joined += [name for pair in self.noncirculars for name in (pair.a, pair.b)]
+        joined += [each.a for each in self.ratchets]
         joined += [
             name for row in self.cycloids for name in (row.crank, row.disc, row.output or "")
         ]
@@ -406,6 +429,7 @@ class Drawing:
         joints += [self._cam(cam, start, joints) for cam in self.cams]
         joints += [self._geneva(geneva, bodies, start) for geneva in self.genevas]
         joints += [self._noncircular(each, start) for each in self.noncirculars]
+        joints += [self._ratchet(each, start) for each in self.ratchets]
         joints += [joint for wish in self.cycloid_wishes for joint in _cycloid(wish, start)]
         drives = [
             m.Drive(
@@ -669,6 +693,16 @@ class Drawing:
         law = self.noncircular_pairs[table.joint].centrodes.law.reversed
         phase, rest = (start[link].angle for link in (table.a, table.b))
         return m.Cam(table.joint, table.a, table.b, law, phase=phase, rest=rest)
+
+    def _ratchet(self, table: t.Ratchet, start: Mapping[str, m.Pose]) -> m.Cam:
+        """The joint; its angle is 0 in the seat of a tooth, and as drawn the pawl is halfway from drop to drop."""
+        law = self.ratchet_wishes[table.joint].law
+        pawl = law.pawl
+        angle = law.way * (pawl.dropping - pawl.wheel.pitch / 2)
+        phase = start[table.a].angle - angle
+        rest = start[table.b].angle - float(law(np.array(angle)))
+        links = table.joint, table.a, table.b, law
+        return m.Cam(*links, phase=phase, rest=rest, closure="force", leaves=-law.way)
 
     def _place(self, point: str, bodies: Mapping[str, m.Body]) -> m.Place:
         """A point on the first link that has it."""

@@ -128,7 +128,7 @@ def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
         yield from _cycloid_faults(drawing, ("cycloid", k), row)
     for name in drawing.levels_of_joints():
         if name in drawing.links:
-            right = "another name: a cam, a gear, a Geneva drive or a pair of wheels has it, and its level"
+            right = "another name: a cam, a gear, a Geneva drive, a pair of wheels or a ratchet has it, and its level"
             yield Fault(("links", name), "", right)
     named = dict.fromkeys(drawing.names_of_drives(), "drive")
     for path, name in drawing.joints():
@@ -229,7 +229,9 @@ def _gear_faults(drawing: Drawing, path: Key, gear: t.Gear) -> Iterable[Fault]:
             yield Fault((*path, key), f"{value:g}", 'nothing: shift = "balanced" finds both')
 
 
-def _shaft_faults(drawing: Drawing, path: Key, pair: t.Geneva | t.Noncircular) -> Iterable[Fault]:
+def shaft_faults(
+    drawing: Drawing, path: Key, pair: t.Geneva | t.Noncircular | t.Ratchet
+) -> Iterable[Fault]:
     """What is wrong with the links of wheels that turn on the ground."""
     for key, name in {"a": pair.a, "b": pair.b}.items():
         wrong = _link_fault(drawing, (*path, key), name)
@@ -242,7 +244,7 @@ def _shaft_faults(drawing: Drawing, path: Key, pair: t.Geneva | t.Noncircular) -
 
 
 def _noncircular_faults(drawing: Drawing, path: Key, pair: t.Noncircular) -> Iterable[Fault]:
-    yield from _shaft_faults(drawing, path, pair)
+    yield from shaft_faults(drawing, path, pair)
     ways = {
         "eccentricity": pair.eccentricity is not None,
         "sines_deg": bool(pair.sines_deg or pair.cosines_deg),
@@ -264,7 +266,7 @@ def _noncircular_faults(drawing: Drawing, path: Key, pair: t.Noncircular) -> Ite
 
 
 def _geneva_faults(drawing: Drawing, path: Key, geneva: t.Geneva) -> Iterable[Fault]:
-    yield from _shaft_faults(drawing, path, geneva)
+    yield from shaft_faults(drawing, path, geneva)
     points = drawing.links.get(geneva.a, ())
     if points and (geneva.pin not in points or geneva.pin == drawing.pivot(geneva.a)):
         free = [point for point in points if point != drawing.pivot(geneva.a)]

@@ -44,6 +44,7 @@ from camgen.machines.linkage import (
     motors,
     pens,
     planets,
+    ratchets,
     sheets,
     walking,
 )
@@ -168,6 +169,10 @@ class Linkage(Mechanism):
         default=(),
         description="two toothed wheels that are not round: one turns the other at a ratio that varies over the turn",
     )
+    ratchets: Annotated[tuple[t.Ratchet, ...], Field(alias="ratchet", max_length=20)] = Field(
+        default=(),
+        description="a wheel that turns one way past a pawl, which falls behind each tooth",
+    )
     cycloids: Annotated[tuple[t.Cycloid, ...], Field(alias="cycloid", max_length=10)] = Field(
         default=(),
         description="a disc on an eccentric that rolls inside pins: few parts for a large reduction",
@@ -246,8 +251,10 @@ class Linkage(Mechanism):
             *(name for gear in self.gears for name in (gear.a, gear.b)),
             *(name for geneva in self.genevas for name in (geneva.a, geneva.b)),
             *(name for pair in self.noncirculars for name in (pair.a, pair.b)),
+            *(name for each in self.ratchets for name in (each.a, each.b)),
             *(name for row in self.cycloids for name in (row.crank, row.output) if name),
         ]
+        found += ratchets.faults(self._drawing, self.springs)
         found += coils.faults(
             self.springs, links, turning, [*links, *self._drawing.names_of_joints()]
         )
@@ -432,6 +439,7 @@ class Linkage(Mechanism):
             self.planets,
             self.noncirculars,
             self.cycloids,
+            self.ratchets,
         )
 
     @property
@@ -907,6 +915,7 @@ class Linkage(Mechanism):
             gears,
             genevas=self._drawing.named_genevas,
             noncirculars=self._drawing.noncircular_pairs,
+            ratchets=self._drawing.ratchet_wishes,
             planets=sets,
             cycloids=self._drawing.cycloid_wishes,
             springs={each.name: each.stretched for each in springs},

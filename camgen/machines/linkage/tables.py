@@ -427,6 +427,42 @@ class Cycloid(Record):
         return f"{self.disc} to {self.output}"
 
 
+class Ratchet(Record):
+    """A ratchet: the wheel of link a turns one way past the pawl of link b, which falls behind each tooth and holds it the other way."""
+
+    a: Name = Field(description="the wheel: a link that turns on the ground, one way alone")
+    b: Name = Field(
+        description="the pawl: another link that turns on the ground; a [[spring]] draws it to the wheel"
+    )
+    teeth: Annotated[int, quantity("1", ge=3, le=200)] = Field(description="teeth of the wheel")
+    radius: Length = Field(description="radius of the circle on which the tips are")
+    depth: Length | None = Field(
+        default=None, description="how deep the teeth are; an eighth of the radius unless given"
+    )
+    end_radius: Length = Field(default=1.2, description="radius of the pawl's end")
+    draw_deg: Annotated[float, quantity("deg", gt=0, lt=80)] = Field(
+        default=38.0,
+        description="angle by which a tooth that is turned back draws the pawl in; it and the distance of the shafts give the arm",
+    )
+    friction: Annotated[float, quantity("1", ge=0, le=3)] = Field(
+        default=0.7,
+        description="friction coefficient of tooth and pawl at which the pawl is to hold without its spring",
+    )
+    name: Name | None = Field(
+        default=None, description="name of the joint; both links unless given"
+    )
+
+    @property
+    def joint(self) -> str:
+        """Name of its joint."""
+        return self.name or f"{self.a} to {self.b}"
+
+    @property
+    def deep(self) -> float:
+        """How deep its teeth are, mm."""
+        return self.radius / 8 if self.depth is None else self.depth
+
+
 class Planets(Record):
     """A planetary set: planets on a carrier run round a sun and in a ring; one of these three is fixed, the ground."""
 

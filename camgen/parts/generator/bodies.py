@@ -39,7 +39,7 @@ from camgen.parts.generator.discs import (
     geneva_parts,
     ground_disc,
     keeper,
-    noncircular_parts,
+    pair_parts,
     shaft_cap,
 )
 from camgen.parts.generator.joints import features_of, part_name, point_of
@@ -106,11 +106,8 @@ class Bodies:
             *(each for tip in layout.tips for each in cam_parts(layout, tip)),
             *gear_parts(layout),
             *(each for drive in layout.geneva_drives for each in geneva_parts(layout, drive)),
-            *(
-                each
-                for drive in layout.noncircular_drives
-                for each in noncircular_parts(layout, drive)
-            ),
+            *(each for drive in layout.noncircular_drives for each in pair_parts(layout, drive)),
+            *(each for drive in layout.ratchet_drives for each in pair_parts(layout, drive)),
             *cycloid_pins(layout),
             *(each for point in layout.pivots for each in self._stack(point)),
             *covers(layout),

@@ -24,6 +24,7 @@ from camgen.parts.generator.cycloids import CycloidWish
 from camgen.parts.generator.gears import DowelledWheel, GearPair, GearWheel, PlanetWish, gear_pairs
 from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.noncircular import NoncircularDrive
+from camgen.parts.generator.ratchets import RatchetDrive, RatchetWish
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.generator.webs import throws, webs, with_webs
 from camgen.parts.generator.wheels import (
@@ -132,6 +133,7 @@ class Connections:
     # wheel and disc of each Geneva drive, and the point of its pin
     genevas: Mapping[str, tuple[Geneva, str]] = field(default_factory=dict)
     noncirculars: Mapping[str, NoncircularPair] = field(default_factory=dict)
+    ratchets: Mapping[str, RatchetWish] = field(default_factory=dict)
     stems: Mapping[str, str] = field(default_factory=dict)  # how slides' runners reach their rails
     sunk: bool = False  # whether the ground's pins turn in the plate, heads under it
     springs: Mapping[str, StretchedSpring] = field(default_factory=dict)
@@ -303,15 +305,21 @@ class Connections:
         """Pairs of wheels that are not round."""
         return [NoncircularDrive(self._cam(name), pair) for name, pair in self.noncirculars.items()]
 
+    @cached_property
+    def ratchet_drives(self) -> list[RatchetDrive]:
+        """Ratchets; the pawl's boss is a hub round its shaft."""
+        hub = (self.sizes.shaft_diameter + self.fits.press_clearance) / 2 + self.rim
+        return [RatchetDrive(self._cam(name), wish, hub) for name, wish in self.ratchets.items()]
+
     def _cam(self, name: str) -> m.Cam:
         joint = self.machine.joint(name)
         assert isinstance(joint, m.Cam)
         return joint
 
     @property
-    def edge_drives(self) -> Sequence[GenevaDrive | NoncircularDrive]:
+    def edge_drives(self) -> Sequence[GenevaDrive | NoncircularDrive | RatchetDrive]:
         """Pairs whose wheels drive each other by their edges."""
-        return [*self.geneva_drives, *self.noncircular_drives]
+        return [*self.geneva_drives, *self.noncircular_drives, *self.ratchet_drives]
 
     @cached_property
     def rollers(self) -> list[Roller]:

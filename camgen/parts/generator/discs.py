@@ -25,6 +25,7 @@ from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.layout import GROUND, Layout, pivot_name
 from camgen.parts.generator.noncircular import NoncircularDrive
 from camgen.parts.generator.pins import MountedPart
+from camgen.parts.generator.ratchets import RatchetDrive
 from camgen.parts.generator.wheels import (
     Roller,
     Tip,
@@ -260,8 +261,8 @@ def geneva_parts(layout: Layout, drive: GenevaDrive) -> Iterator[MountedPart]:
     yield roller_part(layout, drive.roller)
 
 
-def noncircular_parts(layout: Layout, drive: NoncircularDrive) -> Iterator[MountedPart]:
-    """Both wheels of a pair that are not round, each on its link's shaft."""
+def pair_parts(layout: Layout, drive: NoncircularDrive | RatchetDrive) -> Iterator[MountedPart]:
+    """Both wheels of a pair that are not round, or a ratchet's wheel and pawl, each on its link's shaft."""
     links = drive.joint.cam, drive.joint.follower
     for link, edge in zip(links, drive.edges(layout.machine), strict=True):
         part, mount = _on_shaft(layout, link, drive, edge)
@@ -269,7 +270,7 @@ def noncircular_parts(layout: Layout, drive: NoncircularDrive) -> Iterator[Mount
 
 
 def _on_shaft(
-    layout: Layout, link: str, drive: GenevaDrive | NoncircularDrive, edge: Contour
+    layout: Layout, link: str, drive: GenevaDrive | NoncircularDrive | RatchetDrive, edge: Contour
 ) -> MountedPart:
     """A plate on the shaft of one of its links."""
     wheel = next(each for each in drive.wheels if each.link == link)

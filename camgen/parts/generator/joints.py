@@ -21,6 +21,7 @@ from camgen.machine.features import (
     GearTeeth,
     Mark,
     Mount,
+    PawlPair,
     PinEyes,
     PinTracks,
     Ring,
@@ -35,6 +36,7 @@ from camgen.parts.generator.layout import Layout, pivot_name
 from camgen.parts.generator.noncircular import NoncircularDrive
 from camgen.parts.generator.pins import bearing_name
 from camgen.parts.generator.plates import SECOND
+from camgen.parts.generator.ratchets import RatchetDrive
 from camgen.parts.generator.stubs import in_upper
 from camgen.parts.generator.wheels import Tip, pivot
 
@@ -128,6 +130,7 @@ def features_of(layout: Layout, pins: Sequence[Mount]) -> Sequence[Feature]:
         found.append(GearTeeth(each.joint.name, *both, turns, angle, implied))
     found += [_geneva(layout, drive) for drive in layout.geneva_drives]
     found += [_noncircular(layout, drive) for drive in layout.noncircular_drives]
+    found += [_ratchet(layout, drive) for drive in layout.ratchet_drives]
     found += [pair for drive in layout.cycloid_drives for pair in _cycloid(layout, drive)]
     found += [outline for tip in layout.tips for outline in _outlines(layout, tip)]
     found += [*_keyed(layout), *_steady(layout, pins)]
@@ -304,6 +307,29 @@ def _noncircular(layout: Layout, drive: NoncircularDrive) -> EdgePair:
     pair = drive.pair
     period = math.tau * pair.turns
     return EdgePair(drive.joint.name, a, b, turns, swings, pair.air, ((0.0, math.tau),), period)
+
+
+def _ratchet(layout: Layout, drive: RatchetDrive) -> PawlPair:
+    """What a ratchet is judged on."""
+    links = drive.joint.cam, drive.joint.follower
+    a, b = ((_edge(layout, drive.part_on(link)),) for link in links)
+    turns, swings = (pivot_of(layout, link) for link in links)
+    pawl = drive.pawl
+    return PawlPair(
+        drive.joint.name,
+        a,
+        b,
+        turns,
+        swings,
+        0.0,
+        (),
+        math.tau,
+        passes=drive.wish.law.way,
+        teeth=pawl.wheel.teeth,
+        first=drive.first_tip(layout.machine),
+        end=pawl.end,
+        friction=drive.wish.friction,
+    )
 
 
 def _edge(layout: Layout, part: str) -> Edge:

@@ -20,6 +20,7 @@ from camgen.parts.generator.cures import slimmer, slimmer_pin
 from camgen.parts.generator.gears import DowelledWheel
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.plates import motor_holes
+from camgen.parts.generator.ratchets import RatchetDrive
 from camgen.parts.generator.wheels import Roller, Wheel
 from camgen.parts.level_rules import Axis, Band, Opening, Things, Wall
 
@@ -193,14 +194,28 @@ def _wheel(courses: _Courses, wheel: Wheel, on: str, how: str) -> Band:
 def _gears(courses: _Courses) -> list[Band]:
     """Wheels of gears, counterweights."""
     layout = courses.layout
-    cams = [tip.wheel for tip in layout.tips]
-    bands = []
-    for wheel in (each for each in layout.wheels if each not in cams):
+    others = [tip.wheel for tip in layout.tips]
+    others += [drive.wheels[1] for drive in layout.ratchet_drives]
+    bands = [_pawl(courses, drive) for drive in layout.ratchet_drives]
+    for wheel in (each for each in layout.wheels if each not in others):
         weighs = wheel in layout.weights
         how = 'counterweight.made = "steel", or a greater thickness' if weighs else _NEARER
         on = wheel.link if wheel.link in layout.planet_pins else GROUND
         bands.append(_wheel(courses, wheel, on, how))
     return bands
+
+
+def _pawl(courses: _Courses, drive: RatchetDrive) -> Band:
+    """The pawl of a ratchet, where it swings."""
+    layout = courses.layout
+    link = drive.joint.follower
+    here = layout.at(link, layout.shaft_of(link))
+    arm = drive.arm(layout.machine)
+    wheel = drive.wheels[1]
+    discs = [(here, drive.hub), (here + arm, drive.pawl.end)]
+    band = courses.band(wheel.about, link, discs, wheel.level)
+    move = f"points.{layout.shaft_of(link)} elsewhere"
+    return replace(band, slim="a smaller parts.shaft_diameter", move=move)
 
 
 def _dowelled(courses: _Courses) -> list[Band]:
