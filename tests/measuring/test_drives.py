@@ -20,9 +20,9 @@ from camgen.cli import cli
 from camgen.errors import DesignError, SpecError
 from camgen.files.folder import name_of
 from camgen.geometry.rings import Ring
+from camgen.judge.locking import Lock, locks, ways_back
 from camgen.judge.pairs import Jump
 from camgen.measuring.drives import Drive, driven_by
-from camgen.judge.locking import Lock, locks, ways_back
 from camgen.parts.wheels.ratchet import Pawl, RatchetWheel
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "judge"))
