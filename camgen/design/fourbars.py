@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -28,6 +28,7 @@ DEFECTS = ("bounds", "circuit", "branch", "order", "turn", "transmission")
 _ROUNDING = 1e-6  # mm, by which a length may leave its bounds
 _ON_THE_WAY = 90  # crank angles at which the coupler's turn is followed
 _FLAT = 60.0  # allowances, as much as which a cosine counts that is 1 too great
+_SPARE = 1e-3  # of an allowance: by so much a search stays within its bounds, for what is least ends a little beyond them
 _CHANGE_POINT = 1e-6  # of all lengths: a margin by Grashof that is less is none
 
 
@@ -181,8 +182,8 @@ class Room:
         beyond = np.maximum(lengths - self.longest, self.shortest - lengths)
         return np.asarray(np.maximum(beyond, 0.0))
 
-    def lack(self, bars: FourBars, all_round: Flags, allowance: float) -> Floats:
-        """What four-bars lack of the room and of the transmission angle, (rows, m), 0 where all is well: for a search.
+    def lack(self, bars: FourBars, all_round: Flags, allowance: float) -> tuple[Floats, Floats]:
+        """What four-bars lack of the room, and of the transmission angle, (rows, m) each, 0 where all is well: for a search.
 
         all_round: which are to transmit over a whole turn; allowance: mm, of which lengths and pivots count as shares.
         """
@@ -195,11 +196,23 @@ class Room:
             return np.asarray(_FLAT * np.clip(np.abs(cosine) - flattest, 0.0, 9.0))
 
         steep = [flat(np.abs(bars.c - bars.a)), flat(ends) * all_round]
-        return np.concatenate([self._beyond(bars) / allowance, *steep])
+        out = self._within(_SPARE * allowance)._beyond(bars)
+        return out / allowance, np.concatenate(steep)
 
     def bounds(self, bars: FourBars) -> Flags:
         """Which are not where they may be, or not of a length that they may have, (m,)."""
         return np.asarray((self._beyond(bars) > _ROUNDING).any(axis=0))
+
+    def _within(self, margin: float) -> Room:
+        """The same with bounds of lengths and pivots that are closer by a margin, mm."""
+        corner = complex(margin, margin)
+        return replace(
+            self,
+            low=self.low + corner,
+            high=self.high - corner,
+            shortest=self.shortest + margin,
+            longest=self.longest - margin,
+        )
 
     def _beyond(self, bars: FourBars) -> Floats:
         """How much lengths and pivots of four-bars are out of bounds, (rows, m) mm."""

@@ -63,7 +63,8 @@ def written(request: Request, offer: Offer) -> str:
         request.keep(front)
     near = acceptable(order, aim)
     best = near[0]
-    request.say(f"of {len(order)}, {front.caption(rows[order.index(best)])}")
+    many = counted(len(order), "design")
+    request.say(f"{many} to choose from; {front.caption(rows[order.index(best)])}")
     if best.prototype.lash > aim.useful_play:
         request.say(
             f"the least play of a design is {best.prototype.lash:.3g} {aim.unit}, more than {aim.useful_play:.4g} {aim.unit} "

@@ -83,7 +83,7 @@ def near_four_bars(
     def residuals(x: Floats, which: Indices) -> Floats:
         bars, (place, angle) = _made(poses, x, sides[which])
         lack = room.lack(bars, all_round[which], allowance[0])
-        rows = [place.real / allowance[0], place.imag / allowance[0], angle / allowance[1], lack]
+        rows = [place.real / allowance[0], place.imag / allowance[0], angle / allowance[1], *lack]
         return np.concatenate(rows).T
 
     x, _ = least_squares(residuals, numbers, _ROUNDS)

@@ -24,7 +24,7 @@ _KEPT = 48  # of them are polished; four times as many of four unknowns
 _APART = 20  # of drawn ones in the order of their error: every such one is polished, too
 _ROUNDS = 120
 _LENGTHS = (-2.3, 1.1)  # logarithms of a link's length in frames: 1/10 to 3
-_STIFF = 10.0  # times as much as an error of the same size counts what is out of bounds
+_STIFF = 10.0  # times as much as what is out of bounds counts a flat transmission angle
 _SAME = 1e-6  # of a dyad's length: the crank itself among the dyads of its coupler
 _LEAST_STEP = 0.02  # rad, between two positions of a crank
 _WHOLE = 0.97  # of a turn, that positions without angles take at most
@@ -115,9 +115,9 @@ def polished(passing: Passing, room: Room, allowance: float, drawn: _Drawn, most
     def residuals(x: Floats, which: Indices) -> Floats:
         those = _Drawn(x, drawn.sides[which], drawn.sense[which])
         bars, off = fitted(passing, those)
-        lack = room.lack(bars, turning[which], allowance)
+        out, flat = room.lack(bars, turning[which], allowance)
         off = off / allowance
-        rows = [off.real, off.imag, _STIFF * lack, _STIFF * _crowded(passing, those)]
+        rows = [off.real, off.imag, out, _STIFF * flat, _STIFF * _crowded(passing, those)]
         return np.concatenate(rows).T
 
     glance = np.sum(residuals(drawn.x, np.arange(len(drawn.x))) ** 2, axis=1)

@@ -190,7 +190,9 @@ def test_the_page_draws_the_wanted_path_and_what_can_be_built_first(tmp_path: Pa
     # what is written is the first, and the words say its error and its play
     first = tomllib.loads((tmp_path / "front" / "01.toml").read_text(encoding="utf-8"))
     assert tomllib.loads(text)["points"] == first["points"]
-    assert any(", design 1: at most" in line and " play of " in line for line in said)
+    assert any(
+        " to choose from; design 1: at most" in line and " play of " in line for line in said
+    )
     least = min(rows, key=lambda row: float(row["bars_mm"]) if row["verdict"] == "holds" else 1e9)
     assert any(
         line.startswith(f"has the shortest bars: design {least['design']}:") for line in said
