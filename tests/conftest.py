@@ -61,7 +61,7 @@ def flat() -> Iterator[None]:
 
 @pytest.fixture(scope="session", autouse=True)
 def drawn_and_read_once() -> Iterator[None]:
-    """Builds of one process have many parts in common: each is drawn once, and each drawing read once.
+    """Builds of one process have many parts in common: each is drawn once, and each drawing and exact solid read once.
 
     What `check` makes anew, to hold it against the files, is drawn anew.
     """
@@ -70,6 +70,7 @@ def drawn_and_read_once() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("camgen.pipeline.making.draw_part", kept.draw_part)
         patch.setattr("camgen.judge.round_trip.read_contours", kept.read_contours)
+        patch.setattr("camgen.files.step.read_step", kept.read_step)
         for user in ("files.dxf", "judge.machine_tables", "judge.sheets", "pipeline.machining"):
             patch.setattr(f"camgen.{user}.read_dxf", kept.read_dxf)
         yield

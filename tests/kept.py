@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from camgen.files import drawing, dxf
+from camgen.files import drawing, dxf, step
 from camgen.pipeline import summary
 from camgen.pipeline.case import Case
 
@@ -39,7 +39,7 @@ class Kept:
 
 _DRAWINGS = Kept(200)
 _READINGS = Kept(500)
-_read_dxf, _read_contours = dxf.read_dxf, dxf.read_contours
+_read_dxf, _read_contours, _read_step = dxf.read_dxf, dxf.read_contours, step.read_step
 
 
 def draw_part(case: Case, name: str, folder: Path) -> None:
@@ -73,6 +73,12 @@ def read_contours(path: Path) -> tuple[list[Any], list[str]]:
     """As `dxf.read_contours`, likewise."""
     rings, messages = _READINGS.once(("shown", _bytes(path)), lambda: _read_contours(path))
     return [*rings], [*messages]
+
+
+def read_step(path: Path) -> tuple[dict[str, Any], list[Any], list[str]]:
+    """As `step.read_step`, likewise."""
+    bodies, copies, remarks = _READINGS.once(("exact", _bytes(path)), lambda: _read_step(path))
+    return {**bodies}, [*copies], [*remarks]
 
 
 def _bytes(path: str | Path) -> bytes | None:
