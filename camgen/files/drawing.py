@@ -70,6 +70,7 @@ _TRIPLES = 2  # cam angle, angle from X and radius beside each other
 _DETAIL = 30.0  # of a keyway's detail, at most
 _DETAIL_AT = 0.6  # of the tables' width: its middle
 _DETAIL_HEIGHT = 72.0  # with its sizes, on paper
+_OVER_DETAIL = 24.0  # of its title, over its upper edge
 _SURFACE = 10.0  # room above for them
 _OVER = (
     8.0  # from the upper edge of that room down, of the frame of a track's tolerance over the view
@@ -649,7 +650,7 @@ class _Layout:
         return next(letter for letter in ascii_uppercase if letter not in taken)
 
     def _key_detail(self) -> None:
-        """A bore's keyway enlarged, with its sizes, their tolerances and the datums, under the tables."""
+        """A bore with its keyway by itself, with its sizes, their tolerances and the datums, under the tables."""
         if self.key is None:
             return
         facts = self.facts
@@ -667,8 +668,9 @@ class _Layout:
                 at + scale * (top if way == 1j else radius) * way + over,
                 layer="CENTER",
             )
-        title = f"{self.datum_letter or 'Bore'} ({number(scale)}:1)"
-        self.sheet.text(complex(self.table_x + 1.5, self.free - 6), title, 3.5)
+        title = f"Bore {self.datum_letter} ({number(scale)}:1)".replace("  ", " ")
+        level = min(self.free - 6, middle + scale * top + _OVER_DETAIL)
+        self.sheet.text(complex(self.table_x + 1.5, level), title, 3.5)
 
         def size(a: complex, b: complex, away: complex, sign: str, fit: str) -> None:
             """A size of the bore, between its own points."""
@@ -734,7 +736,8 @@ class _Layout:
             lines.append(f"All faces{where} Ra {facts.roughness_elsewhere:g}")
         lines += [f"Edges {facts.edges}"] if facts.edges else []
         lines += [facts.heat_treatment] if facts.heat_treatment else []
-        return [line for note in (*lines, *part.notes) for line in _wrapped(note)]
+        lines += [note[:1].upper() + note[1:] for note in part.notes]
+        return [line for note in lines for line in _wrapped(note)]
 
     def _note_lines(self) -> None:
         """Notes at the lower left, beside the title block, upwards."""

@@ -452,7 +452,7 @@ def test_radii_of_a_cam_are_those_of_its_outline(sheets: list[Drawn]) -> None:
 
 @pytest.mark.parametrize(
     "word",
-    ["a-word-without-any-space-in-it-that-is-longer-than-the-room-for-notes.dxf", "mw " * 30],
+    ["A-word-without-any-space-in-it-that-is-longer-than-the-room-for-notes.dxf", "mw " * 30],
 )
 def test_no_note_is_too_long(word: str, tmp_path: Path) -> None:
     part = Part(
