@@ -434,7 +434,9 @@ def test_radii_of_a_cam_are_those_of_its_outline(sheets: list[Drawn]) -> None:
             (c for c in (sheet.part.region.outer, *sheet.part.region.holes) if free(c)), None
         )
         texts = [text.dxf.text for text in sheet.texts]
-        if curve is None or sheet.part.name.startswith("gear-"):  # a wheel's teeth are in its notes
+        toothed = sheet.part.name.startswith("gear-")  # a wheel's teeth are in its notes
+        sliding = sheet.part.title == "Plate of a linear cam"
+        if curve is None or toothed or sliding:
             assert "Radius" not in texts, sheet.part.name
             continue
         z = facet_contour(curve, 1e-6)
