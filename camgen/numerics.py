@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 Floats = NDArray[np.float64]
 Points = NDArray[np.complex128]
 Indices = NDArray[np.intp]
+_Result = TypeVar("_Result")
 
 _GOLDEN = (math.sqrt(5) - 1) / 2
 _STEPS = 60  # of bisection and of the golden section: 2^-60 and 3e-13 of a bracket
@@ -29,6 +30,24 @@ _DEPENDENT = (
 def peak(values: ArrayLike) -> float:
     """Largest magnitude of real or complex values, those that are nan left out; 0 of none."""
     return float(np.nanmax(np.abs(values), initial=0.0))
+
+
+def latest(function: Callable[[Floats], _Result]) -> Callable[[Floats], _Result]:
+    """A function that keeps its last result, for callers that ask for the same values several times in a row.
+
+    Values count as the same if their shape and all of them are equal. Each thread gets the result for its own values.
+    """
+    kept: tuple[Floats, _Result] | None = None
+
+    def of(values: Floats) -> _Result:
+        nonlocal kept
+        last = kept
+        if last is None or not np.array_equal(last[0], values):
+            last = values.copy(), function(values)
+            kept = last
+        return last[1]
+
+    return of
 
 
 def product(a: Floats, b: Floats) -> Floats:

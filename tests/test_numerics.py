@@ -17,6 +17,7 @@ from camgen.numerics import (
     crests,
     gauss_legendre,
     greatest,
+    latest,
     least_squares,
     product,
     roots,
@@ -227,6 +228,22 @@ def test_crests_of_roofs_and_domes(places: list[float], share: float) -> None:
     low, high = wanted - share, wanted + 1
     np.testing.assert_allclose(crests(lambda t: -np.abs(t - wanted), low, high), wanted, atol=1e-11)
     np.testing.assert_allclose(crests(lambda t: -((t - wanted) ** 2), low, high), wanted, atol=1e-7)
+
+
+def test_the_latest_result_is_that_of_the_values_asked_for() -> None:
+    asked: list[np.ndarray] = []
+
+    def total(values: np.ndarray) -> float:
+        asked.append(values.copy())
+        return float(values.sum())
+
+    of = latest(total)
+    values = np.array([1.0, 2.0, 3.0, 4.0])
+    assert of(values) == of(values.copy()) == 10 and len(asked) == 1
+    values[0] = 5.0  # the caller's array, not the one that is kept
+    assert of(values) == 14 and len(asked) == 2
+    of(values.reshape(2, 2))
+    assert [each.shape for each in asked] == [(4,), (4,), (2, 2)]
 
 
 def test_greatest() -> None:

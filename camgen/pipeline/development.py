@@ -26,11 +26,11 @@ from camgen.errors import FileError
 from camgen.files.dxf import CUT_LAYER, add_contour, document, read_contours
 from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.arcs import fit_arcs
-from camgen.geometry.drum_walls import DrumWall, WallPoints
+from camgen.geometry.drum_walls import DrumWall
 from camgen.geometry.drums import Drum
 from camgen.geometry.outlines import Contour, Line, Points, Smooth
 from camgen.machine.model import Cam
-from camgen.numerics import Floats, distinct
+from camgen.numerics import Floats, distinct, latest
 from camgen.parts.part import Part
 from camgen.pipeline.case import Case
 
@@ -214,16 +214,9 @@ class _Development:
 
     def _curve(self, wall: DrumWall) -> Callable[[Floats, int], Points]:
         radius = np.array(self.radius)
-        last: dict[bytes, WallPoints] = {}
-
-        def points(beta: Floats) -> WallPoints:
-            """Point and tangent are mostly asked at the same places, one after the other."""
-            key = beta.tobytes()
-            if key not in last:
-                found = wall.over(beta, radius)
-                last.clear()
-                last[key] = found
-            return last[key]
+        points = latest(
+            lambda beta: wall.over(beta, radius)
+        )  # point and tangent come one after the other
 
         def curve(beta: Floats, order: int) -> Points:
             beta = np.asarray(beta, float)

@@ -34,7 +34,7 @@ from camgen.machine.cams.followers import FlatFace, Follower, Motion, RoundTip
 from camgen.machine.cams.followers import SwingingArm as SwingingArm
 from camgen.machine.cams.shoes import Shoe
 from camgen.motion.program import Program, Segment
-from camgen.numerics import Floats, Indices, Points, distinct, greatest, sign_changes
+from camgen.numerics import Floats, Indices, Points, distinct, greatest, latest, sign_changes
 from camgen.tolerances import SAME_POINT
 
 _BESIDE = 1e-12  # of a segment: a law's derivatives at a break inside it are those on the side that is asked for
@@ -512,20 +512,17 @@ def _continuation(segment: Segment, begin: float, a: float, b: float) -> Motion:
     low += _BESIDE * segment.span if low > 0 else 0.0
     high -= _BESIDE * segment.span if high < (1 - _BESIDE) * segment.span else 0.0
 
-    asked = np.empty(0)
-    known: dict[int, Floats] = {}
+    known_at = latest(lambda theta: dict[int, Floats]())
 
     def motion(theta: Any, order: int) -> Floats:
-        nonlocal asked
         theta = np.asarray(theta, float)
-        if not np.array_equal(theta, asked):
-            asked = theta.copy()
-            known.clear()
+        known = known_at(theta)
         if order not in known:
             angle = theta - begin
             angle = np.minimum(np.maximum(angle, low), high) if order else angle
-            known[order] = np.asarray(segment.at(angle, order))
-            known[order].flags.writeable = False
+            value = np.asarray(segment.at(angle, order))
+            value.flags.writeable = False
+            known[order] = value
         return known[order]
 
     return motion

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import tomllib
 from pathlib import Path
+from typing import Any, cast
 
 import mpmath
 import numpy as np
 import pytest
 
 from camgen.errors import DesignError
-from camgen.machine.cams.profile import DiscCam, SwingingArm
+from camgen.machine.cams.profile import DiscCam, SwingingArm, _continuation
 from camgen.motion.laws import UNIFORM
 from camgen.motion.program import Program, Segment, uniform_swing
 
@@ -251,6 +252,23 @@ def test_knife_edge_is_the_pitch_curve() -> None:
         return abs(float(np.sum(np.imag(np.conj(z) * np.roll(z, -1)))) / 2)
 
     assert made.outline.area == pytest.approx((4 * polygon(8000) - polygon(4000)) / 3, rel=1e-10)
+
+
+def test_a_motion_that_is_asked_from_two_sides_answers_each() -> None:
+    """Another thread asks for other angles while the law works."""
+    angles = np.array([0.5])
+    others = np.array([1.5])
+
+    def law(u: np.ndarray, order: int) -> np.ndarray:
+        if u[0] == 0.25:
+            assert motion(others, 0) == 0.75
+        return u
+
+    motion = _continuation(Segment("rise", 2.0, 0.0, 1.0, cast(Any, law)), 0.0, 0.0, 2.0)
+    assert motion(angles, 0) == 0.25
+    assert motion(others, 0) == 0.75
+    angles[0] = 1.0
+    assert motion(angles, 0) == 0.5
 
 
 def test_resting_follower_makes_a_circle() -> None:
