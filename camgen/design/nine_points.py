@@ -210,11 +210,15 @@ class _Parts:
 
 
 def _solved(value: Points, slope: Points) -> Points:
-    """Newton's step; nan of all where one slope is singular, to the last bit: another step is tried."""
+    """Newton's step, (m, 8); nan of a solution whose slope is singular to the last bit: another step is tried."""
     try:
         return np.asarray(np.linalg.solve(slope, value[:, :, None])[:, :, 0])
     except np.linalg.LinAlgError:
-        return np.full(value.shape, np.nan)
+        if len(value) == 1:
+            return np.full(value.shape, np.nan, complex)
+        half = len(value) // 2
+        parts = (slice(half), slice(half, None))
+        return np.concatenate([_solved(value[part], slope[part]) for part in parts])
 
 
 def _sizes(z: Points) -> Floats:

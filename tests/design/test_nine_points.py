@@ -78,6 +78,16 @@ def test_slopes_are_those_of_difference_quotients() -> None:
         np.testing.assert_allclose(slope[:, :, k], quotient, rtol=1e-6, atol=1e-6)
 
 
+def test_a_singular_solution_stops_no_other() -> None:
+    at, known = starts()
+    value, slope = equations(known[:3] + 0.01, at)
+    alone = nine_points._solved(value, slope)
+    slope[1] = 0.0
+    steps = nine_points._solved(value, slope)
+    assert np.isnan(steps[1]).all()
+    np.testing.assert_array_equal(steps[[0, 2]], alone[[0, 2]])
+
+
 @pytest.fixture(scope="module")
 def number() -> int:
     """Of the known solution at the other end of the hidden four-bar's way."""
