@@ -14,7 +14,7 @@ from camgen.design.found import Found
 from camgen.design.front import Front
 from camgen.design.wanted import asked_for, wish, without
 from camgen.edits import with_tables
-from camgen.errors import Fault, SpecError
+from camgen.errors import Fault, SpecError, counted
 
 if TYPE_CHECKING:
     from camgen.parts.generator.sizes import Parts
@@ -122,11 +122,12 @@ class Request:
         right = "nothing here: it is found, with [points], [links] and [[output]]"
         faults = [Fault((key,), "a table", right) for key in _MADE if key in self.rest]
         drive = self.rest.get("drive")
-        if isinstance(drive, list):
-            one = "[drive], one table: what is found has one motor"
-            faults.append(Fault(("drive",), f"{len(drive)} drives", one))
         if isinstance(drive, dict):
             faults += [Fault(("drive", key), "given", right) for key in of_drive if key in drive]
+        elif drive is not None:
+            given = counted(len(drive), "drive") if isinstance(drive, list) else str(drive)
+            one = "[drive], one table: what is found has one motor"
+            faults.append(Fault(("drive",), given, one))
         if self.data.get("mechanism") != "linkage":
             name = str(self.data.get("mechanism"))
             right = f'"linkage", for a {asked_for(self.data)}'
@@ -139,12 +140,13 @@ class Request:
         from camgen.machines.linkage.mechanism import Linkage
 
         tables = {key: value for key, value in self.rest.items() if key not in _MADE}
+        drive = tables.get("drive")
         links = {"ground": "OC", "crank": "OA", "coupler": "ABP", "rocker": "CB"}
         four_bar = {
             "mechanism": "linkage",
             "points": _FOUR_BAR,
             "links": {name: list(points) for name, points in links.items()},
-            "drive": {"link": "crank", **tables.get("drive", {})},
+            "drive": {"link": "crank", **(drive if isinstance(drive, dict) else {})},
             "output": [{"name": "path", "point": "P"}],
         }
         return specs.validate(Linkage, {**tables, **four_bar}, self.source).making

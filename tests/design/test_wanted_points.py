@@ -121,3 +121,14 @@ def test_crank_angles_are_given_for_all_points_and_in_order(rows: Any, key: str)
     with pytest.raises(SpecError) as told:
         design({**TABLES, "wanted": {"points": rows}})
     assert [fault.key for fault in told.value.faults] == [key]
+
+
+@pytest.mark.parametrize(
+    "drive, given", [([{"link": "a"}, {"link": "b"}], "2 drives"), ([], "0 drives"), (60, "60")]
+)
+@pytest.mark.parametrize("kind", ["points", "path", "drawing"])
+def test_what_is_found_has_one_motor(kind: str, drive: Any, given: str) -> None:
+    wanted = {kind: [[20, 20], [20, 30], [30, 30]]}
+    with pytest.raises(SpecError, match=f"drive: {given} - expected .drive., one table") as told:
+        design({**TABLES, "wanted": wanted, "drive": drive})
+    assert len(told.value.faults) == 1
