@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path, PurePosixPath, PureWindowsPath
@@ -44,9 +45,13 @@ def read(path: Path) -> Data:
     FileError where it cannot be read; SpecError with line and column where it is empty, not UTF-8 or not TOML, or nested
     deeper than any spec, and where it holds more than any.
     """
-    if not Path(path).exists() and (meant := _meant(Path(path))):
-        raise FileError(path, f"cannot be read: there is no such file; did you mean {meant}?")
-    raw = read_bytes(path, SPEC_FILE)
+    try:
+        raw = read_bytes(path, SPEC_FILE)
+    except FileError:
+        if not os.path.exists(path) and (meant := _meant(Path(path))):
+            said = f"cannot be read: there is no such file; did you mean {meant}?"
+            raise FileError(path, said) from None
+        raise
     try:
         text = raw.decode("utf-8-sig")
         if large := too_large(*counted(text)):
@@ -324,8 +329,8 @@ def _syntax_fault(text: str, error: Exception) -> Fault:
     place = f"line {line}, column {column}" if line else _place(end)
     rows = (text if line else end).split("\n")
     quoted = rows[int(line) - 1 if line else -1].strip()
-    before = rows[: int(line) - 1 if line else -1]
-    return Fault((), shortened(quoted), _syntax_in_words(quoted, reason, before), source=place)
+    above = "\n".join(rows[: int(line) - 1 if line else -1])
+    return Fault((), shortened(quoted), _syntax_in_words(quoted, reason, above), source=place)
 
 
 _COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)\s*(?:#.*)?$")
@@ -335,8 +340,8 @@ _CURLY = re.compile("[\u201c\u201d\u201e\u2018\u2019]")
 _TWICE = re.compile(r"Cannot declare \(.*\) twice")
 
 
-def _syntax_in_words(line: str, reason: str, before: Sequence[str]) -> str:
-    """What a line that is no TOML should be: usual mistakes by their cure, others by tomllib's reason; before: the lines above."""
+def _syntax_in_words(line: str, reason: str, above: str) -> str:
+    """What a line that is no TOML should be: usual mistakes by their cure, others by tomllib's reason; above: the lines over it."""
     if number := _COMMA.search(line):
         return f"a decimal point, not a comma: {number[1]}.{number[2]}"
     if number := _WITH_UNIT.search(line):
@@ -346,19 +351,22 @@ def _syntax_in_words(line: str, reason: str, before: Sequence[str]) -> str:
     if (word := _UNQUOTED.search(line)) and word[1] not in ("true", "false", "inf", "nan"):
         return f'quotes round text: "{word[1]}"'
     name = line.partition("]")[0].strip("[ ")
-    if _TWICE.fullmatch(reason) and line.startswith("[") and not line.startswith("[["):
-        first = _first(before, re.compile(rf"\s*\[\s*{re.escape(name)}\s*\]"))
-        return f"[[{name}]], here and in line {first}, if it is a list; else [{name}] once, with all of its keys"
     if reason == "Cannot overwrite a value" and line.startswith("[["):
         return f"[[{name}]] at each row of a list: above it stands otherwise, such as [{name}]"
+    if _TWICE.fullmatch(reason) and not line.startswith("[["):
+        first = _line_of(rf"[ \t]*\[\s*{re.escape(name)}\s*\]", above)
+        if first:
+            return f"[[{name}]], here and in line {first}, if it is a list; else [{name}] once, with all of its keys"
     if reason == "Cannot overwrite a value":
         key = line.partition("=")[0].strip()
-        header = max((k for k, row in enumerate(before) if row.lstrip().startswith("[")), default=0)
-        first = header + _first(before[header:], re.compile(rf"\s*{re.escape(key)}\s*="))
-        return f"{key} once: it stands in line {first} too"
+        start = max((header.start() for header in _HEADER.finditer(above)), default=0)
+        first = _line_of(rf"[ \t]*{re.escape(key)}\s*=", above, start)
+        if first:
+            return f"{key} once: it stands in line {first} too"
     return f"valid TOML: {reason}"
 
 
-def _first(rows: Sequence[str], form: re.Pattern[str]) -> int:
-    """Number of the first row of a form, from 1."""
-    return next((k for k, row in enumerate(rows, 1) if form.match(row)), 0)
+def _line_of(form: str, text: str, start: int = 0) -> int:
+    """Number of the first line, from 1, that begins with a form, not before a place; 0 where none does."""
+    found = re.compile(f"(?m)^{form}").search(text, start)
+    return text.count("\n", 0, found.start()) + 1 if found else 0

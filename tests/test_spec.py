@@ -262,6 +262,23 @@ def test_a_key_that_stands_twice_is_told_with_its_first_line(tmp_path: Path) -> 
         read(path)
 
 
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        ("side = 1\nat = [\n  [1, 2],\n]\nside = 2", "side once: it stands in line 1 too"),
+        ("side = 1\n[side]", "valid TOML: Cannot overwrite a value"),
+        ("side.left = 1\nside = 2", "valid TOML: Cannot overwrite a value"),
+        ("side.left = 1\n[side]", r"valid TOML: Cannot declare \('side',\) twice"),
+    ],
+)
+def test_a_line_is_named_only_where_the_key_stands(tmp_path: Path, text: str, said: str) -> None:
+    """Rows of a list are no tables; a key that stands in another form is in no line by its name."""
+    path = tmp_path / "s.toml"
+    path.write_text(text)
+    with pytest.raises(SpecError, match=f"expected {said}$"):
+        read(path)
+
+
 def test_a_spec_that_is_not_there_is_looked_for_beside(tmp_path: Path) -> None:
     (tmp_path / "shopcam.toml").write_text("a = 1")
     for name in ("shopcam", "shop-cam.toml"):
@@ -269,6 +286,8 @@ def test_a_spec_that_is_not_there_is_looked_for_beside(tmp_path: Path) -> None:
             read(tmp_path / name)
     with pytest.raises(FileError, match="cannot be read: No such file"):
         read(tmp_path / "walker.toml")
+    with pytest.raises(FileError, match="cannot be read"):
+        read(tmp_path / f"{'walker' * 50}.toml")
 
 
 @pytest.mark.parametrize(
