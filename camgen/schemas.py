@@ -107,7 +107,12 @@ def _simple_words(node: Data, root: Data) -> str:
     if kind == "object":
         if "properties" not in node:
             kinds = [*node.get("patternProperties", {}).values(), node.get("additionalProperties")]
-            return f"a table of names, each {in_words(kinds[0], root)}"
+            held = kinds[0]
+            return (
+                f"a table of names, each {in_words(held, root)}"
+                if isinstance(held, dict)
+                else "a table"
+            )
         return f"a table with {', '.join(node['properties'])}"
     if kind == "array":
         if "prefixItems" in node:

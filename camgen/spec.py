@@ -610,10 +610,10 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
         keys = list(keys_of(table, root))
         value = _at(data, path)
         tables = all(each.get("type") == "object" for each in members_of(node or {}, root))
-        misspelt = tables and path and path[-1] not in keys and not isinstance(value, dict | list)
-        no_such = item["type"] == "extra_forbidden" or bool(
-            misspelt
-        )  # where names of tables are free
+        # where names of tables are free, beside keys
+        other = path and keys and path[-1] not in keys
+        misspelt = bool(other) and tables and not isinstance(value, dict | list)
+        no_such = item["type"] == "extra_forbidden" or misspelt
         if no_such:
             close = get_close_matches(str(path[-1]), keys, 1) or _in_another(path, root)
             nearest = next(iter(close or _longer(str(path[-1]), keys)), None)

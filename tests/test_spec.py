@@ -792,6 +792,21 @@ def test_a_link_with_the_name_of_a_key_of_parts_says_so(key: str) -> None:
 
 
 @pytest.mark.parametrize(
+    "tables, said",
+    [
+        ({"include": [{"name": "leg", "spec": 3}]}, "include.0.spec: 3 - expected text or a table"),
+        ({"include": [3]}, "include.0: 3 - expected a table with spec, name, "),
+        ({"masses": {"crank": 3}}, "masses.crank: 3 - expected a table with mass_g, "),
+    ],
+)
+def test_what_should_be_a_table_is_told_as_one(tables: dict[str, Any], said: str) -> None:
+    data = read(TOP / "specs" / "linkage.toml")
+    with pytest.raises(SpecError) as caught:
+        read_mechanism(data | tables)
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
     "setting, said",
     [
         ("base_radius=20", "did you mean 'geometry.base_radius'?"),

@@ -214,9 +214,8 @@ class _Development:
 
     def _curve(self, wall: DrumWall) -> Callable[[Floats, int], Points]:
         radius = np.array(self.radius)
-        points = latest(
-            lambda beta: wall.over(beta, radius)
-        )  # point and tangent come one after the other
+        # point and tangent come one after the other
+        points = latest(lambda beta: wall.over(beta, radius))
 
         def curve(beta: Floats, order: int) -> Points:
             beta = np.asarray(beta, float)
