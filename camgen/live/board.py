@@ -6,6 +6,7 @@ import json
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache, reduce
 from hashlib import sha256
 from html import escape
@@ -55,6 +56,15 @@ speed_rpm = 30
 """
 
 
+@dataclass
+class SheetFile:
+    """Where a sheet is kept, and what was last read from there or written."""
+
+    path: Path | None = None  # None: it is not saved yet
+    digest: str = ""
+    text: str = ""
+
+
 class Board:
     """A linkage's text while it is drawn. Without a spec a page with the gallery comes first."""
 
@@ -62,15 +72,13 @@ class Board:
         self, spec: Path | None, out: Path, gallery: Mapping[str, str] | None = None
     ) -> None:
         """gallery: texts of specs by their names; those are shown that are linkages and name no file."""
-        self.spec = spec
+        self.file = SheetFile(spec)
         self.gallery = usable(gallery or {})
         self.last_build = LastBuild(spec or Path("sheet.toml"), out)
         self.lock = Lock()
-        self.digest = ""
         self.text: str | None = None
-        self.saved = ""
-        self.past: list[str] = []
-        self.future: list[str] = []
+        self.past: list[tuple[str, SheetFile]] = []
+        self.future: list[tuple[str, SheetFile]] = []
         if spec is not None:
             self._read(spec)
 
@@ -79,13 +87,13 @@ class Board:
         reading.read(spec)
         raw = read_bytes(spec, reading.SPEC_FILE)
         digest = sha256(raw).hexdigest()
-        if digest == self.digest:
+        if digest == self.file.digest:
             return
         if self.text is not None:
-            self.past.append(self.text)
-        self.digest = digest
-        self.saved = raw.decode("utf-8-sig")
-        self._take(self.saved)
+            self.past.append((self.text, self.file))
+        self.file.digest = digest
+        self.file.text = raw.decode("utf-8-sig")
+        self._take(self.file.text)
 
     def _take(self, text: str) -> None:
         """Show this text."""
@@ -103,6 +111,16 @@ class Board:
             self.linkage.chain  # noqa: B018
         except DesignError as error:
             self.reason = str(error)
+
+    def _keep(self, text: str) -> None:
+        """Put the text that is shown behind Undo."""
+        self.past = [*self.past, (text, self.file)][-_MOST_UNDONE:]
+        self.future.clear()
+
+    @property
+    def spec(self) -> Path | None:
+        """The file of the sheet that is shown."""
+        return self.file.path
 
     @property
     def folder(self) -> Path:
@@ -127,8 +145,7 @@ class Board:
                 return self._tried(request)
             text = self._after(request)
             if text != self.text:
-                self.past = [*self.past, self._shown][-_MOST_UNDONE:]
-                self.future.clear()
+                self._keep(self._shown)
                 self._take(text)
             return self._seen()
 
@@ -178,29 +195,29 @@ class Board:
         with self.lock:
             text = self._shown
             raw = text.encode("utf-8")
-            if self.spec is None:
-                self.spec = self._new_file(raw)
+            path = self.spec
+            if path is None:
+                path = self._new_file(raw)
+                self.file.path = path
             else:
-                before = read_bytes(self.spec, reading.SPEC_FILE)
-                if sha256(before).hexdigest() != self.digest:
+                before = read_bytes(path, reading.SPEC_FILE)
+                if sha256(before).hexdigest() != self.file.digest:
                     right = "was changed since this page read it; reload the page to see it, and Undo to have yours again"
-                    raise FileError(self.spec, right)
-                write(self.spec, text)
-            self.digest = sha256(raw).hexdigest()
-            self.saved = text
-            return {**self._seen(), "verdict": f"saved in {self.spec.name}"}
+                    raise FileError(path, right)
+                write(path, text)
+            self.file.digest = sha256(raw).hexdigest()
+            self.file.text = text
+            return {**self._seen(), "verdict": f"saved in {path.name}"}
 
     def start(self, request: Answer) -> Answer:
-        """Begin a new sheet, empty or with one of the gallery; what was drawn before stays behind Undo, and in its file."""
+        """Begin a new sheet, empty or with one of the gallery; what was drawn before stays in its file, and with it behind Undo."""
         name = request.get("name")
         with self.lock:
             if name and str(name) not in self.gallery:
                 raise SpecError([specs.unknown(("name",), str(name), self.gallery)], "gallery")
             if self.text is not None:
-                self.past = [*self.past, self.text][-_MOST_UNDONE:]
-                self.future.clear()
-            self.spec = None
-            self.saved = ""
+                self._keep(self.text)
+            self.file = SheetFile()
             self._take(self.gallery[str(name)] if name else _EMPTY)
         return Answer(ok=True, verdict="", errors=[])
 
@@ -227,11 +244,14 @@ class Board:
     def _numbers(self) -> Any:
         return numbers(self.tables, _schema())
 
-    def _step(self, back: list[str], ahead: list[str]) -> Answer:
+    def _step(
+        self, back: list[tuple[str, SheetFile]], ahead: list[tuple[str, SheetFile]]
+    ) -> Answer:
         with self.lock:
             if back:
-                ahead.append(self._shown)
-                self._take(back.pop())
+                ahead.append((self._shown, self.file))
+                text, self.file = back.pop()
+                self._take(text)
             return self._seen()
 
     def _tried(self, request: Answer) -> Answer:
@@ -264,7 +284,7 @@ class Board:
             file="new sheet" if self.spec is None else self.spec.name,
             undo=bool(self.past),
             redo=bool(self.future),
-            changed=self.text != self.saved,
+            changed=self.text != self.file.text,
             text=self.text,
             numbers=[vars(number) for number in self._numbers()],
             chain=_chain(self.linkage),

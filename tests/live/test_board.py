@@ -250,7 +250,7 @@ def test_an_operation_changes_its_lines_alone(
     assert sum(line not in before for line in after) or lost
     tomllib.loads(drawn.text or "")
     drawn.undo({})
-    assert drawn.text == FOUR and drawn.saved == FOUR, "to the byte"
+    assert drawn.text == FOUR and drawn.file.text == FOUR, "to the byte"
     drawn.redo({})
     assert (drawn.text or "").splitlines() == after
 
@@ -321,7 +321,10 @@ def test_a_four_bar_from_an_empty_sheet(tmp_path: Path, monkeypatch: pytest.Monk
     assert page.post("/start", json={"name": "walking-leg"}).json()["ok"]
     assert page.post("/save", json={}).json()["verdict"] == "saved in walking-leg.toml"
     assert (tmp_path / "my-linkage.toml").read_text(encoding="utf-8") == saved
-    assert page.post("/undo", json={}).json()["text"] == saved
+    undone = page.post("/undo", json={}).json()
+    assert (undone["text"], undone["file"], undone["changed"]) == (saved, "my-linkage.toml", False)
+    assert page.post("/save", json={}).json()["verdict"] == "saved in my-linkage.toml"
+    assert read_mechanism(tmp_path / "walking-leg.toml").name == "walking-leg"
     other = client(Board(None, tmp_path / "out"))
     other.post("/start", json={})
     assert 'href="gallery"' not in other.get("/").text
