@@ -28,7 +28,7 @@ class Judged:
     allowance: float  # mm or deg, that is borne
     unit: str
     key: str = "tolerance"  # of [wanted] that sets the allowance
-    share: str = ""  # what the allowance is where the wish does not say it
+    default: str = ""  # what the allowance is where the wish does not say it
     limit: str = "tolerance"  # key of the target that holds it
 
     @property
@@ -39,7 +39,7 @@ class Judged:
     @property
     def tolerance(self) -> float:
         """Of the spec that is written: the one that is wanted, or what the design keeps and no more than is borne."""
-        return min(self.least_tolerance, self.allowance) if self.share else self.allowance
+        return min(self.least_tolerance, self.allowance) if self.default else self.allowance
 
     @property
     def miss(self) -> str:

@@ -103,8 +103,8 @@ def machine(wish: FunctionWish, tables: Data, each: Generator) -> Found:
     """A four-bar for the function as a machine of a spec's other tables."""
     turns = [x for x, _ in wish.turns]
     values = {"at": [list(pair) for pair in wish.turns]}
-    share = "" if wish.tolerance else "a twentieth of the rocker's swing"
-    off = (math.degrees(each.error), wish.allowance, "deg", "tolerance", share)
+    default = "" if wish.tolerance else "a twentieth of the rocker's swing"
+    off = (math.degrees(each.error), wish.allowance, "deg", "tolerance", default)
     judged = Judged({"name": "function", "link": ROCKER}, "function", values, Function.code, *off)
     crank, coupler, rocker = (wish.frame * length for length in each.lengths)
     figures = {

@@ -41,7 +41,7 @@ class Tracing:
     tables: Data  # of the spec, less what is found
     allowance: float  # mm, how far path and wanted one may be apart
     joined: bool = True  # whether lines join the wanted points in their order
-    share: str = ""  # what the allowance is where the wish does not say it
+    default: str = ""  # what the allowance is where the wish does not say it
 
     def found(self, design: ChainDesign) -> Found:
         """A design as a machine."""
@@ -50,7 +50,7 @@ class Tracing:
         worst = self._worst(path)
         values = {"at": [place(z) for z in self.wanted], "joined": self.joined}
         output = {"name": "path", "point": TRACED}
-        limits = (Trace.code, worst, self.allowance, "mm", "tolerance", self.share)
+        limits = (Trace.code, worst, self.allowance, "mm", "tolerance", self.default)
         judged = Judged(output, "path", values, *limits)
         figures = {
             "links": len(chain.bodies),
@@ -99,9 +99,9 @@ def offer(request: Request) -> Offer:
     kinds = [chain for chain in paths.kinds(wish.bars // 2, 2) if len(chain.bodies) <= wish.bars]
     minutes = "; this takes minutes" if len(kinds) > 1 else ""
     request.say(f"searched: {counted(len(kinds), 'chain')}{minutes}")
-    share = "" if wish.tolerance else "a twentieth of the path's longest chord"
+    default = "" if wish.tolerance else "a twentieth of the path's longest chord"
     tables = request.with_lash("lash", wish.lash)
-    tracing = Tracing(line, tables, wish.allowance(chord), wish.joined, share)
+    tracing = Tracing(line, tables, wish.allowance(chord), wish.joined, default)
     with Workers(request.jobs) as workers:
         found = paths.search(goal, kinds, wish.effort, wish.seed, workers.map, request.say)
         if not found:

@@ -84,12 +84,12 @@ def acceptable(order: Sequence[Found], aim: Aim) -> list[Found]:
         return near
     far = min(can, key=lambda each: each.share).farthest
     where = "the nearest buildable design"
-    if not far.share:
+    if not far.default:
         remedy = f"{aim.further}, or a wider wanted.{far.key}"
         raise DesignError(f"wanted.{far.key}", far.error, far.allowance, far.unit, where, remedy)
     remedy = f"{aim.further}, or wanted.{far.key} = {math.ceil(100 * far.error) / 100:g}"
     raise DesignError("error", far.error, far.allowance, far.unit, where, remedy).saying(
-        f"{where} is {far.error:.4g} {far.unit} off; without wanted.{far.key} the limit is {far.share}, "
+        f"{where} is {far.error:.4g} {far.unit} off; without wanted.{far.key} the limit is {far.default}, "
         f"{far.allowance:.4g} {far.unit}"
     )
 

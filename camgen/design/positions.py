@@ -150,7 +150,7 @@ def slide_designs(wish: SlideWish, room: Room, tables: Data) -> Designs:
         one = bars.those(np.array([number]))
         ends = one.ends(bool(verdict.all_round[number]))
         figures = {**sifted.figures(number, ends), "off_mm": float(off[number])}
-        limits = (float(off[number]), wish.allowance, "mm", "tolerance", wish.share)
+        limits = (float(off[number]), wish.allowance, "mm", "tolerance", wish.default)
         pairs = [list(each) for each in zip(_degrees(turned), way.tolist(), strict=True)]
         output = {"name": "slide", "link": SLIDER}
         judged = Judged(output, "function", {"at": pairs}, Function.code, *limits)
@@ -200,7 +200,7 @@ def dwell_designs(wish: DwellWish, room: Room, tables: Data, rng: np.random.Gene
         }
         output = {"name": "dwell", "link": ARM}
         span = {"span_deg": wish.dwell.span_deg}
-        off = (float(moves[number]), wish.allowance, "deg", "tolerance", wish.share)
+        off = (float(moves[number]), wish.allowance, "deg", "tolerance", wish.default)
         far = (float(astray[number]), swing / _OF_SWING, "deg", "dwell.swing_deg")
         judged = [
             Judged(output, "dwell", span, Dwell.code, *off, "band"),
@@ -313,7 +313,7 @@ def _judged_places(wish: FourBarWish, motion: Motion, off: float) -> Judged:
     """Where P is, each at the crank's angle."""
     theta = _degrees(motion.theta)
     values = {"at": [place(z) for z in wish.places], "theta_deg": theta}
-    limits = (off, wish.allowance, "mm", "tolerance", wish.share)
+    limits = (off, wish.allowance, "mm", "tolerance", wish.default)
     return Judged({"name": "place", "point": "P"}, "points", values, Through.code, *limits)
 
 
@@ -323,7 +323,7 @@ def _judged_poses(wish: PoseWish, motion: Motion, off_mm: float, off_deg: float)
     whole = math.tau * np.round((motion.coupler - wanted) / math.tau)
     angles = _degrees(wanted + whole - whole[0])
     pairs = {"at": [list(pair) for pair in zip(_degrees(motion.theta), angles, strict=True)]}
-    limits = (off_deg, wish.allowance_deg, "deg", "tolerance_deg", wish.share_deg)
+    limits = (off_deg, wish.allowance_deg, "deg", "tolerance_deg", wish.default_deg)
     angle = Judged({"name": "angle", "link": COUPLER}, "function", pairs, Function.code, *limits)
     return [_judged_places(wish, motion, off_mm), angle]
 

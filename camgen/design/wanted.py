@@ -396,7 +396,7 @@ class LinkWish(Wish):
         }
 
     @property
-    def share(self) -> str:
+    def default(self) -> str:
         """What the allowance is where no tolerance is given."""
         return "" if self.tolerance else "a twentieth of its size"
 
@@ -538,7 +538,7 @@ class PoseWish(FourBarWish):
         return self.tolerance_deg or max((max(angles) - min(angles)) / _OF_USE, _LEAST_ANGLE)
 
     @property
-    def share_deg(self) -> str:
+    def default_deg(self) -> str:
         """What that is where no tolerance is given."""
         return "" if self.tolerance_deg else "a twentieth of the angles' range"
 
@@ -700,7 +700,7 @@ class DwellWish(LinkWish):
         return self.tolerance or self.dwell.swing_deg / _OF_REST
 
     @property
-    def share(self) -> str:
+    def default(self) -> str:
         """What that is where no tolerance is given."""
         return "" if self.tolerance else "a fiftieth of its swing"
 
