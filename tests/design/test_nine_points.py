@@ -24,7 +24,7 @@ from camgen.design.wanted import PointWish
 from camgen.errors import DesignError
 
 FOLDER = Path(__file__).resolve().parents[1] / "reference"
-HIDDEN: dict[str, Any] = tomllib.loads((FOLDER / "points.toml").read_text())["nine"][0]
+HIDDEN, _, ELLIPSE = tomllib.loads((FOLDER / "points.toml").read_text())["nine"]
 NEIGHBOURS = 3  # paths beside that of the hidden four-bar
 
 
@@ -127,6 +127,56 @@ def test_cognates_pass_the_points_with_the_lengths_of_another_program() -> None:
     assert np.min(off) < 1e-5
     for a, b in ((bars.a, bars.o), (bars.b, bars.c), (bars.a, bars.b), (bars.p, bars.a)):
         assert np.max(np.ptp(np.abs(a - b), axis=0)) < 1e-9
+
+
+@pytest.mark.usefixtures("few")
+def test_of_two_solutions_at_one_end_both_are_followed_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The first one, of the hidden four-bar, jumps to the end of the second one."""
+    runs: list[int] = []
+
+    def jumping(known: np.ndarray, *others: Any) -> tuple[np.ndarray, np.ndarray]:
+        z, arrived = followed(known, *others)
+        if not runs:
+            z[0] = z[1]
+        runs.append(len(known))
+        return z, arrived
+
+    monkeypatch.setattr(nine_points, "followed", jumping)
+    bars = nine_point_four_bars(hidden().p[:, 0])
+    assert runs == [NEIGHBOURS + 1, 2]
+    off = np.max(np.abs(bars.lengths.T - HIDDEN["lengths"][0]), axis=1)
+    assert np.min(off) < 1e-5
+
+
+def test_four_bars_that_are_nearly_images_in_a_mirror_are_two(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Points of an ellipse, symmetrical but for their last digits: the sums of the cognates' pivots differ by 1e-6."""
+    points = np.array([complex(*place) for place in ELLIPSE["points"]])
+    d = points[1:] - points[0]
+    d = d / np.sqrt(np.mean(np.abs(d) ** 2))
+    end = np.stack([d, np.conj(d)])
+    drawn = np.array(
+        [
+            [-0.41836 + 0.12653j, -0.67531 - 0.00013j, -0.62435 + 0.18871j, -0.54609 - 0.00010j],
+            [-0.77804 + 0.38078j, -0.93776 - 0.00005j, -0.25754 + 0.12593j, -0.67557 - 0.00013j],
+        ]
+    )
+    z = nine_points.newton(np.stack([drawn, np.conj(drawn)], axis=-1).reshape(2, 8), end)
+    at, known = starts()
+    back, arrived = followed(z, end, at)
+    assert arrived.all()
+    off = np.max(np.abs(classes(back)[:, None] - classes(known)), axis=2)
+    numbers = np.argmin(off, axis=1)
+    assert np.max(np.min(off, axis=1)) < 1e-9 and numbers[0] != numbers[1]
+    monkeypatch.setattr(nine_points, "starts", lambda: (at, known[numbers]))
+    bars = nine_point_four_bars(points)
+    cranks = np.sort(bars.lengths[1].reshape(6, 2), axis=0)
+    assert len(bars.o) == 12 and np.max(np.abs(cranks[:, 0] - cranks[:, 1])) > 0.01
+    for a, b in ((bars.a, bars.o), (bars.b, bars.c), (bars.a, bars.b), (bars.p, bars.b)):
+        assert np.max(np.ptp(np.abs(a - b), axis=0)) < 1e-7
 
 
 @pytest.mark.usefixtures("few")
