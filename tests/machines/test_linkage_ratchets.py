@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
+from hypothesis import given
+from hypothesis import strategies as st
 
 import camgen
 from camgen import load
@@ -170,7 +172,7 @@ def test_what_is_missing_beside_it_is_told_by_key(
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"radius": 80}, "reach of the pawl.*draw the pivot further off"),
+        ({"radius": 80}, "distance of the pawl's pivot.*draw the pivot further off"),
         ({"end_radius": 4}, "smaller end_radius"),
         ({"depth": 6}, "smaller depth"),
         ({"draw_deg": 15}, "greater draw_deg"),
@@ -184,6 +186,48 @@ def test_ratchets_that_cannot_be_are_refused_by_what_to_change(
         assert load(spec(**changes)).assembly
 
 
-def test_a_pawl_too_near_is_none() -> None:
-    with pytest.raises(DesignError, match="smaller radius"):
-        pawl_of(WHEEL, 20.0, 1.2, math.radians(38))
+@pytest.mark.parametrize(
+    ("wheel", "distance", "end", "draw_deg", "words"),
+    [
+        (
+            RatchetWheel(12, 10.0, 1.0),
+            3.0,
+            0.1,
+            0.5,
+            "distance of the pawl's pivot.*smaller radius",
+        ),
+        (WHEEL, 20.0, 1.2, 38, "distance of the pawl's pivot.*smaller radius"),
+        (WHEEL, 28.0, 3.0, 20, "reach of the pawl"),
+        # the chords of few teeth dip below their roots, and the end passes over them
+        (RatchetWheel(3, 30.0, 24.0), 75.0, 4.0, 50, "swings through .*more teeth"),
+        (RatchetWheel(6, 30.0, 29.1), 33.0, 0.6, 38, "swings through .*more teeth"),
+        # the pawl reaches over the tip of the tooth before
+        (RatchetWheel(100, 30.0, 28.2), 48.0, 0.3, 60, "lost .*smaller draw_deg"),
+    ],
+)
+def test_pawls_that_cannot_hold_a_tooth_are_none(
+    wheel: RatchetWheel, distance: float, end: float, draw_deg: float, words: str
+) -> None:
+    with pytest.raises(DesignError, match=words):
+        pawl_of(wheel, distance, end, math.radians(draw_deg))
+
+
+@given(
+    st.integers(3, 60),
+    st.floats(0.03, 0.9),
+    st.floats(0.2, 5),
+    st.floats(0.002, 0.3),
+    st.floats(1, 79),
+)
+def test_a_pawl_is_refused_or_lies_on_the_wheel_all_round(
+    teeth: int, deep: float, far: float, end: float, draw_deg: float
+) -> None:
+    """Of a wheel of 10 mm; sizes in its radius. It is drawn in as asked, and rests within a tooth of each drop."""
+    wheel = RatchetWheel(teeth, 10.0, 10.0 * (1 - deep))
+    try:
+        pawl = pawl_of(wheel, 10 * far, 10 * end, math.radians(draw_deg))
+    except DesignError:
+        return
+    assert pawl.draw == pytest.approx(math.radians(draw_deg), abs=1e-9)
+    assert np.isfinite(pawl.lift(np.linspace(0, wheel.pitch, 50))).all()
+    assert 0 < pawl.dropping < wheel.pitch

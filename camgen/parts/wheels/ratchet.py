@@ -24,7 +24,7 @@ from camgen.numerics import Floats, Points
 
 _FALLS = 0.2  # share of the arm: with a shorter lever at a tip the pawl falls freely
 _TOUCH = 1e-9  # rad or mm, by which a contact may lie beyond its edge's end
-_SAMPLES = 360  # of a tooth, at which the arm is held against the tips
+_SAMPLES = 360  # of a tooth, at which the pawl is looked at
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,8 @@ class Pawl:
             far = np.abs(w)
             tip = np.angle(w) - np.arccos((arm**2 + far**2 - self.end**2) / (2 * arm * far))
             off = self.pivot + arm * np.exp(1j * tip) - tips
-            back, face = n[: self.wheel.teeth], np.roll(n[self.wheel.teeth :], 1, axis=0)
+            back = n[: self.wheel.teeth]
+            face = np.roll(n[self.wheel.teeth :], 1, axis=0)
             within = (np.imag(np.conj(face) * off) >= -_TOUCH) & (
                 np.imag(np.conj(off) * back) >= -_TOUCH
             )
@@ -175,7 +176,7 @@ class Pawl:
         return np.concatenate([line, tip])
 
     def _first(self, theta: Floats) -> tuple[Floats, np.ndarray]:
-        """How far the pawl is turned in from its seat, (n,) rad, and which edge or tip stops it."""
+        """How far the pawl is turned in from its seat, (n,) rad, nan where nothing stops it, and which edge or tip does."""
         beyond = self.wheel.tip + 2 * self.end
         far, arm = abs(self.pivot), abs(self.arm)
         cosine = min(1.0, max(-1.0, (far**2 + arm**2 - beyond**2) / (2 * far * arm)))
@@ -184,6 +185,7 @@ class Pawl:
         way[np.isnan(way)] = np.inf
         stop = np.argmin(way, axis=0)
         turned = out + way[stop, np.arange(len(theta))] - cmath.phase(self.arm)
+        turned[np.isinf(turned)] = np.nan
         return np.mod(turned + math.pi, math.tau) - math.pi, stop
 
     def lift(self, theta: Any, order: int = 0) -> Floats:
@@ -270,14 +272,12 @@ class Pawl:
 
     @property
     def draw(self) -> float:
-        """Angle by which the face's push draws the pawl in, rad: between the push and the line from where it acts to the pivot;
-        below 0 it throws out.
+        """Angle by which the face's push draws the pawl in, rad: from the push to the line from where it acts to the pivot; below 0
+        it throws out.
 
         Friction at the face takes its angle from it.
         """
-        away = self.pivot - self.held
-        inwards = 1 if (away.conjugate() * -self.seat).imag > 0 else -1
-        return inwards * cmath.phase(self.push / away)
+        return -cmath.phase(self.push / (self.pivot - self.held))
 
     def holds(self, friction: float) -> bool:
         """Whether it draws itself in and stays, at a coefficient of friction."""
@@ -287,8 +287,17 @@ class Pawl:
 def pawl_of(wheel: RatchetWheel, distance: float, end: float, draw: float) -> Pawl:
     """The pawl whose pivot is so far from the wheel's axis, mm, and that a face draws in by this angle, rad.
 
-    DesignError where its pivot is too near.
+    DesignError where its pivot is too near, where it swings through between two tips, or where it loses a whole tooth.
     """
+    if not distance > wheel.tip:
+        raise DesignError(
+            "distance of the pawl's pivot from the wheel's axis",
+            distance,
+            wheel.tip,
+            "mm",
+            "",
+            "draw the pivot further off, or use a smaller radius",
+        )
     here = Pawl(wheel, complex(distance), end)
     way = here.push * cmath.exp(1j * draw)
     along = here.held * way.conjugate()
@@ -313,7 +322,33 @@ def pawl_of(wheel: RatchetWheel, distance: float, end: float, draw: float) -> Pa
             "",
             "draw the pivot further off, or use a smaller radius or draw_deg",
         )
-    return Pawl(wheel, here.held + reach * way, end)
+    pawl = Pawl(wheel, here.held + reach * way, end)
+    _refuse_loose(pawl)
+    return pawl
+
+
+def _refuse_loose(pawl: Pawl) -> None:
+    """DesignError where nothing stops the pawl at some angles of the wheel, or where it falls a whole tooth before the lock."""
+    pitch = pawl.wheel.pitch
+    passes = np.isnan(pawl.lift(np.arange(_SAMPLES) / _SAMPLES * pitch))
+    if passes.any():
+        raise DesignError(
+            "share of a tooth over which the pawl swings through between two tips",
+            100 * float(np.mean(passes)),
+            0,
+            "percent",
+            "",
+            "use more teeth, or a smaller draw_deg",
+        )
+    if not pawl.dropping < pitch:
+        raise DesignError(
+            "angle that is lost as the wheel turns back",
+            math.degrees(pawl.dropping),
+            math.degrees(pitch),
+            "deg",
+            "",
+            "use a smaller draw_deg or depth, or fewer teeth",
+        )
 
 
 @dataclass(frozen=True)
