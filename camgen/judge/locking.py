@@ -38,9 +38,11 @@ class Lock:
 
 def locks(motion: PairMotion, drops: Sequence[Jump], side: Rest) -> Iterator[Lock]:
     """The lock behind each drop of the bound on that side, "low" or "high", of a body on a pivot."""
+    if not drops:
+        return
     places = [drop.theta for drop in drops]
-    turn = float(motion.samples.theta[-1])
-    most = _SPARE * max((np.diff([*places, places[0] + turn])), default=0.0) if places else 0.0
+    turn = float(np.ptp(motion.samples.theta))
+    most = _SPARE * float(np.max(np.diff([*places, places[0] + turn])))
     for drop in drops:
         yield _lock(motion, drop, side, most)
 
@@ -88,4 +90,5 @@ def _draw(motion: PairMotion, theta: float, pocket: Pocket, side: Rest) -> float
     face = motion.touch(bounds, "high" if side == "low" else "low")
     away = float(abs(face.point[0]))
     inwards = 1 if bool(face.slope[0] > 0) == (side == "low") else -1
-    return inwards * math.asin(min(1.0, float(face.lever[0]) / away))
+    # rounding may lift the sine above 1; what is not known stays nan
+    return inwards * float(np.arcsin(np.minimum(1.0, face.lever[0] / away)))

@@ -25,7 +25,10 @@ from camgen.study import Figure
 _STEPS = 1440  # of a turn, at which the distance is measured
 _FOLLOWED = 720  # of a turn, from which the pair is followed
 _FACETS = 1e-4  # mm
-_ASIDE = 1e-6  # rad, from a face to the tooth that it is of
+_BEFORE = 1e-6  # rad, before a drop
+_ON_FACE = (
+    1e-3  # of a pitch, by which a place on a face may lie before its tip: a file's rounding is less
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +86,9 @@ class PawlMotion:
 
     @cached_property
     def _theta(self) -> Floats:
-        return self.drawn + np.linspace(0.0, math.tau, _STEPS, endpoint=False)
+        """Of the joint, as the wheel turns on."""
+        turned = np.linspace(0.0, math.tau, _STEPS, endpoint=False)
+        return self.drawn + self.feature.passes * turned
 
     @cached_property
     def _wheel(self) -> Any:
@@ -107,7 +112,7 @@ class PawlMotion:
 
         place: complex mm, at the joint's angle 0.
         """
-        return self._number(math.floor(self._pitches(place) + _ASIDE))
+        return self._number(math.floor(self._pitches(place) + _ON_FACE))
 
     def _pitches(self, place: complex) -> float:
         """How many teeth a place is ahead of the first tip, the way that the wheel passes."""
@@ -127,7 +132,7 @@ class PawlMotion:
 
     def tooth_of(self, drop: Jump) -> int:
         """The tooth off whose tip the pawl falls."""
-        before = self.motion.bounds(np.array([drop.theta - _ASIDE]))
+        before = self.motion.bounds(np.array([drop.theta - _BEFORE]))
         tip = complex(self.motion.touch(before, "high").point[0])
         mirrored = self.feature.passes < 0
         tip = (self.line.conjugate() if mirrored else self.line) + tip
@@ -205,8 +210,9 @@ def _falls(pawl: PawlMotion, where: Where) -> Finding:
 def _holds(pawl: PawlMotion, where: Where) -> Finding:
     """PAWL_HOLDS: up to which coefficient of friction every tooth, turned back, locks and draws the pawl in."""
     pitch = math.tau / pawl.feature.teeth
-    # half a tooth later it is another one that holds
-    draws = [each.draw if each.lost < pitch / 2 else math.nan for each in pawl.locks]
+    # half a tooth later than meant it is another one that holds
+    latest = pawl.feature.lost + pitch / 2
+    draws = [each.draw if each.lost < latest else math.nan for each in pawl.locks]
     worst = int(np.argmin(np.nan_to_num(draws, nan=-math.inf)))
     holds = math.tan(draws[worst])
     lost = [math.degrees(each.lost) for each in pawl.locks]

@@ -268,6 +268,7 @@ class PawlPair(EdgePair):
     teeth: int = 0
     first: float = 0.0
     end: float = 0.0  # radius of the pawl's end, mm
+    lost: float = 0.0  # rad, by which the wheel turns back from a drop to the lock
     friction: float = 0.0  # coefficient at which a tooth is to draw the pawl in by itself
 
 

@@ -328,6 +328,7 @@ def _ratchet(layout: Layout, drive: RatchetDrive) -> PawlPair:
         teeth=pawl.wheel.teeth,
         first=drive.first_tip(layout.machine),
         end=pawl.end,
+        lost=pawl.dropping,
         friction=drive.wish.friction,
     )
 
