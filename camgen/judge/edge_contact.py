@@ -13,11 +13,11 @@ from camgen.geometry.rings import Floats, Ring
 from camgen.judge.contact import Touch
 from camgen.judge.pair_events import Slide, Turn
 from camgen.judge.pairs import Body, OutlinePair, PairMotion, Rest, pivots_apart
+from camgen.judge.recent import Recent
 from camgen.machine.model import Law
 
 _STEP = math.radians(0.5)  # of the cam, from sample to sample of the follower's way
 _TURN = 2 * math.pi
-_KNOWN = 8  # answers that are kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,24 +65,16 @@ class EdgeContact:
 
     def touch(self, theta: ArrayLike) -> Touch:
         """As `RollingContact.touch`; element: of the cam, -1 where it is off."""
-        return self._at(np.asarray(theta, float))[0]
+        return self._at(theta)[0]
 
     def slope(self, theta: Floats) -> Floats:
         """Derivative of s to the cam's angle, (n,)."""
         return self._at(theta)[1]
 
     @cached_property
-    def _known(self) -> dict[tuple[tuple[int, ...], bytes], tuple[Touch, Floats]]:
-        """What was asked last: value and slope are asked for at the same angles."""
-        return {}
-
-    def _at(self, theta: Floats) -> tuple[Touch, Floats]:
-        key = theta.shape, theta.tobytes()
-        if key not in self._known:
-            if len(self._known) >= _KNOWN:
-                del self._known[next(iter(self._known))]
-            self._known[key] = self._followed(theta)
-        return self._known[key]
+    def _at(self) -> Recent[tuple[Touch, Floats]]:
+        """Touch and slope, which are asked for at the same angles."""
+        return Recent(self._followed)
 
     def _followed(self, theta: Floats) -> tuple[Touch, Floats]:
         turned, back = np.unique(np.mod(theta.ravel(), _TURN), return_inverse=True)

@@ -19,6 +19,7 @@ from camgen.findings import Finding, Where, at_least
 from camgen.geometry.rings import Floats, Ints, Ring
 from camgen.judge.pair_features import features
 from camgen.judge.pairs import Body, Bounds, OutlinePair, PairMotion, pivots_apart
+from camgen.judge.recent import Recent
 from camgen.machine.features import Edge, EdgePair
 from camgen.machine.model import Law
 from camgen.study import Figure
@@ -28,7 +29,6 @@ _COARSE = 30  # such steps for each angle at which overlaps are looked for befor
 _UNEVEN = (
     math.sqrt(5) - 1
 ) / 2  # of the period, from each of these to the next: no pitch of teeth fits
-_KNOWN = 8  # answers that are kept
 # Share of the air that is filled where levers are measured: what is left keeps pins off their dead points, where they have none.
 _FILLED = 0.75
 _NARROW = 1e-3  # rad, in which bounds are looked for at least
@@ -105,7 +105,7 @@ class Engagement:
         """The follower at the joint's angle, (n,) rad, or its derivative; of order 2 none."""
         if order > 1:
             return np.zeros(np.shape(theta))
-        place = self.place(np.asarray(theta, float))
+        place = self.place(theta)
         return place.slope if order else place.value
 
     def lever(self, theta: Floats) -> Floats:
@@ -119,19 +119,10 @@ class Engagement:
         """What is free, rad, (n,); 0 where nothing is."""
         return np.nan_to_num(self.place(theta).play)
 
-    def place(self, theta: Floats) -> _Place:
-        """The follower at the joint's angle, (n,) rad."""
-        key = theta.shape, theta.tobytes()
-        if key not in self._places:
-            if len(self._places) >= _KNOWN:
-                del self._places[next(iter(self._places))]
-            self._places[key] = self._at(theta)
-        return self._places[key]
-
     @cached_property
-    def _places(self) -> dict[tuple[tuple[int, ...], bytes], _Place]:
-        """What was asked last."""
-        return {}
+    def place(self) -> Recent[_Place]:
+        """The follower over the joint's angle, (n,) rad."""
+        return Recent(self._at)
 
     def _at(self, theta: Floats) -> _Place:
         period = self.feature.period

@@ -26,6 +26,7 @@ from camgen.judge.pair_events import Slide as Sliding
 from camgen.judge.pair_events import Turn
 from camgen.judge.pawls import PawlMotion
 from camgen.judge.pin_tracks import TrackedPins
+from camgen.judge.recent import Recent
 from camgen.machine.features import (
     CamOutline,
     Demand,
@@ -66,7 +67,6 @@ from camgen.tolerances import SAME_POINT
 
 STILL = Turning(0.0)  # law of a follower that stands still
 _STEEP = 0.25  # cosine of a pressure angle (75 deg) that no cam is meant to reach, so that a wrong one widens no limit
-_KNOWN = 8  # answers of a rolled follower that are kept
 _SLOPE = 1e-6  # rad of cam angle, over which the slope of a rolled motion is taken: shorter than any facet
 
 
@@ -92,17 +92,15 @@ class RollingLaw:
             return np.zeros(
                 np.shape(theta)
             )  # a facet has none; only the start of Newton's method asks for it
-        key = order, np.shape(theta), np.asarray(theta).tobytes()
-        if key not in self._answers:
-            if len(self._answers) >= _KNOWN:
-                del self._answers[next(iter(self._answers))]
-            self._answers[key] = self._slope(theta) if order else self.contact.angle(theta)
-        return self._answers[key]
+        return self._slopes(theta) if order else self._angles(theta)
 
     @cached_property
-    def _answers(self) -> dict[tuple[int, tuple[int, ...], bytes], Floats]:
-        """What was asked last: where a cam turns evenly, each step of Newton's method and each output ask for the same."""
-        return {}
+    def _angles(self) -> Recent[Floats]:
+        return Recent(self.contact.angle)
+
+    @cached_property
+    def _slopes(self) -> Recent[Floats]:
+        return Recent(self._slope)
 
     def _slope(self, theta: Floats) -> Floats:
         if isinstance(self.contact, EdgeContact):
