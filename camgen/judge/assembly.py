@@ -113,7 +113,7 @@ def sweep(path: Path, machine: SweptMachine) -> tuple[list[Finding], list[Row]]:
                 "INTERFERENCE", math.nan, machine.gap, "mm", where, f"cannot be judged: {error}"
             ),
         ], []
-    findings = [finding, *interference(clearances, machine.gap, machine.angle)]
+    findings = [finding, *interference(clearances, machine.gap, machine.angle, machine.turns)]
     ordered = sorted((c for c in clearances if not c.at_rest), key=lambda c: c.gap)
     rows = [
         (

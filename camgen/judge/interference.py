@@ -58,7 +58,7 @@ Facing = tuple[Section, Section]  # of two bodies, at heights in common
 
 @dataclass(frozen=True)
 class Clearance:
-    """What a pair of bodies comes to: smallest gap seen (mm, at theta), the gap proven for the whole turn, evaluations.
+    """What a pair of bodies comes to: smallest gap seen (mm, at theta), the gap proven for all turns that are swept, evaluations.
 
     allowed: overlap that the pair may have because it touches by intent, mm; None where it must stay apart. at_rest: neither
     moves as the other sees it.
@@ -556,17 +556,16 @@ def _deepest(
     return low, theta
 
 
-_PROVEN = "proven for the whole turn, not only the samples"
-
-
 def interference(
-    clearances: Sequence[Clearance], needed: float, angle: str = "cam angle"
+    clearances: Sequence[Clearance], needed: float, angle: str = "cam angle", turns: int = 1
 ) -> list[Finding]:
     """INTERFERENCE: each pair that comes too near or is not proven to stay clear, else the tightest of either kind.
 
     Of bodies that must stay apart the gap, at least the needed one, mm; of bodies that touch by design the overlap, at most
-    what facets and fits may show. angle: what theta is called.
+    what facets and fits may show. angle: what theta is called; turns: of it, that were swept.
     """
+    swept = "the whole turn" if turns == 1 else f"all {turns} turns"
+    proven = f"proven for {swept}, not only the samples"
     findings = []
     apart = [(c.proven - needed, c) for c in clearances if c.allowed is None]
     touching = [(c.proven + c.allowed, c) for c in clearances if c.allowed is not None]
@@ -576,16 +575,14 @@ def interference(
             if c.gap > 0
             else f"they overlap by {abs(c.gap):z.4f} mm or more"
         )
-        remark = (
-            f"nearest of {counted(len(apart), 'pair')} that must stay apart; {words}; {_PROVEN}"
-        )
+        remark = f"nearest of {counted(len(apart), 'pair')} that must stay apart; {words}; {proven}"
         findings.append(
             at_least("INTERFERENCE", c.proven, needed, "mm", _place(c, "gap", angle), remark)
         )
     for c in _worst(touching):
         words = f"overlap seen {max(0.0, -c.gap):z.4f} mm"
         remark = (
-            f"deepest of {counted(len(touching), 'pair')} that touch by design; {words}; {_PROVEN}"
+            f"deepest of {counted(len(touching), 'pair')} that touch by design; {words}; {proven}"
         )
         where = _place(c, "overlap", angle)
         findings.append(

@@ -66,6 +66,12 @@ def test_eccentric_disc_and_a_wall() -> None:
     assert interference([c], 0.25)[0].ok and not interference([c], 0.31)[0].ok
 
 
+@pytest.mark.parametrize(("turns", "said"), [(1, "the whole turn"), (10, "all 10 turns")])
+def test_a_finding_says_how_many_turns_were_swept(turns: int, said: str) -> None:
+    (found,) = interference([Clearance("a", "b", 0.3, 0.29, 0.0, None, 1)], 0.2, turns=turns)
+    assert found.ok and f"proven for {said}, not only the samples" in found.message
+
+
 def test_turning_square_by_brute_force() -> None:
     square, post = box(-10 - 10j, 10 + 10j), disc(17.3 + 2j, 3)
     c = only(
