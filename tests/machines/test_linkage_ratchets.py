@@ -18,6 +18,7 @@ from camgen import load
 from camgen.errors import DesignError, SpecError
 from camgen.numerics import Points
 from camgen.parts.wheels.ratchet import PawlLaw, RatchetWheel, pawl_of
+from camgen.pipeline.scope import not_judged, of_parts
 
 SPEC: dict[str, Any] = {
     "mechanism": "linkage",
@@ -119,6 +120,11 @@ def test_the_arm_keeps_off_the_tips_and_the_end_touches(machine: camgen.Mechanis
         body = shapely.Polygon(np.column_stack([z.real, z.imag]))
         assert body.distance(saw(float(turn))) < 1e-3
         assert body.intersection(saw(float(turn))).area < 1e-6
+
+
+def test_without_files_nothing_is_said_to_hold(machine: camgen.Mechanism) -> None:
+    codes = {each.code for each in not_judged(of_parts(machine), [], [])}
+    assert {"PAWL_HOLDS", "CONTACT", "MOTION_ERROR"} <= codes
 
 
 def test_parts_lie_on_one_level(machine: camgen.Mechanism) -> None:
