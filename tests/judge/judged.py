@@ -47,9 +47,9 @@ def move_outline(path: Path, change: Callable[[Points], Points]) -> None:
     drawing.saveas(path)
 
 
-def drawn(spec: Mapping[str, Any], to: Path) -> Path:
-    """The folder of a sound build, drawings alone."""
-    report = camgen.build(spec, to, ["dxf"])
+def drawn(spec: Mapping[str, Any], to: Path, kinds: Sequence[str] = ("dxf",)) -> Path:
+    """The folder of a sound build, drawings alone unless other kinds are said."""
+    report = camgen.build(spec, to, kinds)
     assert report.ok, [str(finding) for finding in report.findings if not finding.ok]
     return to / str(spec["name"])
 
@@ -61,11 +61,11 @@ def moved_copy(folder: Path, to: Path, file: str, change: Callable[[Points], Poi
     return copy
 
 
-def motion_findings(folder: Path, count: int) -> list[Finding]:
-    """What the judge says of the motion that the folder's drawings give, at so many angles."""
+def motion_findings(folder: Path, count: int, kind: str = "dxf") -> list[Finding]:
+    """What the judge says of the motion that the folder's files of a kind give, at so many angles."""
     case = Case(read_mechanism(folder / "spec.toml"), folder)
-    parts = {name: judge_part(case, name, ["dxf"], dimensioned=False)[1] for name in case.parts}
-    result = judge_motion(case.mechanism, "dxf", parts, np.linspace(0, math.tau, count))
+    parts = {name: judge_part(case, name, [kind], dimensioned=False)[1] for name in case.parts}
+    result = judge_motion(case.mechanism, kind, parts, np.linspace(0, math.tau, count))
     assert result is not None
     return list(result[0].findings)
 

@@ -13,10 +13,9 @@ from typing import Any
 import ezdxf
 import numpy as np
 import pytest
-from judged import move_outline
+from judged import drawn, motion_findings, move_outline
 from stl_rows import TRIANGLE, with_own_normals
 
-import camgen
 from camgen.errors import DesignError, SpecError
 from camgen.findings import Finding
 from camgen.machines.follower_motions import follower_motions
@@ -25,8 +24,6 @@ from camgen.machines.sources import read_mechanism
 from camgen.numerics import Floats, Points
 from camgen.parts import materials
 from camgen.parts.assembly import order_of_assembly
-from camgen.pipeline.case import Case
-from camgen.pipeline.reading import judge_motion, judge_part
 
 ROW: dict[str, Any] = {
     "crank": "crank",
@@ -175,11 +172,8 @@ def test_an_offset_moves_the_air_from_the_flanks(tmp_path: Path) -> None:
     offset = SPEC | {"cycloid": [ROW | {"output": None, "output_pins": 6, "offset": 0.05}]}
     links = {key: value for key, value in SPEC["links"].items() if key != "flange"}
     offset |= {"links": links, "output": [{"name": "out", "link": "disc"}]}
-    report = camgen.build(offset, tmp_path, ["dxf"])
-    assert report.ok, [str(finding) for finding in report.findings if not finding.ok]
-    (track,) = [each for each in report.findings if each.code == "PIN_TRACK"]
-    assert track.measured < 0.002
-    folder = tmp_path / "reducer"
+    folder = drawn(offset, tmp_path)
+    assert findings(folder)["PIN_TRACK", "crank to disc"].measured < 0.002
     text = (folder / "spec.toml").read_text(encoding="utf-8")
     (folder / "spec.toml").write_text(text.replace("offset = 0.05", "offset = 0.0"), "utf-8")
     track = findings(folder)["PIN_TRACK", "crank to disc"]
@@ -202,10 +196,7 @@ def test_all_turns_are_swept_and_nothing_of_it_is_a_cam() -> None:
 
 @pytest.fixture(scope="module")
 def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    out = tmp_path_factory.mktemp("reducer")
-    report = camgen.build(SPEC, out, ["dxf", "stl"])
-    assert report.ok, [str(finding) for finding in report.findings if not finding.ok]
-    return out / "reducer"
+    return drawn(SPEC, tmp_path_factory.mktemp("reducer"), ["dxf", "stl"])
 
 
 @pytest.fixture
@@ -216,11 +207,7 @@ def folder(sound: Path, tmp_path: Path) -> Path:
 
 def findings(folder: Path, kind: str = "dxf") -> dict[tuple[str, str], Finding]:
     """What the judge says of the motion that the folder's files of a kind give, by code and joint."""
-    case = Case(read_mechanism(folder / "spec.toml"), folder)
-    shapes = {name: judge_part(case, name, [kind], dimensioned=False)[1] for name in case.parts}
-    result = judge_motion(case.mechanism, kind, shapes, np.linspace(0, math.tau, 181))
-    assert result is not None
-    return {(each.code, each.where.joint): each for each in result[0].findings}
+    return {(each.code, each.where.joint): each for each in motion_findings(folder, 181, kind)}
 
 
 def plays(x: Floats) -> Floats:

@@ -219,7 +219,7 @@ def test_a_lost_tooth_and_a_burr_of_50_um_are_found(route: str) -> None:
 
 
 def test_a_distance_that_is_off_by_10_um_shows_as_play() -> None:
-    """By 2 da tan(pressure angle) along the line of action, as the working angle is the cutter's; the error stays."""
+    """By 2 da sin(pressure angle) along the line of action, as the working angle is the cutter's; the error stays."""
     pair = pair_of("arcs")
     more = Pair(pair.driver, pair.driven, Drive(pair.drive.distance + 0.01, ratio=-0.5), pair.arm)  # type: ignore[operator]
     plays = [float(np.mean(each.followed().play)) * pair.arm for each in (pair, more)]
