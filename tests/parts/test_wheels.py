@@ -249,13 +249,17 @@ def test_cycloidal_discs_hold_the_prototypes_limits() -> None:
         CycloidDisc(11, 40, 9.0, 3.0)
 
 
-@pytest.mark.parametrize("offset", [-0.03, 0.0, 0.1])
-def test_a_cycloidal_disc_keeps_its_gap_from_every_pin(offset: float) -> None:
-    disc = CycloidDisc(11, 40.0, 3.0, 1.5, 0.05, offset)
+@pytest.mark.parametrize(
+    ("eccentricity", "offset"), [(1.5, -0.03), (1.5, 0.0), (1.5, 0.1), (3.2, 0.051)]
+)
+def test_a_cycloidal_disc_keeps_its_gap_from_every_pin(eccentricity: float, offset: float) -> None:
+    disc = CycloidDisc(11, 40.0, 3.0, eccentricity, 0.05, offset)
     edge = _polygon(disc.outline())
     for turn in np.linspace(0, math.tau, 7):
         placed = translate(
-            _turned(edge, disc.ratio * turn), 1.5 * math.cos(turn), 1.5 * math.sin(turn)
+            _turned(edge, disc.ratio * turn),
+            eccentricity * math.cos(turn),
+            eccentricity * math.sin(turn),
         )
         gaps = [placed.exterior.distance(shapely.Point(z.real, z.imag)) for z in disc.pin_places()]
         wanted = disc.gap(np.angle(disc.pin_places()) - turn)
@@ -271,6 +275,13 @@ def test_the_air_of_a_lobe_is_more_where_a_smaller_circle_of_pins_leaves_it() ->
     assert disc.least_gap == pytest.approx(0.05 + 0.02 * math.cos(lean), abs=2e-5)
     with pytest.raises(DesignError, match="air of a lobe.*more clearance"):
         CycloidDisc(11, 40.0, 3.0, 1.5, 0.05, -0.05)
+
+
+def test_an_offset_past_the_middle_of_a_hollows_curvature_is_refused() -> None:
+    """The radius there is (R - e n)^2 / (e n^2 - R): 4.8^2 / 347.2 mm."""
+    assert CycloidDisc(11, 40.0, 3.0, 3.2).hollow_radius == pytest.approx(4.8**2 / 347.2, rel=1e-12)
+    with pytest.raises(DesignError, match=r"offset is 0.06 mm.*limit 0.051.*less offset"):
+        CycloidDisc(11, 40.0, 3.0, 3.2, 0.05, 0.06)
 
 
 @pytest.mark.parametrize("row", REFERENCE["geneva"]["rows"])

@@ -24,6 +24,7 @@ from camgen.geometry.outlines import Contour, Floats, Points, Smooth
 from camgen.tolerances import SAME_POINT
 
 _NEWTON = 6  # steps to a foot that is an offset away
+_FOOT = 0.8  # of the trace's radius in its hollows: up to that offset the foot is found within 1e-9 mm, past it there are two
 _PLACES = 721  # of the eccentric, from one pin to the next
 
 
@@ -75,11 +76,20 @@ class CycloidDisc:
                 "",
                 "use smaller pins, or a smaller eccentricity",
             )
-        if self.offset and not self.least_gap > 0:
+        if not self.offset < _FOOT * self.hollow_radius:
+            raise DesignError(
+                "offset",
+                self.offset,
+                _FOOT * self.hollow_radius,
+                "mm",
+                "",
+                "use less offset, or a smaller eccentricity: the hollows are too narrow for it",
+            )
+        if self.offset and not self.least_gap > SAME_POINT:
             raise DesignError(
                 "least air of a lobe beside a pin",
                 self.least_gap,
-                0,
+                SAME_POINT,
                 "mm",
                 "",
                 "use more clearance, or less offset",
@@ -142,11 +152,22 @@ class CycloidDisc:
     @property
     def largest_pin(self) -> float:
         """Radius from which on a pin would cut into the lobes' flanks, mm: the trace's least radius of curvature."""
+        return 1 / max(self._extremes)
+
+    @property
+    def hollow_radius(self) -> float:
+        """Least radius of the trace where it is hollow, mm; infinite where it is nowhere."""
+        least = min(self._extremes)
+        return -1 / least if least < 0 else math.inf
+
+    @property
+    def _extremes(self) -> list[float]:
+        """Curvature of the trace, 1/mm, where it is least and greatest: in hollows, at lobes' tops, and where it turns between."""
         a, b, c, d = self._shape
         places = [-1.0, 1.0]
         turning = (1.5 * d * a - b * c) / (0.5 * b * d)
         places += [turning] if abs(turning) < 1 else []
-        return 1 / max((a - b * w) / math.pow(c - d * w, 1.5) for w in places)
+        return [(a - b * w) / math.pow(c - d * w, 1.5) for w in places]
 
     @property
     def _shape(self) -> tuple[float, float, float, float]:
