@@ -207,6 +207,8 @@ def test_ratchets_that_cannot_be_are_refused_by_what_to_change(
         # the chords of few teeth dip below their roots, and the end passes over them
         (RatchetWheel(3, 30.0, 24.0), 75.0, 4.0, 50, "swings through .*more teeth"),
         (RatchetWheel(6, 30.0, 29.1), 33.0, 0.6, 38, "swings through .*more teeth"),
+        # the end falls off the tip before there is room for it beside the face
+        (RatchetWheel(3, 10.0, 5.0), 20.0, 2.5, 1, "lock to the drop .*greater draw_deg"),
         # the pawl reaches over the tip of the tooth before
         (RatchetWheel(100, 30.0, 28.2), 48.0, 0.3, 60, "lost .*smaller draw_deg"),
     ],

@@ -328,7 +328,7 @@ def pawl_of(wheel: RatchetWheel, distance: float, end: float, draw: float) -> Pa
 
 
 def _refuse_loose(pawl: Pawl) -> None:
-    """DesignError where nothing stops the pawl at some angles of the wheel, or where it falls a whole tooth before the lock."""
+    """DesignError where nothing stops the pawl at some angles of the wheel, or where the drop is no part of a tooth from the lock."""
     pitch = pawl.wheel.pitch
     passes = np.isnan(pawl.lift(np.arange(_SAMPLES) / _SAMPLES * pitch))
     if passes.any():
@@ -339,6 +339,15 @@ def _refuse_loose(pawl: Pawl) -> None:
             "percent",
             "",
             "use more teeth, or a smaller draw_deg",
+        )
+    if not pawl.dropping > 0:
+        raise DesignError(
+            "angle from the lock to the drop",
+            math.degrees(pawl.dropping),
+            0,
+            "deg",
+            "",
+            "use a greater draw_deg, or a smaller end_radius",
         )
     if not pawl.dropping < pitch:
         raise DesignError(
