@@ -142,7 +142,7 @@ def _print_findings(report: Report) -> None:
 def _print_table(
     heads: Sequence[str], rows: Sequence[Sequence[str]], numbers: Collection[int], width: int
 ) -> None:
-    """A table, of which the column "where" gives way where it is too wide; numbers: columns that stand at the right."""
+    """A table, of which the column "where" takes several lines where it is too wide; numbers: columns that stand at the right."""
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table
@@ -155,8 +155,13 @@ def _print_table(
     for row in rows:
         table.add_row(
             *(
-                Text(printable(cell), _COLOURS.get(cell, ""), no_wrap=True, overflow="ellipsis")
-                for cell in row
+                Text(
+                    printable(cell),
+                    _COLOURS.get(cell, ""),
+                    no_wrap=head != "where",
+                    overflow="fold",
+                )
+                for head, cell in zip(heads, row, strict=True)
             )
         )
     console = Console(width=width)
