@@ -8,7 +8,7 @@ from itertools import repeat, zip_longest
 from pathlib import Path
 
 from camgen.bounds import Bound, bounded
-from camgen.errors import FileError
+from camgen.errors import FileError, counted
 from camgen.findings import Finding, at_most, in_file
 from camgen.study import Table
 
@@ -29,7 +29,7 @@ def judge_list(path: Path, table: Table) -> Finding:
     wanted_rows: list[Sequence[object]] = [table.columns, *table.rows]
     lines = [(k, *pair) for k, pair in enumerate(zip_longest(rows, wanted_rows, fillvalue=()), 1)]
     faults = [line for line in lines if not _same(line[1], line[2])]
-    remark = f"{len(table.rows)} rows: what is made, cut, turned or bought, and how many"
+    remark = f"{counted(len(table.rows), 'row')}: what is made, cut, turned or bought, and how many"
     if faults:
         k, row, wanted = faults[0]
         columns = table.columns if k > 1 else ()

@@ -194,7 +194,12 @@ def _put_in(
     """The row of a sub-assembly that is built; the first of its copies names it."""
     first = cluster[0]
     others = dict.fromkeys(copy.part.name for copy in cluster[1:])
-    where = _places([copy for copy in cluster if _mates([copy], there, fixing)], there, fixing)
+    met = [copy for copy in cluster if _mates([copy], there, fixing)]
+    words = [(copy.part.name, _where(copy, there, fixing)) for copy in met]
+    said = (
+        where if name == first.part.name else f"{name} {where}" for name, where in words if where
+    )
+    where = "; ".join(dict.fromkeys(said))
     what = f"{first.part.title} with {', '.join(others)}, put in"
     return (first.part.name, what, where, "", first.mount.z, "as drawn")
 
@@ -394,7 +399,7 @@ def _where(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) ->
     held = (mate.comes and mate.how != "free" for mate in _mates([copy], below, fixing))
     if not copy.holes or any(held):  # a pin, a shaft, a ball bearing
         return _pin_words(copy, below, fixing) or (
-            "by itself, until what is fixed on it comes" if copy.outlines else ""
+            "loose; what holds it comes in a later step" if copy.outlines else ""
         )
     places = []
     for hole in copy.holes:
