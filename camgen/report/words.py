@@ -20,7 +20,7 @@ NAMES = {
     "index recovered": "indexing, from the file",
     "lash {of}": "free play of the follower: {of}",
     "canvas share {of}": "canvas within 10 %, {of} collector",
-    "mass": "mass of what is printed",
+    "mass": "mass of what is made",
     "print time": "time to print all",
     "index": "indexing",
     "drive torque": "torque needed, greatest",
