@@ -413,7 +413,8 @@ def _bounces(found: Sequence[CopiesBounce], speed: float, figures: list[Figure])
 
 def _hop(copies: CopiesBounce) -> tuple[str, str, str]:
     """Of the copies that leave their cam the middle one and the worst: how far, how long, how hard."""
-    if not copies.leaving:
+    leaving = [each for each in copies.leaving if each.hops]
+    if not leaving:
         return "", "", ""
     unit, scale = ("mm", 1.0) if copies.slides else ("deg", math.degrees(1))
     per, size = ("m/s", MM) if copies.slides else ("deg/s", scale)
@@ -421,9 +422,9 @@ def _hop(copies: CopiesBounce) -> tuple[str, str, str]:
     def both(values: Sequence[float], unit: str) -> str:
         return f"{np.median(values):.3g}, at most {max(values):.3g} {unit}"
 
-    heights = [scale * each.highest.height for each in copies.leaving]
-    lost = [100 * each.lost for each in copies.leaving]
-    knocks = [size * each.knock for each in copies.leaving]
+    heights = [scale * each.highest.height for each in leaving]
+    lost = [100 * each.lost for each in leaving]
+    knocks = [size * each.knock for each in leaving]
     return both(heights, unit), both(lost, "%"), both(knocks, per)
 
 

@@ -404,7 +404,7 @@ def test_file_or_link_where_the_folder_should_be(tmp_path: Path) -> None:
     for name in ("file", "link", "dangling"):
         with pytest.raises(FileError, match="not a folder"):
             make(tmp_path / name)
-    with pytest.raises(FileError, match="Not a directory|File exists"):
+    with pytest.raises(FileError, match="is a file, where the output needs a folder|File exists"):
         make(tmp_path / "file" / "cam")
     assert (tmp_path / "file").read_text() == "mine"
     assert sorted(path.name for path in tmp_path.iterdir()) == [

@@ -89,7 +89,7 @@ def test_where_a_body_stands_at_an_angle(rate: float, start: float) -> None:
 
 
 def proof(measured: Machine, theta: Floats) -> Proof:
-    return Proof(machine(), Closable(measured, {}, {}, {}, {}), theta)
+    return Proof(machine(), Closable(measured, {}, {}, {}, {}, {}), theta)
 
 
 def arm(theta: Floats, size: float) -> Floats:
@@ -130,7 +130,10 @@ def test_laws_take_the_place_of_those_of_cams_alone() -> None:
     theta = np.linspace(0, math.tau, 100)
     other = Wave(0.2)
     found = Proof(
-        machine(), Closable(machine(), {}, {}, {}, {}), theta, (("lift", other), ("gear", other))
+        machine(),
+        Closable(machine(), {}, {}, {}, {}, {}),
+        theta,
+        (("lift", other), ("gear", other)),
     )
     np.testing.assert_allclose(found.reachable("arm", theta)[0], arm(theta, 0.2), atol=1e-12)
     np.testing.assert_allclose(found.nominal("arm", theta)[0], arm(theta, 0.4), atol=1e-12)

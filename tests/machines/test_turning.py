@@ -239,7 +239,9 @@ def test_arrow_torque_and_picture_turn_with_the_shaft() -> None:
 
 def test_a_shaft_that_stands_still_is_refused() -> None:
     for name in (name for name in MECHANISMS if name != "coupon"):  # in which nothing turns
-        table = "drive" if name == "linkage" else "motor"
+        key = {"linkage": "drive.speed_rpm", "linear-cam": "drive.speed"}.get(
+            name, "motor.speed_rpm"
+        )
         for speed in ("0", "-0.0"):
-            with pytest.raises(SpecError, match=f"{table}.speed_rpm"):
-                machine(name, f"{table}.speed_rpm={speed}")
+            with pytest.raises(SpecError, match=key):
+                machine(name, f"{key}={speed}")

@@ -323,7 +323,7 @@ def test_a_dwell_without_a_span_takes_the_rest() -> None:
         (
             (RISE.replace("lift = 10", "lift = -1"), DWELL, BACK),
             "segment.0.lift",
-            "-1 | a number >",
+            "-1 | a number above 0",
         ),
         (
             (RISE.replace("span_deg = 90", "span_deg = 0"), DWELL, BACK),

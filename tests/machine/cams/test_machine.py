@@ -299,7 +299,7 @@ def test_kicks_are_there_only_where_the_speed_jumps() -> None:
     ("tables", "path"),
     [
         ({"load": {"inertia_kg_m2": 1.0}}, "load.inertia_kg_m2"),
-        ({"load": None}, "load"),
+        ({"load": None}, "load.mass_kg"),
         ({"load": {"mass_kg": -1.0}}, "load.mass_kg"),
         ({"spring": {"rat": 1.0}}, "spring.rat"),
     ],
