@@ -289,6 +289,9 @@ class Chart:
             return Resolved("RR", None, LAWS[UNIFORM], 0.0)
         if move.law == MATCHED:
             return Resolved(task, MATCHED, None, scale)
+        line = move.form.line
+        if line is not None and not 0 <= line < 1:
+            raise SpecError([Fault(("constant_velocity",), f"{line:g}", "a share >= 0 and < 1")])
         name = move.law
         own = move.own
         if move.chosen:

@@ -23,6 +23,7 @@ from camgen.numerics import Floats, halved
 _SAMPLES = 2881  # of the turn, and both sides of each break of the program
 _BESIDE = 1e-9  # rad
 _GROWTH = 1.25  # from one try of a radius to the next
+_BEYOND = 1.001  # of the offset, that the floor under the track stands from the axis
 _TRIES = 60
 _BISECTIONS = 50
 
@@ -228,6 +229,8 @@ def smallest(track: Track, steepest: float) -> float:
     inside = track.bore_reach + track.wall + 2 * roller.end_clearance + roller.length
     # the roller stays clear of the other side of the drum's axis, and of that axis' neighbourhood where walls have no slope
     least = max(inside, track.bore_reach + 2 * roller.end_clearance + roller.length + roller.radius)
+    depth = track.radius - track.floor
+    least = max(least, depth + _BEYOND * abs(track.geometry.follower.offset))  # and meets the drum
 
     def fits(radius: float) -> bool:
         tried = replace(track, radius=radius)
