@@ -5,11 +5,13 @@ and corners that look up each stops the tip at one place; the highest stops it f
 
     slide, edge     the tip's centre is R off the edge's line, its foot between both ends
     slide, corner   y = y_c + sqrt(R^2 - (x - x_c)^2)
-    arm             n . (A + a exp(i psi)) = R from the edge: psi = arg n - acos(..), and of a corner by the triangle with its axle
+    arm             n . (A + a exp(i psi)) = R from the edge: psi = arg n - acos(..), and of a corner by the triangle with its axle;
+                    to the right of the axle alone, as the arm comes down from upright
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,4 +90,5 @@ def _of_arm(tip: Tip, starts: Points, sides: Points, corners: Points, x: Floats)
     far = np.abs(spoke)
     with np.errstate(invalid="ignore"):
         opening = np.arccos((far**2 + arm**2 - tip.radius**2) / (2 * far * arm))
-    return np.concatenate([psi, np.angle(spoke) + opening], axis=1) - np.angle(tip.rest)
+    psi = np.concatenate([psi, np.angle(spoke) + opening], axis=1)
+    return np.where(np.abs(psi) <= math.pi / 2, psi, np.nan) - np.angle(tip.rest)

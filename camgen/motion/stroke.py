@@ -18,6 +18,7 @@ from camgen.spec import Record, quantity
 
 # shares of a turn for the segments that lead back, from rest to rest: the program of a turn is asked for
 _CLOSING = (0.05, 0.15, 0.05)
+_LEAST = 4e-6  # share of the way that a segment takes: of the turn 0.001 deg
 
 
 class StrokeSegment(Record):
@@ -70,6 +71,17 @@ def stroke(rows: Sequence[StrokeSegment], unit: float, scale: float) -> Stroke:
     SpecError with every fault. Laws that are chosen join a follower that rests at both ends of the way.
     """
     length = math.fsum(row.span for row in rows)
+    short = [
+        Fault(
+            ("segment", k, "span"),
+            f"{row.span:g}",
+            f"at least {_LEAST * length:.3g} mm: {_LEAST:g} of the way",
+        )
+        for k, row in enumerate(rows)
+        if row.span < _LEAST * length
+    ]
+    if short:
+        raise SpecError(short)
     share = 360 * (1 - sum(_CLOSING)) / length
     tables = [
         SegmentTable(

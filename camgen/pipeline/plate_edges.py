@@ -24,8 +24,9 @@ from camgen.pipeline.scope import Outcome
 from camgen.study import Plot
 
 _STEP = 0.125  # mm, of the way between rows of motion.csv, or less
-_MOST = 5760  # such rows
-_WINDOW = 1.0  # mm, over which the speed is a mean: facets make raw ones rough
+_FEWEST = 8  # steps between them
+_MOST = 5760
+_WINDOW = 1.0  # mm, over which the speed is a mean: facets make raw ones rough; less of a shorter way, a step of a longer one
 _CHORD = 0.01  # of the tolerance, by which chords lie off arcs as they are run over
 _ROUNDING = 4.0  # steps of a file's numbers, by which it may put an edge off
 
@@ -58,7 +59,7 @@ class _Wanted:
 def _wanted(mechanism: LinearCamDrive) -> _Wanted:
     low, high = mechanism.assembly.cycle.range
     way = math.degrees(high - low)
-    rows = min(_MOST, max(1, math.ceil(way / _STEP))) + 1
+    rows = min(_MOST, max(_FEWEST, math.ceil(way / _STEP))) + 1
     theta = np.linspace(low, high, rows)
     unit, scale = unit_of(mechanism.model.outputs[0])
     steepest = next(each.limit for each in mechanism.limits() if each.code == "PRESSURE_ANGLE")
@@ -124,8 +125,10 @@ def _findings(
         yield at_most("MOTION_ERROR", math.nan, 0, wanted.unit, there, "nothing stops the tip")
         return
     error = ran - wanted.s
-    span = max(1, round(_WINDOW / float(x[1] - x[0])))
+    step = float(x[1] - x[0])
+    span = min(max(1, round(_WINDOW / step)), len(x) - 1)
     run_over = x[span:] - x[:-span]
+    mean = f"mean of {span * step:.3g} mm"
     pressure = pressure_angle(
         tip, (ran[span:] + ran[:-span]) / 2, (ran[span:] - ran[:-span]) / run_over
     )
@@ -137,11 +140,11 @@ def _findings(
     yield at_most("MOTION_ERROR", scale * peak(error), limit, wanted.unit, _at(where, x, k), places)
     fastest = peak(wanted.slope)
     ripple = peak((error[span:] - error[:-span]) / run_over) / fastest if fastest else 0.0
-    message = f"of the follower's greatest speed, mean of {_WINDOW:g} mm of the way"
+    message = f"of the follower's greatest speed, {mean} of the way"
     yield at_most("SPEED_RIPPLE", ripple, wanted.ripple, "1", where, message)
     k = int(np.argmax(pressure))
     steep = math.degrees(float(pressure[k]))
-    message = f"between the edge in the file and the follower's way, mean of {_WINDOW:g} mm"
+    message = f"between the edge in the file and the follower's way, {mean}"
     middle = _at(where, (x[span:] + x[:-span]) / 2, k)
     yield at_most("PRESSURE_ANGLE", steep, wanted.steepest, "deg", middle, message)
 
