@@ -179,6 +179,7 @@ def test_what_is_wrong_is_told_by_its_keys() -> None:
             segment=[{"kind": "rise", "span": 20.0}, {"kind": "return", "span": 20.0, "to": 30.0}],
             print={"profile_compensation": 0.05, "shrinkage": 0.003},
             files={"cutter_radius": 4.0, "profile_step_deg": 5.0},
+            load={"stiffness": 200.0},
         )
     keys = {fault.key for fault in caught.value.faults}
     assert keys >= {
@@ -187,6 +188,7 @@ def test_what_is_wrong_is_told_by_its_keys() -> None:
         "segment.0.lift",
         "print.profile_compensation",
         "print.shrinkage",
+        "load.stiffness",
         "files.cutter_radius",
         "files.profile_step_deg",
     }

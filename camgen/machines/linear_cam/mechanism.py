@@ -59,6 +59,7 @@ _NO_TURN = "nothing here: a plate that slides has no cam angle"
 _UNUSED = (
     ("print", "profile_compensation", _AS_DRAWN),
     ("print", "shrinkage", _AS_DRAWN),
+    ("load", "stiffness", "nothing here: the mass of a plate's follower is not known"),
     ("files", "profile_step_deg", _NO_TURN),
     ("files", "cutter_radius", "nothing here: no path of a cutter is made along a plate"),
 )
@@ -112,7 +113,7 @@ class LinearCamDrive(Mechanism):
             right = f"at least the nozzle, {self.print.nozzle:g} mm"
             found.append(Fault(("limits", "min_wall"), f"{self.allowed.min_wall:g}", right))
         for table, key, right in _UNUSED:
-            value = getattr(getattr(self, table), key)
+            value = getattr(getattr(self, table), key, None)
             if value:
                 found.append(Fault((table, key), f"{value:g}", right))
         try:
