@@ -98,10 +98,10 @@ def table_finding(table: DriveTable, motion: FollowerMotion, path: Path) -> Find
 
 
 def follower_motions(mechanism: Mechanism) -> Iterator[FollowerMotion]:
-    """Those of all cams of a machine; what turns on evenly by its edges, as a cycloidal disc does, has no timing."""
+    """Those of all cams of a machine that turn; what turns on evenly by its edges, as a cycloidal disc does, has no timing."""
     sense = mechanism.assembly.cycle.sense
     for joint in mechanism.model.joints:
-        if isinstance(joint, Cam) and not isinstance(joint.law, Turning):
+        if isinstance(joint, Cam) and joint.over is None and not isinstance(joint.law, Turning):
             yield _motion(joint, sense)
 
 

@@ -88,7 +88,7 @@ def make_servo_tables(case: Case) -> None:
                 Fault(
                     ("only",),
                     "servo",
-                    f"no servo tables: this {kind} has no cam, and no drive with a program",
+                    f"no servo tables: this {kind} has no cam that turns, and no drive with a program",
                 )
             ]
         )

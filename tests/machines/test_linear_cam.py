@@ -20,6 +20,7 @@ from camgen.machine.cams.linear import WAY
 from camgen.machine.constraints import Constraints
 from camgen.machine.model import Along, Resistance
 from camgen.machine.run import solve
+from camgen.machines.follower_motions import table_motions
 from camgen.machines.linear_cam.mechanism import LinearCamDrive
 from camgen.parts.solids import solid
 from camgen.pipeline.case import Case
@@ -107,6 +108,11 @@ def test_the_drive_bears_the_load_times_the_slope() -> None:
     row = system.rows["contact"].start
     assert np.einsum("nc,nc->n", slopes[:, row], rates) == pytest.approx(0, abs=1e-9)
     assert bends[:, row] == pytest.approx(-linear().motion(theta, 2), abs=1e-6)
+
+
+def test_a_plate_has_no_table_over_a_turn() -> None:
+    """A servo's cam table is over 360 deg of a master, and a way in mm is none."""
+    assert list(table_motions(linear())) == []
 
 
 # ---- the judge -------------------------------------------------------------------------------------------------------

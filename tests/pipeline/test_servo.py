@@ -117,7 +117,7 @@ def test_copies_of_one_angle_are_one_row() -> None:
 
 
 def test_no_cam_no_table(root: Path, tmp_path: Path) -> None:
-    with pytest.raises(SpecError, match="has no cam"):
+    with pytest.raises(SpecError, match="has no cam that turns"):
         camgen.build(root / "specs" / "gallery" / "four-bar.toml", tmp_path, only="servo")
     assert not list(tmp_path.iterdir())
 
