@@ -15,7 +15,7 @@ from camgen.machine.constraints import Constraints
 from camgen.machine.forces import Forces, kinetostatics, peaks
 from camgen.machine.jets import fill
 from camgen.machine.loops import chain_of
-from camgen.machine.model import Machine, Output, Path, Place, Pose, unit_of
+from camgen.machine.model import Cam, Machine, Output, Path, Place, Pose, unit_of
 from camgen.machine.state import State
 from camgen.numerics import Floats, Points
 from camgen.study import Plot, data_frame
@@ -243,6 +243,12 @@ class Run:
             lambda state, into: fill(into, state.angle(groups.of[body])), float
         )
         rows[0] += groups.excess[body]
+        return rows
+
+    def argument(self, cam: Cam) -> Floats:
+        """What the law of a cam is asked at, continuous, with derivatives to theta, (order + 1, n): rad, or mm of one that slides."""
+        rows = self.angle(cam.cam) if cam.over is None else self.length(cam.over)
+        rows[0] -= cam.phase
         return rows
 
     def poses(self) -> Floats:

@@ -32,6 +32,7 @@ _OTHERS = (
     ("Pressure angle", "PRESSURE_ANGLE", ""),
     ("Transmission angle", "TRANSMISSION_ANGLE", ""),
     ("Torque needed", "DRIVE_TORQUE", "drive torque"),
+    ("Force needed", "", "drive force"),
     ("Motion error", "MOTION_ERROR", ""),
     ("Least gap", "INTERFERENCE", ""),
     ("Mass", "", "mass"),

@@ -26,6 +26,8 @@ NAMES = {
     "drive torque": "torque needed, greatest",
     "drive torque mean": "torque needed, mean",
     "drive power": "power needed, mean",
+    "drive force": "force needed, greatest",
+    "drive force mean": "force needed, mean",
     "drive torque {of}": "torque needed, greatest: {of}",
     "drive torque mean {of}": "torque needed, mean: {of}",
     "drive power {of}": "power needed, mean: {of}",

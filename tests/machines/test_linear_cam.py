@@ -22,6 +22,7 @@ from camgen.machine.model import Along, Resistance
 from camgen.machine.run import solve
 from camgen.machines.follower_motions import table_motions
 from camgen.machines.linear_cam.mechanism import LinearCamDrive
+from camgen.machines.loads.assess import assess
 from camgen.parts.solids import solid
 from camgen.pipeline.case import Case
 from camgen.pipeline.plate_edges import judge_plate_edges
@@ -32,6 +33,7 @@ REFERENCE = tomllib.loads(
     (TOP / "tests" / "reference" / "linear-cams.toml").read_text(encoding="utf-8")
 )
 ARM = {"motion": "oscillating", "shape": "roller", "radius": 5.0, "arm": 50.0, "start_deg": -8.0}
+RISE = [{"kind": "rise", "span": 60.0, "lift": 15.0, "law": "cycloidal"}]
 UNEVEN = [
     {"kind": "rise", "span": 60.0, "lift": 12.0, "law": "3-4-5"},
     {"kind": "return", "span": 45.0, "to": 4.0, "law": "cycloidal"},
@@ -115,6 +117,28 @@ def test_a_plate_has_no_table_over_a_turn() -> None:
     assert list(table_motions(linear())) == []
 
 
+def test_the_followers_rates_are_those_of_the_cycloid() -> None:
+    """15 mm in 60 mm at 20 mm/s, so in 3 s: 2 h/T, 2 pi h/T^2 and 4 pi^2 h/T^3."""
+    rates = 15 * np.array([2 / 3, 2 * math.pi / 9, 4 * math.pi**2 / 27])
+    keys = ("velocity", "acceleration", "jerk")
+    for share, holds in ((1.001, True), (0.999, False)):
+        machine = linear(limits=dict(zip(keys, (share * rates).tolist(), strict=True)))
+        judged = [each for each in assess(machine).findings if each.code.startswith("FOLLOWER_")]
+        assert [each.measured for each in judged] == pytest.approx(rates)
+        assert [each.ok for each in judged] == [holds] * 3
+
+
+def test_what_pushes_the_plate_is_a_force() -> None:
+    """15 N on the slide take 15 ds/dx of the plate, at most a half; over a rise of 15 mm in 3 s that is 75 mW."""
+    machine = linear(load={"friction": 0.0, "contact_friction": 0.0}, segment=RISE)
+    pressed = replace(machine.model, loads=(Resistance("load", Along("guide"), -15.0),))
+    numbers = assess(machine, pressed).study.numbers
+    assert numbers["drive_force_n"] == pytest.approx(7.5, rel=1e-4)
+    assert numbers["drive_power_w"] == pytest.approx(0.075, rel=1e-3)
+    assert not {"drive_torque_n_m", "energy_swing_j"} & numbers.keys()
+    assert "drive_force_n" not in assess(machine).study.numbers
+
+
 # ---- the judge -------------------------------------------------------------------------------------------------------
 
 
@@ -147,6 +171,13 @@ def test_nothing_stops_a_tip_beside_the_plate() -> None:
     assert np.isnan(s).tolist() == [False, True]
 
 
+def test_an_arm_comes_down_on_its_right() -> None:
+    """A hill behind the axle, an arm's length away and higher than it, stops nothing."""
+    corners = np.array([0, 200, 200 + 20j, 60 + 20j, 40 + 45j, 20 + 20j, 20j], complex)
+    s = run(Ring(corners, np.zeros(7)), Tip(5.0, 50 + 0j, 25j), np.array([91.0, 150.0]), 1e-4)
+    assert s == pytest.approx([0, 0], abs=1e-12)
+
+
 def verdicts(tmp_path: Path, machine: LinearCamDrive, mesh: Mesh) -> set[str]:
     """Codes that fail of an STL in place of the machine's own."""
     case = Case(machine, tmp_path)
@@ -173,6 +204,15 @@ def test_damages_are_refused(tmp_path: Path, follower: dict[str, Any]) -> None:
     assert {"MOTION_ERROR", "SPEED_RIPPLE"} <= verdicts(tmp_path, machine, turned)
     steep = machine.replace({"limits.pressure_angle_deg": machine.cam.steepest - 0.5})
     assert verdicts(tmp_path, steep, sound) == {"PRESSURE_ANGLE"}
+
+
+def test_a_way_shorter_than_its_means_is_judged(tmp_path: Path) -> None:
+    machine = linear(segment=[{"kind": "dwell", "span": 0.5}], parts={"hole": 0.0})
+    (part,) = machine.assembly.parts
+    sound = solid(part, machine.accuracy.chord_tolerance)
+    assert verdicts(tmp_path, machine, sound) == set()
+    leant = Mesh(sound.vertices @ np.array([[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]), sound.faces)
+    assert verdicts(tmp_path, machine, leant) == {"MOTION_ERROR"}
 
 
 # ---- what is refused -------------------------------------------------------------------------------------------------
@@ -231,6 +271,19 @@ def test_what_is_wrong_is_told_by_its_keys() -> None:
 def test_no_plate_is_told_as_such(tables: dict[str, Any], said: str) -> None:
     with pytest.raises(DesignError, match=said):
         linear(**tables).limits()
+
+
+def test_segments_holes_and_edges_that_leave_no_plate_are_told() -> None:
+    tiny = [{"kind": "rise", "span": 1e5, "lift": 10.0}, {"kind": "dwell", "span": 1e-3}]
+    with pytest.raises(SpecError, match=r"segment\.1\.span: 0\.001 - expected at least 0\.4 mm"):
+        linear(segment=tiny)
+    # a wall of 0.8 mm beside the hole: 20 - 1.6 under the edge, 16 - 1.6 at the end
+    with pytest.raises(SpecError, match=r"parts\.hole: 18 - expected at most 14\.4"):
+        linear(parts={"hole": 18.0})
+    deep = [{"kind": "return", "span": 60.0, "to": -10.0, "law": "cycloidal"}]
+    with pytest.raises(DesignError, match=r"height of the edge is -5 mm") as caught:
+        linear(geometry={"height": 5.0}, parts={"hole": 0.0}, segment=deep).limits()
+    assert caught.value.value == pytest.approx(-5)
 
 
 def test_a_steep_plate_fails_by_its_angle_and_radius() -> None:

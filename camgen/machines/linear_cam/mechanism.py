@@ -20,7 +20,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from camgen.errors import Fault, SpecError
+from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.outlines import Contour, Line, Region, circle, end_point, start_point
 from camgen.machine.cams.limits import ARM_PRESSURE, SLIDE_PRESSURE, program_findings
@@ -66,17 +66,6 @@ _UNUSED = (
 _SAMPLES = 1441  # of the way, in curves
 
 
-class OverWay:
-    """The stroke as a law of the plate's place, mm."""
-
-    def __init__(self, program: Stroke) -> None:
-        self.program = program
-
-    def __call__(self, place: Floats, order: int = 0) -> Floats:
-        """Displacement or its derivative to the place, (n,)."""
-        return np.asarray(self.program(np.asarray(place, float) / WAY, order) / WAY**order)
-
-
 class LinearCamDrive(Mechanism):
     """Spec and answers of a linear cam; the output is the follower's displacement s, mm or rad."""
 
@@ -112,6 +101,10 @@ class LinearCamDrive(Mechanism):
         if self.allowed.min_wall < self.print.nozzle:
             right = f"at least the nozzle, {self.print.nozzle:g} mm"
             found.append(Fault(("limits", "min_wall"), f"{self.allowed.min_wall:g}", right))
+        widest = 2 * (min(self.geometry.height / 2, self.making.ends) - self.allowed.min_wall)
+        if self.making.hole > max(widest, 0.0):
+            right = f"at most {max(widest, 0.0):.4g}: geometry.height and twice parts.ends, less two of limits.min_wall; 0: no holes"
+            found.append(Fault(("parts", "hole"), f"{self.making.hole:g}", right))
         for table, key, right in _UNUSED:
             value = getattr(getattr(self, table), key, None)
             if value:
@@ -176,7 +169,7 @@ class LinearCamDrive(Mechanism):
             of = Angle("follower")
             output = Output("swing", of, "rad")
         slide = None if self._swings else "guide"
-        law = OverWay(self.program)
+        law = stroke(self.segment, 1 / self._unit[1], 1.0)
         contact = Cam("contact", "cam", "follower", law, slide, closure="force", over="rails")
         plate = Body("cam", {"datum": 0j})
         rails = Slide("rails", Place(GROUND), plate.at("datum"), math.pi)
@@ -189,6 +182,13 @@ class LinearCamDrive(Mechanism):
             (output,),
             self._speed,
         )
+
+    @property
+    def _lowest(self) -> float:
+        """Least height of the edge over the plate's bottom along the way, mm."""
+        return -self.cam.greatest(
+            lambda theta: -self.cam.follower.envelope(theta, self.program, 0).imag
+        )[1]
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
@@ -206,6 +206,10 @@ class LinearCamDrive(Mechanism):
         ]
         first = left + 1j * tangents[0] * ends
         last = right - 1j * tangents[1] * ends
+        lowest = min(first.imag, last.imag, self._lowest)
+        if lowest <= 0:
+            remedy = "the edge goes below the plate's bottom: a greater geometry.height, or shorter parts.ends"
+            raise DesignError("height of the edge", lowest, 0.0, "mm", "its lowest", remedy)
         corners = [complex(first.real), complex(last.real), last]
         return Contour(
             (
@@ -237,7 +241,7 @@ class LinearCamDrive(Mechanism):
         made = self._assembly([part], [Mount("cam", "cam")])
         low, high = self.cam.range
         cycle = Cycle(low, high, name="way of the plate", to_and_fro=True, unit="mm")
-        return replace(made, cycle=cycle, edges=(self._told,))
+        return replace(made, cycle=cycle, edges=(self._plate_edge,))
 
     @property
     def _screws(self) -> tuple[complex, ...]:
@@ -246,7 +250,7 @@ class LinearCamDrive(Mechanism):
         return tuple(places) if self.making.hole else ()
 
     @property
-    def _told(self) -> PlateEdge:
+    def _plate_edge(self) -> PlateEdge:
         """What the judge is told of the follower."""
         follower = self.cam.follower
         pivot = None if isinstance(follower, PlateSlide) else follower.pivot
@@ -257,7 +261,7 @@ class LinearCamDrive(Mechanism):
 
     def limits(self) -> Sequence[Finding]:
         """PRESSURE_ANGLE and CURVATURE of the edge, and what the program does."""
-        self.cam.edge  # noqa: B018  refuses what is no plate
+        self._outline  # noqa: B018  refuses what is no plate
         usual = ARM_PRESSURE if self._swings else SLIDE_PRESSURE
         steep = self.allowed.pressure_angle_deg or usual
         plate = Where("exact edge")
@@ -322,12 +326,12 @@ class LinearCamDrive(Mechanism):
         follower = self.cam.follower
         radius = follower.tip_radius
         if isinstance(follower, PlateSlide):
-            stroke = np.array([follower.start, follower.start + 1j * self.geometry.height])
+            line = np.array([follower.start, follower.start + 1j * self.geometry.height])
             centre = follower.start
         else:
-            stroke = np.array([0, follower.arm])
+            line = np.array([0, follower.arm])
             centre = follower.arm
-        return Sketch("follower", [stroke], [(centre, radius)] if radius else [], "follower")
+        return Sketch("follower", [line], [(centre, radius)] if radius else [], "follower")
 
     def _notes(self) -> list[str]:
         follower = self.cam.follower

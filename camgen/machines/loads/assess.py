@@ -95,7 +95,7 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         run,
         forces,
         motor,
-        assembly.cycle.name,
+        f"{assembly.cycle.name}, {assembly.cycle.unit}",
         assembly.motor.crank,
         lambda: locking_friction(machine, journals, load, mechanism.material.name, theta),
     )

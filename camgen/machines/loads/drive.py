@@ -69,7 +69,7 @@ def reach(drives: Drives | None, seat: MotorSeat) -> LoadCheck:
 
 @dataclass(frozen=True)
 class _Motor:
-    """A motor and the torque that it gives over theta, (n,) N m, with friction in the joints and without."""
+    """A motor and what it gives over theta, (n,), with friction in the joints and without: torque, N m, or on a slide force, N."""
 
     name: str  # "" of the only one
     drive: Drive
@@ -80,8 +80,13 @@ class _Motor:
     @property
     def power(self) -> float:
         """Mean of what it gives, W."""
-        given = self.needed * self.drive.law(self.run.theta, 1) * self.run.machine.speed
-        return flywheel.mean_torque(self.run.theta, given)
+        rate = self.drive.law(self.run.theta, 1) * (MM if self.drive.slide else 1.0)
+        return flywheel.mean_torque(self.run.theta, self.needed * rate * self.run.machine.speed)
+
+    @property
+    def kind(self) -> tuple[str, str]:
+        """What it gives, and its unit."""
+        return ("force", "N") if self.drive.slide else ("torque", "N m")
 
     def figure(self, quantity: str, value: float, unit: str) -> Figure:
         """A figure of it, of several with its name."""
@@ -89,26 +94,29 @@ class _Motor:
 
     @property
     def figures(self) -> list[Figure]:
-        """Of its torque and power."""
+        """Of its torque or force, and power; none of a slide on which no load, mass or friction is known to act."""
+        if self.drive.slide and not np.any(self.needed):
+            return []
+        kind, unit = self.kind
+        mean = flywheel.mean_torque(self.run.theta, self.needed)
         return [
-            self.figure("drive torque", peak(self.needed), "N m"),
-            self.figure(
-                "drive torque mean", flywheel.mean_torque(self.run.theta, self.needed), "N m"
-            ),
+            self.figure(f"drive {kind}", peak(self.needed), unit),
+            self.figure(f"drive {kind} mean", mean, unit),
             self.figure("drive power", self.power, "W"),
         ]
 
-    def plot(self, angle: str) -> Plot:
-        """Its torque over theta, which is called so."""
+    def plot(self, axis: str) -> Plot:
+        """What it gives over theta; axis: its label."""
         degrees = np.degrees(self.run.theta)
         curves = [("with friction", degrees, self.needed), ("without", degrees, self.smooth)]
         what = f"the motor of {self.name}" if self.name else "the motor"
-        title = f"Torque that {what} gives, with friction in the joints and without"
-        return Plot(title, f"{angle}, deg", "N m", curves)
+        kind, unit = self.kind
+        title = f"{kind.capitalize()} that {what} gives, with friction in the joints and without"
+        return Plot(title, axis, unit, curves)
 
     def findings(self, motor: Motor | None) -> Iterator[Finding]:
-        """DRIVE_TORQUE, where it is known what the motor can give."""
-        if motor is None:
+        """DRIVE_TORQUE, where it turns and it is known what the motor can give."""
+        if motor is None or self.drive.slide:
             return
         theta = self.run.theta
         worst = int(np.argmax(np.abs(self.needed)))
@@ -127,7 +135,7 @@ def torque(
     run: Run,
     forces: Forces,
     drives: Drives | None,
-    angle: str = "crank angle",
+    axis: str = "crank angle, deg",
     crank: float = 0.0,
     locking: Callable[[], str] = str,
 ) -> LoadCheck:
@@ -135,7 +143,7 @@ def torque(
 
     DRIVE_TORQUE is judged where the spec names what turns it; else the torque that is needed is a figure alone. What evens the
     torque is of a machine with one motor.
-    angle: what theta is called; crank: mm, of the machine's own hand crank, 0: none; locking: of a machine that locks says by
+    axis: label of theta; crank: mm, of the machine's own hand crank, 0: none; locking: of a machine that locks says by
     which friction, and which it would bear.
     """
     check = LoadCheck()
@@ -153,14 +161,14 @@ def torque(
             at_most("SELF_LOCKING", min(locked, math.degrees(turn)), 0.0, "deg", where, remark)
         )
     motors = _motors(run, forces)
-    if len(motors) > 1:
-        most = max(peak(each.needed) for each in motors)
-        check.figures.append(Figure("drive torque", most, "N m"))
+    turning = [peak(each.needed) for each in motors if not each.drive.slide]
+    if len(motors) > 1 and turning:
+        check.figures.append(Figure("drive torque", max(turning), "N m"))
     for each in motors:
         check.figures.extend(each.figures)
-        if len(motors) == 1:
+        if len(motors) == 1 and not each.drive.slide:
             _even(each, check)
-        check.plots.append(each.plot(angle))
+        check.plots.append(each.plot(axis))
         check.findings.extend(each.findings(motor_of(drives, crank)))
     return check
 

@@ -64,9 +64,9 @@ def elastic(run: Run, load: Weight | None, limits_of: Callable[[str], MaterialLi
     unit, scale = ("mm", 1.0) if cam.slide else ("deg", math.degrees(1))
     heavy = mass * MM if cam.slide else mass  # with s in mm and k in N/mm
     model = Elastic(heavy, load.stiffness, load.damping_ratio, rate, drag)
-    turned = run.angle(cam.cam)[:, :-1]
+    turned = run.argument(cam)[:, :-1]
     program = program_of(cam)
-    angle = turned[0] - cam.phase
+    angle = turned[0]
     # where it jumps, the mean of both sides: so a sum over even angles is its integral
     bend = (cam.law(angle - _AT_JOINT, 2) + cam.law(angle + _AT_JOINT, 2)) / 2
     excited = Excitation(cam.law(angle, 0), bend * turned[1] ** 2 + cam.law(angle, 1) * turned[2])
@@ -155,14 +155,14 @@ def motion_limits(run: Run, limits_of: Callable[[str], MaterialLimits]) -> LoadC
 
 def _rates(run: Run, cam: Cam) -> list[float]:
     """Greatest size of the follower's derivatives of order 1 to 3 to time, nan of those that are not known."""
-    turned = run.angle(cam.cam)
+    turned = run.argument(cam)
     speed = abs(run.machine.speed)
     program = program_of(cam)
     even = peak(turned[2]) <= _EVEN and np.ptp(turned[1]) <= _EVEN
     if even and program is not None:
         rate = speed * peak(turned[1])
         return [program.peak(order) * rate**order for order in (1, 2, 3)]
-    angle = turned[0] - cam.phase
+    angle = turned[0]
     velocity = cam.law(angle, 1) * turned[1] * speed
     bend = cam.law(angle, 2) * turned[1] ** 2 + cam.law(angle, 1) * turned[2]
     return [peak(velocity), peak(bend) * speed**2, math.nan]
@@ -205,7 +205,7 @@ def restraint(run: Run, cam: Cam) -> tuple[float, float]:
     """
     machine = smooth(run.machine)
     speed = machine.speed
-    size = _STEP * float(np.ptp(cam.law(run.angle(cam.cam)[0] - cam.phase, 0)))
+    size = _STEP * float(np.ptp(cam.law(run.argument(cam)[0], 0)))
 
     def exerted(order: int, by: float, machine: Machine) -> Floats:
         moved = replace(cam, law=PerturbedLaw(cam.law, order, by), friction=0.0)
