@@ -57,7 +57,7 @@ PROBE = """(async () => {
   await after(() => canvas.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter" })));
   found.part = byId("part").textContent;
   await after(() => byId("home").click());
-  found.angle = byId("angle").value;
+  found.angle = byId("theta").value;
   found.cuts = [];  // across each axis; half of a row of needles is little, but not across all
   for (const axis of ["x", "y", "z"]) found.cuts.push(await after(cut(axis)));
   found.cut = Math.max(...found.cuts);
@@ -238,7 +238,7 @@ def chromium(path: Path) -> str:
         return str(error).splitlines()[0]
     drawn = {key: found[key] for key in ("start", "turned", "cut", "whole", "exploded")}
     wrong += [f"{key}: {count} pixels drawn" for key, count in drawn.items() if count < 100]
-    wrong += [] if found["angle"] == "77.0" else [f"theta is {found['angle']}"]
+    wrong += [] if found["angle"] == "77" else [f"theta is {found['angle']}"]
     wrong += (
         []
         if all(count != found["whole"] for count in found["cuts"])

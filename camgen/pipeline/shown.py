@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -66,6 +67,17 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
         stands = [PartPose(body.place, body.angle)]
         heights = _heights(assembly, s)
         bodies.append(Body(s.name, stands, (), s.strokes, s.circles, course, heights))
+    moving = _with_output(mechanism, theta, bodies)
+    cycle = assembly.cycle
+    if not cycle.to_and_fro:
+        return moving
+    least, greatest = (math.degrees(end) for end in cycle.range)
+    return replace(moving, stroke=(least, greatest), drive_name=cycle.name, drive_unit=cycle.unit)
+
+
+def _with_output(mechanism: Mechanism, theta: Floats, bodies: Sequence[Body]) -> Animation:
+    """Its bodies in motion, and what the output does."""
+    assembly = mechanism.assembly
     if not mechanism.model.outputs:
         return Animation(theta, bodies, mechanism.motion(theta), "output", "mm")
     output = mechanism.model.outputs[0]
@@ -80,7 +92,7 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
         scale * _reachable(mechanism, output, theta),
         name,
         unit,
-        mechanism.assembly.cycle.turns,
+        assembly.cycle.turns,
     )
 
 

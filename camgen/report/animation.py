@@ -47,6 +47,7 @@ class Animation:
 
     Each angle is a frame of the page, which interpolates between: 120 (3 deg) are exact to 0.04 % of a radius.
     output: (n,) the follower's value in `output_unit`, shown as `output_name`. A pose that is nan hides its body.
+    stroke: between which the drive goes to and fro in a harmonic motion, in `drive_unit`, shown as `drive_name`; None: it turns.
     """
 
     theta: Floats
@@ -55,6 +56,9 @@ class Animation:
     output_name: str = "output"
     output_unit: str = ""
     turns: int = 1
+    stroke: tuple[float, float] | None = None
+    drive_name: str = "θ"
+    drive_unit: str = "deg"
 
     @property
     def moves(self) -> bool:
@@ -180,6 +184,7 @@ def frames(animation: Animation) -> dict[str, object]:
     return {
         "frames": len(animation.theta),
         **({"turns": animation.turns} if animation.turns > 1 else {}),
+        **({"stroke": animation.stroke} if animation.stroke else {}),
         "poses": poses,
         "flipped": [pose.flipped for _, pose in _copies(animation)],
         "heights": {
@@ -303,6 +308,8 @@ def player(animation: Animation, scene: bool = False) -> str:
             f'<label><input type="checkbox" checked data-body="{k}" hidden> {escape(words)}</label></li>'
         )
     names = ", ".join(body.name for body in animation.bodies)
+    begin = animation.stroke[0] if animation.stroke else 0.0
+    where = "place in the period, degrees" if animation.stroke else "angle of the drive, degrees"
     value = (
         ""
         if animation.output is None
@@ -319,8 +326,8 @@ def player(animation: Animation, scene: bool = False) -> str:
         f"{escape(names)}.</desc>{drawing}</svg>{_CANVAS if scene else ''}</div>"
         f'<div class="controls"{"" if animation.moves else " hidden"}><button type="button" id="play" hidden>Play</button>'
         f"{_SPEED}"
-        '<input id="theta" type="range" min="0" max="360" step="0.5" value="0" aria-label="angle of the drive, degrees" hidden>'
-        f'<p><span>θ <output id="angle">0.0</output> deg</span>{value}</p></div>'
+        f'<input id="theta" type="range" min="0" max="360" step="0.5" value="0" aria-label="{where}" hidden>'
+        f'<p><span>{escape(animation.drive_name)} <output id="angle">{begin:.1f}</output> {animation.drive_unit}</span>{value}</p></div>'
         f'<details class="legend" open><summary>{"View and parts" if scene else "Parts"}</summary>{_TOOLS if scene else ""}'
         f"<ul>{''.join(items)}</ul></details></figure>"
     )

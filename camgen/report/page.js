@@ -36,7 +36,9 @@ const camgen = (() => {
   const between = (a, b, share) => a + (b - a) * share;
   follow(() => {
     slider.value = deg;
-    byId("angle").value = deg.toFixed(1);
+    const [least, greatest] = data.stroke || [];  // of a drive that goes to and fro
+    const drive = data.stroke ? least + (greatest - least) * (1 - Math.cos(deg * Math.PI / 180)) / 2 : deg;
+    byId("angle").value = drive.toFixed(1).replace("-", "\u2212");
     const place = page.turned(deg % 360) * data.frames, i = Math.floor(place), share = place - i, j = (i + 1) % data.frames;
     if (data.output.length) {
       const a = data.output[i], b = data.output[j];
