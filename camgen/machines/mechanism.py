@@ -168,11 +168,11 @@ class Mechanism(Spec, ABC):
             stand_ins=tips(features, parts, mounts, self.model),
             journals=journals(self.model, features, parts, mounts, self.material.name),
             material_limits=self._material_limits,
-            unjudged=Later(self._unpressed),
+            unjudged=Later(self._unjudged),
         )
 
-    def _unpressed(self) -> Sequence[NotJudged]:
-        """Of cams that are closed by force those of which nothing says what presses them."""
+    def _unjudged(self) -> Sequence[NotJudged]:
+        """What cannot be judged of its cams: nothing presses them, or no limit is known."""
         return ()
 
     @property

@@ -273,6 +273,12 @@ def test_the_rollers_pressure_is_that_of_a_line_contact() -> None:
     assert found.measured == pressure.max() and found.ok == (found.measured <= found.limit)
     limited = machine.replace({"limits.hertz_mpa": 0.99 * found.measured})
     assert not next(each for each in limited.limits() if each.code == "HERTZ").ok
+    acrylic = machine.replace({"material.name": "acrylic"})
+    assert "HERTZ" not in {each.code for each in acrylic.limits()}
+    assert [(each.code, each.needs) for each in acrylic.assembly.unjudged] == [
+        ("HERTZ", "limits.hertz_mpa")
+    ]
+    assert not list(machine.assembly.unjudged)
 
 
 def test_what_is_wrong_is_told_by_its_keys() -> None:

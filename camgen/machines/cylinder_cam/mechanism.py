@@ -21,7 +21,7 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
-from camgen.findings import Finding, Where, at_least, at_most
+from camgen.findings import Finding, NotJudged, Where, at_least, at_most
 from camgen.machine.cams.bounce import Bounce
 from camgen.machine.cams.followers import SlidingTip, SwingingArm
 from camgen.machine.cams.limits import ARM_PRESSURE, SLIDE_PRESSURE, program_findings
@@ -384,10 +384,23 @@ class CylinderCam(Mechanism):
             line_contact(np.abs(force), roller.length, curvature, own.elastic, steel)[0]
         )
 
+    @property
+    def _hertz_limit(self) -> float | None:
+        """MPa."""
+        return self.allowed.hertz_mpa or materials.of(self.material.name).hertz
+
+    def _unjudged(self) -> Sequence[NotJudged]:
+        """HERTZ of a material of which no limit is known."""
+        if self._pressure is None or self._hertz_limit is not None:
+            return ()
+        pressure = float(np.max(self._pressure))
+        why = f"{pressure:.4g} MPa in the drum, and no limit is published for {self.material.name}"
+        return [NotJudged("HERTZ", why, "limits.hertz_mpa")]
+
     def _hertz(self) -> list[Finding]:
         """HERTZ of the roller in its track, where a limit of the drum's material is known."""
         own = materials.of(self.material.name)
-        limit = self.allowed.hertz_mpa or own.hertz
+        limit = self._hertz_limit
         if self._pressure is None or limit is None:
             return []
         k = int(np.argmax(self._pressure))

@@ -414,7 +414,7 @@ class DiscCamDrive(CamTables):
             return None
         return self.spring.rate, self.spring.preload, self._highest[1] - self._highest[0]
 
-    def _unpressed(self) -> Sequence[NotJudged]:
+    def _unjudged(self) -> Sequence[NotJudged]:
         """Of a cam alone without a load: a material that is not printed has a strength that wants to be judged."""
         if self.standing or self._load is not None or materials.of(self.material.name).printed:
             return ()

@@ -264,7 +264,7 @@ class UniformSwing(Mechanism):
             *(self._forces.findings() if self._forces else []),
         ]
 
-    def _unpressed(self) -> Sequence[NotJudged]:
+    def _unjudged(self) -> Sequence[NotJudged]:
         """LIFT_OFF of force closure where nothing says what swings."""
         if self._forces or self.sizes.pair:
             return ()
