@@ -196,7 +196,8 @@ def _said(gaits: Sequence[Gait]) -> list[str]:
         ways = _range([each.way_per_turn for each in runs])
         speeds = _range([each.way_per_turn / each.seconds_per_turn for each in runs])
         frictions = _range([each.friction for each in runs])
-        said.append(f"{kind}{ways} mm a turn, {speeds} mm/s, at a friction of {frictions}")
+        whose = f"{kind}: " if kind else ""
+        said.append(f"{whose}{ways} mm a turn, {speeds} mm/s, at a friction of {frictions}")
     return said
 
 
@@ -204,7 +205,7 @@ def _kinds(gaits: Sequence[Gait]) -> list[tuple[str, list[Gait]]]:
     """The exact machine's runs, and those of its copies, as far as there are some."""
     kinds = (
         ("", [each for each in gaits if not each.copy]),
-        ("copies: ", [each for each in gaits if each.copy]),
+        ("copies", [each for each in gaits if each.copy]),
     )
     return [(kind, runs) for kind, runs in kinds if runs]
 
@@ -339,7 +340,7 @@ def _end(each: Gait) -> str:
 def _figures(gaits: Sequence[Gait]) -> list[Figure]:
     """Ranges over the friction, and over the copies."""
     return [
-        replace(each, quantity=f"{kind.rstrip(': ')} {each.quantity}".strip())
+        replace(each, quantity=f"{kind} {each.quantity}" if kind else each.quantity)
         for kind, runs in _kinds(gaits)
         for each in _ranges(runs)
     ]

@@ -1,7 +1,7 @@
 """What makes a follower leave its cam sooner in one copy than in another: prints, springs, the friction of its joints.
 
     print    bends the lift of the cam, above all its second derivative, by which inertia throws the follower off
-    spring   rate and preload, each by itself, are off by load.spring_error
+    spring   rate and preload, each by itself, are off by load.spring_error; weight and loads that press at all angles count as preload
     friction of guides and pins holds the follower back; where nothing presses on the cam, only what spring and weight press
              on them is left
 
@@ -103,7 +103,10 @@ def _wound(contact: Contact, rate: float, preload: float) -> Contact:
 def _rubbing(
     mechanism: Mechanism, machine: Machine, cam: Cam, theta: Floats, smooth: float
 ) -> float:
-    """Least speed, rad/s, at which the follower leaves its cam with friction in its joints; smooth: without."""
+    """Least speed, rad/s, at which the follower leaves its cam with friction in its joints; smooth: without.
+
+    inf where it stays on at twice that speed.
+    """
     journals = mechanism.assembly.journals
     run = solve(with_friction(machine, journals, mechanism.load, mechanism.material.name), theta)
 
@@ -111,4 +114,5 @@ def _rubbing(
         effort = run.forces_at(math.copysign(speed, machine.speed)).contacts[cam.name]
         return bool(np.nanmin(cam.leaves * effort) <= 0)
 
-    return halved(leaves, 0.0, 2 * smooth, _HALVINGS)
+    high = 2 * smooth
+    return halved(leaves, 0.0, high, _HALVINGS) if leaves(high) else math.inf

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from test_tolerance import SPECS, spread
 
-from camgen.machine.cams.bounce import Spring, lift_off_speed
-from camgen.tolerance.bounces import _wound, bounces
+from camgen.machine.cams.bounce import Contact, Spring, lift_off_speed
+from camgen.machines.loads.lift_off import by_force
+from camgen.tolerance.bounces import _rubbing, _wound, bounces
 from camgen.tolerance.report import PrintRun, tolerance
 from camgen.tolerance.spread import Spread
 
@@ -46,6 +47,15 @@ def test_a_cam_that_is_too_large_presses_its_spring(found: Spread) -> None:
     assert copies.rubbing == pytest.approx(exact, rel=2e-4)
 
 
+def test_a_speed_that_is_not_found_is_none(found: Spread) -> None:
+    """Without friction it leaves at its own speed: looked for below half of that there is none."""
+    exact = speed(found, 5.0)
+    machine = found.mechanism.model
+    (cam,) = by_force(machine)
+    assert _rubbing(found.mechanism, machine, cam, THETA, exact) == pytest.approx(exact, rel=2e-4)
+    assert _rubbing(found.mechanism, machine, cam, THETA, 0.49 * exact) == math.inf
+
+
 def test_springs_scatter_the_speed_by_half_as_much(found: Spread) -> None:
     """w^2 goes with the force: 5 % of all of it are 2.5 % of w; of rate and preload, each by itself, less."""
     errors = np.zeros((200, len(found.modes)))
@@ -58,8 +68,6 @@ def test_springs_scatter_the_speed_by_half_as_much(found: Spread) -> None:
 
 
 def test_a_spring_that_is_stronger_all_through_holds_by_its_root(found: Spread) -> None:
-    from camgen.machine.cams.bounce import Contact
-
     lift = found.mechanism.motion
     contact = Contact(lift, Spring(0.3e-3, 0.0, 0.5, 5.0), 1.0, 0.0, 1.0)
     assert _wound(contact, 1.21, 1.21).lift_off == pytest.approx(1.1 * contact.lift_off, rel=1e-12)
