@@ -33,6 +33,7 @@ REFERENCE = tomllib.loads(
     (TOP / "tests" / "reference" / "linear-cams.toml").read_text(encoding="utf-8")
 )
 ARM = {"motion": "oscillating", "shape": "roller", "radius": 5.0, "arm": 50.0, "start_deg": -8.0}
+KNIFE = {"motion": "oscillating", "shape": "knife", "arm": 50.0}
 RISE = [{"kind": "rise", "span": 60.0, "lift": 15.0, "law": "cycloidal"}]
 UNEVEN = [
     {"kind": "rise", "span": 60.0, "lift": 12.0, "law": "3-4-5"},
@@ -261,10 +262,10 @@ def test_what_is_wrong_is_told_by_its_keys() -> None:
         ),
         (
             {
-                "geometry": {"follower": {**ARM, "start_deg": -70.0}},
+                "geometry": {"follower": {**KNIFE, "start_deg": -70.0}},
                 "segment": [{"kind": "return", "span": 8.0, "to": -18.0, "law": "cycloidal"}],
             },
-            "carries its roller along|undercut",
+            "carries its tip along",
         ),
     ],
 )

@@ -130,12 +130,8 @@ class LinearCam:
         at, back = self.greatest(lambda t: -self.follower.pitch(t, self.program, 1).real)
         if back >= 0:
             where = f"{WAY * at:.4g} mm of the way"
-            remedy = (
-                "the arm carries its roller along faster than the plate goes: use a longer span"
-            )
-            raise DesignError(
-                "way of the roller over the plate", -back / WAY, 0.0, "", where, remedy
-            )
+            remedy = "the arm carries its tip along faster than the plate goes: use a longer span"
+            raise DesignError("way of the tip over the plate", -back / WAY, 0.0, "", where, remedy)
 
 
 def _within(cam: LinearCam, low: float, high: float, theta: Floats, order: int) -> Points:
