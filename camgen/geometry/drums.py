@@ -126,7 +126,7 @@ class Drum:
         )
 
     @cached_property
-    def edges(self) -> tuple[Floats, ...]:
+    def edge_heights(self) -> tuple[Floats, ...]:
         """Heights of each wall at the floor and outside, (2, n) mm, over even angles; DesignError where one is undercut."""
         beta = np.linspace(0, math.tau, _FINE, endpoint=False)
         inner = np.full(len(beta), self.floor)
@@ -152,7 +152,7 @@ class Drum:
 
         DesignError where a wall is undercut, leaves the drum's ends, or a rib has no thickness.
         """
-        levels = self.edges
+        levels = self.edge_heights
         low = float(min(np.min(z) for z in levels))
         high = float(max(np.max(z) for z in levels))
         if self.track == "rib" and float(np.min(levels[1] - levels[0])) <= 0:

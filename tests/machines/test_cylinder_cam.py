@@ -96,7 +96,7 @@ def test_the_smallest_drum_is_not_undercut_at_its_floor() -> None:
     assert replace(steep, radius=steep.radius + 0.001).regular
     smaller = replace(steep, radius=steep.radius - 0.001)
     with pytest.raises(DesignError, match="undercut"):
-        smaller.drum.edges  # noqa: B018
+        smaller.drum.edge_heights  # noqa: B018
 
 
 def test_pressure_angles_and_areas_are_the_references() -> None:

@@ -99,8 +99,9 @@ class Bounce:
 
     @property
     def lost(self) -> float:
-        """Share of the motion that the follower flies."""
-        return sum(abs(hop.lands - hop.leaves) for hop in self.hops) / (TURNS * self.turn)
+        """Share of the motion that the follower flies; 1 where the last hop outlasts the turns that were looked at."""
+        flown = sum(abs(hop.lands - hop.leaves) for hop in self.hops)
+        return min(1.0, flown / (TURNS * self.turn))
 
     @property
     def knock(self) -> float:

@@ -211,7 +211,7 @@ class Track:
         if float(np.min(self.walls[0])) <= 0:
             return False
         try:
-            self.drum.edges  # noqa: B018
+            self.drum.edge_heights  # noqa: B018
         except DesignError:
             return False
         return True

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from camgen import starters
-from camgen.machine.cams.bounce import Spring, fitted_spring, hops, lift_off_speed
+from camgen.machine.cams.bounce import Bounce, Hop, Spring, fitted_spring, hops, lift_off_speed
 from camgen.machines.sources import read_mechanism
 
 REFERENCE = tomllib.loads(
@@ -134,6 +134,11 @@ def test_the_spring_is_that_of_what_presses() -> None:
     free = Spring(0.3e-3, 0.0, 0.0, 7.5)
     found = fitted_spring(rows, speed, 0 * still + 7.5, free.push(lift, THETA, speed))
     assert found is not None and found.rate == 0 and found.damping == 0
+
+
+def test_a_flight_is_at_most_all_of_the_motion() -> None:
+    assert Bounce(1.0, [Hop(0.0, math.pi, 1.0, 1.0)], math.tau).lost == pytest.approx(1 / 4)
+    assert Bounce(1.0, [Hop(0.0, math.inf, math.inf, 0.0)], math.tau).lost == 1
 
 
 def test_a_restitution_of_nothing_keeps_a_follower_down() -> None:
