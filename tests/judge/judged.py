@@ -70,6 +70,18 @@ def motion_findings(folder: Path, count: int, kind: str = "dxf") -> list[Finding
     return list(result[0].findings)
 
 
+def by_code(folder: Path) -> dict[str, Finding]:
+    """The same at 721 angles of the drawings, by code; of several of one code the last."""
+    return {each.code: each for each in motion_findings(folder, 721)}
+
+
+def damaged(
+    folder: Path, to: Path, file: str, change: Callable[[Points], Points]
+) -> dict[str, Finding]:
+    """The same of a copy with other points of the outline in one file."""
+    return by_code(moved_copy(folder, to, file, change))
+
+
 def mechanism_of(folder: Path) -> Mechanism:
     """The mechanism of a build's folder, the same object for all with the same spec."""
     return _read((folder / "spec.toml").read_text(encoding="utf-8"))

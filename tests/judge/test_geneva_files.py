@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import ezdxf
 import numpy as np
 import pytest
-from judged import drawn, motion_findings, moved_copy
+from judged import by_code, damaged, drawn
 
-from camgen.findings import Finding
 from camgen.numerics import Points
 
 SPEC = {
@@ -35,20 +33,8 @@ def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return drawn(SPEC, tmp_path_factory.mktemp("table"))
 
 
-def findings(folder: Path) -> dict[str, Finding]:
-    """What the judge says of the motion that the folder's drawings give, by code."""
-    return {each.code: each for each in motion_findings(folder, 721)}
-
-
-def damaged(
-    folder: Path, to: Path, file: str, change: Callable[[Points], Points]
-) -> dict[str, Finding]:
-    """The drive with other points of the outline in one file."""
-    return findings(moved_copy(folder, to, file, change))
-
-
 def test_a_sound_drive_moves_as_its_closed_form(sound: Path) -> None:
-    found = findings(sound)
+    found = by_code(sound)
     assert all(each.ok for each in found.values())
     assert found["CONTACT"].measured == 100.0
     assert found["PIN_GAP"].measured < 1e-3
@@ -80,7 +66,7 @@ def test_a_roller_too_thin_is_told_by_its_air_and_named(sound: Path, tmp_path: P
     rim = max(drawing.modelspace().query("CIRCLE"), key=lambda each: float(each.dxf.radius))
     rim.dxf.radius -= 0.01
     drawing.saveas(path)
-    gap = findings(tmp_path / "table")["PIN_GAP"]
+    gap = by_code(tmp_path / "table")["PIN_GAP"]
     assert not gap.ok and gap.measured == pytest.approx(0.01, abs=1e-3)
     assert "roller-geneva" in gap.message
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from judged import drawn, motion_findings, moved_copy
+from judged import by_code, damaged, drawn
 
-from camgen.findings import Finding
 from camgen.numerics import Points
 from camgen.parts.wheels.noncircular import TOLERANCE
 
@@ -43,20 +41,8 @@ def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return drawn(SPEC, tmp_path_factory.mktemp("pair"))
 
 
-def findings(folder: Path) -> dict[str, Finding]:
-    """What the judge says of the motion that the folder's drawings give, by code."""
-    return {each.code: each for each in motion_findings(folder, 721)}
-
-
-def damaged(
-    folder: Path, to: Path, file: str, change: Callable[[Points], Points]
-) -> dict[str, Finding]:
-    """The pair with other points of the outline in one file."""
-    return findings(moved_copy(folder, to, file, change))
-
-
 def test_a_sound_pair_turns_by_its_law(sound: Path) -> None:
-    found = findings(sound)
+    found = by_code(sound)
     assert all(each.ok for each in found.values())
     assert found["CONTACT"].measured == 100.0
     assert found["MOTION_ERROR"].measured < ARCS

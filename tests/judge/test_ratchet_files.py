@@ -9,9 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from judged import drawn, motion_findings, moved_copy
+from judged import by_code, damaged, drawn
 
-from camgen.findings import Finding
 from camgen.numerics import Points
 
 SPEC = {
@@ -33,25 +32,13 @@ def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return drawn(SPEC, tmp_path_factory.mktemp("winch"))
 
 
-def findings(folder: Path) -> dict[str, Finding]:
-    """What the judge says of the motion that the folder's drawings give, by code; of MOTION_ERROR that of the pawl."""
-    return {each.code: each for each in motion_findings(folder, 721)}
-
-
-def damaged(
-    folder: Path, to: Path, file: str, change: Callable[[Points], Points]
-) -> dict[str, Finding]:
-    """The ratchet with other points of the outline in one file."""
-    return findings(moved_copy(folder, to, file, change))
-
-
 def first_tip(points: Points) -> Points:
     """Which of a wheel's points is the tip that points nearest to Ox."""
     return (np.abs(points) > TIP - 0.1) & (np.abs(np.angle(points)) < math.pi / 8)
 
 
 def test_a_sound_one_falls_behind_each_tooth_and_holds(sound: Path) -> None:
-    found = findings(sound)
+    found = by_code(sound)
     assert all(each.ok for each in found.values())
     assert found["CONTACT"].measured == 100
     assert found["MOTION_ERROR"].unit == "mm" and found["MOTION_ERROR"].measured < 2e-4

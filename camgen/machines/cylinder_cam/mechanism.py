@@ -109,7 +109,12 @@ class CylinderCam(Mechanism):
         except SpecError as error:
             found += error.faults
         found += load_faults(
-            self.load, self.spring, not self._swings, g.track == "end", False, 'track "end"'
+            self.load,
+            self.spring,
+            not self.geometry.follower.swings,
+            g.track == "end",
+            False,
+            'track "end"',
         )
         if not found and self.load is not None and self.load.polydyne:
             found += polydyne_faults(self.load, self.spring, self._given, False)
@@ -120,7 +125,7 @@ class CylinderCam(Mechanism):
         f = self.geometry.follower
         key = ("geometry", "follower")
         found = []
-        if self._swings:
+        if self.geometry.follower.swings:
             if f.arm is None:
                 right = "missing: an oscillating follower has an arm"
                 found.append(Fault((*key, "arm"), "", right))
@@ -160,18 +165,10 @@ class CylinderCam(Mechanism):
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 
-    @property
-    def _swings(self) -> bool:
-        return self.geometry.follower.motion == "oscillating"
-
-    @property
-    def _unit(self) -> tuple[str, float]:
-        return ("deg", math.degrees(1)) if self._swings else ("mm", 1.0)
-
     @cached_property
     def _given(self) -> Program:
         """The segments, one after the other."""
-        return program(self.segment, 1 / self._unit[1])
+        return program(self.segment, 1 / self.geometry.follower.unit[1])
 
     @cached_property
     def program(self) -> Program:
@@ -191,7 +188,7 @@ class CylinderCam(Mechanism):
         )
         radius = self.geometry.roller.radius
         follower: SlidingTip | SwingingArm = SlidingTip(0j, 1j, radius)
-        if self._swings:
+        if self.geometry.follower.swings:
             arm = complex(self.geometry.follower.arm or 0.0)
             follower = SwingingArm(-arm, arm, radius, 1)
         return contact_machine(contact, follower, self._speed, self._load)
@@ -201,7 +198,7 @@ class CylinderCam(Mechanism):
     @property
     def _steepest(self) -> float:
         """Pressure angle that is accepted, deg."""
-        usual = ARM_PRESSURE if self._swings else SLIDE_PRESSURE
+        usual = ARM_PRESSURE if self.geometry.follower.swings else SLIDE_PRESSURE
         return self.allowed.pressure_angle_deg or usual
 
     @cached_property
@@ -238,7 +235,7 @@ class CylinderCam(Mechanism):
             "geometry.follower.height": track.height,
             "limits.pressure_angle_deg": self._steepest,
         }
-        if self._swings:
+        if self.geometry.follower.swings:
             found["geometry.follower.pivot"] = track.pivot
             found["geometry.follower.start_deg"] = math.degrees(track.start)
         return {**super()._found(), **found}
@@ -259,7 +256,7 @@ class CylinderCam(Mechanism):
         part = replace(part, notes=notes, bore=p.bore, min_wall=self.allowed.min_wall)
         made = self._assembly([part], [Mount("drum", "cam")])
         output = self.model.outputs[0].name
-        demand = Demand(output, lash=self.allowed.lash / self._unit[1])
+        demand = Demand(output, lash=self.allowed.lash / self.geometry.follower.unit[1])
         return replace(
             made,
             tracks=(replace(track.rolled, ripple=self.allowed.speed_ripple),),
@@ -299,7 +296,9 @@ class CylinderCam(Mechanism):
         air = []
         if self._loaded is not None and self.geometry.track == "end":
             load = self._load or FollowerLoad()
-            air.append(lift_off(self._loaded, load, not self._swings, self._bounce))
+            air.append(
+                lift_off(self._loaded, load, not self.geometry.follower.swings, self._bounce)
+            )
         air += self._hertz()
         return [
             at_most(
@@ -314,7 +313,7 @@ class CylinderCam(Mechanism):
                 "UNDERCUT",
                 0.0,
                 0.0,
-                self._unit[0],
+                self.geometry.follower.unit[0],
                 drum,
                 f"the follower makes the whole motion: {area}",
             ),
@@ -326,7 +325,9 @@ class CylinderCam(Mechanism):
                 drum,
                 f"least radius of curvature of the convex walls; {_FLATTER.replace('lowers', 'widens')}",
             ),
-            *program_findings(self.program, self._unit, self.allowed.of_cams(0.0), _SMOOTHER),
+            *program_findings(
+                self.program, self.geometry.follower.unit, self.allowed.of_cams(0.0), _SMOOTHER
+            ),
             *walls,
             *air,
         ]
@@ -343,12 +344,12 @@ class CylinderCam(Mechanism):
         theta = self.track.theta
         forces = solve(self._pulled, theta).forces()
         effort = forces.contacts["contact"]
-        scale = 1e3 if self._swings else 1.0  # N m over mm
+        scale = 1e3 if self.geometry.follower.swings else 1.0  # N m over mm
         force = scale * effort / self.track.lever(theta)
         (torque,) = forces.drives.values()
         lift = self.program(theta)
         jumps = [abs(jump.size) for jump in self.program.discontinuities(1) if jump.order == 1]
-        unit = 1.0 if self._swings else 1e-3
+        unit = 1.0 if self.geometry.follower.swings else 1e-3
         kick = unit * self._load.inertia * abs(self._speed) * max(jumps, default=0.0)
         return Loaded(theta, lift - np.min(lift), effort, force, torque, kick, forces)
 
@@ -415,24 +416,30 @@ class CylinderCam(Mechanism):
             return Study()
         pushed = self.geometry.track == "end"
         load = self._load or FollowerLoad()
-        return force_study(self._loaded, load, not self._swings, pushed, bool(gravity(self.load)))
+        return force_study(
+            self._loaded, load, not self.geometry.follower.swings, pushed, bool(gravity(self.load))
+        )
 
     def study(self) -> Study:
         """Sizes, motion and its derivatives, pressure angle, forces."""
-        unit, scale = self._unit
+        unit, scale = self.geometry.follower.unit
         track = self.track
         low, high = self.program.extremes
         peaks = [scale * abs(self._speed) ** k * self.program.peak(k) for k in (1, 2)]
         figures = Figures(
             [
-                Figure("swing" if self._swings else "stroke", scale * (high - low), unit),
+                Figure(
+                    "swing" if self.geometry.follower.swings else "stroke",
+                    scale * (high - low),
+                    unit,
+                ),
                 Figure("drum radius", track.radius, "mm"),
                 Figure("drum length", track.length, "mm"),
                 Figure("roller inner end", track.inner, "mm"),
                 Figure("pressure angle", track.steepest, "deg"),
                 Figure("peak speed", peaks[0], f"{unit}/s"),
                 Figure("peak acceleration", peaks[1], f"{unit}/s²"),
-                *bounce_figures(self._bounce, not self._swings),
+                *bounce_figures(self._bounce, not self.geometry.follower.swings),
             ]
         )
         forces = self._forces
@@ -442,7 +449,7 @@ class CylinderCam(Mechanism):
         return Study(
             figures | forces.numbers,
             Later(lambda: [*self._plots(), *forces.plots]),
-            Later(lambda: [segments_table(self.program, self._unit)]),
+            Later(lambda: [segments_table(self.program, self.geometry.follower.unit)]),
             notes=Later(lambda: [*self._notes(), *forces.notes]),
         )
 
@@ -451,7 +458,7 @@ class CylinderCam(Mechanism):
         steep = np.degrees(self.track.pressure_angle(theta))
         curve = ("at the roller's inner end", np.degrees(theta), steep)
         pressure = Plot("Pressure angle", "cam angle, deg", "deg", [curve])
-        return [*motion_plots(self.program, self._unit, self._speed), pressure]
+        return [*motion_plots(self.program, self.geometry.follower.unit, self._speed), pressure]
 
     def _notes(self) -> list[str]:
         track = self.track
@@ -459,7 +466,7 @@ class CylinderCam(Mechanism):
         place = f"the roller's axis is {where} at displacement 0"
         if self.geometry.track == "rib":
             place = f"the middle between both rollers is {where} at displacement 0"
-        if self._swings:
+        if self.geometry.follower.swings:
             place = f"the arm's axle is {track.pivot:.4g} mm beside the drum's axis, {where}; at displacement 0 the arm stands at {math.degrees(track.start):.4g} deg"
         return [
             f"The drum is what is made. Bring the follower, its guide, the roller, shaft and bearings: {place}, the roller's inner end {track.inner:.4g} mm from the drum's axis.",

@@ -6,12 +6,12 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from camgen.machines.loads.tables import CamLimitsTable
+from camgen.machines.loads.tables import CamLimitsTable, MovingFollower
 from camgen.parts.disc_cams import ShaftBore
 from camgen.spec import Coordinate, Length, MinWall, Record, quantity
 
 
-class DrumFollower(Record):
+class DrumFollower(MovingFollower):
     """What moves beside the drum."""
 
     motion: Literal["translating", "oscillating"] = Field(

@@ -42,7 +42,7 @@ class Track:
     @property
     def swings(self) -> bool:
         """Whether the follower is an arm."""
-        return self.geometry.follower.motion == "oscillating"
+        return self.geometry.follower.swings
 
     @property
     def inner(self) -> float:

@@ -20,7 +20,7 @@ def drawn(geometry: DiscCamGeometry) -> Follower:
     f = geometry.follower
     if f.shape == "outline":
         return _shoe(geometry)
-    if f.motion == "translating":
+    if not f.swings:
         base = abs(f.offset) + 1
     elif f.shape == "flat":
         base = f.face_offset
@@ -33,7 +33,7 @@ def _shoe(geometry: DiscCamGeometry) -> Shoe:
     """An outline of a person's own, somewhere on its way."""
     f = geometry.follower
     edges = convex_edges(f.drawing[0])
-    if f.motion == "translating":
+    if not f.swings:
         return SlidingShoe(edges, complex(f.offset), _UP)
     return SwingingShoe(edges, complex(f.pivot_distance or 0.0))
 
@@ -59,7 +59,7 @@ def standing_on(base: float, geometry: DiscCamGeometry, top: float) -> Sequence[
     both = geometry.closure == "conjugate"
     radius = f.radius or 0.0
     prime = base + radius
-    if f.motion == "translating":
+    if not f.swings:
         if f.shape == "flat":
             start = f.offset + _UP * base
             return [SlidingFace(start, _UP), SlidingFace(start - _UP * (2 * base + top), _UP, -1)][

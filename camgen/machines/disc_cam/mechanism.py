@@ -111,7 +111,7 @@ class DiscCamDrive(CamTables):
         f = self.geometry.follower
         p = self.making
         round_hub = 2 * (p.reach + self.allowed.min_wall) if not p.misfits() else 0.0
-        slides = f.motion == "translating"
+        slides = not f.swings
         flat = f.shape == "flat"
         roller = f.shape == "roller"
         drawn_shoe = f.shape == "outline"
@@ -213,18 +213,10 @@ class DiscCamDrive(CamTables):
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 
-    @property
-    def _unit(self) -> tuple[str, float]:
-        return (
-            ("mm", 1.0)
-            if self.geometry.follower.motion == "translating"
-            else ("deg", math.degrees(1))
-        )
-
     @cached_property
     def _given(self) -> Program:
         """The segments, one after the other."""
-        return program(self.segment, 1 / self._unit[1])
+        return program(self.segment, 1 / self.geometry.follower.unit[1])
 
     @cached_property
     def program(self) -> Program:
@@ -311,7 +303,7 @@ class DiscCamDrive(CamTables):
     def tables(self) -> Mapping[str, Any]:
         """Cam and follower, which stands on its base circle; a spring where that is what holds it."""
         f = self.geometry.follower
-        suffix = "" if self._unit[0] == "mm" else "_deg"
+        suffix = "" if self.geometry.follower.unit[0] == "mm" else "_deg"
         tip = self._touching
         follower = self.cam.follower
         points = {"shaft": 0j, "tip": tip}
@@ -410,7 +402,7 @@ class DiscCamDrive(CamTables):
     @property
     def _spring_wish(self) -> tuple[float, float, float] | None:
         """Of a cam alone beside a sliding stem, as [spring] says."""
-        if self.spring is None or not self.spring.preload or self._unit[0] != "mm":
+        if self.spring is None or not self.spring.preload or self.geometry.follower.unit[0] != "mm":
             return None
         return self.spring.rate, self.spring.preload, self._highest[1] - self._highest[0]
 
@@ -503,14 +495,18 @@ class DiscCamDrive(CamTables):
 
     def demands(self) -> tuple[Demand, ...]:
         """The play that is borne."""
-        return (Demand(self.model.outputs[0].name, lash=self.allowed.lash / self._unit[1]),)
+        return (
+            Demand(
+                self.model.outputs[0].name, lash=self.allowed.lash / self.geometry.follower.unit[1]
+            ),
+        )
 
     # ---- checks and study -------------------------------------------------------------------------------------------
 
     @property
     def cam_limits(self) -> CamLimits:
         """What is accepted of the cams."""
-        return self.allowed.of_cams(self.allowed.undercut / self._unit[1])
+        return self.allowed.of_cams(self.allowed.undercut / self.geometry.follower.unit[1])
 
     @cached_property
     def _clears_axle(self) -> bool:
@@ -538,7 +534,7 @@ class DiscCamDrive(CamTables):
         limits = self.allowed
         width = 2 * max(figures.face_to, -figures.face_from)
         room = math.inf
-        if follower.motion == "oscillating":
+        if follower.swings:
             width = figures.face_to - figures.face_from
             room = (follower.pivot_distance or 0.0) - figures.farthest
         near = [
@@ -556,11 +552,7 @@ class DiscCamDrive(CamTables):
     def limits(self) -> Sequence[Finding]:
         """Pressure angle, undercut, curvature, face width and jumps of the motion against the spec's limits."""
         f = self.geometry.follower
-        further = (
-            "an offset towards the rise"
-            if f.motion == "translating"
-            else "another arm or pivot_distance"
-        )
+        further = "an offset towards the rise" if not f.swings else "another arm or pivot_distance"
         advice = Advice(
             f"a larger base_radius, a longer span or {further}",
             "a larger base_radius" + (" or a smaller radius" if f.shape == "roller" else ""),
@@ -574,7 +566,7 @@ class DiscCamDrive(CamTables):
             cams, self.cam_limits, face_width=f.face_width, chord_tolerance=facets
         )
         if self._loaded and self.geometry.closure == "force":
-            slides = f.motion == "translating"
+            slides = not f.swings
             load = self._load or FollowerLoad()
             findings.append(lift_off(self._loaded, load, slides, self._bounce))
         return findings
@@ -598,7 +590,7 @@ class DiscCamDrive(CamTables):
                 2 * max(WALL_FACETS, self.accuracy.chord_tolerance),
                 lambda: self.assembly.parts,
             ).findings(),
-            *between(self.cams, air, self.allowed.lash / self._unit[1]),
+            *between(self.cams, air, self.allowed.lash / self.geometry.follower.unit[1]),
         ]
 
     @property
@@ -620,7 +612,7 @@ class DiscCamDrive(CamTables):
         return Study(
             self._figures(),
             Later(self._plots),
-            Later(lambda: [segments_table(self.program, self._unit)]),
+            Later(lambda: [segments_table(self.program, self.geometry.follower.unit)]),
             Later(self._sketches),
             Later(lambda: [*self._notes(), *self._forces.notes]),
         )
@@ -628,7 +620,9 @@ class DiscCamDrive(CamTables):
     def _plots(self) -> list[Plot]:
         """Motion, pressure angle, curvature, profile and forces."""
         who = [name.strip() or "exact profile" for name in self._names]
-        curves = plots(self.program, self.cams, who, self._unit, self._speed, self.base_radius)
+        curves = plots(
+            self.program, self.cams, who, self.geometry.follower.unit, self._speed, self.base_radius
+        )
         return [*curves, *self._forces.plots]
 
     def _sketches(self) -> list[Sketch]:
@@ -640,7 +634,7 @@ class DiscCamDrive(CamTables):
 
     def _figures(self) -> Figures:
         """Sizes of the cam, peaks of its motion, and of its forces."""
-        unit, scale = self._unit
+        unit, scale = self.geometry.follower.unit
         f = self.geometry.follower
         cam = self.cam
         low, high = self._highest
@@ -663,7 +657,7 @@ class DiscCamDrive(CamTables):
         elif f.shape != "outline":
             pitch = cam.least_radius + cam.tip.tip_radius
             figures.append(Figure("pitch curvature radius min", pitch, "mm"))
-        figures += bounce_figures(self._bounce, f.motion == "translating")
+        figures += bounce_figures(self._bounce, not f.swings)
         return Figures(figures) | self._forces.numbers
 
     @cached_property
@@ -671,7 +665,7 @@ class DiscCamDrive(CamTables):
         if not self._loaded:
             return Study()
         pushed = self.geometry.closure == "force"
-        slides = self.geometry.follower.motion == "translating"
+        slides = not self.geometry.follower.swings
         return force_study(
             self._loaded, self._load or FollowerLoad(), slides, pushed, bool(gravity(self.load))
         )

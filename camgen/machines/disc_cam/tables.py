@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from camgen.geometry.outlines import Contour, bulged
 from camgen.machines.cam_tables import CamSizes
-from camgen.machines.loads.tables import CamLimitsTable, Drives, Weight
+from camgen.machines.loads.tables import CamLimitsTable, Drives, MovingFollower, Weight
 from camgen.machines.pairs import Air
 from camgen.motion.polydyne import Lag
 from camgen.parts.disc_cams import CamParts
@@ -17,7 +17,7 @@ from camgen.parts.generator.sizes import Contours
 from camgen.spec import Coordinate, Length, MinWall, Record, Rpm, quantity, turning
 
 
-class FollowerTable(Record):
+class FollowerTable(MovingFollower):
     """What rides on the cam."""
 
     motion: Literal["translating", "oscillating"] = Field(

@@ -85,7 +85,7 @@ class LinearCamDrive(Mechanism):
         found = []
         for key, belongs, what in (
             ("radius", f.shape == "roller", "the radius of a roller"),
-            ("arm", self._swings, "the arm of an oscillating follower"),
+            ("arm", self.geometry.follower.swings, "the arm of an oscillating follower"),
         ):
             value = getattr(f, key)
             path = ("geometry", "follower", key)
@@ -93,7 +93,7 @@ class LinearCamDrive(Mechanism):
                 found.append(Fault(path, "", f"missing: {what}"))
             elif not belongs and value is not None:
                 found.append(Fault(path, f"{value:g}", f"nothing here: {what}"))
-        if f.start_deg and not self._swings:
+        if f.start_deg and not self.geometry.follower.swings:
             path = ("geometry", "follower", "start_deg")
             found.append(
                 Fault(path, f"{f.start_deg:g}", "nothing here: of an oscillating follower")
@@ -118,21 +118,13 @@ class LinearCamDrive(Mechanism):
     # ---- motion -----------------------------------------------------------------------------------------------------
 
     @property
-    def _swings(self) -> bool:
-        return self.geometry.follower.motion == "oscillating"
-
-    @property
-    def _unit(self) -> tuple[str, float]:
-        return ("deg", math.degrees(1)) if self._swings else ("mm", 1.0)
-
-    @property
     def _speed(self) -> float:
         return self.drive.speed / WAY
 
     @cached_property
     def program(self) -> Stroke:
         """The follower's motion along the way, mm or rad, over theta."""
-        return stroke(self.segment, 1 / self._unit[1], 1 / WAY)
+        return stroke(self.segment, 1 / self.geometry.follower.unit[1], 1 / WAY)
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """Wanted displacement s (mm or rad) or its derivative to theta, (n,)."""
@@ -144,7 +136,7 @@ class LinearCamDrive(Mechanism):
         f = self.geometry.follower
         radius = f.radius or 0.0
         rest = 1j * (self.geometry.height + radius)
-        if not self._swings:
+        if not self.geometry.follower.swings:
             return LinearCam(self.program, PlateSlide(rest, 1j, radius))
         arm = cmath.rect(f.arm or 0.0, math.radians(f.start_deg))
         return LinearCam(self.program, PlateArm(rest - arm, arm, radius, 1))
@@ -168,8 +160,8 @@ class LinearCamDrive(Mechanism):
             pose = Pose(follower.pivot, start)
             of = Angle("follower")
             output = Output("swing", of, "rad")
-        slide = None if self._swings else "guide"
-        law = stroke(self.segment, 1 / self._unit[1], 1.0)
+        slide = None if self.geometry.follower.swings else "guide"
+        law = stroke(self.segment, 1 / self.geometry.follower.unit[1], 1.0)
         contact = Cam("contact", "cam", "follower", law, slide, closure="force", over="rails")
         plate = Body("cam", {"datum": 0j})
         rails = Slide("rails", Place(GROUND), plate.at("datum"), math.pi)
@@ -262,11 +254,11 @@ class LinearCamDrive(Mechanism):
     def limits(self) -> Sequence[Finding]:
         """PRESSURE_ANGLE and CURVATURE of the edge, and what the program does."""
         self._outline  # noqa: B018  refuses what is no plate
-        usual = ARM_PRESSURE if self._swings else SLIDE_PRESSURE
+        usual = ARM_PRESSURE if self.geometry.follower.swings else SLIDE_PRESSURE
         steep = self.allowed.pressure_angle_deg or usual
         plate = Where("exact edge")
         of_program = program_findings(
-            self.program, self._unit, self.allowed.of_cams(0.0), _SMOOTHER
+            self.program, self.geometry.follower.unit, self.allowed.of_cams(0.0), _SMOOTHER
         )
         return [
             at_most("PRESSURE_ANGLE", self.cam.steepest, steep, "deg", plate, _FLATTER),
@@ -286,12 +278,14 @@ class LinearCamDrive(Mechanism):
 
     def study(self) -> Study:
         """Sizes, motion and its derivatives, pressure angle."""
-        unit, scale = self._unit
+        unit, scale = self.geometry.follower.unit
         low, high = self.program.extremes
         begin, end = self.cam.range
         peaks = [scale * self._speed**k * self.program.peak(k) for k in (1, 2)]
         figures = [
-            Figure("swing" if self._swings else "stroke", scale * (high - low), unit),
+            Figure(
+                "swing" if self.geometry.follower.swings else "stroke", scale * (high - low), unit
+            ),
             Figure("way", WAY * (end - begin), "mm"),
             Figure("pressure angle", self.cam.steepest, "deg"),
             Figure("curvature radius min", self.cam.least_radius, "mm"),
@@ -306,7 +300,7 @@ class LinearCamDrive(Mechanism):
         )
 
     def _plots(self) -> list[Plot]:
-        unit, scale = self._unit
+        unit, scale = self.geometry.follower.unit
         low, high = self.cam.range
         theta = np.union1d(np.linspace(low, high, _SAMPLES), self.program.breaks[1:] - 1e-9)
         way = WAY * theta

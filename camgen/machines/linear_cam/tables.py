@@ -6,12 +6,12 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from camgen.machines.loads.tables import CamLimitsTable
+from camgen.machines.loads.tables import CamLimitsTable, MovingFollower
 from camgen.parts.disc_cams import Thickness
 from camgen.spec import Length, MinWall, Record, quantity
 
 
-class PlateFollower(Record):
+class PlateFollower(MovingFollower):
     """What rides on the plate."""
 
     motion: Literal["translating", "oscillating"] = Field(

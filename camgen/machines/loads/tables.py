@@ -79,6 +79,22 @@ class Drives(Record):
         return self
 
 
+class MovingFollower(Record):
+    """What rides on a cam, and how it moves."""
+
+    motion: Literal["translating", "oscillating"]
+
+    @property
+    def swings(self) -> bool:
+        """Whether it is an arm, not a slide."""
+        return self.motion == "oscillating"
+
+    @property
+    def unit(self) -> tuple[str, float]:
+        """What people read its displacement in, and how many of that one mm or rad is."""
+        return ("deg", math.degrees(1)) if self.swings else ("mm", 1.0)
+
+
 class Weight(Record):
     """Loads on the machine: weight, friction, applied loads; and the stiffness of a follower."""
 
