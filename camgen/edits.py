@@ -25,7 +25,8 @@ def edited(text: str, settings: Sequence[str]) -> str:
         for step in tables:
             if isinstance(step, str) and step not in holder:
                 holder[step] = tomlkit.table()
-            holder, value = holder[step], value[step]
+            holder = holder[step]
+            value = value[step]
         put(holder, last, value[last])
     return tomlkit.dumps(document)
 

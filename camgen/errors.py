@@ -204,7 +204,8 @@ class FileError(CamgenError):
     exit_code = 4
 
     def __init__(self, path: object, reason: str) -> None:
-        self.path, self.reason = str(path), reason
+        self.path = str(path)
+        self.reason = reason
         super().__init__(f"{path}: {reason}")
 
 

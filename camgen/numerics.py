@@ -84,10 +84,8 @@ def solve(matrices: Floats, right: Floats) -> Floats:
             if not rows.size:
                 return np.moveaxis(found, -1, 0).reshape(right.shape)
             if rows[0] != k:
-                table[[k, rows[0]]], filled[[k, rows[0]]] = (
-                    table[[rows[0], k]],
-                    filled[[rows[0], k]],
-                )
+                table[[k, rows[0]]] = table[[rows[0], k]]
+                filled[[k, rows[0]]] = filled[[rows[0], k]]
                 rows[0] = k
             if rows.size > 1:
                 columns = k + np.flatnonzero(filled[rows, k:].any(axis=0))
@@ -216,7 +214,8 @@ def roots(
     f(t, i): values and slopes of the functions number i, (m,), at t, (m,); a slope of 0 or nan means unknown.
     share: of the bracket, at which a step is small enough; 0 asks for all that the numbers hold.
     """
-    low, high = np.array(low, float), np.array(high, float)
+    low = np.array(low, float)
+    high = np.array(high, float)
     t = (low + high) / 2
     last = np.maximum(share * (high - low), _RESOLVED * np.maximum(np.abs(low), np.abs(high)))
     i = np.arange(t.size)
@@ -227,11 +226,13 @@ def roots(
     for _ in range(_STEPS):
         value, slope = f(t[i], i)
         beyond = (value > 0) == rising[i]
-        high[i[beyond]], low[i[~beyond]] = t[i[beyond]], t[i[~beyond]]
+        high[i[beyond]] = t[i[beyond]]
+        low[i[~beyond]] = t[i[~beyond]]
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             new = t[i] - value / slope
         new = np.where((low[i] <= new) & (new <= high[i]), new, (low[i] + high[i]) / 2)
-        step, t[i] = np.abs(new - t[i]), new
+        step = np.abs(new - t[i])
+        t[i] = new
         i = i[step > last[i]]
         if not i.size:
             break
@@ -273,7 +274,8 @@ def crests(f: Callable[[Floats], Floats], low: Floats, high: Floats, steps: int 
         left = high - _GOLDEN * (high - low)
         right = low + _GOLDEN * (high - low)
         rising = f(left) < f(right)
-        low, high = np.where(rising, left, low), np.where(rising, high, right)
+        low = np.where(rising, left, low)
+        high = np.where(rising, high, right)
     return np.asarray((low + high) / 2)
 
 
@@ -303,7 +305,8 @@ def greatest(
         if flat or high - low <= 1e-14 * max(1.0, abs(b)):
             break
         best = y[k]
-        place, x = x[k], np.linspace(low, high, 17)
+        place = x[k]
+        x = np.linspace(low, high, 17)
         x[np.argmin(np.abs(x - place))] = (
             place  # not beside it: a neighbour that is the same place would halve the bracket
         )

@@ -714,7 +714,8 @@ def _meant(path: Sequence[str | int], value: object, node: Data) -> str:
     found = _NUMBER.fullmatch(value.strip()) if isinstance(value, str) and unit else None
     if found is None or unit is None:
         return ""
-    number, written = found[1].replace(",", "."), found[2]
+    number = found[1].replace(",", ".")
+    written = found[2]
     if not written:
         return f"a number without quotes: write {number}"
     if _FIT.fullmatch(written):
@@ -746,7 +747,8 @@ def _locate(
         if below is None and not (held and depth == len(loc) - 1):
             continue
         path.append(step)
-        table, node = node or table, below
+        table = node or table
+        node = below
     return path, node, table
 
 

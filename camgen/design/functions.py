@@ -291,10 +291,8 @@ def _freudenstein(phi0: Floats, psi0: Floats, pairs: Floats) -> Floats:
     table = np.stack([np.cos(psi), -np.cos(phi), np.ones(phi.shape)], axis=-1)
     right = np.cos(phi - psi)
     if len(pairs) > 3:  # normal equations: three unknowns, each of size 1
-        table, right = (
-            np.sum(table[:, :, :, None] * table[:, :, None, :], axis=1),
-            np.sum(table * right[..., None], axis=1),
-        )
+        right = np.sum(table * right[..., None], axis=1)
+        table = np.sum(table[:, :, :, None] * table[:, :, None, :], axis=1)
     k1, k2, k3 = solve(table, right).T
     with np.errstate(all="ignore"):
         crank = 1 / k1

@@ -145,10 +145,8 @@ def _by_grid(first: Floats, at: Floats, turned: Floats, way: Floats) -> SliderCr
     table = np.stack([x * np.cos(phi), np.sin(phi), np.ones(phi.shape)], axis=-1)
     right = x**2
     if len(turned) > 3:  # normal equations of three unknowns
-        table, right = (
-            np.einsum("kni,knj->kij", table, table),
-            np.einsum("kni,kn->ki", table, right),
-        )
+        right = np.einsum("kni,kn->ki", table, right)
+        table = np.einsum("kni,knj->kij", table, table)
     k1, k2, k3 = solve(table, right).T
     with np.errstate(all="ignore"):
         crank = k1 / 2

@@ -243,7 +243,8 @@ def _joint(node: ET.Element, joint: Hinge | Slider | None) -> None:
 def _content(node: ET.Element, link: Link, shapes: Sequence[Shape]) -> None:
     """Mass, parts, sites and feet of a body."""
     tensor = 1e-6 * link.mass.tensor
-    rows, columns = (0, 1, 2, 0, 0, 1), (0, 1, 2, 1, 2, 2)
+    rows = (0, 1, 2, 0, 0, 1)
+    columns = (0, 1, 2, 1, 2, 2)
     ET.SubElement(
         node,
         "inertial",
@@ -339,7 +340,8 @@ def _quaternion(xyzw: Sequence[float]) -> str:
 
 def _product(a: Sequence[float], b: Sequence[float]) -> list[float]:
     """The turn b and then a; quaternions (x, y, z, w)."""
-    u, v = np.array(a[:3]), np.array(b[:3])
+    u = np.array(a[:3])
+    v = np.array(b[:3])
     vector = a[3] * v + b[3] * u + np.cross(u, v)
     return [*map(float, vector), float(a[3] * b[3] - np.sum(u * v))]
 

@@ -280,7 +280,8 @@ def _depth(level: Any, places: Floats, y: float) -> Floats:
         ring for piece in shapely.get_parts(level) for ring in (piece.exterior, *piece.interiors)
     ):
         z = shapely.get_coordinates(ring)
-        (a, b), (c, d) = z[:-1].T, z[1:].T
+        a, b = z[:-1].T
+        c, d = z[1:].T
         first = np.searchsorted(places, np.minimum(a, c))
         count = np.searchsorted(places, np.maximum(a, c)) - first
         # each side with each place along it: which side, which place

@@ -33,7 +33,8 @@ def outline_error(contour: Contour, ring: Ring) -> float:
     count = len(contour.pieces)
     feet = _feet(contour, ring.points)
     first = int(np.argmin(feet))
-    feet, edges = np.roll(feet, -first), np.roll(np.arange(feet.size), -first)
+    edges = np.roll(np.arange(feet.size), -first)
+    feet = np.roll(feet, -first)
     joints = np.arange(np.ceil(feet[0]), feet[0] + count)
     marks = np.unique(np.concatenate([feet, joints, [feet[0] + count]]))
     begin = marks[:-1]

@@ -40,7 +40,8 @@ class EdgeContact:
     @cached_property
     def pair(self) -> OutlinePair:
         """Both bodies."""
-        cam, shoe = Body([self.cam]), Body([self.shoe])
+        cam = Body([self.cam])
+        shoe = Body([self.shoe])
         return OutlinePair(cam, shoe, pivots_apart(self.apart), self.freedom, rest=self._side)
 
     @property

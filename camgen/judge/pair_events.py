@@ -184,7 +184,10 @@ class Turn:
         y = np.abs(m.y)
         kept = np.flatnonzero(possible & (np.abs(x - y) < d) & (d < x + y))
         m = m.take(kept)
-        d, x, y, total = d[kept], x[kept], y[kept], total[kept]
+        d = d[kept]
+        x = x[kept]
+        y = y[kept]
+        total = total[kept]
         sine = np.sqrt((d - x + y) * (d + x - y) * (x + y - d) * (x + y + d))
         cosine = (x - d) * (x + d) + y * y
         events = []
@@ -205,7 +208,10 @@ class Turn:
         x = np.abs(m.b.centre[m.j])
         kept = np.flatnonzero(np.abs(h) < x)
         m = m.take(kept)
-        n, local_y, h, x = n[kept], local_y[kept], h[kept], x[kept]
+        n = n[kept]
+        local_y = local_y[kept]
+        h = h[kept]
+        x = x[kept]
         w = np.sqrt((x - h) * (x + h))
         events = []
         for sign in (1, -1):
@@ -228,7 +234,10 @@ class Turn:
         y = np.abs(m.y)
         kept = np.flatnonzero(np.abs(h) < y)
         m = m.take(kept)
-        n, local_p, h, y = n[kept], local_p[kept], h[kept], y[kept]
+        n = n[kept]
+        local_p = local_p[kept]
+        h = h[kept]
+        y = y[kept]
         w = np.sqrt((y - h) * (y + h))
         events = []
         for sign in (1, -1):
@@ -280,7 +289,9 @@ class Slide:
         z = (m.y - m.b.centre[m.j]) * np.conj(self.along)
         kept = np.flatnonzero(possible & (np.abs(z.imag) < d))
         m = m.take(kept)
-        d, z, total = d[kept], z[kept], total[kept]
+        d = d[kept]
+        z = z[kept]
+        total = total[kept]
         w = np.sqrt((d - z.imag) * (d + z.imag)) * np.sign(total)
         events = []
         for sign in (1, -1):
@@ -298,7 +309,8 @@ class Slide:
         rate = np.real(np.conj(n) * self.along)
         kept = np.flatnonzero(np.abs(rate) > SAME_NORMAL)
         m = m.take(kept)
-        n, rate = n[kept], rate[kept]
+        n = n[kept]
+        rate = rate[kept]
         off = np.conj(n) * (m.b.centre[m.j] - m.y)
         phi = (m.b.radius[m.j] + m.gap - off.real) / rate
         foot = off.imag + phi * np.imag(np.conj(n) * self.along)
@@ -314,7 +326,8 @@ class Slide:
         rate = np.real(np.conj(n) * self.along)
         kept = np.flatnonzero(np.abs(rate) > SAME_NORMAL)
         m = m.take(kept)
-        n, rate = n[kept], rate[kept]
+        n = n[kept]
+        rate = rate[kept]
         off = np.conj(n) * (m.y - m.b.centre[m.j])
         phi = (off.real - m.a.radius[m.i] - m.gap) / rate
         foot = off.imag - phi * np.imag(np.conj(n) * self.along)

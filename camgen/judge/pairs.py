@@ -366,7 +366,10 @@ def _next(
     else:
         way = sense * phi
         inside = np.flatnonzero(sense * (phi - base) >= 0)
-        at, index, phi, way = at[inside], index[inside], phi[inside], way[inside]
+        at = at[inside]
+        index = index[inside]
+        phi = phi[inside]
+        way = way[inside]
     order = np.lexsort((way, at))
     at = at[order]
     first = np.ones(len(at), bool)

@@ -172,7 +172,8 @@ def judge_pawl(pawl: PawlMotion, off: float, where: Where) -> Iterator[Finding]:
 
 
 def _parts(pawl: PawlMotion) -> str:
-    (wheel,), (other,) = pawl.feature.a, pawl.feature.b
+    (wheel,) = pawl.feature.a
+    (other,) = pawl.feature.b
     return f"{other.part} and {wheel.part}"
 
 

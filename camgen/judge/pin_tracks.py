@@ -109,7 +109,8 @@ class TrackedPins(Engagement):
     @cached_property
     def worst_gap(self) -> Gap:
         """That of the pin farthest from its gap, for both sides together."""
-        driver, driven = self.feature.a[0].part, self.feature.b[0].part
+        driver = self.feature.a[0].part
+        driven = self.feature.b[0].part
         return Gap(2 * self.worst.gap, 2 * self.worst.wanted, driver, driven)
 
     def _seen(self, theta: Floats, points: Points) -> Points:

@@ -40,16 +40,19 @@ class Motion:
 
     def _jumps_in(self, k: int) -> bool:
         """Whether the turn in a step of the grid does not grow less as the step is halved."""
-        low, high = float(self.theta[k]), float(self.theta[k + 1])
+        low = float(self.theta[k])
+        high = float(self.theta[k + 1])
         first, last = (complex(self.turns[n]) for n in (k, k + 1))
         whole = abs(last - first)
         for _ in range(_HALVINGS):
             middle = (low + high) / 2
             here = complex(self._read(np.array([middle]))[0][0])
             if abs(here - first) > abs(last - here):
-                high, last = middle, here
+                high = middle
+                last = here
             else:
-                low, first = middle, here
+                low = middle
+                first = here
         return abs(last - first) > _REST * whole
 
     @property
@@ -62,7 +65,8 @@ class Motion:
         """Turn and shift at other angles; in a step of the grid in which the guest jumps, on the way that it turns through."""
         turns, shifts = self._read(theta)
         for k in self._jumps:
-            low, high = self.theta[k], self.theta[k + 1]
+            low = self.theta[k]
+            high = self.theta[k + 1]
             inside = np.flatnonzero((theta > low) & (theta < high))
             if len(inside):
                 share = (theta[inside] - low) / (high - low)

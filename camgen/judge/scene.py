@@ -51,7 +51,8 @@ class Flight:
         y = -sine, cosine, zero
         z = zero, zero, side * ones
         if self.upright:
-            y, z = z, (sine, -cosine, zero)
+            y = z
+            z = (sine, -cosine, zero)
         place = self.place.real, self.place.imag, height * ones
         rows = [each for row in zip(x, y, z, place, strict=True) for each in row]
         return np.stack(rows, axis=1).reshape(-1, 3, 4)

@@ -203,10 +203,12 @@ def _in_line(pins: tuple[str, Pin, str], arm: float, rest: float, way: float) ->
     one, middle, other = pins
     lengths = [f"lengths.{one}-{middle.name}", f"lengths.{other}-{middle.name}"]
     if way > max(arm, rest):
-        verb, bound = "reach", "more"
+        verb = "reach"
+        bound = "more"
         remedy = f"a longer {' or '.join(lengths)}"
     else:
-        verb, bound = "come down to", "less"
+        verb = "come down to"
+        bound = "less"
         shorter, longer = lengths if arm < rest else lengths[::-1]
         remedy = f"a longer {shorter} or a shorter {longer}"
     line = f"at theta = 0 {one}, {middle.name} and {other} lie in one line"

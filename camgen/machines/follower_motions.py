@@ -85,7 +85,8 @@ def table_finding(table: DriveTable, motion: FollowerMotion, path: Path) -> Find
     """
     where = Where(file=path.name, kind=path.suffix[1:], output=motion.name)
     stroke = motion.stroke or 1.0
-    first, last = float(table.master[0]), float(table.master[-1])
+    first = float(table.master[0])
+    last = float(table.master[-1])
     digit = last_digit(list(zip(table.master.tolist(), table.slave.tolist(), strict=True)))
     gap = float(np.diff(table.master).max()) if table.velocity is None else NARROWEST
     limit = _LIMIT + (motion.corner * gap / 4 + digit / 2) / stroke

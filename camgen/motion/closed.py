@@ -136,7 +136,8 @@ def _fit(u: Floats, s: Floats, tolerance: float) -> tuple[Harmonics, float]:
         middle = (low + high) // 2
         found = _harmonics(u, s, middle)
         if found[1] <= tolerance:
-            high, best = middle, found
+            high = middle
+            best = found
         else:
             low = middle
     return best

@@ -236,7 +236,8 @@ class _Development:
         up = walls[-1]
         top = complex(up[-1].at(math.tau))
         if self.drum.track == "end":
-            low, high = 0j, 1j * self.around
+            low = 0j
+            high = 1j * self.around
             back: tuple[Smooth | Line, ...] = (Line(high, low),)
         else:
             back = tuple(each.reversed() for each in reversed(walls[0]))

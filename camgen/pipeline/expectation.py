@@ -145,7 +145,8 @@ def _crossings(
 def _ends(part: Part, drum: Drum, tolerance: float) -> list[Section]:
     """The sections of a drum below and above its track."""
     low, high = drum.span
-    lower, upper = part.layers[0], part.layers[-1]
+    lower = part.layers[0]
+    upper = part.layers[-1]
     heights = ((lower, low / 2), (upper, (high + drum.length) / 2))
     return [Section((z,), (facetted(layer.region, tolerance),)) for layer, z in heights]
 

@@ -224,12 +224,10 @@ def _drawing(animation: Animation, frame: int) -> tuple[str, str]:
     low = cloud.imag.min()
     high = cloud.imag.max()
     size = max(right - left, high - low, 1e-3)
-    left, right, low, high = (
-        left - 0.05 * size,
-        right + 0.05 * size,
-        low - 0.13 * size,
-        high + 0.05 * size,
-    )
+    left = left - 0.05 * size
+    right = right + 0.05 * size
+    low = low - 0.13 * size
+    high = high + 0.05 * size
     power = 10.0 ** math.floor(math.log10(size / 10))
     step = next(power * factor for factor in (1, 2, 5, 10) if power * factor >= size / 10.000001)
     across, up = (

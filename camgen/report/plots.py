@@ -115,8 +115,10 @@ class _Axes:
 
     def place(self, x: Floats, y: Floats) -> Points:
         """Places of points (n,), y downwards."""
-        x, y = np.asarray(x, float), np.asarray(y, float)
-        (x0, x1), (y0, y1) = self.x, self.y
+        x = np.asarray(x, float)
+        y = np.asarray(y, float)
+        x0, x1 = self.x
+        y0, y1 = self.y
         across = _LEFT + (x - x0) / (x1 - x0) * (_RIGHT - _LEFT)
         return np.asarray(across + 1j * (_LOW - (y - y0) / (y1 - y0) * (_LOW - _TOP)))
 
@@ -146,7 +148,8 @@ def _picture(plot: Plot) -> tuple[str, list[_Curve]]:
     pieces += [
         _point(name, axes.place(np.array([x]), np.array([y]))[0]) for name, x, y in plot.points
     ]
-    (x0, x1), (y0, y1) = axes.x, axes.y
+    x0, x1 = axes.x
+    y0, y1 = axes.y
     scale = f"{_LEFT:g} {_RIGHT:g} {x0:.9g} {x1:.9g} {_LOW:g} {_TOP:g} {y0:.9g} {y1:.9g}"
     return f'<g class="drawn" data-axes="{scale}">{"".join(pieces)}</g>', curves
 
@@ -174,7 +177,8 @@ def _grid(plot: Plot, axes: _Axes) -> str:
     y_ticks = [
         (t, _text(t / shown, (axes.y[0] / shown, axes.y[1] / shown))) for t in ticks(*axes.y)
     ]
-    (x0, x1), (y0, y1) = axes.x, axes.y
+    x0, x1 = axes.x
+    y0, y1 = axes.y
     across = [_LEFT + (t - x0) / (x1 - x0) * (_RIGHT - _LEFT) for t, _ in x_ticks]
     up = [_LOW - (t - y0) / (y1 - y0) * (_LOW - _TOP) for t, _ in y_ticks]
     rules = "".join(f"M{_n(x)} {_TOP:g}V{_LOW:g}" for x in across) + "".join(
@@ -208,7 +212,8 @@ def _curves(plot: Plot, axes: _Axes) -> list[_Curve]:
     """The series as they are drawn, those that lie on one another once."""
     groups: list[tuple[list[str], Floats, Floats, Points]] = []
     for label, x, y in plot.series:
-        x, y = np.asarray(x, float), np.asarray(y, float)
+        x = np.asarray(x, float)
+        y = np.asarray(y, float)
         y = np.where(np.isfinite(y), y, np.nan)
         places = axes.place(x, y)
         for labels, x_before, _, drawn in groups:

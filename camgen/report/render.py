@@ -183,7 +183,10 @@ def _prism(ring: Points, low: float, high: float) -> Floats:
     if not high > low:
         return fan(low)
     after = np.roll(ring, -1)
-    a, b, c, d = at(ring, low), at(after, low), at(after, high), at(ring, high)
+    a = at(ring, low)
+    b = at(after, low)
+    c = at(after, high)
+    d = at(ring, high)
     sides = [np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)]
     return np.concatenate([fan(high), fan(low)[:, ::-1], *sides])
 

@@ -70,9 +70,11 @@ class CamTouch:
         place = self.cam.profile(theta)
         normal = self.cam.follower.normal(theta, self.cam.program)
         if self.outer:
-            place, normal = place + 2 * self.cam.tip.tip_radius * normal, -normal
+            place = place + 2 * self.cam.tip.tip_radius * normal
+            normal = -normal
         if self.mirrored:
-            place, normal = -np.conj(place), -np.conj(normal)
+            place = -np.conj(place)
+            normal = -np.conj(normal)
         return self.at + self.turn * place, self.turn * normal
 
     def radius(self, theta: Floats) -> Floats:

@@ -477,10 +477,13 @@ def _changes(which: Callable[[Any], Indices], a: float, b: float) -> list[float]
     value = which(x)
     changes: list[float] = []
     at = np.flatnonzero(value[1:] != value[:-1])
-    low, high = x[at], x[at + 1]
-    first, last = value[at], value[at + 1]
+    low = x[at]
+    high = x[at + 1]
+    first = value[at]
+    last = value[at + 1]
     while len(low):
-        begin, end = low, high
+        begin = low
+        end = high
         for _ in range(_HALVINGS):
             middle = (begin + end) / 2
             same = which(middle) == first
@@ -489,7 +492,10 @@ def _changes(which: Callable[[Any], Indices], a: float, b: float) -> list[float]
         changes += end.tolist()
         after = which(end)
         more = np.flatnonzero((after != last) & (end < high))  # a third one between two samples
-        low, high, first, last = end[more], high[more], after[more], last[more]
+        low = end[more]
+        high = high[more]
+        first = after[more]
+        last = last[more]
     return sorted(changes)
 
 

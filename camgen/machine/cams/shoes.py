@@ -324,7 +324,8 @@ class Shoe(Follower):
     def check(self, motion: Motion, marks: Sequence[float]) -> None:
         """DesignError where the outline is hollow at its contact, or no point of it can be the contact; marks: angles between which
         the motion is smooth, rad."""
-        low, high = marks[0], marks[-1]
+        low = marks[0]
+        high = marks[-1]
 
         def inside(theta: Any) -> Floats:
             return -self.distance(self.pole(theta, motion))

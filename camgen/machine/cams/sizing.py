@@ -189,7 +189,8 @@ def least_base_radius(cam: DiscCam[Any], limits: CamLimits, room: float) -> floa
             low = radius + 1e-3 * abs(pivot)
             high = 0.999 * abs(pivot) + ahead
         case SwingingArm(pivot, arm):
-            far, arm = abs(pivot), abs(arm)
+            far = abs(pivot)
+            arm = abs(arm)
             low = max(1.001 * abs(far - arm), radius + 1e-3 * far)
             high = 0.999 * (far + arm)
         case SwingingShoe():  # as near to the axis, and as far from it, as its outline comes

@@ -363,7 +363,8 @@ class Needle:
 
     def findings(self, stroke: Band | None) -> list[Finding]:
         """NEEDLE_REACH, where the spec says how deep it is to go, and NEEDLE_GUIDED."""
-        s, (least, most) = self.sizes, self.out
+        s = self.sizes
+        least, most = self.out
         held = round(min(s.tube_length, s.tube_length + least), 9)
         longer = "a longer parts.tube_length or parts.wire_length"
         said = f"wire in the tube, its point {least:.4g} mm past the mouth; {longer}"

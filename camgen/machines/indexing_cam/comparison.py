@@ -102,7 +102,8 @@ class Comparison:
 
     def _least_base(self, chain: TwoCranks | None) -> float | str:
         """By the halving of sizes: the first that fits, counted from below."""
-        program, (low, high) = self.program(chain, self.rise), self.sizes
+        program = self.program(chain, self.rise)
+        low, high = self.sizes
 
         def fits(size: float) -> bool:
             try:
@@ -113,7 +114,8 @@ class Comparison:
         size = next((size for size in np.linspace(low, high, _SIZES) if fits(float(size))), None)
         if size is None:
             return _NONE
-        low, high = max(low, float(size) - (high - low) / (_SIZES - 1)), float(size)
+        low = max(low, float(size) - (high - low) / (_SIZES - 1))
+        high = float(size)
         return halved(fits, low, high, _STEPS) - self.roller
 
     def _least_ratio(self, share: float) -> float | str:

@@ -166,7 +166,8 @@ class TwoCranks:
 
 def driver_faults(driver: Driver, spans: Sequence[float]) -> list[Fault]:
     """What is wrong with [driver]; spans: of rise, dwell and return, deg."""
-    found, (rise, dwell, back) = [], spans
+    found = []
+    rise, dwell, back = spans
     if not driver.offset <= _MOST * driver.crank:
         right = f"at most {_MOST:g} of the crank, {driver.crank:g} mm: beyond, the arm does not turn with it, or by jerks"
         found.append(Fault(("driver", "offset"), f"{driver.offset:g}", right))

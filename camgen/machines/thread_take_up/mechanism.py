@@ -336,7 +336,8 @@ class ThreadTakeUp(Template):
                     )
                 ]
             )
-        g, (width, height) = self.geometry, self.print.bed
+        g = self.geometry
+        width, height = self.print.bed
         theta = _TURN[::4]
         base = self.take_up
         p = self.making

@@ -74,7 +74,8 @@ class Beneath:
     @property
     def _shaft_of_arm(self) -> Body:
         """The arm with the point of its shaft alone."""
-        arm, (name, _) = self.whole.drawn.body(self.arm), self._pin(self.arm)
+        arm = self.whole.drawn.body(self.arm)
+        name, _ = self._pin(self.arm)
         return replace(arm, points={name: arm.points[name]})
 
     @property

@@ -80,12 +80,10 @@ class Bodies:
     ) -> None:
         self.weight = weight  # on the driven link's shaft, with its pins and their places
         self.under = under  # its radius, mm, where it lies under the plate in place of a collar
-        self.layout, self.sizes, self.fits, self.min_wall = (
-            layout,
-            layout.sizes,
-            layout.fits,
-            layout.min_wall,
-        )
+        self.layout = layout
+        self.sizes = layout.sizes
+        self.fits = layout.fits
+        self.min_wall = layout.min_wall
 
     @cached_property
     def _made(self) -> tuple[list[Part], list[Mount]]:
@@ -320,7 +318,8 @@ class Bodies:
         """The counterweight and its pins."""
         if self.weight is None:
             return
-        link, (part, pins) = self.layout.driven, self.weight
+        link = self.layout.driven
+        part, pins = self.weight
         at = self.layout.at(link, self.layout.shaft_of(link))
         z = -self.fits.slide_clearance - part.thickness
         if self.under is None:

@@ -361,7 +361,8 @@ def disc_layer(layout: Layout, point: str) -> Layer:
 
 def ground_disc(layout: Layout, point: str) -> Iterator[MountedPart]:
     """A disc of the ground, and the dowels that hold it on the plate."""
-    s, (_, shaft) = layout.sizes, layout.discs[point]
+    s = layout.sizes
+    _, shaft = layout.discs[point]
     at = layout.at(GROUND, point)
     wide = layout.turning(point)
     bore = layout.hole(shaft, GROUND)

@@ -41,7 +41,8 @@ class GenevaDrive:
     @property
     def wheels(self) -> tuple[Wheel, Wheel]:
         """Disc and slotted wheel on their shafts."""
-        lock, wheel = self.geneva.lock, self.geneva.rim
+        lock = self.geneva.lock
+        wheel = self.geneva.rim
         return (
             Wheel(self.level, self.joint.cam, lock, f"lock of {self.joint.cam}"),
             Wheel(self.level, self.joint.follower, wheel, f"Geneva wheel of {self.joint.follower}"),

@@ -51,7 +51,8 @@ class RatchetDrive:
     @property
     def wheels(self) -> tuple[Wheel, Wheel]:
         """Wheel and pawl on their shafts."""
-        cam, follower = self.joint.cam, self.joint.follower
+        cam = self.joint.cam
+        follower = self.joint.follower
         reach = max(abs(self.pawl.arm) + self.pawl.end, self.hub)
         return (
             Wheel(self.level, cam, self.pawl.wheel.tip, f"ratchet wheel of {cam}"),

@@ -261,7 +261,9 @@ class TableStand:
             if not error.between:
                 raise
             a, b = error.between
-            quantity, value, limit = error.quantity, error.value, error.limit
+            quantity = error.quantity
+            value = error.value
+            limit = error.limit
             raise DesignError(quantity, value, limit, error.unit, (a, b), _TOO_NEAR) from None
         notes = (f"{len(self.screws)} screws through it from behind, into the plate",)
         return self._sheet(name, title, region, notes)

@@ -238,7 +238,8 @@ class CycloidDisc:
         centre = self.trace(t) + self.offset * np.exp(1j * t)
         for _ in range(_NEWTON):
             way = centre - self.trace(t)
-            first, second = self.trace(t, 1), self.trace(t, 2)
+            first = self.trace(t, 1)
+            second = self.trace(t, 2)
             along = np.real(np.conj(first) * way)
             t = t - along / (np.real(np.conj(second) * way) - np.abs(first) ** 2)
         out = -1j * self.trace(t, 1)

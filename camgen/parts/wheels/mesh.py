@@ -277,7 +277,9 @@ class Mesh:
         ratio, must be ahead of that place.
         """
         assert isinstance(self.b, Ring)
-        a, b, away = self.a, self.b, self.distance
+        a = self.a
+        b = self.b
+        away = self.distance
         from_a = math.acos((b.tip**2 - away**2 - a.tip**2) / (2 * away * a.tip))
         from_b = math.acos((b.tip**2 + away**2 - a.tip**2) / (2 * away * b.tip))
         turned = from_a - a.half_angle(a.tip)

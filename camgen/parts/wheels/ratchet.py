@@ -178,7 +178,8 @@ class Pawl:
     def _first(self, theta: Floats) -> tuple[Floats, np.ndarray]:
         """How far the pawl is turned in from its seat, (n,) rad, nan where nothing stops it, and which edge or tip does."""
         beyond = self.wheel.tip + 2 * self.end
-        far, arm = abs(self.pivot), abs(self.arm)
+        far = abs(self.pivot)
+        arm = abs(self.arm)
         cosine = min(1.0, max(-1.0, (far**2 + arm**2 - beyond**2) / (2 * far * arm)))
         out = cmath.phase(-self.pivot) - math.acos(cosine)
         way = np.mod(self._touches(theta) - out, math.tau)
