@@ -172,11 +172,24 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Upright:
+    """A plane that stands in the machine, in which a body moves: its x is the machine's -y, its y the machine's z.
+
+    inner, outer: from where to where along the machine's x a thing in it reaches, mm; origin: of the body's own plane in it.
+    """
+
+    inner: float
+    outer: float
+    origin: complex = 0j
+
+
+@dataclass(frozen=True)
 class Sketch:
     """What is drawn but not made: strokes (polylines, complex mm) and circles (centre, radius) on a body of the model.
 
     course: of what changes its shape, such as a thread: theta, (n,) rad -> one polyline on the ground, (n, k) complex mm.
     z: height at which it lies, mm; None: as high as the parts of its `level`, a body of the model, of its own where none is named.
+    upright: of a body whose plane stands, such as the follower of a drum; it is drawn in three dimensions alone.
     """
 
     name: str
@@ -186,6 +199,7 @@ class Sketch:
     course: Callable[[Floats], Points] | None = None
     z: float | None = None
     level: str = ""
+    upright: Upright | None = None
 
 
 @dataclass(frozen=True, eq=False)

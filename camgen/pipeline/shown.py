@@ -64,9 +64,10 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
     for s in (*shapes, *spring_sketches(assembly.coils, assembly.courses)):
         body = courses[s.body]
         course = None if s.course is None else s.course(theta)
-        stands = [PartPose(body.place, body.angle)]
-        heights = _heights(assembly, s)
-        bodies.append(Body(s.name, stands, (), s.strokes, s.circles, course, heights))
+        place = body.place + (s.upright.origin if s.upright else 0j)
+        stands = [PartPose(place, body.angle)]
+        drawn = Body(s.name, stands, (), s.strokes, s.circles, course, _heights(assembly, s))
+        bodies.append(replace(drawn, upright=s.upright is not None))
     moving = _with_output(mechanism, theta, bodies)
     cycle = assembly.cycle
     if not cycle.to_and_fro:
@@ -104,7 +105,9 @@ def _edge_on(part: Part) -> Contour:
 
 def _heights(assembly: Assembly, sketch: Sketch) -> tuple[float, float] | None:
     """From where to where a sketch reaches, mm: a line among the parts of a body in the middle of the largest of them; a body
-    without parts, such as the follower of cams alone, along all that are there."""
+    without parts, such as the follower of cams alone, along all that are there. In a plane that stands, along its normal."""
+    if sketch.upright is not None:
+        return -sketch.upright.outer, -sketch.upright.inner
     if sketch.z is not None:
         return sketch.z, sketch.z
     parts = {part.name: part for part in assembly.parts}

@@ -30,6 +30,7 @@ class Body:
     tan(sweep / 4) of the arc from point k to the next, positive counter-clockwise, 0 a straight edge.
     strokes: open polylines (n,) complex; circles: (centre, radius). course: an open polyline of its own for each frame,
     (frames, k) complex, such as a thread. heights: of what is no part, from where to where it reaches, mm, the same of a line.
+    upright: whether its plane stands, x along the machine's -y and y along its z, heights against its x: the drawing leaves it out.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Body:
     circles: Sequence[tuple[complex, float]] = ()
     course: Points | None = None
     heights: tuple[float, float] | None = None
+    upright: bool = False
 
 
 @dataclass(frozen=True)
@@ -83,7 +85,7 @@ def still_svg(animation: Animation, title: str, frame: int = 0) -> str:
 
 
 _STILL_STYLE = (
-    "svg{background:#fff;font-family:sans-serif}.grid{stroke:#e6eaee}.axes{stroke:#9aa5b1}.scale{stroke:#39424e}"
+    "svg{background:#fff;font-family:sans-serif}.upright{display:none}.grid{stroke:#e6eaee}.axes{stroke:#9aa5b1}.scale{stroke:#39424e}"
     "text{fill:#39424e}use{fill:currentColor;stroke:currentColor}"
 )
 
@@ -192,6 +194,7 @@ def frames(animation: Animation) -> dict[str, object]:
             for k, body in enumerate(animation.bodies)
             if body.heights is not None
         },
+        "upright": [str(k) for k, body in enumerate(animation.bodies) if body.upright],
         "courses": {
             str(k): _coordinates(body.course)
             for k, body in enumerate(animation.bodies)
@@ -213,6 +216,8 @@ def _drawing(animation: Animation, frame: int) -> tuple[str, str]:
     count = len(animation.theta)
     reach = []
     for k, pose in copies:
+        if animation.bodies[k].upright:
+            continue
         angle, position = _pose_rows(pose, count)
         shape = _hull(animation.bodies[k])
         shape = -np.conj(shape) if pose.flipped else shape
@@ -241,7 +246,7 @@ def _drawing(animation: Animation, frame: int) -> tuple[str, str]:
     shapes = "".join(_shape(k, body, size / 60, frame) for k, body in enumerate(animation.bodies))
     dashes = f' stroke-dasharray="{_number(size / 80)} {_number(size / 160)}"'
     uses = "".join(
-        f'<use href="#body-{k}" class="c{k}"{dashes if pose.flipped else ""} {_placement(pose, frame, count)}/>'
+        f'<use href="#body-{k}" class="c{k}{" upright" if animation.bodies[k].upright else ""}"{dashes if pose.flipped else ""} {_placement(pose, frame, count)}/>'
         for k, pose in copies
     )
     axes = f"M{_number(left)} 0H{_number(right)}M0 {_number(low)}V{_number(high)}"

@@ -12,7 +12,7 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -47,6 +47,9 @@ _FILM = (560, 420)
 _FRAMES = 60  # of one turn
 _MOST_FRAMES = 180
 _SECONDS = 4.0  # that a turn takes
+_UPRIGHT = np.array(
+    [[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+)  # axes of a plane that stands, as columns
 _PALETTE = 10  # of how many frames one is looked at for the colours of all
 
 
@@ -60,6 +63,7 @@ class _Solid:
     angle: Floats  # (frames,) rad, of its body
     place: Points  # (frames,) complex mm
     kind: Kind = "part"
+    upright: bool = False  # as of `Body`
 
 
 @dataclass(frozen=True)
@@ -134,7 +138,8 @@ def _solids(shapes: Sequence[Shape], tracks: Sequence[Track], animation: Animati
             angle = np.broadcast_to(pose.angle, frames)
             place = np.broadcast_to(np.asarray(pose.place, complex), frames)
             kind: Kind = "ghost" if high > low else "line"
-            solids.append(_solid(corners, part_colour(k), (angle, place), kind))
+            solid = _solid(corners, part_colour(k), (angle, place), kind)
+            solids.append(replace(solid, upright=body.upright))
     return solids
 
 
@@ -225,8 +230,9 @@ def _on_screen(solid: _Solid, frame: int, screen: Floats) -> tuple[Floats, Float
     turn = np.array(
         [[math.cos(angle), -math.sin(angle), 0], [math.sin(angle), math.cos(angle), 0], [0, 0, 1]]
     )
-    axes = (screen @ turn).T
-    return solid.corners @ axes + screen @ [place.real, place.imag, 0.0], solid.normals @ axes
+    stands = screen @ _UPRIGHT if solid.upright else screen
+    axes = (stands @ turn).T
+    return solid.corners @ axes + stands @ [place.real, place.imag, 0.0], solid.normals @ axes
 
 
 def _view(

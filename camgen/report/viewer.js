@@ -287,7 +287,11 @@
       mesh.geometry.setAttribute("position", bands(lines, discs, discs.length ? half : 0.4, low, high));
       mesh.geometry.computeVertexNormals();
       mesh.frustumCulled = false;
-      scene.add(mesh);
+      const stands = new THREE.Group();
+      if (camgen.upright.includes(k)) stands.quaternion.set(0.5, -0.5, -0.5, 0.5);  // its x is -y, its y is z
+      stands.updateMatrixWorld();
+      stands.add(mesh);
+      scene.add(stands);
       return { k, copy, course: Boolean(camgen.courseAt(k, 0)), mesh, half: 0.4, low, ends: extremes(mesh.geometry.attributes.position.array) };
     });
 

@@ -27,6 +27,8 @@ from camgen.pipeline import build as pipeline
 from camgen.pipeline.case import Case
 from camgen.pipeline.development import judge_developments, make_developments
 from camgen.pipeline.drums import judge_drums
+from camgen.pipeline.shown import animation
+from camgen.report.animation import still_svg
 from camgen.spec import validate
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "geometry"))
@@ -279,6 +281,30 @@ def test_the_rollers_pressure_is_that_of_a_line_contact() -> None:
         ("HERTZ", "limits.hertz_mpa")
     ]
     assert not list(machine.assembly.unjudged)
+
+
+@pytest.mark.parametrize(
+    "follower", [{}, {"offset": 3.0}, {**ARM, "start_deg": -12.0}], ids=["slide", "beside", "arm"]
+)
+def test_the_roller_that_is_shown_moves_as_the_track_leads_it(follower: dict[str, Any]) -> None:
+    """Its plane's x is the machine's -y, its y the machine's z; its heights count inwards."""
+    machine = drum(20.0, geometry={**SIZES, "follower": follower})
+    moving = animation(machine)
+    roller = next(body for body in moving.bodies if body.name == "roller")
+    (pose,) = roller.poses
+    ((middle, radius),) = roller.circles
+    shown = pose.place + np.exp(1j * pose.angle) * middle
+    led = machine.track.path.place(-moving.theta, 0)
+    np.testing.assert_allclose(-np.conj(shown), led, atol=1e-9)
+    assert (radius, roller.heights) == (5.0, (-29.5, -22.0))
+    still = still_svg(moving, "the drum from above")
+    assert still.count('upright"') == 2 and ".upright{display:none}" in still
+
+
+def test_both_rollers_of_a_rib_are_shown() -> None:
+    machine = drum(geometry={"track": "rib", "distance": 16.0})
+    roller = next(body for body in animation(machine).bodies if body.name == "roller")
+    assert [middle for middle, _ in roller.circles] == [-8j, 8j]
 
 
 def test_what_is_wrong_is_told_by_its_keys() -> None:

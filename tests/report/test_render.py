@@ -143,6 +143,25 @@ def test_behind_a_ghost_things_are_seen() -> None:
     assert np.all(both[through].mean(axis=0) < alone[through].mean(axis=0))
 
 
+def test_a_body_in_a_plane_that_stands_is_drawn_where_a_part_of_its_shape_stands() -> None:
+    """Its x is -y of the machine, its y is z, and its heights count against x; it turns and moves in that plane."""
+    still = np.zeros(120, complex)
+    shapes, tracks, animation = shown(np.zeros(120), still)
+    turn = np.full(120, math.pi / 2)
+    pose = PartPose(np.full(120, 5 + 30j), turn)
+    bar = Body("bar", [pose], [], [np.array([0j, 40 + 0j])], [], None, (-70.0, -60.0), True)
+    ghost = pixels(picture(shapes, [], replace(animation, bodies=[bar])))
+    # turned by a quarter it points along z: 0.8 wide about y = -5, from z = 30 to 70 and x = 60 to 70
+    corners = CORNERS / CORNERS.max(axis=0) * [10, 0.8, 40] + [60, -5.4, 30]
+    shape = Shape("box", Mesh(corners, BOX.faces), "#808080")
+    rests = Track("box", np.zeros(120), still, [("box-1", 0, np.eye(3, 4))])
+    part = pixels(picture([shape], [rests], replace(animation, bodies=[])))
+    assert ghost.shape == part.shape
+    seen = [(image < 250).any(axis=2) for image in (ghost, part)]
+    assert seen[1].sum() > 1000
+    assert (seen[0] != seen[1]).sum() < 0.02 * seen[1].sum()
+
+
 def test_pictures_are_built_listed_and_checked(tmp_path: Path) -> None:
     report = camgen.build(SPECS / "disc-cam.toml", tmp_path, only="picture,animation")
     folder = tmp_path / "disc-cam"

@@ -11,6 +11,7 @@ spring holds it. What stands beside the drum (slide or arm, roller, shaft and be
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -53,8 +54,9 @@ from camgen.parts import materials
 from camgen.parts.assembly import Assembly
 from camgen.parts.disc_cams import turning_note
 from camgen.parts.part import drum_part
-from camgen.study import Figure, Figures, Later, Plot, Study
+from camgen.study import Figure, Figures, Later, Plot, Sketch, Study, Upright
 
+_FOLLOWER = "follower"
 _SMOOTHER = "a law that ends smoother, or 'matched', joins them"
 _FLATTER = "a larger geometry.radius, a longer span or a smaller lift lowers it"
 
@@ -184,7 +186,7 @@ class CylinderCam(Mechanism):
         """Drum and follower in the follower's plane, in which the drum is its angle alone; output "lift", mm, or "swing", rad."""
         pushed = self.geometry.track == "end"
         contact = Cam(
-            "contact", "cam", "follower", self.program, closure="force" if pushed else "form"
+            "contact", "cam", _FOLLOWER, self.program, closure="force" if pushed else "form"
         )
         radius = self.geometry.roller.radius
         follower: SlidingTip | SwingingArm = SlidingTip(0j, 1j, radius)
@@ -450,6 +452,7 @@ class CylinderCam(Mechanism):
             figures | forces.numbers,
             Later(lambda: [*self._plots(), *forces.plots]),
             Later(lambda: [segments_table(self.program, self.geometry.follower.unit)]),
+            sketches=self._sketches(),
             notes=Later(lambda: [*self._notes(), *forces.notes]),
         )
 
@@ -459,6 +462,38 @@ class CylinderCam(Mechanism):
         curve = ("at the roller's inner end", np.degrees(theta), steep)
         pressure = Plot("Pressure angle", "cam angle, deg", "deg", [curve])
         return [*motion_plots(self.program, self.geometry.follower.unit, self._speed), pressure]
+
+    def _sketches(self) -> list[Sketch]:
+        """The rollers, and the slide or arm that carries them beside the drum, at s = 0."""
+        track = self.track
+        g = self.geometry
+        f = g.follower
+        outer = track.radius + g.roller.end_clearance
+        if f.swings:
+            arm = f.arm or 0.0
+            origin = complex(arm - track.pivot, track.height)
+            middle = cmath.rect(arm, track.start)
+            lines = [np.array([0j, middle])]
+            hubs = [0j, middle]
+        else:
+            origin = complex(-f.offset, track.height)
+            middle = 0j
+            lines = [np.array([-0.5j, 0.5j]) * track.length]
+            hubs = []
+        half = 0.5j * (g.distance or 0.0)
+        places = [middle - half, middle + half] if half else [middle]
+        inside = Upright(track.inner, track.inner + g.roller.length, origin)
+        beside = Upright(outer, outer + g.roller.radius, origin)
+        return [
+            Sketch("roller", (), [(z, g.roller.radius) for z in places], _FOLLOWER, upright=inside),
+            Sketch(
+                "follower",
+                lines,
+                [(z, g.roller.radius) for z in hubs or places],
+                _FOLLOWER,
+                upright=beside,
+            ),
+        ]
 
     def _notes(self) -> list[str]:
         track = self.track
