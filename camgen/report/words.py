@@ -41,6 +41,10 @@ NAMES = {
     "supports": "area that needs supports",
     "pv max": "pressure times speed of bearings, greatest",
     "hertz pressure {of}": "Hertz pressure: {of}",
+    "roller slip": "slip at the roller's ends, greatest",
+    "roller reversals": "times a turn that the roller's spin turns round",
+    "roller reversal slip": "slip as the roller's spin turns round, greatest",
+    "roller reversal work": "work that friction takes each time",
     "flywheel for 2 percent": "flywheel for a speed within 2 %",
     "flywheel for 10 percent": "flywheel for a speed within 10 %",
     "starting torque": "torque at standstill that starts it at any angle",
@@ -91,11 +95,11 @@ _UNITS = {
     MAKING: "g, h, mm²",
 }
 _QUANTITIES = {
-    FORCES: "balance spring at, balance weight at, counterweight, counterweight {of}, counterweight at, crank counterweight at, "
+    FORCES: "roller reversals, roller reversal slip, balance spring at, balance weight at, counterweight, counterweight {of}, counterweight at, crank counterweight at, "
     "crank moment asked at, hop, hop {of}, knock, knock {of}, lift off speed, lift off speed {of}, lift off speed 1 percent {of}, residual share, run up time, settled speed, speed swing, stalls at, second harmonic share, "
     "spring stretch greatest, spring stretch least",
     MAKING: "motor shaft length, outline length, shaft length",
-    SHAPE: "base radius, curvature radius min, disc wall, pitch curvature radius min, pitch radius max, pitch radius min, "
+    SHAPE: "roller slip, base radius, curvature radius min, disc wall, pitch curvature radius min, pitch radius max, pitch radius min, "
     "prime radius, pressure angle, pressure angle low passed, pressure angle return, pressure angle rise, profile area, "
     "profile length, radius max, radius min, undercut, {of} least radius, {of} pressure angle, tip on {of} x, tip on {of} y",
 }

@@ -20,6 +20,7 @@ from camgen.errors import DesignError, SpecError
 from camgen.files.stl import write_stl
 from camgen.findings import Finding
 from camgen.geometry.mesh import Mesh
+from camgen.machines.cylinder_cam.bearings import Roller, pressed
 from camgen.machines.cylinder_cam.mechanism import CylinderCam
 from camgen.parts import materials
 from camgen.parts.solids import solid
@@ -250,6 +251,100 @@ def test_forces_are_those_of_the_follower() -> None:
     assert not off.ok
 
 
+# rollers of the reference reach from 22 to 30 mm
+LONG = {"radius": 30.0, "roller": {"radius": 5.0, "length": 8.0, "end_clearance": 0.001}}
+
+
+def test_the_roller_slips_at_its_ends_as_the_reference_says() -> None:
+    a = REFERENCE["a"]
+    track = drum(geometry=LONG).track
+    roller = Roller(track, math.tau)
+    steepest = int(np.searchsorted(track.theta, math.radians(60)))
+    dwell = int(np.searchsorted(track.theta, math.radians(150)))
+    for side in (-1, 1):
+        assert roller.slip(side, 30.0)[dwell] == published(a["slip_dwell"])
+        found = [roller.slip(side, r)[steepest] for r in (22.0, 30.0)]
+        assert found == [published(each) for each in a["slip_steepest"]]
+        assert not roller.slip(side, track.roller.middle).any()
+    cone = {**LONG["roller"], "cone_deg": float(REFERENCE["c"]["half_angle_deg"])}
+    roller = Roller(drum(geometry={**LONG, "roller": cone}).track, math.tau)
+    found = [roller.slip(1, r)[steepest] for r in (22.0, 30.0)]
+    # the reference takes the pace on the roller's axis
+    assert found == [
+        pytest.approx(float(each), abs=2e-3) for each in REFERENCE["c"]["slip_steepest"]
+    ]
+    assert abs(roller.slip(1, 30.0)[dwell]) < 1e-4
+
+
+def test_a_groove_turns_its_roller_round() -> None:
+    a = REFERENCE["a"]
+    machine = drum(geometry=LONG, motor={"speed_rpm": 100.0})
+    roller = Roller(machine.track, math.radians(600))
+    assert roller.inertia == pytest.approx(float(a["roller_inertia"]), rel=1e-3)
+    turned = machine.track.theta - math.radians(
+        60
+    )  # once where it is steepest, and back in the dwell at 0
+    (spin, least) = sorted(roller.reversals(turned), reverse=True)
+    assert spin == published(a["spin"])
+    assert least == pytest.approx(math.radians(600) * 26 / 5, rel=1e-4)
+    slip, work = [*roller.reversal_figures(turned)][1:]
+    assert slip.value == published(a["reversal_slip"])
+    assert work.value == pytest.approx(float(a["reversal_work"]), rel=1e-3)
+    assert not len(roller.reversals(np.abs(turned)))
+    heavy = {"load": {"mass_kg": 2.0, "resistance": 2.0}, "motor": {"speed_rpm": 200.0}}
+    study = drum(geometry=LONG, **heavy).study()
+    assert study.numbers["roller_reversals"] == 4
+    assert any("turns round 4 times a turn" in note for note in study.notes)
+    rib = drum(geometry={"track": "rib", "distance": 16.0}, **heavy).study()
+    assert "roller_reversals" not in rib.numbers.keys()
+
+
+def test_shaft_and_guide_bear_what_the_roller_is_pressed_with() -> None:
+    a = REFERENCE["a"]
+    machine = drum(geometry={**LONG, "follower": {"guide": 40.0}}, load={"resistance": 200.0})
+    track = machine.track
+    force = pressed(track, np.full(len(track.theta), 200.0))
+    size = np.hypot(force.onward, force.upward)
+    assert size.max() == published(a["force"])
+    assert np.abs(force.torque).max() == published(a["torque"])
+    assert np.abs(force.upward - 200).max() < 1e-9 and not force.outward.any()
+    numbers = machine.study().numbers
+    side = 200 * math.tan(math.radians(float(a["pressure_angle_deg"][1])))
+    assert numbers["thrust_shaft_n"] == pytest.approx(200)
+    assert numbers["reaction_shaft_without_friction_n"] == pytest.approx(side, rel=1e-4)
+    assert numbers["tilting_moment_shaft_n_m"] == pytest.approx(200 * 0.026, rel=1e-4)
+    assert numbers["reaction_guide_without_friction_n"] == pytest.approx(side, rel=1e-4)
+    assert numbers["tilting_moment_guide_n_m"] == pytest.approx(200 * 0.014, rel=1e-4)
+    assert numbers["twisting_moment_guide_n_m"] == pytest.approx(side * 0.014, rel=2e-4)
+    give = 2 * (1 - 0.3**2) / 206e3
+    radius = float(a["least_relative_radius"])
+    hertz = math.sqrt(size.max() / 8 / (math.pi * radius * give))
+    assert hertz == published(a["pressure"])
+
+
+@pytest.mark.parametrize(
+    "geometry",
+    [
+        {"follower": {"offset": 4.0}, "roller": {**LONG["roller"], "cone_deg": 10.886}},
+        {"follower": ARM, "roller": {**LONG["roller"], "cone_deg": 10.886}},
+        {"follower": {**ARM, "pivot": 37.0, "start_deg": 5.0}},
+    ],
+    ids=["cone", "cone on an arm", "arm"],
+)
+def test_what_the_wall_does_to_the_roller_takes_the_shafts_torque(geometry: dict[str, Any]) -> None:
+    """Two routes: forces in space about the drum's axis, and the power of the follower."""
+    machine = drum(20.0, geometry={**LONG, **geometry})
+    track = machine.track
+    effort = 50.0 * np.cos(3 * track.theta)
+    force = pressed(track, effort)
+    np.testing.assert_allclose(
+        force.torque, 1e-3 * effort * track.program(track.theta, 1), atol=1e-12
+    )
+    whole = np.sqrt(force.outward**2 + force.onward**2 + force.upward**2)
+    share = float(REFERENCE["c"]["thrust_share"]) if track.slope else 0.0
+    np.testing.assert_allclose(force.outward, share * whole, rtol=2e-3, atol=1e-12)
+
+
 def test_the_rollers_pressure_is_that_of_a_line_contact() -> None:
     """200 N on a slide that stands: in a dwell the wall is plane, and where it bends most the reference has its radius."""
     machine = drum(
@@ -314,6 +409,10 @@ def test_what_is_wrong_is_told_by_its_keys() -> None:
         "spring": {"preload": 3.0},
         "files": {"cutter_radius": 6.0, "profile_step_deg": 5.0},
     }
+    inwards = {"roller": {"radius": 5.0, "length": 6.0, "cone_deg": -3.0}}
+    with pytest.raises(SpecError, match="cannot be put into a groove"):
+        drum(geometry=inwards)
+    assert drum(geometry={**inwards, "track": "end"})
     with pytest.raises(SpecError) as caught:
         drum(**wrong)
     keys = {".".join(map(str, fault.path)) for fault in caught.value.faults}

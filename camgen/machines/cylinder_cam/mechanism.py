@@ -39,6 +39,7 @@ from camgen.machines.cam_loads import (
     load_of,
     polydyne_faults,
 )
+from camgen.machines.cylinder_cam.bearings import Roller, pressed
 from camgen.machines.cylinder_cam.tables import DrumGeometry, DrumLimits, DrumParts
 from camgen.machines.cylinder_cam.track import Track, smallest
 from camgen.machines.disc_cam.curves import motion_plots, segments_table
@@ -96,6 +97,9 @@ class CylinderCam(Mechanism):
         slope = abs(math.tan(math.radians(g.roller.cone_deg)))
         if g.roller.radius <= slope * g.roller.length / 2:
             right = "an angle at which the roller does not end in a point"
+            found.append(Fault(("geometry", "roller", "cone_deg"), f"{g.roller.cone_deg:g}", right))
+        elif g.track == "groove" and g.roller.cone_deg < 0:
+            right = "0 or more: a roller that is wider inside cannot be put into a groove"
             found.append(Fault(("geometry", "roller", "cone_deg"), f"{g.roller.cone_deg:g}", right))
         if self.allowed.min_wall < self.print.nozzle:
             right = f"at least the nozzle, {self.print.nozzle:g} mm"
@@ -345,6 +349,8 @@ class CylinderCam(Mechanism):
             return None
         theta = self.track.theta
         forces = solve(self._pulled, theta).forces()
+        # the follower's plane has the drum as its angle alone: what shaft and guide bear is not in it
+        forces = replace(forces, reactions={}, normals={}, moments={})
         effort = forces.contacts["contact"]
         scale = 1e3 if self.geometry.follower.swings else 1.0  # N m over mm
         force = scale * effort / self.track.lever(theta)
@@ -413,14 +419,32 @@ class CylinderCam(Mechanism):
         return [at_most("HERTZ", float(self._pressure[k]), limit, "MPa", where, said)]
 
     @property
+    def _roller(self) -> Roller:
+        return Roller(self.track, self._speed)
+
+    @property
     def _forces(self) -> Study:
         if self._loaded is None:
             return Study()
         pushed = self.geometry.track == "end"
         load = self._load or FollowerLoad()
-        return force_study(
-            self._loaded, load, not self.geometry.follower.swings, pushed, bool(gravity(self.load))
-        )
+        slides = not self.geometry.follower.swings
+        study = force_study(self._loaded, load, slides, pushed, bool(gravity(self.load)))
+        scale = 1.0 if slides else 1e3  # N m over mm
+        effort = scale * self._loaded.effort
+        guide = self.geometry.follower.guide or self.track.radius
+        borne = [*pressed(self.track, effort).figures(guide)]
+        notes = [*study.notes]
+        if self.geometry.track == "groove":
+            turned = [*self._roller.reversal_figures(effort)]
+            borne += turned
+            count = int(turned[0].value)
+            if count:
+                notes.append(
+                    f"The force turns round {count} times a turn: the roller meets the other wall, which turns its spin "
+                    "round. A rib, an end cam, or a roller for each wall on one stud avoids that."
+                )
+        return replace(study, numbers=study.numbers | Figures(borne), notes=notes)
 
     def study(self) -> Study:
         """Sizes, motion and its derivatives, pressure angle, forces."""
@@ -439,6 +463,7 @@ class CylinderCam(Mechanism):
                 Figure("drum length", track.length, "mm"),
                 Figure("roller inner end", track.inner, "mm"),
                 Figure("pressure angle", track.steepest, "deg"),
+                *self._roller.figures(),
                 Figure("peak speed", peaks[0], f"{unit}/s"),
                 Figure("peak acceleration", peaks[1], f"{unit}/s²"),
                 *bounce_figures(self._bounce, not self.geometry.follower.swings),

@@ -37,6 +37,11 @@ class DrumFollower(MovingFollower):
         description="translating: height of the roller's axis at displacement 0; oscillating: height of the "
         "axle; of a rib of\nthe middle of both rollers; from the drum's lower end; left out: the track is in the middle",
     )
+    guide: Length | None = Field(
+        default=None,
+        description="distance from the drum's axis at which the slide or the arm's axle bears, for the figures of "
+        "moments; left out: geometry.radius",
+    )
     start_deg: Annotated[float, quantity("deg", ge=-80, le=80)] | None = Field(
         default=None,
         description="oscillating: angle of the arm at displacement 0, from square to the drum's axis; left "
@@ -50,7 +55,8 @@ class DrumRollerTable(Record):
     radius: Length = Field(description="radius of the roller, of a cone half way along it")
     length: Length = Field(description="length of the roller")
     cone_deg: Annotated[float, quantity("deg", ge=-45, le=45)] = Field(
-        default=0.0, description="half angle of a conical roller, above 0 where it grows outwards"
+        default=0.0,
+        description="half angle of a conical roller, above 0 where it grows outwards; in a groove 0 or more",
     )
     end_clearance: Length = Field(
         default=0.5,

@@ -219,7 +219,7 @@ class Track:
     def lever(self, theta: Floats) -> Floats:
         """Way of the roller along the contact's normal for each unit of the follower's, (n,) mm."""
         arm = (self.geometry.follower.arm or 0.0) if self.swings else 1.0
-        return np.asarray(arm * np.cos(self.pressure_angle(theta)))
+        return np.asarray(arm / math.hypot(1, self.slope) * np.cos(self.pressure_angle(theta)))
 
 
 def smallest(track: Track, steepest: float) -> float:
