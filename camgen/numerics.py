@@ -22,6 +22,7 @@ _GOLDEN = (math.sqrt(5) - 1) / 2
 _STEPS = 60  # of bisection and of the golden section: 2^-60 and 3e-13 of a bracket
 _RESOLVED = 4e-16  # of a place: the distance to the next float
 STEEPNESS = 4  # power of a low-pass: steeper ones ring at every corner of a motion
+ASKED = 8  # arrays of angles at which one law is asked again and again while a machine is closed
 _DEPENDENT = (
     1e-13  # of a column's length, below which what is left beside the other columns is rounding
 )
@@ -32,20 +33,22 @@ def peak(values: ArrayLike) -> float:
     return float(np.nanmax(np.abs(values), initial=0.0))
 
 
-def latest(function: Callable[[Floats], _Result]) -> Callable[[Floats], _Result]:
-    """A function that keeps its last result, for callers that ask for the same values several times in a row.
+def latest(function: Callable[[Floats], _Result], count: int = 1) -> Callable[[ArrayLike], _Result]:
+    """A function that keeps its last results, for callers that ask for the same values several times in a row.
 
     Values count as the same if their shape and all of them are equal. Each thread gets the result for its own values.
     """
-    kept: tuple[Floats, _Result] | None = None
+    kept: tuple[tuple[Floats, _Result], ...] = ()
 
-    def of(values: Floats) -> _Result:
+    def of(values: ArrayLike) -> _Result:
         nonlocal kept
-        last = kept
-        if last is None or not np.array_equal(last[0], values):
-            last = values.copy(), function(values)
-            kept = last
-        return last[1]
+        asked = np.asarray(values, float)
+        for known, result in kept:
+            if np.array_equal(known, asked):
+                return result
+        result = function(asked)
+        kept = ((asked.copy(), result), *kept[: count - 1])
+        return result
 
     return of
 

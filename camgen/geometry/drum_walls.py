@@ -22,11 +22,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.numerics import Floats, Points, peak
+from camgen.numerics import Floats, Points, latest, peak
 
 _ROUNDS = 60
 _CLOSE = 1e-12  # of beta, rad, and of rho over the drum's radius
@@ -118,6 +119,16 @@ def swing_path(
         return np.asarray((-1j * motion(-phi, 2) - first**2) * tip)
 
     return RollerPath(place)
+
+
+def remembered(path: RollerPath) -> RollerPath:
+    """The same, which keeps what it gave for the last two arrays of angles, for drums that are tried one after the other."""
+    orders = [latest(partial(_of_order, path, order), 2) for order in range(3)]
+    return RollerPath(lambda phi, order: orders[order](phi))
+
+
+def _of_order(path: RollerPath, order: int, phi: Floats) -> Points:
+    return path.place(phi, order)
 
 
 @dataclass(frozen=True)

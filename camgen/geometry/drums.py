@@ -128,9 +128,14 @@ class Drum:
     @cached_property
     def edge_heights(self) -> tuple[Floats, ...]:
         """Heights of each wall at the floor and outside, (2, n) mm, over even angles; DesignError where one is undercut."""
-        beta = np.linspace(0, math.tau, _FINE, endpoint=False)
+        self.refuse_undercut()
+        radii = np.array([[self.floor], [self.outside]])
+        return tuple(wall.over(_even(), radii).z for wall in self.walls)
+
+    def refuse_undercut(self) -> None:
+        """DesignError where a wall is undercut on the floor."""
+        beta = _even()
         inner = np.full(len(beta), self.floor)
-        heights = []
         for wall in self.walls:
             ratio = wall.area_ratio(beta, inner)
             k = int(np.argmin(ratio))
@@ -143,8 +148,6 @@ class Drum:
                     f"the inner end of the roller, cam angle {math.degrees(-beta[k]) % 360:.4g} deg",
                     "the wall is undercut: take a smaller roller, a larger radius or a longer span",
                 )
-            heights.append(wall.over(beta, np.array([[self.floor], [self.outside]])).z)
-        return tuple(heights)
 
     @cached_property
     def span(self) -> tuple[float, float]:
@@ -183,7 +186,7 @@ class Drum:
 
     def _grid(self, tolerance: float) -> tuple[Floats, int]:
         """Angles, and the number of rows from floor to outside, that need the fewest triangles."""
-        beta = np.linspace(0, math.tau, _FINE, endpoint=False)
+        beta = _even()
         rho = np.linspace(self.floor, self.outside, _LEVELS)[:, None]
         bends = [_bends(wall.over(beta, rho)) for wall in self.walls]
         along, twist, deep = (np.max([each[k] for each in bends], axis=(0, 1)) for k in range(3))
@@ -258,6 +261,11 @@ def _bends(wall: WallPoints) -> Floats:
             deeper * wall.lean,
         ]
     )
+
+
+def _even() -> Floats:
+    """Angles round the turn at which walls are looked at, (n,) rad."""
+    return np.linspace(0, math.tau, _FINE, endpoint=False)
 
 
 def _widened(values: Floats) -> Floats:

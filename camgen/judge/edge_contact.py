@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,8 +14,8 @@ from camgen.geometry.rings import Floats, Ring
 from camgen.judge.contact import Touch
 from camgen.judge.pair_events import Slide, Turn
 from camgen.judge.pairs import Body, OutlinePair, PairMotion, Rest, pivots_apart
-from camgen.judge.recent import Recent
 from camgen.machine.model import Law
+from camgen.numerics import ASKED, latest
 
 _STEP = math.radians(0.5)  # of the cam, from sample to sample of the follower's way
 _TURN = 2 * math.pi
@@ -73,9 +74,9 @@ class EdgeContact:
         return self._at(theta)[1]
 
     @cached_property
-    def _at(self) -> Recent[tuple[Touch, Floats]]:
+    def _at(self) -> Callable[[ArrayLike], tuple[Touch, Floats]]:
         """Touch and slope, which are asked for at the same angles."""
-        return Recent(self._followed)
+        return latest(self._followed, ASKED)
 
     def _followed(self, theta: Floats) -> tuple[Touch, Floats]:
         turned, back = np.unique(np.mod(theta.ravel(), _TURN), return_inverse=True)

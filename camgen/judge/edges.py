@@ -8,20 +8,21 @@ where it is loose on purpose, as a wheel is while one edge hands it over to anot
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from camgen.findings import Finding, Where, at_least
 from camgen.geometry.rings import Floats, Ints, Ring
 from camgen.judge.pair_features import features
 from camgen.judge.pairs import Body, Bounds, OutlinePair, PairMotion, pivots_apart
-from camgen.judge.recent import Recent
 from camgen.machine.features import Edge, EdgePair
 from camgen.machine.model import Law
+from camgen.numerics import ASKED, latest
 from camgen.study import Figure
 
 _STEP = math.radians(0.5)  # of driver and carrier, from sample to sample
@@ -120,9 +121,9 @@ class Engagement:
         return np.nan_to_num(self.place(theta).play)
 
     @cached_property
-    def place(self) -> Recent[_Place]:
+    def place(self) -> Callable[[ArrayLike], _Place]:
         """The follower over the joint's angle, (n,) rad."""
-        return Recent(self._at)
+        return latest(self._at, ASKED)
 
     def _at(self, theta: Floats) -> _Place:
         period = self.feature.period

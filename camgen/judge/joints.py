@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from camgen.geometry.rings import Ring
 from camgen.judge.contact import RollingContact, contact
@@ -26,7 +27,6 @@ from camgen.judge.pair_events import Slide as Sliding
 from camgen.judge.pair_events import Turn
 from camgen.judge.pawls import PawlMotion
 from camgen.judge.pin_tracks import TrackedPins
-from camgen.judge.recent import Recent
 from camgen.machine.features import (
     CamOutline,
     Demand,
@@ -62,7 +62,7 @@ from camgen.machine.model import (
     centres_of,
     placed,
 )
-from camgen.numerics import Floats
+from camgen.numerics import ASKED, Floats, latest
 from camgen.tolerances import SAME_POINT
 
 STILL = Turning(0.0)  # law of a follower that stands still
@@ -95,12 +95,12 @@ class RollingLaw:
         return self._slopes(theta) if order else self._angles(theta)
 
     @cached_property
-    def _angles(self) -> Recent[Floats]:
-        return Recent(self.contact.angle)
+    def _angles(self) -> Callable[[ArrayLike], Floats]:
+        return latest(self.contact.angle, ASKED)
 
     @cached_property
-    def _slopes(self) -> Recent[Floats]:
-        return Recent(self._slope)
+    def _slopes(self) -> Callable[[ArrayLike], Floats]:
+        return latest(self._slope, ASKED)
 
     def _slope(self, theta: Floats) -> Floats:
         if isinstance(self.contact, EdgeContact):

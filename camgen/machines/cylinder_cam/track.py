@@ -7,13 +7,21 @@ that is larger by half the clearance, so that the true one has play between them
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.geometry.drum_walls import DrumRoller, DrumWall, RollerPath, slide_path, swing_path
+from camgen.geometry.drum_walls import (
+    DrumRoller,
+    DrumWall,
+    RollerPath,
+    remembered,
+    slide_path,
+    swing_path,
+)
 from camgen.geometry.drums import Drum
 from camgen.machine.features import DrumTrack
 from camgen.machines.cylinder_cam.tables import DrumGeometry
@@ -38,6 +46,7 @@ class Track:
     bore_reach: float  # how far the shaft's hole reaches from the axis
     wall: float  # least, round the bore and at the ends
     radius: float  # of the drum, outside
+    followed: RollerPath | None = None  # of the roller's axis, where it is known from another drum
 
     @property
     def swings(self) -> bool:
@@ -135,8 +144,8 @@ class Track:
 
     @cached_property
     def path(self) -> RollerPath:
-        """Of the roller's axis."""
-        return self._path(self.height)
+        """Of the roller's axis; that of any drum."""
+        return self.followed or self._path(self.height)
 
     # ---- the drum ---------------------------------------------------------------------------------------------------
 
@@ -208,13 +217,20 @@ class Track:
     @property
     def regular(self) -> bool:
         """Whether no wall is undercut, from the outside down to the floor, which lies deeper than the roller."""
-        if float(np.min(self.walls[0])) <= 0:
-            return False
         try:
             self.drum.edge_heights  # noqa: B018
         except DesignError:
             return False
-        return True
+        return self.smooth
+
+    @property
+    def smooth(self) -> bool:
+        """Whether no wall is undercut where the roller has its inner end, and on the floor."""
+        try:
+            self.drum.refuse_undercut()
+        except DesignError:
+            return False
+        return float(np.min(self.walls[0])) > 0
 
     def lever(self, theta: Floats) -> Floats:
         """Way of the roller along the contact's normal for each unit of the follower's, (n,) mm."""
@@ -232,18 +248,33 @@ def smallest(track: Track, steepest: float) -> float:
     depth = track.radius - track.floor
     least = max(least, depth + _BEYOND * abs(track.geometry.follower.offset))  # and meets the drum
 
-    def fits(radius: float) -> bool:
-        tried = replace(track, radius=radius)
-        return tried.steepest <= steepest and tried.regular
+    followed = replace(track, followed=remembered(track.path))
 
+    def of(radius: float) -> Track:
+        return replace(followed, radius=radius)
+
+    def smooth(radius: float) -> bool:
+        return of(radius).steepest <= steepest and of(radius).smooth
+
+    def fits(radius: float) -> bool:  # takes ten times as long
+        return smooth(radius) and of(radius).regular
+
+    found = _least(smooth, least)
+    if math.isfinite(found) and not fits(found):
+        found = _least(fits, least)
+    if not math.isfinite(found):
+        worst = of(least * _GROWTH**_TRIES).steepest
+        remedy = "no drum is large enough: a smaller swing, a longer arm, or a larger limits.pressure_angle_deg"
+        raise DesignError("pressure angle", worst, steepest, "deg", "any radius", remedy)
+    return found
+
+
+def _least(fits: Callable[[float], bool], least: float) -> float:
+    """The least radius that fits, from the least one on; inf where none does."""
     low = high = least
     for _ in range(_TRIES):
         if fits(high):
-            break
+            return high if high == least else halved(fits, low, high, _BISECTIONS)
         low = high
         high *= _GROWTH
-    else:
-        worst = replace(track, radius=high).steepest
-        remedy = "no drum is large enough: a smaller swing, a longer arm, or a larger limits.pressure_angle_deg"
-        raise DesignError("pressure angle", worst, steepest, "deg", "any radius", remedy)
-    return high if high == least else halved(fits, low, high, _BISECTIONS)
+    return math.inf
