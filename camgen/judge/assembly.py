@@ -11,6 +11,7 @@ import itertools
 import math
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -36,7 +37,7 @@ from camgen.machine.features import (
 from camgen.machine.model import Pose
 
 _SHOWN = 24  # rows of the list: pairs that move past each other, the nearest first
-COLUMNS = ("pair", "meant to", "least gap seen, mm", "proven, mm", "at, deg")
+COLUMNS = ("pair", "meant to", "least gap seen, mm", "proven, mm", "at")
 
 Row = tuple[str, str, float, float, float]
 _PRESSED = 0.01  # mm, overlap of bodies that are fixed together which still counts as touching
@@ -105,7 +106,11 @@ def sweep(path: Path, machine: SweptMachine) -> tuple[list[Finding], list[Row]]:
             mounted=_PRESSED + spare,
         )
         pieces = [{a.name, b.name} for a, b in _pieces(machine)]
-        clearances = [c for c in clearances if {c.a, c.b} not in pieces]
+        clearances = [
+            replace(c, theta=float(machine.drive(np.array([c.theta]))[0]))
+            for c in clearances
+            if {c.a, c.b} not in pieces
+        ]
     except ValueError as error:  # a section that does not close, a motion that jumps
         return [
             finding,

@@ -319,9 +319,9 @@ class _OutputResult:
         """MOTION_ERROR."""
         lost = int(np.count_nonzero(np.isinf(self.off)))
         turn = "cam" if len(self.proof.corners) else "crank"
-        remark = (
-            f"{self.output.name}: closed on the measured joints at {len(self.theta)} {turn} angles"
-        )
+        slides = self.proof.machine.drives[0].slide is not None
+        places = "places of the drive" if slides else f"{turn} angles"
+        remark = f"{self.output.name}: closed on the measured joints at {len(self.theta)} {places}"
         if len(self.proof.corners):
             remark += ", and at each corner of the outlines"
         if lost:

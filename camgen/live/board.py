@@ -373,7 +373,7 @@ def _sheet(tables: reading.Data) -> Answer:
         "points": points,
         "links": links,
         "lengths": _table(tables, "lengths"),
-        "drive": _drive(tables).get("link", ""),
+        "drive": _drive(tables).get("link", _drive(tables).get("slide", "")),
         **rows,
     }
 

@@ -185,8 +185,15 @@ class Draft:
         drive: Any = next(iter(self.drives), {})
         ground = set(self.links.get(GROUND, ()))
         able = [name for name in self.links if name != GROUND and ground & {*self.links[name]}]
-        if able and drive.get("link", "") not in self.links:
-            put(self.drives[0] if self.drives else self.table("drive"), "link", able[0])
+        if able and drive.get("link", drive.get("slide", "")) not in self.links:
+            self.turn(able[0])
+
+    def turn(self, link: str) -> None:
+        """Let a link drive by turning, in place of what did first."""
+        drive = self.drives[0] if self.drives else self.table("drive")
+        for key in ("slide", "speed", "range"):
+            drive.pop(key, None)
+        put(drive, "link", link)
 
     # ---- taking away, and other names ----
 
@@ -472,7 +479,7 @@ def _drive(draft: Draft, request: Request) -> None:
     link = draft.named(request, "link", [name for name in draft.links if name != GROUND])
     if set(draft.links[link]).isdisjoint(draft.links.get(GROUND, ())):
         raise refused("link", link, "a link that is pinned to the ground")
-    put(draft.drives[0] if draft.drives else draft.table("drive"), "link", link)
+    draft.turn(link)
 
 
 def _output(draft: Draft, request: Request) -> None:

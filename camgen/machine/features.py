@@ -474,6 +474,9 @@ class SweptMachine:
     tolerance: float  # how far facets lie off an arc, mm
     angle: str = "cam angle"  # what theta is
     turns: int = 1  # of theta, that are swept
+    drive: Callable[[Floats], Floats] = lambda phase: (
+        phase
+    )  # theta at a phase of the period, (n,) rad
 
 
 def judged_outputs(outputs: Iterable[Output], demands: Iterable[Demand]) -> list[Output]:

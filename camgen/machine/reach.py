@@ -249,17 +249,20 @@ def folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> tuple[F
 
 def refuse_folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> None:
     """Raise DesignError at a change point: the joints and the angle."""
+    slides = machine.drives[0].slide is not None
+    key, unit = ("drive.range", "mm") if slides else ("drive.range_deg", "deg")
     for fold in folds(machine, low, high):
         if fold.change_point:
+            place = f"{math.degrees(fold.theta):.6g} {unit}"
             raise DesignError(
                 "sine of the transmission angle",
                 fold.determinant,
                 FOLD,
                 "",
-                f"{listed('joint', fold.joints)}, {math.degrees(fold.theta):.6g} deg (change point)",
-                "change a length, or keep drive.range_deg away from there",
+                f"{listed('joint', fold.joints)}, {place} (change point)",
+                f"change a length, or keep {key} away from there",
             ).saying(
-                f"change point at {math.degrees(fold.theta):.6g} deg: the links at {listed('joint', fold.joints)} lie in line "
+                f"change point at {place}: the links at {listed('joint', fold.joints)} lie in line "
                 f"and either branch can follow (sine of the transmission angle {max(fold.determinant, 0):.1g}, limit {FOLD:g})"
             )
 

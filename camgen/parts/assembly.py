@@ -70,6 +70,11 @@ class Cycle:
         """Least and greatest theta, rad."""
         return self.least, self.greatest
 
+    @property
+    def label(self) -> str:
+        """What axes of theta are called."""
+        return f"{self.name}, {self.unit}"
+
     def theta(self, phase: Floats) -> Floats:
         """theta at a phase of the period, (n,) rad: of a drive that goes to and fro a harmonic motion."""
         if not self.to_and_fro:
@@ -415,6 +420,7 @@ def bodies_in_motion(assembly: Assembly) -> SweptMachine:
         process.tolerance,
         assembly.cycle.name,
         assembly.cycle.swept,
+        assembly.cycle.theta,
     )
 
 

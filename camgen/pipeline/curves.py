@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from camgen.geometry.outlines import Floats
 from camgen.judge.proof import Proof
 from camgen.machine.model import Output, Path, unit_of
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.assembly import Cycle
 from camgen.report.words import rounded
 from camgen.study import Plot
 from camgen.tolerances import SPEED_WINDOW_DEG
@@ -23,14 +23,17 @@ _TURNS_ON = 1.0  # deg, from end to end; what swings comes back
 
 
 class Curves:
-    """Columns and plots of an output at theta, (n,) rad; a path's are x and y. alone: it is the machine's only output.
+    """Columns and plots of an output at theta, (n,) rad of a cycle; a path's are x and y. alone: it is the machine's only output.
 
     cams: theta is a whole turn of cams, both ends included; facets make raw speed ripple, so that it is averaged.
     """
 
-    def __init__(self, output: Output, theta: Floats, alone: bool, cams: bool = False) -> None:
+    def __init__(
+        self, output: Output, theta: Floats, cycle: Cycle, alone: bool, cams: bool = False
+    ) -> None:
         self.output = output
         self.theta = theta
+        self.cycle = cycle
         self.alone = alone
         self.cams = cams
         self.recovered: dict[str, Any] = {}
@@ -81,6 +84,8 @@ class Curves:
         parts = {"x": values.real, "y": values.imag} if np.iscomplexobj(values) else plain
         for axis, part in parts.items():
             shown = self.scale * part
+            if title == _SPEED and self.cycle.unit != "deg":
+                shown = shown * math.radians(1)
             if own and self.unit == "deg":
                 self._sense = _turned(float(shown[-1] - shown[0]))
             label = f"{axis} {f'from {kind.upper()}' if kind else 'wanted'}".strip()
@@ -93,6 +98,7 @@ class Curves:
     def plots(self) -> list[Plot]:
         """One plot a quantity: the output itself, its speed, error and play."""
         mean = f", mean of {SPEED_WINDOW_DEG:g} deg" if self.cams else ""
+        per = "rad" if self.cycle.unit == "deg" else self.cycle.unit
         of = "" if self.alone else f" of {self.output.name}"
         titles = [
             title
@@ -100,12 +106,14 @@ class Curves:
             if title in self._plots
         ]
         units = (
-            {_SPEED: f"{self.unit}/rad{mean}", titles[0]: self.unit + self._sense} if titles else {}
+            {_SPEED: f"{self.unit}/{per}{mean}", titles[0]: self.unit + self._sense}
+            if titles
+            else {}
         )
         return [
             Plot(
                 title + (of if title in (_SPEED, _ERROR, _BAND) else ""),
-                "cam angle, deg" if self.cams else "crank angle, deg",
+                self.cycle.label,
                 units.get(title, self.unit),
                 self._plots[title],
                 sources=self._sources,
@@ -121,14 +129,9 @@ def as_designed(mechanism: Mechanism) -> list[Plot]:
     run = mechanism.solve(theta, 1)
     plots = []
     for output in outputs:
-        curve = Curves(output, theta, len(outputs) == 1)
+        curve = Curves(output, theta, mechanism.assembly.cycle, len(outputs) == 1)
         curve.want(*run.derivatives(output.name))
-        plots += [
-            replace(
-                plot, x_label=f"{mechanism.assembly.cycle.name}, {mechanism.assembly.cycle.unit}"
-            )
-            for plot in curve.plots()
-        ]
+        plots += curve.plots()
     return plots
 
 

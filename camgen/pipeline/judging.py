@@ -24,7 +24,13 @@ from camgen.judge.copies import judge_copies, judge_exact_copies
 from camgen.judge.round_trip import judge_solid
 from camgen.machines.mechanism import Mechanism
 from camgen.parts import materials
-from camgen.parts.assembly import Assembly, bodies_in_motion, order_of_assembly, printed_parts
+from camgen.parts.assembly import (
+    Assembly,
+    Cycle,
+    bodies_in_motion,
+    order_of_assembly,
+    printed_parts,
+)
 from camgen.parts.part import Part
 from camgen.pipeline.case import Case
 from camgen.pipeline.drawings import timing_of
@@ -108,7 +114,10 @@ def judge(
     sources: list[Outcome | Study] = [study, *outcomes, recovered]
     # of two parts with one figure the first drives
     numbers = united(each.numbers for each in sources)
-    findings = (*limits, *(finding for outcome in outcomes for finding in outcome.findings))
+    findings = _by_way(
+        mechanism.assembly.cycle,
+        [*limits, *(finding for outcome in outcomes for finding in outcome.findings)],
+    )
     report = Report(
         mechanism.name,
         mechanism.mechanism,
@@ -135,6 +144,18 @@ def judge(
         (*unheard(mechanism, files), *(warning for each in outcomes for warning in each.warnings)),
     )
     return report, columns
+
+
+def _by_way(cycle: Cycle, findings: Sequence[Finding]) -> tuple[Finding, ...]:
+    """The findings with their places in mm, where a way is what drives."""
+    if cycle.unit == "deg":
+        return (*findings,)
+    return tuple(
+        each
+        if each.where.theta is None
+        else replace(each, where=replace(each.where, unit=cycle.unit, angle=cycle.name))
+        for each in findings
+    )
 
 
 def _merged(outcomes: Sequence[Outcome]) -> list[NotJudged]:
@@ -371,10 +392,10 @@ def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     """INTERFERENCE of all parts and what else is in the way, moved through a turn."""
     from camgen.judge.assembly import COLUMNS, sweep
 
-    findings, nearest = sweep(
-        case.file("assembly", "3mf"), bodies_in_motion(case.mechanism.assembly)
-    )
-    table = Table("Bodies that pass each other, the nearest first", COLUMNS, nearest)
+    assembly = case.mechanism.assembly
+    findings, nearest = sweep(case.file("assembly", "3mf"), bodies_in_motion(assembly))
+    columns = (*COLUMNS[:-1], f"{COLUMNS[-1]}, {assembly.cycle.unit}")
+    table = Table("Bodies that pass each other, the nearest first", columns, nearest)
     return Outcome(findings, tables=[table] if nearest else [])
 
 

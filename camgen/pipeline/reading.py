@@ -161,15 +161,17 @@ def moved_by(
     features = mechanism.assembly.features
     if not features:
         return Outcome(), {}, Study()
-    (low, high) = mechanism.assembly.cycle.range
+    cycle = mechanism.assembly.cycle
+    low, high = cycle.range
     wishes = {each.output: each for each in mechanism.assembly.demands}
     theta = np.linspace(low, high, math.ceil((ROWS - 1) * (high - low) / math.tau - 1e-9) + 1)
     judged = low + judged_angles() * ((high - low) / math.tau)
     outputs = judged_outputs(mechanism.model.outputs, wishes.values())
-    cams = any(
-        isinstance(feature, CamOutline) for feature in features
-    ) and mechanism.assembly.cycle.range == (0.0, math.tau)
-    curves = [Curves(output, theta, len(outputs) == 1, cams) for output in outputs]
+    cams = any(isinstance(feature, CamOutline) for feature in features) and cycle.range == (
+        0.0,
+        math.tau,
+    )
+    curves = [Curves(output, theta, cycle, len(outputs) == 1, cams) for output in outputs]
     for curve in curves:
         motion = wishes[curve.output.name].motion if curve.output.name in wishes else None
         if motion is not None:
@@ -193,7 +195,9 @@ def moved_by(
             findings += judge_targets(
                 mechanism.assembly.demands, verdict.proof, theta, files_of(mechanism, kind)
             )
-    columns = {"theta_deg": np.degrees(theta)} if any(curve.columns for curve in curves) else {}
+    columns = (
+        {f"theta_{cycle.unit}": np.degrees(theta)} if any(curve.columns for curve in curves) else {}
+    )
     for curve in curves:
         columns |= curve.columns
     plots = [plot for curve in curves for plot in curve.plots()]

@@ -490,7 +490,7 @@ def _plots(spread: Spread, copies: Copies, output: Output) -> list[Plot]:
     angle = np.degrees(spread.theta)
     drawn = Plot(
         f"Error of {output.name} by the print",
-        f"{spread.mechanism.assembly.cycle.name}, deg",
+        spread.mechanism.assembly.cycle.label,
         unit,
         [("3 standard deviations above", angle, band), ("3 below", angle, -band)],
     )

@@ -23,7 +23,7 @@ from camgen.machine.model import Clutch
 from camgen.machine.run import solve
 from camgen.machine.targets import Advance, Course, advance
 from camgen.machines.indexing_cam.mechanism import IndexingCam
-from camgen.parts.assembly import bodies_in_motion, order_of_assembly
+from camgen.parts.assembly import Cycle, bodies_in_motion, order_of_assembly
 from camgen.parts.solids import solid
 from camgen.pipeline.build import build
 from camgen.pipeline.curves import Curves
@@ -108,7 +108,7 @@ def test_the_speed_of_what_turns_on_has_no_step_where_the_turn_ends(made: Indexi
     assert made.stepping is not None
     theta = np.linspace(0.0, math.tau, 1441)
     link = next(output for output in made.model.outputs if output.name == "link")
-    curves = Curves(link, theta, False, cams=True)
+    curves = Curves(link, theta, Cycle(), False, cams=True)
     curves.want(made.stepping(theta), None)
     course, speed = curves.plots()
     exact = np.degrees(made.stepping(theta, 1))

@@ -7,17 +7,17 @@ import math
 from camgen.errors import DesignError, listed
 from camgen.machine.model import Machine
 from camgen.machine.reach import reach
-from camgen.machines.linkage.tables import Drive
+from camgen.machines.linkage.tables import OneDrive
 
 
-def refuse_range(machine: Machine, drive: Drive, least: float, most: float) -> None:
+def refuse_range(machine: Machine, drive: OneDrive, least: float, most: float) -> None:
     """Raise DesignError where the range asked for, rad, is more than the chain has."""
     can = reach(machine)
-    key = "drive.segment" if drive.segments else "drive.range_deg"
+    key = "drive.segment" if drive.segments else f"drive.{drive.range_key}"
     low = math.degrees(can.low)
     high = math.degrees(can.high)
     asked = (math.degrees(least), math.degrees(most))
-    said = f"it closes from {low:.6g} to {high:.6g} deg"
+    said = f"it closes from {low:.6g} to {high:.6g} {drive.unit}"
     for value, limit, beyond, joints in (
         (asked[0], low, asked[0] < low, can.ends[0]),
         (asked[1], high, asked[1] > high, can.ends[1]),
@@ -28,10 +28,10 @@ def refuse_range(machine: Machine, drive: Drive, least: float, most: float) -> N
                 key,
                 value,
                 limit,
-                "deg",
+                drive.unit,
                 where,
                 "ask for a range within it",
             ).saying(
-                f"{key} goes from {asked[0]:.6g} to {asked[1]:.6g} deg, more than the chain has: {said}, and "
+                f"{key} goes from {asked[0]:.6g} to {asked[1]:.6g} {drive.unit}, more than the chain has: {said}, and "
                 f"opens at {where}"
             )

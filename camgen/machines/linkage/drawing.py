@@ -21,6 +21,7 @@ from camgen.machine import freedom
 from camgen.machine import model as m
 from camgen.machine.cams.followers import Follower
 from camgen.machine.cams.limits import Advice
+from camgen.machine.cams.linear import WAY
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.cams.sizing import least_base_radius
 from camgen.machine.freewheels import Ratchet
@@ -53,7 +54,7 @@ class Drawing:
     points: Mapping[str, tuple[float, float]]
     links: Mapping[str, Sequence[str]]
     lengths: Mapping[str, float]
-    drives: Sequence[t.Drive]
+    drives: Sequence[t.OneDrive]
     slides: Sequence[t.Slide] = ()
     slots: Sequence[t.Slot] = ()
     gears: Sequence[t.Gear] = ()
@@ -77,7 +78,7 @@ class Drawing:
     # ---- names ----------------------------------------------------------------------------------------------------
 
     @property
-    def drive(self) -> t.Drive:
+    def drive(self) -> t.OneDrive:
         """The first, by whose speed theta grows."""
         return self.drives[0]
 
@@ -290,7 +291,7 @@ class Drawing:
             pairs[name] = title, post, cam.at if cam.shape == "roller" else hook
         return pairs
 
-    def rate_of(self, drive: t.Drive) -> float | None:
+    def rate_of(self, drive: t.OneDrive) -> float | None:
         """Turns of a driven link over theta, below 0 against the first one; None of one that a program moves."""
         if drive is self.drive:
             return 1.0
@@ -299,7 +300,9 @@ class Drawing:
     def turns_of(self, link: str) -> float | None:
         """Turns of a link for one of the driven one, by gears, below 0 against it; None where no gears join them."""
         turns = {
-            each.link: rate for each in self.drives if (rate := self.rate_of(each)) is not None
+            each.link: rate
+            for each in self.drives
+            if isinstance(each, t.Drive) and (rate := self.rate_of(each)) is not None
         }
         for _ in (*self.gears, *self.planets, *self.cycloids):
             for gear in self.gears:
@@ -432,12 +435,7 @@ class Drawing:
         joints += [self._ratchet(each, start) for each in self.ratchets]
         joints += [joint for wish in self.cycloid_wishes for joint in _cycloid(wish, start)]
         drives = [
-            m.Drive(
-                name,
-                each.link,
-                m.Turning(self.rate_of(each) or 1.0, start[each.link].angle),
-                motor=each.link if len(self.drives) > 1 else None,
-            )
+            self._drive(name, each, start, joints)
             for name, each in zip(self.names_of_drives(), self.drives, strict=True)
         ]
         outputs = tuple(self._output(each, bodies) for each in self.outputs)
@@ -457,6 +455,27 @@ class Drawing:
             outputs,
             speed,
         )
+
+    def _drive(
+        self,
+        name: str,
+        drive: t.OneDrive,
+        start: Mapping[str, m.Pose],
+        joints: Sequence[m.Joint],
+    ) -> m.Drive:
+        if isinstance(drive, t.SlidingDrive):
+            slide, place = self._sliding(drive.link, joints)
+            return m.Drive(name, drive.link, m.Turning(WAY, place), slide.name)
+        law = m.Turning(self.rate_of(drive) or 1.0, start[drive.link].angle)
+        return m.Drive(name, drive.link, law, motor=drive.link if len(self.drives) > 1 else None)
+
+    def _sliding(self, link: str, joints: Sequence[m.Joint]) -> tuple[m.Slide, float]:
+        """The joint of a link that slides on the ground, and its drawn place along that, mm."""
+        slide = next(
+            each for each in joints if isinstance(each, m.Slide) and each.runner.body == link
+        )
+        way = cmath.exp(1j * slide.angle)
+        return slide, ((self.at(self.links[link][0]) - slide.guide.at) / way).real
 
     def _load(self, cam: t.Cam, joint: m.Cam) -> m.Resistance | None:
         """What [[cam]] says that the follower bears."""
@@ -644,10 +663,8 @@ class Drawing:
         assert pivot is not None, "drawing_faults has looked"
         spoke = self.at(cam.at) - self.at(pivot)
         if slide is not None:
-            joint = next(each for each in joints if each.name == self.slide_name(slide))
-            assert isinstance(joint, m.Slide)
+            joint, rest = self._sliding(cam.follower, joints)
             way = cmath.exp(1j * joint.angle)
-            rest = ((self.at(self.links[cam.follower][0]) - joint.guide.at) * way.conjugate()).real
         else:
             hinge = self.pivot(cam.follower)
             assert hinge is not None, "drawing_faults has looked"

@@ -169,14 +169,18 @@ def _drive_faults(drawing: Drawing) -> Iterable[Fault]:
     several = len(drawing.drives) > 1
     for k, drive in enumerate(drawing.drives):
         table: Key = ("drive", k) if several else ("drive",)
-        path = (*table, "link")
+        slides = isinstance(drive, t.SlidingDrive)
+        path = (*table, "slide" if slides else "link")
         wrong = _link_fault(drawing, path, drive.link)
         yield from wrong
-        if not wrong and drawing.pivot(drive.link) is None:
+        slide = drawing.slide_of(drive.link)
+        if slides and not wrong and (slide is None or slide.on != GROUND):
+            yield Fault(path, repr(drive.link), "a link that a [[slide]] holds on the ground")
+        if not slides and not wrong and drawing.pivot(drive.link) is None:
             yield Fault(path, repr(drive.link), "a link that shares a point with the ground")
-        turn = drive.range_deg
-        if turn is not None and not turn[0] < turn[1]:
-            yield Fault((*table, "range_deg"), str(list(turn)), "the least before the greatest")
+        span = drive.range_deg
+        if span is not None and not span[0] < span[1]:
+            yield Fault((*table, drive.range_key), str(list(span)), "the least before the greatest")
         yield from drive.faults(table)
 
 
@@ -470,10 +474,10 @@ def _target_faults(drawing: Drawing, path: Key, output: t.Wanted) -> Iterable[Fa
     if drawing.drive.range_deg is None:
         return
     if output.time_ratio is not None:
-        right = "nothing here: it needs a drive that turns all round, without range_deg"
+        right = "nothing here: it needs a drive that turns all round"
         yield Fault((*path, "time_ratio"), "", right)
     low, high = drawing.drive.range_deg
-    right = f"angles within drive.range_deg, {low:g} to {high:g}"
+    right = f"within drive.{drawing.drive.range_key}, {low:g} to {high:g} {drawing.drive.unit}"
     demands = {
         ("points", "theta_deg"): output.points and output.points.theta_deg,
         ("function", "at"): output.function and [pair[0] for pair in output.function.at],

@@ -55,15 +55,15 @@ _OUTPUTS = (
     "peak speed, /s",
     "peak acceleration, /s^2",
 )
-_EXTREMES = ("output", "unit", "extreme", "at theta, deg", "what it is")
+_EXTREMES = ("output", "unit", "extreme", "at theta, {}", "what it is")
 _PATHS = (
     "path",
     "length, mm",
     "least radius, mm",
-    "at, deg",
-    "inflections at, deg",
-    "cusps at, deg",
-    "crosses itself at, deg",
+    "at, {}",
+    "inflections at, {}",
+    "cusps at, {}",
+    "crosses itself at, {}",
 )
 _MOST_SERIES = 8  # curves of one plot
 _RETURNS = 1e-6  # of its stroke, by which an output that goes to and fro may miss its beginning after a turn
@@ -119,7 +119,7 @@ class Build:
 def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) -> Study:
     """Numbers, plots and tables of a linkage over its turn or range; made: None of one of which no bodies are made.
 
-    angle: what theta is called.
+    angle: label of theta.
     """
     theta = np.linspace(*linkage.cycle.range, ROWS)
     run = linkage.run(theta)
@@ -156,8 +156,9 @@ def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) 
     places, ratios = _extreme_places(linkage)
     figures += ratios
     tables = [Table("Outputs", _OUTPUTS, rows)]
-    tables += [Table("Extreme positions", _EXTREMES, places)] if places else []
-    tables += [Table("Paths", _PATHS, paths_of)] if paths_of else []
+    by = linkage.cycle.unit
+    tables += [Table("Extreme positions", _of_theta(_EXTREMES, by), places)] if places else []
+    tables += [Table("Paths", _of_theta(_PATHS, by), paths_of)] if paths_of else []
     notes = []
     lengths = four_bar_lengths(linkage.chain, linkage.driven[0])
     if lengths is not None:
@@ -182,6 +183,11 @@ def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) 
         Later(lambda: [*paths(linkage), *threads(linkage, made)]),
         [*notes, *_notes(linkage, made)],
     )
+
+
+def _of_theta(heads: Sequence[str], unit: str) -> tuple[str, ...]:
+    """Heads of a table with the unit of theta."""
+    return tuple(head.format(unit) for head in heads)
 
 
 def _notes(linkage: LinkageMotion, made: Build | None) -> list[str]:
@@ -227,8 +233,7 @@ def _plots(linkage: LinkageMotion, theta: Floats, run: Run, angle: Callable[[], 
     bends = transmission(linkage.chain, theta)
     if bends:
         series = [(", ".join(joints), np.degrees(theta), angle) for joints, angle in bends.items()]
-        label = f"{angle()}, deg"
-        plots.append(Plot("Transmission angle", label, "deg", series[:_MOST_SERIES]))
+        plots.append(Plot("Transmission angle", angle(), "deg", series[:_MOST_SERIES]))
     return plots
 
 
@@ -367,8 +372,9 @@ def _forces(linkage: LinkageMotion, made: Build, theta: Floats, angle: Callable[
     first, *others = made.machine.drives
     shown = [first, *(each for each in others if each.motor)]
     torques = {each.name: forces.drives[each.name] for each in shown}
+    kind, measure = ("force", "N") if first.slide else ("torque", "N m")
     figures = [
-        Figure("peak torque", max(map(peak, torques.values())), "N m"),
+        Figure(f"peak {kind}", max(map(peak, torques.values())), measure),
         Figure("peak kinetic energy", float(forces.energy.max()), "J"),
     ]
     rows = []
@@ -376,7 +382,7 @@ def _forces(linkage: LinkageMotion, made: Build, theta: Floats, angle: Callable[
         greatest = peak(load)
         figures.append(Figure("reaction {joint}", greatest, "N", joint=name))
         rows.append((name, greatest, math.degrees(theta[int(np.abs(load).argmax())])))
-    heads = ("joint", "greatest, N", "at, deg")
+    heads = _of_theta(("joint", "greatest, N", "at, {}"), linkage.cycle.unit)
     tables = [Table("Loads of the joints, without friction", heads, rows)]
     for cam in by_force(
         linkage.chain
@@ -397,13 +403,14 @@ def _forces(linkage: LinkageMotion, made: Build, theta: Floats, angle: Callable[
         tables.append(Table("Springs, between their points", _SPRINGS, of_springs))
 
     def plots() -> list[Plot]:
-        names = torques if len(torques) > 1 else ["torque"]
+        names = torques if len(torques) > 1 else [kind]
         curves = [
             (name, np.degrees(theta), torque)
             for name, torque in zip(names, torques.values(), strict=True)
         ]
         what = "drives" if len(torques) > 1 else "drive"
-        return [Plot(f"Torque of the {what}, without friction", f"{angle()}, deg", "N m", curves)]
+        title = f"{kind.capitalize()} of the {what}, without friction"
+        return [Plot(title, angle(), measure, curves)]
 
     return Study(Figures(figures), Later(plots), tables)
 

@@ -33,7 +33,7 @@ def faults(
     freewheels: Sequence[t.Freewheel],
     links: Mapping[str, Sequence[str]],
     gears: Sequence[t.Gear],
-    drive: t.Drive,
+    drive: t.OneDrive,
     sizes: Parts,
 ) -> list[Fault]:
     """What is wrong with them."""
@@ -60,6 +60,6 @@ def faults(
         found.append(Fault(("parts", "shaft_diameter"), f"{sizes.shaft_diameter:g}", right))
     if freewheels and (drive.range_deg is not None or drive.segments):
         right = "nothing here beside [[freewheel]]: the drive turns evenly, all the way round"
-        key = "segment" if drive.segments else "range_deg"
+        key = "segment" if drive.segments else drive.range_key
         found.append(Fault(("drive", key), "", right))
     return found

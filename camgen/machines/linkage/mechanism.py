@@ -216,7 +216,7 @@ class Linkage(Mechanism):
     )
 
     @property
-    def drives(self) -> tuple[t.Drive, ...]:
+    def drives(self) -> tuple[t.OneDrive, ...]:
         """What turns it, a motor each."""
         return self.driving if isinstance(self.driving, tuple) else (self.driving,)
 
@@ -226,7 +226,7 @@ class Linkage(Mechanism):
         return self.pen is not None or any(each.segments for each in self.drives)
 
     @property
-    def drive(self) -> t.Drive:
+    def drive(self) -> t.OneDrive:
         """The first of them, by whose speed theta grows."""
         return self.drives[0]
 
@@ -336,6 +336,7 @@ class Linkage(Mechanism):
             "planets": bool(self.planets),
             "cycloid": bool(self.cycloids),
             "counterweight": self.counterweight is not None,
+            "motor": self.motor is not None and isinstance(self.drive, t.SlidingDrive),
         }
 
     def _eccentric_faults(self) -> Iterator[Fault]:
@@ -586,7 +587,11 @@ class Linkage(Mechanism):
         low, high = self.drive.range_deg or (0.0, 360.0)
         to_and_fro = self.drive.range_deg is not None
         return Cycle(
-            math.radians(low), math.radians(high), sense=self._sense, to_and_fro=to_and_fro
+            math.radians(low),
+            math.radians(high),
+            sense=self._sense,
+            to_and_fro=to_and_fro,
+            unit=self.drive.unit,
         )
 
     @cached_property
@@ -638,6 +643,8 @@ class Linkage(Mechanism):
         even = self.drive.range_deg is None and not self._programmed
         cams = any(isinstance(each, CamOutline) for each in whole.features)
         name = ("cam angle" if cams else "crank angle") if even else "drive angle"
+        if isinstance(self.drive, t.SlidingDrive):
+            name = "way of the drive"
         swept = self.rounds if self.rounds <= _SWEPT_TURNS else 1
         cycle = replace(self.cycle, name=name, turns=self.turns, swept=swept)
         whole = replace(whole, cycle=cycle)
@@ -756,7 +763,7 @@ class Linkage(Mechanism):
             if self.counterweight is None
             else (self._balance(self.counterweight, bodies),),
             coils=coils_of(bodies.layout, bodies.parts, bodies.mounts, ways=ways),
-            bought=[*bodies.bought(turning_text(self.drive.speed_rpm)), *sprung],
+            bought=[*bodies.bought(self._driving_text), *sprung],
             springs=coils.mounted(self.sprung, by_force(self.chain), sizes.pin_diameter),
             journals=journals(machine, features, bodies.parts, bodies.mounts, plastic),
             posts=tuple(
@@ -772,6 +779,15 @@ class Linkage(Mechanism):
             follower=FollowerFacts(self._arm_stiffness),
         )
         return made if self._beneath is None else self._beneath.added(made)
+
+    @property
+    def _driving_text(self) -> str:
+        """What its drive is to do, in words."""
+        drive = self.drive
+        if isinstance(drive, t.Drive):
+            return turning_text(drive.speed_rpm)
+        low, high = drive.range
+        return f"linear, {high - low:g} mm at {drive.speed:g} mm/s, on link {drive.link}"
 
     @property
     def _unswept(self) -> Iterator[NotJudged]:
@@ -1012,7 +1028,7 @@ class Linkage(Mechanism):
 
     def study(self) -> Study:
         """Outputs, curves and paths, the class of a four-bar; those of what is included; all outputs over one turn."""
-        own = figures.study(self._moving, self._made, lambda: self.assembly.cycle.name)
+        own = figures.study(self._moving, self._made, lambda: self.assembly.cycle.label)
         if self._pressed.figures:
             own = together([own, Study(Figures(self._pressed.figures))])
         if self.walk is not None:

@@ -22,7 +22,7 @@ from camgen.machine.reach import LOOKED, refuse_folds
 from camgen.machine.state import Direct, Dyad
 from camgen.machine.stepwise import stays_clear
 from camgen.machines.linkage.drawing import Drawing
-from camgen.machines.linkage.tables import Drive
+from camgen.machines.linkage.tables import OneDrive, SlidingDrive
 from camgen.numerics import Floats
 from camgen.parts.generator.sizes import Parts
 
@@ -30,8 +30,12 @@ _WHOLE = 1e-9  # turns, by which a whole number may be missed
 
 
 def faults(drawing: Drawing, sizes: Parts, beside: Mapping[str, bool]) -> Iterator[Fault]:
-    """What is wrong between several drives; beside: tables that only a machine of one motor has, and whether they are there."""
-    if len(drawing.drives) == 1:
+    """What is wrong between several drives, or beside one that slides.
+
+    beside: tables that only a machine with one shaft that drives has, and whether they are there.
+    """
+    slides = isinstance(drawing.drive, SlidingDrive)
+    if len(drawing.drives) == 1 and not slides:
         return
     pivots: dict[str, int] = {}
     for k, drive in enumerate(drawing.drives):
@@ -43,6 +47,8 @@ def faults(drawing: Drawing, sizes: Parts, beside: Mapping[str, bool]) -> Iterat
                 right = f"a link with a pivot of its own: at {pivot} drive.{before} turns {drawing.drives[before].link}"
                 yield Fault((*path, "link"), repr(drive.link), right)
     words = "nothing here beside several motors: it is for a machine with one"
+    if slides:
+        words = "nothing here beside drive.slide: it is for a machine whose drive turns"
     for table, there in beside.items():
         if there:
             yield Fault((table,), "", words)
@@ -50,12 +56,14 @@ def faults(drawing: Drawing, sizes: Parts, beside: Mapping[str, bool]) -> Iterat
         ("sides", sizes.sides, 1),
         ("shaft", sizes.shaft, "through"),
         ("hand_crank", sizes.hand_crank, 0),
+        ("motor", sizes.motor if slides else "none", "none"),
+        ("can", sizes.can if slides else None, None),
     ):
         if value != usual:
             yield Fault(("parts", key), str(value), words)
 
 
-def program_faults(drives: Sequence[Drive]) -> Iterator[Fault]:
+def program_faults(drives: Sequence[OneDrive]) -> Iterator[Fault]:
     """What is wrong with how several motors turn, each by itself."""
     first, *others = drives
     for k, drive in enumerate(drives if others else ()):
@@ -66,7 +74,7 @@ def program_faults(drives: Sequence[Drive]) -> Iterator[Fault]:
         yield from _speed_faults(("drive", k, "speed_rpm"), first, drive)
 
 
-def _speed_faults(path: Key, first: Drive, drive: Drive) -> Iterator[Fault]:
+def _speed_faults(path: Key, first: OneDrive, drive: OneDrive) -> Iterator[Fault]:
     """Of another drive, whose period is to be the first one's."""
     ratio = drive.speed_rpm / first.speed_rpm
     value = f"{drive.speed_rpm:g}"
@@ -82,7 +90,7 @@ def _speed_faults(path: Key, first: Drive, drive: Drive) -> Iterator[Fault]:
         yield Fault(path, value, right)
 
 
-def driven(chain: m.Machine, drives: Sequence[Drive]) -> m.Machine:
+def driven(chain: m.Machine, drives: Sequence[OneDrive]) -> m.Machine:
     """The chain with the laws of all its drives; DesignError where it does not close over their period, or folds.
 
     chain: closed as drawn, a drive for each of `drives` in their order, others after them.
@@ -92,7 +100,7 @@ def driven(chain: m.Machine, drives: Sequence[Drive]) -> m.Machine:
     return chain
 
 
-def moved(chain: m.Machine, drives: Sequence[Drive]) -> m.Machine:
+def moved(chain: m.Machine, drives: Sequence[OneDrive]) -> m.Machine:
     """The same, which may not close; of a machine with one motor the chain itself."""
     if len(drives) == 1:
         return chain

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +53,7 @@ Place = tuple[Coordinate, Coordinate]
 Two = tuple[Name, Name]
 WheelTeeth = Annotated[int, quantity("1", ge=5, le=MOST_TEETH)]
 Degrees = Annotated[float, quantity("deg", ge=-36000, le=36000)]
+Stretch = Annotated[float, quantity("mm", ge=-360, le=360)]
 
 
 class DriveSegment(Span):
@@ -80,6 +81,9 @@ class DriveSegment(Span):
 
 class Drive(Record):
     """What turns: a link that is pinned to the ground, all the way round or to and fro, evenly or by a program."""
+
+    range_key: ClassVar[str] = "range_deg"
+    unit: ClassVar[str] = "deg"  # of theta
 
     link: Name = Field(description="the driven link; it must be pinned to the ground")
     speed_rpm: Annotated[Rpm, turning(0.001)] = Field(
@@ -130,6 +134,53 @@ class Drive(Record):
         return []
 
 
+class SlidingDrive(Record):
+    """What slides: a link of a [[slide]] on the ground, to and fro along it. A degree of theta stands for a millimetre."""
+
+    range_key: ClassVar[str] = "range"
+    unit: ClassVar[str] = "mm"
+
+    slide: Name = Field(
+        description="in place of link: the link of a [[slide]] on the ground drives, to and fro"
+    )
+    speed: Annotated[float, quantity("mm/s", gt=0, le=1e5)] = Field(
+        default=20.0, description="speed of a drive that slides"
+    )
+    range: tuple[Stretch, Stretch] = Field(
+        description="least and greatest place of a drive that slides, from the drawn one"
+    )
+
+    @property
+    def link(self) -> str:
+        """The driven link."""
+        return self.slide
+
+    @property
+    def range_deg(self) -> tuple[float, float]:
+        """The range in degrees of theta."""
+        return self.range
+
+    @property
+    def speed_rpm(self) -> float:
+        """The speed in turns of theta a minute."""
+        return self.speed / 6
+
+    @property
+    def segments(self) -> tuple[()]:
+        """Of a program: none."""
+        return ()
+
+    def program(self, path: Key = ()) -> None:
+        """It has none."""
+
+    def faults(self, path: Key = ()) -> list[Fault]:
+        """What does not go together: nothing."""
+        return []
+
+
+OneDrive = Drive | SlidingDrive
+
+
 def _with_speeds(value: object) -> object:
     """A list of drives in which those that say no speed have that of the first, or, if it is none, any: one fault is enough."""
     if not isinstance(value, list | tuple) or not value or not isinstance(value[0], Mapping):
@@ -140,15 +191,19 @@ def _with_speeds(value: object) -> object:
     return (value[0], *others)
 
 
-def _number_of_drives(value: object) -> str:
-    return "several" if isinstance(value, list | tuple) else "one"
+def _kind_of_drive(value: object) -> str:
+    if isinstance(value, list | tuple):
+        return "several"
+    slides = isinstance(value, SlidingDrive) or (isinstance(value, Mapping) and "slide" in value)
+    return "sliding" if slides else "one"
 
 
 # One table, or a list: a motor each, over one theta.
 Drives = Annotated[
     Annotated[Drive, Tag("one")]
+    | Annotated[SlidingDrive, Tag("sliding")]
     | Annotated[tuple[Drive, ...], Field(min_length=1, max_length=8), Tag("several")],
-    Discriminator(_number_of_drives),
+    Discriminator(_kind_of_drive),
     BeforeValidator(_with_speeds),
 ]
 
@@ -186,7 +241,7 @@ class Pen(Record):
         middle = complex(z.real.max() + z.real.min(), z.imag.max() + z.imag.min()) / 2
         return np.asarray(z - middle + complex(*self.at))
 
-    def faults(self, drives: Sequence[Drive]) -> Iterator[Fault]:
+    def faults(self, drives: Sequence[OneDrive]) -> Iterator[Fault]:
         """A line that is none, and what the drives say besides."""
         if isinstance(self.line, str):
             right = "its points: only a spec in a file can name another file"

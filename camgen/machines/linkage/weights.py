@@ -12,7 +12,7 @@ from dataclasses import replace
 from camgen.errors import Fault
 from camgen.machine.model import Machine
 from camgen.machine.run import Run
-from camgen.machines.linkage.tables import Drive
+from camgen.machines.linkage.tables import OneDrive
 from camgen.machines.loads.counterweights import Counterweight, ShaftSeat, first_moment
 from camgen.parts.counterweights import NAME
 from camgen.parts.generator.bodies import Bodies
@@ -29,7 +29,7 @@ _ROOM = 0.5  # mm, about it where levels are looked for: what hangs on a level m
 
 
 def weight_faults(
-    spec: Counterweight, drive: Drive, masses: Collection[str], levels: Collection[str]
+    spec: Counterweight, drive: OneDrive, masses: Collection[str], levels: Collection[str]
 ) -> list[Fault]:
     """What does not go with the other tables; masses: links whose mass is given; levels: names of all else that has one."""
     faults = spec.faults()

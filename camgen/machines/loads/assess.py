@@ -95,7 +95,7 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         run,
         forces,
         motor,
-        f"{assembly.cycle.name}, {assembly.cycle.unit}",
+        assembly.cycle.label,
         assembly.motor.crank,
         lambda: locking_friction(machine, journals, load, mechanism.material.name, theta),
     )

@@ -240,7 +240,7 @@ def contacts(run: Run, forces: Forces, assembly: Assembly, load: Weight | None) 
         check.figures.append(Figure("hertz pressure {of}", most, "MPa", joint.name))
         curve = [("line contact", np.degrees(theta), pressure)]
         title = f"Hertz pressure, {joint.name}"
-        check.plots.append(Plot(title, f"{assembly.cycle.name}, deg", "MPa", curve))
+        check.plots.append(Plot(title, assembly.cycle.label, "MPa", curve))
         remark = (
             f"by {force[worst]:.4g} N on a line of {length:.4g} mm, {tip.name} on {own.name}; {by}; "
             "the ends of the line press harder still: round them"

@@ -250,7 +250,7 @@ def study(assembly: Assembly, spec: Counterweight | None, machine: Machine) -> S
     plots = [
         Plot(
             f"Counterweight: {name}",
-            f"{assembly.cycle.name}, deg",
+            assembly.cycle.label,
             "N",
             [("without", degrees, before), ("with", degrees, after)],
         )

@@ -151,7 +151,8 @@ class Bodies:
     def shaft_reach(self) -> float:
         """How far the shafts that drive stand over the plate's underside, the motors' faces, mm: the longest of them."""
         layout = self.layout
-        top = max(layout.on(layout.shaft_of(link))[-1][2] for link in layout.drivers)
+        tops = [layout.on(layout.shaft_of(link))[-1][2] for link in layout.drivers]
+        top = max(tops, default=0.0)
         if layout.webs:  # it ends in the first of them
             top = layout.top(layout.level[layout.driven])
         return top if self.collar is None else top + self.collar.height
@@ -159,23 +160,26 @@ class Bodies:
     @property
     def shaft(self) -> Shaft | None:
         """The shaft that drives; None where it is the motor's own."""
-        if self.sizes.face is not None:
+        if self.sizes.face is not None or not self.layout.drivers:
             return None
         return Shaft(_SHAFT, self.sizes.shaft_diameter, self.sizes.shaft_flat)
 
     @property
     def collar(self) -> SetScrewHub | None:
         """What holds the driven link on a motor's shaft, if it is asked for."""
-        return self.layout.collar(self.layout.shaft_of(self.layout.driven))
+        shafts = [self.layout.shaft_of(link) for link in self.layout.drivers[:1]]
+        return self.layout.collar(shafts[0]) if shafts else None
 
     def bought(self, turning: str) -> list[Bought]:
-        """Drive, of a speed for people, and screws."""
+        """Drive, by what it does in words, and screws."""
         p = self.sizes
         face = self.sizes.face
         screw = f"{screw_for(p.mount_diameter)}, at most {p.base_thickness:g} into the plate"
         shaft = p.shaft_text
         motors = []
-        if not p.hand_crank:
+        if not self.layout.drivers:
+            motors.append(Bought("drive", "", turning, 1, "drive"))
+        elif not p.hand_crank:
             motors.append(Bought("drive", "", f"{turning}, for a {shaft}", 1, "drive"))
         if face is not None:
             if p.shaft_flat and not face.flat:
@@ -184,7 +188,7 @@ class Bodies:
             motors = fixed_motor("drive", face, said, p.base_thickness - p.pocket)
         covers = len(self.of_role("cover"))
         screws = self.layout.cover.bought(covers) if self.layout.cover else []
-        count = len(self.layout.drivers)
+        count = len(self.layout.drivers) or 1
         motors = [replace(each, count=count * each.count) for each in motors]
         held = [] if self.collar is None else self.collar.bought(self.collar.least_radius)
         screws += [replace(each, count=count * each.count) for each in held]
@@ -208,12 +212,15 @@ class Bodies:
             return f"{board} {self._turned}: leave it room there"
         deep = -min(mount.z for mount in self.mounts)
         if deep > 0:
-            board += f" It is open under the shaft, {deep:.4g} mm deep at least."
+            under = "under the shaft" if self.layout.drivers else "underneath"
+            board += f" It is open {under}, {deep:.4g} mm deep at least."
         return f"{board} {self._turned}"
 
     @property
     def _turned(self) -> str:
-        """What turns the shafts."""
+        """What turns the shafts, or pushes what slides."""
+        if not self.layout.drivers:
+            return f"What pushes link {self.layout.driven} along its slide moves it"
         several = bool(self.layout.further)
         if self.sizes.face is not None:
             return (

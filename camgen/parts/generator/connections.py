@@ -120,7 +120,7 @@ class Connections:
     """A machine, the sizes of its parts, and what meets what; lengths mm."""
 
     drawn: m.Machine  # closed as drawn
-    driven: str  # link that the drive turns
+    driven: str  # link that the drive moves
     sizes: Parts
     fits: Print
     min_wall: float
@@ -163,8 +163,8 @@ class Connections:
 
     @property
     def drivers(self) -> tuple[str, ...]:
-        """Links that motors turn."""
-        return self.driven, *self.further
+        """Links that motors turn: not one that slides."""
+        return tuple(link for link in (self.driven, *self.further) if link not in self.slides)
 
     @cached_property
     def webs(self) -> dict[str, tuple[str, ...]]:
