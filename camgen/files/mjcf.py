@@ -138,6 +138,12 @@ class Model:
         return sum(link.mass.mass for link in (self.frame, *self.links))
 
     @property
+    def width(self) -> float:
+        """Of the feet over all, across the plane of motion, mm; 0 without feet."""
+        ends = [z for link in self.links for foot in link.feet for z in (foot.low, foot.high)]
+        return max(ends, default=0.0) - min(ends, default=0.0)
+
+    @property
     def bare(self) -> Model:
         """The same without meshes, which only show."""
         links = [replace(link, copies=()) for link in self.links]

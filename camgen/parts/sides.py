@@ -33,6 +33,7 @@ class Mirror:
     height: float  # over the near side's underside, mm
     shaft: str  # the part
     phase: float  # how far the far side is ahead, rad
+    gap: float = 0.0  # between the second plates of both sides, mm
 
     def mount(self, part: Part, mount: Mount) -> Mount:
         """Where the image of a copy stands."""
@@ -175,7 +176,7 @@ def both_sides(near: Assembly, far: Assembly, mirror: Mirror, machine: Machine) 
     copies = Counter(mount.part for mount in there.mounts)
     parts = [replace(part, count=part.count + copies[part.name]) for part in near.parts]
     whole = joined(replace(near, parts=parts), [there], machine)
-    order = Later(lambda: [_order(near, alone, mirror.shaft)])
+    order = Later(lambda: [_order(near, alone, mirror)])
     return replace(whole, bought=_bought(near, far), board="", work=order)
 
 
@@ -195,8 +196,8 @@ def _bought(near: Assembly, far: Assembly) -> list[Bought]:
     return [replace(each, count=n) for each, n in counts.items() if each.role != "mount"]
 
 
-def _order(near: Assembly, far: Assembly, shaft: str) -> Table:
-    """The near side from the bottom up, the far one likewise on its own plate, then one on the other, by the named shaft."""
+def _order(near: Assembly, far: Assembly, mirror: Mirror) -> Table:
+    """The near side from the bottom up, the far one likewise on its own plate, then one on the other, by the shaft of both."""
     before = Counter[str]()
     for mount in near.mounts:
         before[mount.part] += 1
@@ -205,8 +206,8 @@ def _order(near: Assembly, far: Assembly, shaft: str) -> Table:
     rows = [row[1:] for row in (*first.rows, *second.rows)]
     last = (
         "both sides",
-        "Second plate on second plate, glued: the shaft of both sides goes on into the far side",
-        f"pressed and glued on {shaft}, its flat in line: turn the far side's crank until it goes on",
+        f"Second plate on {'spacers' if mirror.gap else 'second plate'}, glued: the shaft of both sides goes on into the far side",
+        f"pressed and glued on {mirror.shaft}, its flat in line: turn the far side's crank until it goes on",
         1,
         0.0,
         "far side turned over",

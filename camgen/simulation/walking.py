@@ -234,7 +234,10 @@ def judged(mechanism: Mechanism, model: mjcf.Model, gaits: Sequence[Gait], strid
         Figures(_figures([each for each in gaits if not each.void])) if branch.ok else Figures(),
         plots=_plots(gaits),
         tables=[_table(gaits)],
-        notes=(f"It walks {where}; {1e3 * model.mass:.0f} g in all.", *_NOTES),
+        notes=(
+            f"It walks {where}; {1e3 * model.mass:.0f} g in all, its feet {model.width:.0f} mm wide over all.",
+            *_NOTES,
+        ),
         not_judged=not_judged,
         files=(f"{mechanism.name}-walk.gif", "walk.csv"),
     )

@@ -325,3 +325,29 @@ def test_what_hangs_lower_than_the_feet_is_found(tmp_path: Path) -> None:
     damaged = judged()
     assert not damaged.ok and damaged.measured == pytest.approx(1, abs=0.05)
     assert damaged.message.startswith("ground-1")
+
+
+def test_sides_stand_as_far_apart_as_asked(machine: Linkage) -> None:
+    """Spacers fill the way between both second plates, each over a post; all of the far side, and the shaft, go on by it."""
+    wider = walker({"side_gap": 40})
+    near, far = machine.assembly, wider.assembly
+    spacer = far.by_name["side-spacer"]
+    mounts = [each for each in far.mounts if each.part == "side-spacer"]
+    posts = [each.at for each in near.mounts if each.part == "post"]
+    assert spacer.thickness == 40 and spacer.count == len(mounts) == 4
+    assert {each.at for each in mounts} == {*posts}
+    (plate,) = (each for each in far.mounts if each.part == "far-second-plate")
+    assert [each.z for each in mounts] == pytest.approx([plate.z - 40] * 4)
+    for part in ("far-ground", "far-second-plate"):
+        heights = [next(m.z for m in made.mounts if m.part == part) for made in (near, far)]
+        assert np.diff(heights) == pytest.approx([40])
+    shaft = "shaft-crank_web2"
+    assert far.by_name[shaft].thickness == pytest.approx(near.by_name[shaft].thickness + 40)
+    (last,) = (row for row in order_of_assembly(far).rows if row[1] == "both sides")
+    assert "on spacers" in last[2]
+
+
+@pytest.mark.parametrize("parts", [{"sides": 1, "side_gap": 10}, {"side_gap": 0.5}])
+def test_a_gap_that_no_spacer_fills_is_refused(parts: dict[str, Any]) -> None:
+    with pytest.raises(SpecError, match="side_gap"):
+        walker(parts)

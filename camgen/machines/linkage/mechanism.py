@@ -102,6 +102,7 @@ _MOST_ROUNDS = 200  # of a drive, that bring round the carrier of planets
 _SHOWN_TURNS = 8  # of the drive, at most
 _SWEPT_TURNS = 100  # of the drive, at most
 _MARK = 0.8  # of a hub's radius, to the hole that shows how what turns on stands
+_LEAST_GAP = 2.0  # mm, between the second plates of two sides, that a spacer fills
 
 
 @dataclass(frozen=True)
@@ -362,7 +363,13 @@ class Linkage(Mechanism):
             if self.making.battery is not None:
                 right = "nothing here, or parts.sides = 2: it lies under the far side's plate"
                 yield Fault(("parts", "battery"), "", right)
+            if self.making.side_gap:
+                right = "nothing here, or parts.sides = 2: it is between both sides"
+                yield Fault(("parts", "side_gap"), f"{self.making.side_gap:g}", right)
             return
+        if 0 < self.making.side_gap < _LEAST_GAP:
+            right = f"0, or at least {_LEAST_GAP:g} mm: a spacer"
+            yield Fault(("parts", "side_gap"), f"{self.making.side_gap:g}", right)
         key = ("parts", "sides")
         if self.making.plates == 1:
             yield Fault(
@@ -718,7 +725,7 @@ class Linkage(Mechanism):
 
     @property
     def _mirror(self) -> Mirror:
-        """Between both sides: where both second plates meet; DesignError where no shaft gets there."""
+        """Half-way between both second plates; DesignError where no shaft gets there."""
         end = upper_end(self.bodies.layout)
         assert end is not None, "a fault of the spec"
         if end.axis is None:
@@ -730,7 +737,9 @@ class Linkage(Mechanism):
                 f"link {self.drive.link}",
                 'set parts.shaft = "interrupted": its upper end goes on into the far side',
             )
-        return Mirror(end.top, end.shaft, math.radians(self.making.side_phase_deg))
+        phase = math.radians(self.making.side_phase_deg)
+        gap = self.making.side_gap
+        return Mirror(end.top + gap / 2, end.shaft, phase, gap)
 
     def _made_of(self, bodies: Bodies, machine: m.Machine) -> Assembly:
         """What is made without what is included; machine: its model."""

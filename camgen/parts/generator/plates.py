@@ -347,6 +347,17 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
         post, notes=(*post.notes, HoldingNote("each screwed on from below, through the plate"))
     )
     yield from ((post, Mount("post", GROUND, z, z=floor)) for z in layout.second.columns)
+    if s.side_gap:
+        wide = 2 * max(wide for _, wide in posts)
+        between = spacer(
+            "side-spacer", "Spacer between both sides", _head(s), wide, s.side_gap, least
+        )
+        glued = HoldingNote("each glued on the second plate, round a post's screw")
+        between = replace(between, notes=(*between.notes, glued))
+        yield from (
+            (between, Mount(between.name, GROUND, z, z=ceiling + floor))
+            for z in layout.second.columns
+        )
     for stand in layout.stands:
         if stand.merged is not None:
             continue
@@ -475,6 +486,13 @@ def _depth(sizes: Parts) -> float:
     return screw.height + SUNK
 
 
+def _head(sizes: Parts) -> float:
+    """Diameter of the same pockets, mm."""
+    screw = sizes.post_screw
+    assert screw is not None, "a fault of the spec"
+    return screw.head + HEAD_ROOM
+
+
 def _posts(
     layout: Layout,
 ) -> tuple[list[tuple[complex, float]], dict[str, Contour], dict[str, Contour]]:
@@ -489,7 +507,7 @@ def _screws(
     screw = layout.sizes.post_screw
     if screw is None:
         return [], {}, {}
-    wide = (screw.head + HEAD_ROOM) / 2
+    wide = _head(layout.sizes) / 2
     hubs = [(z, max(post_radius(layout.sizes), wide + layout.sizes.wall)) for z in places]
     through = {f"{name} {k}": circle(z, screw.clearance / 2) for k, z in enumerate(places, 1)}
     return hubs, through, {f"{name} {k}": circle(z, wide) for k, z in enumerate(places, 1)}

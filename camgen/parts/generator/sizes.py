@@ -239,6 +239,11 @@ class Parts(Record):
     side_phase_deg: Annotated[float, quantity("deg", ge=-360, le=360)] = Field(
         default=180.0, description="how far the far side is ahead of the near side"
     )
+    side_gap: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+        default=0.0,
+        description="distance between the second plates of both sides, on spacers: feet so much further apart "
+        "across; 0: plate on plate",
+    )
     shaft_made: Literal["printed", "steel"] = Field(
         default="printed",
         description='"printed"; or "steel": turned, with the flat; so are the crank pins of an '
@@ -317,7 +322,13 @@ class Parts(Record):
     def driven_by_shaft(self) -> Parts:
         """Of the far side of a machine: nothing but its shaft turns it."""
         least = self.thickness + 2
-        none = {"motor": "none", "can": None, "set_screw": "none", "hand_crank": 0.0}
+        none = {
+            "motor": "none",
+            "can": None,
+            "set_screw": "none",
+            "hand_crank": 0.0,
+            "side_gap": 0.0,
+        }
         return self.model_copy(update={**none, "shaft_length": least})
 
     @property
