@@ -256,6 +256,7 @@ class Resistance:
     damping: float = 0.0  # N s/mm or N m s/rad
     friction: float = 0.0  # N or N m, none at rest
     law: Callable[[Floats], Floats] | None = None
+    wound: float = 0.0  # N or N m of the force, that a spring of that rate gives
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """What makes a follower leave its cam sooner in one copy than in another: prints, springs, the friction of its joints.
 
     print    bends the lift of the cam, above all its second derivative, by which inertia throws the follower off
-    spring   rate and preload, each by itself, are off by load.spring_error; weight and loads that press at all angles count as preload
+    spring   rate and preload, each by itself, are off by load.spring_error; weight and loads press as they are
     friction of guides and pins holds the follower back; where nothing presses on the cam, only what spring and weight press
              on them is left
 
@@ -17,7 +17,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from camgen.machine.cams.bounce import Bounce, Contact, contact_of
-from camgen.machine.model import Cam, Machine
+from camgen.machine.forces import Forces
+from camgen.machine.model import Cam, Load, Machine, Resistance, Spring, TorsionSpring
 from camgen.machine.run import solve
 from camgen.machines.loads.lift_off import by_force, restitution_of, slow
 from camgen.machines.loads.rubbing import with_friction
@@ -63,9 +64,10 @@ def bounces(spread: Spread, errors: Floats, seed: int) -> list[CopiesBounce]:
         contact = contact_of(cam, run, still)
         if contact is None or cam.name not in spread.bends or not 0 < contact.lift_off < math.inf:
             continue
-        wound = 1 + size * chance.standard_normal((len(errors), 2))
+        springs = np.array(_springs(contact, cam, machine, theta, still))
+        wound = size * chance.standard_normal((len(errors), 2)) * springs
         printed = [_bent(contact, cam, spread, each) for each in errors]
-        copies = [_wound(each, *share) for each, share in zip(printed, wound, strict=True)]
+        copies = [_wound(each, *more) for each, more in zip(printed, wound, strict=True)]
         flown = [each.bounce(speed, restitution) for each in copies if each.lift_off < abs(speed)]
         found.append(
             CopiesBounce(
@@ -74,7 +76,7 @@ def bounces(spread: Spread, errors: Floats, seed: int) -> list[CopiesBounce]:
                 contact.lift_off,
                 _rubbing(mechanism, machine, cam, theta, contact.lift_off),
                 np.array([each.lift_off for each in printed]),
-                np.array([_wound(contact, *share).lift_off for share in wound]),
+                np.array([_wound(contact, *more).lift_off for more in wound]),
                 np.array([each.lift_off for each in copies]),
                 flown,
             )
@@ -93,10 +95,27 @@ def _bent(contact: Contact, cam: Cam, spread: Spread, errors: Floats) -> Contact
     return replace(contact, lift=lift)
 
 
+def _springs(
+    contact: Contact, cam: Cam, machine: Machine, theta: Floats, still: Forces
+) -> tuple[float, float]:
+    """Rate and preload on a cam of the machine's springs alone; still: with all loads."""
+    loads = tuple(load for each in machine.loads for load in _unsprung(each))
+    rest = solve(slow(replace(machine, loads=loads)), theta).forces()
+    push = cam.leaves * (still.contacts[cam.name] - rest.contacts[cam.name])
+    return contact.springs(theta, push)
+
+
+def _unsprung(load: Load) -> list[Load]:
+    """A load without what is a spring's."""
+    if isinstance(load, Resistance):
+        return [replace(load, force=load.force - load.wound, rate=0.0, wound=0.0)]
+    return [] if isinstance(load, Spring | TorsionSpring) else [load]
+
+
 def _wound(contact: Contact, rate: float, preload: float) -> Contact:
-    """With a spring whose rate and preload are that many times the wanted ones."""
+    """With springs whose rate and preload are so much greater."""
     spring = contact.spring
-    own = replace(spring, rate=rate * spring.rate, preload=preload * spring.preload)
+    own = replace(spring, rate=rate + spring.rate, preload=preload + spring.preload)
     return replace(contact, spring=own)
 
 

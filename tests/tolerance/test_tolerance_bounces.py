@@ -70,7 +70,24 @@ def test_springs_scatter_the_speed_by_half_as_much(found: Spread) -> None:
 def test_a_spring_that_is_stronger_all_through_holds_by_its_root(found: Spread) -> None:
     lift = found.mechanism.motion
     contact = Contact(lift, Spring(0.3e-3, 0.0, 0.5, 5.0), 1.0, 0.0, 1.0)
-    assert _wound(contact, 1.21, 1.21).lift_off == pytest.approx(1.1 * contact.lift_off, rel=1e-12)
+    more = 0.21 * 0.5, 0.21 * 5.0
+    assert _wound(contact, *more).lift_off == pytest.approx(1.1 * contact.lift_off, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("pressed", "share"),
+    [
+        (("load.resistance=5", "spring.rate=0", "spring.preload=0"), 0.0),
+        (("load.gravity_deg=-90", "spring.rate=0", "spring.preload=0"), 0.0),
+        (("load.resistance=2", "spring.rate=0", "spring.preload=2"), 0.5),
+    ],
+)
+def test_what_is_no_spring_presses_as_it_is(pressed: tuple[str, ...], share: float) -> None:
+    """An error of a spring's preload moves the speed by half of what that is of all that presses."""
+    found = spread("disc-cam", *HELD, "load.friction=0", "motor.speed_rpm=100", *pressed)
+    (copies,) = bounces(found, np.zeros((100, len(found.modes))), 1)
+    scatter = float(np.std(copies.springs_alone)) / copies.designed
+    assert scatter == pytest.approx(0.05 * share / 2, rel=0.2, abs=1e-12)
 
 
 def test_the_report_says_from_which_speed_copies_leave() -> None:

@@ -133,6 +133,12 @@ class Contact:
         """Least speed of the machine, rad/s, at which nothing presses somewhere; inf where there is none."""
         return lift_off_speed(self.lift, self.spring, _TURN) / abs(self.rate)
 
+    def springs(self, theta: Floats, push: Floats) -> tuple[float, float]:
+        """Rate and preload of what pushes the follower at rest on its cam so at theta, both (n,)."""
+        lift = self.lift(self.sense * (self.rate * theta + self.begin), 0)
+        rate, preload = _shares([lift, np.ones_like(push)], push, float(np.max(np.abs(push))))
+        return rate, preload
+
     def _theta(self, angle: float) -> float:
         return (self.sense * angle - self.begin) / self.rate
 

@@ -166,11 +166,11 @@ def contact_machine(
         case _:
             raise TypeError(f"no machine for {type(follower).__name__}")
     lowest = follower.leaves * float(np.min(follower.leaves * program(_turn(program))))
-    borne = load.preload + load.resistance
-    force = load.rate * lowest - follower.leaves * borne
+    wound = load.rate * lowest - follower.leaves * load.preload
+    force = wound - follower.leaves * load.resistance
     loads = (
-        (Resistance("load", of, force, load.rate, load.damping),)
-        if load.damping or load.rate or borne
+        (Resistance("load", of, force, load.rate, load.damping, wound=wound),)
+        if load.damping or load.rate or force
         else ()
     )
     return Machine(
