@@ -245,7 +245,7 @@ def written(request: Request) -> str:
         return found, found.line(request.folder)
 
     _, (wish, line) = request.for_linkage(drawing)
-    pen = pen_motion(line, _OF_DRAWING * wish.tolerance)
+    pen = pen_motion(line, _OF_DRAWING * wish.tolerance, wish.corners)
     request.say(f"peak acceleration of the pen: {peak_acceleration(pen):.4g} mm/rad^2")
     closed = np.append(line, line[0])
     rest = request.with_lash("lash", wish.lash)

@@ -16,7 +16,7 @@ from pydantic import Field, TypeAdapter, create_model
 from camgen.design.fourbars import Room
 from camgen.errors import Fault, SpecError
 from camgen.machines.spec_files import line_of, rows_of
-from camgen.motion.pen import closed_line
+from camgen.motion.pen import Corners, closed_line
 from camgen.numerics import Floats, Points
 from camgen.reading import Data, references
 from camgen.spec import Checked, Length, Record, validate
@@ -137,6 +137,10 @@ class DrawingWish(Wish):
     )
     tolerance: Annotated[float, Field(ge=0.01, le=5)] = Field(
         0.1, description="mm, how far the pen may be off the line, either way"
+    )
+    corners: Corners = Field(
+        "round",
+        description="whether the pen rounds sharp corners within the tolerance, or stops in them",
     )
     width: Annotated[float, Field(ge=3, le=300)] | None = Field(
         None, description="mm, width of the drawing; as drawn unless given"

@@ -62,6 +62,30 @@ def test_least_acceleration_within_the_tolerance(name: str, tolerance: float, pe
     assert 0.97 * tolerance < apart(pen, LINES[name]) < 1.01 * tolerance
 
 
+def test_a_square_is_met_where_the_pen_stops() -> None:
+    """At rest in every corner, straight between them; four runs from rest to rest of 30 mm in what the rests leave of a turn."""
+    side = 30
+    pen = pen_motion(square(side), 0.1, "stop")
+    assert max(float(np.min(np.abs(pen - corner))) for corner in square(side)) < 1e-9
+    assert apart(pen, square(side)) < 1e-9
+    from_rest_to_rest = 4 * side / (math.tau / 4) ** 2
+    assert from_rest_to_rest < peak_acceleration(pen) < 1.4 * from_rest_to_rest
+    assert np.sum(np.abs(pen - np.roll(pen, 1)) < 1e-9) > 4
+
+
+def test_only_bends_are_rounded_where_the_pen_stops() -> None:
+    """A half round and its chord: sharp where they meet, within the tolerance between."""
+    half = 10 * np.exp(1j * np.linspace(0, math.pi, 60))
+    pen = pen_motion(half, 0.1, "stop")
+    assert max(float(np.min(np.abs(pen - end))) for end in (half[0], half[-1])) < 1e-9
+    assert 0.01 < apart(pen, half) < 0.101
+
+
+def test_a_line_without_corners_has_no_stops() -> None:
+    line = 10 * np.exp(2j * math.pi * np.arange(90) / 90)
+    assert np.array_equal(pen_motion(line, 0.05, "stop"), pen_motion(line, 0.05))
+
+
 def test_an_open_line_is_drawn_there_and_back() -> None:
     """All of its corners are reached, also where it turns back and its curvature has no bound."""
     line = closed_line(np.array([18j, -10 - 14j, 17 + 5j]))

@@ -56,7 +56,7 @@ def filled(data: Any) -> Any:
         known = Pen.model_validate(pen)
     except ValidationError:
         return data
-    line = known.corners
+    line = known.closed
     mine = [row for row in rows if isinstance(row, Mapping) and row.get("point") == known.point]
     if line is None or any("path" in row for row in mine):
         return data
@@ -86,9 +86,9 @@ def faults(pen: Pen, drawing: Drawing) -> Iterator[Fault]:
 @lru_cache(maxsize=8)
 def _motion(pen: Pen) -> Points:
     """Places of the pen at even theta of a period, (n,) complex mm."""
-    line = pen.corners
+    line = pen.closed
     assert line is not None, "a fault of the spec"
-    return pen_motion(line, _OF_TOLERANCE * pen.tolerance)
+    return pen_motion(line, _OF_TOLERANCE * pen.tolerance, pen.corners)
 
 
 def led(chain: m.Machine, pen: Pen) -> m.Machine:

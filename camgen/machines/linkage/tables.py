@@ -31,7 +31,7 @@ from camgen.machine.targets import (
 from camgen.machines.loads.tables import CamLimitsTable
 from camgen.machines.pairs import Air
 from camgen.motion.closed import Harmonics, closed_program
-from camgen.motion.pen import closed_line
+from camgen.motion.pen import Corners, closed_line
 from camgen.motion.program import Program
 from camgen.motion.segments import Kind, Span, WholeTurn, program
 from camgen.parts.gears import MOST_TEETH, GearWish
@@ -228,11 +228,15 @@ class Pen(Record):
     tolerance: Annotated[float, quantity("mm", ge=0.01, le=5)] = Field(
         default=0.1, description="how far the pen may be off the line, either way"
     )
+    corners: Corners = Field(
+        default="round",
+        description="whether the pen rounds sharp corners within the tolerance, or stops in them",
+    )
     drawn_in: str | None = Field(default=None, description="file that the line was read from")
 
     @property
-    def corners(self) -> NDArray[np.complex128] | None:
-        """Of the closed line on the ground, (n,) complex mm, the first not repeated; None where it is no line."""
+    def closed(self) -> NDArray[np.complex128] | None:
+        """Corners of the closed line on the ground, (n,) complex mm, the first not repeated; None where it is no line."""
         if isinstance(self.line, str):
             return None
         z = closed_line(np.array([complex(*place) for place in self.line]), self.width)
@@ -246,7 +250,7 @@ class Pen(Record):
         if isinstance(self.line, str):
             right = "its points: only a spec in a file can name another file"
             yield Fault(("pen", "line"), self.line, right)
-        elif self.corners is None:
+        elif self.closed is None:
             right = "a line of at least 3 different points, 1 mm across or more"
             yield Fault(("pen", "line"), f"{len(self.line)} points", right)
         if len(drives) != 2:
