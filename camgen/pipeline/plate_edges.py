@@ -75,7 +75,7 @@ def _judged(
     output = mechanism.model.outputs[0].name
     tip = Tip(edge.radius, edge.rest, edge.pivot)
     name = f"{output}_{wanted.unit}"
-    columns = {"way_mm": wanted.x, name: wanted.scale * wanted.s}
+    columns = {"theta_mm": wanted.x, name: wanted.scale * wanted.s}
     findings: list[Finding] = []
     errors: list[tuple[str, Floats, Floats]] = []
     for kind in kinds:
@@ -117,7 +117,6 @@ def _findings(
     """CONTACT, MOTION_ERROR, SPEED_RIPPLE and PRESSURE_ANGLE of one file; ran: s, (n,) mm or rad."""
     x = wanted.x
     lost = np.isnan(ran)
-    where = replace(where, angle="way", unit="mm")
     share = 100 * float(np.mean(~lost))
     yield at_least("CONTACT", share, 100, "percent", where, "of the way the tip meets the edge")
     if lost.any():

@@ -328,7 +328,9 @@ def influence_text(spec: Source, code: str) -> str:
     found = influence(spec, code)
     lines = [f"### {code} in {_title(spec)}"]
     if not found.findings:
-        lines.append("Only files show it: `camgen build` judges it, if the machine has it.")
+        lines.append(
+            "Not judged before files are made: its limit is not given, or only files show it."
+        )
     for each in found.findings:
         sign = "at least" if each.floor else "at most"
         state = "Holds" if each.ok else "Fails"

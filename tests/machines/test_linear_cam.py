@@ -140,6 +140,58 @@ def test_what_pushes_the_plate_is_a_force() -> None:
     assert "drive_force_n" not in assess(machine).study.numbers
 
 
+@pytest.mark.parametrize("follower", [{"shape": "roller", "radius": 5.0}, ARM])
+def test_a_spring_presses_the_follower_on_the_plate(follower: dict[str, Any]) -> None:
+    """At 20 mm/s inertia does nothing to thousandths: preload and rate alone, over the lever and the cosine of the pressure angle."""
+    swings = "arm" in follower
+    spring = {"rate": 0.5, "preload": 3.0}
+    load = {"inertia_kg_m2": 1e-9} if swings else {"mass_kg": 1e-6}
+    machine = linear(geometry={"follower": follower}, segment=UNEVEN, load=load, spring=spring)
+    theta = np.linspace(*machine.cam.range, 4001)
+    lift = machine.motion(theta)
+    steep = machine.cam.pressure_angle(theta)
+    force = (3.0 + 0.5 * lift) / np.cos(steep) / (0.05 if swings else 1.0)
+    numbers = machine.study().numbers
+    assert numbers["peak_contact_force_n"] == pytest.approx(np.max(force), rel=1e-4)
+    assert numbers["least_contact_force_n"] == pytest.approx(np.min(force), rel=1e-4)
+    kept = next(each for each in machine.limits() if each.code == "LIFT_OFF")
+    assert kept.ok and kept.measured == pytest.approx(np.min(force), rel=1e-4)
+
+
+def test_a_follower_leaves_a_plate_that_is_too_fast() -> None:
+    """2 kg on the cycloid of 15 mm in 60 mm: at least a = 2 pi h v^2 / l^2 downwards at the top of the rise."""
+    speed = 300.0
+    needed = 2 * 2 * math.pi * 15e-3 * (speed / 60) ** 2
+    machine = linear(load={"mass_kg": 2.0}, drive={"speed": speed}, spring={"preload": 1.0})
+    lost = next(each for each in machine.limits() if each.code == "LIFT_OFF")
+    assert not lost.ok and "mm" in str(lost.where)
+    assert machine.study().numbers["spring_preload_needed_n"] == pytest.approx(needed, rel=1e-3)
+    held = machine.replace({"spring.preload": 1.001 * needed})
+    assert next(each for each in held.limits() if each.code == "LIFT_OFF").ok
+
+
+def test_the_roller_presses_as_two_cylinders_do() -> None:
+    """On the level top a cylinder of 5 mm on a plane, by Hertz: p = sqrt(F E* / (pi L R)); the plate is 5 mm thick."""
+    machine = linear(
+        segment=[{"kind": "dwell", "span": 50.0}],
+        load={"resistance": 20.0},
+        material={"name": "C45"},
+        limits={"hertz_mpa": 50.0, "least_radius": 0.0},
+    )
+    steel = 206e3 / (2 * (1 - 0.3**2))
+    pressure = math.sqrt(20.0 * steel / (math.pi * 5.0 * 5.0))
+    (judged,) = (each for each in machine.limits() if each.code == "HERTZ")
+    assert judged.measured == pytest.approx(pressure, rel=0.02)  # E of steels is 206 to 210 GPa
+    assert not judged.ok
+    blade = linear(geometry={"follower": {"shape": "knife", "radius": None}}, load={"mass_kg": 1.0})
+    assert {each.code for each in blade.assembly.unjudged} == {"HERTZ"}
+
+
+def test_the_plate_has_the_name_that_slides() -> None:
+    machine = linear(drive={"slide": "plate"})
+    assert [part.name for part in machine.assembly.parts] == ["plate"]
+
+
 # ---- the judge -------------------------------------------------------------------------------------------------------
 
 
@@ -226,7 +278,8 @@ def test_what_is_wrong_is_told_by_its_keys() -> None:
             segment=[{"kind": "rise", "span": 20.0}, {"kind": "return", "span": 20.0, "to": 30.0}],
             print={"profile_compensation": 0.05, "shrinkage": 0.003},
             files={"cutter_radius": 4.0, "profile_step_deg": 5.0},
-            load={"stiffness": 200.0},
+            load={"stiffness": 200.0, "restitution": 0.5, "polydyne": True, "cam_follower": "KR16"},
+            limits={"frequency_ratio": 10.0, "bearing_life_h": 100.0, "least_radius": 1.0},
         )
     keys = {fault.key for fault in caught.value.faults}
     assert keys >= {
@@ -236,6 +289,11 @@ def test_what_is_wrong_is_told_by_its_keys() -> None:
         "print.profile_compensation",
         "print.shrinkage",
         "load.stiffness",
+        "load.restitution",
+        "load.polydyne",
+        "load.cam_follower",
+        "limits.frequency_ratio",
+        "limits.bearing_life_h",
         "files.cutter_radius",
         "files.profile_step_deg",
     }

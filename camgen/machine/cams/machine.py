@@ -275,6 +275,7 @@ class Loaded:
     torque: Floats
     kick: float
     forces: Forces
+    where: Where = Where()  # how its places are told
 
     def spring_needed(self, load: FollowerLoad) -> tuple[float, float]:
         """Preload, or else rate, beyond which the effort is above 0 all over the turn, the other one as loaded; not below 0.
@@ -295,7 +296,7 @@ class Loaded:
 
     def keeps_contact(self, remedy: str) -> Finding:
         """Finding LIFT_OFF: whether the least contact force, N, stays above 0; a kick throws the follower off."""
-        return keeps_contact(self.theta, self.force, bool(self.kick), Where(), remedy)
+        return keeps_contact(self.theta, self.force, bool(self.kick), self.where, remedy)
 
 
 def keeps_contact(theta: Floats, force: Floats, kicked: bool, where: Where, remedy: str) -> Finding:
@@ -328,7 +329,7 @@ def lift_off(
             key=lambda ends: theta[ends[1]] - theta[ends[0]],
         )
         begin, end = np.degrees(theta[[k, last]])
-        there = f"from {begin:.1f} to {end:.1f} deg" if end > begin else "there"
+        there = f"from {begin:.1f} to {end:.1f} {where.unit}" if end > begin else "there"
         message = f"no force presses the follower on the cam {there}; {remedy}"
     place = replace(where, theta=float(theta[k]), digits=1)
     return Finding(

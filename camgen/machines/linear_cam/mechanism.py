@@ -15,40 +15,32 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
-from camgen.findings import Finding, Where, at_least, at_most
+from camgen.findings import Finding, NotJudged, Where, at_least, at_most
 from camgen.geometry.outlines import Contour, Line, Region, circle, end_point, start_point
 from camgen.machine.cams.limits import ARM_PRESSURE, SLIDE_PRESSURE, program_findings
 from camgen.machine.cams.linear import WAY, LinearCam, PlateArm, PlateSlide
+from camgen.machine.cams.machine import FollowerLoad, Loaded, contact_machine
 from camgen.machine.features import Mount, PlateEdge
-from camgen.machine.model import (
-    GROUND,
-    Along,
-    Angle,
-    Body,
-    Cam,
-    Drive,
-    Joint,
-    Machine,
-    Output,
-    Pin,
-    Place,
-    Pose,
-    Slide,
-    Turning,
-)
+from camgen.machine.model import GROUND, MM, Cam, Drive, Machine, Place, Slide, Turning
+from camgen.machine.run import solve
+from camgen.machine.strength import line_contact
+from camgen.machines.cam_loads import lift_off, load_faults, load_of
+from camgen.machines.disc_cam.tables import LoadTable, SpringTable
 from camgen.machines.linear_cam.tables import PlateDrive, PlateGeometry, PlateLimits, PlateParts
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.stroke import Stroke, StrokeSegment, stroke
 from camgen.numerics import Floats
+from camgen.parts import materials
 from camgen.parts.assembly import Assembly, Cycle
 from camgen.parts.disc_cams import roller_note
 from camgen.parts.part import Layer, Part
+from camgen.schemas import shown
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study
 
 _SMOOTHER = "a law that ends smoother joins them"
@@ -56,14 +48,30 @@ _FLATTER = "a longer span or a smaller lift lowers it"
 _AS_DRAWN = "0: the edge of a linear cam is in its files as drawn; let the slicer compensate"
 _NO_TURN = "nothing here: a plate that slides has no cam angle"
 # keys of every spec that a plate has no use for, and what would be right
+_RIGID = "nothing here: a plate's follower counts as rigid"
+_NOT_MADE = "nothing here: the plate alone is made, with no pin, bearing or gear"
+_NO_SHAFT = "nothing here: no shaft turns"
 _UNUSED = (
     ("print", "profile_compensation", _AS_DRAWN),
     ("print", "shrinkage", _AS_DRAWN),
-    ("load", "stiffness", "nothing here: the mass of a plate's follower is not known"),
+    ("load", "stiffness", _RIGID),
+    ("load", "damping_ratio", _RIGID),
+    ("load", "polydyne", _RIGID),
+    ("load", "restitution", "nothing here: hops are told of cams that turn evenly"),
+    ("load", "spring_error", "nothing here: what a spring's error does is told of cams that turn"),
+    ("load", "cam_follower", "nothing here: the roller counts as steel, its life is not judged"),
+    ("limits", "frequency_ratio", _RIGID),
+    ("limits", "bearing_life_h", _NOT_MADE),
+    ("limits", "pin_stress_mpa", _NOT_MADE),
+    ("limits", "tooth_stress_mpa", _NOT_MADE),
+    ("limits", "pv_mpa_m_s", _NOT_MADE),
+    ("limits", "run_up_s", _NO_SHAFT),
+    ("limits", "speed_swing", _NO_SHAFT),
     ("files", "profile_step_deg", _NO_TURN),
     ("files", "cutter_radius", "nothing here: no path of a cutter is made along a plate"),
 )
 _SAMPLES = 1441  # of the way, in curves
+_BY_WAY: dict[str, Any] = {"angle": "way of the plate", "unit": "mm"}  # how places are told
 
 
 class LinearCamDrive(Mechanism):
@@ -75,6 +83,14 @@ class LinearCamDrive(Mechanism):
     )
     drive: PlateDrive = Field(
         default=PlateDrive.model_construct(), description="what moves the plate"
+    )
+    load: LoadTable | None = Field(
+        default=None,
+        description="mass and loads of the follower, for forces, and whether it stays on the plate",
+    )
+    spring: SpringTable | None = Field(
+        default=None,
+        description="the spring that presses the follower on the plate; the report says what is needed",
     )
     making: Annotated[PlateParts, Field(alias="parts")] = PlateParts.model_construct()
     allowed: Annotated[PlateLimits, Field(alias="limits")] = PlateLimits.model_construct()
@@ -106,9 +122,11 @@ class LinearCamDrive(Mechanism):
             right = f"at most {max(widest, 0.0):.4g}: geometry.height and twice parts.ends, less two of limits.min_wall; 0: no holes"
             found.append(Fault(("parts", "hole"), f"{self.making.hole:g}", right))
         for table, key, right in _UNUSED:
-            value = getattr(getattr(self, table), key, None)
-            if value:
-                found.append(Fault((table, key), f"{value:g}", right))
+            record = self.allowed if table == "limits" else getattr(self, table)
+            value = getattr(record, key, None)
+            if value is not None and value != type(record).model_fields[key].default:
+                found.append(Fault((table, key), shown(value), right))
+        found += load_faults(self.load, self.spring, not f.swings, True, False)
         try:
             self.program  # noqa: B018
         except SpecError as error:
@@ -143,37 +161,12 @@ class LinearCamDrive(Mechanism):
 
     def _unloaded(self) -> Machine:
         """Plate and follower; output "lift", mm, or "swing", rad."""
-        follower = self.cam.follower
-        start = float(self.program(np.zeros(1))[0])
-        held: Joint
-        of: Angle | Along
-        if isinstance(follower, PlateSlide):
-            rest = follower.start
-            body = Body("follower", {"tip": rest})
-            held = Slide("guide", Place(GROUND, rest), body.at("tip"), math.pi / 2)
-            pose = Pose(1j * start, 0.0)
-            of = Along("guide")
-            output = Output("lift", of, "mm")
-        else:
-            body = Body("follower", {"pivot": 0j})
-            held = Pin("pivot", body.at("pivot"), Place(GROUND, follower.pivot))
-            pose = Pose(follower.pivot, start)
-            of = Angle("follower")
-            output = Output("swing", of, "rad")
-        slide = None if self.geometry.follower.swings else "guide"
         law = stroke(self.segment, 1 / self.geometry.follower.unit[1], 1.0)
-        contact = Cam("contact", "cam", "follower", law, slide, closure="force", over="rails")
-        plate = Body("cam", {"datum": 0j})
-        rails = Slide("rails", Place(GROUND), plate.at("datum"), math.pi)
-        return Machine(
-            (Body(GROUND), plate, body),
-            (rails, held, contact),
-            (Drive("motor", "cam", Turning(WAY), "rails"),),
-            {"cam": Pose(0j, 0.0), "follower": pose},
-            (),
-            (output,),
-            self._speed,
-        )
+        contact = Cam("contact", "cam", "follower", law, closure="force", over="rails")
+        made = contact_machine(contact, self.cam.follower, self._speed, self._load)
+        rails = Slide("rails", Place(GROUND), Place("cam"), math.pi)
+        drive = Drive("motor", "cam", Turning(WAY), "rails")
+        return replace(made, joints=(rails, *made.joints[1:]), drives=(drive,))
 
     @property
     def _lowest(self) -> float:
@@ -223,14 +216,14 @@ class LinearCamDrive(Mechanism):
         f = self.geometry.follower
         notes = roller_note(2 * f.radius) if f.radius else ()
         part = Part(
-            "cam",
+            self.drive.slide,
             "Plate of a linear cam",
             (Layer(region, 0.0, p.thickness),),
             notes=notes,
             centres=self._screws,
             min_wall=self.allowed.min_wall,
         )
-        made = self._assembly([part], [Mount("cam", "cam")])
+        made = self._assembly([part], [Mount(self.drive.slide, "cam")])
         low, high = self.cam.range
         cycle = Cycle(low, high, name="way of the plate", to_and_fro=True, unit="mm")
         return replace(made, cycle=cycle, edges=(self._plate_edge,))
@@ -247,7 +240,7 @@ class LinearCamDrive(Mechanism):
         follower = self.cam.follower
         pivot = None if isinstance(follower, PlateSlide) else follower.pivot
         reference = follower.start if isinstance(follower, PlateSlide) else follower.arm
-        return PlateEdge("cam", "contact", follower.tip_radius, reference, pivot)
+        return PlateEdge(self.drive.slide, "contact", follower.tip_radius, reference, pivot)
 
     # ---- checks and figures -----------------------------------------------------------------------------------------
 
@@ -270,11 +263,107 @@ class LinearCamDrive(Mechanism):
                 plate,
                 f"least radius of the convex edge; {_FLATTER.replace('lowers', 'widens')}",
             ),
-            *(
-                replace(each, where=replace(each.where, angle="way", unit="mm"))
-                for each in of_program
-            ),
+            *(replace(each, where=replace(each.where, **_BY_WAY)) for each in of_program),
+            *self._borne,
         ]
+
+    # ---- loads ------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _load(self) -> FollowerLoad | None:
+        return load_of(self.load, self.spring)
+
+    @cached_property
+    def _loaded(self) -> Loaded | None:
+        """Forces along the way; None without [load]."""
+        if self._load is None:
+            return None
+        theta = self._ways
+        forces = solve(self._pulled, theta).forces()
+        effort = forces.contacts["contact"]
+        follower = self.cam.follower
+        lever = 1.0 if isinstance(follower, PlateSlide) else abs(follower.arm) * MM
+        force = effort / (lever * np.cos(self.cam.pressure_angle(theta)))
+        (push,) = forces.drives.values()
+        lift = self.program(theta)
+        where = Where("plate", **_BY_WAY)
+        return Loaded(theta, lift - np.min(lift), effort, force, push, 0.0, forces, where)
+
+    @property
+    def _ways(self) -> Floats:
+        """theta along the way, both sides of each joint too."""
+        low, high = self.cam.range
+        return np.union1d(np.linspace(low, high, _SAMPLES), self.program.breaks[1:] - 1e-9)
+
+    @cached_property
+    def _pressure(self) -> Floats | None:
+        """Greatest pressure of a steel roller on the plate's edge along the way, (n,) MPa; None without [load], and of a knife edge."""
+        radius = self.geometry.follower.radius
+        if self._loaded is None or radius is None:
+            return None
+        bend = self.cam.follower.pitch_curvature(self._ways, self.program)
+        curvature = 1 / (
+            radius * (1 - radius * bend)
+        )  # 1/R and that of the edge, bend / (1 - R bend)
+        own = materials.of(self.material.name)
+        steel = materials.STEEL.elastic
+        force = self._loaded.force
+        return np.asarray(
+            line_contact(force, self.making.thickness, curvature, own.elastic, steel)[0]
+        )
+
+    @property
+    def _hertz_limit(self) -> float | None:
+        """MPa."""
+        return self.allowed.hertz_mpa or materials.of(self.material.name).hertz
+
+    @property
+    def _borne(self) -> list[Finding]:
+        """LIFT_OFF, and HERTZ where the roller presses and a limit of the plate's material is known."""
+        if self._loaded is None or self._load is None:
+            return []
+        slides = not self.geometry.follower.swings
+        found = [lift_off(self._loaded, self._load, slides, None)]
+        limit = self._hertz_limit
+        if self._pressure is None or limit is None or not np.any(self._pressure):
+            return found
+        k = int(np.argmax(self._pressure))
+        own = materials.of(self.material.name)
+        by = "limits.hertz_mpa" if self.allowed.hertz_mpa else own.hertz_source
+        line = f"a line of {self.making.thickness:.4g} mm"
+        said = f"steel roller on {line}, {own.name}; {by}; the line's ends press harder still"
+        where = Where("plate", theta=float(self._ways[k]), digits=1, **_BY_WAY)
+        return [*found, at_most("HERTZ", float(self._pressure[k]), limit, "MPa", where, said)]
+
+    def _unjudged(self) -> Sequence[NotJudged]:
+        """HERTZ of a knife edge, and of a material of which no limit is known."""
+        if self._loaded is None:
+            return ()
+        if self._pressure is None:
+            why = "a knife edge touches: it has no width, and no formula gives its pressure"
+            return [NotJudged("HERTZ", why, "a roller")]
+        if self._hertz_limit is not None:
+            return ()
+        most = float(np.max(self._pressure))
+        why = f"{most:.4g} MPa, and no limit is published for {self.material.name}"
+        return [NotJudged("HERTZ", why, "limits.hertz_mpa")]
+
+    @property
+    def _load_figures(self) -> list[Figure]:
+        if self._loaded is None or self._load is None:
+            return []
+        preload, rate = self._loaded.spring_needed(self._load)
+        units = ("N m", "N m/rad") if self.geometry.follower.swings else ("N", "N/mm")
+        figures = [
+            Figure("peak contact force", float(np.max(self._loaded.force)), "N"),
+            Figure("least contact force", float(np.min(self._loaded.force)), "N"),
+            Figure("spring preload needed", preload, units[0]),
+            Figure("spring rate needed", rate, units[1]),
+        ]
+        if self._pressure is not None:
+            most = float(np.max(self._pressure))
+            figures.append(Figure("hertz pressure {of}", most, "MPa", "contact"))
+        return figures
 
     def study(self) -> Study:
         """Sizes, motion and its derivatives, pressure angle."""
@@ -291,6 +380,7 @@ class LinearCamDrive(Mechanism):
             Figure("curvature radius min", self.cam.least_radius, "mm"),
             Figure("peak speed", peaks[0], f"{unit}/s"),
             Figure("peak acceleration", peaks[1], f"{unit}/s²"),
+            *self._load_figures,
         ]
         return Study(
             Figures(each for each in figures if math.isfinite(each.value)),
@@ -301,8 +391,7 @@ class LinearCamDrive(Mechanism):
 
     def _plots(self) -> list[Plot]:
         unit, scale = self.geometry.follower.unit
-        low, high = self.cam.range
-        theta = np.union1d(np.linspace(low, high, _SAMPLES), self.program.breaks[1:] - 1e-9)
+        theta = self._ways
         way = WAY * theta
         names = ("Displacement", "Velocity", "Acceleration")
         units = (unit, f"{unit}/s", f"{unit}/s^2")
@@ -313,7 +402,11 @@ class LinearCamDrive(Mechanism):
             for name, text, row in zip(names, units, rows, strict=True)
         ]
         steep = np.degrees(self.cam.pressure_angle(theta))
-        return [*curves, Plot("Pressure angle", label, "deg", [("exact edge", way, steep)])]
+        curves.append(Plot("Pressure angle", label, "deg", [("exact edge", way, steep)]))
+        if self._loaded is not None:
+            force = ("follower on plate", way, self._loaded.force)
+            curves.append(Plot("Contact force", label, "N", [force]))
+        return curves
 
     def _sketch(self) -> Sketch:
         """The follower at s = 0, in the frame that its pose moves."""

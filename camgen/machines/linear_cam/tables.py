@@ -8,6 +8,7 @@ from pydantic import Field
 
 from camgen.machines.loads.tables import CamLimitsTable, MovingFollower
 from camgen.parts.disc_cams import Thickness
+from camgen.parts.generator.sizes import Name
 from camgen.spec import Length, MinWall, Record, quantity
 
 
@@ -46,6 +47,7 @@ class PlateGeometry(Record):
 class PlateDrive(Record):
     """What moves the plate."""
 
+    slide: Name = Field(default="cam", description="what slides: the plate, as its files call it")
     speed: Annotated[float, quantity("mm/s", gt=0, le=1e5)] = Field(
         default=20.0, description="speed of the plate on its slide"
     )
@@ -67,4 +69,7 @@ class PlateParts(Record):
 class PlateLimits(CamLimitsTable):
     """What you accept: beyond a limit its finding fails."""
 
+    least_radius: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+        default=0.0, description="least radius of the edge where it is convex, for wear"
+    )
     min_wall: MinWall = 0.8
