@@ -136,6 +136,13 @@ def test_what_does_not_slide_on_the_ground_does_not_drive() -> None:
         assert key in {fault.key for fault in caught.value.faults}, key
 
 
+def test_no_disc_lies_on_what_slides() -> None:
+    rise = [{"kind": "rise", "span_deg": 180, "lift_deg": 5}, {"kind": "return", "to_deg": 0}]
+    cam = {"cam": "ram", "follower": "rocker", "at": "B", "radius": 4, "segment": rise}
+    with pytest.raises(SpecError, match="linear-cam"):
+        lift(cam=[cam])
+
+
 def test_a_range_beyond_the_chain_is_told_in_mm() -> None:
     """Rod and rocker are in line where the ram is both their lengths from C."""
     furthest = 70 - ROD - ROCKER

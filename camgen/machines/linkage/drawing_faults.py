@@ -319,6 +319,8 @@ def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:
     faults = _link_fault(drawing, (*path, "cam"), cam.cam)
     if not faults and drawing.pivot(cam.cam) is None:
         right = "a link that shares a point with the ground: it turns there"
+        if drawing.slide_of(cam.cam) is not None:
+            right += '; the edge of a plate that slides is made by mechanism = "linear-cam"'
         faults = [Fault((*path, "cam"), repr(cam.cam), right)]
     follower = (*path, "follower")
     strange = _link_fault(drawing, follower, cam.follower)
