@@ -333,6 +333,10 @@ class Drawing(Record):
     roughness: Annotated[float, quantity("um", gt=0, le=100)] | None = Field(
         default=None, description="Ra of a cam's track; left out: not shown"
     )
+    bore_roughness: Annotated[float, quantity("um", gt=0, le=100)] | None = Field(
+        default=None,
+        description="Ra of a bore with a keyway; left out: 1.6 in metal, as it is reamed, else not shown",
+    )
     roughness_elsewhere: Annotated[float, quantity("um", gt=0, le=100)] | None = Field(
         default=None, description="Ra of all other faces; left out: not shown"
     )

@@ -15,6 +15,7 @@ from camgen.tolerances import SAME_POINT
 
 STACK = 8  # layers that are told one by one
 _EDGES = 16  # rows that an outline may take in the table
+_BOSSES = 2  # whose diameters a view has
 _ALIKE = 1e-9  # mm, by which distances that are one may differ
 
 
@@ -68,6 +69,15 @@ def standing_of(part: Part, labels: Collection[str]) -> dict[int, tuple[str, Hol
         if disc and names and k != part.drawn_layer:
             bosses[k] = names[0], Hole(disc[0], f"Ø{number(2 * disc[1])}", *disc)
     return bosses
+
+
+def bosses(part: Part) -> list[float]:
+    """Radii, mm, of round layers about a cam's axis, which a view has; nothing of another part, or where they are many."""
+    if not free(part.region.outer):
+        return []
+    discs = [as_circle(layer.region.outer) for layer in part.layers]
+    radii = dict.fromkeys(disc[1] for disc in discs if disc and abs(disc[0]) < SAME_POINT)
+    return list(radii) if len(radii) <= _BOSSES else []
 
 
 def flatted(contour: Contour) -> tuple[complex, float, list[Line]] | None:
@@ -136,6 +146,9 @@ def hole_of(contour: Contour) -> Hole:
         at = "" if min(lean, 180 - lean) < 1e-6 else f", at {lean:.4g}°"
         shape = f"slot {number(abs(b - a) + 2 * radius)} × {number(2 * radius)}{at}"
         return Hole((a + b) / 2, shape, (a + b) / 2, 0.0, (upper - lower) / 2)
+    if key := keyed(contour):
+        size = f"Ø{number(2 * key[0])}, keyway {number(key[1])}, {number(upper.imag - lower.imag)} overall"
+        return Hole(0j, size, 0j, key[0])
     box = f"{number(upper.real - lower.real)} × {number(upper.imag - lower.imag)}"
     if around := round_of(contour):
         centre, radius = around
@@ -247,12 +260,15 @@ def layer_rows(
         return rows
     if len(layers) == 1 and as_circle(layers[0].region.outer):
         return []
+    in_view = bosses(part)
     spans: dict[tuple[tuple[str, str, str], ...], str] = {}
     for k, layer in enumerate(layers):
         outer = layer.region.outer.moved(1, -zero)
         span = f"z {number(layer.z0)} to {number(layer.z1)}"
         disc = None if sloped else as_circle(outer)
-        if disc:
+        if disc and abs(disc[0] + zero) < SAME_POINT and disc[1] in in_view:
+            pass
+        elif disc:
             rows.append(
                 (
                     names.get(k, ""),
@@ -261,6 +277,8 @@ def layer_rows(
                     f"Ø{number(2 * disc[1])}, {span}",
                 )
             )
+        elif free(outer):
+            rows.append(("", "", "", f"Profile by DXF, {span}"))
         else:
             edges = edge_rows(outer, sloped)
             same = spans.setdefault(tuple(edges), span)
@@ -313,7 +331,7 @@ def edge_rows(contour: Contour, sloped: bool = False) -> list[tuple[str, str, st
             rows.append((number(foot.real), number(foot.imag), deep))
         return rows
     if free(contour):
-        return [("", "", "a curve: see the profile")]
+        return [("", "", "a curve by DXF")]
     pieces = [
         piece for piece in contour.pieces if abs(start_point(piece) - end_point(piece)) > 1e-9
     ]
@@ -348,11 +366,7 @@ def edge_rows(contour: Contour, sloped: bool = False) -> list[tuple[str, str, st
     for k, slope in slopes.items():
         rows[k] = (*rows[k][:2], rows[k][2] + slope)
     rows = _paired(dict.fromkeys(rows))
-    return (
-        rows
-        if len(rows) <= _EDGES
-        else [("", "", f"{len(rows)} roundings and corners: see the profile")]
-    )
+    return rows if len(rows) <= _EDGES else [("", "", f"{len(rows)} roundings and corners: by DXF")]
 
 
 def _slope(line: Line) -> str:

@@ -1,9 +1,10 @@
 """The dimensioned drawing of a part: laid out once as a sheet, written as DXF and as PDF.
 
 Views in first-angle projection: the part as its layers lie, seen along z; to its right seen from the left, bores dashed;
-below it seen along y a part that is crossed with a second outline, or a section of one whose layers differ. Overall sizes,
-a table of holes with their fits and of the corners and roundings of every outline, notes and a title block. An outline that
-is no chain of lines and arcs, a cam's, is in the part's own file; it gets its least and greatest radius and a table of radii.
+below it seen along y a part that is crossed with a second outline, or a section of one whose layers differ; one through a
+keyway takes the place of the view from the left. Overall sizes, a table of holes with their fits and of the corners and
+roundings of every outline, notes and a title block. An outline that is no chain of lines and arcs, a cam's, is in the part's
+own file; it gets its least and greatest radius, a table of radii, and its overall sizes in parentheses.
 Nothing here knows a mechanism.
 """
 
@@ -22,6 +23,7 @@ from camgen.files import views
 from camgen.files.dimensions import (
     STACK,
     Hole,
+    bosses,
     flatted,
     free,
     hole_of,
@@ -39,7 +41,7 @@ from camgen.files.sheet import Sheet, Size, Text, write_dxf_sheet, write_pdf
 from camgen.files.symbols import FRAME, datum, line_profile, position, roughness
 from camgen.files.title_block import WIDTH, Facts, title_block
 from camgen.geometry.arcs import as_circle, fit_arcs
-from camgen.geometry.outlines import Contour, Floats, extent
+from camgen.geometry.outlines import Contour, Floats, extent, rectangle
 from camgen.parts.keyways import keyway
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
@@ -67,9 +69,11 @@ _HATCH = 2.5  # mm of paper between the lines of a cut face
 _THIRD = 8.0  # from the plan view's dimension to the third view, and from that to what is below
 _COLUMNS = 3  # pairs of angle and radius beside each other
 _TRIPLES = 2  # cam angle, angle from X and radius beside each other
-_DETAIL = 30.0  # of a keyway's detail, at most
-_DETAIL_AT = 0.6  # of the tables' width: its middle
-_DETAIL_HEIGHT = 72.0  # with its sizes, on paper
+_DETAIL = 48.0  # height of a keyway's detail, at most
+_DETAIL_RADIUS = 32.0  # of its bore, beside its sizes
+_DETAIL_AT = 0.56  # of the tables' width: its middle
+_DETAIL_HEIGHT = 92.0  # with its sizes, on paper
+_BOSS = 10.0  # between the dimensions of bosses, beside the view from the left
 _OVER_DETAIL = 24.0  # of its title, over its upper edge
 _SURFACE = 10.0  # room above for them
 _OVER = (
@@ -92,6 +96,9 @@ def write_drawing(
     return paths
 
 
+_REFERENCE = "("  # before a size that follows from others, and that no one has to keep [ISO 129-1]
+
+
 def _limits(fit: str, size: float) -> str:
     """A fit with its deviations; "" of none."""
     return in_limits(fit, size) if fit else ""
@@ -109,6 +116,17 @@ def _wrapped(note: str) -> list[str]:
             else [*lines, word]
         )
     return lines
+
+
+def _across_keyway(part: Part, tolerance: float) -> views.Section | None:
+    """The section through bore and keyway, from the left: y + iz; None of a part whose layers are alike."""
+
+    def turned(layer: Layer) -> Layer:
+        return replace(layer, region=layer.region.moved(-1j))
+
+    layers = tuple(map(turned, part.layers))
+    engraved = tuple(map(turned, part.engraved))
+    return views.section(replace(part, layers=layers, engraved=engraved), tolerance, 0.0)
 
 
 def _contours(layers: Sequence[Layer], tolerance: float) -> list[Contour]:
@@ -131,6 +149,11 @@ class Measure:
     sign: str = ""  # before the number
     fit: str = ""
     factor: float = 1.0
+
+    @property
+    def behind(self) -> str:
+        """What stands behind the number: its fit, or the end of the parentheses of a reference size."""
+        return ")" if self.sign == _REFERENCE else f" {self.fit}" if self.fit else ""
 
 
 class _Layout:
@@ -169,13 +192,16 @@ class _Layout:
             if part.side_profile is None
             else views.from_above(part, part.side_profile, tolerance)
         )
-        self.section = views.section(part, tolerance)
+        self.key = next(filter(None, map(keyed, part.region.holes)), None)
+        self.upright = _across_keyway(part, tolerance) if self.key else None
+        self.section = None if self.upright else views.section(part, tolerance)
+        self.bosses = bosses(part)
+        self.beside = _BESIDE + _BOSS * len(self.bosses)
         self.depth = part.thickness if part.side_profile or self.section else 0.0
         self.engraved = _contours(part.engraved, tolerance)
         self.turns = free(part.region.outer) and part.bore is not None
         self.rows = self._rows()
         self.polar = self._radii_of_profile()
-        self.key = next(filter(None, map(keyed, part.region.holes)), None)
         surface = self.polar and (facts.profile or facts.roughness)
         self.over = _ABOVE + (_SURFACE if surface else 0.0)
         self.datum_letter = next(
@@ -236,7 +262,7 @@ class _Layout:
 
         def best(size: str) -> float:
             wide, tall = self._room(size)
-            wide -= _LEFT + _RIGHT + _BESIDE
+            wide -= _LEFT + _RIGHT + self.beside
             tall -= _BELOW + self.over + (2 * _THIRD if self.depth else 0.0)
             high = span.imag + self.depth
             fits = (
@@ -258,7 +284,7 @@ class _Layout:
         """Where the part's origin goes: both views in the middle of their room."""
         wide, tall = self._room(self.size_name)
         span = self.scale * (self.high - self.low)
-        spare_x = wide - _LEFT - _RIGHT - _BESIDE - span.real - self.scale * self.part.thickness
+        spare_x = wide - _LEFT - _RIGHT - self.beside - span.real - self.scale * self.part.thickness
         third = 2 * _THIRD + self.scale * self.depth if self.depth else 0.0
         spare_y = tall - _BELOW - self.over - span.imag - third
         foot = _SIZES[self.size_name][1] - 2 * _MARGIN - tall
@@ -302,8 +328,9 @@ class _Layout:
         diameters = [
             2 * each for each in (self.disc, shaft[1] if shaft else None) if each
         ]  # diameters
+        other = _REFERENCE if free(self.part.region.outer) else ""
         signs = (
-            "Ø" if any(abs(size - each) < SAME_POINT for each in diameters) else ""
+            "Ø" if any(abs(size - each) < SAME_POINT for each in diameters) else other
             for size in (span.real, span.imag)
         )
         wide, tall = signs
@@ -315,19 +342,26 @@ class _Layout:
             self._dimension(low, complex(low.real, high.imag), aside, Measure(span.imag, tall))
         self._radii()
         if self.section:
-            self._plane(self.section.y)
+            y = self.section.y
+            ends = complex(self.low.real, y), complex(self.high.real, y)
+            self._plane(ends, -1j)
+            if abs(y) > SAME_POINT:
+                a, b = map(self.paper, ends)
+                self.sheet.line(a - 4, b + 4, layer="CENTER")
+        if self.upright:
+            self._plane((1j * self.low.imag, 1j * self.high.imag), 1)
 
-    def _plane(self, y: float) -> None:
-        """Where the section is cut, and the direction of view: down the sheet."""
-        for x, out in ((self.low.real, -1), (self.high.real, 1)):
-            end = complex(self.paper(complex(x, y)).real + 4 * out, self.paper(1j * y).imag)
-            self.sheet.line(end, end + 6 * out, layer="VIEW")
-            self.sheet.line(end + 6 * out, end + 6 * out - 5j, layer="DIM")
-            self.sheet.arrow(end + 6 * out - 5j, -1j)
-            self.sheet.text(end + 6 * out + 1.2j, self.letter, 3.5, "centre")
-        if abs(y) > SAME_POINT:
-            a, b = (self.paper(complex(x, y)) for x in (self.low.real, self.high.real))
-            self.sheet.line(a - 4, b + 4, layer="CENTER")
+    def _plane(self, ends: tuple[complex, complex], view: complex) -> None:
+        """Where a section is cut, from end to end of the part, mm, and the direction of view on the sheet."""
+        along = (ends[1] - ends[0]) / abs(ends[1] - ends[0])
+        for place, out in ((ends[0], -along), (ends[1], along)):
+            near = self.paper(place) + 4 * out
+            end = near + 6 * out
+            self.sheet.line(near, end, layer="VIEW")
+            self.sheet.line(end, end + 5 * view, layer="DIM")
+            self.sheet.arrow(end + 5 * view, view)
+            aside = 1.2j if view.imag else complex(-2.8, -1.75)
+            self.sheet.text(end + aside, self.letter, 3.5, "centre")
 
     def _labels(self) -> None:
         """Names of holes and of what stands on the part, where paper is free, some with leaders."""
@@ -432,20 +466,23 @@ class _Layout:
         self.sheet.arc(self.datum, radius, angle - half, 2 * half, "TEXT")
         tip = self.datum + cmath.rect(radius, angle + half)
         self.sheet.arrow(tip, 1j * cmath.exp(1j * (angle + half - 1.5 / radius)), "TEXT")
-        self.sheet.text(tip + 2.5j * cmath.exp(1j * (angle + half)) - 1.2j, "+", 3.5, "centre")
+        sign = tip + 2.5j * cmath.exp(1j * (angle + half)) - 1.2j
+        inside = complex(
+            max(sign.real, _FILING + 4), min(sign.imag, self.sheet.height - _MARGIN - 6)
+        )
+        self.sheet.text(inside, "+", 3.5, "centre")
 
     def _side(self) -> None:
         """Edge view, heights growing to the right, with the thickness."""
         left = self.paper(self.high).real + _RIGHT + _BESIDE / 2
-        for layer in self.part.layers:
-            low, high = extent([fit_arcs(layer.region.outer, self.tolerance)])
-            a = complex(left + self.scale * layer.z0, self.paper(low).imag)
-            b = complex(left + self.scale * layer.z1, self.paper(high).imag)
-            self.sheet.line(
-                a, complex(b.real, a.imag), b, complex(a.real, b.imag), layer="VIEW", closed=True
-            )
-        for bore in views.side_bores(self.part, self.tolerance):
-            self.sheet.contour(bore.moved(self.scale, complex(left, self.datum.imag)), "HIDDEN")
+        origin = complex(left, self.datum.imag)
+        if self.upright:
+            self._cut(self.upright, origin, 1j)
+            below = complex(left, self.paper(self.low).imag - 16)
+            self.sheet.text(below, f"{self.letter}-{self.letter}", 3.5)
+        else:
+            self._edges_from_left(origin)
+        self._boss_sizes(origin)
         thick = self.scale * self.part.thickness
         if self.low.imag <= self.zero.imag <= self.high.imag:
             y = self.paper(self.zero).imag
@@ -460,6 +497,32 @@ class _Layout:
             top = complex(left, self.paper(self.high).imag)
             self._dimension(top, top + self.scale * height, 9j * i, Measure(height))
 
+    def _edges_from_left(self, origin: complex) -> None:
+        """The boxes of the layers and, dashed, of the bores in them; origin: of the part in this view, on paper."""
+        for layer in self.part.layers:
+            low, high = extent([fit_arcs(layer.region.outer, self.tolerance)])
+            box = rectangle(complex(layer.z0, low.imag), complex(layer.z1, high.imag))
+            self.sheet.contour(box.moved(self.scale, origin), "VIEW")
+        for bore in views.side_bores(self.part, self.tolerance):
+            self.sheet.contour(bore.moved(self.scale, origin), "HIDDEN")
+
+    def _boss_sizes(self, origin: complex) -> None:
+        """Diameters of the bosses, to the right of the view from the left."""
+        right = origin + self.scale * self.part.thickness
+        for k, radius in enumerate(self.bosses, 1):
+            half = 1j * self.scale * radius
+            self._dimension(right - half, right + half, _BOSS * k + 0j, Measure(2 * radius, "Ø"))
+
+    def _cut(self, section: views.Section, origin: complex, turn: complex) -> None:
+        """A section on paper: its faces hatched, and the edges behind it; turn: of the view, its z downwards before."""
+        way = self.scale * turn
+        for contour in views.contours_of(section.faces):
+            self.sheet.contour(contour.moved(way, origin, mirror=True), "VIEW")
+        hatching = views.hatching(section.faces, _HATCH / self.scale)
+        for layer, lines in (("VIEW", section.beyond), ("HATCH", hatching)):
+            for ends in lines:
+                self.sheet.line(*(origin + way * z.conjugate() for z in ends), layer=layer)
+
     def _third(self) -> None:
         """The view from above or the section, heights z growing downwards."""
         top = complex(self.datum.real, self.paper(self.low).imag - _BELOW - _THIRD)
@@ -468,12 +531,7 @@ class _Layout:
         for bore in views.above_bores(self.part, self.tolerance):
             self.sheet.contour(bore.moved(self.scale, top, mirror=True), "HIDDEN")
         if self.section:
-            for contour in views.contours_of(self.section.faces):
-                self.sheet.contour(contour.moved(self.scale, top, mirror=True), "VIEW")
-            hatching = views.hatching(self.section.faces, _HATCH / self.scale)
-            for layer, lines in (("VIEW", self.section.beyond), ("HATCH", hatching)):
-                for ends in lines:
-                    self.sheet.line(*(top + self.scale * z.conjugate() for z in ends), layer=layer)
+            self._cut(self.section, top, 1)
             self.sheet.text(
                 top + self.scale * self.low.real + 2.5j, f"{self.letter}-{self.letter}", 3.5
             )
@@ -497,9 +555,9 @@ class _Layout:
         sheet.arrow(start + 6 * along if outside else start, along if outside else -along)
         sheet.arrow(end - 6 * along if outside else end, -along if outside else along)
         digits = 3 if measure.fit else decimals(general(measure.value, self.facts.tolerance))
-        fit = f" {measure.fit}" if measure.fit else ""
+        behind = measure.behind
         high = 3.5 if measure.factor == 1.0 else 2.5
-        text = f"{measure.sign}{number(measure.value, digits)}{fit}"
+        text = f"{measure.sign}{number(measure.value, digits)}{behind}"
         label = Text(0j, text, high, "centre", reading, "DIM")
         middle = (start + end) / 2
         if length < label.width + 7:  # beside the arrows: to the left, or above
@@ -509,7 +567,7 @@ class _Layout:
         sheet.things.append(replace(label, at=middle + 0.9j * reading))
         drawn = tuple(sheet.primitives)
         line = b + away
-        size = Size(a, b, line, measure.value, measure.sign, drawn, digits, fit, measure.factor)
+        size = Size(a, b, line, measure.value, measure.sign, drawn, digits, behind, measure.factor)
         self.sheet.things.append(size)
 
     def _shape(self, hole: Hole) -> str:
@@ -579,7 +637,8 @@ class _Layout:
         radii: list[tuple[str, ...]] = [(f"{angle:g}°", f"{radius:.3f}") for angle, radius in polar]
         if self.facts.track:
             title = "Track by cam angle: where the follower touches, from X, ccw"
-            heads = ("Cam", "At", "Radius")
+            radius = f"R ±{self.facts.profile / 2:g}" if self.facts.profile else "Radius"
+            heads = ("Cam", "At", radius)
             columns = (14.0, 18.5, 18.5)
             radii = [
                 (f"{angle:g}°", f"{math.degrees(cmath.phase(z)) % 360:.2f}°", f"{abs(z):.3f}")
@@ -657,7 +716,7 @@ class _Layout:
         radius, width = self.key
         contour = next(hole for hole in self.part.region.holes if keyed(hole))
         top = extent([contour])[1].imag
-        scale = next(s for s in _SCALES if s * (radius + top) <= _DETAIL)
+        scale = self._detail_scale(radius, radius + top)
         middle = (self.free + _MARGIN + facts.height) / 2 - scale * (top - radius) / 2
         at = complex(self.table_x + _DETAIL_AT * sum(_TABLE_WIDTHS), middle)
         self.sheet.contour(contour.moved(scale, at), "VIEW")
@@ -692,19 +751,37 @@ class _Layout:
             "",
             _limits(facts.key_fit, width),
         )
-        size(complex(0, -radius), complex(0, top), scale * radius + 14 + 0j, "", depth)
+        size(complex(0, -radius), complex(0, top), scale * radius + 10 + 0j, "", depth)
+        if facts.bore_roughness:
+            self._bore_surface(at + cmath.rect(scale * radius, math.radians(197)))
         if facts.profile:
             datum(self.sheet, at + bore, -1j, self.datum_letter)
             datum(self.sheet, at + 1j * scale * top + key, 1j, self._second)
 
+    def _detail_scale(self, radius: float, high: float) -> float:
+        """Scale of a keyway's detail: above that of the views where there is room for that; high: the bore with it, mm."""
+        usual = next(s for s in _SCALES if s * high <= _DETAIL)
+        room = self.free - _MARGIN - self.facts.height - (_DETAIL_HEIGHT - _DETAIL)
+        larger = [
+            s
+            for s in reversed(_SCALES)
+            if s > self.scale and s * radius <= _DETAIL_RADIUS and s * high <= room
+        ]
+        return usual if usual > self.scale or not larger else larger[0]
+
+    def _bore_surface(self, tip: complex) -> None:
+        """Roughness of a bore, to the left of a point of its edge on paper."""
+        start = tip + cmath.rect(5.0, math.radians(197))
+        self.sheet.line(tip, start, layer="DIM")
+        self.sheet.arrow(tip, (tip - start) / abs(tip - start))
+        text = f"Ra {self.facts.bore_roughness:g}"
+        foot = start - 6 - Text(0j, text, 2.5).room
+        self.sheet.line(start, foot - 2, layer="DIM")
+        roughness(self.sheet, foot, text)
+
     def _notes(self, tolerance: float) -> list[str]:
         part = self.part
-        across = extent([self.outer])
-        alike = len({layer.region for layer in part.layers}) == 1 and part.side_profile is None
-        upright = part.thickness > max((across[1] - across[0]).real, (across[1] - across[0]).imag)
-        lines = [
-            f"{'Length' if upright else 'Thickness' if alike else 'Height over all'} {number(part.thickness)}"
-        ]
+        lines = []
         if self.zero_is and self.rows:
             lines.append(f"X and Y from {self.zero_is}")
         if self.zero:
@@ -723,21 +800,29 @@ class _Layout:
         depths = sorted({number(layer.z1 - layer.z0) for layer in part.engraved})
         lines += [f"Engraved {depth} deep" for depth in depths]
         if part.outlined:
-            lines += [f"Profile: {self.stem}.dxf,", f"within {tolerance:g} of the exact curve"]
+            lines.append(f"Profile: {self.stem}.dxf, within {tolerance:g} of the exact curve")
         else:
-            lines += ["The blank is drawn; its track:", f"{self.stem}-developed.dxf"]
+            lines.append(f"The blank is drawn; its track: {self.stem}-developed.dxf")
         if self.turns:
             lines.append("+ : positive sense of turning (ccw)")
         facts = self.facts
         if facts.profile and self.polar:
             lines.append(f"Track within {facts.profile / 2:g} of the exact curve on either side")
         if facts.roughness_elsewhere:
-            where = " but for the track" if facts.roughness and self.polar else ""
+            other = [
+                name
+                for name, own in (
+                    ("track", facts.roughness and self.polar),
+                    ("bore", facts.bore_roughness and self.key),
+                )
+                if own
+            ]
+            where = f" but for the {' and '.join(other)}" if other else ""
             lines.append(f"All faces{where} Ra {facts.roughness_elsewhere:g}")
         lines += [f"Edges {facts.edges}"] if facts.edges else []
         lines += [facts.heat_treatment] if facts.heat_treatment else []
-        lines += [note[:1].upper() + note[1:] for note in part.notes]
-        return [line for note in lines for line in _wrapped(note)]
+        lines += part.notes
+        return [line for note in lines for line in _wrapped(note[:1].upper() + note[1:])]
 
     def _note_lines(self) -> None:
         """Notes at the lower left, beside the title block, upwards."""

@@ -45,6 +45,7 @@ class Facts:
     track: Sequence[tuple[float, complex]] = ()
     profile: float = 0.0  # width of the zone of a cam's track, mm
     roughness: float = 0.0  # Ra of the track, micrometres
+    bore_roughness: float = 0.0
     roughness_elsewhere: float = 0.0
     edges: str = ""
     heat_treatment: str = ""

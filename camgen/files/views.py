@@ -169,8 +169,11 @@ class Section:
     beyond: Sequence[tuple[complex, complex]]
 
 
-def section(part: Part, tolerance: float) -> Section | None:
-    """The cut that meets the most holes in their middle; None of a part whose layers are alike, or all discs without holes."""
+def section(part: Part, tolerance: float, y: float | None = None) -> Section | None:
+    """A cut along the line y, unless given that which meets the most holes in their middle.
+
+    None of a part whose layers are alike, or all discs without holes.
+    """
     layers = part.layers
     plain = not any(layer.region.holes for layer in layers) and all(
         as_circle(layer.region.outer) for layer in layers
@@ -185,14 +188,7 @@ def section(part: Part, tolerance: float) -> Section | None:
     import shapely
 
     low, high = extent([fit_arcs(layer.region.outer, tolerance) for layer in layers])
-    middles = [
-        hole_of(hole).place.imag for layer in layers for hole in layer.region.holes
-    ]  # their axes
-    datum = 0.0 if low.imag < 0 < high.imag else (low.imag + high.imag) / 2
-    y = max(
-        [datum, *middles],
-        key=lambda y: (sum(abs(y - each) < SAME_POINT for each in middles), -abs(y - datum)),
-    )
+    y = _most_holes(layers, low.imag, high.imag) if y is None else y
     line = shapely.LineString([(low.real - 1, y), (high.real + 1, y)])
     shapes = {layer.region: area(layer.region, tolerance) for layer in (*layers, *part.engraved)}
 
@@ -223,6 +219,18 @@ def section(part: Part, tolerance: float) -> Section | None:
         y,
         cut.simplify(1e-9),
         [(complex(a), complex(b)) for z in lines for a, b in zip(z, z[1:], strict=False)],
+    )
+
+
+def _most_holes(layers: Sequence[Layer], low: float, high: float) -> float:
+    """The line y that meets the most holes in their middle, of these the nearest to the datum; low, high: of the layers, mm."""
+    middles = [
+        hole_of(hole).place.imag for layer in layers for hole in layer.region.holes
+    ]  # their axes
+    datum = 0.0 if low < 0 < high else (low + high) / 2
+    return max(
+        [datum, *middles],
+        key=lambda y: (sum(abs(y - each) < SAME_POINT for each in middles), -abs(y - datum)),
     )
 
 

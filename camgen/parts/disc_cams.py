@@ -104,13 +104,8 @@ class ShaftBore(Record):
 
     def notes(self) -> tuple[str, ...]:
         """What the drawing says of the hole beside the numbers."""
-        bore = f"hole A: bore {self.bore:g}"
-        if self.bore_shape == "keyway":
-            return (
-                f"{bore}, keyway on +Y {self.key_width:g} wide, its floor {self.key_depth:g} above the bore",
-            )
         if self.bore_shape == "d-flat":
-            return (f"{bore}, flat on +Y {self.flat_depth:g} below its top",)
+            return (f"hole A: bore {self.bore:g}, flat on +Y {self.flat_depth:g} below its top",)
         return ()
 
 

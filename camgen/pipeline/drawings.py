@@ -30,6 +30,7 @@ from camgen.parts.standing import Round, standing
 from camgen.tolerances import SAME_POINT
 
 _SAMPLES = 1441  # of a turn
+_BORE = 1.6  # Ra of a bore in metal, micrometres: of the house, as it is reamed
 _FINE = 1e-3  # mm, chord tolerance of an outline on which a track has to lie
 
 
@@ -67,6 +68,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         track=tuple(_track(mechanism, part, sheet.profile_step_deg)),
         profile=sheet.profile or 0.0,
         roughness=sheet.roughness or 0.0,
+        bore_roughness=sheet.bore_roughness or (_BORE if metal else 0.0),
         roughness_elsewhere=sheet.roughness_elsewhere or 0.0,
         edges=sheet.edges or "",
         heat_treatment=sheet.heat_treatment or "",

@@ -69,7 +69,7 @@ def test_dxf_has_the_part_at_its_own_size(tmp_path, part):
     assert (min(x), max(x)) == pytest.approx((-25, 37), abs=0.05)
     texts = texts_of(dxf)
     # oval of mean 28, wave 3 about x = 6: 62 wide; 50 high
-    assert {"62", "50", "R37 max", part.title, "mm", str(part.count)} <= set(texts)
+    assert {"(62)", "(50)", "R37 max", part.title, "mm", str(part.count)} <= set(texts)
 
 
 def test_both_outputs_say_the_same(tmp_path):
@@ -161,7 +161,7 @@ def test_holes_are_named_and_described():
         "B1": (10, "Ø3"),
         "B2": (10j, "Ø3"),
         "C": (0, "slot 8 on R18, 20.0° - 70.0°"),
-        "D": (0, "Ø10, 10 × 11.4 overall"),
+        "D": (0, "Ø10, keyway 3, 11.4 overall"),
         "E": (2 + 1j, "4 × 2"),
     }
 
@@ -242,7 +242,7 @@ def test_edges_that_are_no_curve_are_dimensioned():
     wedge = polygon([0j, 4 - 1j, 4 + 1j])
     assert edge_rows(wedge) == [("0", "0", "corner"), ("4", "±1", "corner")]
     assert edge_rows(circle(2j, 3)) == [("0", "2", "Ø6, its edge")]
-    assert edge_rows(oval(28, 3, 0)) == [("", "", "a curve: see the profile")]
+    assert edge_rows(oval(28, 3, 0)) == [("", "", "a curve by DXF")]
 
 
 def test_only_a_cam_turns(tmp_path):
@@ -284,7 +284,7 @@ def test_a_shaft_is_told_by_its_diameter_and_how_deep_its_flats_are(tmp_path):
             tmp_path, "d", Part("bar", "Bar", (Layer(Region(bar), 0, 40),)), TOLERANCE, META
         )[0]
     )
-    assert {"%%c6", "5.2", "40", "Length 40"} <= set(texts) and "6" not in texts
+    assert {"%%c6", "5.2", "40"} <= set(texts) and "6" not in texts
 
 
 def test_x_and_y_start_where_one_can_touch_and_holes_have_a_place(tmp_path):
@@ -323,7 +323,7 @@ def test_what_is_measured_of_a_coupon_has_its_name_and_no_label_lies_on_an_edge(
         and texts[texts.index("pin 5", texts.index("pin 5") + 1) + 3] == "%%c5, z 4 to 12"
     )
     words = " ".join(reversed(texts))
-    assert "98 over the far walls of A and B" in words and "Height over all 12" in words
+    assert "98 over the far walls of A and B" in words
     (gap,) = [e for e in space.query("TEXT[layer=='DIM']") if e.dxf.text == "gap 8"]
     assert gap.dxf.align_point.y > 6 + 0.5  # the gap is from -6 to 6
 
@@ -407,12 +407,50 @@ def keyed_cam():
     return replace(part, layers=(replace(layer, region=region),), bore=12.0, engraved=())
 
 
+def keyed_cam_with_hub():
+    """The same, 5 mm thick, on a hub of Ø22, 9 mm high."""
+    part = keyed_cam()
+    (layer,) = part.layers
+    layer = replace(layer, z0=0.0, z1=5.0)
+    hub_of = Layer(Region(circle(0, 11), layer.region.holes), 5.0, 14.0)
+    return replace(part, layers=(layer, hub_of))
+
+
+def test_a_cam_with_a_hub_is_cut_through_its_keyway(tmp_path):
+    """From the left at x = 0: below the axis the bore's wall is at -6, above it the keyway's floor at 6 + 1.8."""
+    part = keyed_cam_with_hub()
+    layout = _Layout(part, "d", TOLERANCE, SHOP)
+    faces = sorted(face.bounds[0::2] for face in shapely.get_parts(layout.upright.faces))
+    assert [faces[0][1], faces[-1][0]] == pytest.approx([-6, 7.8])
+    low, high = extent([fit_arcs(part.region.outer, TOLERANCE)])
+    assert faces[0][0] >= low.imag - 0.01 and faces[-1][1] <= high.imag + 0.01
+    texts = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, SHOP)[0])
+    assert texts.count("S-S") == 1 and texts.count("S") == 2
+    assert texts.count("%%c22") == 1 and not [text for text in texts if "%%c22," in text]
+    assert "Profile by DXF, z 0 to 5" in texts
+
+
+def test_a_cam_s_overall_sizes_are_references(tmp_path):
+    """They follow from the profile: nothing to be held beside its tolerance. A plain disc keeps its diameter."""
+    texts = texts_of(write_drawing(tmp_path, "d", keyed_cam_with_hub(), TOLERANCE, SHOP)[0])
+    assert {"(62)", "(50)"} <= set(texts) and not {"62", "50"} & set(texts)
+    assert "%%c18" in texts_of(write_drawing(tmp_path, "d", disc(9), TOLERANCE, META)[0])
+
+
+def test_a_keyway_s_detail_is_larger_than_the_view():
+    layout = _Layout(keyed_cam_with_hub(), "d", TOLERANCE, SHOP)
+    (title,) = [t.text for t in layout.sheet.primitives if isinstance(t, Text) and "Bore" in t.text]
+    detail = float(re.search(r"\((.*):1\)", title)[1])
+    assert detail > layout.scale
+
+
 SHOP = replace(
     META,
     bore_fit="H7",
     key_fit="P9",
     profile=0.02,
     roughness=0.4,
+    bore_roughness=1.6,
     roughness_elsewhere=3.2,
     edges="broken 0.2",
     heat_treatment="60 HRC",
@@ -428,8 +466,16 @@ def test_a_keyway_is_enlarged_with_its_fits_and_datums(tmp_path):
     assert (
         texts.count("A") >= 3 and texts.count("B") == 3
     )  # hole, frame, datum; frame, datum, revision
-    assert {"Ra 0.4", "0.02", "Revision", "J. Miller", "Edges broken 0.2", "60 HRC"} <= set(texts)
-    assert "All faces but for the track Ra 3.2" in texts
+    assert {
+        "Ra 0.4",
+        "Ra 1.6",
+        "0.02",
+        "Revision",
+        "J. Miller",
+        "Edges broken 0.2",
+        "60 HRC",
+    } <= set(texts)
+    assert "All faces but for the track and bore Ra 3.2" in texts
     plain = texts_of(write_drawing(tmp_path, "p", keyed_cam(), TOLERANCE, META)[0])
     assert {"%%c12", "4", "13.8"} <= set(plain)
     assert not [text for text in plain if "H7" in text or "Ra " in text or "Revision" in text]
@@ -444,10 +490,11 @@ def test_a_keyway_that_is_not_of_the_standard_has_no_deeper_depth(tmp_path):
     assert "14" in texts and not [text for text in texts if text.endswith("+0.1/0")]
 
 
+@pytest.mark.parametrize("part", [keyed_cam(), keyed_cam_with_hub()], ids=["plate", "hub"])
 @pytest.mark.parametrize("facts", [META, SHOP], ids=["plain", "shop"])
-def test_no_text_lies_on_another(tmp_path, facts):
+def test_no_text_lies_on_another(part, facts):
     """By boxes of what each text takes at most, in the paper's own frame."""
-    layout = _Layout(keyed_cam(), "d", TOLERANCE, facts)
+    layout = _Layout(part, "d", TOLERANCE, facts)
     texts = [thing for thing in layout.sheet.primitives if isinstance(thing, Text)]
     boxes = [box(text) for text in texts]
     for k, one in enumerate(boxes):
@@ -462,9 +509,9 @@ def test_sizes_are_rounded_to_what_the_general_tolerance_means(tmp_path):
     for tolerance in ("ISO 2768-m", "ISO 2768-f", ""):
         facts = replace(META, tolerance=tolerance)
         texts = texts_of(write_drawing(tmp_path, "d", off, TOLERANCE, facts)[0])
-        sizes[tolerance] = [text for text in texts if text.startswith("62")]
-    assert sizes["ISO 2768-m"] == ["62"]
-    assert sizes["ISO 2768-f"] == ["62.03"] and sizes[""] == ["62.033"]
+        sizes[tolerance] = [text for text in texts if text.startswith("(62")]
+    assert sizes["ISO 2768-m"] == ["(62)"]
+    assert sizes["ISO 2768-f"] == ["(62.03)"] and sizes[""] == ["(62.033)"]
 
 
 def _larger(layer, share):
