@@ -336,6 +336,7 @@ def _syntax_fault(text: str, error: Exception) -> Fault:
 _COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)\s*(?:#.*)?$")
 _UNQUOTED = re.compile(r"=\s*([A-Za-z][\w .-]*?)\s*(?:#.*)?$")
 _WITH_UNIT = re.compile(r"=\s*([+-]?[\d.]+)\s*([a-zA-Z°]+)\s*(?:#.*)?$")
+_ROUND = re.compile(r"=\s*\(([^()]*)\)")
 _CURLY = re.compile("[\u201c\u201d\u201e\u2018\u2019]")
 _TWICE = re.compile(r"Cannot declare \(.*\) twice")
 
@@ -346,6 +347,8 @@ def _syntax_in_words(line: str, reason: str, above: str) -> str:
         return f"a decimal point, not a comma: {number[1]}.{number[2]}"
     if number := _WITH_UNIT.search(line):
         return f"a number without a unit: {number[1]}"
+    if items := _ROUND.search(line):
+        return f"square brackets round a list: [{items[1]}]"
     if _CURLY.search(line):
         return 'straight quotes: "..."'
     if (word := _UNQUOTED.search(line)) and word[1] not in ("true", "false", "inf", "nan"):

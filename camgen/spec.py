@@ -30,7 +30,7 @@ from pydantic import (
 )
 from pydantic_core.core_schema import ErrorType
 
-from camgen.errors import UNKNOWN, Fault, Key, SpecError, dotted
+from camgen.errors import UNKNOWN, CamgenError, Fault, Key, SpecError, dotted
 from camgen.reading import Data
 from camgen.schemas import (
     in_words,
@@ -43,9 +43,11 @@ from camgen.schemas import (
     tables_of,
     unit_of,
 )
-from camgen.vocabulary import OldWords, Wording, wording
+from camgen.vocabulary import OldWords, Wording, example, kind_of, likely, wording
 
 _WIDE = 110  # characters of a line of TOML
+# Tables whose keys no other key depends on: a wrong value of one hides no other fault.
+_BESIDE = ("accuracy", "drawing", "files", "laser", "limits", "material", "print")
 
 
 def quantity(unit: str, description: str | None = None, **bounds: Any) -> Any:
@@ -466,13 +468,18 @@ S = TypeVar("S", bound=Checked)
 # ---- checking --------------------------------------------------------------------------------------------------------
 
 
-def unknown(path: Key, value: object, known: Iterable[str]) -> Fault:
-    """Fault for a value that is none of the known names, with the nearest of them."""
+def unknown(path: Key, value: object, known: Iterable[str], kind: str = "") -> Fault:
+    """Fault for a value that is none of the known names, with those that it may mean; kind: of the value, unless its key says it."""
     names = sorted(known)
-    nearest = get_close_matches(value, names, 1) if isinstance(value, str) else []
-    return Fault(
-        path, "" if value is None else shown(value), one_of(names), nearest[0] if nearest else None
-    )
+    kind = kind or kind_of(path)
+    given = "" if value is None else shown(value)
+    meant = likely(kind, value, names)
+    if len(meant) > 1:
+        return Fault(path, given, one_of(meant))
+    if new := example(kind, value):
+        return Fault(path, given, f"'linkage': camgen new {new} FILE writes such a one")
+    nearest = meant or (get_close_matches(value, names, 1) if isinstance(value, str) else ())
+    return Fault(path, given, one_of(names), nearest[0] if nearest else None)
 
 
 def choose(data: Data, known: Collection[str], source: str = "spec") -> str:
@@ -531,7 +538,8 @@ def _checked(
         told = _respell(cls, data := deepcopy(data), error)
         if told:
             return _checked(cls, data, (*hints, *told))
-        raise SpecError(_faults(cls, data, error)) from None
+        wrong = _faults(cls, data, error)
+        raise SpecError([*wrong, *_further(cls, data, wrong)]) from None
     record._hints = hints
     if made is None:
         faults = record.faults()
@@ -543,6 +551,30 @@ def _checked(
     if faults:
         raise SpecError(faults)
     return record
+
+
+def _further(cls: type[Checked], data: Data, faults: Sequence[Fault]) -> list[Fault]:
+    """Faults between the keys, beside those of keys one by one: of the tables as they are meant; none where that is not known."""
+    tables = deepcopy(data)
+    unread = set()  # tables of which a key may mean another one
+    for fault in faults:
+        holder = _at(tables, fault.path[:-1])
+        if not isinstance(holder, dict):
+            return []
+        value = holder.pop(fault.path[-1], None)
+        if fault.nearest is not None and "." not in fault.nearest:
+            name = (fault.path[-1], fault.nearest)[fault.unknown]
+            holder.setdefault(name, value if fault.unknown else fault.nearest)
+        elif fault.unknown:
+            unread.add(fault.path[:-1])
+        elif fault.path[0] not in _BESIDE:
+            return []
+    try:
+        found = cls.model_validate(_tuples(tables)).faults()
+    except (CamgenError, ValidationError):
+        return []
+    told = {fault.path[:k] for fault in faults for k in range(1, len(fault.path) + 1)}
+    return [each for each in found if each.path not in told and each.path[:-1] not in unread]
 
 
 def _respell(cls: type[Checked], data: Data, error: ValidationError) -> list[str]:
@@ -646,6 +678,11 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
             expected = item["msg"]
         elif item["type"] == "value_error":
             expected = str(item["ctx"]["error"])
+        names = [name for each in members_of(node or {}, root) for name in each.get("enum", ())]
+        if names and isinstance(value, str) and not (no_such or key):
+            alike = unknown(tuple(path), value, names)
+            nearest = alike.nearest
+            expected = expected if nearest else alike.expected
         meant = "" if node is None or no_such or key else _meant(path, value, node)
         expected = meant or expected
         if (
@@ -708,7 +745,7 @@ def _meant(path: Sequence[str | int], value: object, node: Data) -> str:
     }:
         return f"a list, each row of which begins with [[{dotted(path)}]]"
     if isinstance(value, dict) and path[:-1] == ["parts"] and _scalar(node):
-        return f"a value, because {path[-1]} is a key of [parts]: give the link another name"
+        return f"a value: {path[-1]} is a key of [parts]; a link of that name needs another one"
     if path == ["name"] and isinstance(value, str):
         plain = re.sub(r"[^a-z0-9]+", "-", value.lower()).strip("-")[:60].strip("-")
         return f'{in_words(node, node)}: write "{plain}"' if plain not in ("", value) else ""

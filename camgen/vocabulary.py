@@ -1,8 +1,12 @@
-"""Words of a spec that have another name today: an old one is taken, with a note, and faults keep the word that was typed."""
+"""Words of a spec that have another name: an old one is taken, with a note, and faults keep the word that was typed.
+
+What else people call a value is not taken, for it may mean several: a fault names them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from camgen.errors import Fault, Key, dotted
@@ -64,3 +68,104 @@ def _has(table: Data, key: str, *value: str) -> bool:
 def _written(word: tuple[str, ...]) -> str:
     """A table, key or value as a person writes it."""
     return dotted(word) if len(word) < 3 else f'{dotted(word[:2])} = "{word[2]}"'
+
+
+_STEELS = ("C45", "42CrMo4", "16MnCr5", "stainless")
+_SINES = ("cycloidal", "modified-sine", "simple-harmonic")
+_POLYNOMIALS = ("3-4-5", "4-5-6-7", "polynomial")
+_NEMA_17 = ("17HS19-2004S1", "17HS24", "42STH48-2004AC", "42STH40-1004A")
+_CAMS = ("disc-cam", "cylinder-cam", "linear-cam")
+
+# What people call a value: by its key their word, in small letters with single hyphens, and the names that it may have here.
+_LIKELY: dict[str, dict[str, tuple[str, ...]]] = {
+    "law": {
+        **dict.fromkeys(("sine", "sin", "sinus", "sinusoidal"), _SINES),
+        **dict.fromkeys(("harmonic", "shm", "cosine"), ("simple-harmonic",)),
+        **dict.fromkeys(("poly", "spline", "quintic", "smooth"), _POLYNOMIALS),
+        **dict.fromkeys(("345", "poly-345", "polynomial-345", "polynomial-3-4-5"), ("3-4-5",)),
+        **dict.fromkeys(("trapezoid", "trapezoidal", "mod-trap"), ("modified-trapezoid",)),
+        **dict.fromkeys(("linear", "constant-velocity", "constant"), ("uniform",)),
+        "constant-acceleration": ("parabolic",),
+        "mod-sine": ("modified-sine",),
+    },
+    "material": {
+        **dict.fromkeys(("steel", "stahl", "mild-steel", "iron", "metal", "s235"), _STEELS),
+        **dict.fromkeys(("aluminum", "alu", "al", "6061"), ("aluminium",)),
+        **dict.fromkeys(("wood", "birch", "mdf"), ("plywood",)),
+        **dict.fromkeys(("delrin", "acetal"), ("POM",)),
+        **dict.fromkeys(("plexiglass", "plexiglas", "pmma"), ("acrylic",)),
+        **dict.fromkeys(("plastic", "filament", "resin"), ("PLA", "PETG", "ABS")),
+        **dict.fromkeys(("inox", "stainless-steel", "304", "316"), ("stainless",)),
+    },
+    "model": {
+        **dict.fromkeys(("nema17", "nema-17", "stepper", "stepper-motor"), _NEMA_17),
+        **dict.fromkeys(("servo", "hobby-servo"), ("SG90", "MG90S")),
+        **dict.fromkeys(("tt", "gearmotor", "gear-motor"), ("TT-1:48", "N20-100:1")),
+        **dict.fromkeys(("n20",), ("N20-100:1", "N20-298:1", "N20-1000:1")),
+        **dict.fromkeys(("hand", "crank", "manual", "none"), ("hand crank",)),
+    },
+    "kind": {
+        **dict.fromkeys(("lift", "up", "raise"), ("rise",)),
+        **dict.fromkeys(("fall", "down", "drop", "lower"), ("return",)),
+        **dict.fromkeys(("rest", "hold", "pause", "wait"), ("dwell",)),
+    },
+    "motion": {
+        **dict.fromkeys(("linear", "sliding", "translation", "slider"), ("translating",)),
+        **dict.fromkeys(("swinging", "rotating", "pivoting", "rocker"), ("oscillating",)),
+    },
+    "shape": {
+        **dict.fromkeys(("flat-faced", "face", "plate", "mushroom"), ("flat",)),
+        **dict.fromkeys(("point", "edge", "knife-edge"), ("knife",)),
+        **dict.fromkeys(("wheel", "bearing"), ("roller",)),
+    },
+    "closure": {
+        **dict.fromkeys(("spring", "gravity"), ("force",)),
+        **dict.fromkeys(("form", "positive", "desmodromic"), ("groove", "conjugate")),
+        **dict.fromkeys(("track", "slot"), ("groove",)),
+    },
+    "make": {
+        **dict.fromkeys(("print", "printer", "3d", "machine", "all"), ("printed",)),
+        **dict.fromkeys(("lasercut", "laser-cut", "sheet"), ("laser",)),
+    },
+    "mechanism": {
+        **dict.fromkeys(("cam",), _CAMS),
+        **dict.fromkeys(("plate-cam", "radial-cam"), ("disc-cam",)),
+        **dict.fromkeys(("barrel-cam", "drum-cam"), ("cylinder-cam",)),
+    },
+}
+# Machines that are no mechanism but an example of one: their words, and which example.
+_EXAMPLES: dict[str, str] = {
+    **dict.fromkeys(("four-bar", "fourbar", "4-bar", "crank-rocker"), "four-bar"),
+    **dict.fromkeys(("slider-crank", "crank-slider", "quick-return"), "quick-return"),
+    **dict.fromkeys(("five-bar", "fivebar"), "five-bar"),
+    **dict.fromkeys(("geneva", "geneva-drive", "geneva-table"), "geneva-table"),
+    **dict.fromkeys(("gear", "gears", "planetary", "planetary-reducer"), "planetary-reducer"),
+    **dict.fromkeys(("cycloidal", "cycloidal-drive", "cycloidal-reducer"), "cycloidal-reducer"),
+    **dict.fromkeys(("jansen", "walking-leg", "strandbeest"), "walking-leg"),
+    **dict.fromkeys(("klann", "walker"), "walker"),
+    "ratchet": "ratchet",
+    "scotch-yoke": "scotch-yoke",
+    "elliptic-trammel": "elliptic-trammel",
+}
+
+
+def likely(kind: str, value: object, known: Sequence[str]) -> tuple[str, ...]:
+    """Names that a person may mean by another word, the likeliest first; kind: of the value; known: those that it may have."""
+    words = _LIKELY.get(kind, {})
+    return tuple(name for name in words.get(_plain(value), ()) if name in known)
+
+
+def example(kind: str, value: object) -> str:
+    """The example that a person means by the word for a mechanism, for camgen new; or "" """
+    return _EXAMPLES.get(_plain(value), "") if kind == "mechanism" else ""
+
+
+def kind_of(path: Sequence[str | int]) -> str:
+    """What a key holds: its own name, or that of its table where the key is the name in it, as material.name is a material."""
+    named = len(path) > 1 and path[-1] == "name"
+    return str(path[-2 if named else -1]) if path else ""
+
+
+def _plain(value: object) -> str:
+    """A word in small letters, with single hyphens."""
+    return re.sub(r"[\s_-]+", "-", value.strip().lower()) if isinstance(value, str) else ""

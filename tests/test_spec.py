@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from functools import reduce
 from operator import getitem
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 import pytest
 import tomli_w
@@ -23,13 +23,16 @@ from pydantic_core import PydanticCustomError
 
 import camgen
 from camgen import starters
-from camgen.errors import Fault, FileError, SpecError
+from camgen.errors import Fault, FileError, SpecError, dotted
 from camgen.machines import MECHANISMS, load
+from camgen.machines.loads.tables import Model
 from camgen.machines.sources import read_mechanism
+from camgen.motion.segments import NAMES
 from camgen.reading import lines, read
 from camgen.schemas import keys_of, step_below
 from camgen.settings import override
 from camgen.spec import Length, Record, Spec, choose, dump, schema, unknown, validate
+from camgen.vocabulary import _EXAMPLES, _LIKELY
 
 TOP = Path(__file__).parents[1]
 
@@ -127,7 +130,8 @@ def test_fault_names_path_value_and_what_would_be_right(
     shape: Any, path: str, value: str, expected: str
 ) -> None:
     found = faults(box(**shape))
-    assert found == {path: Fault(tuple(path.split(".")), value, expected)}
+    nearest = "left" if value == "'lef'" else None
+    assert found == {path: Fault(tuple(path.split(".")), value, expected, nearest)}
 
 
 def test_all_faults_at_once_with_nearest_keys() -> None:
@@ -766,7 +770,8 @@ def test_a_setting_by_the_old_name_of_a_table_is_taken(root: Path) -> None:
         override(linkage, "output.step=true")
     with pytest.raises(SpecError) as told:
         validate(load("linkage"), linkage | {"output": {"name": "pen"}})
-    assert {fault.key for fault in told.value.faults} >= {"output", "output.name"}
+    (fault,) = told.value.faults
+    assert (fault.key, fault.value) == ("output", "a table") and "[[output]]" in fault.expected
 
 
 @pytest.mark.parametrize("key", ["pin", "wall", "stand", "motor"])
@@ -785,9 +790,7 @@ def test_a_link_with_the_name_of_a_key_of_parts_says_so(key: str) -> None:
         "output": [{"name": "s", "point": "B"}],
         "parts": {key: {"band": 5}},
     }
-    with pytest.raises(
-        SpecError, match=f"a value, because {key} is a key of .parts.: give the link another name"
-    ):
+    with pytest.raises(SpecError, match=f"a value: {key} is a key of .parts.; a link of that name"):
         camgen.load(tables)
 
 
@@ -823,3 +826,42 @@ def test_what_is_meant_is_told_of_a_machine(setting: str, said: str) -> None:
     with pytest.raises(SpecError) as caught:
         read_mechanism(data)
     assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "key, word, meant",
+    [
+        ("segment.0.law", "sine", "one of 'cycloidal', 'modified-sine', 'simple-harmonic'"),
+        ("segment.0.law", "SHM", "did you mean 'simple-harmonic'"),
+        ("segment.2.kind", "fall", "did you mean 'return'"),
+        ("material.name", "mild steel", "one of 'C45', '42CrMo4', '16MnCr5', 'stainless'"),
+        ("material.name", "aluminum", "did you mean 'aluminium'"),
+        ("motor.model", "NEMA 17", "one of '17HS19-2004S1', '17HS24'"),
+        ("geometry.closure", "spring", "did you mean 'force'"),
+        ("geometry.follower.motion", "swinging", "did you mean 'oscillating'"),
+        ("mechanism", "four-bar", "camgen new four-bar FILE writes such a one"),
+    ],
+)
+def test_a_word_that_people_use_is_told_by_the_names_here(key, word, meant):
+    with pytest.raises(SpecError) as caught:
+        read_mechanism(TOP / "specs/disc-cam.toml", [f'{key}="{word}"'])
+    told = {dotted(fault.path): str(fault) for fault in caught.value.faults}
+    assert meant in told[key]
+
+
+def test_each_name_and_example_of_a_word_exists():
+    names = {"law": NAMES, "mechanism": MECHANISMS, "model": get_args(Model)}
+    for kind, known in names.items():
+        assert {name for meant in _LIKELY[kind].values() for name in meant} <= {*known}
+    assert {*_EXAMPLES.values()} <= {*starters.examples()}
+
+
+def test_faults_of_keys_do_not_hide_those_between_keys():
+    overrides = ["print.nozle=0.4", 'geometry.base_radius="25 mm"', "segment.0.span_deg=300"]
+    with pytest.raises(SpecError) as caught:
+        read_mechanism(TOP / "specs/disc-cam.toml", [overrides[0], overrides[2]])
+    paths = [dotted(fault.path) for fault in caught.value.faults]
+    assert "print.nozle" in paths and "segment.3.span_deg" in paths
+    with pytest.raises(SpecError) as caught:  # what a wrong size means is not known
+        read_mechanism(TOP / "specs/disc-cam.toml", overrides)
+    assert [dotted(fault.path) for fault in caught.value.faults][-1] != "segment.3.span_deg"

@@ -369,7 +369,7 @@ def _own_law(law: LawChoice) -> Law | None:
     if name in LAWS and not parameters:
         return LAWS[name]
     if name not in LAWS and name not in FAMILIES:
-        raise SpecError([unknown(("name",) if parameters else (), name, NAMES)])
+        raise SpecError([unknown(("name",) if parameters else (), name, NAMES, "law")])
     keys = FAMILIES.get(name, ())
     takes = f"nothing here: '{name}' takes {', '.join(keys) or 'no parameters'}"
     faults = [Fault((key,), "", takes) for key in parameters if key not in keys]

@@ -100,7 +100,7 @@ def summary(report: Report) -> Summary:
         list(_figures(report))[:_COUNT],
         [*files.values()],
         [(kind, count[kind]) for kind in _KINDS if count[kind]],
-        list(_steps(report.name, files)),
+        list(_steps(report.name, files, _print_time(report))),
     )
 
 
@@ -139,8 +139,13 @@ def _worst(findings: Sequence[Finding]) -> Finding | None:
     return max(known, key=lambda each: (not each.ok, share_used(each) or 0.0), default=None)
 
 
-def _steps(name: str, files: Mapping[str, str]) -> Iterator[FileStep]:
-    """What to do with the files of a machine; files: their paths by their names."""
+def _print_time(report: Report) -> float:
+    """Hours that a printer takes for all parts; 0 where that is not known."""
+    return next((each.value for each in report.numbers.records if each.quantity == "print time"), 0)
+
+
+def _steps(name: str, files: Mapping[str, str], hours: float) -> Iterator[FileStep]:
+    """What to do with the files of a machine; files: their paths by their names; hours: to print all."""
     if "report.html" in files:
         moves = " move" if "motion.csv" in files else ""  # a coupon's does not
         yield FileStep("open", "report.html", f" in a browser to see it{moves}")
@@ -150,7 +155,9 @@ def _steps(name: str, files: Mapping[str, str]) -> Iterator[FileStep]:
         stem = first.removesuffix(".3mf")
         numbers = [each.removesuffix(".3mf").removeprefix(stem) for each in more]
         last = f" to {numbers[-1]}" if len(numbers) > 1 else ""
-        yield FileStep("print", files[first], f", and plate{numbers[0]}{last}" if numbers else "")
+        others = f", and plate{numbers[0]}{last}" if numbers else ""
+        time = f" (about {hours:.2g} h)" if hours > _NOTHING else ""
+        yield FileStep("print", files[first], others + time)
     sheets = [each for each in files if re.fullmatch(rf"{re.escape(name)}-sheet-\d+\.svg", each)]
     if sheets:
         yield FileStep(

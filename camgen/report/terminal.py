@@ -32,6 +32,7 @@ _COLUMNS = ("finding", "measured", "limit", "margin", "unit", "where", "")
 _NUMBERS = ("measured", "limit", "margin")
 _DROPPED = ((60, ("margin", "unit", "where")), (100, ("margin",)))  # where the terminal is narrower
 _OPEN = "not judged"
+_ROUND_TRIP = "ROUND_TRIP"  # of each file
 _COLOURS = {"ok": "green", "FAIL": "red", _OPEN: "yellow"}
 _STATES = {"ok": "green", "bad": "red"}
 _LEAST = 50  # characters that a table takes at least
@@ -65,7 +66,7 @@ def print_report(report: Report, quiet: bool = False, verbose: bool = False) -> 
     if verbose:
         _print_findings(report)
         for finding in report.findings:
-            if finding.ok:
+            if finding.ok and finding.code != _ROUND_TRIP:
                 _say(_sentence(finding, str(finding.where)))
     for text in _next_steps(report, first, verbose):
         _say(text)
@@ -122,14 +123,13 @@ def _print_figures(figures: Sequence[Headline]) -> None:
 
 def _print_findings(report: Report) -> None:
     """All findings as a table, those that fail first, then what is not judged."""
-    found = [_cells(report, finding) for finding in report.findings]
     blank = dict.fromkeys(_COLUMNS, "")
     open_ = [
         blank | {"finding": each.code, "where": f"needs {each.needs}", "": _OPEN}
         for each in report.not_judged
     ]
-    bad = [row for row in found if row[""] != "ok"]
-    good = [row for row in found if row[""] == "ok"]
+    bad = [_cells(report, finding) for finding in report.findings if not finding.ok]
+    good = [*_good_rows(report)]
     # a table that goes to a file or a pipe is as wide as it needs to be
     width = get_terminal_size().columns if sys.stdout.isatty() else _PIPE
     left = next((gone for least, gone in _DROPPED if width < least), ())
@@ -137,6 +137,21 @@ def _print_findings(report: Report) -> None:
     rows = [tuple(row[name] for name in shown) for row in (*bad, *open_, *good)]
     numbers = [shown.index(name) for name in _NUMBERS if name in shown]
     _print_table(shown, rows, numbers, max(width, _LEAST))
+
+
+def _good_rows(report: Report) -> Iterator[dict[str, str]]:
+    """Rows of what holds; files that are as designed, of which there may be hundreds, in one: the worst of them."""
+    from camgen.report.tables import share_used
+
+    good = [finding for finding in report.findings if finding.ok]
+    files = [finding for finding in good if finding.code == _ROUND_TRIP]
+    worst = max(files, key=lambda finding: share_used(finding) or 0, default=None)
+    for finding in good:
+        if finding is worst and len(files) > 1:
+            row = _cells(report, finding)
+            yield row | {"where": f"{row['where']}, the worst of {len(files)}"}
+        elif finding is worst or finding.code != _ROUND_TRIP:
+            yield _cells(report, finding)
 
 
 def _print_table(

@@ -202,7 +202,13 @@ def test_a_wrong_output_is_no_missing_one(four_bar: dict[str, Any]) -> None:
     assert told.startswith("output.0.piont: unknown key; did you mean 'point'")
     four_bar["output"] = []
     (told,) = faults(four_bar)
-    assert told.startswith("output: a list of 0 - expected a list of at least 1")
+    assert told.startswith("output - missing: [[output]] with a name and a point or link")
+    del four_bar["output"]
+    four_bar["drive"]["rpm"] = 60
+    assert {each.partition(":")[0].split(" ")[0] for each in faults(four_bar)} == {
+        "output",
+        "drive.rpm",
+    }
 
 
 def test_a_fault_that_is_found_late_names_the_file(

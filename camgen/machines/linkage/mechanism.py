@@ -90,8 +90,10 @@ from camgen.parts.part import Part
 from camgen.parts.sides import PREFIX as FAR
 from camgen.parts.sides import Mirror, both_sides
 from camgen.parts.stiffness import bending_stiffness
+from camgen.reading import Data
 from camgen.spec import Checked, unknown, validate
 from camgen.study import ROWS, Figures, Later, Study, together
+from camgen.vocabulary import Wording
 
 _SAMPLES = np.linspace(
     0, math.tau, 1440, endpoint=False
@@ -187,8 +189,8 @@ class Linkage(Mechanism):
         description="an extension spring between the pins of two points, of two links; bought, on its own "
         "level",
     )
-    wanted: Annotated[tuple[t.Wanted, ...], Field(alias="output", min_length=1, max_length=50)] = (
-        Field(description="what is judged and shown; several are allowed")
+    wanted: Annotated[tuple[t.Wanted, ...], Field(alias="output", max_length=50)] = Field(
+        default=(), description="what is judged and shown; several are allowed"
     )
     includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = Field(
         default=(), description="another spec's machine on the same shaft, printed as this one is"
@@ -236,6 +238,13 @@ class Linkage(Mechanism):
     def _of_sheet(cls, data: Any) -> Any:
         return _upright(freewheels.filled(sheets.filled(pens.filled(data))))
 
+    @classmethod
+    def wording(cls, data: Data) -> Wording:
+        """The tables in the words of today; an [output] with keys of an [[output]] is that one, not the old word of [files]."""
+        output = data.get("output")
+        mistaken = isinstance(output, dict) and output.keys() & t.Wanted.model_fields.keys()
+        return Wording(data, {}, ()) if mistaken else super().wording(data)
+
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
         links = self._drawing.links
@@ -246,6 +255,11 @@ class Linkage(Mechanism):
             for fault in planets.faults(("planets", k), row, self.points, self.links)
         ]
         found += drawing_faults(self._drawing)
+        if not self.wanted:
+            right = (
+                "missing: [[output]] with a name and a point or link: its path or angle is judged"
+            )
+            found.append(Fault(("output",), "", right))
         turning = [
             *(each.link for each in self.drives),
             *(cam.cam for cam in self.cams),
