@@ -45,6 +45,8 @@ class Fixing:
         return "press" if held.name in self.rings else "glue"
 
 
+_LATER = "loose; a later step fixes it"
+_HOLE = "{hole}"  # in words, for a hole's letter
 _WORDS = {"glue": "pressed and glued", "press": "pressed", "free": ""}
 
 
@@ -96,7 +98,7 @@ def order(
             loose.append(laying)
         else:
             where = _places(laying.copies, bench if alone else there, fixing)
-            where = where or ("by itself" if alone else "")
+            where = where or ("on the bench" if alone else _LATER if there else "")
         lies = "turned over" if laying.turned_over else "as drawn"
         row: tuple[object, ...]
         row = (part.name, _holding_notes(part), where, len(laying.copies), laying.z, lies)
@@ -185,7 +187,7 @@ def _push_up(laying: _Laying, stops: Mapping[str, _Stop]) -> tuple[object, ...]:
     """The row of what was loose on its shaft and is glued under its stop."""
     part = laying.copies[0].part
     where = "; ".join(dict.fromkeys(stops[copy.name].words() for copy in laying.copies))
-    return (part.name, f"{part.title}, pushed up", where, "", laying.z, "as drawn")
+    return (part.name, f"{part.title}: push it up", where, "", laying.z, "as drawn")
 
 
 def _put_in(
@@ -195,12 +197,12 @@ def _put_in(
     first = cluster[0]
     others = dict.fromkeys(copy.part.name for copy in cluster[1:])
     met = [copy for copy in cluster if _mates([copy], there, fixing)]
-    words = [(copy.part.name, _where(copy, there, fixing)) for copy in met]
+    words = [(copy.part.name, _places([copy], there, fixing)) for copy in met]
     said = (
         where if name == first.part.name else f"{name} {where}" for name, where in words if where
     )
-    where = "; ".join(dict.fromkeys(said))
-    what = f"{first.part.title} with {', '.join(others)}, put in"
+    where = "; ".join(dict.fromkeys(said)) or (_LATER if there else "")
+    what = f"{first.part.title} with {', '.join(others)}: put them in"
     return (first.part.name, what, where, "", first.mount.z, "as drawn")
 
 
@@ -212,7 +214,7 @@ def _with_rings(fixing: Fixing, pairs: Sequence[object]) -> Fixing:
 
 def _title(row: Sequence[object], count: int = 1) -> str:
     """What a step says above its picture."""
-    what = f"{row[1]}{f' × {count}' if count > 1 else ''}"
+    what = f"{f'{count} × ' if count > 1 else ''}{row[1]}"
     return f"{what}; {row[2]}" if row[2] else what
 
 
@@ -389,18 +391,32 @@ def _sliding(
 
 
 def _places(copies: Iterable[StandingCopy], below: Sequence[StandingCopy], fixing: Fixing) -> str:
-    """Where copies go."""
-    words = (_where(copy, below, fixing) for copy in copies)
-    return "; ".join(dict.fromkeys(filter(None, words)))
+    """Where copies go; those that differ in their hole's letter alone together."""
+    letters: dict[str, list[str]] = {}
+    for copy in copies:
+        words, letter = _where(copy, below, fixing)
+        if words:
+            letters.setdefault(words, []).append(letter)
+    return "; ".join(_lettered(words, each) for words, each in letters.items())
 
 
-def _where(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> str:
-    """Where a copy goes, by what lies there before it; "" where nothing says."""
+def _lettered(words: str, letters: Iterable[str]) -> str:
+    """Where something goes, with the letters of the holes of one part."""
+    *most, last = dict.fromkeys(letters)
+    return words.replace(_HOLE, " and ".join(filter(None, (", ".join(most), last))))
+
+
+def _where(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> tuple[str, str]:
+    """Where a copy goes, by what lies there before it, with _HOLE for its hole's letter, and that letter; "" where nothing says."""
     held = (mate.comes and mate.how != "free" for mate in _mates([copy], below, fixing))
     if not copy.holes or any(held):  # a pin, a shaft, a ball bearing
-        return _pin_words(copy, below, fixing) or (
-            "loose; what holds it comes in a later step" if copy.outlines else ""
-        )
+        words, letter = _pin_words(copy, below, fixing)
+        return words or (_LATER if copy.outlines else ""), letter
+    return _hole_words(copy, below, fixing), ""
+
+
+def _hole_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> str:
+    """On or over what the holes and slots of a copy go."""
     places = []
     for hole in copy.holes:
         shaft, outline = next(
@@ -466,8 +482,10 @@ def _support(hole: Round, shaft: StandingCopy, below: Sequence[StandingCopy]) ->
     return f"{gap:.3g} mm over {name}" if gap > SAME_POINT else f"down on {name}"
 
 
-def _pin_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> str:
-    """Through what a pin or a shaft goes that lies there, from above, and where it is fixed."""
+def _pin_words(
+    copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing
+) -> tuple[str, str]:
+    """Through what a pin or a shaft goes that lies there, from above, and where it is fixed; _HOLE for the hole's letter, and that."""
     round_holes = [
         (hole, other, outline)
         for other in reversed(below)
@@ -475,7 +493,8 @@ def _pin_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing
         for outline in copy.outlines
         if hole.holds(outline)
     ]
-    point = next((f"{hole.name} of " for hole, _, _ in round_holes if hole.name), "")
+    letter = next((hole.name for hole, _, _ in round_holes if hole.name), "")
+    point = f"{_HOLE} of " if letter else ""
     words: dict[str, list[str]] = {}
     for hole, other, outline in round_holes:
         fit = _WORDS[fixing.how(hole, other.part, outline, copy.part)]
@@ -508,4 +527,4 @@ def _pin_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing
         foot = min((each.low for each in copy.outlines), default=0.0)
         gaps = [(hole.low - other.mount.z, hole.low - foot) for hole, other in fixed]
     ways += [side] if any(max(map(abs, gap)) < SAME_POINT for gap in gaps) else []
-    return ", ".join([*ways, *(f"in the slot of {name}" for name in slots)])
+    return ", ".join([*ways, *(f"in the slot of {name}" for name in slots)]), letter

@@ -171,6 +171,14 @@ WHITWORTH = {
 }
 
 
+def test_pins_of_one_link_are_said_once_with_the_letters_of_their_holes() -> None:
+    leg = read_mechanism(Path(__file__).parents[2] / "specs" / "walking-leg.toml")
+    titles = [step.title for step in order_of_assembly(leg.assembly).steps]
+    into = "pressed and glued into B and D of shoulder, flush with its underside"
+    assert f"2 × Pin 3; {into}" in titles
+    assert "Link shoulder with pin-3: put them in; C on pin-1" in titles
+
+
 def started(name: str, **parts: Any) -> dict[str, Any]:
     """The tables of a starter with some keys of [parts]."""
     import tomllib

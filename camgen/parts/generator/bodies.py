@@ -28,7 +28,7 @@ from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
 from camgen.machine.features import Feature, Mount, StandIn, Strand
 from camgen.parts.assembly import Shaft
-from camgen.parts.catalogue import Bought, fixed_motor, screw_for
+from camgen.parts.catalogue import CORE_HOLES, Bought, fixed_motor, screw_for
 from camgen.parts.generator import plates
 from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.discs import (
@@ -67,6 +67,7 @@ _NUMBERED: dict[Role, str] = {  # parts of which a machine has several unlike on
     "keeper": "Keeper {} of a disc",
     "thread-post": "Post {} of a thread",
 }
+_CHECK = "Move it slowly through its whole motion first: no joint may be stiff"
 
 
 class Bodies:
@@ -204,23 +205,29 @@ class Bodies:
     def stands(self) -> str:
         """On what the plate stands, and what turns the shaft."""
         if self.sizes.stand != "none":
-            return f"Stands on the table. {self._turned}"
+            return f"Stand it on the table. {self._turned}. {_CHECK}"
         count = "two" if self.sizes.mount_screws == 2 else "three"
-        screws = f"{count} screws from behind, in the plate's outermost holes, hold it"
-        board = f"Stands on a board or frame of yours: {self.layout.fitted.holder or screws}."
+        thread = next(
+            (f" {each}" for each, core in CORE_HOLES.items() if core == self.sizes.mount_diameter),
+            "",
+        )
+        screws = f"{count} screws{thread} from behind, in the plate's outermost holes, hold it"
+        board = (
+            f"Fix the plate on a board or frame of yours: {self.layout.fitted.holder or screws}."
+        )
         if self.sizes.face is not None:
-            return f"{board} {self._turned}: leave it room there"
+            return f"{board} {self._turned}: leave it room there. {_CHECK}"
         deep = -min(mount.z for mount in self.mounts)
         if deep > 0:
             under = "under the shaft" if self.layout.drivers else "underneath"
-            board += f" It is open {under}, {deep:.4g} mm deep at least."
-        return f"{board} {self._turned}"
+            board += f" Leave it open {under}, at least {deep:.4g} mm deep."
+        return f"{board} {self._turned}. {_CHECK}"
 
     @property
     def _turned(self) -> str:
         """What turns the shafts, or pushes what slides."""
         if not self.layout.drivers:
-            return f"What pushes link {self.layout.driven} along its slide moves it"
+            return f"Couple your drive to link {self.layout.driven}, along its slide"
         several = bool(self.layout.further)
         if self.sizes.face is not None:
             return (
@@ -229,10 +236,10 @@ class Bodies:
         if self.sizes.hand_crank:
             return f"The hand crank turns it from {'below' if self.sizes.stand == 'none' else 'behind'}"
         flat = self.sizes.shaft_flat
-        by = f", by {'their flats' if several else 'its flat'} {flat:g} deep" if flat else ""
+        by = f", by {'their flats' if several else 'its flat'} {flat:g} mm deep" if flat else ""
         if several:
-            return f"What is coupled to the shafts' lower ends turns them{by}"
-        return f"What is coupled to the shaft's lower end turns it{by}"
+            return f"Couple your drive to the shafts' lower ends{by}"
+        return f"Couple your drive to the shaft's lower end{by}"
 
     def stand_ins(self) -> list[StandIn]:
         """The motor under the plate, and what is fitted."""

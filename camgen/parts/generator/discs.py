@@ -153,7 +153,7 @@ def gear_part(layout: Layout, wheel: GearWheel) -> Part:
     openings = windows(gear, wheel.spokes, hub, max(sizes.wall, gear.module))
     holes = {"bore": bore} | {f"window {k + 1}": each for k, each in enumerate(openings)}
     planet = wheel.link in layout.planet_pins
-    title = f"Planet of {wheel.level}" if planet else f"Wheel of {wheel.link}"
+    title = f"Planet wheel of {wheel.level}" if planet else f"Wheel of {wheel.link}"
     region = plate(title[0].lower() + title[1:], edge, holes, layout.min_wall)
     level = f"level {layout.level[wheel.level]}"
     notes = (
