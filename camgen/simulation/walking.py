@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +26,7 @@ from camgen.report.report import Report, write_csv, write_json
 from camgen.simulation.gait import LOOSE, Gait, engine, gait
 from camgen.simulation.picture import film
 from camgen.study import Figure, Figures, Plot, Table
-from camgen.tolerance.printed import printed_copy
+from camgen.tolerance.printed import loose, misplaced
 from camgen.tolerance.spread import sizes_of
 
 TURNS = 5  # of the crank, the first of which only gets it going
@@ -40,11 +41,13 @@ _NOTES = (
 
 
 _COPIES = (
-    "Of a copy each pin is off by the errors of the print and by half of its clearance, in one direction for all of the run. It walks "
-    "at the middle friction; a run that is void says nothing and does not count."
+    "Of a copy each pin is off by the errors of the print and by half of its clearance, in one direction for all of the run; where it "
+    "does not close so, other directions are tried, for pins give way. It walks at the middle friction; a run that is void says "
+    "nothing and does not count."
 )
 _MOST = 100  # copies
 _DRAWN = 10  # for each that is wanted, where some do not close
+_GIVES = 20  # ways in which the pins of a copy lie, of which one has to close
 _LOOKED_AT = 361  # angles of a turn
 
 
@@ -140,8 +143,8 @@ class _Copies:
             "all close"
             if not lost
             else (
-                f"{lost} do not close all round: a leg comes to its fold and jams, unless its pins give way; a smaller print.place_error or "
-                "a greater least transmission angle helps"
+                f"{lost} do not close all round, however their pins were laid: a leg comes to its fold and jams; a smaller "
+                "print.place_error or a greater least transmission angle helps"
             )
         )
         return f"{_COPIES} Of {counted(self.drawn, 'copy', 'copies')} {jammed}."
@@ -153,16 +156,20 @@ def _copies(mechanism: Mechanism, prints: Prints) -> _Copies:
         return _Copies()
     sizes = sizes_of(mechanism)
     chance = np.random.default_rng(prints.seed)
-    theta = np.linspace(0, math.tau, _LOOKED_AT)
     closing: list[Machine] = []
     drawn = 0
     while len(closing) < prints.copies and drawn < _DRAWN * prints.copies:
-        copy = printed_copy(mechanism.assembly.exact, sizes, chance)
-        run = solve(copy, theta, 0)
+        printed = misplaced(mechanism.assembly.exact, sizes, chance)
+        laid = (loose(printed, chance) for _ in range(_GIVES))
+        closing += islice(filter(_closes, laid), 1)
         drawn += 1
-        if all(np.all(np.isfinite(run[output.name])) for output in copy.outputs):
-            closing.append(copy)
     return _Copies(closing, drawn)
+
+
+def _closes(machine: Machine) -> bool:
+    """Whether it goes all round."""
+    run = solve(machine, np.linspace(0, math.tau, _LOOKED_AT), 0)
+    return all(np.all(np.isfinite(run[output.name])) for output in machine.outputs)
 
 
 def walk(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -11,22 +12,37 @@ from camgen.machine.model import GROUND, Machine, Pin
 from camgen.machine.print_errors import Sizes
 
 
-def printed_copy(machine: Machine, sizes: Sizes, chance: np.random.Generator) -> Machine:
-    """The machine with each pin off in both of its bodies, as drawn by chance; pins of driven bodies in the ground stay.
+def misplaced(machine: Machine, sizes: Sizes, chance: np.random.Generator) -> Machine:
+    """The machine with each hole and pin off by the printer's error of a place, as drawn by chance."""
 
-    Both holes are off by the printer's error of a place. A pin lies at the edge of its clearance, in one direction for all of a run,
-    each as likely as any other: what turns round as the load does is not followed.
-    """
-    driven = {drive.body for drive in machine.drives}
-    joints = []
-    for joint in machine.joints:
-        held = isinstance(joint, Pin) and {joint.a.body, joint.b.body} <= {GROUND, *driven}
-        if not isinstance(joint, Pin) or held:
-            joints.append(joint)
-            continue
+    def off(pin: Pin) -> Pin:
         across, up, other_across, other_up = sizes.place * chance.standard_normal(4)
-        play = joint.clearance / 2 * np.exp(1j * math.tau * chance.random())
-        a = replace(joint.a, at=joint.a.at + complex(across, up) + complex(play))
-        b = replace(joint.b, at=joint.b.at + complex(other_across, other_up))
-        joints.append(replace(joint, a=a, b=b))
-    return replace(machine, joints=tuple(joints))
+        a = replace(pin.a, at=pin.a.at + complex(across, up))
+        return replace(pin, a=a, b=replace(pin.b, at=pin.b.at + complex(other_across, other_up)))
+
+    return _with_pins(machine, off)
+
+
+def loose(machine: Machine, chance: np.random.Generator) -> Machine:
+    """The machine with each pin at the edge of its clearance, in one direction for all of a run, each as likely as any other.
+
+    What turns round as the load does is not followed.
+    """
+
+    def off(pin: Pin) -> Pin:
+        play = pin.clearance / 2 * np.exp(1j * math.tau * chance.random())
+        return replace(pin, a=replace(pin.a, at=pin.a.at + complex(play)))
+
+    return _with_pins(machine, off)
+
+
+def _with_pins(machine: Machine, off: Callable[[Pin], Pin]) -> Machine:
+    """The machine with other pins; those of driven bodies in the ground stay."""
+    driven = {drive.body for drive in machine.drives}
+    joints = tuple(
+        off(joint)
+        if isinstance(joint, Pin) and not {joint.a.body, joint.b.body} <= {GROUND, *driven}
+        else joint
+        for joint in machine.joints
+    )
+    return replace(machine, joints=joints)

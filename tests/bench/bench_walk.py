@@ -121,12 +121,13 @@ def phases() -> None:
     """
     print("| far side ahead, deg | ends | way, mm a turn | slip, mm a turn | roll, deg |")
     print("|---|---|---|---|---|")
-    for phase in range(0, 180, 15):
+    for phase in range(0, 180, 30):
         mechanism = read_mechanism(WALKER, [f"parts.side_phase_deg={phase}"]).resolved()
         standing = standing_of(mechanism)
         assert standing is not None
         run = walking.walk(mechanism, simulated(mechanism, standing), 0.6, 3)
-        end = f"falls after {run.turns:.2f} turns" if run.falls else "walks"
+        end = "falls" if run.falls else "stalls" if run.stalls else "walks"
+        end += "" if end == "walks" else f" after {run.turns:.2f} turns"
         roll = np.degrees(np.max(np.abs(run.roll)))
         row = f"{run.way_per_turn:.0f} | {run.slip_per_turn:.0f} | {roll:.0f}"
         print(f"| {phase} | {end} | {row} |", flush=True)

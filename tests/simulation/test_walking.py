@@ -22,7 +22,7 @@ from camgen.pipeline.multibody import simulated, standing_of
 from camgen.report.page import to_html
 from camgen.simulation import picture, walking
 from camgen.simulation.gait import Gait
-from camgen.tolerance.printed import printed_copy
+from camgen.tolerance.printed import loose, misplaced
 
 REFERENCE = tomllib.loads((ROOT / "tests" / "reference" / "walks.toml").read_text(encoding="utf-8"))
 FEET = 'walk.feet=["foot1", "foot2", "foot3", "foot4"]'
@@ -122,7 +122,8 @@ def test_a_film_shows_it_going_on(
 
 def test_a_printed_copy_walks_a_little_otherwise(machine: Any, model: Any, run: Gait) -> None:
     """Its legs stay closed on its own pins, not on the exact ones; both kinds of runs have figures of their own."""
-    copy = printed_copy(machine.assembly.exact, Sizes(0, 0, 0.02, 0), np.random.default_rng(3))
+    chance = np.random.default_rng(3)
+    copy = loose(misplaced(machine.assembly.exact, Sizes(0, 0, 0.02, 0), chance), chance)
     standing = standing_of(machine)
     assert standing is not None
     made = simulated(machine, standing, copy)
@@ -152,6 +153,20 @@ def test_copies_that_do_not_close_are_told(machine: Any) -> None:
     assert drawn.figures[0].value < 100
     fine = machine.replace({"print.place_error": 0.0, "print.slide_clearance": 0.01})
     assert walking._copies(fine, walking.Prints(2, 1)).drawn == 2
+
+
+@pytest.mark.parametrize(("closes", "drawn"), [([False, True], 1), ([False] * 20 + [True], 2)])
+def test_pins_of_a_copy_give_way(
+    machine: Any, monkeypatch: pytest.MonkeyPatch, closes: list[bool], drawn: int
+) -> None:
+    """One that closes when its pins lie otherwise is no other copy; one that does not in twenty ways is lost."""
+    answers = iter(closes)
+    seen: list[Any] = []
+    monkeypatch.setattr(walking, "_closes", lambda copy: seen.append(copy) or next(answers))
+    found = walking._copies(machine, walking.Prints(1, 1))
+    assert found.drawn == drawn and found.closing == seen[-1:]
+    bores = [[joint.b for joint in copy.joints if hasattr(joint, "b")] for copy in seen]
+    assert bores[0] == bores[1] and seen[0] != seen[1]
 
 
 def test_the_page_shows_the_film_by_itself(machine: Any, model: Any, run: Gait) -> None:

@@ -9,7 +9,7 @@ from test_tolerance import SPECS
 from camgen.machine.model import GROUND, Machine, Pin
 from camgen.machine.print_errors import Sizes
 from camgen.machines.sources import read_mechanism
-from camgen.tolerance.printed import printed_copy
+from camgen.tolerance.printed import loose, misplaced
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +27,7 @@ def moves(machine: Machine, copy: Machine) -> dict[str, tuple[complex, complex]]
 
 
 def test_a_pin_lies_at_the_edge_of_its_play(four_bar: Machine) -> None:
-    copy = printed_copy(four_bar, Sizes(0, 0, 0, 0), np.random.default_rng(1))
+    copy = loose(four_bar, np.random.default_rng(1))
     (drive,) = four_bar.drives
     for pin in four_bar.joints:
         assert isinstance(pin, Pin)
@@ -40,9 +40,9 @@ def test_a_pin_lies_at_the_edge_of_its_play(four_bar: Machine) -> None:
 def test_centres_are_off_by_the_print(four_bar: Machine) -> None:
     """As often and as far as said, in both sides alike; the same seed gives the same copy."""
     chance = np.random.default_rng(2)
-    copies = [printed_copy(four_bar, Sizes(0, 0, 0.05, 0), chance) for _ in range(400)]
+    copies = [misplaced(four_bar, Sizes(0, 0, 0.05, 0), chance) for _ in range(400)]
     off = np.array([moves(four_bar, each)["B"][1] for each in copies])
     assert np.std(off.real) == pytest.approx(0.05, rel=0.15)
     assert np.std(off.imag) == pytest.approx(0.05, rel=0.15)
-    again = printed_copy(four_bar, Sizes(0, 0, 0.05, 0), np.random.default_rng(2))
+    again = misplaced(four_bar, Sizes(0, 0, 0.05, 0), np.random.default_rng(2))
     assert moves(four_bar, again) == moves(four_bar, copies[0])
