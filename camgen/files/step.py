@@ -1,7 +1,8 @@
 """STEP (ISO 10303-21, AP214): a part as one exact solid of planes and cylinders, or all of an assembly's parts in their places.
 
-Nothing in it is facetted: walls are planes and cylinders, edges lines and circles. What is read is what is written here:
-upright walls between level faces; every corner is held to the curves and surfaces that meet in it.
+Nothing in it is facetted: walls are planes and cylinders, edges lines and circles; a drum's walls and their edges are cubic
+splines. What is read is what is written here: upright walls between level faces, and drums; every corner is held to the curves
+and surfaces that meet in it, every spline's edge to the surfaces on both sides.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from camgen.files.formats import FORMATS, Job
 from camgen.files.threemf import PartCopy
 from camgen.geometry.brep import Brep, Edge, Face, Loop
 from camgen.geometry.outlines import Floats
+from camgen.geometry.splines import DEGREE, Patch, Spline
 from camgen.parts.exact import SAME, exact
 
 _SCHEMA = "AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }"
@@ -161,7 +163,9 @@ def _solid(out: _Entities, name: str, body: Brep) -> int:
     for edge in body.edges:
         a = points[edge.a]
         b = points[edge.b]
-        if edge.radius:
+        if edge.spline is not None:
+            curve = _spline(out, edge.spline)
+        elif edge.radius:
             curve = out.add(
                 f"CIRCLE('',#{out.place((edge.centre.real, edge.centre.imag, a[2]))},{_real(edge.radius)})"
             )
@@ -188,6 +192,29 @@ def _solid(out: _Entities, name: str, body: Brep) -> int:
     return out.add(f"MANIFOLD_SOLID_BREP({_text(name)},#{shell})")
 
 
+def _spline(out: _Entities, spline: Spline) -> int:
+    poles = _refs(out.point(place) for place in spline.poles.tolist())
+    counts, knots = _knots(spline.knots)
+    return out.add(
+        f"B_SPLINE_CURVE_WITH_KNOTS('',{DEGREE},{poles},.UNSPECIFIED.,.F.,.F.,{counts},{knots},.UNSPECIFIED.)"
+    )
+
+
+def _patch(out: _Entities, patch: Patch) -> int:
+    rows = ",".join(_refs(out.point(place) for place in row) for row in patch.poles.tolist())
+    (counts, knots), (across, others) = map(_knots, (patch.along, patch.across))
+    return out.add(
+        f"B_SPLINE_SURFACE_WITH_KNOTS('',{DEGREE},{DEGREE},({rows}),.UNSPECIFIED.,.F.,.F.,.F.,"
+        f"{counts},{across},{knots},{others},.UNSPECIFIED.)"
+    )
+
+
+def _knots(knots: Floats) -> tuple[str, str]:
+    """Multiplicities and knots."""
+    places, counts = np.unique(knots, return_counts=True)
+    return f"({','.join(map(str, counts.tolist()))})", _row(places.tolist())
+
+
 def _unit(b: Sequence[float], a: Sequence[float]) -> list[float]:
     way = [q - p for p, q in zip(a, b, strict=True)]
     size = math.hypot(*way)
@@ -196,6 +223,12 @@ def _unit(b: Sequence[float], a: Sequence[float]) -> list[float]:
 
 def _surface(out: _Entities, body: Brep, face: Face) -> tuple[int, bool]:
     """The surface of a face, and whether its own normal looks out of the material."""
+    if face.patch is not None:
+        return _patch(out, face.patch), True
+    if face.radius:
+        return out.add(
+            f"CYLINDRICAL_SURFACE('',#{out.place((0, 0, 0))},{_real(face.radius)})"
+        ), True
     step = min(
         face.loops[0], key=lambda step: (_rise(body, step), body.corners[body.first(step), 2])
     )
@@ -272,18 +305,20 @@ SHAPE_REPRESENTATION(s,(#AXIS2_PLACEMENT_3D..),#GEOMETRIC_REPRESENTATION_CONTEXT
 SHAPE_DEFINITION_REPRESENTATION(#PRODUCT_DEFINITION_SHAPE,#SHAPE_REPRESENTATION|ADVANCED_BREP_SHAPE_REPRESENTATION)
 MANIFOLD_SOLID_BREP(s,#CLOSED_SHELL)
 CLOSED_SHELL(s,(#ADVANCED_FACE..))
-ADVANCED_FACE(s,(#FACE_OUTER_BOUND|FACE_BOUND..),#PLANE|CYLINDRICAL_SURFACE,f)
+ADVANCED_FACE(s,(#FACE_OUTER_BOUND|FACE_BOUND..),#PLANE|CYLINDRICAL_SURFACE|B_SPLINE_SURFACE_WITH_KNOTS,f)
 FACE_OUTER_BOUND(s,#EDGE_LOOP,f)
 FACE_BOUND(s,#EDGE_LOOP,f)
 EDGE_LOOP(s,(#ORIENTED_EDGE..))
 ORIENTED_EDGE(s,*,*,#EDGE_CURVE,f)
-EDGE_CURVE(s,#VERTEX_POINT,#VERTEX_POINT,#LINE|CIRCLE,f)
+EDGE_CURVE(s,#VERTEX_POINT,#VERTEX_POINT,#LINE|CIRCLE|B_SPLINE_CURVE_WITH_KNOTS,f)
 VERTEX_POINT(s,#CARTESIAN_POINT)
 LINE(s,#CARTESIAN_POINT,#VECTOR)
 VECTOR(s,#DIRECTION,n)
 CIRCLE(s,#AXIS2_PLACEMENT_3D,n)
 PLANE(s,#AXIS2_PLACEMENT_3D)
 CYLINDRICAL_SURFACE(s,#AXIS2_PLACEMENT_3D,n)
+B_SPLINE_CURVE_WITH_KNOTS(s,n,(#CARTESIAN_POINT..),f,f,f,(n..),(n..),f)
+B_SPLINE_SURFACE_WITH_KNOTS(s,n,n,((#CARTESIAN_POINT..)..),f,f,f,f,(n..),(n..),(n..),(n..),f)
 NEXT_ASSEMBLY_USAGE_OCCURRENCE(s,s,s,#PRODUCT_DEFINITION,#PRODUCT_DEFINITION,$)
 ITEM_DEFINED_TRANSFORMATION(s,s,#AXIS2_PLACEMENT_3D,#AXIS2_PLACEMENT_3D)
 (REPRESENTATION_RELATIONSHIP(s,s,#ADVANCED_BREP_SHAPE_REPRESENTATION,#SHAPE_REPRESENTATION)\
@@ -296,6 +331,8 @@ def _pattern(form: str) -> re.Pattern[str]:
     """What matches an instance of a form, its references by the types they refer to."""
     text = re.sub(r"[()$*]", r"\\\g<0>", form)
     several = re.sub(r"#([A-Z_0-9|]+)\.\.", r"#(?:\1)(?:,#(?:\1))*", text)
+    several = re.sub(r"\\\(([^\\]+)\\\)\.\.", r"\(\1\)(?:,\(\1\))*", several)
+    several = several.replace("n..", "n(?:,n)*")
     return re.compile(re.sub(r"#([A-Z_0-9]+(?:\|[A-Z_0-9]+)+)", r"#(?:\1)", several))
 
 
@@ -303,6 +340,8 @@ _FORMS: dict[str, list[re.Pattern[str]]] = {}  # by the first type
 for _form in _WRITTEN.split():
     _FORMS.setdefault(_form.lstrip("(").partition("(")[0], []).append(_pattern(_form))
 _KINDS = {2: "s", 3: "f", 4: "n"}  # by the group of _TOKEN
+_SIDES = 4  # of a face with splines for edges
+_SHARES = np.linspace(0, 1, 33)  # of these edges, at which they are held to their surfaces
 _END = [";", "END-ISO-10303-21;"]
 
 
@@ -317,7 +356,7 @@ def read_part(path: Path, name: str) -> tuple[Brep, list[str]]:
 def read_step(path: Path) -> tuple[dict[str, Brep], list[PartCopy], list[str]]:
     """Bodies by the names of their products, copies in an assembly, and remarks: corners off their curves or surfaces, mm.
 
-    FileError where it cannot be read, is cut short, or holds other things than upright walls between level faces.
+    FileError where it cannot be read, is cut short, or holds other things than upright walls between level faces, and drums.
     """
     text = read_bytes(path, FORMATS["step"].size).decode("latin-1")
     if not text.startswith("ISO-10303-21;") or not text.rstrip().endswith("END-ISO-10303-21;"):
@@ -333,7 +372,7 @@ def read_step(path: Path) -> tuple[dict[str, Brep], list[PartCopy], list[str]]:
         RecursionError,
     ) as error:
         raise FileError(
-            path, f"not a STEP file of upright walls between level faces: {error!r}"
+            path, f"not a STEP file of upright walls between level faces, or of a drum: {error!r}"
         ) from None
 
 
@@ -391,6 +430,12 @@ def _refuse_other_forms(forms: Mapping[str, Sequence[str]]) -> None:
             each.fullmatch(text) for each in _FORMS.get(types[ref], ())
         ):
             raise ValueError(f"{ref} is {text[:100]}, not as camgen writes it")
+
+
+def _refuse_degrees(ref: str, *degrees: float) -> None:
+    """Raise ValueError at a spline that is no cubic."""
+    if set(degrees) != {DEGREE}:
+        raise ValueError(f"{ref} is a spline of degree {degrees}, expected {DEGREE}")
 
 
 class _Reader:
@@ -493,8 +538,8 @@ class _Reader:
                     raise ValueError(f"{bound} runs against its face")
                 steps = [self.get(step, "ORIENTED_EDGE") for step in self.get(loop, "EDGE_LOOP")[1]]
                 loops.append(tuple((edge(step[3]), step[4] == ".T.") for step in steps))
-            looks = self.looks(Brep(np.array(points), curves, ()), loops, surface, sense == ".T.")
-            shells.append(Face(looks, tuple(loops)))
+            so_far = Brep(np.array(points), curves, ())
+            shells.append(self.face(so_far, tuple(loops), surface, sense == ".T."))
         return Brep(np.array(points), curves, shells)
 
     def edge(self, a: int, b: int, points: Sequence[Floats], curve: str) -> Edge:
@@ -507,6 +552,12 @@ class _Reader:
             for corner in (a, b):
                 self.off(math.hypot(*(points[corner] - at)[:2]) - radius, points[corner][2] - at[2])
             return Edge(a, b, complex(at[0], at[1]), radius)
+        if "=B_SPLINE_CURVE_WITH_KNOTS" in self.entities[curve]:
+            _, degree, poles, *_, counts, knots, _ = self.get(curve, "B_SPLINE_CURVE_WITH_KNOTS")
+            _refuse_degrees(curve, degree)
+            spline = Spline(np.repeat(knots, np.array(counts, int)), self.poles(poles))
+            self.off(*(spline.poles[[0, -1]] - [points[a], points[b]]).ravel())
+            return Edge(a, b, spline=spline)
         _, at_ref, vector = self.get(curve, "LINE")
         way = self.point(self.get(vector, "VECTOR")[1])
         for corner in (a, b):
@@ -514,6 +565,45 @@ class _Reader:
         if np.dot(points[b] - points[a], way) <= 0:
             raise ValueError(f"{curve} runs the other way")
         return Edge(a, b)
+
+    def poles(self, refs: Sequence[str]) -> Floats:
+        """Points, (n, 3)."""
+        return np.array([self.point(ref) for ref in refs])
+
+    def face(self, body: Brep, loops: tuple[Loop, ...], surface: str, same: bool) -> Face:
+        """A face, its loops held to its surface."""
+        splines = any(body.edges[edge].spline is not None for loop in loops for edge, _ in loop)
+        if not splines:
+            return Face(self.looks(body, loops, surface, same), loops)
+        if len(loops) != 1 or len(loops[0]) != _SIDES or not same:
+            raise ValueError(f"{surface} has splines for edges, and not {_SIDES} of them round it")
+        runs = [body.along(step, _SHARES) for step in loops[0]]
+        if "=B_SPLINE_SURFACE_WITH_KNOTS" in self.entities[surface]:
+            _, *degrees, rows, _, _, _, _, counts, across, knots, others, _ = self.get(
+                surface, "B_SPLINE_SURFACE_WITH_KNOTS"
+            )
+            _refuse_degrees(surface, *degrees)
+            patch = Patch(
+                np.repeat(knots, np.array(counts, int)),
+                np.repeat(others, np.array(across, int)),
+                np.array([self.poles(row) for row in rows]),
+            )
+            bottom, right, top, left = (side(_SHARES) for side in patch.sides)
+            for run, side in zip(runs, (bottom, right, top[::-1], left[::-1]), strict=True):
+                self.off(float(np.max(np.linalg.norm(run - side, axis=-1))))
+            return Face(0, loops, patch=patch)
+        _, place, radius = self.get(surface, "CYLINDRICAL_SURFACE")
+        at, z, _ = self.frame(place)
+        around = np.concatenate(runs)
+        self.off(float(np.max(np.abs(np.hypot(around[:, 0], around[:, 1]) - radius))), *at[:2])
+        turn = np.unwrap(np.arctan2(around[:, 1], around[:, 0]))
+        height = around[:, 2]
+        if (
+            z.tolist() != [0, 0, 1]
+            or np.sum(turn * np.roll(height, -1) - np.roll(turn, -1) * height) <= 0
+        ):
+            raise ValueError(f"{surface} does not stand about z, or its face looks inwards")
+        return Face(0, loops, radius)
 
     def looks(self, body: Brep, loops: Sequence[Loop], surface: str, same: bool) -> int:
         """Where a face looks, its corners held to its surface, and its loops to the side on which it has the material."""

@@ -1,8 +1,8 @@
-"""Bodies bounded by level planes and upright walls, exactly: what a stack of plates is, without facets.
+"""Bodies bounded by level planes and upright walls, exactly: what a stack of plates is, without facets; and by splines.
 
 corner   a point where edges end
-edge     from one corner to another: upright, straight and level, or a level arc, counter-clockwise seen from above
-face     level (looking up or down), or a wall: a plane or a cylinder between two heights
+edge     from one corner to another: upright, straight and level, a level arc, counter-clockwise seen from above, or a spline
+face     level (looking up or down), or a wall: a plane or a cylinder between two heights, a piece of a cylinder about z, a spline
 loop     the edges round a face, run so that the face lies on their left as seen from outside
 """
 
@@ -17,29 +17,42 @@ from functools import cached_property
 
 import numpy as np
 
-from camgen.geometry.mesh import components
+from camgen.geometry.mesh import Mesh, components, weld
 from camgen.geometry.rings import Floats, Ring, Shape, shape_of
+from camgen.geometry.splines import Patch, Spline
+
+_FEWEST = 4  # cells of a patch each way
+_DIGITS = 9  # of points, mm, that are one where patches meet
 
 
 @dataclass(frozen=True)
 class Edge:
-    """From corner a to corner b (indices); centre and radius, mm, of an arc that runs counter-clockwise, radius 0: straight."""
+    """From corner a to corner b (indices); centre and radius, mm, of an arc that runs counter-clockwise, radius 0: straight, or
+    along a spline."""
 
     a: int
     b: int
     centre: complex = 0j
     radius: float = 0.0
+    spline: Spline | None = None
 
 
-Loop = tuple[tuple[int, bool], ...]  # edges, and whether each is run from a to b
+Step = tuple[int, bool]  # an edge, and whether it is run from a to b
+Loop = tuple[Step, ...]
 
 
 @dataclass(frozen=True)
 class Face:
-    """A level face or a wall."""
+    """A level face or a wall.
+
+    radius: of a piece of a cylinder about z that is seen from outside, whose edges need not be level; patch: of a wall that is a
+    spline, whose four sides are its loop, from its v = 0, u growing.
+    """
 
     looks: int  # +1 up, -1 down, 0 aside (a wall)
     loops: tuple[Loop, ...]  # the outer one first
+    radius: float = 0.0
+    patch: Patch | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,11 +102,48 @@ class Brep:
             np.array([self.bulge(step) for step in loop]),
         )
 
+    def along(self, step: Step, share: Floats) -> Floats:
+        """Points of a step of a loop at shares of it as it runs, (n, 3) mm."""
+        edge = self.edges[step[0]]
+        share = share if step[1] else 1 - share
+        if edge.spline is not None:
+            return edge.spline(share)
+        a = self.corners[edge.a]
+        b = self.corners[edge.b]
+        if not edge.radius:
+            return np.asarray(a + share[:, None] * (b - a))
+        spoke = self.plan[edge.a] - edge.centre
+        sweep = cmath.phase((self.plan[edge.b] - edge.centre) / spoke) % math.tau
+        arc = edge.centre + spoke * np.exp(1j * sweep * share)
+        return np.column_stack([arc.real, arc.imag, np.full(len(share), a[2])])
+
+    def facets(self, tolerance: float) -> Mesh:
+        """Its splines and the pieces of cylinders between them as triangles, mm: what a roller in a track meets."""
+        patches = [face.patch for face in self.faces if face.patch is not None]
+        rows = columns = _FEWEST
+        while True:
+            off = np.max([each.bulge(columns, rows) for each in patches], axis=0)
+            if off.max() <= tolerance / 2:
+                break
+            columns *= 1 + int(off[0] >= off[1])
+            rows *= 1 + int(off[1] > off[0])
+        u, v = (np.linspace(0, 1, count + 1) for count in (columns, rows))
+        grids = [patch(u, v) for patch in patches]
+        for face in self.faces:
+            if face.radius:
+                (loop,) = face.loops
+                grids.append(
+                    np.stack([self.along(loop[0], u), self.along(loop[2], u)[::-1]], axis=1)
+                )
+        return weld(np.round(np.concatenate([_triangles(grid) for grid in grids]), _DIGITS))
+
     @property
     def volume(self) -> float:
-        """Volume, mm^3: of level faces each is its height times its area, and walls are upright."""
+        """Volume, mm^3: of level faces each is its height times its area, and walls are upright but for splines."""
         volume = 0.0
         for face in self.faces:
+            if face.patch is not None:
+                volume += face.patch.flux
             if face.looks:
                 height = float(self.corners[self.first(face.loops[0][0]), 2])
                 volume += height * sum(self.ring(loop).area for loop in face.loops)
@@ -148,12 +198,13 @@ class Brep:
             level = [
                 step
                 for step, (a, b) in zip(loop, ends, strict=True)
-                if self.corners[a, 2] == self.corners[b, 2]
+                if self.corners[a, 2] == self.corners[b, 2] and self.edges[step[0]].spline is None
             ]
             if len(start) != 1 or len(end) != 1 or not level or start[0] in steps:
                 raise ValueError(f"the section at z = {z:.6g} mm does not close")
             lowest = min(level, key=lambda step: self.corners[self.first(step), 2])
-            steps[start[0]] = end[0], self.bulge(lowest)
+            above = self.corners[self.first(lowest), 2] > z
+            steps[start[0]] = end[0], self.bulge(lowest) * (-1 if above else 1)
         rings = []
         while steps:
             point = first = next(iter(steps))
@@ -176,3 +227,10 @@ class Brep:
             for face in self.faces
             if face.looks == looks and self.corners[self.first(face.loops[0][0]), 2] == height
         ]
+
+
+def _triangles(grid: Floats) -> Floats:
+    """Of a grid of points (n, m, 3), which run along and across it, (k, 3, 3)."""
+    a, b, c, d = grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]
+    halves = [np.stack(corners, axis=2).reshape(-1, 3, 3) for corners in ((a, b, c), (a, c, d))]
+    return np.concatenate(halves)

@@ -59,6 +59,7 @@ class Drum:
     path: RollerPath
     roller: DrumRoller
     pitch: float = 0.0
+    breaks: tuple[float, ...] = ()  # cam angles at which its path may not be smooth, rad
 
     @property
     def walls(self) -> tuple[DrumWall, ...]:

@@ -191,7 +191,7 @@ def judge_exact(path: Path, expected: NominalPart) -> PartVerdict:
     if remarks:
         return PartVerdict((strange(path, remarks),))
     bodies = counted(body.bodies, "body", "bodies")
-    remark = f"{body.faults} edges without their two faces, {bodies} of {len(body.faces)} planes and cylinders"
+    remark = f"{body.faults} edges without their two faces, {bodies} of {counted(len(body.faces), 'face')}"
     findings = [
         at_most("WATERTIGHT", body.faults + abs(body.bodies - 1), 0, "faults", where, remark)
     ]

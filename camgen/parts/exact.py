@@ -22,12 +22,12 @@ from numpy.typing import NDArray
 
 from camgen.errors import DesignError
 from camgen.geometry.arcs import bulges, fit_arcs
-from camgen.geometry.brep import Brep, Edge, Face, Loop
+from camgen.geometry.brep import Brep, Edge, Face, Loop, Step
 from camgen.geometry.outlines import Points
+from camgen.parts.drum_exact import drum_solid
 from camgen.parts.part import Layer, Part
 
 Bools = NDArray[np.bool_]
-Step = tuple[int, bool]
 
 # Points nearer than this are one, and outlines that run so near beside each other are one outline, mm: layers of one part
 # whose equal outlines were worked out by different routes differ by up to 6e-7. STEP files tell it as their uncertainty.
@@ -105,13 +105,13 @@ class _Stroke:
 def exact(part: Part, tolerance: float) -> Brep:
     """The part as one closed body, in its frame: lines and arcs within tolerance, mm, of its outlines, extruded.
 
-    DesignError, with what to do, for a drum, a crossed part, and for layers that meet in a line or do not make exactly one body.
+    A drum's walls are splines, see `drum_exact`. DesignError, with what to do, for a crossed part, and for layers that meet in a
+    line or do not make exactly one body.
     """
+    if part.drum is not None:
+        return drum_solid(part.drum, part.layers[0].region.holes, tolerance)
     if not part.prismatic:
-        what = "is where two outlines that are extruded crosswise overlap"
-        if part.drum is not None:
-            what = "has a track round it"
-        message = f"{part.name} {what}; no exact solid of it can be written"
+        message = f"{part.name} is where two outlines that are extruded crosswise overlap; no exact solid of it can be written"
         raise DesignError("exact solid", 1, 0, "", "", "take its STL or 3MF").saying(message)
     layers = [*part.layers, *part.engraved]
     points, strokes, runs = _divided([_outlines(layer, tolerance) for layer in layers])

@@ -1,16 +1,21 @@
-"""Drums read back: the roller rolled in the track of each, from its meshes alone, against the motion that was asked for."""
+"""Drums read back: the roller rolled in the track of each, from its files alone, against the motion that was asked for.
+
+Of an exact solid, its splines as triangles within the tolerance.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.files.formats import FORMATS, read_solid
+from camgen.files.formats import EXACT, FORMATS, SOLID, read_exact, read_solid
 from camgen.findings import Finding, Where, at_most, in_file
+from camgen.geometry.mesh import Mesh
 from camgen.judge.rolled_drum import Rolled, RollerTable, roll, track_findings
 from camgen.machine.features import DrumTrack
 from camgen.machine.model import Cam, Output, unit_of
@@ -26,9 +31,9 @@ _ROUNDING = 4.0  # steps of a file's numbers, by which it may put a wall off
 
 
 def judge_drums(case: Case, kinds: Sequence[str]) -> Outcome:
-    """The follower of each drum as each kind of mesh moves it."""
+    """The follower of each drum as each kind of solid moves it."""
     outcomes = [
-        _judged(case, track, [kind for kind in kinds if FORMATS[kind].solid])
+        _judged(case, track, [kind for kind in kinds if kind in (*SOLID, *EXACT)])
         for track in case.mechanism.assembly.tracks
     ]
     return Outcome(
@@ -91,7 +96,9 @@ def _judged(case: Case, track: DrumTrack, kinds: Sequence[str]) -> Outcome:
     for kind in kinds:
         path = case.file(track.part, kind)
         where = replace(in_file(path), output=follower.output.name)
-        mesh, _ = read_solid(path, track.part)
+        if kind in EXACT and not path.exists():  # told of the part
+            continue
+        mesh = _mesh(path, track.part, table.tolerance)
         try:
             rolled = roll(mesh, table, HARMONICS)
         except DesignError as fault:
@@ -120,6 +127,13 @@ def _judged(case: Case, track: DrumTrack, kinds: Sequence[str]) -> Outcome:
     )
     plots += [Plot("Play between both walls", label, unit, plays)] if plays else []
     return Outcome(findings, Figures(figures), plots, columns=columns)
+
+
+def _mesh(path: Path, part: str, tolerance: float) -> Mesh:
+    """The solid in a file, of an exact one its track alone."""
+    if path.suffix[1:] in EXACT:
+        return read_exact(path, part)[0].facets(tolerance)
+    return read_solid(path, part)[0]
 
 
 def _turn(values: Floats) -> Floats:

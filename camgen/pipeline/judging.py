@@ -258,7 +258,10 @@ def _of_drums(made: Assembly) -> Iterator[Stage]:
         if any(track.track != "end" for track in made.tracks):
             codes += ["LASH", "GROOVE_FIT"]
         yield Stage(
-            tuple(codes), "the roller, rolled in the track of its drum", SOLID, roll_in_drums
+            tuple(codes),
+            "the roller, rolled in the track of its drum",
+            (*SOLID, *EXACT),
+            roll_in_drums,
         )
 
 
@@ -400,7 +403,7 @@ def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
 
 
 def roll_in_drums(case: Case, kinds: Sequence[str]) -> Outcome:
-    """The follower of each drum, its roller rolled in the meshes."""
+    """The follower of each drum, its roller rolled in the solids."""
     from camgen.pipeline.drums import judge_drums
 
     return judge_drums(case, kinds)

@@ -16,7 +16,6 @@ from camgen.geometry.drum_walls import DrumRoller, DrumWall, slide_path
 from camgen.geometry.drums import Drum
 from camgen.geometry.facets import facet_circle
 from camgen.geometry.mesh import mesh_faults, slice_mesh
-from camgen.parts.exact import exact
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.inertia import centre_of, inertia_of
 from camgen.parts.part import drum_part, keyed_bore
@@ -158,11 +157,9 @@ def test_moments_are_those_of_the_mesh(name: str) -> None:
     assert inertia_of(part, 1e15) == pytest.approx(np.sum(volume * square) / 20, rel=5e-4)
 
 
-def test_a_drum_is_no_sheet_has_no_exact_solid_and_is_printed_as_it_is() -> None:
+def test_a_drum_is_no_sheet_and_is_printed_as_it_is() -> None:
     part = bored(A)
     assert "drum" in why_not(part, part.thickness)
-    with pytest.raises(DesignError, match="has a track round it"):
-        exact(part, 0.01)
     with pytest.raises(DesignError, match="cannot be compensated"):
         compensated(part, Compensation(hole=0.1))
 

@@ -162,6 +162,7 @@ class Track:
             self.path,
             roller,
             self.geometry.distance or 0.0,
+            tuple(self.program.breaks.tolist()),
         )
 
     @property
