@@ -330,25 +330,27 @@ class Drawing(Record):
     )
     profile: Annotated[float, quantity("mm", gt=0, le=1)] | None = Field(
         default=None,
-        description="tolerance of a cam's track: the width of its zone (line profile, ISO 1101); left out: none",
+        description="tolerance of a cam's track: the width of its zone (line profile, ISO 1101); left out: 0.05 in metal, else none",
     )
     roughness: Annotated[float, quantity("um", gt=0, le=100)] | None = Field(
-        default=None, description="Ra of a cam's track; left out: not shown"
+        default=None, description="Ra of a cam's track; left out: 0.8 in metal, else not shown"
     )
     bore_roughness: Annotated[float, quantity("um", gt=0, le=100)] | None = Field(
         default=None,
         description="Ra of a bore with a keyway; left out: 1.6 in metal, as it is reamed, else not shown",
     )
     roughness_elsewhere: Annotated[float, quantity("um", gt=0, le=100)] | None = Field(
-        default=None, description="Ra of all other faces; left out: not shown"
+        default=None, description="Ra of all other faces; left out: 3.2 in metal, else not shown"
     )
     edges: Annotated[str, said(60)] | None = Field(
         default=None,
-        description='state of edges, such as "broken 0.2 to 0.4, ISO 13715"; left out: not shown',
+        description='state of edges, such as "broken 0.2 to 0.4, ISO 13715"; left out: in metal broken 0.2 to '
+        "0.4, else not shown",
     )
     heat_treatment: Annotated[str, said(60)] | None = Field(
         default=None,
-        description='heat treatment, such as "case hardened 60+4 HRC, CHD 0.8+0.4"; left out: not shown',
+        description='heat treatment, such as "case hardened 60+4 HRC, CHD 0.8+0.4"; left out: that with which '
+        "the material bears its pressure, if any",
     )
     revision: Annotated[str, said(8)] | None = Field(
         default=None, description="revision of the drawings, in the title block"

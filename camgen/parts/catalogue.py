@@ -1,7 +1,7 @@
 """Bought parts by their standard name: motor frames, screws, bearings, mm; and what printers are fed with.
 
-Motor frames: NEMA ICS 16-2001 (metric values as in BOSL2, nema_steppers.scad; NEMA 8 as tabled at piclist.com/techref/io/
-stepper/nemasizes.htm). Screw heads: ISO 7380-1 from M3, ISO 4762 below, where ISO 7380-1 has no size; clearance holes:
+Motor frames: NEMA ICS 16-2001 (metric values as in BOSL2, nema_steppers.scad, and as tabled at piclist.com/techref/io/
+stepper/nemasizes.htm: spacing of holes, shaft, boss and its height of NEMA 8, 11, 14, 17 and 23). Screw heads: ISO 7380-1 from M3, ISO 4762 below, where ISO 7380-1 has no size; clearance holes:
 ISO 273, medium; nuts: ISO 4032, greatest sizes. Bearings: boundary dimensions of ISO 15 (2RS or ZZ width where two are sold);
 dynamic load ratings: bd_warehouse 0.4, bearing tables.
 Dowel pins: diameters and lengths of ISO 2338, m6. Shoulder screws: ISO 7379 as tabled in BOSL2, screws.scad (shoulder, thread

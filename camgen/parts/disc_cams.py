@@ -115,16 +115,21 @@ class ShaftHole(ShaftBore):
     thickness: Thickness = Field(
         default=6.0,
         description="thickness of the cam, without its hub; in a machine that of links, cams and "
-        "followers, 4",
+        "followers, 4;\na disc cam of metal: at least 0.6 bores and the width of its bought roller, a rule of the house",
     )
 
 
 class CamParts(ShaftHole):
     """The cam as a body; pins, rim and back belong to a groove."""
 
-    hub_diameter: Length = Field(default=16.0, description="diameter of the hub on top of the cam")
+    hub_diameter: Length = Field(
+        default=16.0,
+        description="diameter of the hub on top of the cam; a disc cam of metal: 1.8 bores, a rule of the house",
+    )
     hub_height: Annotated[float, quantity("mm", ge=0, le=1000, examples=[6.0])] = Field(
-        default=0.0, description="height of the hub on top of the cam; 0: none, as in a groove"
+        default=0.0,
+        description="height of the hub on top of the cam; 0: none, as in a groove;\na disc cam of metal with a keyway: so "
+        "high that the bore is as long as it is wide, a rule of the house",
     )
     set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = Field(
         default="none",

@@ -27,6 +27,7 @@ class Material:
     hertz_source: str = ""
     spread: float | None = None
     metal: bool = False
+    treatment: str = ""  # heat treatment, without which it does not bear that pressure
 
     @property
     def printed(self) -> bool:
@@ -122,6 +123,7 @@ _CUT = (
         57 * _KGF,
         "of gears of S45C, quenched and tempered to 200 HB (SDP/SI, table 17-12)",
         metal=True,
+        treatment="quenched and tempered, at least 200 HB",
     ),
     Material(
         "42CrMo4",
@@ -132,6 +134,7 @@ _CUT = (
         84 * _KGF,
         "of gears of SCM440, quenched and tempered to 310 HB (SDP/SI, table 17-12)",
         metal=True,
+        treatment="quenched and tempered, at least 310 HB",
     ),
     Material(
         "16MnCr5",
@@ -142,6 +145,7 @@ _CUT = (
         1460.0,
         "of gears, case hardened (DIN 3990:1987, as a public gear program has it)",
         metal=True,
+        treatment="case hardened, at least 60 HRC",
     ),
     Material(
         "stainless",

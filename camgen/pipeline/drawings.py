@@ -30,7 +30,14 @@ from camgen.parts.standing import Round, standing
 from camgen.tolerances import SAME_POINT
 
 _SAMPLES = 1441  # of a turn
-_BORE = 1.6  # Ra of a bore in metal, micrometres: of the house, as it is reamed
+# What a part of metal has unless its spec says other: rules of the house, for a milled cam and a reamed bore.
+_IN_METAL = Facts(
+    profile=0.05,
+    roughness=0.8,
+    bore_roughness=1.6,
+    roughness_elsewhere=3.2,
+    edges="broken 0.2 to 0.4",
+)
 _FINE = 1e-3  # mm, chord tolerance of an outline on which a track has to lie
 
 
@@ -40,7 +47,10 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     of_sheet = cut_of_sheet(mechanism.assembly, part)
     printed = part.process == "printed" and not of_sheet
     steel = part.process in (TURNED, CUT)
-    metal = steel or (printed and materials.of(mechanism.material.name).metal)
+    material = materials.of(mechanism.material.name)
+    cut = printed and material.metal
+    metal = steel or cut
+    usual = _IN_METAL if cut else Facts()
     names = [each.name for each in mechanism.assembly.parts]
     bore_fit = sheet.bore_fit or ("H7" if metal else "")
     return Facts(
@@ -66,12 +76,12 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         bore_fit=bore_fit,
         key_fit=sheet.key_fit or ("JS9" if metal else ""),
         track=tuple(_track(mechanism, part, sheet.profile_step_deg)),
-        profile=sheet.profile or 0.0,
-        roughness=sheet.roughness or 0.0,
-        bore_roughness=sheet.bore_roughness or (_BORE if metal else 0.0),
-        roughness_elsewhere=sheet.roughness_elsewhere or 0.0,
-        edges=sheet.edges or "",
-        heat_treatment=sheet.heat_treatment or "",
+        profile=sheet.profile or usual.profile,
+        roughness=sheet.roughness or usual.roughness,
+        bore_roughness=sheet.bore_roughness or usual.bore_roughness,
+        roughness_elsewhere=sheet.roughness_elsewhere or usual.roughness_elsewhere,
+        edges=sheet.edges or usual.edges,
+        heat_treatment=sheet.heat_treatment or (material.treatment if cut else ""),
         revision=sheet.revision or "",
         drawn_by=sheet.drawn_by or "",
         checked_by=sheet.checked_by or "",

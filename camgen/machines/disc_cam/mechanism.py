@@ -20,7 +20,7 @@ from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, NotJudged
@@ -54,6 +54,7 @@ from camgen.machines.cam_loads import (
 from camgen.machines.cam_tables import CamTables
 from camgen.machines.disc_cam.curves import plots, segments_table
 from camgen.machines.disc_cam.followers import drawn, standing_on
+from camgen.machines.disc_cam.metal import filled
 from camgen.machines.disc_cam.tables import (
     DiscCamGeometry,
     DiscCamLimits,
@@ -104,6 +105,11 @@ class DiscCamDrive(CamTables):
     )
     making: Annotated[DiscCamParts, Field(alias="parts")] = DiscCamParts.model_construct()
     allowed: Annotated[DiscCamLimits, Field(alias="limits")] = DiscCamLimits.model_construct()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_metal(cls, data: Any) -> Any:
+        return filled(data)
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

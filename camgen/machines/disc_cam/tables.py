@@ -87,7 +87,7 @@ class DiscCamGeometry(Record):
         default="force",
         description='"force": a spring holds the follower on the cam\n'
         '"conjugate": a second cam and follower on the far side drive it back (cam-1, cam-2)\n'
-        '"groove": a roller between two walls, print.slide_clearance wider than the roller\n'
+        '"groove": a roller between two walls, print.slide_clearance (in metal 0.05) wider than the roller\n'
         "(inner, outer and back plate, joined by pins)",
     )
     tip_clearance: Air = 0.0

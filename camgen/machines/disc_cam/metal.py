@@ -1,0 +1,62 @@
+"""Sizes of a metal cam that its spec leaves open, as rules of the house: no standard has them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from camgen.parts import materials
+from camgen.parts.catalogue import CAM_FOLLOWERS
+from camgen.parts.disc_cams import CamParts
+
+_FACE = 0.6  # of the bore: least thickness
+_HUB = 1.8  # of the bore: diameter
+_GROOVE = 0.05  # mm, by which a milled groove is wider than its roller
+
+
+def filled(data: Any) -> Any:
+    """A spec's tables with these sizes; as they are where nothing is cut of metal or a whole machine is made.
+
+    Thickness: as the roller of the catalogue, at least 0.6 bores. With a keyway a hub of 1.8 bores, so high that the key is as
+    long as the bore is wide; none in a groove, or where the base circle has no room for it.
+    """
+    if not isinstance(data, Mapping):
+        return data
+    parts = data.get("parts", {})
+    tables = [data.get(key, {}) for key in ("geometry", "load", "material", "print")]
+    if not all(isinstance(table, Mapping) for table in (parts, *tables)):
+        return data
+    geometry, load, material, fits = tables
+    row = materials.MATERIALS.get(str(material.get("name")))
+    if parts.get("make", "cams") != "cams" or row is None or not row.metal:
+        return data
+    bore = parts.get("bore", CamParts.model_fields["bore"].default)
+    if not isinstance(bore, int | float):
+        return data
+    grooved = geometry.get("closure") == "groove"
+    least = CamParts.model_fields["thickness"].default
+    thickness = max(least, float(math.ceil(_FACE * bore)), _ring(geometry, load))
+    hub = float(math.ceil(_HUB * bore))
+    sizes = {"thickness": thickness, "hub_diameter": hub}
+    keyed = parts.get("bore_shape") == "keyway"
+    if keyed and not grooved and not _too_small(geometry, parts.get("hub_diameter", hub)):
+        given = parts.get("thickness", thickness)
+        sizes["hub_height"] = max(0.0, bore - given) if isinstance(given, int | float) else 0.0
+    made = {**data, "parts": {**sizes, **parts}}
+    return {**made, "print": {"slide_clearance": _GROOVE, **fits}} if grooved else made
+
+
+def _ring(geometry: Mapping[str, Any], load: Mapping[str, Any]) -> float:
+    """Width of the ring of the bought roller that the load names, or else of one of this size, mm; 0 where there is none."""
+    follower = geometry.get("follower")
+    radius = follower.get("radius") if isinstance(follower, Mapping) else None
+    named = CAM_FOLLOWERS.get(str(load.get("cam_follower")))
+    of_size = [row for row in CAM_FOLLOWERS.values() if radius and row.outside == 2 * radius]
+    return float(max((row.width for row in ([named] if named else of_size)), default=0.0))
+
+
+def _too_small(geometry: Mapping[str, Any], hub: Any) -> bool:
+    """Whether a hub of this diameter leaves the base circle."""
+    base = geometry.get("base_radius")
+    return isinstance(base, int | float) and isinstance(hub, int | float) and hub >= 2 * base - 2

@@ -1,0 +1,78 @@
+"""What a disc cam of metal has where its spec leaves it open: sizes of a workshop, and a drawing that says what was judged."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from camgen.machines.sources import read_mechanism
+from camgen.parts.materials import MATERIALS
+from camgen.pipeline.drawings import facts_of
+
+STARTER = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"
+# The starter without its own hub, on a shaft of 20 with a key, and large enough for both.
+KEYED = (
+    "parts.hub_diameter=",
+    "parts.hub_height=",
+    "parts.bore=20",
+    "parts.bore_shape=keyway",
+    "geometry.base_radius=40",
+)
+
+
+def sizes(*settings: str) -> tuple[float, float, float]:
+    """Thickness, diameter and height of the hub, mm."""
+    made: Any = read_mechanism(STARTER, [*KEYED, *settings])
+    parts = made.making
+    return parts.thickness, parts.hub_diameter, parts.hub_height
+
+
+@pytest.mark.parametrize(
+    ("settings", "expected"),
+    [
+        (("material.name=PLA",), (6, 16, 0)),
+        # 0.6 and 1.8 bores of 20, and the key as long as the bore is wide
+        (("material.name=16MnCr5",), (12, 36, 8)),
+        # the ring of KR40 is 20 wide [IKO]: as long as the bore without a hub
+        (("material.name=C45", "geometry.follower.radius=20"), (20, 36, 0)),
+        (("material.name=C45", "parts.thickness=15"), (15, 36, 5)),
+        (("material.name=C45", "parts.hub_height=0"), (12, 36, 0)),
+        (("material.name=C45", "parts.bore_shape=plain"), (12, 36, 0)),
+        # no room for a hub of 36 on a base circle of 36
+        (("material.name=C45", "geometry.base_radius=18"), (12, 36, 0)),
+        (("material.name=plywood",), (6, 16, 0)),
+    ],
+)
+def test_a_metal_cam_has_the_sizes_of_a_workshop(
+    settings: tuple[str, ...], expected: tuple[float, float, float]
+) -> None:
+    assert sizes(*settings) == expected
+
+
+def test_a_groove_in_metal_is_milled_to_its_roller() -> None:
+    """No hub, as a groove's plates have none; a clearance that is given stays."""
+    groove = (*KEYED, "geometry.closure=groove", "material.name=C45")
+    made: Any = read_mechanism(STARTER, groove)
+    assert (made.print.slide_clearance, made.making.hub_height) == (0.05, 0)
+    own: Any = read_mechanism(STARTER, [*groove, "print.slide_clearance=0.02"])
+    printed: Any = read_mechanism(STARTER, [*groove, "material.name=PLA"])
+    assert (own.print.slide_clearance, printed.print.slide_clearance) == (0.02, 0.2)
+
+
+def test_what_is_found_stays_as_it_is_written_out() -> None:
+    made: Any = read_mechanism(STARTER, [*KEYED, "material.name=16MnCr5"])
+    assert made.resolved().making.hub_height == 8
+
+
+def test_a_metal_cam_s_drawing_asks_for_what_its_material_was_judged_by() -> None:
+    """Without its heat treatment 16MnCr5 does not bear its pressure; a print has none of that."""
+    made: Any = read_mechanism(STARTER, [*KEYED, "material.name=16MnCr5", "drawing.roughness=0.4"])
+    facts = facts_of(made, made.assembly.parts[0])
+    assert facts.heat_treatment == MATERIALS["16MnCr5"].treatment != ""
+    assert (facts.profile, facts.roughness, facts.bore_roughness) == (0.05, 0.4, 1.6)
+    assert facts.edges == "broken 0.2 to 0.4"
+    own: Any = read_mechanism(STARTER, [*KEYED, "drawing.heat_treatment=nitrided"])
+    facts = facts_of(own, own.assembly.parts[0])
+    assert (facts.heat_treatment, facts.profile, facts.edges) == ("nitrided", 0, "")
