@@ -23,6 +23,11 @@ class Spline:
     knots: Floats
     poles: Floats
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Spline) and _alike(
+            self.knots, other.knots, self.poles, other.poles
+        )
+
     def __call__(self, share: Floats) -> Floats:
         """Points, (k, 3) mm."""
         from scipy.interpolate import BSpline
@@ -37,6 +42,13 @@ class Patch:
     along: Floats
     across: Floats
     poles: Floats
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, Patch)
+            and _alike(self.along, other.along, self.across, other.across)
+            and np.array_equal(self.poles, other.poles)
+        )
 
     def __call__(self, u: Floats, v: Floats, order: tuple[int, int] = (0, 0)) -> Floats:
         """Points on the grid of u and v, (k, l, 3) mm, or their derivatives of an order in both directions."""
@@ -78,6 +90,11 @@ class Patch:
         b = self(u, v, (0, 1))
         upward = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
         return float(np.sum(weights[:, None] * others * places[..., 2] * upward))
+
+
+def _alike(a: Floats, b: Floats, c: Floats, d: Floats) -> bool:
+    """Whether a is b and c is d, to the bit."""
+    return np.array_equal(a, b) and np.array_equal(c, d)
 
 
 def _longest(vectors: Floats) -> float:

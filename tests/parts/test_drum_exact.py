@@ -162,6 +162,9 @@ def test_a_pole_that_is_moved_moves_the_roller(groove: Path, tmp_path: Path) -> 
     path.write_text(text.replace(place[0], lifted), encoding="ascii")
     body = read(path)
     assert body.faults == 0
+    sound = read(groove)
+    assert (sound.edges, sound.faces) == (read(groove).edges, read(groove).faces)
+    assert sound.edges == body.edges and sound.faces != body.faces
     found = track_findings(rolled(body), read_roller(ROLLER), in_file(path))
     assert {each.code for each in found if not each.ok} == {"GROOVE_FIT"}
 

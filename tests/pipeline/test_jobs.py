@@ -109,7 +109,7 @@ MADE = [
     ("gallery/drum-feeder", ()),
     ("gallery/elliptic-trammel", ("files.step=true",)),
     ("gallery/elliptic-wheels", ("files.step=true",)),
-    ("gallery/end-cam", ()),
+    ("gallery/end-cam", ("files.step=true",)),
     ("gallery/five-bar", ("files.step=true",)),
     ("gallery/four-bar", ("files.step=true",)),
     SHEET,
