@@ -298,6 +298,14 @@ def narrowest(bore: float) -> Bearing | None:
     return min(fitting, key=lambda each: (each.width, each.outside), default=None)
 
 
+def ball_roller(diameter: float, width: float) -> Bearing | None:
+    """The ball bearing that is a roller of this size, mm."""
+    fitting = (
+        each for each in BEARINGS.values() if (each.outside, each.width) == (diameter, width)
+    )
+    return next(fitting, None)
+
+
 DOWEL_STANDARD = "ISO 2338"
 # Diameter -> shortest and longest, mm.
 DOWELS = {

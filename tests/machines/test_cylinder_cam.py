@@ -402,6 +402,29 @@ def test_both_rollers_of_a_rib_are_shown() -> None:
     assert [middle for middle, _ in roller.circles] == [-8j, 8j]
 
 
+def test_the_list_has_what_turns_and_what_rolls() -> None:
+    """A roller of 10 x 4 is a ball bearing; 8 mm is the bore of a 608."""
+    short = {"roller": {"radius": 5.0, "length": 4.0}}
+    found = {each.name: each for each in drum(geometry=short).assembly.bought}
+    assert (found["roller"].size, found["roller"].count) == ("MR105, 5 x 10 x 4", 1)
+    assert (found["bearing of the shaft"].size, found["bearing of the shaft"].count) == (
+        "608, 8 x 22 x 7",
+        2,
+    )
+    assert found["shaft"].size.startswith("8, at least 31.2")
+    rib = {"track": "rib", "distance": 16.0}
+    cone = {"roller": {"radius": 5.0, "length": 6.0, "cone_deg": 5.0}}
+    found = {
+        each.name: each
+        for each in drum(geometry={**rib, **cone}, parts={"bore": 9.0}).assembly.bought
+    }
+    assert (found["roller"].size, found["roller"].count) == (
+        "10 x 6, a cone of 5 deg half angle",
+        2,
+    )
+    assert "bearing of the shaft" not in found
+
+
 def test_what_is_wrong_is_told_by_its_keys() -> None:
     wrong = {
         "geometry": {"track": "rib", "follower": {"motion": "oscillating", "offset": 2.0}},

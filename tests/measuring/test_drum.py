@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "geometry"))
 from drums import ARM, END, PIVOT, REFERENCE, RIB, A, B, mesh_of  # noqa: E402
@@ -21,9 +23,11 @@ import camgen  # noqa: E402
 from camgen.cli import cli  # noqa: E402
 from camgen.errors import SpecError  # noqa: E402
 from camgen.files.stl import write_stl  # noqa: E402
+from camgen.geometry.drum_walls import slide_path  # noqa: E402
 from camgen.geometry.mesh import Mesh  # noqa: E402
 from camgen.judge.rolled_drum import roll  # noqa: E402
 from camgen.measuring.drum import read_roller  # noqa: E402
+from camgen.motion.segments import SegmentTable, program  # noqa: E402
 
 TOLERANCE = 0.01
 ROLLER = f"radius=5,length=7.3,inner=22,tolerance={TOLERANCE}"
@@ -239,3 +243,74 @@ def test_a_table_in_a_file_is_read(tmp_path: Path) -> None:
         "[roller]\nradius = 5\nlength = 8\ninner = 22\ntrack = 'end'\n", encoding="utf-8"
     )
     assert read_roller(str(file)).track == "end"
+
+
+def lowest_in_sections(mesh: Mesh, phi: float, aside: float, level: float) -> tuple[float, float]:
+    """Lowest and highest place of the roller of 5 mm between 22 and 29.3 mm at an angle, its axis so far beside the radial line.
+
+    By sections of the mesh in planes through the drum's axis, sampled: what lies under the level is the wall below.
+    """
+    corners = mesh.vertices[mesh.faces]
+    reach = math.asin((5 + abs(aside)) / 22)
+    low = -math.inf
+    high = math.inf
+    share = np.linspace(0, 1, 25)[:, None]
+    for delta in np.linspace(-reach, reach, 601):
+        out = np.array([math.cos(phi + delta), math.sin(phi + delta)])
+        off = corners[..., 1] * out[0] - corners[..., 0] * out[1]
+        cut = np.flatnonzero((off.min(axis=1) < 0) & (off.max(axis=1) > 0))
+        lone = np.argmax((off[cut] > 0) == ((off[cut] > 0).sum(axis=1) == 1)[:, None], axis=1)
+        ends = []
+        for k in (1, 2):
+            a = corners[cut, lone]
+            b = corners[cut, (lone + k) % 3]
+            first = off[cut, lone]
+            second = off[cut, (lone + k) % 3]
+            place = a + (b - a) * (first / (first - second))[:, None]
+            ends.append((place[:, :2] @ out, place[:, 2]))
+        rho, z = (start + (end - start) * share for start, end in zip(*ends, strict=True))
+        x = rho * math.cos(delta)
+        room = 25 - (rho * math.sin(delta) - aside) ** 2
+        meets = (x >= 22) & (x <= 29.3) & (room >= 0)
+        rise = np.sqrt(np.maximum(room, 0.0))
+        low = max(low, float(np.max(np.where(meets & (z < level), z + rise, -math.inf))))
+        high = min(high, float(np.min(np.where(meets & (z > level), z - rise, math.inf))))
+    return low, high
+
+
+LAWS = st.sampled_from(["cycloidal", "3-4-5", "modified-sine", "modified-trapezoid"])
+
+
+@settings(max_examples=4)
+@given(
+    spans=st.tuples(st.integers(85, 140), st.integers(10, 50), st.integers(85, 140)),
+    lift=st.floats(3, 14),
+    laws=st.tuples(LAWS, LAWS),
+    aside=st.floats(-3, 3),
+    turns=st.lists(st.floats(0, 359), min_size=3, max_size=3),
+)
+def test_random_drums_are_rolled_as_sections_through_the_axis_say(
+    spans: tuple[int, int, int],
+    lift: float,
+    laws: tuple[str, str],
+    aside: float,
+    turns: list[float],
+) -> None:
+    rise, dwell, back = spans
+    table = [
+        SegmentTable(kind="rise", span_deg=rise, lift=lift, law=laws[0]),
+        SegmentTable(kind="dwell", span_deg=dwell),
+        SegmentTable(kind="return", span_deg=back, lift=lift, law=laws[1]),
+        SegmentTable(kind="dwell"),
+    ]
+    motion = program(table)
+    mesh = mesh_of(replace(A, path=slide_path(motion, 20, aside)), 0.05)
+    found = roll(mesh, read_roller(f"{ROLLER},offset={aside!r}"), 60, 720)
+    for turn in turns:
+        k = round(2 * turn)
+        theta = found.theta[k]
+        level = 20 + float(motion(np.array([theta]), 0)[0])
+        low, high = lowest_in_sections(mesh, -theta, aside, level)
+        # sections miss the highest place by a little, and never exceed it
+        assert low - 1e-9 <= found.low[k] <= low + 2e-4
+        assert high - 2e-4 <= found.high[k] <= high + 1e-9

@@ -53,6 +53,7 @@ from camgen.motion.segments import SegmentTable, WholeTurn, program
 from camgen.numerics import Floats
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly
+from camgen.parts.catalogue import Bought, ball_roller, narrowest
 from camgen.parts.disc_cams import turning_note
 from camgen.parts.part import drum_part
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study, Upright
@@ -266,8 +267,31 @@ class CylinderCam(Mechanism):
         return replace(
             made,
             tracks=(replace(track.rolled, ripple=self.allowed.speed_ripple),),
+            bought=self._bought(),
             demands=(demand,),
         )
+
+    def _bought(self) -> list[Bought]:
+        """What turns and what rolls; slide or arm are the person's own."""
+        roller = self.geometry.roller
+        bore = self.making.bore
+        count = 2 if self.geometry.track == "rib" else 1
+        size = f"{2 * roller.radius:g} x {roller.length:g}"
+        ball = ball_roller(2 * roller.radius, roller.length)
+        if roller.cone_deg:
+            rolls = Bought(
+                "roller", "", f"{size}, a cone of {roller.cone_deg:g} deg half angle", count
+            )
+        elif ball is None:
+            rolls = Bought("roller", "", f"{size}, no ball bearing of the list is so wide", count)
+        else:
+            rolls = Bought("roller", ball.standard, f"{ball.name}, {ball.size}", count)
+        bearing = narrowest(bore)
+        found = [rolls, Bought("shaft", "", f"{bore:g}, at least {self.track.length:.4g} long", 1)]
+        if bearing is not None:
+            size = f"{bearing.name}, {bearing.size}"
+            found.append(Bought("bearing of the shaft", bearing.standard, size, 2))
+        return found
 
     # ---- checks and figures -----------------------------------------------------------------------------------------
 
