@@ -87,6 +87,8 @@ def unit_of(node: Data) -> str | None:
 
 def in_words(node: Data | None, root: Data) -> str:
     """What a schema asks for, in plain words: "a number > 0 and <= 1000000"."""
+    if node is not None and "form" in node:
+        return str(node["form"])
     return (
         " or ".join(
             dict.fromkeys(_simple_words(member, root) for member in members_of(node or {}, root))

@@ -96,6 +96,9 @@ Orders = Annotated[
 Rpm = Annotated[float, quantity("rpm", ge=-1e6, le=1e6)]  # not 0; below 0: clockwise
 
 
+_PYDANTIC = frozenset(name for name in dir(BaseModel) if name[0] != "_")
+
+
 class Record(BaseModel):
     """A frozen table of a spec: unknown keys, wrong types, nan and inf are faults."""
 
@@ -104,6 +107,10 @@ class Record(BaseModel):
     model_config = ConfigDict(
         frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True
     )
+
+    def __dir__(self) -> list[str]:
+        """Its names without those of pydantic, for the completion of a console."""
+        return [name for name in super().__dir__() if name not in _PYDANTIC]
 
     def __setattr__(self, name: str, value: Any) -> None:
         """SpecError: a record stays as it was read; what is private is its own."""

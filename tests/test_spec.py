@@ -865,3 +865,9 @@ def test_faults_of_keys_do_not_hide_those_between_keys():
     with pytest.raises(SpecError) as caught:  # what a wrong size means is not known
         read_mechanism(TOP / "specs/disc-cam.toml", overrides)
     assert [dotted(fault.path) for fault in caught.value.faults][-1] != "segment.3.span_deg"
+
+
+def test_a_console_completes_keys_and_not_the_names_of_pydantic():
+    names = dir(read_mechanism(TOP / "specs/disc-cam.toml"))
+    assert {"geometry", "replace", "solve"} <= {*names}
+    assert not {"model_dump", "parse_obj", "json"} & {*names}

@@ -290,3 +290,10 @@ def test_a_base_radius_that_is_found_is_filled_into_the_rows_as_they_are_typed()
     assert base_radius > 0 and {**row, "base_radius": "least"} == data["cam"][0]
     (filled,) = machine.resolved().model_dump(by_alias=True)["cam"]
     assert filled["base_radius"] == base_radius
+
+
+def test_a_linkage_without_its_tables_is_told_what_to_write() -> None:
+    told = faults({"mechanism": "linkage", "name": "bare"})
+    assert [each.partition(" ")[0] for each in told] == ["points", "links", "drive"]
+    assert "such as A = [20, 0]" in told[0] and 'crank = ["O", "A"]' in told[1]
+    assert "[drive] with the link that turns" in told[2]

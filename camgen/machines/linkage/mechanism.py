@@ -141,7 +141,10 @@ class Linkage(Mechanism):
         default={}, description="exact distances between two points of one link"
     )
     driving: Annotated[t.Drives, Field(alias="drive")] = Field(
-        description="what turns the machine; [[drive]] twice: two motors, each with its program"
+        description="what turns the machine; [[drive]] twice: two motors, each with its program",
+        json_schema_extra={
+            "form": "a table [drive] with the link that turns, or the slide that is pushed; [[drive]] for each of several"
+        },
     )
     pen: t.Pen | None = Field(
         default=None, description="a point that two motors lead along a line, in place of programs"

@@ -879,7 +879,14 @@ class LinkageLimits(CamLimitsTable):
         return self.of_cams(self.undercut if slides else math.radians(self.undercut_deg))
 
 
-Points = dict[Name, Place]
-Links = dict[Name, Annotated[tuple[Name, ...], Field(min_length=1, max_length=200)]]
+Points = Annotated[
+    dict[Name, Place], Field(json_schema_extra={"form": "a table of points, such as A = [20, 0]"})
+]
+Links = Annotated[
+    dict[Name, Annotated[tuple[Name, ...], Field(min_length=1, max_length=200)]],
+    Field(
+        json_schema_extra={"form": 'a table of links by their points, such as crank = ["O", "A"]'}
+    ),
+]
 Lengths = dict[str, Length]
 Layers = dict[Name, Annotated[int, Field(ge=0, le=60)]]
