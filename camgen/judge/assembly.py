@@ -45,6 +45,7 @@ _ROLLING = 0.08  # mm, the same of tip and cam, or of teeth, on the way round; h
 _NOTHING = 1e-6  # mm^3, less than any part has
 _SHARE = 0.05  # of the gap to be kept, to which gaps are found
 _FINEST = 0.001  # mm, and no finer than this
+_GRID = 1000  # angles, as many as no search of a pair asks for at once
 _ENDS: Points = np.array([1.0 + 0j, -1.0])  # of a disc's two half circles
 _BAR = np.array([0.0, 1.0, 0.0, 1.0])  # bulges of a bar's sides and ends
 
@@ -208,16 +209,17 @@ def _pin_fits(feature: PinEyes, gap: float, spare: float) -> Iterator[tuple[str,
 
 
 def _remembered(courses: Courses) -> Courses:
-    """The same, without asking again for angles that were the last ones."""
+    """The same, without asking again for the angles of a whole grid, or for the last few angles."""
+    grids: dict[bytes, Mapping[str, Pose]] = {}
     last: dict[bytes, Mapping[str, Pose]] = {}
 
     def remembered(theta: Floats) -> Mapping[str, Pose]:
         key = theta.tobytes()
-        if key not in last:
-            if len(last) > 1:
-                del last[next(reversed(last))]  # the grid, which came first, stays
-            last[key] = courses(theta)
-        return last[key]
+        kept = grids if len(theta) >= _GRID else last
+        if key not in kept:
+            last.clear()
+            kept[key] = courses(theta)
+        return kept[key]
 
     return remembered
 

@@ -13,8 +13,9 @@ The sum of these over the grid, each with twice what a second difference says of
 the guest moves further than the path grows. c is the point that moves least, which in a pin joint is its centre, and the
 guest is cut into rings about it: what is near in a joint moves little, what moves far is not near. Of a disc only the
 centre counts. A distance of sets is 1-Lipschitz in the places of their points, so a gap g seen in the middle of a stretch
-of path of half length l is at least g - l all over it. Stretches are halved until that suffices: whatever is dropped is
-proven, however thin the bodies are. Poses that contradict the path are refused.
+of path of half length l is at least g - l all over it, and one seen at the grid's angle next to the middle, which costs
+no pose, at least as much less what that is off. Stretches are halved until that suffices: whatever is dropped is proven,
+however thin the bodies are. Poses half a step from those of the grid that contradict the path are refused.
 A guest that only slides on a straight line needs no stretches where all that it sweeps is farther than the least gap so far.
 Bodies that may touch are first shrunk by half of the allowed overlap each: while the shrunk ones stay apart no circle
 larger than the allowed overlap fits into the overlap of the true ones, so the same bound serves.
@@ -45,6 +46,7 @@ _SAME_HEIGHT = 1e-4  # mm: less than this in common in height is lying on each o
 _BATCH = 1_000_000  # coordinates that are moved at once
 _DEPTHS = 180  # angles at which the depth of an overlap is looked up
 _GRID = 3600  # steps over the turn in which courses are read
+_OFF = 0.125  # of half a stretch, that the grid's nearest angle may be off its middle
 _START = 16  # stretches of a path to begin with
 _MANY = 32  # stretches in question at once, at which it is worth cutting the guest up
 _RINGS = 6  # into which a guest is cut, each half as wide as the one outside it
@@ -72,6 +74,16 @@ class Clearance:
     allowed: float | None
     evaluations: int
     at_rest: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class _Looks:
+    """Where a pair is looked at: poses of the guest, and by how much path they are off the places asked for."""
+
+    theta: Floats
+    turns: Points
+    shifts: Points
+    off: float  # mm, at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +117,23 @@ class _Approach:
 
     @cached_property
     def path(self) -> Floats:
-        """How far any point has moved at each angle of the grid, at most, (n,) mm."""
-        return self.motion.path(self.centre, self.reach)
+        """How far any point has moved at each angle of the grid, at most, (n,) mm; ValueError where it goes further between."""
+        path = self.motion.path(self.centre, self.reach)
+        turns, shifts = self.motion.halfway
+        places = self.motion.shifts + self.motion.turns * self.centre
+        halfway = shifts + turns * self.centre
+        way = np.diff(path)
+        for k in (slice(-1), slice(1, None)):
+            steps = np.abs(halfway - places[k])
+            steps += self.reach * np.abs(turns - self.motion.turns[k])
+            worst = int(np.argmax(steps - way * (1 + 1e-6)))
+            if steps[worst] > way[worst] * (1 + 1e-6) + 1e-7:
+                angle = self.motion.theta[k][worst]
+                words = f"one sees the other move by {steps[worst]:.6g} mm half a step from {angle:.6g} rad"
+                raise ValueError(
+                    f"{words}, faster than its course read in {_GRID} steps tells, {way[worst]:.6g} mm"
+                )
+        return path
 
     @property
     def single(self) -> bool:
@@ -118,25 +145,21 @@ class _Approach:
         """Whether one of both is thinner than the overlap that it may have."""
         return bool(self.home.is_empty or self.guest.is_empty or self.pad < 0)
 
-    def theta(self, path: Floats) -> Floats:
-        """Angles at increasing places of the path."""
-        return np.interp(path, self.path, self.motion.theta)
+    def looks(self, places: Floats, half: float) -> _Looks:
+        """Where to look for stretches of half a length about increasing places of the path: on the grid if that is near enough."""
+        after = np.clip(np.searchsorted(self.path, places), 1, len(self.path) - 1)
+        before = after - 1
+        nodes = np.where(places - self.path[before] < self.path[after] - places, before, after)
+        off = float(np.max(np.abs(self.path[nodes] - places)))
+        motion = self.motion
+        if off <= max(_OFF * half, AT_REST):
+            return _Looks(motion.theta[nodes], motion.turns[nodes], motion.shifts[nodes], off)
+        theta = np.interp(places, self.path, motion.theta)
+        return _Looks(theta, *motion.at(theta), 0.0)
 
     def placed(self, theta: Floats) -> Any:
-        """The guest at each angle in the home's frame, (n,) geometries; ValueError where it went further than its path."""
-        turns, shifts = self.motion.at(theta)
-        if len(theta) > 1:
-            way = np.diff(np.interp(theta, self.motion.theta, self.path))
-            steps = np.abs(np.diff(shifts + turns * self.centre)) + self.reach * np.abs(
-                np.diff(turns)
-            )
-            if not np.all(steps <= way * (1 + 1e-6) + 1e-7):
-                k = int(np.argmax(steps - way))
-                words = f"one sees the other move by {steps[k]:.6g} mm from {theta[k]:.6g} to {theta[k + 1]:.6g} rad"
-                raise ValueError(
-                    f"{words}, faster than its course read in {_GRID} steps tells, {way[k]:.6g} mm"
-                )
-        return _moved(self.guest, self.coordinates, turns, shifts)
+        """The guest at each angle in the home's frame, (n,) geometries."""
+        return _moved(self.guest, self.coordinates, *self.motion.at(theta))
 
     def within(self, placed: Any, some: Ints, distance: float) -> Ints:
         """Which of some placed guests, by their number, come so near to the home."""
@@ -298,8 +321,10 @@ def _lowered(
         spare = accuracy.spare(best.gap)
         return best.gap - spare + approach.allowed + approach.facets + approach.pad + half
 
-    theta = approach.theta(places)
-    guests = approach.placed(theta)
+    looks = approach.looks(places, half)
+    theta = looks.theta
+    half += looks.off
+    guests = _moved(approach.guest, approach.coordinates, looks.turns, looks.shifts)
     best.evaluations += len(theta)
     first = best.gap
     # What is not even near now cannot lower `best` either, for it only falls.

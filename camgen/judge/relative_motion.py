@@ -73,6 +73,11 @@ class Motion:
                 turns[inside], shifts[inside] = self._between(k, share)
         return turns, shifts
 
+    @functools.cached_property
+    def halfway(self) -> tuple[Points, Points]:
+        """Turns and shifts in the middle of each step of the grid, (n - 1,)."""
+        return self.at((self.theta[1:] + self.theta[:-1]) / 2)
+
     def _between(self, k: int, share: Floats) -> tuple[Points, Points]:
         """From one pose of the grid to the next about the point that both have in common, or straight where they only slide."""
         by = self.turns[k + 1] / self.turns[k]
