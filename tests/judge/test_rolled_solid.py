@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "geometry"))
 from drums import END, OFFSET, REFERENCE, RIB, A, B, C, mesh_of  # noqa: E402
 
+from camgen.geometry.drum_walls import slide_path  # noqa: E402
 from camgen.geometry.drums import Drum  # noqa: E402
 from camgen.geometry.mesh import Mesh  # noqa: E402
 from camgen.judge.rolled_solid import SolidRoller, Wall, crossed, limits, walls  # noqa: E402
+from camgen.motion.segments import SegmentTable, program  # noqa: E402
 
 TOLERANCE = 0.01
 ROLLER = SolidRoller(22, 29.3, 5)
@@ -187,3 +190,68 @@ def test_a_triangle_is_cut_where_one_of_its_points_is_in_the_roller(
 
     assert found or not within(-1e-9)
     assert within(0.5) or not found
+
+
+# ---- a route of its own: sections of the mesh in planes through the axis ---------------------------------------------
+
+
+def stretches(mesh: Mesh, angle: float) -> np.ndarray:
+    """Where the half plane at an angle cuts the triangles: both ends of each stretch, (n, 2, 2), by rho and z, mm."""
+    x, y, z = mesh.vertices.T
+    rho = x * math.cos(angle) + y * math.sin(angle)
+    off = y * math.cos(angle) - x * math.sin(angle)
+    first = mesh.faces
+    second = np.roll(mesh.faces, -1, axis=1)
+    cut = (off[first] < 0) != (off[second] < 0)
+    mine = cut.sum(axis=1) == 2
+    first, second, cut = first[mine], second[mine], cut[mine]
+    steps = np.where(cut, off[first] - off[second], 1.0)
+    share = off[first] / steps
+    at = np.stack(
+        [each[first] + share * (each[second] - each[first]) for each in (rho, z)], axis=-1
+    )
+    return at[cut].reshape(-1, 2, 2)
+
+
+def freedom(mesh: Mesh, phi: float, middle: float) -> tuple[float, float]:
+    """Least and greatest height of the roller's axis at phi that points of the sections leave, about a height in between."""
+    low, high = -math.inf, math.inf
+    spread = 1.02 * math.asin(5 / 22)
+    for beta in np.linspace(-spread, spread, 301):
+        ends_at = stretches(mesh, phi + beta)
+        share = np.linspace(0, 1, 9)[:, None, None]
+        rho, z = np.moveaxis(ends_at[:, 0] + share * (ends_at[:, 1] - ends_at[:, 0]), -1, 0)
+        along = rho * math.cos(beta)
+        across = rho * math.sin(beta)
+        met = (along >= 22) & (along <= 29.3) & (np.abs(across) < 5)
+        reach = np.sqrt(25 - across[met] ** 2)
+        below = z[met] < middle
+        low = max(low, np.max(z[met][below] + reach[below], initial=-math.inf))
+        high = min(high, np.min(z[met][~below] - reach[~below], initial=math.inf))
+    return low, high
+
+
+@settings(max_examples=4, deadline=None, phases=[Phase.explicit, Phase.generate])
+@given(
+    span=st.floats(70, 150),
+    lift=st.floats(3, 15),
+    law=st.sampled_from(["cycloidal", "3-4-5", "modified-sine"]),
+    phi=st.floats(0, math.tau),
+)
+def test_sections_through_the_axis_leave_what_the_judge_finds(
+    span: float, lift: float, law: str, phi: float
+) -> None:
+    """Planes 0.0015 rad apart miss at most (22 to 29 mm times half of that)^2 / 2R, 0.0001 mm, and points of a stretch less."""
+    rows = [
+        SegmentTable(kind="rise", span_deg=span, lift=lift, law=law),
+        SegmentTable(kind="dwell", span_deg=30),
+        SegmentTable(kind="return", span_deg=140, to=0, law="cycloidal"),
+        SegmentTable(kind="dwell"),
+    ]
+    drum = replace(A, path=slide_path(program(rows), 20))
+    mesh = mesh_of(drum, 0.05)
+    low, high = freedom(mesh, phi, float(drum.path.height(np.array([phi]), 0)[0]))
+    below, above = walls(mesh, 22)[1:3]
+    judged = [float(limits(wall, ROLLER, np.array([phi]), straight)[0]) for wall in (below, above)]
+    assert 0 <= judged[0] - low + 1e-9 < 1e-3
+    assert 0 <= high - judged[1] + 1e-9 < 1e-3
