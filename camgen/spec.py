@@ -659,7 +659,8 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
         other = path and keys and path[-1] not in keys
         misspelt = bool(other) and tables and not isinstance(value, dict | list)
         no_such = item["type"] == "extra_forbidden" or misspelt
-        if no_such:
+        if no_such:  # a union's other tables may know it
+            keys = [each for each in keys if each != path[-1]]
             close = get_close_matches(str(path[-1]), keys, 1) or _in_another(path, root)
             nearest = next(iter(close or _longer(str(path[-1]), keys)), None)
             expected = f"{UNKNOWN}; known here: {', '.join(keys)}"

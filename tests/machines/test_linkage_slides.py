@@ -136,6 +136,17 @@ def test_what_does_not_slide_on_the_ground_does_not_drive() -> None:
         assert key in {fault.key for fault in caught.value.faults}, key
 
 
+def test_a_key_of_the_other_drive_is_told_with_the_nearest_of_this_one() -> None:
+    for drive, key, nearest in (
+        ({"link": "ram", "speed": 15}, "speed", "speed_rpm"),
+        ({**LIFT["drive"], "speed_rpm": 15}, "speed_rpm", "speed"),
+    ):
+        with pytest.raises(SpecError) as caught:
+            validate(Linkage, {**copy.deepcopy(LIFT), "drive": drive})
+        fault = next(each for each in caught.value.faults if each.key == f"drive.{key}")
+        assert fault.nearest == nearest
+
+
 def test_no_disc_lies_on_what_slides() -> None:
     rise = [{"kind": "rise", "span_deg": 180, "lift_deg": 5}, {"kind": "return", "to_deg": 0}]
     cam = {"cam": "ram", "follower": "rocker", "at": "B", "radius": 4, "segment": rise}
