@@ -20,7 +20,7 @@ from camgen.findings import Finding, Where, at_least
 from camgen.geometry.rings import Floats, Ints, Ring
 from camgen.judge.pair_features import features
 from camgen.judge.pairs import Body, Bounds, OutlinePair, PairMotion, pivots_apart
-from camgen.machine.features import Edge, EdgePair
+from camgen.machine.features import Edge, EngagedPair
 from camgen.machine.model import Law
 from camgen.numerics import ASKED, latest
 from camgen.study import Figure
@@ -70,7 +70,7 @@ class Engagement:
     axis of the driver to the follower's there, mm; wanted: the law that is meant.
     """
 
-    feature: EdgePair
+    feature: EngagedPair
     a: tuple[Ring, ...]
     b: tuple[Ring, ...]
     line: complex

@@ -32,6 +32,7 @@ from camgen.machine.features import (
     Demand,
     Edge,
     EdgePair,
+    EngagedPair,
     Eye,
     Faces,
     Feature,
@@ -300,8 +301,8 @@ class _Builder:
             case PawlPair(), Cam():
                 self._pawl_pair(feature, joint)
                 new = replace(joint, law=STILL)
-            case EdgePair(), Cam():
-                new = self._edge_pair(feature, joint)
+            case EngagedPair(), Cam():
+                new = self._engaged_pair(feature, joint)
             case _:
                 raise ValueError(f"{joint.name} is no joint for {type(feature).__name__}")
         self.joints[feature.joint] = new
@@ -516,7 +517,7 @@ class _Builder:
         mount = self.made[self._mount(teeth.part, Place(body, pivot), 0j)]
         return MeshedWheel(teeth, self.found.wheels[teeth], mount, pivot)
 
-    def _edge_pair(self, feature: EdgePair, joint: Cam) -> Cam:
+    def _engaged_pair(self, feature: EngagedPair, joint: Cam) -> Cam:
         """A pair whose follower goes where the edges let it."""
         spin, carried = feature.rates
         driver = joint.cam if spin else GROUND

@@ -215,7 +215,7 @@ class GearTeeth:
 
 @dataclass(frozen=True)
 class PinTracks:
-    """Of an EdgePair: round pins, each of which is wanted at a known gap from the other side's edges all the way.
+    """Of an EngagedPair: round pins, each of which is wanted at a known gap from the other side's edges all the way.
 
     pins: on which side they are. lobes: of the one edge along which all of them go; 0 of holes with a pin in each. gap: mm over the angle
     from the line of both axes to the pin, seen from the pins' axis, (n,) rad. lever: mm, and curvature: of both together, 1/mm, where one
@@ -231,24 +231,13 @@ class PinTracks:
 
 @dataclass(frozen=True)
 class EdgePair:
-    """Of a Cam: the edges by which a driver turns its follower, each about a pin on what carries both.
-
-    The follower counts as where its law wants it, as far as `free` is left on either side, mm; else as in the middle. held: ranges
-    of the joint's angle in which no more is left, rad; period: of the angle after which both stand as before. rates: of driver and
-    carrier, turns for one of the joint's angle; a driver of rate 0 is the ground, any other the joint's cam.
-    """
+    """Of a Cam: the edges by which a driver moves its follower, each about a pin on what carries both."""
 
     joint: str
     a: tuple[Edge, ...]  # of the driver
     b: tuple[Edge, ...]  # of the follower
     turns: str  # Pin that holds the driver on the carrier
     swings: str  # Pin that holds the follower there; on the ground where the carrier turns about the same axis
-    free: float
-    held: tuple[tuple[float, float], ...]
-    period: float
-    carrier: str = "ground"
-    rates: tuple[float, float] = (1.0, 0.0)
-    tracks: PinTracks | None = None
 
     @property
     def edges(self) -> tuple[Edge, ...]:
@@ -257,19 +246,36 @@ class EdgePair:
 
 
 @dataclass(frozen=True)
-class PawlPair(EdgePair):
-    """Of a Cam: a toothed wheel past which a pawl drops, each about its pin on the ground, the pawl always on the wheel.
+class EngagedPair(EdgePair):
+    """An EdgePair whose edges hold the follower from both sides.
 
-    passes: the sense in which the wheel does, +1 or -1; first: where a tip points in the wheel's drawing, rad; the next tooth to
-    drop has the next number.
+    The follower counts as where its law wants it, as far as `free` is left on either side, mm; else as in the middle. held: ranges
+    of the joint's angle in which no more is left, rad; period: of the angle after which both stand as before. rates: of driver and
+    carrier, turns for one of the joint's angle; a driver of rate 0 is the ground, any other the joint's cam.
     """
 
-    passes: Literal[1, -1] = 1
-    teeth: int = 0
-    first: float = 0.0
-    end: float = 0.0  # radius of the pawl's end, mm
-    lost: float = 0.0  # rad, by which the wheel turns back from a drop to the lock
-    friction: float = 0.0  # coefficient at which a tooth is to draw the pawl in by itself
+    free: float
+    held: tuple[tuple[float, float], ...]
+    period: float
+    carrier: str = "ground"
+    rates: tuple[float, float] = (1.0, 0.0)
+    tracks: PinTracks | None = None
+
+
+@dataclass(frozen=True)
+class PawlPair(EdgePair):
+    """An EdgePair of a toothed wheel and a pawl that drops behind its teeth, both on the ground, the pawl always on the wheel.
+
+    passes: the sense in which the wheel passes it; first: where a tip points in the wheel's drawing, rad; the next tooth to drop has
+    the next number.
+    """
+
+    passes: Literal[1, -1]
+    teeth: int
+    first: float
+    end: float  # radius of the pawl's end, mm
+    lost: float  # rad, by which the wheel turns back from a drop to the lock
+    friction: float  # coefficient at which a tooth is to draw the pawl in by itself
 
 
 @dataclass(frozen=True)
@@ -306,7 +312,8 @@ Feature = (
     | SlotFaces
     | CamOutline
     | GearTeeth
-    | EdgePair
+    | EngagedPair
+    | PawlPair
     | SharedFlat
     | Steady
     | Mark

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from camgen.files.formats import DRAWN, EXACT, SOLID
 from camgen.findings import Finding, NotJudged
 from camgen.geometry.outlines import Floats
-from camgen.machine.features import CamOutline, EdgePair, Flat, GearTeeth, PawlPair
+from camgen.machine.features import CamOutline, EdgePair, EngagedPair, Flat, GearTeeth, PawlPair
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.sheets import why_not
 from camgen.study import Figures, Plot, Table
@@ -88,7 +88,7 @@ def of_parts(mechanism: Mechanism) -> list[Stage]:
     pairs = [feature for feature in features if isinstance(feature, EdgePair)]
     if pairs:
         stages.append(Stage(("CONTACT",), "outlines of any shape, one driving the other", READ))
-    if any(pair.tracks is not None for pair in pairs):
+    if any(isinstance(pair, EngagedPair) and pair.tracks for pair in pairs):
         stages.append(Stage(("PIN_TRACK",), "each pin along lobes or in its hole", READ))
     if any(isinstance(pair, PawlPair) for pair in pairs):
         stages.append(Stage(("PAWL_HOLDS",), "the ratchet, turned back behind each drop", READ))

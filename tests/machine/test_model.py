@@ -156,8 +156,21 @@ FEATURES = (
         roller="part",
     ),
     f.GearTeeth("gear", f.Teeth("part", 9, 9.0, 1.0), f.Teeth("part", 9, 9.0, 1.0), ("pin", "pin")),
-    f.EdgePair(
+    f.EngagedPair(
         "cam", (f.Edge("part", EYE),), (f.Edge("part", EYE, EYE),), "pin", "pin", 0.1, (), 6.0
+    ),
+    f.PawlPair(
+        "cam",
+        (f.Edge("part", EYE),),
+        (f.Edge("part", EYE),),
+        "pin",
+        "pin",
+        1,
+        12,
+        0.0,
+        1.0,
+        0.1,
+        0.2,
     ),
     f.Mark(EYE),
     f.SharedFlat(EYE, EYE, 0.0),

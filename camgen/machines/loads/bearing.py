@@ -15,7 +15,7 @@ import numpy as np
 
 from camgen.findings import Finding, NotJudged, Where, at_least, at_most
 from camgen.machine import strength
-from camgen.machine.features import CamOutline, EdgePair, GearTeeth
+from camgen.machine.features import CamOutline, EngagedPair, GearTeeth
 from camgen.machine.flywheel import mean_torque
 from camgen.machine.forces import Forces
 from camgen.machine.friction import circle
@@ -340,7 +340,7 @@ def edge_forces(run: Run, forces: Forces, assembly: Assembly) -> dict[str, Float
     if one alone held all, where its lever is least.
     """
     found = {}
-    pairs = {each.joint: each for each in assembly.features if isinstance(each, EdgePair)}
+    pairs = {each.joint: each for each in assembly.features if isinstance(each, EngagedPair)}
     for joint in run.machine.joints:
         pair = pairs.get(joint.name)
         if not isinstance(joint, Cam) or pair is None:
@@ -362,7 +362,7 @@ def edges(run: Run, forces: Mapping[str, Floats], assembly: Assembly) -> LoadChe
     check = LoadCheck()
     own = materials.of(assembly.process.material).elastic
     for feature in assembly.features:
-        if not isinstance(feature, EdgePair) or feature.joint not in forces:
+        if not isinstance(feature, EngagedPair) or feature.joint not in forces:
             continue
         k = int(np.argmax(forces[feature.joint]))
         force = float(forces[feature.joint][k])

@@ -13,7 +13,7 @@ from camgen.machine.cams.machine import nominal_cam
 from camgen.machine.features import (
     CamOutline,
     Edge,
-    EdgePair,
+    EngagedPair,
     Eye,
     Faces,
     Feature,
@@ -237,14 +237,14 @@ def _outlines(layout: Layout, tip: Tip) -> Iterator[CamOutline]:
         yield replace(driving, part=f"{name}-outer", inside=True, free=free, nominal=wall)
 
 
-def _cycloid(layout: Layout, drive: CycloidDrive) -> Iterator[EdgePair]:
+def _cycloid(layout: Layout, drive: CycloidDrive) -> Iterator[EngagedPair]:
     """What a cycloidal drive is judged on: pins of the ground round the disc, holes of the disc round those of the output."""
     wish = drive.wish
     part = part_name(wish.link)
     bore = _eye(layout, wish.at, wish.link)
     rides = axle_of(layout, wish.link, wish.crank)
     lobes = wish.disc.lobes
-    yield EdgePair(
+    yield EngagedPair(
         wish.joint,
         tuple(_stud_edge(layout, stud) for stud in drive.pins),
         (Edge(part, bore),),
@@ -258,7 +258,7 @@ def _cycloid(layout: Layout, drive: CycloidDrive) -> Iterator[EdgePair]:
         PinTracks("a", lobes, wish.disc.gap, *wish.disc.hardest),
     )
     if wish.output is not None and drive.output is not None:
-        yield EdgePair(
+        yield EngagedPair(
             wish.output_joint,
             tuple(Edge(part, bore, hole=z) for z in drive.hole_places),
             tuple(_stud_edge(layout, stud) for stud in drive.output_pins),
@@ -279,12 +279,12 @@ def _stud_edge(layout: Layout, stud: Stud) -> Edge:
     return Edge(stud.part, Eye(stud.part, 0j, 2 * stud.radius, shaft=True), seat)
 
 
-def _geneva(layout: Layout, drive: GenevaDrive) -> EdgePair:
+def _geneva(layout: Layout, drive: GenevaDrive) -> EngagedPair:
     """What a Geneva drive is judged on."""
     hole = layout.turning(drive.point) + layout.fits.slide_clearance
     geneva = drive.geneva
     seat = _eye(layout, drive.point, drive.joint.cam)
-    return EdgePair(
+    return EngagedPair(
         drive.joint.name,
         (
             _edge(layout, drive.part_on(drive.joint.cam)),
@@ -299,14 +299,14 @@ def _geneva(layout: Layout, drive: GenevaDrive) -> EdgePair:
     )
 
 
-def _noncircular(layout: Layout, drive: NoncircularDrive) -> EdgePair:
+def _noncircular(layout: Layout, drive: NoncircularDrive) -> EngagedPair:
     """What a pair of wheels that are not round is judged on."""
     links = drive.joint.cam, drive.joint.follower
     a, b = ((_edge(layout, drive.part_on(link)),) for link in links)
     turns, swings = (pivot_of(layout, link) for link in links)
     pair = drive.pair
     period = math.tau * pair.turns
-    return EdgePair(drive.joint.name, a, b, turns, swings, pair.air, ((0.0, math.tau),), period)
+    return EngagedPair(drive.joint.name, a, b, turns, swings, pair.air, ((0.0, math.tau),), period)
 
 
 def _ratchet(layout: Layout, drive: RatchetDrive) -> PawlPair:
@@ -321,9 +321,6 @@ def _ratchet(layout: Layout, drive: RatchetDrive) -> PawlPair:
         b,
         turns,
         swings,
-        0.0,
-        (),
-        math.tau,
         passes=drive.wish.law.way,
         teeth=pawl.wheel.teeth,
         first=drive.first_tip(layout.machine),
