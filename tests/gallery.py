@@ -32,6 +32,8 @@ FRAMES = {
     "geneva-table": 60,
     "pencil-cam": 14,
     "elliptic-wheels": 10,
+    "ratchet": 20,
+    "cycloidal-reducer": 12,
     "planetary-reducer": 8,
 }  # frame of the moving picture that shows most
 
