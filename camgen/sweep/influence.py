@@ -329,7 +329,7 @@ def influence_text(spec: Source, code: str) -> str:
     lines = [f"### {code} in {_title(spec)}"]
     if not found.findings:
         lines.append(
-            "Not judged before files are made: its limit is not given, or only files show it."
+            "Nothing shows it before files are made: its limit is not given, or `camgen build` judges it, if the machine has it."
         )
     for each in found.findings:
         sign = "at least" if each.floor else "at most"
