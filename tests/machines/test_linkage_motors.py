@@ -126,7 +126,7 @@ def drive(spec: Tables, k: int, **changes: Any) -> None:
         ),
         (lambda e: drive(e, 1, segment=[], range_deg=[0, 9]), ("drive", 1, "range_deg"), "segment"),
         (lambda e: drive(e, 0, speed_rpm=-10), ("drive", 0, "speed_rpm"), "above 0"),
-        (lambda e: e.update(drive=[]), ("drive",), "at least 1"),
+        (lambda e: e.update(drive=[]), ("drive",), "a table [drive]"),
         (lambda e: e["parts"].update(sides=2, plates=2), ("parts", "sides"), "several motors"),
         (lambda e: e.update(counterweight={}), ("counterweight",), "several motors"),
     ],
