@@ -487,7 +487,8 @@ def unknown(path: Key, value: object, known: Iterable[str], kind: str = "") -> F
         return Fault(path, given, one_of(meant))
     if new := example(kind, value):
         return Fault(path, given, f"'linkage': camgen new {new} FILE writes such a one")
-    nearest = meant or (get_close_matches(value, names, 1) if isinstance(value, str) else ())
+    texts = [each for each in names if isinstance(each, str)]  # a literal may be a number
+    nearest = meant or (get_close_matches(value, texts, 1) if isinstance(value, str) else ())
     return Fault(path, given, one_of(names), nearest[0] if nearest else None)
 
 
