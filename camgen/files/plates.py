@@ -207,9 +207,7 @@ def bed_fit(
     room = f"{bed[0]:g} x {bed[1]:g} mm" + (
         f", {height:g} mm high" if math.isfinite(height) else ""
     )
-    remark = (
-        f"{count} lying on {f.width:.1f} x {f.height:.1f} mm, {tall:.1f} mm high, the bed is {room}"
-    )
+    remark = f"{count} on {f.width:.1f} x {f.height:.1f} mm of the bed, {tall:.1f} mm high; the bed is {room}"
     return f, at_most("BED_FIT", beyond, 0.0, "mm", Where(part=name), remark)
 
 

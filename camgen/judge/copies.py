@@ -69,7 +69,7 @@ def judge_copies(
         ]
     off, remark = max(faults, default=(0.0, ""))
     if off <= limit:
-        remark = f"{len(package.items)} copies of {counted(len(package.meshes), 'part')}, each as its own file has it"
+        remark = f"{counted(len(package.items), 'copy', 'copies')} of {counted(len(package.meshes), 'part')}, each as its own file has it"
     return at_most("ROUND_TRIP", off, limit, "mm", where, remark)
 
 
@@ -112,9 +112,7 @@ def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Copies) ->
     ]
     off, remark = max(faults, default=(0.0, ""))
     if off <= tolerances.SAME_POINT:
-        remark = (
-            f"{len(copies)} copies of {counted(len(bodies), 'part')}, each as its own file has it"
-        )
+        remark = f"{counted(len(copies), 'copy', 'copies')} of {counted(len(bodies), 'part')}, each as its own file has it"
     return at_most("ROUND_TRIP", off, tolerances.SAME_POINT, "mm", where, remark)
 
 

@@ -347,7 +347,9 @@ class _OutputResult:
     def play(self, where: Where, alone: bool) -> Finding:
         """LASH."""
         limit, cause = self.lash
-        remark = f"free play of the output by all joints at the worst angle; the limit is {cause}"
+        remark = (
+            f"free play of the output from all joints, at the worst angle; the limit is {cause}"
+        )
         return self._finding("LASH", 2 * self.band, limit, self._where(where, alone), remark)
 
     def stroke(self, where: Where, alone: bool) -> Finding:
@@ -406,8 +408,8 @@ def _fit(fits: Mapping[str, Fit], limit: float, where: Where) -> Finding:
         limit,
         "mm",
         replace(where, joint=worst),
-        f"play {fit.play:z.4f} mm, {fit.nominal:z.4f} mm wanted; worst of {len(fits)} joints, by each "
-        f"hole's diameter and by the centres at several heights{named_parts}",
+        f"play {fit.play:z.4f} mm, {fit.nominal:z.4f} mm wanted; worst of {len(fits)} joints, from each "
+        f"hole's diameter and its centres at several heights{named_parts}",
     )
 
 

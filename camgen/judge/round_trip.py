@@ -117,7 +117,7 @@ def judge_drawing(path: Path, expected: NominalPart) -> PartVerdict:
         0,
         "contours",
         where,
-        "; ".join(faults) or f"{len(drawing.cut)} contours, each one closed entity",
+        "; ".join(faults) or f"{counted(len(drawing.cut), 'contour')}, each one closed entity",
     )
     findings = [
         at_most(
@@ -318,7 +318,7 @@ def _judge_sections(
             break
         if section_error >= off or (k == 0 and off <= limit):
             off = max(off, section_error)
-            remark = f"{contours} contours read back and compared point by point"
+            remark = f"{counted(contours, 'contour')} read back and compared point by point"
     if not expected.rolls and (aside := _aside(eyes, sections, expected)) > max(off, limit):
         off = aside
         remark = (
@@ -333,7 +333,7 @@ def _judge_sections(
         facets = 2 * max(
             tolerances.WALL_FACETS, expected.chord_tolerance
         )  # what facets on both sides may take of a wall
-        remark = f"smallest wall between contours; {facets:g} mm less holds too, for facets on both sides may take that"
+        remark = f"smallest wall between contours; a wall {facets:g} mm thinner also holds, because facets on both sides may take that"
         findings.append(
             at_least(
                 "MIN_WALL",

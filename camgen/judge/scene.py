@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from camgen.errors import counted
 from camgen.files.gltf import read_glb
 from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.rings import Floats, Points
@@ -83,7 +84,7 @@ def judge_scene(
         for copy, _, course, transform in copies
     ]
     off, limit, copy = max(rows, key=lambda row: row[0] / row[1], default=(0.0, 0.0, ""))
-    remark = f"{len(rows)} copies where they are over the animation"
+    remark = f"{counted(len(rows), 'copy', 'copies')} in place throughout the animation"
     return at_most("ROUND_TRIP", off, limit, "mm", replace(in_file(path), part=copy), remark)
 
 

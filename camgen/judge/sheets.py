@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from camgen.errors import FileError
+from camgen.errors import FileError, counted
 from camgen.files.cutting import read_svg
 from camgen.files.dxf import read_dxf
 from camgen.findings import Finding, Where, at_least, at_most, in_file
@@ -82,7 +82,7 @@ def judge_sheet(
             "contours",
             where,
             "; ".join(faults)
-            or f"{len(drawing.cut)} contours, each one closed entity in millimetres",
+            or f"{counted(len(drawing.cut), 'contour')}, each one closed entity in millimetres",
         )
     ]
     if faults:

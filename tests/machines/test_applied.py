@@ -251,7 +251,7 @@ def test_what_inertia_does_to_a_pin_is_said_where_it_acts_alone() -> None:
         for gravity, gravity_deg in ((False, {}), (True, {"gravity_deg": -90.0}))
     }
     assert said[True] and not any("inertia" in each for each in said[True])
-    assert said[False] and all("by inertia alone: " in each for each in said[False])
+    assert said[False] and all("inertia is the only load: " in each for each in said[False])
 
 
 def test_several_drives_are_one_shaft() -> None:

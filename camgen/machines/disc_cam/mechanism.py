@@ -690,7 +690,7 @@ class DiscCamDrive(CamTables):
             notes += open_rails(self.linkage.bodies.layout)
         elif self.geometry.closure == "force" and not self._loaded:
             notes.append(
-                "What holds the follower on the cam is yours: with [load] and [spring], LIFT_OFF and HERTZ judge it."
+                "You hold the follower on the cam: with [load] and [spring], LIFT_OFF and HERTZ judge how."
             )
         if self.allowed.continuous < 0:
             notes.append("Whether the motion jumps is not judged: limits.continuous = -1.")

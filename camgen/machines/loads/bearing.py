@@ -122,12 +122,12 @@ def plain_bearings(
     if limit is None and not materials.of(worst.hole).printed:
         why = f"{slides.pv:.3g} MPa m/s in {worst.joint}; the limit of {worst.hole} depends on oil and on its shaft"
         check.not_judged.append(NotJudged("PV", why, "limits.pv_mpa_m_s"))
-    remark = f"{slides.power:.3g} W of heat at a friction of {coefficient(worst, load):g}"
+    remark = f"{slides.power:.2g} W of heat at a friction of {coefficient(worst, load):g}"
     remark += (
         f"; limits.pv_mpa_m_s; a plastic made for bearings bears {usual:g} dry"
         if limit
-        else f"; no limit is published for prints of {worst.hole}: this one is of a plastic made for bearings, dry on steel (iglidur "
-        "P210). Less speed or mass or a longer pin lower it; with oil the limit is five times as high, with a metal bush higher "
+        else f"; no limit is published for prints of {worst.hole}: this one is that of a bearing plastic, dry on steel (iglidur "
+        "P210). A lower speed, less mass or a longer pin lowers it. With oil the limit is five times as high, with a metal bush higher "
         "still: set limits.pv_mpa_m_s"
     )
     size = f"{worst.diameter:g} x {worst.length:.4g} mm"
@@ -297,7 +297,7 @@ def gears(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
         pressure = float(
             strength.line_contact(force, width, feature.curvature, own.elastic, own.elastic)[0]
         )
-        remark = f"at the pitch point, by {force:.4g} N on teeth {width:.4g} mm wide"
+        remark = f"{force:.2g} N at the pitch point, on teeth {width:.4g} mm wide"
         _hertz(check, assembly, pressure, where, remark)
     return check
 
@@ -309,7 +309,7 @@ def _tooth(check: LoadCheck, assembly: Assembly, force: float, stress: float, wh
     asked = assembly.limits_of(where.joint).tooth_stress
     limit = asked or own.bears
     by = "limits.tooth_stress_mpa" if asked else f"{own.name} bears {own.bears:g} MPa repeatedly"
-    remark = f"by {force:.4g} N on one tooth alone, at its tip; {by}"
+    remark = f"{force:.2g} N at the tip of a single tooth; {by}"
     if stress > limit:
         share = limit / stress
         remark += f"; {share:.2g} of the load holds, or fewer and larger teeth, or another material"

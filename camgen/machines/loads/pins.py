@@ -67,17 +67,18 @@ class PinLoad:
         row = materials.of(self.journal.shaft)
         stress = self.stress
         limit = self.limits.pin_stress or row.bears
-        how = "sheared"
+        how = "shears it"
         if self.bending > self.shear / strength.SHEAR:
-            how = f"bent on an arm of {self.journal.lever:.4g} mm"
+            how = f"bends it on an arm of {self.journal.lever:.3g} mm"
         by = f"{row.name} bears {row.bears:g} MPa"
         if self.limits.pin_stress:
             by = "limits.pin_stress_mpa"
-        remark = f"by {self.force:.4g} N, {how}; {by}"
+        remark = f"{self.force:.2g} N {how}; {by}"
         if stress > limit:
             remark += f"; {stronger(self.limits, self.journal, self._thickness(limit))}"
         if self.inertia_alone and stress:
-            remark += f", by inertia alone: {math.sqrt(limit / stress):.3g} times the speed holds"
+            times = math.sqrt(limit / stress)
+            remark += f"; inertia is the only load: the pin holds at up to {min(times, 1e3):.2g} times this speed"
         return at_most("PIN_STRESS", stress, limit, "MPa", Where(f"pin {self.name}"), remark)
 
 
