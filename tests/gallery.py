@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -36,6 +37,7 @@ FRAMES = {
     "cycloidal-reducer": 12,
     "planetary-reducer": 8,
 }  # frame of the moving picture that shows most
+_MARGIN = 2.0  # mm, round a drawing
 
 
 def picture(name: str) -> str:
@@ -78,6 +80,29 @@ def moving(name: str, seconds: float = 6.0) -> str:
     return text.replace("</style>", "".join(rules) + quiet + "</style>", 1)
 
 
+def drawn(report: Any) -> str:
+    """The line that a pen is to draw, wide, and over it the one that the DXF give, as SVG."""
+    (plot,) = (each for each in report.plots if each.title.endswith("over the wanted line"))
+    lines = {name: x - 1j * y for name, x, y in plot.series}
+    wanted = lines["wanted"]
+    left, top = wanted.real.min() - _MARGIN, wanted.imag.min() - _MARGIN
+    width, height = np.ptp(wanted.real) + 2 * _MARGIN, np.ptp(wanted.imag) + 2 * _MARGIN
+
+    def line(name: str, look: str) -> str:
+        corners = " ".join(f"{z.real - left:.2f},{z.imag - top:.2f}" for z in lines[name].tolist())
+        return f'<polyline points="{corners}" fill="none" {look}/>'
+
+    box = f'viewBox="0 0 {width:.2f} {height:.2f}" width="{8 * width:.0f}"'
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" {box}>'
+    said = "<title>the line, wide, and what the pen draws by the DXF files</title>"
+    wide = line(
+        "wanted",
+        'stroke="#d9b48f" stroke-width="1.6" stroke-linejoin="round" stroke-linecap="round"',
+    )
+    thin = line("from DXF", 'stroke="#0b62a8" stroke-width="0.25"')
+    return f"{head}{said}{wide}{thin}</svg>\n"
+
+
 def path(name: str) -> Path:
     """Where the README finds it."""
     return TOP / "out" / "gallery" / f"{name}.svg"
@@ -87,3 +112,6 @@ if __name__ == "__main__":
     path("walking-leg-moving").write_text(moving("walking-leg"), encoding="utf-8")
     for name in FRAMES:
         path(name).write_text(picture(name), encoding="utf-8")
+    with TemporaryDirectory() as folder:
+        made = pipeline.build(TOP / "specs/gallery/heart.toml", Path(folder), frozenset({"dxf"}))
+    path("heart-drawn").write_text(drawn(made), encoding="utf-8")

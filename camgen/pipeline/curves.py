@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from camgen.geometry.outlines import Floats
 from camgen.judge.proof import Proof
+from camgen.machine.features import Demand
 from camgen.machine.model import Output, Path, unit_of
+from camgen.machine.targets import Trace
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.assembly import Cycle
 from camgen.report.words import rounded
@@ -120,6 +123,21 @@ class Curves:
             )
             for title in titles
         ]
+
+
+def laid_over(demand: Demand, recovered: Mapping[str, Any]) -> Iterator[Plot]:
+    """The line that an output is to draw, and over it what each kind of file gives; recovered: the paths, (n,) complex mm."""
+    name = demand.output.capitalize()
+    for target in demand.targets if recovered else ():
+        if not isinstance(target, Trace):
+            continue
+        wanted = np.array(target.places)
+        series = [("wanted", wanted.real, wanted.imag)]
+        series += [
+            (f"from {kind.upper()}", path.real, path.imag) for kind, path in recovered.items()
+        ]
+        dots = () if target.joined else ("wanted",)
+        yield Plot(f"{name} over the wanted line", "x, mm", "y, mm", series, equal=True, dots=dots)
 
 
 def as_designed(mechanism: Mechanism) -> list[Plot]:

@@ -156,7 +156,7 @@ def moved_by(
     motion.csv; and what follows from the recovered motion."""
     from camgen.judge.cams import judged_angles
     from camgen.judge.targets import judge_targets
-    from camgen.pipeline.curves import Curves
+    from camgen.pipeline.curves import Curves, laid_over
 
     features = mechanism.assembly.features
     if not features:
@@ -200,7 +200,13 @@ def moved_by(
     )
     for curve in curves:
         columns |= curve.columns
-    plots = [plot for curve in curves for plot in curve.plots()]
+    plots = [
+        plot
+        for curve in curves
+        if curve.output.name in wishes
+        for plot in laid_over(wishes[curve.output.name], curve.recovered)
+    ]
+    plots += [plot for curve in curves for plot in curve.plots()]
     recovered = mechanism.recovered(theta, curves[0].recovered)
     return Outcome(findings, numbers, plots, tables, not_judged=nominal), columns, recovered
 

@@ -6,6 +6,7 @@ import math
 import tomllib
 from pathlib import Path
 
+import gallery
 import numpy as np
 import pytest
 
@@ -28,6 +29,8 @@ def test_each_spec_is_an_example_that_says_what_it_is(name: str) -> None:
 def test_a_large_spec_builds(tmp_path: Path) -> None:
     report = build(GALLERY / f"{DRAWN}.toml", tmp_path, frozenset({"dxf"}))
     assert report.ok and report.name == DRAWN
+    drawn = gallery.drawn(report)
+    assert drawn == gallery.path("heart-drawn").read_text(encoding="utf-8")
     assert all("is in the folder" in each.why for each in report.not_judged)
 
 
