@@ -16,7 +16,10 @@ from pathlib import Path
 
 MOST_FLAT = 20  # files
 _SHELVES = (
-    ("cad", re.compile(r".*-assembly\.(3mf|glb|step)|.*-(path|profile|servo)\.csv|.*\.st")),
+    (
+        "cad",
+        re.compile(r".*-assembly\.(3mf|glb|step)|.*-(path|profile|servo)\.csv|.*\.st|.*-grbl\.nc"),
+    ),
     ("drawings", re.compile(r".*-drawing\.(pdf|dxf)")),
     ("laser", re.compile(r".*-sheet-\d+\.(dxf|svg)")),
     ("print", re.compile(r".*\.(stl|3mf)")),

@@ -107,9 +107,13 @@ def follower_motions(mechanism: Mechanism) -> Iterator[FollowerMotion]:
 
 
 def table_motions(mechanism: Mechanism) -> Iterator[FollowerMotion]:
-    """What a servo drive can make by a table: the followers of all cams, and what motors turn by programs or along a line, from its
-    angle at theta = 0."""
+    """What a servo drive can make by a table: the followers of all cams, and what motors turn."""
     yield from follower_motions(mechanism)
+    yield from motor_motions(mechanism)
+
+
+def motor_motions(mechanism: Mechanism) -> Iterator[FollowerMotion]:
+    """What motors turn by programs or along a line, from their angles at theta = 0."""
     for drive in mechanism.model.drives:
         if isinstance(drive.law, DriveLaw | TableLaw) and drive.slide is None:
             yield _turned(drive)

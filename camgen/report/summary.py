@@ -167,5 +167,7 @@ def _steps(name: str, files: Mapping[str, str], hours: float) -> Iterator[FileSt
     if tables:
         others = f"; {len(tables) - 1} more are for other drives" if len(tables) > 1 else ""
         yield FileStep("load", files[sorted(tables)[0]], f" into the drive's project{others}")
+    if f"{name}-grbl.nc" in files:
+        yield FileStep("send", files[f"{name}-grbl.nc"], " to a controller with Grbl")
     if f"{name}-print.toml" in files:
         yield FileStep("paste", f"{name}-print.toml", " into your specs")

@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 
 import camgen
 from camgen import starters
-from camgen.errors import DesignError, SpecError
+from camgen.errors import DesignError, FileError, SpecError
+from camgen.files.grbl import GrblProgram, read_grbl
 from camgen.files.servo import read_cam_table
 from camgen.machines.follower_motions import FollowerMotion, table_finding, table_motions
 from camgen.machines.linkage import pens
@@ -386,3 +387,101 @@ def test_beside_a_pen_a_slip_is_one_fault(change: Callable[[Tables], None], faul
     with pytest.raises(SpecError) as caught:
         camgen.load(spec)
     assert len(caught.value.faults) == 1 and fault in str(caught.value)
+
+
+@pytest.fixture(scope="module")
+def programmed(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    return camgen.build(star(), tmp_path_factory.mktemp("grbl"), only="servo")
+
+
+def judged(folder: Path) -> dict[str, bool]:
+    """Of a folder's program: whether each motor turns as it has to."""
+    found = camgen.check(folder).findings
+    program = [each for each in found if each.where.kind == "nc" and each.code == "SERVO_TABLE"]
+    return {each.where.output: each.ok for each in program}
+
+
+def test_one_program_for_grbl_turns_both_motors(drawn: Linkage, programmed: Any) -> None:
+    """By its own words alone, and circles about the pivots: both motors together hold the pen within 0.1 mm of its line."""
+    import shapely
+
+    rows = [
+        {word[0]: float(word[1:]) for word in line.split()}
+        for line in (programmed.folder / "five-bar-grbl.nc").read_text().splitlines()
+        if line.startswith("G1")
+    ]
+    minutes = sum(1 / row["F"] for row in rows)
+    assert minutes == pytest.approx(1 / star()["drive"][0]["speed_rpm"], rel=1e-5)
+    assert judged(programmed.folder) == {"drive of left": True, "drive of right": True}
+    line = np.array([complex(*place) for place in star()["pen"]["line"]])
+    line += complex(5, 95) - complex(np.ptp(line.real) / 2 + line.real.min(), 1.7)
+    start = arms(np.asarray(drawn.run(np.zeros(1))["pen"]))  # where it is to be begun
+    a = O + ARM * np.exp(1j * (start["left"] + np.radians([row["X"] for row in rows])))
+    b = C + ARM * np.exp(1j * (start["right"] + np.radians([row["Y"] for row in rows])))
+    middle = (a + b) / 2
+    p = middle + 1j * (b - a) / np.abs(b - a) * np.sqrt(ROD**2 - np.abs(b - a) ** 2 / 4)
+    corner = math.acos((ROD**2 + 94**2 - 15**2) / (2 * ROD * 94))
+    pen = a + 94 / ROD * np.exp(-1j * corner) * (p - a)
+    ring = shapely.LinearRing(np.column_stack([line.real, line.imag]))
+    assert np.max(shapely.distance(shapely.points(pen.real, pen.imag), ring)) < 0.1
+
+
+@pytest.mark.parametrize(
+    "row, old, new, failing",
+    [
+        (300, "X-5.", "X-6.", {"drive of left"}),
+        (300, "Y-21.", "Y-22.", {"drive of right"}),
+        (300, "F2880", "F1440", {"drive of left", "drive of right"}),
+    ],
+)
+def test_a_spoilt_program_fails(
+    programmed: Any, tmp_path: Path, row: int, old: str, new: str, failing: set[str]
+) -> None:
+    import shutil
+
+    folder = shutil.copytree(programmed.folder, tmp_path / "five-bar")
+    path = folder / "five-bar-grbl.nc"
+    lines = path.read_text().splitlines()
+    assert old in lines[row]
+    lines[row] = lines[row].replace(old, new)
+    path.write_text("\n".join(lines))
+    assert {name for name, ok in judged(folder).items() if not ok} == failing
+
+
+def test_motors_that_stand_still_rest(tmp_path: Path) -> None:
+    """A quarter of a minute there, a rest of one, a quarter back."""
+    turned = np.array([[0, 0], [90, -10], [90, -10], [0, 0]], float)
+    program = GrblProgram(np.array([0, 0.25, 1.25, 1.5]), turned)
+    text = program.text(["left arm", "ümlaut (2)"])
+    assert [line for line in text.splitlines() if line[0] != "("] == [
+        "G21 G90 G93",
+        "G92 X0 Y0",
+        "G1 X90.0000 Y-10.0000 F4",
+        "G4 P60.000000",
+        "G1 X0.0000 Y0.0000 F4",
+        "M2",
+    ]
+    assert text.isascii() and max(map(len, text.splitlines())) <= 80
+    path = tmp_path / "a.nc"
+    path.write_text(text)
+    again = read_grbl(path)
+    assert np.array_equal(again.turned, turned)
+    assert again.minutes.tolist() == pytest.approx(program.minutes.tolist())
+
+
+@pytest.mark.parametrize(
+    "text, says",
+    [
+        ("G21 G90\nG92 X0\nG1 X5 F2\nM2", "G93"),
+        ("G21 G90 G93\nG1 X5 F2\nM2", "G92"),
+        ("G21 G90 G93\nG92 X0\nG1 X5\nM2", "line 3 has no F"),
+        ("G21 G90 G93\nG92 X0\nG1 X5 F-2\nM2", "line 3 has no F"),
+        ("G21 G90 G93\nG92 X0\nG1 Xfive F2\nM2", "line 3 has"),
+        ("", "no such program"),
+    ],
+)
+def test_what_is_no_program_for_grbl(tmp_path: Path, text: str, says: str) -> None:
+    path = tmp_path / "a.nc"
+    path.write_text(text)
+    with pytest.raises(FileError, match=says):
+        read_grbl(path)
