@@ -94,6 +94,15 @@ class Coil:
 
 
 @dataclass(frozen=True)
+class Rub:
+    """A pin that rubs: the hinge of that name, or a loop's pin, with the shares of hinges whose angles sum up to its own."""
+
+    name: str
+    radius: float  # of its friction circle, mm
+    shares: Mapping[str, float] | None = None  # of a loop's
+
+
+@dataclass(frozen=True)
 class Motor:
     """What drives a joint: at `speed`, rad/s (mm/s of a slide); by a line from `stall`, N m, to `no_load`, rad/s, where known."""
 
@@ -131,6 +140,7 @@ class Model:
     height: float = 0.0
     friction: float = 0.6
     remarks: Sequence[str] = ()
+    rubs: Sequence[Rub] = ()  # which the text leaves out: MJCF has constant friction alone
 
     @property
     def mass(self) -> float:

@@ -1,6 +1,7 @@
 """The machine as MuJoCo simulates it: bodies with the masses of their solids as a tree, loops closed by sites, its drive.
 
-Left out, and told in the file: friction, play and bending of joints, and loads that are not springs.
+Left out of the file, and told there: friction, play and bending of joints, and loads that are not springs. Which pins rub, and how
+much, the model has beside it, for a simulation that follows their reactions.
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ from camgen.machine.run import solve
 from camgen.machine.tree import Branch, Coupling, Tree, tree_of
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.machines.loads.drive import motor_of
+from camgen.machines.loads.rubbing import with_friction
 from camgen.machines.loads.tables import Drives
 from camgen.machines.loads.weights import with_masses
 from camgen.machines.mechanism import Mechanism
@@ -152,6 +154,7 @@ class _Simulated:
             self._height([foot for _, foot in feet]),
             0.6 if standing is None else standing.frictions[len(standing.frictions) // 2],
             remarks=self._remarks,
+            rubs=self._rubs,
         )
 
     @cached_property
@@ -241,6 +244,20 @@ class _Simulated:
             and isinstance(branch.joint, Pin)
             and {load.a, load.b} == {branch.body, branch.parent}
         }
+
+    @property
+    def _rubs(self) -> list[mjcf.Rub]:
+        """Pins of the tree, and those that close loops, as far as their bearings are known."""
+        mechanism = self.mechanism
+        journals = self.assembly.journals
+        rubbing = with_friction(self.machine, journals, mechanism.load, mechanism.material.name)
+        circles = {pin.name: pin.friction for pin in rubbing.joints if isinstance(pin, Pin)}
+        hinges = (each.joint for each in self.tree.branches if isinstance(each.joint, Pin))
+        rubs = [mjcf.Rub(pin.name, circles.get(pin.name, 0.0)) for pin in hinges]
+        for pin in self.tree.closing:
+            turning = Coupling(pin.name, {pin.a.body: 1.0, pin.b.body: -1.0})
+            rubs.append(mjcf.Rub(pin.name, circles.get(pin.name, 0.0), self._of_joints(turning)))
+        return [each for each in rubs if each.radius]
 
     def _of_joints(self, coupling: Coupling) -> dict[str, float]:
         """Shares of the joints whose angles sum up to those of the coupled bodies."""

@@ -216,8 +216,9 @@ class _Run:
 
     def __init__(self, mujoco: Any, bare: mjcf.Model, model: mjcf.Model) -> None:
         self.mujoco = mujoco
-        self.simulation = mujoco.MjModel.from_xml_string(mjcf.text(bare))
+        self.simulation = _compiled(mujoco, bare)
         self.data = mujoco.MjData(self.simulation)
+        self.rubbing = _Rubbing(mujoco, self.simulation, bare.rubs)
         self.steps = max(1, round(_SAMPLE / bare.step))
         self.motor = model.motor
         names = [foot.name for link in model.links for foot in link.feet]
@@ -229,6 +230,7 @@ class _Run:
         """Go on by a sample."""
         self.data.ctrl[0] = control
         self.mujoco.mj_step(self.simulation, self.data, self.steps)
+        self.rubbing.follow(self.data)
         self.mujoco.mj_kinematics(self.simulation, self.data)
 
     def row(self) -> _Row:
@@ -266,6 +268,55 @@ class _Run:
             float(data.actuator_force[0]),
             low,
         )
+
+
+def _compiled(mujoco: Any, bare: mjcf.Model) -> Any:
+    """The model with a tendon of each loop's pin that rubs, as long as it is turned."""
+    spec = mujoco.MjSpec.from_string(mjcf.text(bare))
+    for rub in bare.rubs:
+        if rub.shares is not None:
+            tendon = spec.add_tendon(name=_turn_of(rub))
+            for joint, share in rub.shares.items():
+                tendon.wrap_joint(joint, share)
+    return spec.compile()
+
+
+def _turn_of(rub: mjcf.Rub) -> str:
+    """Name of a tendon."""
+    return f"turn of {rub.name}"
+
+
+class _Rubbing:
+    """Friction of pins: a torque against their turning, of their friction circle and the reaction at the last sample."""
+
+    def __init__(self, mujoco: Any, simulation: Any, rubs: Sequence[mjcf.Rub]) -> None:
+        self.mujoco = mujoco
+        self.simulation = simulation
+        hinges = [rub for rub in rubs if rub.shares is None]
+        loops = [rub for rub in rubs if rub.shares is not None]
+        self.radii = MM * np.array([rub.radius for rub in hinges])
+        self.joints = [simulation.joint(rub.name).id for rub in hinges]
+        self.loop_radii = MM * np.array([rub.radius for rub in loops])
+        self.tendons = [simulation.tendon(_turn_of(rub)).id for rub in loops]
+        self.ties = [simulation.equality(rub.name).id for rub in loops]
+
+    def follow(self, data: Any) -> None:
+        """Take the reactions as they are now."""
+        self.mujoco.mj_rnePostConstraint(self.simulation, data)
+        force = data.cfrc_int[self.simulation.jnt_bodyid[self.joints], 3:]
+        torque = self.radii * _across(force, data.xaxis[self.joints])
+        self.simulation.dof_frictionloss[self.simulation.jnt_dofadr[self.joints]] = torque
+        rows = np.flatnonzero(data.efc_type == self.mujoco.mjtConstraint.mjCNSTR_EQUALITY)
+        of = data.efc_id[rows]
+        pulls = [data.efc_force[rows[of == tie]] for tie in self.ties]
+        axis = data.xaxis[self.joints[:1]]
+        torque = self.loop_radii * _across(np.reshape(pulls, (-1, 3)), axis)
+        self.simulation.tendon_frictionloss[self.tendons] = torque
+
+
+def _across(force: Floats, axis: Floats) -> Floats:
+    """How much of forces is square to axes, unit vectors, (n,)."""
+    return np.linalg.norm(np.cross(force, axis), axis=1)
 
 
 def _corners(model: mjcf.Model) -> Floats:

@@ -33,8 +33,8 @@ TURNS = 5  # of the crank, the first of which only gets it going
 _STRIDE = 0.1  # share of the longest stroke of a foot by which a turn has to bring it on
 _CODES = ("FALLS", "STALLS", "WALKS", "SLIPS")
 _NOTES = (
-    "Simulated by MuJoCo: rigid bodies with the masses of the solids and of walk.payload_g, hard feet on an even floor. Bending and "
-    "friction of joints are left out. Legs go through each other and through the frame: the sweep of a build judges that.",
+    "Simulated by MuJoCo: rigid bodies with the masses of the solids and of walk.payload_g, hard feet on an even floor. Pins "
+    "rub by their reactions, with load.friction; bending is left out. Legs go through each other and through the frame: the sweep of a build judges that.",
     "The first turn gets the machine going and does not count. A range is that over walk.friction. Nobody knows the friction of a "
     "floor well: expect the way to be right within 15 %.",
 )

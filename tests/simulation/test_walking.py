@@ -17,11 +17,14 @@ from PIL import Image
 
 from camgen.errors import FileError, SpecError
 from camgen.machine.print_errors import Sizes
+from camgen.machine.run import solve
+from camgen.machines.loads.rubbing import with_friction
+from camgen.machines.loads.weights import with_masses
 from camgen.machines.sources import read_mechanism
 from camgen.pipeline.multibody import simulated, standing_of
 from camgen.report.page import to_html
 from camgen.simulation import picture, walking
-from camgen.simulation.gait import Gait
+from camgen.simulation.gait import Gait, _Run, engine
 from camgen.tolerance.printed import loose, misplaced
 
 REFERENCE = tomllib.loads((ROOT / "tests" / "reference" / "walks.toml").read_text(encoding="utf-8"))
@@ -38,7 +41,7 @@ def machine() -> Any:
 def model(machine: Any) -> Any:
     standing = standing_of(machine)
     assert standing is not None
-    return simulated(machine, standing)
+    return replace(simulated(machine, standing), rubs=())  # the prototype's pins do not rub
 
 
 @pytest.fixture(scope="module")
@@ -58,6 +61,34 @@ def test_it_goes_as_the_prototype(run: Gait) -> None:
     assert not (run.void or run.falls or run.stalls)
     assert run.seconds_per_turn == pytest.approx(2.0, rel=0.02)
     assert np.max(np.abs(run.roll)) < 1e-6 and abs(run.turning_per_turn) < 1e-6
+
+
+def test_pins_rub_by_their_reactions() -> None:
+    """Torque that turns a four-bar against its weight, 30 rpm, its frame held: as kinetostatics has it with friction circles."""
+    upright = ["load.gravity_deg=-90", "drive.speed_rpm=30"]
+    four_bar = read_mechanism(ROOT / "specs" / "linkage.toml", upright).resolved()
+    assembly = four_bar.assembly
+    weighed = with_masses(assembly.exact, assembly.solids, four_bar.load).machine
+    own = four_bar.material.name
+    rubbing = with_friction(weighed, assembly.journals, four_bar.load, own)
+    turn = np.linspace(0, math.tau, 720, endpoint=False)
+    (needed,) = solve(rubbing, turn).forces().drives.values()
+    whole = simulated(four_bar)
+    motor = replace(whole.motor, stall=None)
+    found = []
+    for rubs in (whole.rubs, ()):
+        model = replace(whole, down=(0.0, -1.0, 0.0), motor=motor, rubs=rubs)
+        run = _Run(engine(), model.bare, model)
+        for k in range(575):  # of 4 ms: 0.3 s to its speed, a turn of 2 s
+            run.step(motor.control * min(1.0, (k + 1) / 75))
+            found.append(run.data.actuator_force[0])
+    torque, smooth = np.reshape(found, (2, -1))[:, 75:]
+    size = float(np.ptp(needed))
+    assert [*whole.rubs][-1].shares and len(whole.rubs) == 4
+    assert torque.mean() == pytest.approx(np.mean(needed), abs=2e-3 * size)
+    assert torque.min() == pytest.approx(needed.min(), abs=2e-3 * size)
+    assert torque.max() == pytest.approx(needed.max(), abs=2e-3 * size)
+    assert smooth.mean() == pytest.approx(0.0, abs=2e-3 * size) and np.mean(needed) > 0.05 * size
 
 
 def judged(machine: Any, model: Any, gaits: list[Gait]) -> dict[str, bool]:
@@ -126,7 +157,7 @@ def test_a_printed_copy_walks_a_little_otherwise(machine: Any, model: Any, run: 
     copy = loose(misplaced(machine.assembly.exact, Sizes(0, 0, 0.02, 0), chance), chance)
     standing = standing_of(machine)
     assert standing is not None
-    made = simulated(machine, standing, copy)
+    made = replace(simulated(machine, standing, copy), rubs=())
     other = replace(walking.walk(machine, made, 0.6, 2, copy), copy=1)
     assert not other.void and walking.walk(machine, made, 0.6, 1).void
     assert 0.1 < abs(other.way_per_turn - run.way_per_turn) < 40
