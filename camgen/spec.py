@@ -8,6 +8,7 @@ schema    class -> JSON Schema, for editors
 
 from __future__ import annotations
 
+import json
 import math
 import re
 import sys
@@ -16,7 +17,7 @@ from copy import deepcopy
 from dataclasses import replace
 from datetime import date
 from difflib import get_close_matches
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args
 
 from pydantic import (
@@ -842,8 +843,14 @@ def schema(cls: type[Spec], mechanism: str | None = None) -> Data:
     """JSON Schema (2020-12) of a spec; with a mechanism's name, of that one only.
 
     Each key has what its field says of it, a table the first line of its class where its field says nothing; each number
-    its unit.
+    its unit. Each call gives one of its own.
     """
+    found: Data = json.loads(_schema(cls, mechanism))
+    return found
+
+
+@cache
+def _schema(cls: type[Spec], mechanism: str | None) -> str:
     found: Data = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         **cls.model_json_schema(),
@@ -866,4 +873,4 @@ def schema(cls: type[Spec], mechanism: str | None = None) -> Data:
             for each in tables_of(node, found) + tables_of(step_below(node, "a", found), found):
                 if "description" in each:
                     node.setdefault("description", each["description"].partition("\n")[0])
-    return found
+    return json.dumps(found)

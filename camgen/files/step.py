@@ -528,7 +528,7 @@ class _Reader:
                 curves.append(self.edge(corner(a), corner(b), points, curve))
             return edges[curve_ref]
 
-        shells = []
+        read: list[tuple[tuple[Loop, ...], str, bool]] = []
         for face_ref in faces:
             _, bounds, surface, sense = self.get(face_ref, "ADVANCED_FACE")
             loops: list[Loop] = []
@@ -538,9 +538,9 @@ class _Reader:
                     raise ValueError(f"{bound} runs against its face")
                 steps = [self.get(step, "ORIENTED_EDGE") for step in self.get(loop, "EDGE_LOOP")[1]]
                 loops.append(tuple((edge(step[3]), step[4] == ".T.") for step in steps))
-            so_far = Brep(np.array(points), curves, ())
-            shells.append(self.face(so_far, tuple(loops), surface, sense == ".T."))
-        return Brep(np.array(points), curves, shells)
+            read.append((tuple(loops), surface, sense == ".T."))
+        edged = Brep(np.array(points), curves, ())
+        return Brep(edged.corners, curves, [self.face(edged, *each) for each in read])
 
     def edge(self, a: int, b: int, points: Sequence[Floats], curve: str) -> Edge:
         """An edge, its corners held to its curve."""
