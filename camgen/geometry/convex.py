@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 
@@ -41,20 +42,17 @@ def hull_corners(points: Sequence[complex]) -> list[int]:
 
 def distance(a: Points, b: Points) -> Floats:
     """Distance of two convex polygons over a motion, (n,) mm, 0 where they meet; corners (k, n) complex, k >= 1."""
-    least = np.full(a.shape[1], np.inf)
-    sides = [(p, q) for p in _sides(a) for q in _sides(b)]
-    for (p0, p1), (q0, q1) in sides:
-        ends = [
-            _to_side(p0, q0, q1),
-            _to_side(p1, q0, q1),
-            _to_side(q0, p0, p1),
-            _to_side(q1, p0, p1),
-        ]
-        apart = np.minimum.reduce(ends)
-        cross = _side(p0, p1, q0) * _side(p0, p1, q1) < 0
-        cross &= _side(q0, q1, p0) * _side(q0, q1, p1) < 0
-        least = np.minimum(least, np.where(cross, 0.0, apart))
-    for one, other in ((a, b), (b, a)):
+    both = ((a, b), (b, a))
+    towards = [(one, other) for one, other in both if len(other) > 1] or both[:1]
+    least = np.minimum.reduce(
+        [_to_side(z, *side) for one, other in towards for z in one for side in _sides(other)]
+    )
+    if len(towards) > 1:
+        for (p0, p1), (q0, q1) in product(_sides(a), _sides(b)):
+            cross = _side(p0, p1, q0) * _side(p0, p1, q1) < 0
+            cross &= _side(q0, q1, p0) * _side(q0, q1, p1) < 0
+            least[cross] = 0.0
+    for one, other in both:
         if len(one) > 2:
             inside = np.all([_side(p0, p1, other[0]) >= 0 for p0, p1 in _sides(one)], axis=0)
             least[inside] = 0.0

@@ -214,13 +214,15 @@ def _meets(one: _Way, other: _Way, gap: float) -> Rule | None:
         return None
     needed = a.radius + b.radius + gap
     steps = one.step + other.step
-    if float((np.abs(other.centre - one.centre) - one.reach - other.reach - steps).min()) >= needed:
-        return None  # not even their discs, as of most links of a long chain
-    between = distance(one.corners, other.corners) - steps
+    discs = np.abs(other.centre - one.centre) - one.reach - other.reach - steps
+    near = np.flatnonzero(discs < needed)
+    if not len(near):
+        return None  # as of most links of a long chain
+    between = distance(one.corners[:, near], other.corners[:, near]) - steps[near]
     k = int(np.argmin(between))
     if between[k] >= needed:
         return None
-    return Rule(a, b, max(0.0, float(between[k])), needed, k)
+    return Rule(a, b, max(0.0, float(between[k])), needed, int(near[k]))
 
 
 def in_line(one: Points, other: Points) -> bool:

@@ -61,15 +61,17 @@ def columns(
     for thing in things:
         corners_of = thing.place[None] if isinstance(thing, Axis) else thing.corners
         course = corners_of[:, ::_EVERY]
-        needed.append((course, thing.radius + radius + gap + ways(course)))
+        least = thing.radius + radius + gap + ways(course)
+        middle = complex(course.mean())
+        needed.append((course, least, middle, float(np.abs(course - middle).max() + least.max())))
 
     def free(places: Points) -> np.ndarray:
         """Which of the places nothing meets, (n,) bool."""
         clear = np.ones(len(places), bool)
         for z, keeps in kept:
             clear &= np.abs(places - z) > radius + keeps + gap
-        for course, least in needed:
-            left = np.flatnonzero(clear)
+        for course, least, middle, reach in needed:
+            left = np.flatnonzero(clear & (np.abs(places - middle) < reach))
             n = course.shape[1]
             apart = distance(np.tile(course, len(left)), np.repeat(places[left], n)[None])
             clear[left] = np.all(apart.reshape(-1, n) >= least, axis=1)
