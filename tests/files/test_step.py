@@ -112,7 +112,9 @@ def test_an_instance_of_another_form_is_refused_by_its_number(tmp_path, old, new
     number = re.search(r"#\d+", re.search(old, text)[0])[0].replace("#3", "#2")
     path.write_text(re.sub(old, new, text, count=1))
     assert path.read_text() != text
-    with pytest.raises(FileError, match=rf"walls between level faces, or of a drum: .*{number} (is|stands) "):
+    with pytest.raises(
+        FileError, match=rf"walls between level faces, or of a drum: .*{number} (is|stands) "
+    ):
         read_exact(path, "hub")
 
 
