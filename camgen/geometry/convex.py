@@ -44,7 +44,7 @@ def distance(a: Points, b: Points) -> Floats:
     """Distance of two convex polygons over a motion, (n,) mm, 0 where they meet; corners (k, n) complex, k >= 1."""
     both = ((a, b), (b, a))
     towards = [(one, other) for one, other in both if len(other) > 1] or both[:1]
-    least = np.minimum.reduce(
+    least: Floats = np.minimum.reduce(
         [_to_side(z, *side) for one, other in towards for z in one for side in _sides(other)]
     )
     if len(towards) > 1:

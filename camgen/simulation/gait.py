@@ -316,7 +316,8 @@ class _Rubbing:
 
 def _across(force: Floats, axis: Floats) -> Floats:
     """How much of forces is square to axes, unit vectors, (n,)."""
-    return np.linalg.norm(np.cross(force, axis), axis=1)
+    across: Floats = np.linalg.norm(np.cross(force, axis), axis=1)
+    return across
 
 
 def _corners(model: mjcf.Model) -> Floats:
