@@ -98,7 +98,8 @@ def order(
             loose.append(laying)
         else:
             where = _places(laying.copies, bench if alone else there, fixing)
-            where = where or ("on the bench" if alone else _LATER if there else "")
+            others = [copy for copy in copies if copy not in there and copy not in bench]
+            where = where or ("on the bench" if alone else _fixed_by(others, laying.copies, fixing))
         lies = "turned over" if laying.turned_over else "as drawn"
         row: tuple[object, ...]
         row = (part.name, _holding_notes(part), where, len(laying.copies), laying.z, lies)
@@ -107,7 +108,7 @@ def order(
         steps.append(Step(_title(row, len(names)), names, group=group))
         (bench if alone else there).extend(laying.copies)
         if bench and len(bench) == len(cluster):
-            row = _put_in(cluster, there, fixing)
+            row = _put_in(cluster, there, copies, fixing)
             rows.append((len(rows) + 1, *row))
             steps.append(Step(_title(row), group=group))
             there += bench
@@ -190,8 +191,18 @@ def _push_up(laying: _Laying, stops: Mapping[str, _Stop]) -> tuple[object, ...]:
     return (part.name, f"{part.title}: push it up", where, "", laying.z, "as drawn")
 
 
+def _fixed_by(later: Iterable[StandingCopy], copies: Sequence[StandingCopy], fixing: Fixing) -> str:
+    """What is said of copies that nothing holds yet: whether one of those that come later goes on or in them."""
+    own = {copy.name for copy in copies}
+    others = (copy for copy in later if copy.name not in own)
+    return _LATER if any(_mates([copy], copies, fixing) for copy in others) else ""
+
+
 def _put_in(
-    cluster: Sequence[StandingCopy], there: Sequence[StandingCopy], fixing: Fixing
+    cluster: Sequence[StandingCopy],
+    there: Sequence[StandingCopy],
+    copies: Sequence[StandingCopy],
+    fixing: Fixing,
 ) -> tuple[object, ...]:
     """The row of a sub-assembly that is built; the first of its copies names it."""
     first = cluster[0]
@@ -201,7 +212,8 @@ def _put_in(
     said = (
         where if name == first.part.name else f"{name} {where}" for name, where in words if where
     )
-    where = "; ".join(dict.fromkeys(said)) or (_LATER if there else "")
+    later = (copy for copy in copies if copy not in there)
+    where = "; ".join(dict.fromkeys(said)) or _fixed_by(later, cluster, fixing)
     what = f"{first.part.title} with {', '.join(others)}: put them in"
     return (first.part.name, what, where, "", first.mount.z, "as drawn")
 
