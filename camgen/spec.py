@@ -694,7 +694,8 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
         if names and isinstance(value, str) and not (no_such or key):
             alike = unknown(tuple(path), value, names)
             nearest = alike.nearest
-            expected = expected if nearest else alike.expected
+            own = item["type"] == "value_error" or item["type"] not in get_args(ErrorType)
+            expected = expected if nearest or own else alike.expected
         meant = "" if node is None or no_such or key else _meant(path, value, node)
         expected = meant or expected
         if (

@@ -184,7 +184,7 @@ SPEC_NAMES = sorted(
 UNITS = {
     *("", "mm", "mm²", "deg", "mm/s", "deg/s", "rad/s", "mm/s²", "deg/s²", "mm/rad", "mm/rad²"),
     *("1/s", "s", "N", "N s", "N m", "N m s", "N/mm", "N m/rad", "N rad/s", "J", "W", "MPa"),
-    *("kg m²", "g", "g mm", "%"),
+    *("kg m²", "g", "g mm", "%", "rpm"),
 }
 
 

@@ -800,7 +800,7 @@ def test_a_unit_that_there_is_not_is_refused(tmp_path: Path, unit: str) -> None:
 @pytest.mark.parametrize(
     "text, paths",
     [
-        ("oscilating,pivot=1/0,arm=1,radius=1", ["motion"]),
+        ("oscilating,pivot=1/0,arm=1,radius=1", ["leaves", "motion"]),
         ("oscillating", ["arm", "pivot", "radius"]),
         ("oscillating,pivot=60/0,arm=55,radius=6", ["leaves"]),
         (LEVER + ",at_deg=150", ["leaves"]),

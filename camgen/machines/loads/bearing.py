@@ -297,7 +297,7 @@ def gears(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
         pressure = float(
             strength.line_contact(force, width, feature.curvature, own.elastic, own.elastic)[0]
         )
-        remark = f"{force:.2g} N at the pitch point, on teeth {width:.4g} mm wide"
+        remark = f"{force:.4g} N at the pitch point, on teeth {width:.4g} mm wide"
         _hertz(check, assembly, pressure, where, remark)
     return check
 
@@ -309,7 +309,7 @@ def _tooth(check: LoadCheck, assembly: Assembly, force: float, stress: float, wh
     asked = assembly.limits_of(where.joint).tooth_stress
     limit = asked or own.bears
     by = "limits.tooth_stress_mpa" if asked else f"{own.name} bears {own.bears:g} MPa repeatedly"
-    remark = f"{force:.2g} N at the tip of a single tooth; {by}"
+    remark = f"{force:.4g} N at the tip of a single tooth; {by}"
     if stress > limit:
         share = limit / stress
         remark += f"; {share:.2g} of the load holds, or fewer and larger teeth, or another material"

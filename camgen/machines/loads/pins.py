@@ -73,12 +73,12 @@ class PinLoad:
         by = f"{row.name} bears {row.bears:g} MPa"
         if self.limits.pin_stress:
             by = "limits.pin_stress_mpa"
-        remark = f"{self.force:.2g} N {how}; {by}"
+        remark = f"{self.force:.4g} N {how}; {by}"
         if stress > limit:
             remark += f"; {stronger(self.limits, self.journal, self._thickness(limit))}"
         if self.inertia_alone and stress:
             times = math.sqrt(limit / stress)
-            remark += f"; inertia is the only load: the pin holds at up to {min(times, 1e3):.2g} times this speed"
+            remark += f"; inertia is the only load: the pin holds at up to {min(times, 1e3):.3g} times this speed"
         return at_most("PIN_STRESS", stress, limit, "MPa", Where(f"pin {self.name}"), remark)
 
 
