@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from camgen.errors import SpecError
 from camgen.machine import strength
 from camgen.machines.loads.assess import Assessment, assess
 from camgen.machines.loads.drive import motor_of
@@ -96,14 +97,17 @@ def test_life_of_a_cam_follower_by_hand() -> None:
     assert 28 / 8 * 0.8 < ring < 28 / 8 * 1.4
 
 
-def test_a_cam_follower_of_another_size_is_not_judged() -> None:
-    given = life("load.cam_follower=KR19", "geometry.follower.radius=8")
-    (left,) = (each for each in given.not_judged if each.code == "BEARING_LIFE")
-    assert "9.5 mm" in left.why and "a tip of 9.5 mm" in left.needs
+def test_a_cam_follower_of_another_size_than_the_roller_is_refused() -> None:
+    """A cam for a tip of 8 mm moves a KR19, which has 9.5 mm, otherwise than asked."""
+    with pytest.raises(SpecError) as refused:
+        made("disc-cam", *CAM, "load.cam_follower=KR19", "geometry.follower.radius=8")
+    (fault,) = refused.value.faults
+    assert fault.path == ("load", "cam_follower") and "9.5 mm" in fault.expected
+    made("disc-cam", *CAM, "load.cam_follower=KR19", "geometry.follower.radius=9.5")
 
 
 def test_a_cam_follower_is_in_the_list_of_parts_where_the_roller_is_not_made() -> None:
-    alone = made("disc-cam", *CAM, "load.cam_follower=KR16")
+    alone = made("disc-cam", *CAM, "load.cam_follower=KR16", "geometry.follower.radius=8")
     whole = made("disc-cam", *CAM, "load.cam_follower=KR16", "parts.make=machine")
     names = [[row[1] for row in parts_table(each).rows] for each in (alone, whole)]
     assert "cam follower" in names[0] and "cam follower" not in names[1]

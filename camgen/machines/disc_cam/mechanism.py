@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
@@ -73,12 +73,13 @@ from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
+from camgen.parts.catalogue import CAM_FOLLOWERS
 from camgen.parts.disc_cams import disc_parts, roller_note, turning_note
 from camgen.parts.generator.sizes import contour_faults
 from camgen.parts.part import Layer, Part
 from camgen.parts.springs import to_wind, wished
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study
-from camgen.tolerances import WALL_FACETS
+from camgen.tolerances import SAME_POINT, WALL_FACETS
 
 _TIE = 1e-6  # deg or mm from a limit, nearer than which a cam of many is looked at by itself
 
@@ -215,7 +216,18 @@ class DiscCamDrive(CamTables):
                 self.load, self.spring, self._given, self.standing and g.closure == "force"
             )
         found += still_faults(("segment",), [table.kind for table in self.segment])
-        return found
+        return [*found, *self._cam_follower_faults()]
+
+    def _cam_follower_faults(self) -> Iterator[Fault]:
+        """A bought cam follower of another size than the roller for which the cam is made."""
+        name = None if self.load is None else self.load.cam_follower
+        follower = self.geometry.follower
+        if name is None or self.standing or follower.shape != "roller" or follower.radius is None:
+            return
+        radius = CAM_FOLLOWERS[name].outside / 2
+        if abs(radius - follower.radius) > SAME_POINT:
+            expected = f"a radius of {follower.radius:g} mm, as geometry.follower.radius; {name} has {radius:g} mm"
+            yield Fault(("load", "cam_follower"), name, expected)
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 
