@@ -85,8 +85,10 @@ def drawn(report: Any) -> str:
     (plot,) = (each for each in report.plots if each.title.endswith("over the wanted line"))
     lines = {name: x - 1j * y for name, x, y in plot.series}
     wanted = lines["wanted"]
-    left, top = wanted.real.min() - _MARGIN, wanted.imag.min() - _MARGIN
-    width, height = np.ptp(wanted.real) + 2 * _MARGIN, np.ptp(wanted.imag) + 2 * _MARGIN
+    left = wanted.real.min() - _MARGIN
+    top = wanted.imag.min() - _MARGIN
+    width = np.ptp(wanted.real) + 2 * _MARGIN
+    height = np.ptp(wanted.imag) + 2 * _MARGIN
 
     def line(name: str, look: str) -> str:
         corners = " ".join(f"{z.real - left:.2f},{z.imag - top:.2f}" for z in lines[name].tolist())

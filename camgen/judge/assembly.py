@@ -20,7 +20,7 @@ from camgen.errors import counted
 from camgen.files.threemf import Item, Package, read_3mf
 from camgen.findings import Finding, at_least, at_most, in_file
 from camgen.geometry.rings import Floats, Points, Ring
-from camgen.judge.interference import Pair, interference, sweep_clearances
+from camgen.judge.interference import GRID, Pair, interference, sweep_clearances
 from camgen.judge.slabs import Body, Course, Slab, slabs_of
 from camgen.machine.features import (
     CamOutline,
@@ -45,7 +45,6 @@ _ROLLING = 0.08  # mm, the same of tip and cam, or of teeth, on the way round; h
 _NOTHING = 1e-6  # mm^3, less than any part has
 _SHARE = 0.05  # of the gap to be kept, to which gaps are found
 _FINEST = 0.001  # mm, and no finer than this
-_GRID = 1000  # angles, as many as no search of a pair asks for at once
 _ENDS: Points = np.array([1.0 + 0j, -1.0])  # of a disc's two half circles
 _BAR = np.array([0.0, 1.0, 0.0, 1.0])  # bulges of a bar's sides and ends
 
@@ -209,13 +208,13 @@ def _pin_fits(feature: PinEyes, gap: float, spare: float) -> Iterator[tuple[str,
 
 
 def _remembered(courses: Courses) -> Courses:
-    """The same, without asking again for the angles of a whole grid, or for the last few angles."""
+    """The same, without asking again for the angles of a grid and those between them, or for the last ones."""
     grids: dict[bytes, Mapping[str, Pose]] = {}
     last: dict[bytes, Mapping[str, Pose]] = {}
 
     def remembered(theta: Floats) -> Mapping[str, Pose]:
         key = theta.tobytes()
-        kept = grids if len(theta) >= _GRID else last
+        kept = grids if len(theta) >= GRID else last
         if key not in kept:
             last.clear()
             kept[key] = courses(theta)

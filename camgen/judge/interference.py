@@ -45,7 +45,7 @@ _TOUCHING = 0.9  # the same for pairs that touch: what counts is only that they 
 _SAME_HEIGHT = 1e-4  # mm: less than this in common in height is lying on each other
 _BATCH = 1_000_000  # coordinates that are moved at once
 _DEPTHS = 180  # angles at which the depth of an overlap is looked up
-_GRID = 3600  # steps over the turn in which courses are read
+GRID = 3600  # steps over the turn in which courses are read
 _OFF = 0.125  # of half a stretch, that the grid's nearest angle may be off its middle
 _START = 16  # stretches of a path to begin with
 _MANY = 32  # stretches in question at once, at which it is worth cutting the guest up
@@ -131,7 +131,7 @@ class _Approach:
                 angle = self.motion.theta[k][worst]
                 words = f"one sees the other move by {steps[worst]:.6g} mm half a step from {angle:.6g} rad"
                 raise ValueError(
-                    f"{words}, faster than its course read in {_GRID} steps tells, {way[worst]:.6g} mm"
+                    f"{words}, faster than its course read in {GRID} steps tells, {way[worst]:.6g} mm"
                 )
         return path
 
@@ -407,8 +407,8 @@ def sweep_clearances(
             f"names that occur twice, contacts of unknown bodies {sorted(unknown)} or without an allowed overlap"
         )
     sections = [sections_of(body) for body in bodies]
-    whole = np.linspace(*turn, _GRID + 1)
-    first = np.linspace(turn[0], min(turn[1], turn[0] + math.tau), _GRID + 1)
+    whole = np.linspace(*turn, GRID + 1)
+    first = np.linspace(turn[0], min(turn[1], turn[0] + math.tau), GRID + 1)
     motion_of = functools.cache(
         lambda home, guest, touching: Motion(home, guest, first if touching else whole)
     )  # bodies on one course move as one
