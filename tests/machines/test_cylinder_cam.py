@@ -345,6 +345,26 @@ def test_what_the_wall_does_to_the_roller_takes_the_shafts_torque(geometry: dict
     np.testing.assert_allclose(force.outward, share * whole, rtol=2e-3, atol=1e-12)
 
 
+@pytest.mark.parametrize("half_angle", [0.0, 10.886], ids=["cylinder", "cone"])
+def test_an_axle_bears_the_moment_of_the_force_in_space(half_angle: float) -> None:
+    """By the cross product; about the axle itself it is what drives the follower. A cone's thrust has the arm for its lever."""
+    follower = {**ARM, "guide": 45.0}
+    roller = {**LONG["roller"], "cone_deg": half_angle}
+    machine = drum(20.0, geometry={**LONG, "follower": follower, "roller": roller})
+    track = machine.track
+    effort = 50.0 * np.cos(3 * track.theta)
+    force = pressed(track, effort)
+    gamma = track.start + track.program(track.theta, 0)
+    lever = [np.full(len(gamma), force.reach - 45.0), -40 * np.cos(gamma), 40 * np.sin(gamma)]
+    moment = np.cross(
+        np.stack(lever, axis=-1), np.stack([force.outward, force.onward, force.upward], axis=-1)
+    )
+    np.testing.assert_allclose(moment[:, 0], -effort, atol=1e-9)
+    found = {each.quantity: each.value for each in force.figures(45.0) if each.joint == "pivot"}
+    tilting = np.linalg.norm(moment[:, 1:], axis=1).max()
+    assert found["tilting moment {joint}"] == pytest.approx(1e-3 * tilting, rel=1e-12)
+
+
 def test_the_rollers_pressure_is_that_of_a_line_contact() -> None:
     """200 N on a slide that stands: in a dwell the wall is plane, and where it bends most the reference has its radius."""
     machine = drum(

@@ -122,8 +122,9 @@ class Pressed:
             "shaft", sideways, upright, peak(_MM * self.upward * np.hypot(self.reach, beside))
         )
         if self.track.swings:
-            across = np.hypot(self.onward, self.upward)
-            yield from _bearing("pivot", peak(across), peak(self.outward), peak(across * lever))
+            across = self.onward + 1j * self.upward
+            tilting = _MM * ((self.reach - guide) * across - self.outward * self.track.spoke)
+            yield from _bearing("pivot", peak(across), peak(self.outward), peak(tilting))
             return
         yield _reaction("guide", sideways)
         yield Figure("tilting moment {joint}", peak(self.upward * lever), "N m", joint="guide")

@@ -26,7 +26,7 @@ from camgen.geometry.drums import Drum
 from camgen.machine.features import DrumTrack
 from camgen.machines.cylinder_cam.tables import DrumGeometry
 from camgen.motion.program import Program
-from camgen.numerics import Floats, halved
+from camgen.numerics import Floats, Points, halved
 
 _SAMPLES = 2881  # of the turn, and both sides of each break of the program
 _BESIDE = 1e-9  # rad
@@ -146,6 +146,11 @@ class Track:
     def path(self) -> RollerPath:
         """Of the roller's axis; that of any drum."""
         return self.followed or self._path(self.height)
+
+    @property
+    def spoke(self) -> Points:
+        """From an arm's pivot to its roller, (n,) mm: along the turn, and upward as the imaginary part."""
+        return self.path.place(-self.theta, 0) - complex(self.pivot, self.height)
 
     # ---- the drum ---------------------------------------------------------------------------------------------------
 
