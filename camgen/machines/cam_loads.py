@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from camgen.errors import Fault
-from camgen.findings import Finding
+from camgen.findings import Finding, NotJudged, Where, at_most
 from camgen.machine.cams.bounce import Bounce
 from camgen.machine.cams.machine import FollowerLoad, Loaded
 from camgen.machines.loads.lift_off import with_hops
 from camgen.numerics import peak
+from camgen.parts import materials
 from camgen.study import Figure, Figures, Plot, Study
 
 if TYPE_CHECKING:
@@ -156,6 +157,25 @@ def lift_off(
     return with_hops(found.keeps_contact(jumps if found.kick else kept), bounce, slides)
 
 
+def line_hertz(
+    pressure: float, length: float, material: str, given: float | None, where: Where
+) -> Finding | NotJudged:
+    """HERTZ of a steel roller on a line of a length, mm, or why no limit of the material judges it.
+
+    pressure: MPa. given: limits.hertz_mpa. where: its thing is what the roller is on.
+    """
+    own = materials.of(material)
+    limit = given or own.hertz
+    if limit is None:
+        why = f"{pressure:.4g} MPa in the {where.thing}, and no limit is published for {material}"
+        return NotJudged("HERTZ", why, "limits.hertz_mpa")
+    by = "limits.hertz_mpa" if given else own.hertz_source
+    said = (
+        f"steel roller on a line of {length:.4g} mm, {own.name}; {by}; its ends press harder still"
+    )
+    return at_most("HERTZ", pressure, limit, "MPa", where, said)
+
+
 def force_study(
     found: Loaded, load: FollowerLoad, slides: bool, pushed: bool, weighs: bool
 ) -> Study:
@@ -186,15 +206,20 @@ def force_study(
             "The follower's speed jumps, which kicks it; the curves of force and torque leave the kick out."
         )
     if pushed:
-        preload, rate = found.spring_needed(load)
-        units = _spring_units(slides)
-        figures += [
-            Figure("least contact force", float(np.nanmin(found.force)), "N"),
-            Figure("spring preload needed", preload, units[0]),
-            Figure("spring rate needed", rate, units[1]),
-        ]
+        figures += pushed_figures(found, load, slides)
     numbers = Figures(each for each in figures if math.isfinite(each.value))
     return Study(numbers, force_plots(found, "follower on cam"), (), (), _notes(weighs, notes))
+
+
+def pushed_figures(found: Loaded, load: FollowerLoad, slides: bool) -> list[Figure]:
+    """Of a follower that only a spring keeps on its cam: the least force, and the spring that it needs."""
+    preload, rate = found.spring_needed(load)
+    units = _spring_units(slides)
+    return [
+        Figure("least contact force", float(np.nanmin(found.force)), "N"),
+        Figure("spring preload needed", preload, units[0]),
+        Figure("spring rate needed", rate, units[1]),
+    ]
 
 
 def force_plots(found: Loaded, who: str) -> list[Plot]:

@@ -28,6 +28,7 @@ from camgen.machine.features import CamOutline, Edge, Eye, Flat, NominalCam
 from camgen.machine.forces import Forces
 from camgen.machine.model import (
     GROUND,
+    MM,
     Along,
     Angle,
     Body,
@@ -43,6 +44,7 @@ from camgen.machine.model import (
     Slide,
 )
 from camgen.machine.run import solve
+from camgen.motion.program import Program
 from camgen.numerics import Floats, Points, distinct
 
 SHOE = "shoe"  # the part with a follower's own outline
@@ -348,9 +350,25 @@ def loaded(machine: Machine, cam: DiscCam[Any], load: FollowerLoad, theta: Float
         np.where(riding, math.nan, values)
         for values in (force, np.where(np.isinf(force), math.inf, torque))
     )
-    unit = 1.0 if swings(cam) else 1e-3
-    jumps = [abs(jump.size) for jump in cam.program.discontinuities(1) if jump.order == 1]
-    kick = unit * load.inertia * abs(machine.speed) * max(jumps, default=0.0)
-    return Loaded(
-        theta, lift - np.min(lift), leaves * found.contacts["contact"], force, torque, kick, found
-    )
+    effort = leaves * found.contacts["contact"]
+    kick = kick_of(cam.program, load, machine.speed, swings(cam))
+    return Loaded(theta, lift - np.min(lift), effort, force, torque, kick, found)
+
+
+def kick_of(program: Program, load: FollowerLoad, speed: float, swings: bool) -> float:
+    """Greatest impulse that a jump of the speed gives a follower, N m s of an arm, else N s; speed: of the cam, rad/s."""
+    jumps = [abs(jump.size) for jump in program.discontinuities(1) if jump.order == 1]
+    unit = 1.0 if swings else MM
+    return unit * load.inertia * abs(speed) * max(jumps, default=0.0)
+
+
+def loaded_by(machine: Machine, theta: Floats, lift: Floats, lever: Floats) -> Loaded:
+    """Forces of a follower without kick, from what is known of its contact.
+
+    theta: (n,) rad. lift: of the follower there, mm or rad. lever: way along the contact's normal for each unit of the follower's,
+    1 or m.
+    """
+    forces = solve(machine, theta).forces()
+    effort = forces.contacts["contact"]
+    (drive,) = forces.drives.values()
+    return Loaded(theta, lift - np.min(lift), effort, effort / lever, drive, 0.0, forces)

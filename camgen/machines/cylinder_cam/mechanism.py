@@ -26,15 +26,15 @@ from camgen.findings import Finding, NotJudged, Where, at_least, at_most
 from camgen.machine.cams.bounce import Bounce
 from camgen.machine.cams.followers import SlidingTip, SwingingArm
 from camgen.machine.cams.limits import ARM_PRESSURE, SLIDE_PRESSURE, program_findings
-from camgen.machine.cams.machine import FollowerLoad, Loaded, contact_machine
+from camgen.machine.cams.machine import FollowerLoad, Loaded, contact_machine, kick_of, loaded_by
 from camgen.machine.features import Demand, Mount
-from camgen.machine.model import Cam, Machine
-from camgen.machine.run import solve
+from camgen.machine.model import MM, Cam, Machine
 from camgen.machine.strength import line_contact
 from camgen.machines.cam_loads import (
     corrected,
     force_study,
     lift_off,
+    line_hertz,
     load_faults,
     load_of,
     polydyne_faults,
@@ -329,7 +329,8 @@ class CylinderCam(Mechanism):
             air.append(
                 lift_off(self._loaded, load, not self.geometry.follower.swings, self._bounce)
             )
-        air += self._hertz()
+        if isinstance(self._hertz, Finding):
+            air.append(self._hertz)
         return [
             at_most(
                 "PRESSURE_ANGLE",
@@ -372,18 +373,13 @@ class CylinderCam(Mechanism):
         if self._load is None:
             return None
         theta = self.track.theta
-        forces = solve(self._pulled, theta).forces()
+        swings = self.geometry.follower.swings
+        lever = self.track.lever(theta) * (MM if swings else 1.0)
+        found = loaded_by(self._pulled, theta, self.program(theta), lever)
         # the follower's plane has the drum as its angle alone: what shaft and guide bear is not in it
-        forces = replace(forces, reactions={}, normals={}, moments={})
-        effort = forces.contacts["contact"]
-        scale = 1e3 if self.geometry.follower.swings else 1.0  # N m over mm
-        force = scale * effort / self.track.lever(theta)
-        (torque,) = forces.drives.values()
-        lift = self.program(theta)
-        jumps = [abs(jump.size) for jump in self.program.discontinuities(1) if jump.order == 1]
-        unit = 1.0 if self.geometry.follower.swings else 1e-3
-        kick = unit * self._load.inertia * abs(self._speed) * max(jumps, default=0.0)
-        return Loaded(theta, lift - np.min(lift), effort, force, torque, kick, forces)
+        borne = replace(found.forces, reactions={}, normals={}, moments={})
+        kick = kick_of(self.program, self._load, self._speed, swings)
+        return replace(found, kick=kick, forces=borne)
 
     @cached_property
     def _bounce(self) -> Bounce | None:
@@ -418,29 +414,19 @@ class CylinderCam(Mechanism):
         )
 
     @property
-    def _hertz_limit(self) -> float | None:
-        """MPa."""
-        return self.allowed.hertz_mpa or materials.of(self.material.name).hertz
+    def _hertz(self) -> Finding | NotJudged | None:
+        """Of the roller in its track; None where nothing presses as a line."""
+        if self._pressure is None:
+            return None
+        k = int(np.argmax(self._pressure))
+        where = Where("drum", theta=float(self.track.theta[k]), digits=1)
+        given = self.allowed.hertz_mpa
+        length = self.geometry.roller.length
+        return line_hertz(float(self._pressure[k]), length, self.material.name, given, where)
 
     def _unjudged(self) -> Sequence[NotJudged]:
         """HERTZ of a material of which no limit is known."""
-        if self._pressure is None or self._hertz_limit is not None:
-            return ()
-        pressure = float(np.max(self._pressure))
-        why = f"{pressure:.4g} MPa in the drum, and no limit is published for {self.material.name}"
-        return [NotJudged("HERTZ", why, "limits.hertz_mpa")]
-
-    def _hertz(self) -> list[Finding]:
-        """HERTZ of the roller in its track, where a limit of the drum's material is known."""
-        own = materials.of(self.material.name)
-        limit = self._hertz_limit
-        if self._pressure is None or limit is None:
-            return []
-        k = int(np.argmax(self._pressure))
-        by = "limits.hertz_mpa" if self.allowed.hertz_mpa else own.hertz_source
-        said = f"steel roller on a line of {self.geometry.roller.length:.4g} mm, {own.name}; {by}; its ends press harder still"
-        where = Where("drum", theta=float(self.track.theta[k]), digits=1)
-        return [at_most("HERTZ", float(self._pressure[k]), limit, "MPa", where, said)]
+        return [self._hertz] if isinstance(self._hertz, NotJudged) else []
 
     @property
     def _roller(self) -> Roller:

@@ -25,12 +25,11 @@ from camgen.findings import Finding, NotJudged, Where, at_least, at_most
 from camgen.geometry.outlines import Contour, Line, Region, circle, end_point, start_point
 from camgen.machine.cams.limits import ARM_PRESSURE, SLIDE_PRESSURE, program_findings
 from camgen.machine.cams.linear import WAY, LinearCam, PlateArm, PlateSlide
-from camgen.machine.cams.machine import FollowerLoad, Loaded, contact_machine
+from camgen.machine.cams.machine import FollowerLoad, Loaded, contact_machine, loaded_by
 from camgen.machine.features import Mount, PlateEdge
 from camgen.machine.model import GROUND, MM, Cam, Drive, Machine, Place, Slide, Turning
-from camgen.machine.run import solve
 from camgen.machine.strength import line_contact
-from camgen.machines.cam_loads import lift_off, load_faults, load_of
+from camgen.machines.cam_loads import lift_off, line_hertz, load_faults, load_of, pushed_figures
 from camgen.machines.disc_cam.tables import LoadTable, SpringTable
 from camgen.machines.linear_cam.tables import PlateDrive, PlateGeometry, PlateLimits, PlateParts
 from camgen.machines.mechanism import Mechanism
@@ -279,15 +278,11 @@ class LinearCamDrive(Mechanism):
         if self._load is None:
             return None
         theta = self._ways
-        forces = solve(self._pulled, theta).forces()
-        effort = forces.contacts["contact"]
         follower = self.cam.follower
-        lever = 1.0 if isinstance(follower, PlateSlide) else abs(follower.arm) * MM
-        force = effort / (lever * np.cos(self.cam.pressure_angle(theta)))
-        (push,) = forces.drives.values()
-        lift = self.program(theta)
-        where = Where("plate", **_BY_WAY)
-        return Loaded(theta, lift - np.min(lift), effort, force, push, 0.0, forces, where)
+        arm = 1.0 if isinstance(follower, PlateSlide) else abs(follower.arm) * MM
+        lever = arm * np.cos(self.cam.pressure_angle(theta))
+        found = loaded_by(self._pulled, theta, self.program(theta), lever)
+        return replace(found, where=Where("plate", **_BY_WAY))
 
     @property
     def _ways(self) -> Floats:
@@ -313,9 +308,20 @@ class LinearCamDrive(Mechanism):
         )
 
     @property
-    def _hertz_limit(self) -> float | None:
-        """MPa."""
-        return self.allowed.hertz_mpa or materials.of(self.material.name).hertz
+    def _hertz(self) -> Finding | NotJudged | None:
+        """Of the tip on the plate's edge; None where nothing presses."""
+        if self._loaded is None:
+            return None
+        if self._pressure is None:
+            why = "a knife edge touches: it has no width, and no formula gives its pressure"
+            return NotJudged("HERTZ", why, "a roller")
+        if not np.any(self._pressure):
+            return None
+        k = int(np.argmax(self._pressure))
+        where = Where("plate", theta=float(self._ways[k]), digits=1, **_BY_WAY)
+        given = self.allowed.hertz_mpa
+        length = self.making.thickness
+        return line_hertz(float(self._pressure[k]), length, self.material.name, given, where)
 
     @property
     def _borne(self) -> list[Finding]:
@@ -323,42 +329,20 @@ class LinearCamDrive(Mechanism):
         if self._loaded is None or self._load is None:
             return []
         slides = not self.geometry.follower.swings
-        found = [lift_off(self._loaded, self._load, slides, None)]
-        limit = self._hertz_limit
-        if self._pressure is None or limit is None or not np.any(self._pressure):
-            return found
-        k = int(np.argmax(self._pressure))
-        own = materials.of(self.material.name)
-        by = "limits.hertz_mpa" if self.allowed.hertz_mpa else own.hertz_source
-        line = f"a line of {self.making.thickness:.4g} mm"
-        said = f"steel roller on {line}, {own.name}; {by}; the line's ends press harder still"
-        where = Where("plate", theta=float(self._ways[k]), digits=1, **_BY_WAY)
-        return [*found, at_most("HERTZ", float(self._pressure[k]), limit, "MPa", where, said)]
+        pressed = [self._hertz] if isinstance(self._hertz, Finding) else []
+        return [lift_off(self._loaded, self._load, slides, None), *pressed]
 
     def _unjudged(self) -> Sequence[NotJudged]:
         """HERTZ of a knife edge, and of a material of which no limit is known."""
-        if self._loaded is None:
-            return ()
-        if self._pressure is None:
-            why = "a knife edge touches: it has no width, and no formula gives its pressure"
-            return [NotJudged("HERTZ", why, "a roller")]
-        if self._hertz_limit is not None:
-            return ()
-        most = float(np.max(self._pressure))
-        why = f"{most:.4g} MPa, and no limit is published for {self.material.name}"
-        return [NotJudged("HERTZ", why, "limits.hertz_mpa")]
+        return [self._hertz] if isinstance(self._hertz, NotJudged) else []
 
     @property
     def _load_figures(self) -> list[Figure]:
         if self._loaded is None or self._load is None:
             return []
-        preload, rate = self._loaded.spring_needed(self._load)
-        units = ("N m", "N m/rad") if self.geometry.follower.swings else ("N", "N/mm")
         figures = [
             Figure("peak contact force", float(np.max(self._loaded.force)), "N"),
-            Figure("least contact force", float(np.min(self._loaded.force)), "N"),
-            Figure("spring preload needed", preload, units[0]),
-            Figure("spring rate needed", rate, units[1]),
+            *pushed_figures(self._loaded, self._load, not self.geometry.follower.swings),
         ]
         if self._pressure is not None:
             most = float(np.max(self._pressure))
