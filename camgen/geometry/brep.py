@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,6 +22,7 @@ from camgen.geometry.rings import Floats, Ring, Shape, shape_of
 from camgen.geometry.splines import Patch, Spline
 
 _FEWEST = 4  # cells of a patch each way
+_ASLANT = 0.8  # square roots of tolerance over radius, of a cell of a cylinder across
 _DIGITS = 9  # of points, mm, that are one where patches meet
 
 
@@ -129,12 +130,16 @@ class Brep:
             rows *= 1 + int(off[1] > off[0])
         u, v = (np.linspace(0, 1, count + 1) for count in (columns, rows))
         grids = [patch(u, v) for patch in patches]
+        bands: dict[float, list[_Band]] = defaultdict(list)
         for face in self.faces:
             if face.radius:
                 (loop,) = face.loops
-                grids.append(
-                    np.stack([self.along(loop[0], u), self.along(loop[2], u)[::-1]], axis=1)
-                )
+                low = self.along(loop[0], u)
+                high = self.along(loop[2], u)[::-1]
+                bands[face.radius].append(_Band(low, high))
+        for radius, pieces in bands.items():
+            steps = max(piece.steps(radius, tolerance) for piece in pieces)
+            grids += [piece.grid(radius, steps) for piece in pieces]
         return weld(np.round(np.concatenate([_triangles(grid) for grid in grids]), _DIGITS))
 
     @property
@@ -229,8 +234,45 @@ class Brep:
         ]
 
 
+@dataclass(frozen=True, eq=False)
+class _Band:
+    """A piece of a cylinder about z between two rows of points, (n, 3) mm, which need not lie over each other."""
+
+    low: Floats
+    high: Floats
+
+    @cached_property
+    def _turn(self) -> tuple[Floats, Floats]:
+        """Angle of each lower point, and from it to the upper one, rad."""
+        first, last = (np.arctan2(row[:, 1], row[:, 0]) for row in (self.low, self.high))
+        return first, np.remainder(last - first + math.pi, math.tau) - math.pi
+
+    def steps(self, radius: float, tolerance: float) -> int:
+        """Number of cells between both rows.
+
+        A chord over the angle a lies radius a^2 / 8 inside the cylinder. Along the rows a is at most 2 sqrt(tolerance / radius), and a
+        diagonal goes over that and one cell across: (2 + 0.8)^2 / 8 < 1.
+        """
+        widest = float(np.max(np.abs(self._turn[1])))
+        return max(1, math.ceil(widest / (_ASLANT * math.sqrt(tolerance / radius))))
+
+    def grid(self, radius: float, steps: int) -> Floats:
+        """Points on the cylinder from row to row, (n, steps + 1, 3) mm."""
+        share = np.linspace(0, 1, steps + 1)
+        first, turn = self._turn
+        angle = first[:, None] + turn[:, None] * share
+        height = self.low[:, 2:] + (self.high[:, 2:] - self.low[:, 2:]) * share
+        points = np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=-1)
+        points[:, 0] = self.low
+        points[:, -1] = self.high
+        return points
+
+
 def _triangles(grid: Floats) -> Floats:
     """Of a grid of points (n, m, 3), which run along and across it, (k, 3, 3)."""
-    a, b, c, d = grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]
+    a = grid[:-1, :-1]
+    b = grid[1:, :-1]
+    c = grid[1:, 1:]
+    d = grid[:-1, 1:]
     halves = [np.stack(corners, axis=2).reshape(-1, 3, 3) for corners in ((a, b, c), (a, c, d))]
     return np.concatenate(halves)

@@ -117,6 +117,18 @@ def test_splines_lie_on_their_walls(name: str) -> None:
     assert 0 < worst < FIT
 
 
+@pytest.mark.parametrize("name", DRUMS)
+def test_facets_of_cylinders_lie_on_them(name: str) -> None:
+    """In the middle of its sides a triangle with its corners on a cylinder is farthest inside."""
+    mesh = solid(name).facets(COARSE)
+    corners = mesh.vertices[mesh.faces]
+    distance = np.hypot(corners[..., 0], corners[..., 1])
+    for radius in (DRUMS[name].floor, DRUMS[name].outside):
+        mine = corners[np.all(np.abs(distance - radius) < 1e-5, axis=1)]
+        middles = (mine + np.roll(mine, 1, axis=1)) / 2
+        assert 0 < radius - np.hypot(middles[..., 0], middles[..., 1]).min() < COARSE
+
+
 def test_a_law_that_is_not_cut_where_it_breaks_is_refused() -> None:
     with pytest.raises(DesignError, match="a spline's distance from the wall"):
         exact(bored(replace(OFFSET, breaks=())), TOLERANCE)
