@@ -56,24 +56,22 @@ def closed_line(places: Points, width: float | None = None) -> Points | None:
 class _Way:
     """Of the pen, at even lengths: all of a closed line, or from one stop to the next.
 
-    start: where it begins; advance: to where it ends, 0 of a closed line; wave: what its places have beside these, (n,), periodic: behind
-    a stop it is the same as before it, turned by half a turn. period: of the wave, of the length of the whole line.
+    start: where it begins; advance: to where it ends, 0 where it comes back; count: of its places; wave: what these have beside those,
+    (n,), periodic: behind a stop it is the same as before it, turned by half a turn. period: of the wave, of the length of the whole
+    line.
     """
 
     start: complex
     advance: complex
+    count: int
     wave: Points
     period: float
 
     @property
-    def _count(self) -> int:
-        return len(self.wave) // 2 if self.advance else len(self.wave)
-
-    @property
     def places(self) -> Points:
         """From its start on, its end left out."""
-        share = np.arange(self._count) / self._count
-        return np.asarray(self.start + self.advance * share + self.wave[: self._count])
+        share = np.arange(self.count) / self.count
+        return np.asarray(self.start + self.advance * share + self.wave[: self.count])
 
     @property
     def curvature(self) -> Floats:
@@ -83,7 +81,7 @@ class _Way:
         first, second = (np.fft.ifft((2j * math.pi * k) ** order * spectrum) for order in (1, 2))
         first += 2 * self.advance
         rate = np.maximum(np.abs(first), 1e-9 * np.abs(first).max())
-        return np.asarray((np.abs((first.conj() * second).imag) / rate**3)[: self._count])
+        return np.asarray((np.abs((first.conj() * second).imag) / rate**3)[: self.count])
 
     def rounded(self, window: float) -> _Way:
         """The same within a window, of the length of the whole line."""
@@ -125,7 +123,7 @@ def _ways(line: Points, stops: Indices) -> tuple[list[_Way], Points]:
     along = np.linspace(0, length[-1], _PLACES, endpoint=False)
     exact = _between(np.unique(np.concatenate([along, length[:-1]])), length, closed)
     if not stops.size:
-        return [_Way(0j, 0j, _between(along, length, closed), 1.0)], exact
+        return [_Way(0j, 0j, _PLACES, _between(along, length, closed), 1.0)], exact
     ends = np.append(stops, line.size)
     ways = []
     for first, last in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True):
@@ -135,7 +133,7 @@ def _ways(line: Points, stops: Indices) -> tuple[list[_Way], Points]:
         advance = complex(closed[last] - closed[first])
         wave = places - places[0] - advance * np.arange(count + 1) / count
         whole = np.concatenate([wave[:-1], -wave[:0:-1]])
-        ways.append(_Way(complex(places[0]), advance, whole, 2 * share))
+        ways.append(_Way(complex(places[0]), advance, count, whole, 2 * share))
     return ways, exact
 
 

@@ -81,6 +81,20 @@ def test_only_bends_are_rounded_where_the_pen_stops() -> None:
     assert 0.01 < apart(pen, half) < 0.101
 
 
+def drop() -> np.ndarray:
+    """From a corner at 0 round an arc that its two straight sides touch, and back."""
+    lean = math.acos(8 / 20)
+    return np.append(0j, 20 + 8 * np.exp(1j * np.linspace(lean - math.pi, math.pi - lean, 200)))
+
+
+@pytest.mark.parametrize("line", [drop(), np.concatenate([drop(), -0.6 * drop()])])
+def test_a_loop_comes_back_to_the_corner_where_it_began(line: np.ndarray) -> None:
+    """One loop, and two of unlike sizes through one place."""
+    pen = pen_motion(line, 0.1, "stop")
+    assert np.min(np.abs(pen)) < 1e-9
+    assert 0.01 < apart(pen, line) < 0.101
+
+
 def test_a_line_without_corners_has_no_stops() -> None:
     line = 10 * np.exp(2j * math.pi * np.arange(90) / 90)
     assert np.array_equal(pen_motion(line, 0.05, "stop"), pen_motion(line, 0.05))
