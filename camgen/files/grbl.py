@@ -66,8 +66,8 @@ def _decimal(value: float) -> str:
     return np.format_float_positional(value, precision=_FEEDS, fractional=False, trim="-")
 
 
-def read_grbl(path: Path) -> GrblProgram:
-    """A program as it is written here; FileError with what is wrong."""
+def read_grbl(path: Path, motors: int) -> GrblProgram:
+    """A program for so many motors as it is written here; FileError with what is wrong."""
     text = read_bytes(path, _SIZE).decode("ascii", errors="replace")
     modes: set[str] = set()
     place: dict[str, float] = {}
@@ -84,15 +84,16 @@ def read_grbl(path: Path) -> GrblProgram:
         values = {a: float(b) for a, b in words if a not in "GM"}
         modes |= codes
         if "G92" in codes:
-            place = {axis: values[axis] for axis in AXES if axis in values}
+            place = {axis: values[axis] for axis in AXES[:motors] if axis in values}
             rows = [list(place.values())]
         elif codes & {"G1", "G4"}:
             minutes.append(minutes[-1] + _taken(path, number, codes, values))
             place |= {axis: values[axis] for axis in place if axis in values}
             rows.append(list(place.values()))
-    if not _MODES <= modes or len(rows) != len(minutes) or len(rows) < 2 or not place:
+    if not _MODES <= modes or len(rows) != len(minutes) or len(rows) < 2 or len(place) != motors:
+        axes = ", ".join(AXES[:motors])
         reason = (
-            "is no such program: G21, G90, G93, a G92 with its axes and then G1 or G4 were expected"
+            f"is no such program: G21, G90, G93, a G92 with {axes} and then G1 or G4 were expected"
         )
         raise FileError(path, reason)
     return GrblProgram(np.array(minutes), np.array(rows))

@@ -170,7 +170,7 @@ def judge_servo_tables(case: Case) -> Outcome:
     motors = _motors(case)
     if motors:
         path = _program_file(case)
-        program = read_grbl(path)
+        program = read_grbl(path, len(motors))
         x = 360 * program.minutes / _period(case)
         for motion, turned in zip(motors, program.turned.T, strict=True):
             off = motion.off(_lines(x, turned))

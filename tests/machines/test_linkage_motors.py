@@ -464,7 +464,7 @@ def test_motors_that_stand_still_rest(tmp_path: Path) -> None:
     assert text.isascii() and max(map(len, text.splitlines())) <= 80
     path = tmp_path / "a.nc"
     path.write_text(text)
-    again = read_grbl(path)
+    again = read_grbl(path, 2)
     assert np.array_equal(again.turned, turned)
     assert again.minutes.tolist() == pytest.approx(program.minutes.tolist())
 
@@ -472,11 +472,12 @@ def test_motors_that_stand_still_rest(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "text, says",
     [
-        ("G21 G90\nG92 X0\nG1 X5 F2\nM2", "G93"),
+        ("G21 G90 G93\nG92 X0\nG1 X5 Y1 F2\nM2", "a G92 with X, Y"),
+        ("G21 G90\nG92 X0 Y0\nG1 X5 F2\nM2", "G93"),
         ("G21 G90 G93\nG1 X5 F2\nM2", "G92"),
-        ("G21 G90 G93\nG92 X0\nG1 X5\nM2", "line 3 has no F"),
-        ("G21 G90 G93\nG92 X0\nG1 X5 F-2\nM2", "line 3 has no F"),
-        ("G21 G90 G93\nG92 X0\nG1 Xfive F2\nM2", "line 3 has"),
+        ("G21 G90 G93\nG92 X0 Y0\nG1 X5\nM2", "line 3 has no F"),
+        ("G21 G90 G93\nG92 X0 Y0\nG1 X5 F-2\nM2", "line 3 has no F"),
+        ("G21 G90 G93\nG92 X0 Y0\nG1 Xfive F2\nM2", "line 3 has"),
         ("", "no such program"),
     ],
 )
@@ -484,4 +485,4 @@ def test_what_is_no_program_for_grbl(tmp_path: Path, text: str, says: str) -> No
     path = tmp_path / "a.nc"
     path.write_text(text)
     with pytest.raises(FileError, match=says):
-        read_grbl(path)
+        read_grbl(path, 2)
