@@ -299,6 +299,8 @@ class _Rubbing:
         self.loop_radii = MM * np.array([rub.radius for rub in loops])
         self.tendons = [simulation.tendon(_turn_of(rub)).id for rub in loops]
         self.ties = [simulation.equality(rub.name).id for rub in loops]
+        beside = [next(iter(rub.shares)) for rub in rubs if rub.shares is not None]
+        self.beside = [simulation.joint(name).id for name in beside]  # hinges along the same axes
 
     def follow(self, data: Any) -> None:
         """Take the reactions as they are now."""
@@ -309,8 +311,8 @@ class _Rubbing:
         rows = np.flatnonzero(data.efc_type == self.mujoco.mjtConstraint.mjCNSTR_EQUALITY)
         of = data.efc_id[rows]
         pulls = [data.efc_force[rows[of == tie]] for tie in self.ties]
-        axis = data.xaxis[self.joints[:1]]
-        torque = self.loop_radii * _across(np.reshape(pulls, (-1, 3)), axis)
+        axes = data.xaxis[self.beside]
+        torque = self.loop_radii * _across(np.reshape(pulls, (-1, 3)), axes)
         self.simulation.tendon_frictionloss[self.tendons] = torque
 
 

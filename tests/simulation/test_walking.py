@@ -76,19 +76,24 @@ def test_pins_rub_by_their_reactions() -> None:
     whole = simulated(four_bar)
     motor = replace(whole.motor, stall=None)
     found = []
-    for rubs in (whole.rubs, ()):
+    for rubs in (whole.rubs, (), whole.rubs[-1:]):
         model = replace(whole, down=(0.0, -1.0, 0.0), motor=motor, rubs=rubs)
         run = _Run(engine(), model.bare, model)
         for k in range(575):  # of 4 ms: 0.3 s to its speed, a turn of 2 s
             run.step(motor.control * min(1.0, (k + 1) / 75))
             found.append(run.data.actuator_force[0])
-    torque, smooth = np.reshape(found, (2, -1))[:, 75:]
+    torque, smooth, of_loop = np.reshape(found, (3, -1))[:, 75:]
     size = float(np.ptp(needed))
     assert [*whole.rubs][-1].shares and len(whole.rubs) == 4
     assert torque.mean() == pytest.approx(np.mean(needed), abs=2e-3 * size)
     assert torque.min() == pytest.approx(needed.min(), abs=2e-3 * size)
     assert torque.max() == pytest.approx(needed.max(), abs=2e-3 * size)
     assert smooth.mean() == pytest.approx(0.0, abs=2e-3 * size) and np.mean(needed) > 0.05 * size
+    *others, _ = [rub.name for rub in whole.rubs]  # the pin of the loop, rubbing alone
+    joints = [replace(pin, friction=0.0) if pin.name in others else pin for pin in rubbing.joints]
+    (needed,) = solve(replace(rubbing, joints=tuple(joints)), turn).forces().drives.values()
+    assert (of_loop - smooth).mean() == pytest.approx(np.mean(needed), rel=0.01)
+    assert np.mean(needed) > 1e-3 * size
 
 
 def judged(machine: Any, model: Any, gaits: list[Gait]) -> dict[str, bool]:
