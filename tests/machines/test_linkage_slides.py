@@ -119,6 +119,15 @@ def test_figures_are_of_a_force() -> None:
     assert "peak_force_n" in lift().study().numbers
 
 
+def test_marks_of_a_path_and_notes_are_of_a_way() -> None:
+    """27 mm in 24 steps."""
+    path = {"name": "top", "point": "B"}
+    study = lift(output=[path]).study()
+    (plot,) = (each for each in study.plots if each.title.startswith("Path"))
+    assert plot.dots == ("every 1.125 mm", "wanted")
+    assert any("speeds are those of an even motion" in note for note in study.notes)
+
+
 def test_what_does_not_slide_on_the_ground_does_not_drive() -> None:
     for tables, key in (
         ({"drive": {"slide": "rod"}}, "drive.slide"),

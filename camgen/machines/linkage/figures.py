@@ -66,6 +66,7 @@ _PATHS = (
     "crosses itself at, {}",
 )
 _MOST_SERIES = 8  # curves of one plot
+_MARKED = 60  # rows from one marked place of a path to the next: every 15 deg of a whole turn
 _RETURNS = 1e-6  # of its stroke, by which an output that goes to and fro may miss its beginning after a turn
 # of a point's greatest speed: where a stop is looked for, and what is one
 _SLOW = 0.05
@@ -210,8 +211,9 @@ def _notes(linkage: LinkageMotion, made: Build | None) -> list[str]:
         notes += steps(made.layout)
         notes += gearing.notes(made.layout)
     if linkage.cycle.to_and_fro:
+        way = "motion" if linkage.cycle.unit == "mm" else "turn"
         notes.append(
-            "The drive goes to and fro over its range; speeds are those of an even turn of it."
+            f"The drive goes to and fro over its range; speeds are those of an even {way} of it."
         )
     return notes
 
@@ -219,13 +221,15 @@ def _notes(linkage: LinkageMotion, made: Build | None) -> list[str]:
 def _plots(linkage: LinkageMotion, theta: Floats, run: Run, angle: Callable[[], str]) -> list[Plot]:
     """Paths, centrodes and transmission angles."""
     plots = []
+    step = math.degrees(theta[_MARKED] - theta[0])
+    each = f"every {step:.4g} {linkage.cycle.unit}"
     for output in linkage.chain.outputs:
         if isinstance(output.of, m.Path):
             path = np.asarray(run[output.name], complex)
-            marks = path[::60]  # of equal time where the drive turns evenly
-            series = [("path", path.real, path.imag), ("every 15 deg", marks.real, marks.imag)]
+            marks = path[::_MARKED]  # of equal time where the drive turns evenly
+            series = [("path", path.real, path.imag), (each, marks.real, marks.imag)]
             series += _wanted_places(linkage, output.name)
-            dots = ("every 15 deg", "wanted")
+            dots = (each, "wanted")
             plots.append(
                 Plot(_path_of(output.name, "P"), "x, mm", "y, mm", series, equal=True, dots=dots)
             )
