@@ -24,8 +24,10 @@ class Spline:
     poles: Floats
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Spline) and _alike(
-            self.knots, other.knots, self.poles, other.poles
+        return (
+            isinstance(other, Spline)
+            and np.array_equal(self.knots, other.knots)
+            and np.array_equal(self.poles, other.poles)
         )
 
     def __call__(self, share: Floats) -> Floats:
@@ -46,7 +48,8 @@ class Patch:
     def __eq__(self, other: object) -> bool:
         return (
             isinstance(other, Patch)
-            and _alike(self.along, other.along, self.across, other.across)
+            and np.array_equal(self.along, other.along)
+            and np.array_equal(self.across, other.across)
             and np.array_equal(self.poles, other.poles)
         )
 
@@ -90,11 +93,6 @@ class Patch:
         b = self(u, v, (0, 1))
         upward = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
         return float(np.sum(weights[:, None] * others * places[..., 2] * upward))
-
-
-def _alike(a: Floats, b: Floats, c: Floats, d: Floats) -> bool:
-    """Whether a is b and c is d, to the bit."""
-    return np.array_equal(a, b) and np.array_equal(c, d)
 
 
 def _longest(vectors: Floats) -> float:

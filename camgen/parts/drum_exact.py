@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -91,7 +92,7 @@ class _Body:
 
     def wall(self, drum: Drum, wall: DrumWall, cuts: Floats) -> _Wall:
         """A wall's patches and their edges."""
-        patches = [_fitted(drum, wall, a, b) for a, b in zip(cuts, cuts[1:], strict=False)]
+        patches = [_fitted(drum, wall, a, b) for a, b in pairwise(cuts)]
         sides = [each.sides for each in patches]
         floor = self.curve(drum.floor, [each[0] for each in sides])
         outside = self.curve(drum.outside, [each[2] for each in sides])
@@ -158,8 +159,8 @@ class _Body:
         heights = [float(self.corners[curve.corners[0]][2]) for curve in (lower, upper)]
         for hole in holes:
             rings = [self._ring(hole, height, tolerance) for height in heights]
-            places, under, over = (rings[0][0], rings[0][1], rings[1][1])
-            seams = [self.edge(Edge(a, b)) for a, b in zip(places, rings[1][0], strict=True)]
+            (lows, under), (highs, over) = rings
+            seams = [self.edge(Edge(a, b)) for a, b in zip(lows, highs, strict=True)]
             for k, (edge, forward) in enumerate(under):
                 above, onward = over[k]
                 after = seams[(k + 1) % len(seams)]
@@ -223,7 +224,7 @@ def _cuts(breaks: Sequence[float]) -> Floats:
     ends = ends[np.append(np.diff(ends) > _LEAST, True)]
     pieces = [
         np.linspace(a, b, max(math.ceil((b - a) / _WIDEST - _LEAST), 1) + 1)[:-1]
-        for a, b in zip(ends, ends[1:], strict=False)
+        for a, b in pairwise(ends)
     ]
     return np.append(np.concatenate(pieces), ends[-1])
 

@@ -81,9 +81,8 @@ class Roller:
         roller = self.track.roller
         return np.asarray(abs(self.omega) * self.pace(1, roller.middle)[turned] / roller.radius)
 
-    def reversal_figures(self, effort: Floats) -> Iterator[Figure]:
-        """How often a groove turns its roller round, how fast it slips then, and what friction burns."""
-        spins = self.reversals(effort)
+    def reversal_figures(self, spins: Floats) -> Iterator[Figure]:
+        """How often a groove turns its roller round, how fast it slips then, and what friction burns; spins: as of `reversals`."""
         yield Figure("roller reversals", float(len(spins)), "")
         if len(spins):
             fastest = float(np.max(spins))

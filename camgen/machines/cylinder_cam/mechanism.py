@@ -446,12 +446,11 @@ class CylinderCam(Mechanism):
         borne = [*pressed(self.track, effort).figures(guide)]
         notes = [*study.notes]
         if self.geometry.track == "groove":
-            turned = [*self._roller.reversal_figures(effort)]
-            borne += turned
-            count = int(turned[0].value)
-            if count:
+            spins = self._roller.reversals(effort)
+            borne += self._roller.reversal_figures(spins)
+            if len(spins):
                 notes.append(
-                    f"The force turns round {count} times a turn: the roller meets the other wall, which turns its spin "
+                    f"The force turns round {len(spins)} times a turn: the roller meets the other wall, which turns its spin "
                     "round. A rib, an end cam, or a roller for each wall on one stud avoids that."
                 )
         return replace(study, numbers=study.numbers | Figures(borne), notes=notes)
