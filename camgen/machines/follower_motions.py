@@ -115,8 +115,19 @@ def table_motions(mechanism: Mechanism) -> Iterator[FollowerMotion]:
 def motor_motions(mechanism: Mechanism) -> Iterator[FollowerMotion]:
     """What motors turn by programs or along a line, from their angles at theta = 0."""
     for drive in mechanism.model.drives:
-        if isinstance(drive.law, DriveLaw | TableLaw) and drive.slide is None:
+        if _programmed(drive):
             yield _turned(drive)
+
+
+def motors_together(mechanism: Mechanism) -> Iterator[FollowerMotion]:
+    """What all motors of a linkage turn, also those that turn evenly beside one that does not; none where all do."""
+    drives = mechanism.model.drives
+    if any(map(_programmed, drives)):
+        yield from (_turned(each) for each in drives if each.motor or _programmed(each))
+
+
+def _programmed(drive: Drive) -> bool:
+    return isinstance(drive.law, DriveLaw | TableLaw) and drive.slide is None
 
 
 def _turned(drive: Drive) -> FollowerMotion:

@@ -23,7 +23,7 @@ from camgen.machines.follower_motions import (
     CODE,
     NARROWEST,
     FollowerMotion,
-    motor_motions,
+    motors_together,
     table_finding,
     table_motions,
 )
@@ -118,7 +118,7 @@ def make_servo_tables(case: Case) -> None:
 
 def _motors(case: Case) -> list[FollowerMotion]:
     """Those that one program turns; none where there are more than it has axes for."""
-    motors = list(motor_motions(case.mechanism))
+    motors = list(motors_together(case.mechanism))
     return motors if len(motors) <= len(AXES) else []
 
 

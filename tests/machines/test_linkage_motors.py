@@ -426,6 +426,20 @@ def test_one_program_for_grbl_turns_both_motors(drawn: Linkage, programmed: Any)
     assert np.max(shapely.distance(shapely.points(pen.real, pen.imag), ring)) < 0.1
 
 
+def test_a_motor_that_turns_evenly_beside_a_program_is_an_axis_too(tmp_path: Path) -> None:
+    """An arm on a crank of 12 that goes round once while the other swings; X is the first drive, as the list has them."""
+    spec = tables()
+    spec["lengths"] |= {"O-A": 12}
+    spec["points"]["A"] = [-47, 0]
+    spec["drive"][0] = {"link": "left", "speed_rpm": 10}
+    made = camgen.build(spec, tmp_path, only="servo")
+    program = read_grbl(made.folder / "five-bar-grbl.nc", 2)
+    share = program.minutes * 10
+    expected = np.column_stack([360 * share, np.degrees(swung(math.tau * share, 15))])
+    assert np.max(np.abs(program.turned - expected)) < 1e-3
+    assert judged(made.folder) == {"drive of left": True, "drive of right": True}
+
+
 @pytest.mark.parametrize(
     "row, old, new, failing",
     [
