@@ -438,6 +438,13 @@ def _refuse_degrees(ref: str, *degrees: float) -> None:
         raise ValueError(f"{ref} is a spline of degree {degrees}, expected {DEGREE}")
 
 
+def _repeated(knots: Sequence[float], counts: Sequence[float]) -> Floats:
+    """Each knot as often as its multiplicity says; ValueError where that is none of a cubic."""
+    if not set(counts) <= set(range(1, DEGREE + 2)):
+        raise ValueError(f"multiplicities of knots are {sorted(set(counts))}")
+    return np.repeat(knots, np.array(counts, int))
+
+
 class _Reader:
     """Bodies and copies out of entities."""
 
@@ -555,7 +562,7 @@ class _Reader:
         if "=B_SPLINE_CURVE_WITH_KNOTS" in self.entities[curve]:
             _, degree, poles, *_, counts, knots, _ = self.get(curve, "B_SPLINE_CURVE_WITH_KNOTS")
             _refuse_degrees(curve, degree)
-            spline = Spline(np.repeat(knots, np.array(counts, int)), self.poles(poles))
+            spline = Spline(_repeated(knots, counts), self.poles(poles))
             self.off(*(spline.poles[[0, -1]] - [points[a], points[b]]).ravel())
             return Edge(a, b, spline=spline)
         _, at_ref, vector = self.get(curve, "LINE")
@@ -584,8 +591,8 @@ class _Reader:
             )
             _refuse_degrees(surface, *degrees)
             patch = Patch(
-                np.repeat(knots, np.array(counts, int)),
-                np.repeat(others, np.array(across, int)),
+                _repeated(knots, counts),
+                _repeated(others, across),
                 np.array([self.poles(row) for row in rows]),
             )
             bottom, right, top, left = (side(_SHARES) for side in patch.sides)

@@ -190,8 +190,18 @@ def test_a_pole_that_is_moved_moves_the_roller(groove: Path, tmp_path: Path) -> 
         (r"(CYLINDRICAL_SURFACE\('',#\d+,)21\.5", r"\g<1>21.6", {"ROUND_TRIP"}),
         (r"(B_SPLINE_SURFACE_WITH_KNOTS.*,\(0\.0,0\.)\d", r"\g<1>9", None),
         (r"(B_SPLINE_SURFACE_WITH_KNOTS\('',3,)3", r"\g<1>2", None),
+        (r"(B_SPLINE_SURFACE_WITH_KNOTS.*,\(4,)1,", r"\g<1>99999999999999,", None),
+        (r"(B_SPLINE_SURFACE_WITH_KNOTS.*,\(4,)1,", r"\g<1>1.5,", None),
     ],
-    ids=["face lost", "edge elsewhere", "floor wider", "knots out of order", "other degree"],
+    ids=[
+        "face lost",
+        "edge elsewhere",
+        "floor wider",
+        "knots out of order",
+        "other degree",
+        "too many knots",
+        "half a knot",
+    ],
 )
 def test_damages_of_the_file_are_told(
     end: Path, tmp_path: Path, pattern: str, put: str, codes: set[str] | None
