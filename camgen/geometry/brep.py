@@ -17,6 +17,7 @@ from functools import cached_property
 
 import numpy as np
 
+from camgen.errors import DesignError
 from camgen.geometry.mesh import Mesh, components, weld
 from camgen.geometry.rings import Floats, Ring, Shape, shape_of
 from camgen.geometry.splines import Patch, Spline
@@ -119,8 +120,15 @@ class Brep:
         return np.column_stack([arc.real, arc.imag, np.full(len(share), a[2])])
 
     def facets(self, tolerance: float) -> Mesh:
-        """Its splines and the pieces of cylinders between them as triangles, mm: what a roller in a track meets."""
+        """Its splines and the pieces of cylinders between them as triangles, mm: what a roller in a track meets.
+
+        DesignError where it has no spline.
+        """
         patches = [face.patch for face in self.faces if face.patch is not None]
+        if not patches:
+            raise DesignError(
+                "walls that are splines", 0, 1, "", "the solid", "make the file again"
+            )
         rows = columns = _FEWEST
         while True:
             off = np.max([each.bulge(columns, rows) for each in patches], axis=0)

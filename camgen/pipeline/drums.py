@@ -98,8 +98,8 @@ def _judged(case: Case, track: DrumTrack, kinds: Sequence[str]) -> Outcome:
         where = replace(in_file(path), output=follower.output.name)
         if kind in EXACT and not path.exists():  # told of the part
             continue
-        mesh = _mesh(path, track.part, table.tolerance)
         try:
+            mesh = _mesh(path, track.part, table.tolerance)
             rolled = roll(mesh, table, HARMONICS)
         except DesignError as fault:
             findings.append(at_most("MOTION_ERROR", math.nan, 0, unit, where, fault.sentence))

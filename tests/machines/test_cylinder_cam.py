@@ -17,12 +17,15 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError, SpecError
+from camgen.files.formats import Job, write_part
 from camgen.files.stl import write_stl
 from camgen.findings import Finding
 from camgen.geometry.mesh import Mesh
+from camgen.geometry.outlines import Region, circle
 from camgen.machines.cylinder_cam.bearings import Roller, pressed
 from camgen.machines.cylinder_cam.mechanism import CylinderCam
 from camgen.parts import materials
+from camgen.parts.part import Layer, Part
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.case import Case
@@ -364,6 +367,17 @@ def test_an_axle_bears_the_moment_of_the_force_in_space(half_angle: float) -> No
     found = {each.quantity: each.value for each in force.figures(45.0) if each.joint == "pivot"}
     tilting = np.linalg.norm(moment[:, 1:], axis=1).max()
     assert found["tilting moment {joint}"] == pytest.approx(1e-3 * tilting, rel=1e-12)
+
+
+def test_a_solid_without_a_track_in_the_drums_file_is_told(tmp_path: Path) -> None:
+    case = Case(drum(), tmp_path)
+    path = case.file("drum", "step")
+    path.parent.mkdir(exist_ok=True)
+    ring = Part("drum", "Ring", (Layer(Region(circle(0j, 20.0), (circle(0j, 4.0),)), 0.0, 20.0),))
+    write_part(path, Job("drum", "x-drum", "key", ring.region, (), 0.001, "bulge", None, ring))
+    (found,) = judge_drums(case, ["step"]).findings
+    assert found.code == "MOTION_ERROR" and not found.ok
+    assert "no walls that are splines" in found.message
 
 
 def test_the_rollers_pressure_is_that_of_a_line_contact() -> None:
