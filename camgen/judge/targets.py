@@ -26,7 +26,9 @@ def judge_targets(
             response = proof.moved(each.output, theta)
             unit, scale = unit_of(proof.machine.output(each.output))
             whole = abs(theta[-1] - theta[0] - math.tau) < 1e-9
-            course = Course(theta, scale * response.value, scale * response.slope, unit, whole)
+            value = scale * response.value
+            by = "mm" if proof.machine.drives[0].slide is not None else "deg"
+            course = Course(theta, value, scale * response.slope, unit, whole, by)
             place = replace(where, output=each.output)
             closes = bool(np.isfinite(course.value).all())
             findings += [

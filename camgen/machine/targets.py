@@ -56,6 +56,7 @@ class Course:
     slope: Any  # to theta, (n,)
     unit: str  # "mm" or "deg"
     whole: bool  # whether the range is one turn, after which it goes on as before
+    by: str = "deg"  # what a degree of theta stands for, "mm" of a way
 
     def at(self, theta: Floats) -> Any:
         """The value there, (m,): cubic between the samples; of a whole turn at any angle."""
@@ -233,7 +234,7 @@ class Through(Record):
         k = max(range(len(passes)), key=lambda k: passes[k][1])
         x, y = self.at[k]
         message = f"{len(passes)} {'place' if len(passes) == 1 else 'places'}, {how}: place {k + 1} ({x:g}, {y:g}) is missed most, "
-        message += f"theta {math.degrees(passes[k][0]) % 360 if course.whole else math.degrees(passes[k][0]):.2f} deg"
+        message += f"theta {math.degrees(passes[k][0]) % 360 if course.whole else math.degrees(passes[k][0]):.2f} {course.by}"
         return at_most(self.code, passes[k][1], self.tolerance, "mm", where, message)
 
 
@@ -293,7 +294,7 @@ class Function(Record):
         actual = course.at(np.radians(theta))
         off = actual - actual[0] - (target - target[0])
         k = int(np.argmax(np.abs(off)))
-        message = f"{len(off)} pairs, counted from the first: at theta {theta[k]:g} deg {actual[k] - actual[0]:.6g} {course.unit}, "
+        message = f"{len(off)} pairs, counted from the first: at theta {theta[k]:g} {course.by} {actual[k] - actual[0]:.6g} {course.unit}, "
         message += f"{target[k] - target[0]:g} wanted"
         return at_most(self.code, abs(float(off[k])), self.tolerance, course.unit, where, message)
 
@@ -333,11 +334,11 @@ class Straight(Record):
             low, high = np.radians(self.range_deg)
             way = course.at(np.linspace(low, high, len(course.theta)))
             width = strip(way)
-            over = f"from {self.range_deg[0]:g} to {self.range_deg[1]:g} deg"
+            over = f"from {self.range_deg[0]:g} to {self.range_deg[1]:g} {course.by}"
         else:
             assert self.length is not None
             width, begins, ends = straightest(course, self.length)
-            over = f"the straightest {self.length:g} mm, from {math.degrees(begins):.1f} to {math.degrees(ends):.1f} deg"
+            over = f"the straightest {self.length:g} mm, from {math.degrees(begins):.1f} to {math.degrees(ends):.1f} {course.by}"
             if math.isnan(width):
                 way = course.at(course.theta[:: max(1, len(course.theta) // _WINDOWS)])
                 most = float(np.max(np.abs(way[:, None] - way)))
@@ -366,8 +367,10 @@ class Dwell(Record):
         span, begins = dwell(course, self.band, self.at)
         message = f"longest span within a band of {self.band:g} {course.unit}"
         message += f" about {self.at:g}" if self.at is not None else ""
-        message += f", from {math.degrees(begins):.2f} deg" if span > 0 else ": it never is there"
-        return at_least(self.code, math.degrees(span), self.span_deg, "deg", where, message)
+        message += (
+            f", from {math.degrees(begins):.2f} {course.by}" if span > 0 else ": it never is there"
+        )
+        return at_least(self.code, math.degrees(span), self.span_deg, course.by, where, message)
 
 
 class TimeRatio(Record):

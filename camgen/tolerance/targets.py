@@ -46,6 +46,7 @@ def targets(spread: Spread, errors: Floats) -> list[TargetYield]:
         return []
     run = solve(spread.mechanism.model, spread.theta, 1)
     whole = abs(float(np.ptp(spread.theta)) - 2 * np.pi) < 1e-9
+    by = spread.mechanism.assembly.cycle.unit
     yields = []
     for output in outputs:
         unit, scale = unit_of(output)
@@ -53,7 +54,7 @@ def targets(spread: Spread, errors: Floats) -> list[TargetYield]:
         modes = scale * spread.found[output.name].modes
         bends = np.gradient(modes, spread.theta, axis=1)
         courses = [
-            Course(spread.theta, value + each @ modes, slope + each @ bends, unit, whole)
+            Course(spread.theta, value + each @ modes, slope + each @ bends, unit, whole, by)
             for each in errors
         ]
         for target in wanted[output.name]:

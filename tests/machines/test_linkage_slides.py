@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -126,6 +127,20 @@ def test_marks_of_a_path_and_notes_are_of_a_way() -> None:
     (plot,) = (each for each in study.plots if each.title.startswith("Path"))
     assert plot.dots == ("every 1.125 mm", "wanted")
     assert any("speeds are those of an even motion" in note for note in study.notes)
+
+
+def test_targets_are_told_in_mm_of_the_way() -> None:
+    rocker = {"name": "tip", "link": "rocker"}
+    pin = {"name": "top", "point": "B"}
+    for output, said in (
+        ({**rocker, "dwell": {"span_deg": 5, "band": 1}}, r"from 6\.04 mm"),
+        ({**rocker, "function": {"at": [[0, 0], [10, 3]], "tolerance": 9}}, "at theta 10 mm"),
+        ({**pin, "points": {"at": [[60, 50]], "theta_deg": [3], "tolerance": 5}}, r"3\.00 mm"),
+        ({**pin, "straightness": {"range_deg": [0, 9], "tolerance": 5}}, "from 0 to 9 mm"),
+    ):
+        found = next(each for each in lift(output=[output]).limits())
+        assert re.search(said, found.message), found
+        assert found.code != "DWELL" or found.unit == "mm"
 
 
 def test_what_does_not_slide_on_the_ground_does_not_drive() -> None:

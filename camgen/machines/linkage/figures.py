@@ -103,7 +103,8 @@ class LinkageMotion:
             turns = isinstance(self.chain.output(wanted.name).of, m.Angle)
             unit, scale = ("deg", math.degrees(1)) if turns else ("mm", 1.0)
             value, slope = scale * run.derivatives(wanted.name)
-            courses.append(Course(theta, value, slope, unit, not self.cycle.to_and_fro))
+            whole = not self.cycle.to_and_fro
+            courses.append(Course(theta, value, slope, unit, whole, self.cycle.unit))
         return courses
 
 
