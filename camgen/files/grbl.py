@@ -26,6 +26,7 @@ _FEEDS = 6  # significant digits of F
 _COMMENT = re.compile(r"\([^)]*\)|;.*")
 _WORD = re.compile(r"([A-Z])([-+]?\d+\.?\d*)")
 _MODES = frozenset({"G21", "G90", "G93"})
+_LETTERS = {"G92": "", "G1": "F", "G4": "P", "M2": ""}  # of a block's words beside axes
 
 
 @dataclass(frozen=True)
@@ -67,36 +68,58 @@ def _decimal(value: float) -> str:
 
 
 def read_grbl(path: Path, motors: int) -> GrblProgram:
-    """A program for so many motors as it is written here; FileError with what is wrong."""
+    """A program for so many motors as it is written here; FileError with what is wrong, and in which line."""
     text = read_bytes(path, _SIZE).decode("ascii", errors="replace")
+    axes = AXES[:motors]
     modes: set[str] = set()
     place: dict[str, float] = {}
     minutes = [0.0]
     rows: list[list[float]] = []
+    ended = False
     for number, line in enumerate(text.splitlines(), 1):
-        block = _COMMENT.sub("", line).strip()
-        words = _WORD.findall(block)
-        if "".join(f"{a}{b}" for a, b in words) != block.replace(" ", ""):
-            raise FileError(
-                path, f"line {number} has {block[:40]!r}: letters with numbers were expected"
-            )
-        codes = {f"{a}{float(b):g}" for a, b in words if a in "GM"}
-        values = {a: float(b) for a, b in words if a not in "GM"}
-        modes |= codes
+        codes, values = _block(path, number, line, axes)
+        if ended and codes:
+            raise FileError(path, f"line {number} comes after M2, which ends the program")
+        modes |= codes & _MODES
+        ended |= "M2" in codes
         if "G92" in codes:
-            place = {axis: values[axis] for axis in AXES[:motors] if axis in values}
+            if rows:
+                raise FileError(path, f"line {number} has a second G92: the places before it move")
+            place = values
             rows = [list(place.values())]
         elif codes & {"G1", "G4"}:
             minutes.append(minutes[-1] + _taken(path, number, codes, values))
             place |= {axis: values[axis] for axis in place if axis in values}
             rows.append(list(place.values()))
     if not _MODES <= modes or len(rows) != len(minutes) or len(rows) < 2 or len(place) != motors:
-        axes = ", ".join(AXES[:motors])
-        reason = (
-            f"is no such program: G21, G90, G93, a G92 with {axes} and then G1 or G4 were expected"
-        )
+        reason = f"is no such program: G21, G90, G93, a G92 with {', '.join(axes)} and then G1 or G4 were expected"
         raise FileError(path, reason)
+    if not ended:
+        raise FileError(path, "cut short: it does not end in M2")
     return GrblProgram(np.array(minutes), np.array(rows))
+
+
+def _block(
+    path: Path, number: int, line: str, axes: Sequence[str]
+) -> tuple[set[str], dict[str, float]]:
+    """Codes and values of a line; FileError where it has a word that is not written here, or one twice."""
+    block = _COMMENT.sub("", line).strip()
+    words = _WORD.findall(block)
+    if "".join(f"{a}{b}" for a, b in words) != block.replace(" ", ""):
+        raise FileError(
+            path, f"line {number} has {block[:40]!r}: letters with numbers were expected"
+        )
+    codes = [f"{a}{float(b):g}" for a, b in words if a in "GM"]
+    letters = [a for a, _ in words if a not in "GM"]
+    known = _MODES if set(codes) <= _MODES else {codes[0]} & _LETTERS.keys()
+    allowed = {*known, *(axes if known & {"G1", "G92"} else ())}
+    allowed.update(*(_LETTERS.get(code, "") for code in known))
+    for word in (*codes, *letters):
+        if word not in allowed:
+            raise FileError(path, f"line {number} has {word}, which no such program has there")
+    if len({*codes, *letters}) < len(words):
+        raise FileError(path, f"line {number} has a word twice")
+    return set(codes), {a: float(b) for a, b in words if a not in "GM"}
 
 
 def _taken(path: Path, number: int, codes: set[str], values: dict[str, float]) -> float:
