@@ -138,9 +138,8 @@ def margins(findings: Sequence[Finding]) -> str:
     text = _margins([groups[key] for key in shown], kinds) if shown else ""
     if rest:
         count = sum(len(groups[key]) for key in rest)
-        hold = f"{count} more findings of {len(rest)} kinds hold, none uses {_NEAR:.0%} of its limit".replace(
-            "%", " %"
-        )
+        more = "more " if shown else ""
+        hold = f"{count} {more}findings of {len(rest)} kinds hold, none uses {100 * _NEAR:.0f} % of its limit"
         text += f"<details><summary>{hold}</summary>{_margins([groups[key] for key in rest], kinds)}</details>"
     return text
 

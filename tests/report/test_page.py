@@ -277,6 +277,7 @@ def test_routine_margins_are_folded_and_counted() -> None:
         text.index("NEAR") < text.index("<details>") < text.index("FAR_0")
         and "3 more findings of 3 kinds hold" in text
     )
+    assert "3 findings of 3 kinds hold" in margins(far)
 
 
 def test_no_curve_is_shown_twice() -> None:
