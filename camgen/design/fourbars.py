@@ -171,6 +171,13 @@ class Room:
     transmission: float
     turns: bool | None
 
+    def wider(self, times: float, pivots: bool, longest: bool) -> Room:
+        """The same with so many times as wide a box for the pivots, so many times as long links, or both."""
+        middle = (self.low + self.high) / 2
+        to_corner = times * (self.high - middle) if pivots else self.high - middle
+        length = times * self.longest if longest else self.longest
+        return replace(self, low=middle - to_corner, high=middle + to_corner, longest=length)
+
     def outside(self, places: Points) -> Floats:
         """How far places lie outside the box, mm."""
         x = np.maximum(self.low.real - places.real, places.real - self.high.real)

@@ -60,8 +60,8 @@ def offer(request: Request) -> Offer:
     """Linkages for the positions that a spec wants; SpecError, DesignError."""
     wish: LinkWish
     sizes, wish = request.for_linkage(request.wish, of_drive=("range_deg", "segment"))
-    room = wish.room(sizes.pin_diameter + 2 * sizes.wall)
-    designs = designs_for(wish, room, request.with_lash(wish.lash_key, wish.lash))
+    rooms = wish.rooms(sizes.pin_diameter + 2 * sizes.wall)
+    designs = _first(wish, rooms, request.with_lash(wish.lash_key, wish.lash), request.say)
     with Workers(request.jobs) as workers:
         looked = weighed(designs.losses, designs.of, workers.map, request.say)
     best_in = "shorter bars" if wish.trades_size else "a smaller error"
@@ -75,6 +75,22 @@ def offer(request: Request) -> Offer:
         wish.figures,
         f"found by camgen design for {wish.title}; [[output]]: what was wanted, and how far this machine may be off",
     )
+
+
+def _first(
+    wish: LinkWish, rooms: Sequence[Room], tables: Data, say: Callable[[str], None]
+) -> Designs:
+    """What a wish asks for, in the first room that has some; the DesignError of the last where none has."""
+    *tried, last = rooms
+    for room in tried:
+        try:
+            return designs_for(wish, room, tables)
+        except DesignError:
+            say(
+                f"no {wish.linkage} that can be used has links of at most {room.longest:.4g} mm: "
+                "wider bounds are tried"
+            )
+    return designs_for(wish, last, tables)
 
 
 def designs_for(wish: LinkWish, room: Room, tables: Data) -> Designs:

@@ -28,6 +28,7 @@ _OF_USE = 20  # of the size of what is wanted: a design that is off by more is o
 _OF_REST = 50  # of its swing: what an output may move while it rests, unless a tolerance says so
 _ROUND = 1.5  # of its size: how far round what is wanted pivots may stand
 _LONG = 3.0  # of its size: the longest link
+_WIDER = (2.0, 4.0)  # times these two, where nothing that is exact is within them
 _SMALLEST = 0.1  # mm: places that are nearer to each other are one place
 _SAME_ANGLE = 1e-6  # deg: crank angles that are nearer are one
 _LEAST_ANGLE = 0.1  # deg, that a body's angle may be off at least
@@ -435,6 +436,10 @@ class LinkWish(Wish):
         least = math.radians(self.transmission_deg)
         return Room(*self.box, self.shortest or hub, longest, least, self.turns)
 
+    def rooms(self, hub: float) -> Sequence[Room]:
+        """That room, then wider ones for where nothing is found in it."""
+        return [self.room(hub)]
+
     def faults(self) -> list[Fault]:
         """What does not go together."""
         faults = []
@@ -529,6 +534,14 @@ class PoseWish(FourBarWish):
         """Three and four always, five unless a tolerance lets them be off."""
         count = len(self.poses)
         return count < 5 or count == 5 and self.tolerance is None and self.tolerance_deg is None
+
+    def rooms(self, hub: float) -> Sequence[Room]:
+        """Those of exact four-bars are few, and quickly found: where none is of use, bounds that nobody gave are widened."""
+        usual = self.room(hub)
+        if not self.exact:
+            return [usual]
+        open_bounds = {"pivots": self.pivots is None, "longest": self.longest is None}
+        return [usual, *(usual.wider(times, **open_bounds) for times in _WIDER)]
 
     @property
     def errors(self) -> Mapping[str, str]:

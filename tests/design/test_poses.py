@@ -219,6 +219,20 @@ def test_what_stops_five_poses_is_counted_and_the_keys_that_help_are_named() -> 
     assert "of defects: " in message and "four-bars" in message and "wanted.tolerance" in message
 
 
+def test_a_four_bar_that_is_large_for_its_poses_is_found() -> None:
+    hidden = one_four_bar(20, 29, 38, 47, 56)  # links of 80 mm, poses within 25 mm
+    angles = np.degrees(np.angle((hidden.b - hidden.a)[:, 0]))
+    rows = [[z.real, z.imag, turn] for z, turn in zip(hidden.p[:, 0], angles, strict=True)]
+    said: list[str] = []
+    found = camgen.design({**TABLES, "wanted": {"poses": rows}}, say=said.append)
+    assert "wider bounds are tried" in said[0]
+    places = [complex(*found.machine.points[name]) for name in "OABC"]
+    lengths = [abs(a - b) for a, b in zip(places, places[1:] + places[:1], strict=True)]
+    assert sorted(lengths) == pytest.approx([30, 60, 70, 80], abs=1e-3)
+    with pytest.raises(DesignError, match="with a link or pivot out of bounds"):
+        camgen.design({**TABLES, "wanted": {"poses": rows, "longest": 75}})
+
+
 def test_pivots_that_fall_together_are_out_of_bounds() -> None:
     three = FIVE.chosen([0, 1, 2])
     on_a_line = Room(0j, 90 + 0j, 5.0, 300.0, math.radians(20), None)
