@@ -345,7 +345,21 @@ class Drawing(Record):
     )
     bore_roughness: Annotated[float, quantity("um", gt=0, le=100)] | None = Field(
         default=None,
-        description="Ra of a bore with a keyway; left out: 1.6 in metal, as it is reamed, else not shown",
+        description="Ra of a cam's bore; left out: 1.6 in metal, as it is reamed, else not shown",
+    )
+    symmetry: Annotated[float, quantity("mm", ge=0, le=1)] | None = Field(
+        default=None,
+        description="symmetry of a keyway about its bore (ISO 1101); 0: not shown; left out: 0.04 in metal, else not shown",
+    )
+    run_out: Annotated[float, quantity("mm", ge=0, le=1)] | None = Field(
+        default=None,
+        description="axial run-out of a cam's face at z = 0 about its bore (ISO 1101); 0: not shown; left out: 0.03 in metal, "
+        "else not shown",
+    )
+    bore_chamfer: Annotated[float, quantity("mm", ge=0, le=5)] | None = Field(
+        default=None,
+        description="chamfer at 45 deg of both ends of a cam's bore, asked for on the drawing and not in the files; 0: none; "
+        "left out: in metal 0.5 up to a bore of 10, 1 up to 40, else 1.5",
     )
     roughness_elsewhere: Annotated[float, quantity("um", gt=0, le=100)] | None = Field(
         default=None, description="Ra of all other faces; left out: 3.2 in metal, else not shown"

@@ -153,6 +153,7 @@ def hole_of(contour: Contour) -> Hole:
     if around := round_of(contour):
         centre, radius = around
         return Hole(centre, f"Ø{number(2 * radius)}, {box} overall", centre, radius)
+    box = f"profile by DXF ({box})" if free(contour) else box
     return Hole((lower + upper) / 2, box, (lower + upper) / 2, 0.0, (upper - lower) / 2)
 
 
@@ -333,7 +334,7 @@ def edge_rows(contour: Contour, sloped: bool = False) -> list[tuple[str, str, st
     if free(contour):
         return [("", "", "a curve by DXF")]
     pieces = [
-        piece for piece in contour.pieces if abs(start_point(piece) - end_point(piece)) > 1e-9
+        piece for piece in contour.pieces if abs(start_point(piece) - end_point(piece)) > _ALIKE
     ]
     corners = [start_point(piece) for piece in pieces]
     lines = all(isinstance(piece, Line) for piece in pieces)
@@ -348,9 +349,8 @@ def edge_rows(contour: Contour, sloped: bool = False) -> list[tuple[str, str, st
         return [(number(low.real), number(low.imag), size)]
     rows = []
     slopes = dict[int, str]()
-    for before, piece in zip((pieces[-1], *pieces[:-1]), pieces, strict=True):
-        place = start_point(piece)
-        if abs(cmath.phase(_way(piece, piece.t0) / _way(before, before.t1))) > 1e-3:
+    for piece, (place, turn) in zip(pieces, turns(contour), strict=True):
+        if abs(turn) > 1e-3:
             rows.append((number(place.real), number(place.imag), "corner"))
         if sloped and isinstance(piece, Line):
             slopes[len(rows) - 1] = _slope(piece)
@@ -387,6 +387,15 @@ def _paired(rows: Collection[tuple[str, str, str]]) -> list[tuple[str, str, str]
         both = size != "0" and (x, size, what) in rows and (x, f"-{size}", what) in rows
         pairs[x, f"±{size}" if both else y, what] = None
     return list(pairs)
+
+
+def turns(contour: Contour) -> list[tuple[complex, float]]:
+    """Start of every piece of a contour that ends elsewhere, and by how much the contour turns there at once, rad."""
+    pieces = [each for each in contour.pieces if abs(start_point(each) - end_point(each)) > _ALIKE]
+    return [
+        (start_point(piece), cmath.phase(_way(piece, piece.t0) / _way(before, before.t1)))
+        for before, piece in zip([*pieces[-1:], *pieces[:-1]], pieces, strict=True)
+    ]
 
 
 def _way(piece: Piece, t: float) -> complex:

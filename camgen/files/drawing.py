@@ -35,10 +35,20 @@ from camgen.files.dimensions import (
     standing_of,
     zero_of,
 )
-from camgen.files.labels import Label, along, callouts, leader
+from camgen.files.labels import Label, Obstacles, along, callouts, leader
 from camgen.files.limits import decimals, general, in_limits
 from camgen.files.sheet import Sheet, Size, Text, write_dxf_sheet, write_pdf
-from camgen.files.symbols import FRAME, datum, line_profile, position, roughness
+from camgen.files.symbols import (
+    FRAME,
+    all_round,
+    datum,
+    line_profile,
+    position,
+    roughness,
+    run_out,
+    symmetry,
+    width_of,
+)
 from camgen.files.title_block import WIDTH, Facts, title_block
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.outlines import Contour, Floats, extent, rectangle
@@ -69,10 +79,10 @@ _HATCH = 2.5  # mm of paper between the lines of a cut face
 _THIRD = 8.0  # from the plan view's dimension to the third view, and from that to what is below
 _COLUMNS = 3  # pairs of angle and radius beside each other
 _TRIPLES = 2  # cam angle, angle from X and radius beside each other
-_DETAIL = 48.0  # height of a keyway's detail, at most
+_DETAIL = 48.0  # height of a bore's detail, at most
 _DETAIL_RADIUS = 32.0  # of its bore, beside its sizes
 _DETAIL_AT = 0.56  # of the tables' width: its middle
-_DETAIL_HEIGHT = 92.0  # with its sizes, on paper
+_DETAIL_HEIGHT = 99.0  # with its sizes, on paper
 _BOSS = 10.0  # between the dimensions of bosses, beside the view from the left
 _OVER_DETAIL = 24.0  # of its title, over its upper edge
 _SURFACE = 10.0  # room above for them
@@ -193,6 +203,7 @@ class _Layout:
             else views.from_above(part, part.side_profile, tolerance)
         )
         self.key = next(filter(None, map(keyed, part.region.holes)), None)
+        self.bored = self._bored()
         self.upright = _across_keyway(part, tolerance) if self.key else None
         self.section = None if self.upright else views.section(part, tolerance)
         self.bosses = bosses(part)
@@ -225,13 +236,22 @@ class _Layout:
         self._side()
         self._third()
         self._surface()
+        self._run_out()
         self._labels()
         self._table()
-        self._key_detail()
+        self._bore_detail()
         self._note_lines()
         facts = replace(facts, number=facts.number or f"{stem}-drawing")
         corner = complex(width - _MARGIN, _MARGIN)
         title_block(self.sheet, corner, part, facts, self.scale, self.size_name)
+
+    def _bored(self) -> Contour | None:
+        """The bore that gets a detail: one with a keyway, or a round one to which a cam's track refers."""
+        holes = self.part.region.holes
+        datum = self.facts.profile and self.part.bore and free(self.part.region.outer)
+        circles = [(hole, as_circle(hole)) for hole in holes] if datum else []
+        round_ones = [hole for hole, disc in circles if disc and abs(disc[0]) < SAME_POINT]
+        return next(iter([hole for hole in holes if keyed(hole)] + round_ones), None)
 
     def _disc(self) -> float | None:
         """Radius of the circle that bounds the view along z, mm; None where that is no circle."""
@@ -249,6 +269,11 @@ class _Layout:
     def paper(self, z: complex) -> complex:
         """A point of the part on the paper."""
         return self.datum + self.scale * z
+
+    @property
+    def side_x(self) -> float:
+        """Where the part's face at z = 0 is in the view from the left, on paper."""
+        return self.paper(self.high).real + _RIGHT + _BESIDE / 2
 
     def _room(self, size: str) -> tuple[float, float]:
         """Width and height that both views and their dimensions may take, mm."""
@@ -276,8 +301,8 @@ class _Layout:
         a3 = best("A3")
         long = (1 + len(self.rows) + self._polar_rows()) * _ROW > _SIZES["A4"][
             1
-        ] - 2 * _MARGIN - self.facts.height - (_DETAIL_HEIGHT if self.key else 0.0)
-        tables = self.polar or self.key
+        ] - 2 * _MARGIN - self.facts.height - (_DETAIL_HEIGHT if self.bored else 0.0)
+        tables = self.polar or self.bored
         return ("A3", a3) if (a4 < 1 and a3 > a4) or (long and tables) else ("A4", a4)
 
     def _datum(self) -> complex:
@@ -424,10 +449,11 @@ class _Layout:
             self._leader(centre + radius * aside, aside, f"Ø{number(2 * radius)}")
             angles.append(math.pi / 4)
         if free(self.part.region.outer):
-            for point, word in zip(nearest_and_farthest(self.outer), ("min", "max"), strict=True):
-                self._leader(
-                    point, point / abs(point) if point else 1, f"R{number(abs(point))} {word}"
-                )
+            for point, word in zip(
+                nearest_and_farthest(self.outer), ("smallest", "largest"), strict=True
+            ):
+                way = point / abs(point) if point else 1
+                self._leader(point, way, f"(R{number(abs(point))}) {word}")
                 angles.append(cmath.phase(point))
         if self.turns:
             self._turning(angles)
@@ -474,7 +500,7 @@ class _Layout:
 
     def _side(self) -> None:
         """Edge view, heights growing to the right, with the thickness."""
-        left = self.paper(self.high).real + _RIGHT + _BESIDE / 2
+        left = self.side_x
         origin = complex(left, self.datum.imag)
         if self.upright:
             self._cut(self.upright, origin, 1j)
@@ -607,7 +633,7 @@ class _Layout:
     def _table(self) -> None:
         """Table of holes, at the upper right; rows that do not fit are counted in its last line; then that of a cam's radii."""
         top = self.sheet.height - _MARGIN
-        detail = _DETAIL_HEIGHT if self.key else 0.0
+        detail = _DETAIL_HEIGHT if self.bored else 0.0
         room = int((top - _MARGIN - self.facts.height - detail) / _ROW) - 1
         polar = self.polar if self._polar_rows() < room else []
         rows = self.rows
@@ -631,14 +657,15 @@ class _Layout:
         if not polar:
             return
         top -= (len(rows) + 2) * _ROW
-        title = "Radii of the profile about the origin, by the angle from X, ccw"
+        exact = "Theoretically exact radii" if self.facts.profile else "Radii of the profile"
+        title = f"{exact} about the origin, by the angle from X, ccw"
         heads: tuple[str, ...] = ("Angle", "Radius")
         columns: tuple[float, ...] = (15.0, 19.0)
         radii: list[tuple[str, ...]] = [(f"{angle:g}°", f"{radius:.3f}") for angle, radius in polar]
         if self.facts.track:
-            title = "Track by cam angle: where the follower touches, from X, ccw"
-            radius = f"R ±{self.facts.profile / 2:g}" if self.facts.profile else "Radius"
-            heads = ("Cam", "At", radius)
+            exact = "Theoretically exact track" if self.facts.profile else "Track by cam angle"
+            title = f"{exact}: where the follower touches, from X, ccw"
+            heads = ("Cam", "At", "Radius")
             columns = (14.0, 18.5, 18.5)
             radii = [
                 (f"{angle:g}°", f"{math.degrees(cmath.phase(z)) % 360:.2f}°", f"{abs(z):.3f}")
@@ -698,8 +725,35 @@ class _Layout:
         if facts.roughness:
             wide = roughness(sheet, start + 3, f"Ra {facts.roughness:g}") + 5
         sheet.line(start, start + wide + 2, layer="DIM")
+        all_round(sheet, start)
         if facts.profile:
             line_profile(sheet, start + wide + 2 - 1j * FRAME / 2, facts.profile, datums)
+
+    def _run_out(self) -> None:
+        """Run-out of a cam's face at z = 0: to the left of it in the view from the left, where paper is free."""
+        facts = self.facts
+        if not (facts.run_out and self.turns and self.datum_letter):
+            return
+        import shapely
+
+        face = min(self.part.layers, key=lambda layer: layer.z0).region
+        low, high = extent([fit_arcs(face.outer, self.tolerance)])
+        bore = max((abs(z.imag) for z in extent(self.holes)), default=0.0)
+        levels = np.linspace(high.imag, low.imag, 32)[1:-1]
+        levels = levels[np.abs(levels) > bore]
+        wide = width_of([number(facts.run_out), self.datum_letter])
+        left = self.side_x
+        places = left - 5 - wide + 1j * (self.datum.imag + self.scale * levels - FRAME / 2)
+        x = places.real
+        y = places.imag
+        boxes = shapely.box(x - 1, y - 1, x + wide + 4, y + FRAME + 1)
+        obstacles = Obstacles()
+        obstacles.add(self.sheet.primitives)
+        met = obstacles.crossed(boxes) + 100 * ~obstacles.free(boxes) + ~obstacles.off_axes(boxes)
+        corner = complex(places[int(np.argmin(met))])
+        end = run_out(self.sheet, corner, facts.run_out, self.datum_letter) + 1j * FRAME / 2
+        self.sheet.line(end, complex(left, end.imag), layer="DIM")
+        self.sheet.arrow(complex(left, end.imag), 1)
 
     @property
     def _second(self) -> str:
@@ -708,13 +762,13 @@ class _Layout:
         taken = {*names, self.datum_letter, "I", "O"}
         return next(letter for letter in ascii_uppercase if letter not in taken)
 
-    def _key_detail(self) -> None:
-        """A bore with its keyway by itself, with its sizes, their tolerances and the datums, under the tables."""
-        if self.key is None:
+    def _bore_detail(self) -> None:
+        """A bore by itself, with its sizes, their tolerances and the datums, under the tables."""
+        contour = self.bored
+        if contour is None:
             return
         facts = self.facts
-        radius, width = self.key
-        contour = next(hole for hole in self.part.region.holes if keyed(hole))
+        radius = self.key[0] if self.key else hole_of(contour).radius
         top = extent([contour])[1].imag
         scale = self._detail_scale(radius, radius + top)
         middle = (self.free + _MARGIN + facts.height) / 2 - scale * (top - radius) / 2
@@ -737,29 +791,36 @@ class _Layout:
             detail = self.scale / scale
             self._dimension(at + scale * a, at + scale * b, away, Measure(value, sign, fit, detail))
 
+        bore = -1j * (scale * radius + 10)
+        size(-radius + 0j, radius + 0j, bore, "Ø", _limits(facts.bore_fit, 2 * radius))
+        if facts.bore_roughness:
+            self._bore_surface(at + cmath.rect(scale * radius, math.radians(197)))
+        if facts.profile:
+            datum(self.sheet, at + bore, -1j, self.datum_letter)
+        if self.key is None:
+            return
+        half = self.key[1] / 2
         deeper = keyway(2 * radius)
         usual = deeper is not None and abs(deeper[1] - (top - radius)) < SAME_POINT
         depth = f"+{deeper[2]:g}/0" if facts.key_fit and deeper is not None and usual else ""
-        bore = -1j * (scale * radius + 10)
         key = 8j
-        half = width / 2
-        size(-radius + 0j, radius + 0j, bore, "Ø", _limits(facts.bore_fit, 2 * radius))
         size(
             complex(-half, top),
             complex(half, top),
             key,
             "",
-            _limits(facts.key_fit, width),
+            _limits(facts.key_fit, self.key[1]),
         )
         size(complex(0, -radius), complex(0, top), scale * radius + 10 + 0j, "", depth)
-        if facts.bore_roughness:
-            self._bore_surface(at + cmath.rect(scale * radius, math.radians(197)))
+        over = at + 1j * scale * top + key
+        if facts.symmetry:
+            frame = width_of([number(facts.symmetry), self.datum_letter])
+            symmetry(self.sheet, over - (frame + 4) + 4.4j, facts.symmetry, self.datum_letter)
         if facts.profile:
-            datum(self.sheet, at + bore, -1j, self.datum_letter)
-            datum(self.sheet, at + 1j * scale * top + key, 1j, self._second)
+            datum(self.sheet, over, 1j, self._second)
 
     def _detail_scale(self, radius: float, high: float) -> float:
-        """Scale of a keyway's detail: above that of the views where there is room for that; high: the bore with it, mm."""
+        """Scale of a bore's detail: above that of the views where there is room for that; high: the bore with it, mm."""
         usual = next(s for s in _SCALES if s * high <= _DETAIL)
         room = self.free - _MARGIN - self.facts.height - (_DETAIL_HEIGHT - _DETAIL)
         larger = [
@@ -806,14 +867,14 @@ class _Layout:
         if self.turns:
             lines.append("+ : positive sense of turning (ccw)")
         facts = self.facts
-        if facts.profile and self.polar:
-            lines.append(f"Track within {facts.profile / 2:g} of the exact curve on either side")
+        if facts.bore_chamfer and self.turns:
+            lines.append(f"Bore chamfered {number(facts.bore_chamfer)} × 45° at both ends")
         if facts.roughness_elsewhere:
             other = [
                 name
                 for name, own in (
                     ("track", facts.roughness and self.polar),
-                    ("bore", facts.bore_roughness and self.key),
+                    ("bore", facts.bore_roughness and self.bored),
                 )
                 if own
             ]

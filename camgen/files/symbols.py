@@ -53,6 +53,28 @@ def line_profile(sheet: Sheet, corner: complex, width: float, datums: Sequence[s
     return frame(sheet, corner, [number(width), *datums])
 
 
+def symmetry(sheet: Sheet, corner: complex, width: float, datum: str) -> complex:
+    """Tolerance of symmetry about a datum: the width of its zone, mm. [ISO 1101: three lines, the middle one longer]"""
+    for high, half in ((1.8, 1.7), (3.0, 3.0), (4.2, 1.7)):
+        middle = corner + complex(_LEAST / 2, high)
+        sheet.line(middle - half, middle + half, layer="TEXT")
+    return frame(sheet, corner, [number(width), datum])
+
+
+def run_out(sheet: Sheet, corner: complex, width: float, datum: str) -> complex:
+    """Tolerance of circular run-out about a datum, mm. [ISO 1101: an arrow upwards to the right]"""
+    way = complex(1, 1) / math.sqrt(2)
+    tip = corner + complex(_LEAST / 2, FRAME / 2) + 2.8 * way
+    sheet.line(tip - 5.6 * way, tip, layer="TEXT")
+    sheet.arrow(tip, way, "TEXT")
+    return frame(sheet, corner, [number(width), datum])
+
+
+def all_round(sheet: Sheet, at: complex) -> None:
+    """The circle at the bend of a leader: what it says holds for the whole outline of the view. [ISO 1101]"""
+    sheet.arc(at, 1.25, 0.0, math.tau, "TEXT")
+
+
 def roughness(sheet: Sheet, foot: complex, text: str) -> float:
     """Sign of a surface from which material is taken, its point there, with "Ra 0.8" at its arm; how wide. [ISO 1302]"""
     left = foot + complex(-1.44, 2.5)

@@ -30,7 +30,7 @@ class Fit:
 class Facts:
     """What a drawing says of a part besides its shape; "" or None is left out."""
 
-    mechanism: str = ""
+    machine: str = ""  # its name and mechanism
     material: str = ""
     mass_g: float | None = None  # of one part, g
     tolerance: str = ""  # general tolerance
@@ -46,6 +46,9 @@ class Facts:
     profile: float = 0.0  # width of the zone of a cam's track, mm
     roughness: float = 0.0  # Ra of the track, micrometres
     bore_roughness: float = 0.0
+    symmetry: float = 0.0  # of a keyway about its bore: width of the zone of its middle plane, mm
+    run_out: float = 0.0  # of the face at z = 0 about the bore, mm
+    bore_chamfer: float = 0.0  # at both ends of the bore, at 45 deg, mm
     roughness_elsewhere: float = 0.0
     edges: str = ""
     heat_treatment: str = ""
@@ -97,7 +100,7 @@ def title_block(
     """Draw the block, its lower right corner there; scale: mm of paper for a mm of the part, 0: none; size: of the paper."""
     mass = "" if facts.mass_g is None else grams(facts.mass_g)
     middle = [
-        ("Mechanism", facts.mechanism, 0.0),
+        ("Machine", facts.machine, 0.0),
         ("Material", facts.material, 36.0),
         ("Mass", mass, 24.0),
         ("General tolerance", facts.tolerance, 36.0),

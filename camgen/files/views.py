@@ -9,6 +9,7 @@ Hidden edges are those of holes and bores behind material, as the boxes that the
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from camgen.files.dimensions import hole_of
+from camgen.files.dimensions import hole_of, turns
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Floats, Region, extent, polygon, rectangle
@@ -27,6 +28,7 @@ _FINE = 1e-5  # mm, chord tolerance of radii in a cam's table
 _MOST = 40  # layers of a part that gets a section
 _STEP = 0.02  # mm, between two faces seen behind a section, from which on there is an edge
 _BESIDE = 1e-7  # mm, to either side of a corner
+_SHARP = 0.05  # rad, by which an outline turns where faces of it meet in an edge
 
 
 def corners(contour: Contour, tolerance: float) -> Floats:
@@ -209,7 +211,11 @@ def section(part: Part, tolerance: float, y: float | None = None) -> Section | N
         shapely.union_all([shapes[each.region] for each in layers if each.z0 <= z < each.z1])
         for z in heights
     ]
-    edges = _seen_edges(levels, heights, y, max(_STEP, 10 * tolerance))
+    step = max(_STEP, 10 * tolerance)
+    edges = _seen_edges(levels, heights, y, step)
+    for k, (z0, z1) in enumerate(itertools.pairwise(heights)):
+        regions = [each.region for each in layers if each.z0 <= z0 < each.z1]
+        edges += [[(x, z0), (x, z1)] for x in _creases(regions, levels[k], y, step)]
     visible = shapely.union_all(shapely.linestrings(edges)).difference(cut.buffer(SAME_POINT))
     lines = [
         shapely.get_coordinates(edge) @ np.array([1, 1j])
@@ -299,6 +305,19 @@ def _depth(level: Any, places: Floats, y: float) -> Floats:
         met = y - (b[side] + along * (d - b)[side])
         np.minimum.at(depth, place[met >= 0], met[met >= 0])
     return depth
+
+
+def _creases(regions: Iterable[Region], level: Any, y: float, step: float) -> list[float]:
+    """Where corners of regions are seen behind the line y as edges along z: x, mm; level: the material of all of them."""
+    contours = [c for region in regions for c in (region.outer, *region.holes)]
+    corners = [z for contour in contours for z, turn in turns(contour) if abs(turn) > _SHARP]
+    behind = sorted((z for z in corners if z.imag < y), key=lambda z: z.real)
+    if not behind:
+        return []
+    places = np.array([z.real for z in behind])
+    depth = y - np.array([z.imag for z in behind])
+    seen = [np.abs(_depth(level, places + side * _BESIDE, y) - depth) < step for side in (-1, 1)]
+    return sorted({float(x) for x in places[seen[0] | seen[1]]})
 
 
 def _runs(mask: Any) -> tuple[Any, Any]:

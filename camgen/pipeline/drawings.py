@@ -6,6 +6,7 @@ common, and their diameters differ by the clearance of what slides or is pressed
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 
@@ -35,9 +36,13 @@ _IN_METAL = Facts(
     profile=0.05,
     roughness=0.8,
     bore_roughness=1.6,
+    symmetry=0.04,
+    run_out=0.03,
     roughness_elsewhere=3.2,
     edges="broken 0.2 to 0.4",
 )
+# Chamfer of a bore by the diameter up to which it is usual, mm: a rule of the house.
+_CHAMFERS = ((10.0, 0.5), (40.0, 1.0), (math.inf, 1.5))
 _FINE = 1e-3  # mm, chord tolerance of an outline on which a track has to lie
 
 
@@ -54,7 +59,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     names = [each.name for each in mechanism.assembly.parts]
     bore_fit = sheet.bore_fit or ("H7" if metal else "")
     return Facts(
-        mechanism=mechanism.mechanism,
+        machine=_machine(mechanism),
         material="as the sheet"
         if of_sheet
         else mechanism.material.name
@@ -80,12 +85,25 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         roughness=sheet.roughness or usual.roughness,
         bore_roughness=sheet.bore_roughness or usual.bore_roughness,
         roughness_elsewhere=sheet.roughness_elsewhere or usual.roughness_elsewhere,
+        symmetry=_asked(sheet.symmetry, usual.symmetry),
+        run_out=_asked(sheet.run_out, usual.run_out),
+        bore_chamfer=_asked(sheet.bore_chamfer, _chamfer(part.bore) if cut else 0.0),
         edges=sheet.edges or usual.edges,
         heat_treatment=sheet.heat_treatment or (material.treatment if cut else ""),
         revision=sheet.revision or "",
         drawn_by=sheet.drawn_by or "",
         checked_by=sheet.checked_by or "",
     )
+
+
+def _asked(value: float | None, usual: float) -> float:
+    """What a spec says, 0 too, or else what is usual."""
+    return usual if value is None else value
+
+
+def _chamfer(bore: float | None) -> float:
+    """Usual chamfer of a bore, mm; 0 without a bore."""
+    return next(chamfer for most, chamfer in _CHAMFERS if bore <= most) if bore else 0.0
 
 
 def timing_of(mechanism: Mechanism) -> list[Motion]:
@@ -101,13 +119,20 @@ def timing_facts(mechanism: Mechanism) -> Facts:
     """What the title block of a timing diagram says."""
     sheet = mechanism.drawing
     return Facts(
-        mechanism=mechanism.mechanism,
+        machine=_machine(mechanism),
         number=f"{sheet.number}-00" if sheet.number else f"{mechanism.name}-timing-drawing",
         date=sheet.date or "",
         revision=sheet.revision or "",
         drawn_by=sheet.drawn_by or "",
         checked_by=sheet.checked_by or "",
     )
+
+
+def _machine(mechanism: Mechanism) -> str:
+    """Name of a machine with its mechanism."""
+    name = mechanism.name
+    kind = mechanism.mechanism
+    return name if name == kind else f"{name} ({kind})"
 
 
 def _cams(mechanism: Mechanism) -> set[str]:

@@ -16,11 +16,22 @@ from camgen.files import views
 from camgen.files.dimensions import edge_rows, holes_of, nearest_and_farthest, number
 from camgen.files.drawing import _Layout, write_drawing
 from camgen.files.labels import box
-from camgen.files.sheet import LAYERS, Text
+from camgen.files.sheet import LAYERS, Stroke, Text
 from camgen.files.title_block import Facts
 from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Arc, Contour, Line, Region, circle, extent, kidney, polygon
+from camgen.geometry.outlines import (
+    Arc,
+    Contour,
+    Line,
+    Region,
+    circle,
+    end_point,
+    extent,
+    kidney,
+    polygon,
+    start_point,
+)
 from camgen.machines.sources import read_mechanism
 from camgen.parts.part import Layer, Part, d_bore, hull, keyed_bore
 from camgen.pipeline.drawings import facts_of
@@ -69,7 +80,7 @@ def test_dxf_has_the_part_at_its_own_size(tmp_path, part):
     assert (min(x), max(x)) == pytest.approx((-25, 37), abs=0.05)
     texts = texts_of(dxf)
     # oval of mean 28, wave 3 about x = 6: 62 wide; 50 high
-    assert {"(62)", "(50)", "R37 max", part.title, "mm", str(part.count)} <= set(texts)
+    assert {"(62)", "(50)", "(R37) largest", part.title, "mm", str(part.count)} <= set(texts)
 
 
 def test_both_outputs_say_the_same(tmp_path):
@@ -251,7 +262,7 @@ def test_only_a_cam_turns(tmp_path):
     rail = Region(polygon([4 - 1j, 8 - 1j, 8 + 1j, 4 + 1j]), (circle(6, 0.5),))
     part = Part("bar", "Bar", (Layer(bar, 0, 2), Layer(rail, 2, 5)), bore=2.0)
     texts = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, META)[0])
-    assert not any(t.endswith((" min", " max")) or t.startswith("+") for t in texts)
+    assert not any(t.endswith(("smallest", "largest")) or t.startswith("+") for t in texts)
     assert {
         "Edges, z 0 to 2:",
         "R3",
@@ -261,7 +272,7 @@ def test_only_a_cam_turns(tmp_path):
         "%%c1",
     } <= set(texts)
     turning = texts_of(write_drawing(tmp_path, "d", replace(cam(), bore=8.0), TOLERANCE, META)[0])
-    assert "+" in turning and "R37 max" in turning
+    assert "+" in turning and "(R37) largest" in turning
 
 
 def test_notes_stay_beside_the_title_block(tmp_path):
@@ -371,6 +382,15 @@ def test_behind_a_through_bore_only_its_ends_are_seen() -> None:
     assert seen == {(-4, 0, 4, 0), (-4, 12, 4, 12)}
 
 
+def test_behind_a_bore_the_edges_of_its_keyway_are_seen() -> None:
+    """A keyway 4 wide and 2 deep to the left of a bore of 8: its side meets the bore at (-sqrt(16 - 4), -2)."""
+    turned = keyed_bore(8, 4, 2).moved(1j)
+    part = stepped((circle(0, 20), (turned,), 0, 6), (circle(0, 10), (turned,), 6, 12))
+    x = round(-math.sqrt(12), 2)
+    upright = {line for line in beyond(part) if line[0] == line[2]}
+    assert upright == {(x, 0, x, 6), (x, 6, x, 12)}
+
+
 def test_behind_a_wider_bore_its_floor_is_seen() -> None:
     """A bore of 4 that opens to 8 halfway: its step is an edge over all 8; a narrower one in front hides nothing of it."""
     seen = beyond(
@@ -439,7 +459,8 @@ def test_a_cam_s_overall_sizes_are_references(tmp_path):
 
 def test_a_keyway_s_detail_is_larger_than_the_view():
     layout = _Layout(keyed_cam_with_hub(), "d", TOLERANCE, SHOP)
-    (title,) = [t.text for t in layout.sheet.primitives if isinstance(t, Text) and "Bore" in t.text]
+    texts = [t.text for t in layout.sheet.primitives if isinstance(t, Text)]
+    (title,) = [text for text in texts if text.startswith("Bore A")]
     detail = float(re.search(r"\((.*):1\)", title)[1])
     assert detail > layout.scale
 
@@ -451,6 +472,9 @@ SHOP = replace(
     profile=0.02,
     roughness=0.4,
     bore_roughness=1.6,
+    symmetry=0.03,
+    run_out=0.05,
+    bore_chamfer=0.5,
     roughness_elsewhere=3.2,
     edges="broken 0.2",
     heat_treatment="60 HRC",
@@ -463,9 +487,8 @@ SHOP = replace(
 def test_a_keyway_is_enlarged_with_its_fits_and_datums(tmp_path):
     texts = texts_of(write_drawing(tmp_path, "d", keyed_cam(), TOLERANCE, SHOP)[0])
     assert {"%%c12 H7 (+0.018/0)", "4 P9 (-0.012/-0.042)", "13.8 +0.1/0"} <= set(texts)
-    assert (
-        texts.count("A") >= 3 and texts.count("B") == 3
-    )  # hole, frame, datum; frame, datum, revision
+    # hole in view and table, frames of profile, symmetry and run-out, datum; frame of the profile, datum, revision
+    assert (texts.count("A"), texts.count("B")) == (6, 3)
     assert {
         "Ra 0.4",
         "Ra 1.6",
@@ -474,11 +497,60 @@ def test_a_keyway_is_enlarged_with_its_fits_and_datums(tmp_path):
         "J. Miller",
         "Edges broken 0.2",
         "60 HRC",
+        "0.03",
+        "0.05",
+        "Bore chamfered 0.5 x 45%%d at both ends",
     } <= set(texts)
     assert "All faces but for the track and bore Ra 3.2" in texts
     plain = texts_of(write_drawing(tmp_path, "p", keyed_cam(), TOLERANCE, META)[0])
     assert {"%%c12", "4", "13.8"} <= set(plain)
-    assert not [text for text in plain if "H7" in text or "Ra " in text or "Revision" in text]
+    words = ("H7", "Ra ", "Revision", "chamfer")
+    assert not [text for text in plain if any(word in text for word in words)]
+    assert not {"0.02", "0.03", "0.05"} & set(plain)
+
+
+def test_a_track_s_tolerance_stands_once_and_its_radii_are_exact(tmp_path):
+    """A tolerance at the nominal radii would be a second one beside that of the profile [ISO 1101, theoretically exact]."""
+    facts = replace(SHOP, track=[(0.0, 25 + 0j), (10.0, 25j)])
+    texts = texts_of(write_drawing(tmp_path, "d", keyed_cam(), TOLERANCE, facts)[0])
+    assert "Theoretically exact track: where the follower touches, from X, ccw" in texts
+    assert not [text for text in texts if "%%p" in text and "JS9" not in text]
+    assert texts.count("0.02") == 1 and "(R37) largest" in texts
+
+
+def test_the_bore_of_a_metal_cam_is_its_datum_without_a_keyway_too(tmp_path):
+    part = keyed_cam()
+    (layer,) = part.layers
+    plain_bore = Region(layer.region.outer, (circle(0, 4),))
+    part = replace(part, layers=(replace(layer, region=plain_bore),), bore=8.0)
+    texts = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, SHOP)[0])
+    assert texts.count("%%c8 H7 (+0.015/0)") == 2  # in the table and in the detail
+    assert [text for text in texts if text.startswith("Bore A (")]
+    assert "0.03" not in texts  # the symmetry of a keyway
+    plain = texts_of(write_drawing(tmp_path, "p", part, TOLERANCE, META)[0])
+    assert not [text for text in plain if text.startswith("Bore ")]
+
+
+def test_frames_and_the_circle_of_a_whole_outline_are_drawn():
+    """The circle at the bend of the track's leader; the run-out's arrow on the face at z = 0, its frame on free paper."""
+    layout = _Layout(keyed_cam_with_hub(), "d", TOLERANCE, SHOP)
+    strokes = [each for each in layout.sheet.primitives if isinstance(each, Stroke)]
+    bends = [
+        each.pieces[0].centre
+        for each in strokes
+        if isinstance(each.pieces[0], Arc) and each.pieces[0].radius == 1.25
+    ]
+    (bend,) = bends
+    starts = [start_point(each.pieces[0]) for each in strokes if each.layer == "DIM"]
+    assert min(abs(bend - each) for each in starts) < 1e-9
+    tips = [
+        end_point(each.pieces[0])
+        for each in strokes
+        if each.layer == "DIM" and isinstance(each.pieces[0], Line) and len(each.pieces) == 1
+    ]
+    on_face = [z for z in tips if abs(z.real - layout.side_x) < 1e-9]
+    low, high = layout.paper(layout.low), layout.paper(layout.high)
+    assert [z for z in on_face if low.imag < z.imag < high.imag]
 
 
 def test_a_keyway_that_is_not_of_the_standard_has_no_deeper_depth(tmp_path):
@@ -517,6 +589,11 @@ def test_sizes_are_rounded_to_what_the_general_tolerance_means(tmp_path):
 def _larger(layer, share):
     region = Region(layer.region.outer.moved(share, 0j), layer.region.holes)
     return replace(layer, region=region)
+
+
+def test_a_drawing_names_its_machine(root):
+    machine = read_mechanism(root / "specs" / "disc-cam.toml", ["name=press"]).resolved()
+    assert facts_of(machine, machine.assembly.parts[0]).machine == "press (disc-cam)"
 
 
 def test_radii_by_cam_angle_are_where_the_follower_touches(root, tmp_path):

@@ -73,6 +73,22 @@ def test_a_metal_cam_s_drawing_asks_for_what_its_material_was_judged_by() -> Non
     assert facts.heat_treatment == MATERIALS["16MnCr5"].treatment != ""
     assert (facts.profile, facts.roughness, facts.bore_roughness) == (0.05, 0.4, 1.6)
     assert facts.edges == "broken 0.2 to 0.4"
+    assert (facts.symmetry, facts.run_out, facts.bore_chamfer) == (0.04, 0.03, 1.0)
+    off = ["drawing.symmetry=0", "drawing.run_out=0.1", "drawing.bore_chamfer=0"]
+    other: Any = read_mechanism(STARTER, [*KEYED, "material.name=C45", *off])
+    facts = facts_of(other, other.assembly.parts[0])
+    assert (facts.symmetry, facts.run_out, facts.bore_chamfer) == (0, 0.1, 0)
     own: Any = read_mechanism(STARTER, [*KEYED, "drawing.heat_treatment=nitrided"])
     facts = facts_of(own, own.assembly.parts[0])
     assert (facts.heat_treatment, facts.profile, facts.edges) == ("nitrided", 0, "")
+    assert (facts.symmetry, facts.run_out, facts.bore_chamfer) == (0, 0, 0)
+
+
+def test_a_hardened_case_has_its_depth() -> None:
+    """Under a roller of 40 mm on a flank as flat as a plane, at the pressure that it bears: the shear is greatest at 0.78
+    half widths, and lies in the upper half of the case [Norton, Machine Design, line contact: b = 4 p r (1 - nu^2) / E]."""
+    steel = MATERIALS["16MnCr5"]
+    assert "CHD 0.8+0.4" in steel.treatment and steel.hertz is not None
+    elastic = steel.elastic
+    half_width = 4 * steel.hertz * 20.0 * (1 - elastic.poisson**2) / elastic.modulus
+    assert 0.39 < 0.78 * half_width < 0.4
