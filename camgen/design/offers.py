@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from camgen.design.found import Found
 from camgen.design.front import Front
@@ -12,6 +12,7 @@ from camgen.design.request import Request
 from camgen.errors import DesignError, counted
 
 NO_ERROR = 0.02  # of what is borne: less does not count
+_LEAST_AND_HALF = 1.5  # times the least play of a design: nobody gets much less
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,13 @@ class Aim:
     best_in: str  # what those of least loss are said to do
     further: str
     tighter: str = "set a smaller print.slide_clearance"
+
+    def within(self, designs: Sequence[Found]) -> Aim:
+        """With the play that is of use at least half as much again as the least of these, unless the wish says it."""
+        plays = [each.prototype.lash for each in designs if each.prototype.of_use]
+        if self.lash is not None or not plays:
+            return self
+        return replace(self, useful_play=max(self.useful_play, _LEAST_AND_HALF * min(plays)))
 
 
 @dataclass(frozen=True)
@@ -53,7 +61,8 @@ def rank(aim: Aim, each: Found) -> tuple[int, float, float]:
 def written(request: Request, offer: Offer) -> str:
     """Text of the spec of the best design; the front is kept where that is wanted; DesignError where none will do."""
     aim = offer.aim
-    order = sorted(offer.designs, key=lambda each: rank(aim, each))
+    within = aim.within(offer.designs)
+    order = sorted(offer.designs, key=lambda each: rank(within, each))
     rows = [each.row(number) for number, each in enumerate(order, 1)]
     texts = [request.spec_of(each, offer.note) for each in order] if request.keep else []
     sketches = [each.sketch for each in order]
@@ -67,8 +76,8 @@ def written(request: Request, offer: Offer) -> str:
     request.say(f"{many} to choose from; {front.caption(rows[order.index(best)])}")
     if best.prototype.lash > aim.useful_play:
         request.say(
-            f"the least play of a design is {best.prototype.lash:.3g} {aim.unit}, more than {aim.useful_play:.4g} {aim.unit} "
-            f"(wanted.lash, which is not set): {aim.tighter}"
+            f"it has more play than {aim.useful_play:.4g} {aim.unit} (wanted.lash, which is not set), the least of a design is "
+            f"{min(each.prototype.lash for each in near):.3g} {aim.unit}: {aim.tighter}"
         )
     other = min(near, key=lambda each: each.loss)
     if other is not best:
