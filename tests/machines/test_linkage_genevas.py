@@ -64,6 +64,70 @@ def test_the_wheel_of_the_model_is_the_closed_form(machine: camgen.Mechanism) ->
     assert np.abs(still[:, None] - np.array([still[0], still[-1]])).min(axis=1).max() < 1e-12
 
 
+INNER: dict[str, Any] = SPEC | {
+    "points": {"O": [50, 0], "C": [0, 0], "P": [80, 3]},
+    "geneva": [SPEC["geneva"][0] | {"inner": True}],
+    "parts": {"thickness": 5},
+}
+
+
+def test_an_inner_wheel_turns_with_its_crank_by_the_closed_form() -> None:
+    machine = load(INNER)
+    theta = np.linspace(0, math.tau, 721)
+    angle = theta + math.atan2(3, 30)
+    seen = np.angle(50 + 50 * math.sin(math.pi / 4) * np.exp(1j * angle))
+    table = np.asarray(machine.solve(theta)["table"])
+    drives = np.cos(angle) > math.cos(3 * math.pi / 4)
+    first = drives & (angle < math.pi)
+    assert np.ptp((table - seen)[first]) < 1e-9
+    assert table[-1] - table[0] == pytest.approx(math.pi / 2, abs=1e-9)
+    rests = ~drives
+    assert np.ptp(table[rests]) < 1e-12
+    assert machine.study().numbers["peak_speed_ratio_step"] == pytest.approx(0.41421, abs=5e-6)
+
+
+def test_a_ring_hangs_round_a_crescent_on_its_crank() -> None:
+    """Both on one level over the crank, where its shaft ends; the table lies over the head of the crank's pin."""
+    made = load(INNER).assembly
+    heights = {mount.part: mount.z for mount in made.mounts}
+    thick = {part.name: part.thickness for part in made.parts}
+    crank = heights["crank"] + thick["crank"]
+    assert heights["lock-step"] == pytest.approx(crank)
+    assert heights["shaft"] + thick["shaft"] == pytest.approx(crank)
+    assert crank < heights["geneva-step"] == heights["roller-step"]
+    ring = heights["geneva-step"] + thick["geneva-step"]
+    assert ring == pytest.approx(heights["wheel"])
+    pin = max(each.z + thick[each.part] for each in made.mounts if each.body == "crank")
+    assert pin < heights["wheel"]
+
+
+def test_what_presses_in_an_inner_slot_is_the_wheel_s_inertia_over_its_lever() -> None:
+    machine = load(INNER)
+    found = assess(machine)
+    (bent,) = [each for each in found.findings if "under step" in str(each.where)]
+    theta = np.linspace(0, math.tau, 1441)
+    run = machine.solve(theta)
+    _, rate, change = (np.asarray(each) for each in run.derivatives("table"))
+    pin = 50 + 50 * math.sin(math.pi / 4) * np.exp(1j * (theta + math.atan2(3, 30)))
+    inertia = machine.model.body("wheel").inertia
+    force = np.abs(inertia * change * machine.model.speed**2) * 1e3 / np.abs(pin)
+    told = re.match(r"([\d.]+) N", bent.message)
+    assert told is not None and float(told[1]) == pytest.approx(force[rate != 0].max(), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"slots": 10}, "wall of the link crank .* dowel 2"),
+        ({"pin_radius": 40}, "smaller pin"),
+        ({"slots": 3}, "cannot pass on any level"),
+    ],
+)
+def test_inner_drives_that_cannot_be_are_refused(changes: dict[str, Any], words: str) -> None:
+    with pytest.raises(DesignError, match=words):
+        assert load(INNER | {"geneva": [INNER["geneva"][0] | changes]}).assembly
+
+
 def test_parts_lie_on_one_level_over_the_crank(machine: camgen.Mechanism) -> None:
     heights = {mount.part: mount.z for mount in machine.assembly.mounts}
     level = {heights[f"{name}-step"] for name in ("geneva", "lock", "roller")}

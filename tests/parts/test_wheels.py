@@ -21,7 +21,7 @@ from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Smooth
 from camgen.parts.wheels.cycloid import CycloidDisc
-from camgen.parts.wheels.geneva import Geneva
+from camgen.parts.wheels.geneva import Geneva, InnerGeneva
 from camgen.parts.wheels.involute import BasicRack, Ring, StraightRack, Wheel
 from camgen.parts.wheels.mesh import Mesh, Sizes
 from camgen.parts.wheels.planets import PlanetSet
@@ -185,7 +185,7 @@ def test_balanced_shifts_slide_alike(teeth: tuple[int, int], side: int) -> None:
     assert min(mesh.sliding) > min(sizes.mesh().sliding) or teeth[0] == teeth[1]
 
 
-@pytest.mark.parametrize("curve", ["flank", "root", "cycloid", "lock"])
+@pytest.mark.parametrize("curve", ["flank", "root", "cycloid", "lock", "crescent"])
 def test_slopes_are_those_of_the_points(curve: str) -> None:
     """First and second derivatives of the curves against differences of the ones before."""
     relieved = Sizes(RACK, 20, 41).mesh().relieved(0.02).a
@@ -194,6 +194,9 @@ def test_slopes_are_those_of_the_points(curve: str) -> None:
         "root": [p for p in Wheel(12, RACK, 0.1).outline().pieces[:6] if isinstance(p, Smooth)],
         "cycloid": [CycloidDisc(11, 40, 3, 1.5, 0.02).outline().pieces[0]],
         "lock": [p for p in Geneva(4, 60, 3, 1).lock_disc().pieces if isinstance(p, Smooth)],
+        "crescent": [
+            p for p in InnerGeneva(4, 60, 3, 1).lock_disc().pieces if isinstance(p, Smooth)
+        ],
     }[curve]
     assert pieces
     for piece in pieces:
@@ -304,6 +307,42 @@ def test_geneva_wheels_turn_by_their_crank(row: tuple[int, float, float]) -> Non
         assert held.distance(_turned(lock, t)) == pytest.approx(0.05, abs=3e-4)
 
 
+@pytest.mark.parametrize("row", REFERENCE["inner_geneva"]["rows"])
+def test_inner_geneva_wheels_turn_with_their_crank(row: tuple[int, float, float]) -> None:
+    """Top speed and drive of the table; pin and lock keep their air over a whole turn, neither more at the pin in the drive."""
+    stations, drive, speed = row
+    geneva = InnerGeneva(int(stations), 60.0, 3.0, 0.6)
+    assert math.degrees(2 * geneva.half) == pytest.approx(drive)
+    assert geneva.speed == pytest.approx(speed, abs=5e-6)
+    assert float(geneva.motion(0.0, 1)) == pytest.approx(geneva.speed)
+    ring = shapely.Point(0, 0).buffer(geneva.reach + 5).difference(_polygon(geneva.wheel()))
+    lock = _polygon(geneva.lock_disc())
+    pin = shapely.Point(geneva.crank, 0).buffer(3.0, 256)
+    for t in np.linspace(-geneva.half, geneva.half, 21):
+        seen = 60 + geneva.crank * np.exp(1j * t)
+        assert float(geneva.motion(t)) == pytest.approx(math.atan2(seen.imag, seen.real))
+        turned = _turned(ring, float(geneva.motion(t)), -60.0)
+        assert turned.distance(_turned(pin, t)) == pytest.approx(0.05, abs=3e-4)
+        assert turned.distance(_turned(lock, t)) >= 0.05 - 3e-4
+    held = _turned(ring, float(geneva.motion(geneva.half)), -60.0)
+    for t in np.linspace(geneva.half, math.tau - geneva.half, 7):
+        assert held.distance(_turned(lock, t)) == pytest.approx(0.05, abs=3e-4)
+        assert held.distance(_turned(pin, t)) >= 0.05 - 3e-4
+
+
+@pytest.mark.parametrize("row", REFERENCE["inner_geneva"]["rows"])
+def test_a_crescent_holds_its_wheel_both_ways(row: tuple[int, float, float]) -> None:
+    """In the middle of a dwell a wheel turned by more than the air over the lever of the lock's ends meets it, either way."""
+    geneva = InnerGeneva(int(row[0]), 60.0, 3.0, 0.6)
+    ring = shapely.Point(0, 0).buffer(geneva.reach + 5).difference(_polygon(geneva.wheel()))
+    lock = _turned(_polygon(geneva.lock_disc()), math.pi)
+    most = 0.05 / (60.0 * math.sin(geneva.dwell))
+    for way in (-1, 1):
+        for share, meets in ((0.9, False), (1.2, True)):
+            turned = _turned(ring, geneva.pitch / 2 + way * share * most, -60.0)
+            assert turned.intersects(lock) is meets
+
+
 def test_a_pawl_is_drawn_in_by_a_face_that_leans_enough() -> None:
     upright = RatchetWheel(12, 20.0, 17.0)
     leaning = RatchetWheel(12, 20.0, 17.0, math.radians(12))
@@ -336,6 +375,8 @@ def test_edges_fit_arcs_within_the_tolerance() -> None:
         (lambda: Wheel(20, BasicRack(2.0, fillet=0.5)), "cutter's flat tip"),
         (lambda: Ring(30, RACK, tip=27.0), "radius of a ring's tips"),
         (lambda: Geneva(4, 60, 18.0, 1.0), "radius of the pin"),
+        (lambda: InnerGeneva(4, 60, 41.5, 1.0), "radius of the pin"),
+        (lambda: InnerGeneva(12, 60, 9.0, 1.0), "crescent"),
         (lambda: CycloidDisc(11, 40.0, 3.0, 4.0), "eccentricity"),
         (lambda: CycloidDisc(11, 40.0, 3.0, 0.0), "eccentricity"),
         (lambda: CycloidDisc(11, 40.0, 3.0, 0.05, 0.1), "eccentricity"),

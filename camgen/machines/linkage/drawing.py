@@ -39,7 +39,7 @@ from camgen.parts.generator.cycloids import CycloidWish
 from camgen.parts.generator.ratchets import RatchetWish
 from camgen.parts.generator.wheels import SECOND, Ridden, follower_of, level_of, named, pivot
 from camgen.parts.wheels.cycloid import CycloidDisc, OutputWish
-from camgen.parts.wheels.geneva import Geneva, GenevaLaw
+from camgen.parts.wheels.geneva import Geneva, GenevaLaw, InnerGeneva
 from camgen.parts.wheels.noncircular import Centrodes, NoncircularPair
 from camgen.parts.wheels.ratchet import PawlLaw, RatchetWheel, pawl_of
 
@@ -178,13 +178,14 @@ class Drawing:
         pairs = ((t.pair(key), length) for key, length in self.lengths.items())
         return [(names, length) for names, length in pairs if names]
 
-    def geneva_of(self, table: t.Geneva) -> Geneva:
+    def geneva_of(self, table: t.Geneva) -> Geneva | InnerGeneva:
         """Its wheel and disc; DesignError where there is none."""
         distance = self._shafts_apart(table.a, table.b)
         usual, wall = self.geneva_sizes
         air = usual if table.clearance is None else table.clearance
         try:
-            return Geneva(table.slots, distance, table.pin_radius, wall, air, air)
+            kind = InnerGeneva if table.inner else Geneva
+            return kind(table.slots, distance, table.pin_radius, wall, air, air)
         except DesignError as error:
             raise named(error, f"geneva {self.geneva_name(table)}") from None
 
@@ -248,7 +249,7 @@ class Drawing:
         return [self.cycloid_of(row) for row in self.cycloids]
 
     @cached_property
-    def named_genevas(self) -> dict[str, tuple[Geneva, str]]:
+    def named_genevas(self) -> dict[str, tuple[Geneva | InnerGeneva, str]]:
         """Each Geneva drive with its pin, by the name of its joint."""
         return {self.geneva_name(each): (self.geneva_of(each), each.pin) for each in self.genevas}
 
@@ -693,13 +694,14 @@ class Drawing:
     def _geneva(
         self, table: t.Geneva, bodies: Mapping[str, m.Body], start: Mapping[str, m.Pose]
     ) -> m.Cam:
-        """The joint; its angle is 0 where the pin is on the line from the crank's axis to the wheel's."""
+        """The joint; its angle is 0 in the middle of a drive: the pin is on the line of both axes, towards that of the wheel, but
+        away from that of an inner one."""
         law = GenevaLaw(self.geneva_of(table))
         ground = bodies[GROUND].points
         axes = [complex(ground[self.pivot(link) or ""]) for link in (table.a, table.b)]
         crank = bodies[table.a].points
         spoke = complex(crank[table.pin]) - complex(crank[self.pivot(table.a) or ""])
-        phase = cmath.phase((axes[1] - axes[0]) / spoke)
+        phase = cmath.phase(law.geneva.sense * (axes[0] - axes[1]) / spoke)
         angle = start[table.a].angle - phase
         rest = start[table.b].angle - float(law(np.array(angle)))
         name = self.geneva_name(table)

@@ -359,6 +359,10 @@ class Geneva(Record):
         description="number of slots of the wheel: that many turns of the crank turn it once"
     )
     pin_radius: Length = Field(description="radius of the roller on the pin")
+    inner: bool = Field(
+        default=False,
+        description="whether the wheel goes round its crank, its slots open inwards: it turns with the crank, slower and over more than half of its turn",
+    )
     clearance: Annotated[float, quantity("mm", gt=0, le=2)] | None = Field(
         default=None,
         description="air of the roller in a slot, and of the disc in the wheel, on either side; half of print.slide_clearance unless given",

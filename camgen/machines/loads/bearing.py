@@ -351,7 +351,7 @@ def edge_forces(run: Run, forces: Forces, assembly: Assembly) -> dict[str, Float
         elif isinstance(joint.law, GenevaLaw):
             geneva = joint.law.geneva
             angle = _angle(run, joint.cam) - joint.phase
-            lever = np.abs(geneva.distance - geneva.crank * np.exp(1j * angle))
+            lever = np.abs(geneva.distance + geneva.sense * geneva.crank * np.exp(1j * angle))
             drives = joint.law(angle, 1) != 0
             found[joint.name] = np.where(drives, torque / lever, 0.0)
     return found

@@ -22,7 +22,7 @@ from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.gears import GearWish
 from camgen.parts.generator.cycloids import CycloidWish
 from camgen.parts.generator.gears import DowelledWheel, GearPair, GearWheel, PlanetWish, gear_pairs
-from camgen.parts.generator.genevas import GenevaDrive
+from camgen.parts.generator.genevas import DowelledEdge, GenevaDrive
 from camgen.parts.generator.noncircular import NoncircularDrive
 from camgen.parts.generator.ratchets import RatchetDrive, RatchetWish
 from camgen.parts.generator.sizes import Parts
@@ -39,7 +39,7 @@ from camgen.parts.generator.wheels import (
 )
 from camgen.parts.hardware import FACETS
 from camgen.parts.part import Layer, Part
-from camgen.parts.wheels.geneva import Geneva
+from camgen.parts.wheels.geneva import Geneva, InnerGeneva
 from camgen.parts.wheels.involute import Ring
 from camgen.parts.wheels.noncircular import NoncircularPair
 from camgen.spec import Print
@@ -131,7 +131,7 @@ class Connections:
     planets: Sequence[PlanetWish] = ()
     cycloids: Sequence[CycloidWish] = ()
     # wheel and disc of each Geneva drive, and the point of its pin
-    genevas: Mapping[str, tuple[Geneva, str]] = field(default_factory=dict)
+    genevas: Mapping[str, tuple[Geneva | InnerGeneva, str]] = field(default_factory=dict)
     noncirculars: Mapping[str, NoncircularPair] = field(default_factory=dict)
     ratchets: Mapping[str, RatchetWish] = field(default_factory=dict)
     stems: Mapping[str, str] = field(default_factory=dict)  # how slides' runners reach their rails
@@ -257,7 +257,14 @@ class Connections:
         return list(dict.fromkeys(every))
 
     @cached_property
-    def dowelled(self) -> list[DowelledWheel]:
+    def dowelled(self) -> list[DowelledWheel | DowelledEdge]:
+        """What dowels hold: rings of inner teeth, suns that stand still, inner Geneva wheels and their locks."""
+        rim = groove_rim(self.sizes) + self.fits.press_clearance
+        edges = (each for drive in self.geneva_drives for each in drive.dowelled(self.machine, rim))
+        return [*self.dowelled_wheels, *edges]
+
+    @cached_property
+    def dowelled_wheels(self) -> list[DowelledWheel]:
         """Rings of inner teeth, and suns that stand still."""
         rim = groove_rim(self.sizes) + self.fits.press_clearance
         bore = self.sizes.shaft_diameter / 2 + self.fits.slide_clearance
@@ -290,7 +297,7 @@ class Connections:
     @property
     def standing_suns(self) -> list[GearWheel]:
         """Suns on the ground, through which a shaft goes."""
-        return [each.wheel for each in self.dowelled if not each.within]
+        return [each.wheel for each in self.dowelled_wheels if not each.within]
 
     @cached_property
     def geneva_drives(self) -> list[GenevaDrive]:
@@ -332,7 +339,7 @@ class Connections:
     @cached_property
     def wheels(self) -> list[Wheel]:
         """Cam discs, gears' wheels on shafts and pins, wheels that drive by their edges, counterweights."""
-        on_dowels = {each.wheel for each in self.dowelled}
+        on_dowels = {each.wheel for each in self.dowelled_wheels}
         return [
             *(tip.wheel for tip in self.tips),
             *(each.wheel for each in self.gear_wheels if each not in on_dowels),
@@ -393,9 +400,10 @@ class Connections:
         held = self.bodies[link].points
         return next(point for point in held if self.pivots.get(point, ("",))[0] == GROUND)
 
-    def axis_of_wheel(self, wheel: GearWheel) -> str:
-        """The point of the ground about which the teeth of a wheel on dowels lie."""
-        return self.axis_of(wheel.beside or wheel.link)
+    def axis_of_wheel(self, wheel: GearWheel | Wheel) -> str:
+        """The point of the ground about which a wheel on dowels lies."""
+        beside = wheel.beside if isinstance(wheel, GearWheel) else ""
+        return self.axis_of(beside or wheel.link)
 
     @cached_property
     def planet_pins(self) -> dict[str, str]:

@@ -21,7 +21,7 @@ from camgen.parts.disc_cams import CamParts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.gears import table, windows
 from camgen.parts.generator.gears import DowelledWheel, GearWheel
-from camgen.parts.generator.genevas import GenevaDrive
+from camgen.parts.generator.genevas import DowelledEdge, GenevaDrive
 from camgen.parts.generator.layout import GROUND, Layout, pivot_name
 from camgen.parts.generator.noncircular import NoncircularDrive
 from camgen.parts.generator.pins import MountedPart
@@ -126,7 +126,7 @@ def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
 
 def gear_parts(layout: Layout) -> Iterator[MountedPart]:
     """Wheels of gears on their links' shafts, planets on their pins, all of a set one part; rings and suns on their dowels."""
-    on_dowels = {each.wheel: each for each in layout.dowelled}
+    on_dowels = {each.wheel: each for each in layout.dowelled_wheels}
     made: dict[str, Part] = {}
     for wheel in layout.gear_wheels:
         if wheel in on_dowels:
@@ -194,12 +194,17 @@ def _wheel_bore(layout: Layout, link: str, start: float) -> tuple[Contour, float
     return circle(0j, wide / 2), wide, held
 
 
-def _dowelled_region(layout: Layout, dowelled: DowelledWheel, name: str) -> Region:
-    """A ring or a sun as drawn at theta = 0."""
-    wheel = dowelled.wheel
-    gear = wheel.gear
+def _dowelled_region(layout: Layout, dowelled: DowelledWheel | DowelledEdge, name: str) -> Region:
+    """A ring, a sun or a lock as drawn at theta = 0."""
     hole = (layout.sizes.pin_diameter + layout.fits.press_clearance) / 2
     holes = {f"dowel {k}": circle(z, hole) for k, z in enumerate(dowelled.dowels, 1)}
+    if isinstance(dowelled, DowelledEdge):
+        if not dowelled.within:
+            return plate(name, dowelled.edge, holes, layout.min_wall)
+        holes["opening"] = dowelled.edge
+        return plate(name, circle(0j, dowelled.outside), holes, layout.min_wall)
+    wheel = dowelled.wheel
+    gear = wheel.gear
     if isinstance(gear, involute.Ring):
         edge = circle(0j, dowelled.edge)
         tooth = wheel.tooth + gear.pitch / 2
@@ -210,34 +215,36 @@ def _dowelled_region(layout: Layout, dowelled: DowelledWheel, name: str) -> Regi
     return plate(name, edge, holes, layout.min_wall)
 
 
-def dowelled_parts(layout: Layout, dowelled: DowelledWheel) -> Iterator[MountedPart]:
-    """A ring with inner teeth as drawn at theta = 0, or a sun, and the dowels that hold it on its link."""
+def dowelled_parts(layout: Layout, dowelled: DowelledWheel | DowelledEdge) -> Iterator[MountedPart]:
+    """A ring as drawn at theta = 0, a sun or a lock, and the dowels that hold it on its link."""
     wheel = dowelled.wheel
     link = wheel.link
     sizes = layout.sizes
     start = float(layout.machine.start_of(link).angle)
-    kind = "ring" if isinstance(wheel.gear, involute.Ring) else "sun"
-    on = "the ground plate" if link == GROUND else f"link {link}, which lies over it"
+    kind = "ring" if dowelled.within else "lock" if isinstance(dowelled, DowelledEdge) else "sun"
+    above = "which lies under it" if dowelled.lies == "over" else "which lies over it"
+    on = "the ground plate" if link == GROUND else f"link {link}, {above}"
     region = _dowelled_region(layout, dowelled, f"{kind} of {link}")
     low, thick = layout.ring_span(dowelled)
+    count = {2: "two", 3: "three"}[len(dowelled.dowels)]
+    rows = () if isinstance(dowelled, DowelledEdge) else table(dowelled.wheel.mesh, dowelled.gear)
     part = Part(
-        wheel.part,
+        dowelled.part,
         f"{kind.capitalize()} of {'the ground' if link == GROUND else link}",
         (Layer(region, 0.0, thick),),
         centres=(0j, *dowelled.dowels),
         notes=(
             f"drawn at theta = 0, level {layout.level[wheel.level]}",
-            f"three dowels hold it on {on}, pressed and glued",
-            *table(wheel.mesh, wheel.gear),
+            f"{count} dowels hold it on {on}, pressed and glued",
+            *rows,
         ),
         min_wall=layout.min_wall,
     )
     at = layout.at(link, layout.axis_of_wheel(wheel))
-    yield part, Mount(wheel.part, link, at, -start, z=low)
-    bottom = 0.0 if link == GROUND else low
-    top = low + thick if link == GROUND else layout.top_of(link)
+    yield part, Mount(part.name, link, at, -start, z=low)
+    bottom, top = layout.dowel_span(dowelled)
     made = "printed" if sizes.pin == "printed" else TURNED
-    name = f"dowel-{wheel.part}"
+    name = f"dowel-{part.name}"
     dowel = rod(
         name, f"Dowel of the {part.title.lower()}", sizes.pin_diameter, round(top - bottom, 9)
     )
@@ -247,18 +254,31 @@ def dowelled_parts(layout: Layout, dowelled: DowelledWheel) -> Iterator[MountedP
 
 def geneva_parts(layout: Layout, drive: GenevaDrive) -> Iterator[MountedPart]:
     """Wheel and disc of a Geneva drive, each on its link's shaft, and the roller."""
-    lock, slotted = drive.edges(layout.machine)
-    joint = drive.joint
-    yield _on_shaft(layout, joint.cam, drive, lock)
-    part, mount = _on_shaft(layout, joint.follower, drive, slotted)
     geneva = drive.geneva
     sizes = (
         f"{geneva.stations} slots {2 * (geneva.pin + geneva.slot_air):.3f} wide, middles of their round ends on R {geneva.slot_end:.3f}",
         f"hollows R {geneva.hollow:.3f} about middles on R {geneva.distance:.3f}, rim circle {2 * geneva.rim:.3f}",
         f"for a roller of {2 * geneva.pin:g}, axes {geneva.distance:.3f} apart",
     )
-    yield replace(part, notes=(*part.notes, *sizes)), mount
-    yield roller_part(layout, drive.roller)
+    slotted = drive.part_on(drive.joint.follower)
+    for part, mount in [*_geneva_wheels(layout, drive), roller_part(layout, drive.roller)]:
+        rows = sizes if part.name == slotted else ()
+        yield replace(part, notes=(*part.notes, *rows)), mount
+
+
+def _geneva_wheels(layout: Layout, drive: GenevaDrive) -> Iterator[MountedPart]:
+    """Wheel and lock of a Geneva drive, with the dowels of those that have some."""
+    if not drive.inner:
+        links = drive.joint.cam, drive.joint.follower
+        for link, edge in zip(links, drive.edges(layout.machine), strict=True):
+            yield _on_shaft(layout, link, drive, edge)
+        return
+    ours = {drive.lock, drive.slotted}
+    try:
+        for each in (each for each in layout.dowelled if each.wheel in ours):
+            yield from dowelled_parts(layout, each)
+    except DesignError as error:
+        raise named(error, drive.thing, drive.remedy) from None
 
 
 def pair_parts(layout: Layout, drive: NoncircularDrive | RatchetDrive) -> Iterator[MountedPart]:

@@ -11,6 +11,7 @@ import cmath
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 from camgen.errors import DesignError
 from camgen.machine import model as m
@@ -90,6 +91,18 @@ class DowelledWheel:
     wheel: GearWheel
     edge: float  # mm, radius of the ring's rim, of the sun's bore
     between: str = ""  # link that turns between a ring and its link
+
+    @property
+    def part(self) -> str:
+        """Name of its part."""
+        return self.wheel.part
+
+    @property
+    def lies(self) -> Literal["under", "over", "below"]:
+        """Whether it lies under its link, over it, or somewhere below it."""
+        if self.between:
+            return "below"
+        return "over" if self.wheel.link == m.GROUND else "under"
 
     @property
     def gear(self) -> involute.Wheel | involute.Ring:

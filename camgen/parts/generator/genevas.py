@@ -1,16 +1,36 @@
-"""Geneva drives of a linkage: the slotted wheel and the disc that locks it on one level, with the roller on the crank's pin."""
+"""Geneva drives of a linkage: the slotted wheel and the disc that locks it on one level, with the roller on the crank's pin.
+
+An inner wheel is a ring round its crank, on dowels under its link; its lock is a crescent on dowels over the crank, whose
+shaft ends below them.
+"""
 
 from __future__ import annotations
 
 import cmath
+import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.parts.generator.wheels import Roller, Wheel, level_of, pivot
-from camgen.parts.wheels.geneva import Geneva
+from camgen.parts.wheels.geneva import Geneva, InnerGeneva
+
+
+@dataclass(frozen=True)
+class DowelledEdge:
+    """A ring or a lock that dowels hold on its link; mm, places as drawn, from the axis about which its link turns."""
+
+    wheel: Wheel
+    part: str
+    edge: Contour  # of the ring's opening, of the lock
+    within: float  # least radius of what the ring takes; 0 of a lock
+    outside: float  # greatest radius
+    dowels: tuple[complex, ...]
+    lies: Literal["under", "over", "below"]  # its link, or somewhere below it
+    between: str = ""
 
 
 @dataclass(frozen=True)
@@ -18,7 +38,7 @@ class GenevaDrive:
     """A Geneva drive of a machine."""
 
     joint: m.Cam
-    geneva: Geneva
+    geneva: Geneva | InnerGeneva
     point: str  # of the crank, where its roller is
     remedy = (
         "put the shafts further apart, or use a smaller pin_radius"  # where a wheel has no room
@@ -39,31 +59,76 @@ class GenevaDrive:
         return f"{'lock' if link == self.joint.cam else 'geneva'}-{self.level}"
 
     @property
-    def wheels(self) -> tuple[Wheel, Wheel]:
-        """Disc and slotted wheel on their shafts."""
-        lock = self.geneva.lock
-        wheel = self.geneva.rim
-        return (
-            Wheel(self.level, self.joint.cam, lock, f"lock of {self.joint.cam}"),
-            Wheel(self.level, self.joint.follower, wheel, f"Geneva wheel of {self.joint.follower}"),
+    def lock(self) -> Wheel:
+        """What locks the wheel."""
+        link = self.joint.cam
+        return Wheel(self.level, link, self.geneva.lock, f"lock of {link}")
+
+    @property
+    def slotted(self) -> Wheel:
+        """The slotted wheel."""
+        link = self.joint.follower
+        return Wheel(self.level, link, self.geneva.rim, f"Geneva wheel of {link}")
+
+    @property
+    def inner(self) -> bool:
+        """Whether the wheel goes round its crank."""
+        return isinstance(self.geneva, InnerGeneva)
+
+    @property
+    def wheels(self) -> tuple[Wheel, ...]:
+        """Disc and slotted wheel on their shafts; none of those that dowels hold."""
+        return () if self.inner else (self.lock, self.slotted)
+
+    def dowelled(self, machine: m.Machine, rim: float) -> tuple[DowelledEdge, ...]:
+        """Crescent and ring on their dowels; rim: of the ring beyond its slots, mm."""
+        geneva = self.geneva
+        if not isinstance(geneva, InnerGeneva):
+            return ()
+        lock, opening = self.edges(machine)
+        pin, slot = self._directions(machine)
+        on_ring = (
+            slot * cmath.rect(geneva.reach + rim / 2, geneva.pitch / 2 + math.tau * k / 3)
+            for k in range(3)
         )
+        crescent = DowelledEdge(
+            self.lock,
+            self.part_on(self.joint.cam),
+            lock,
+            within=0.0,
+            outside=geneva.lock,
+            dowels=tuple(pin * z for z in geneva.seats),
+            lies="over",
+        )
+        ring = DowelledEdge(
+            self.slotted,
+            self.part_on(self.joint.follower),
+            opening,
+            within=geneva.rim,
+            outside=geneva.reach + rim,
+            dowels=tuple(on_ring),
+            lies="below",
+        )
+        return crescent, ring
 
     @property
     def roller(self) -> Roller:
         """On the crank's pin."""
         about = f"Geneva drive {self.joint.name}"
         joint = self.joint
-        lock = self.wheels[0]
+        lock = self.lock
         return Roller(self.level, joint.name, joint.cam, self.point, self.geneva.pin, lock, about)
 
     def edges(self, machine: m.Machine) -> tuple[Contour, Contour]:
         """Of disc and wheel about their axes, as drawn at theta = 0."""
+        pin, slot = self._directions(machine)
+        return self.geneva.lock_disc().moved(pin), self.geneva.wheel().moved(slot)
+
+    def _directions(self, machine: m.Machine) -> tuple[complex, complex]:
+        """Where the pin is from the crank's axis, and the slot that it drives from the wheel's, unit complex, as drawn."""
         joint = self.joint
         axes = [pivot(machine, link)[1] for link in (joint.cam, joint.follower)]
-        line = (axes[1] - axes[0]) / abs(axes[1] - axes[0])
+        line = (axes[0] - axes[1]) / abs(axes[1] - axes[0])  # from the wheel to the crank
         angle = float(machine.start_of(joint.cam).angle) - joint.phase
-        slot = -line * cmath.exp(1j * float(joint.law(np.array(angle), 0)))
-        return (
-            self.geneva.lock_disc().moved(line * cmath.exp(1j * angle)),
-            self.geneva.wheel().moved(slot),
-        )
+        slot = line * cmath.exp(1j * float(joint.law(np.array(angle), 0)))
+        return self.geneva.sense * line * cmath.exp(1j * angle), slot

@@ -283,14 +283,19 @@ def _geneva(layout: Layout, drive: GenevaDrive) -> EngagedPair:
     """What a Geneva drive is judged on."""
     hole = layout.turning(drive.point) + layout.fits.slide_clearance
     geneva = drive.geneva
+    parts = [drive.part_on(link) for link in (drive.joint.cam, drive.joint.follower)]
+    lock, slotted = (_edge(layout, part) for part in parts)
+    if drive.inner:  # both about the middle of their drawings: they have no bore
+        lock, slotted = (Edge(part, Eye(part, 0j, 0.0)) for part in parts)
+        slotted = replace(slotted, hole=0j)
     seat = _eye(layout, drive.point, drive.joint.cam)
     return EngagedPair(
         drive.joint.name,
         (
-            _edge(layout, drive.part_on(drive.joint.cam)),
+            lock,
             Edge(drive.roller.part, Eye(drive.roller.part, 0j, hole), seat),
         ),
-        (_edge(layout, drive.part_on(drive.joint.follower)),),
+        (slotted,),
         pivot_of(layout, drive.joint.cam),
         pivot_of(layout, drive.joint.follower),
         geneva.slot_air,

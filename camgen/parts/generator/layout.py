@@ -23,6 +23,7 @@ from camgen.parts.generator.connections import GROUND, Connections, StretchedSpr
 from camgen.parts.generator.covers import Cover, cover
 from camgen.parts.generator.cycloids import CycloidDrive, CycloidWish, Stud
 from camgen.parts.generator.gears import DowelledWheel
+from camgen.parts.generator.genevas import DowelledEdge
 from camgen.parts.generator.guides import COVERED, STEMS, Guide, Rails, Runner, Way, guide
 from camgen.parts.generator.slotted import SlotHole, one_by_one
 from camgen.parts.generator.wheels import NOSE, Tip, named, pivot
@@ -461,35 +462,44 @@ class Layout(Connections):
         return min(low, own), max(high, round(own + self.thickness(stud.link), 9))
 
     def ring_seats(self, link: str) -> list[tuple[complex, float]]:
-        """Hubs round the dowels of rings and suns on a link: place in its axes and radius."""
+        """Hubs round the dowels on a link: place in its axes and radius."""
         radius = (self.sizes.pin_diameter + self.fits.press_clearance) / 2 + self.rim
         held = (each for each in self.dowelled if each.wheel.link == link)
         return [(z, radius) for each in held for z in self.dowel_places(each)]
 
-    def dowel_places(self, dowelled: DowelledWheel) -> list[complex]:
-        """Places of a ring's or sun's dowels, in its link's axes, mm."""
+    def dowel_places(self, dowelled: DowelledWheel | DowelledEdge) -> list[complex]:
+        """Places of the dowels of what they hold, in its link's axes, mm."""
         link = dowelled.wheel.link
         turn = cmath.exp(-1j * self.machine.start_of(link).angle)
         at = self.at(link, self.axis_of_wheel(dowelled.wheel))
         return [at + turn * z for z in dowelled.dowels]
 
     def ring_holes(self, link: str) -> dict[str, Contour]:
-        """Holes of a link for the dowels of its rings and suns."""
+        """Holes of a link for the dowels of what they hold on it."""
         radius = (self.sizes.pin_diameter + self.fits.press_clearance) / 2
         seats = enumerate(self.ring_seats(link), 1)
-        return {f"dowel {k} of the ring": circle(z, radius) for k, (z, _) in seats}
+        return {f"dowel {k}": circle(z, radius) for k, (z, _) in seats}
 
-    def ring_span(self, ring: DowelledWheel) -> tuple[float, float]:
-        """Underside and thickness of a ring or sun, mm: up to its link, or down to the plate; of sheet a level's."""
+    def ring_span(self, ring: DowelledWheel | DowelledEdge) -> tuple[float, float]:
+        """Underside and thickness of what dowels hold, mm: up to its link, or down to it; of sheet a level's."""
         level = self.level[ring.wheel.level]
         link = ring.wheel.link
         low = self.floor(level)
         if self.sizes.of_sheet:
             return low, self.sizes.thickness
-        if link == GROUND:
-            low = self.sizes.base_thickness
+        if ring.lies == "over":
+            low = self.sizes.base_thickness if link == GROUND else self.top_of(link)
             return low, round(self.floor(level) + self.sizes.thickness - low, 9)
         return low, round(self.floor(self.level[link]) - low, 9)
+
+    def dowel_span(self, ring: DowelledWheel | DowelledEdge) -> tuple[float, float]:
+        """Underside and upper side of its dowels, mm: through it and its link."""
+        link = ring.wheel.link
+        low, thick = self.ring_span(ring)
+        if ring.lies != "over":
+            return low, self.top_of(link)
+        bottom = 0.0 if link == GROUND else self.floor(self.level[link])
+        return bottom, low + thick
 
     def arm_band(self, link: str) -> ArmBand | None:
         """The band of a link that is asked to be bent or narrower than its hubs; DesignError where it has not two of them."""

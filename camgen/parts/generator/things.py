@@ -18,6 +18,7 @@ from camgen.numerics import Points
 from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.cures import slimmer, slimmer_pin
 from camgen.parts.generator.gears import DowelledWheel
+from camgen.parts.generator.genevas import DowelledEdge
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.plates import motor_holes
 from camgen.parts.generator.ratchets import RatchetDrive
@@ -51,12 +52,13 @@ def things(layout: Layout, run: Run) -> Things:
     over += over_collars
     bands = [*_links(courses), *cams, *_gears(courses), *dowelled, *genevas, *springs]
     openings = _openings(layout, run.theta.size)
-    # a ring hangs under its link, a ring or sun of the ground stands on the plate
-    stacked = [
-        (each.wheel.level, "") if each.wheel.link == GROUND else (each.wheel.link, each.wheel.level)
-        for each in layout.dowelled
-        if not each.between
-    ]
+    # a ring hangs under its link, a lock stands on it, a ring or sun of the ground on the plate
+    stacked = []
+    for each in layout.dowelled:
+        link = "" if each.wheel.link == GROUND else each.wheel.link
+        if each.lies != "below":
+            on_each_other = (link, each.wheel.level)
+            stacked.append(on_each_other if each.lies == "under" else on_each_other[::-1])
     return Things(bands, axes, layout.fits.slide_clearance, walls, over, openings, stacked)
 
 
@@ -219,12 +221,12 @@ def _pawl(courses: _Courses, drive: RatchetDrive) -> Band:
 
 
 def _dowelled(courses: _Courses) -> list[Band]:
-    """Rings with inner teeth: chords of them, for what moves inside; suns on the ground."""
+    """Rings: chords of them, for what moves inside; suns on the ground, locks."""
     layout = courses.layout
     bands = []
     for each in layout.dowelled:
         wheel = each.wheel
-        about = f"{'ring' if each.within else 'sun'} of {wheel.link}"
+        about = f"{_kind(each)} of {wheel.link}"
         smaller = f"a smaller {about} (a shorter distance of its pair's axes)"
         for discs in _chords(layout, each):
             band = courses.band(about, GROUND, discs, wheel.level)
@@ -232,8 +234,17 @@ def _dowelled(courses: _Courses) -> list[Band]:
     return bands
 
 
-def _chords(layout: Layout, dowelled: DowelledWheel) -> list[list[tuple[complex, float]]]:
-    """Discs on the ground in whose bands a ring is, one band a chord of it; the disc that a sun is."""
+def _kind(dowelled: DowelledWheel | DowelledEdge) -> str:
+    """What dowels hold, in messages."""
+    if dowelled.within:
+        return "ring"
+    return "lock" if isinstance(dowelled, DowelledEdge) else "sun"
+
+
+def _chords(
+    layout: Layout, dowelled: DowelledWheel | DowelledEdge
+) -> list[list[tuple[complex, float]]]:
+    """Discs on the ground in whose bands a ring is, one band a chord of it; the disc that a sun or a lock is in."""
     at = layout.at(GROUND, layout.axis_of_wheel(dowelled.wheel))
     if not dowelled.within:
         return [[(at, dowelled.outside)]]
@@ -245,13 +256,14 @@ def _chords(layout: Layout, dowelled: DowelledWheel) -> list[list[tuple[complex,
 
 
 def _collars(courses: _Courses) -> tuple[list[Wall], Over]:
-    """Rings that go up past a carrier to their links."""
+    """Rings that go up past a carrier or a pin's head to their links."""
     layout = courses.layout
     walls = []
     over = Over()
-    for each in (each for each in layout.dowelled if each.between):
+    for each in (each for each in layout.dowelled if each.lies == "below"):
         wheel = each.wheel
-        over += [(wheel.link, each.between), (each.between, wheel.level)]
+        order = [name for name in (wheel.link, each.between, wheel.level) if name]
+        over += [*pairwise(order)]
         name = f"ring of {wheel.link}"
         for discs in _chords(layout, each):
             corners = courses.ways(GROUND, [z for z, _ in discs])

@@ -1,0 +1,102 @@
+"""A Geneva drive whose wheel goes round its crank, from its own files: sound, and with an edge that is off."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from pathlib import Path
+
+import ezdxf
+import numpy as np
+import pytest
+from judged import by_code, damaged, drawn
+
+from camgen.numerics import Points
+
+SPEC = {
+    "mechanism": "linkage",
+    "name": "ring",
+    "points": {"O": [50, 0], "C": [0, 0], "P": [85, 0]},
+    "links": {"ground": ["O", "C"], "crank": ["O", "P"], "wheel": ["C"]},
+    "drive": {"link": "crank"},
+    "geneva": [
+        {
+            "a": "crank",
+            "b": "wheel",
+            "pin": "P",
+            "slots": 4,
+            "pin_radius": 5,
+            "name": "geneva",
+            "inner": True,
+        }
+    ],
+    "parts": {"thickness": 5},
+    "output": [{"name": "table", "link": "wheel"}],
+}
+WHEEL, LOCK, ROLLER = (f"ring-{name}-geneva.dxf" for name in ("geneva", "lock", "roller"))
+
+
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return drawn(SPEC, tmp_path_factory.mktemp("ring"))
+
+
+def test_a_sound_drive_moves_as_its_closed_form(sound: Path) -> None:
+    found = by_code(sound)
+    assert all(each.ok for each in found.values())
+    assert found["CONTACT"].measured == 100.0
+    assert found["PIN_GAP"].measured < 1e-3
+    assert found["MOTION_ERROR"].measured < 1e-3
+
+
+def test_a_roller_too_thin_is_told_by_its_air_and_named(sound: Path, tmp_path: Path) -> None:
+    """By 20 um in diameter: the crank's edges and the wheel's each answer for half."""
+    shutil.copytree(sound, tmp_path / "ring")
+    path = tmp_path / "ring" / ROLLER
+    drawing = ezdxf.readfile(path)
+    rim = max(drawing.modelspace().query("CIRCLE"), key=lambda each: float(each.dxf.radius))
+    rim.dxf.radius -= 0.01
+    drawing.saveas(path)
+    gap = by_code(tmp_path / "ring")["PIN_GAP"]
+    assert not gap.ok and gap.measured == pytest.approx(0.01, abs=1e-3)
+    assert "roller-geneva" in gap.message
+
+
+def test_a_slot_too_wide_is_told_by_its_air_and_named(sound: Path, tmp_path: Path) -> None:
+    """Both walls of one slot by 10 um each."""
+
+    def wider(points: Points) -> Points:
+        slot = (np.abs(np.abs(points.imag) - 5.1) < 1e-3) & (points.real > 0)
+        slot &= np.abs(points) < 90
+        assert slot.sum() == 4
+        return points + 0.01j * np.sign(points.imag) * slot
+
+    gap = damaged(sound, tmp_path, WHEEL, wider)["PIN_GAP"]
+    assert not gap.ok and gap.measured == pytest.approx(0.01, abs=1e-3)
+    assert "roller-geneva and geneva-geneva" in gap.message
+
+
+def test_a_crescent_too_small_holds_the_wheel_less(sound: Path, tmp_path: Path) -> None:
+    """By 20 um in radius where it holds the wheel, and named."""
+
+    def smaller(points: Points) -> Points:
+        arc = np.abs(np.abs(points) - np.abs(points).max()) < 1e-3
+        assert 2 <= arc.sum() < len(points)
+        return points * (1 - 0.02 / np.abs(points).max() * arc)
+
+    gap = damaged(sound, tmp_path, LOCK, smaller)["PIN_GAP"]
+    assert not gap.ok and gap.measured == pytest.approx(0.02, rel=0.1)
+    assert "lock-geneva and geneva-geneva" in gap.message
+
+
+def test_a_wheel_that_is_turned_is_off_by_as_much(sound: Path, tmp_path: Path) -> None:
+    by = math.radians(0.02)
+    found = damaged(sound, tmp_path, WHEEL, lambda points: points * np.exp(1j * by))
+    assert not found["MOTION_ERROR"].ok
+    assert found["MOTION_ERROR"].measured == pytest.approx(0.02, rel=0.01)
+
+
+def test_a_crescent_too_large_jams_and_is_named(sound: Path, tmp_path: Path) -> None:
+    found = damaged(sound, tmp_path, LOCK, lambda points: points * 1.01)
+    assert not found["CONTACT"].ok and found["CONTACT"].measured < 90
+    assert "lock-geneva and geneva-geneva overlap" in found["CONTACT"].message
