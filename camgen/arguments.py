@@ -10,7 +10,7 @@ from numbers import Integral, Real
 from os import PathLike
 from typing import ParamSpec, TypeVar
 
-from camgen.errors import Fault, SpecError, file_errors
+from camgen.errors import COMMAND_LINE, Fault, SpecError, file_errors
 from camgen.schemas import shown
 
 P = ParamSpec("P")
@@ -56,7 +56,13 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
             owner = "camgen" if function.__qualname__ == function.__name__ else "machine"
             raise SpecError(faults, f"{owner}.{function.__name__}")
         with file_errors():
-            return function(*args, **kwargs)
+            try:
+                return function(*args, **kwargs)
+            except SpecError as error:
+                if error.source != COMMAND_LINE:
+                    raise
+                called = error.faults
+        raise SpecError(called, f"camgen.{function.__name__}")
 
     return call
 

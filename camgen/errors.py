@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any, Self, TypeVar
 
 E = TypeVar("E", bound="CamgenError")
@@ -39,6 +40,7 @@ def _sent(kind: type[E], arguments: tuple[Any, ...], facts: dict[str, Any]) -> E
 
 
 UNKNOWN = "unknown key"
+COMMAND_LINE = "command line"  # source of faults that no spec has
 MOST_LISTED = 100  # faults that a message lists; nobody reads more
 
 
@@ -111,6 +113,24 @@ class SpecError(CamgenError):
         super().__init__(
             f"{source}: {len(self.faults)} fault{'' if len(self.faults) == 1 else 's'}\n{lines}"
         )
+
+
+class ArgumentError(SpecError, ValueError):
+    """A wrong argument of a method: a ValueError too, as Python calls it."""
+
+
+def no_such(what: str, name: object, known: Sequence[str], source: str) -> ArgumentError:
+    """Error for a name that a thing does not have; what: kind of the name, known: the names that there are."""
+    nearest = get_close_matches(str(name), known, 1)
+    there = f"one of {', '.join(known)}" if known else f"none: there is no {what}"
+    fault = Fault((what,), repr(name), there, nearest[0] if nearest else None)
+    return ArgumentError([fault], source)
+
+
+def wrong_order(order: object, most: int, source: str) -> ArgumentError:
+    """Error for an order of derivatives beyond 0..most."""
+    said = {0: "0", 1: "0 or 1"}.get(most, "0, 1 or 2")
+    return ArgumentError([Fault(("order",), str(order), said)], source)
 
 
 def _message(sentence: str, remedy: str) -> str:

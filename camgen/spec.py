@@ -18,7 +18,7 @@ from dataclasses import replace
 from datetime import date
 from difflib import get_close_matches
 from functools import cache, cached_property, lru_cache
-from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args
+from typing import Annotated, Any, ClassVar, Literal, NoReturn, TypeVar, get_args, get_origin
 
 from pydantic import (
     AfterValidator,
@@ -119,6 +119,70 @@ class Record(BaseModel):
             right = f'a record stays as it is; machine.replace({{"{name}": ...}}), by the whole key, gives another one'
             raise SpecError([Fault((name,), "", right)])
         super().__setattr__(name, value)
+
+
+class FixedTable(dict[str, Any]):
+    """A table of a record whose keys are names: it is read as a dict, and stays as it is, as the record does."""
+
+    key: Key = ()  # of the table in its spec
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return FixedTable, (dict(self),), {"key": self.key}
+
+    def _refused(self, name: object = "NAME", value: object = ..., *_: Any, **__: Any) -> NoReturn:
+        """SpecError: how another record is made."""
+        key = dotted((*self.key, name if isinstance(name, str) else "NAME"))
+        new = "..." if value is ... else shown(value)
+        right = f'a record stays as it is; machine.replace({{"{key}": {new}}}) gives another one'
+        raise SpecError(
+            [Fault((*self.key, *((name,) if isinstance(name, str) else ())), "", right)]
+        )
+
+    def __setitem__(self, name: str, value: Any) -> NoReturn:
+        self._refused(name, value)
+
+    def __delitem__(self, name: str) -> NoReturn:
+        self._refused(name, None)
+
+    def __ior__(self, other: Any) -> NoReturn:  # type: ignore[misc]
+        self._refused()
+
+    clear = pop = popitem = setdefault = update = _refused  # type: ignore[assignment]
+
+
+@lru_cache
+def _tables_of_names(cls: type[Record]) -> tuple[tuple[str, str], ...]:
+    """Fields of a record that may be tables of names, or hold such, and their keys."""
+    return tuple(
+        (name, field.alias or name)
+        for name, field in cls.model_fields.items()
+        if _may_hold(field.annotation)
+    )
+
+
+def _may_hold(annotation: Any) -> bool:
+    """Whether a type may have a table of names in it."""
+    if annotation is dict or get_origin(annotation) is dict:
+        return True
+    if isinstance(annotation, type) and issubclass(annotation, Record):
+        return bool(_tables_of_names(annotation))
+    return any(map(_may_hold, get_args(annotation)))
+
+
+def _fix(record: Record, key: Key = ()) -> None:
+    """Make tables of names in a record, and in those that it holds, such that stay as they are; key: of the record in its spec."""
+    held = vars(record)
+    for name, own in _tables_of_names(type(record)):
+        value = held.get(name)
+        if value.__class__ is dict:
+            held[name] = table = FixedTable(value)
+            table.key = (*key, own)
+        elif isinstance(value, Record):
+            _fix(value, (*key, own))
+        elif isinstance(value, tuple):
+            for k, each in enumerate(value):
+                if isinstance(each, Record):
+                    _fix(each, (*key, own, k))
 
 
 class Accuracy(Record):
@@ -565,6 +629,7 @@ def _checked(
             return _checked(cls, data, (*hints, *told))
         wrong = _faults(cls, data, error)
         raise SpecError([*wrong, *_further(cls, data, wrong)]) from None
+    _fix(record)
     record._hints = hints
     if made is None:
         faults = record.faults()

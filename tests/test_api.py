@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import cProfile
 import html
 import inspect
@@ -556,3 +557,46 @@ def test_the_report_shows_its_page_in_a_notebook_and_else_in_a_browser(
     monkeypatch.setattr(webbrowser, "open", lambda uri: False)
     with pytest.raises(camgen.FileError, match="no browser"):
         report.show()
+
+
+def test_tables_of_a_record_stay_as_they_are() -> None:
+    """Lengths that were written into were told to be set, and changed nothing; pickled, copied and dumped they are the same."""
+    machine = camgen.load(LINKAGE)
+    right = 'machine.replace({"lengths.A-B": 13}) gives another one'
+    with pytest.raises(camgen.SpecError, match=re.escape(right)):
+        machine.lengths["A-B"] = 13
+    pins: Any = machine.making.pins
+    with pytest.raises(camgen.SpecError, match=re.escape('"parts.pins.A": 4')):
+        pins["A"] = 4
+    writes: list[Any] = [
+        lambda table: table.update({"A-B": 13}),
+        lambda table: table.pop("A-B"),
+        lambda table: table.popitem(),
+        lambda table: table.setdefault("O-B", 13),
+        lambda table: table.clear(),
+        lambda table: table.__delitem__("A-B"),
+        lambda table: table.__ior__({"A-B": 13}),
+    ]
+    before = dict(machine.lengths)
+    for other in (
+        machine,
+        pickle.loads(pickle.dumps(machine)),
+        copy.deepcopy(machine),
+        machine.resolved(),
+        machine.replace({"lengths.O-A": 18}).replace({"lengths.O-A": before["O-A"]}),
+    ):
+        for write in writes:
+            with pytest.raises(camgen.SpecError, match="a record stays as it is"):
+                write(other.lengths)
+        assert other.lengths == before
+    assert type(machine.model_dump()["lengths"]) is dict
+    own = machine.lengths | {"A-B": 13.0}  # a dict of the caller's own
+    assert own["A-B"] == 13 and machine.lengths["A-B"] != 13
+
+
+def test_faults_of_a_call_are_not_those_of_the_command_line() -> None:
+    with pytest.raises(camgen.SpecError, match="^camgen.explain: 1 fault") as caught:
+        camgen.explain("NOPE")
+    assert "command line" not in str(caught.value)
+    with pytest.raises(camgen.SpecError, match="^camgen.sweep: 1 fault"):
+        camgen.sweep(DISC, {"geometry.base_radius": "20:40"})

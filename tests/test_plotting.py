@@ -124,6 +124,30 @@ def test_a_run_draws_its_outputs() -> None:
     ]
     (swung,) = run.plot("swing", order=2).axes
     assert swung.get_lines()[0].get_ydata() == pytest.approx(np.degrees(run.acceleration["swing"]))
-    for wrong in (lambda: run.plot("pan"), lambda: run.plot(order=3)):
-        with pytest.raises(ValueError):
-            wrong()
+    wrong = [
+        (lambda: run.plot("pan"), "did you mean 'pen'"),
+        (lambda: run.plot(order=3), "order: 3"),
+        (lambda: run.plot(beside=run), "beside: Run - expected runs by what they are called"),
+        (lambda: run.plot(beside={"b": camgen.load(SPECS / "walking-leg.toml").solve(0)}), "pen"),
+    ]
+    for ask, told in wrong:
+        with pytest.raises(camgen.SpecError, match=told):
+            ask()
+
+
+def test_a_run_is_drawn_beside_another() -> None:
+    machine = camgen.load(SPECS / "linkage.toml")
+    theta = np.linspace(0, 2 * np.pi, 73)
+    run = machine.solve(theta)
+    other = machine.replace({"lengths.A-B": 61}).solve(theta)
+    path, swing = run.plot("pen", "swing", beside={"longer": other}).axes
+    assert [line.get_label() for line in swing.get_lines()] == ["swing", "longer"]
+    own, theirs = (line.get_xydata()[:, 1] for line in swing.get_lines())
+    assert own == pytest.approx(np.degrees(run["swing"]))
+    assert theirs == pytest.approx(np.degrees(other["swing"])) and np.ptp(own - theirs) > 0.1
+    assert path.get_lines()[1].get_xydata() == pytest.approx(
+        np.column_stack([other["pen"].real, other["pen"].imag])
+    )
+    (rates,) = run.plot("pen", order=1, beside={"longer": other}).axes
+    labels = [line.get_label() for line in rates.get_lines()]
+    assert labels == ["x", "y", "longer x", "longer y"]

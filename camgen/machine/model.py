@@ -21,6 +21,7 @@ from typing import Any, Literal, TypeVar
 
 import numpy as np
 
+from camgen.errors import no_such
 from camgen.numerics import Floats as Floats
 from camgen.numerics import Points as Points
 
@@ -59,11 +60,9 @@ class Body:
     inertia: float = 0.0  # about that centre, kg m^2
 
     def at(self, point: str) -> Place:
-        """The named point as a place; ValueError where there is none."""
+        """The named point as a place; ArgumentError where there is none."""
         if point not in self.points:
-            raise ValueError(
-                f"{point} is no point of {self.name}; there are: {', '.join(self.points) or 'none'}"
-            )
+            raise no_such("point", point, list(self.points), self.name)
         return Place(self.name, complex(self.points[point]))
 
 
@@ -385,8 +384,7 @@ def slide_of(each: Joint | Drive | Load | Output) -> str | None:
 def _named(name: str, among: Sequence[N], what: str) -> N:
     match = next((each for each in among if each.name == name), None)
     if match is None:
-        names = ", ".join(each.name for each in among) or "none"
-        raise ValueError(f"{name} is no {what} of this machine; there are: {names}")
+        raise no_such(what, name, [each.name for each in among], "machine")
     return match
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from camgen.errors import ArgumentError, Fault, no_such, wrong_order
 from camgen.machine.constraints import Constraints
 from camgen.machine.forces import Forces, kinetostatics, peaks
 from camgen.machine.jets import fill
@@ -40,7 +41,7 @@ def solve(
     nan where it does not close. Raises DesignError where the machine's equations and unknowns do not match.
     """
     if order not in (0, 1, 2):
-        raise ValueError(f"order is 0, 1 or 2, not {order}")
+        raise wrong_order(order, 2, "solve")
     return Run(machine, np.ravel(np.asarray(theta, float)), order, loaded)
 
 
@@ -109,7 +110,7 @@ def _parts(output: Output, values: Floats | Points) -> dict[str, Floats]:
 class Run:
     """What a machine does at theta, (n,) rad. run["name"] is an output: rad, mm, or complex mm for a path, (n,).
 
-    `list(run)` are the outputs' names. ValueError for a name that the machine does not have.
+    `list(run)` are the outputs' names. SpecError for a name that the machine does not have.
     """
 
     def __init__(
@@ -154,11 +155,8 @@ class Run:
         return f"{name}: {', '.join(ends)} {unit}" if ends else f"{name}: does not close"
 
     def __getitem__(self, name: str) -> Floats | Points:
-        """An output by its name, (n,); KeyError where there is none."""
-        try:
-            rows: Floats | Points = self.derivatives(name)[0]
-        except ValueError as error:
-            raise KeyError(str(error)) from None
+        """An output by its name, (n,); SpecError where there is none."""
+        rows: Floats | Points = self.derivatives(name)[0]
         return rows
 
     def derivatives(self, name: str) -> Floats | Points:
@@ -194,15 +192,23 @@ class Run:
 
     def _rates(self, order: int) -> Mapping[str, Floats | Points]:
         """The outputs' time derivatives of one order, by name."""
-        if order > self.order:
-            raise ValueError(f"solved with order {self.order}; order={order} is needed")
+        self._check(order)
         return Lazy(self, lambda name: self.derivatives(name)[order] * self.machine.speed**order)
+
+    def _check(self, order: int) -> None:
+        """SpecError for an order that is none, or that was not solved."""
+        if order not in (0, 1, 2):
+            raise wrong_order(order, 2, "run")
+        if order > self.order:
+            right = f"at most {self.order}, as solved: solve(theta, order={order}) gives it"
+            raise ArgumentError([Fault(("order",), str(order), right)], "run")
 
     def columns(self, order: int = 0) -> dict[str, Floats]:
         """The outputs as motion.csv has them, (n,) each: theta_deg, swing_deg, ram_mm, pen_x_mm, pen_y_mm.
 
         order: 1 with their velocities, swing_deg_per_s, 2 with their accelerations too, swing_deg_per_s2.
         """
+        self._check(order)
         columns = {"theta_deg": np.degrees(self.theta)}
         for each, per in enumerate(("", "_per_s", "_per_s2")[: order + 1]):
             values = self._rates(each)
@@ -230,9 +236,7 @@ class Run:
     def length(self, slide: str) -> Floats:
         """Place along a slide or slot with derivatives to theta, (order + 1, n) mm."""
         if slide not in (lengths := self._states[0].lengths):
-            raise ValueError(
-                f"{slide} is no slide or slot of this machine; there are: {', '.join(lengths) or 'none'}"
-            )
+            raise no_such("slide or slot", slide, list(lengths), "machine")
         return np.asarray(self._rows(lambda state, into: fill(into, state.lengths[slide]), float))
 
     def angle(self, body: str) -> Floats:
@@ -273,8 +277,7 @@ class Run:
 
     def forces(self) -> Forces:
         """Reactions, contacts, drives, energy and power at the machine's speed; nan where it has none."""
-        if self.order < 2:
-            raise ValueError(f"solved with order {self.order}; order=2 is needed")
+        self._check(2)
         return self._forces
 
     @cached_property
@@ -288,21 +291,35 @@ class Run:
         q, first, second = self._poses
         return kinetostatics(self._system, self.theta, q, first, second, speed)
 
-    def plot(self, *outputs: str, order: int = 0) -> Figure:
+    def plot(
+        self, *outputs: str, order: int = 0, beside: Mapping[str, Run] | None = None
+    ) -> Figure:
         """Curves of the outputs, all unless named, over theta below each other, which a notebook shows.
 
         order: 0 the outputs, 1 their velocities, 2 their accelerations, a second; rad in deg. A path is drawn as it lies in the
-        plane, its rates along x and y. ValueError for a name that the machine does not have, or an order that was not solved.
+        plane, its rates along x and y. beside: other runs by what they are called, such as {"longer rod": run}, drawn in the
+        same axes. SpecError for a name that a machine does not have, or an order that was not solved.
         """
         from camgen.plotting import figure_of
 
-        return figure_of([self._curve(name, order) for name in outputs or self])
+        others = {} if beside is None else beside
+        if not isinstance(others, Mapping) or not all(isinstance(r, Run) for r in others.values()):
+            right = 'runs by what they are called, such as {"longer rod": run}'
+            raise ArgumentError([Fault(("beside",), type(beside).__name__, right)], "run.plot")
+        plots = []
+        for name in outputs or self:
+            plot = self._curve(name, order)
+            more = [
+                (f"{label} {series}" if series != name else label, x, y)
+                for label, run in others.items()
+                for series, x, y in run._curve(name, order).series
+            ]
+            plots.append(replace(plot, series=[*plot.series, *more]))
+        return figure_of(plots)
 
     def _curve(self, name: str, order: int) -> Plot:
         """What an output, or a rate of it, is over theta."""
         output = self.machine.output(name)
-        if order not in (0, 1, 2):
-            raise ValueError(f"order is 0, 1 or 2, not {order}")
         values = self._rates(order)[name]
         unit, scale = unit_of(output)
         y_label = unit + ("", "/s", "/s²")[order]
