@@ -23,6 +23,7 @@ INLINE = {
     "Stroke",
     "Through",
     "Trace",
+    "Lines",
     "Straight",
     "Dwell",
     "TimeRatio",

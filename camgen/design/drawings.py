@@ -7,6 +7,14 @@
       O1 O2
         S
 
+Of several lines a third cam on the shaft lifts the pen between them: it rocks a lever below the shaft, which pulls a thread. That is led
+on by a sleeve, such as a thin Bowden cable's, to a holder in which a spring presses the pen down; so links and cams stay in their planes.
+
+        S         O3 pivot of the lever; T3 its roller, on the left of the shaft; E the thread's post on the lever, G that on the ground,
+       T3         over E: the lever turns counter-clockwise to lift the pen, E goes down, and the thread between both grows.
+     G  |
+     E--O3
+
 Sizes are the least at which the cams keep to their pressure angle and radius, the plates of grooves clear the pivots, and the spec's
 own limits hold: the cams are tried from small to large, with longer and longer arms.
 """
@@ -14,7 +22,8 @@ own limits hold: the cams are tried from small to large, with longer and longer 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -25,8 +34,9 @@ from camgen.design.wanted import DrawingWish
 from camgen.errors import CamgenError, DesignError, SpecError
 from camgen.findings import Finding
 from camgen.machines.sources import changed, read_mechanism
-from camgen.motion.pen import peak_acceleration, pen_motion
-from camgen.numerics import Floats, Points, peak
+from camgen.motion.laws import modified_sine
+from camgen.motion.pen import Lifting, peak_acceleration, pen_motion, strokes_motion
+from camgen.numerics import Floats, Points, halved, peak
 from camgen.reading import Data
 from camgen.spec import dump
 
@@ -45,6 +55,17 @@ _STEEP = math.radians(
 _ROWS = (90, 180, 360, 720)
 _OF_ROWS = 0.02  # of the tolerance, that rows of a table may take
 _GAIN = 2.0  # way of the pen for that of an arm's end, at most
+_RISE = 24.0  # deg, in which the pen is lifted, at most
+_RISES = 150.0  # deg, that all rises may take
+_MARGIN = (
+    1.0  # deg, that the pen rests longer at either end of a line than it is lifted or let down
+)
+_LIFT = 2.5  # mm, way of the lift's roller
+_PULL = 3.0  # mm, of the thread
+_SLACK = 0.5  # mm, of that before the pen moves
+_CLEAR = 1.5  # mm, of that when it is clear
+_POST = 5.0  # mm, diameter of its posts, which stand over all levels
+_THREAD = 25.0  # mm, between its posts while the pen is down
 _DIGITS = 6  # of rows, deg, and of points, mm
 _TRIES = 12
 _OF_DRAWING = 0.9  # of its tolerance, that the pen's motion takes; files and facets leave the rest
@@ -55,7 +76,7 @@ _NORTH_WEST = np.exp(0.75j * math.pi)
 class Plotter:
     """Sizes of a machine, mm: arms O-A and O-B, rods to P and to the pen, levers O-T, middle distance of rollers from the shaft.
 
-    line: places of the pen at even angles, in the middle of which is 0.
+    line: places of the pen at even angles, in the middle of which is 0; lift: how the pen is lifted, None of one line.
     """
 
     line: Points
@@ -63,6 +84,7 @@ class Plotter:
     lever: float
     cam: float
     radius: float  # of the rollers
+    lift: Lift | None = None
 
     @property
     def rod(self) -> float:
@@ -130,6 +152,20 @@ class Plotter:
                 return False
         return True
 
+    @property
+    def lever_places(self) -> dict[str, complex]:
+        """Points of the lever that lifts the pen, as it is down, and the thread's post on the ground."""
+        far = abs(self.pivots[0])
+        pivot = -1j * far
+        square = 1j * np.exp(1j * math.asin(self.cam / far))
+        end = pivot - _PULL / _LIFT * self.lever
+        return {
+            "O3": pivot,
+            "T3": complex(pivot + self.lever * square),
+            "E": end,
+            "G": end + 1j * _THREAD,
+        }
+
     def tables(self, rows: int) -> tuple[Data, float]:
         """Points, links, drive, cams of the spec, and how far the rows of the cams' tables leave the line, mm."""
         from scipy.interpolate import make_interp_spline
@@ -165,6 +201,22 @@ class Plotter:
                     "segment": [{"law": law}],
                 }
             )
+        links: dict[str, list[str]] = {}
+        lifts = [] if self.lift is None else [self.lift]
+        for lift in lifts:
+            places |= {name: np.array([z]) for name, z in self.lever_places.items()}
+            cams.append(
+                {
+                    "name": "lift_cam",
+                    "cam": "disc",
+                    "follower": "lifter",
+                    "at": "T3",
+                    "radius": self.radius,
+                    "closure": "groove",
+                    "segment": lift.segments(math.degrees(_LIFT / self.lever)),
+                }
+            )
+            links["lifter"] = ["O3", "T3", "E"]
         left, right = self.pivots
         places |= {"S": np.zeros(1, complex), "O1": np.array([left]), "O2": np.array([right])}
         points = {
@@ -172,14 +224,64 @@ class Plotter:
             for name, z in sorted(places.items())
         }
         links = {
-            "ground": ["S", "O1", "O2"],
+            "ground": ["S", "O1", "O2", *(["O3", "G"] if lifts else [])],
             "disc": ["S"],
             "left_arm": ["O1", "A", "T1"],
             "right_arm": ["O2", "B", "T2"],
             "left_rod": ["A", "P"],
             "right_rod": ["B", "P", "Q"],
+            **links,
         }
         return {"points": points, "links": links, "cam": cams}, off
+
+
+@dataclass(frozen=True)
+class Lift:
+    """How a cam lifts the pen: at theta = 0 it is down."""
+
+    rise: float  # deg, in which the pen goes up or comes down
+    ends: Floats  # deg, the middle of the rests at which each line begins and ends, (n, 2), the first one before theta = 0
+
+    @classmethod
+    def timing(cls, lines: int) -> tuple[float, Lifting]:
+        """The rise for so many lines, deg, and what lifting takes of a turn."""
+        rise = min(_RISE, _RISES / lines)
+        slack = _risen(_SLACK)
+        clear = _risen(_CLEAR)
+        rest = (clear - slack) * rise + _MARGIN
+        up = 2 * (1 - clear) * rise
+        return rise, Lifting(rest / 360, up / 360, 2 * slack * rise / 360)
+
+    def segments(self, lift_deg: float) -> list[Data]:
+        """Of the lift's cam over a turn; lift_deg: of its lever."""
+        slack = _risen(_SLACK)
+        clear = _risen(_CLEAR)
+        early = (clear - slack) / 2 * self.rise
+        rises = self.ends[:, 1] - early - slack * self.rise
+        falls = np.append(self.ends[1:, 0], self.ends[0, 0] + 360) - early - (1 - clear) * self.rise
+        segments: list[Data] = []
+        at = 0.0
+        for rise, fall in zip(rises.tolist(), falls.tolist(), strict=True):
+            for kind, begin in (("rise", rise), ("return", fall)):
+                rest = round(begin - at, _DIGITS)
+                span = round(self.rise, _DIGITS)
+                segments += [
+                    {"kind": "dwell", "span_deg": rest},
+                    {
+                        "kind": kind,
+                        "span_deg": span,
+                        "lift_deg": round(lift_deg, _DIGITS),
+                        "law": {"name": "modified-sine"},
+                    },
+                ]
+                at += rest + span
+        return [*segments, {"kind": "dwell", "span_deg": round(360 - at, _DIGITS)}]
+
+
+def _risen(pull: float) -> float:
+    """Share of a rise at which the thread is pulled so far, mm."""
+    law = modified_sine()
+    return halved(lambda u: float(law(np.array([u]))[0]) > pull / _PULL, 0.0, 1.0)
 
 
 def _joint(start: complex, end: Points, first: float, second: float, side: int) -> Points:
@@ -240,32 +342,55 @@ def _with_lever(line: Points, arm: float, cam: float, radius: float) -> Plotter 
 def written(request: Request) -> str:
     """Text of the spec of a machine that draws the line that a spec wants; SpecError, DesignError."""
 
-    def drawing() -> tuple[DrawingWish, Points]:
+    def drawing() -> tuple[DrawingWish, list[Points]]:
         found: DrawingWish = request.wish()
-        return found, found.line(request.folder)
+        return found, found.strokes(request.folder)
 
-    _, (wish, line) = request.for_linkage(drawing)
-    pen = pen_motion(line, _OF_DRAWING * wish.tolerance, wish.corners)
+    _, (wish, lines) = request.for_linkage(drawing)
+    allowed = _OF_DRAWING * wish.tolerance
+    lift = None
+    if len(lines) == 1:
+        pen = pen_motion(lines[0], allowed, wish.corners)
+        lines = [np.append(lines[0], lines[0][0])]
+    else:
+        rise, lifting = Lift.timing(len(lines))
+        motion = strokes_motion(lines, allowed, wish.corners, lifting)
+        pen = motion.places
+        lift = Lift(rise, np.degrees(motion.ends))
+        request.say(f"{len(lines)} lines, a third cam lifts the pen within {rise:.3g} deg")
     request.say(f"peak acceleration of the pen: {peak_acceleration(pen):.4g} mm/rad^2")
-    closed = np.append(line, line[0])
     rest = request.with_lash("lash", wish.lash)
-    data, found = plotter_tables(pen, closed, wish.tolerance, rest, wish.roller_radius)
+    data, found = plotter_tables(pen, lines, wish.tolerance, rest, wish.roller_radius, lift)
     request.say(
         f"arms of {found.arm:.4g} mm, rods of {found.rod:.4g} mm, cams of {found.cam:.4g} mm in the middle"
     )
     if request.text is None:
         return dump(changed(data, request.source, request.folder))
-    name = wish.drawing if isinstance(wish.drawing, str) else f"{len(wish.drawing)} points"
-    note = f"found by camgen design for the drawing {name}; output.path: that line, and how far the pen may be off"
-    return request.with_found(data, ["points", "links", "drive", "cam", "output"], note)
+    name = wish.drawing if isinstance(wish.drawing, str) else _typed(wish.drawing)
+    key = "path: that line" if lift is None else "lines: those"
+    note = f"found by camgen design for the drawing {name}; output.{key}, and how far the pen may be off"
+    made = {} if lift is None else {"parts": {"thread_posts": data["parts"]["thread_posts"]}}
+    return request.with_found(data, ["points", "links", "drive", "cam", "output"], note, made)
+
+
+def _typed(drawing: Sequence[Sequence[Any]]) -> str:
+    """What was typed, in words."""
+    nested = isinstance(drawing[0][0], tuple)
+    return f"{len(drawing)} {'lines' if nested else 'points'}"
 
 
 def plotter_tables(
-    line: Points, drawn: Points, tolerance: float, rest: Data, radius: float
+    line: Points,
+    drawn: Sequence[Points],
+    tolerance: float,
+    rest: Data,
+    radius: float,
+    lift: Lift | None = None,
 ) -> tuple[Data, Plotter]:
     """Tables of the spec whose own limits hold as well, and its sizes; DesignError where none was found.
 
-    line: places of the pen at even angles; drawn: corners of what it is to draw, closed; rest: the spec's other tables.
+    line: places of the pen at even angles; drawn: corners of each line that it is to draw; rest: the spec's other tables; lift: None
+    of one line, which is drawn over and over.
     """
     centre = complex(
         (line.real.max() + line.real.min()) / 2, (line.imag.max() + line.imag.min()) / 2
@@ -273,10 +398,12 @@ def plotter_tables(
     moved = line - centre
     worst: Finding | CamgenError | None = None
     tries = 0
-    for found in plotters(moved, radius):
+    lines = [each - centre for each in drawn]
+    for each in plotters(moved, radius):
+        found = replace(each, lift=lift)
         if tries == _TRIES:
             break
-        tables = _tables(found, drawn - centre, tolerance, rest)
+        tables = _tables(found, lines, tolerance, rest)
         try:
             machine = read_mechanism(tables)
             if found.longest > min(machine.print.bed):
@@ -302,17 +429,27 @@ def plotter_tables(
     )
 
 
-def _tables(found: Plotter, drawn: Points, tolerance: float, rest: Data) -> Data:
+def _tables(found: Plotter, drawn: Sequence[Points], tolerance: float, rest: Data) -> Data:
     """Tables of the whole spec, with as few rows as keep to their share of the tolerance."""
     for rows in _ROWS:
         made, off = found.tables(rows)
         if off <= _OF_ROWS * tolerance:
             break
-    at = [
-        [round(float(z.real), _DIGITS), round(float(z.imag), _DIGITS)] for z in drawn + found.middle
+    lines = [
+        [[round(float(z.real), _DIGITS), round(float(z.imag), _DIGITS)] for z in line]
+        for line in (each + found.middle for each in drawn)
     ]
-    output: list[dict[str, Any]] = [
-        {"name": "pen", "point": "Q", "path": {"at": at, "tolerance": tolerance}}
-    ]
+    pen: dict[str, Any] = {"name": "pen", "point": "Q"}
+    output = [pen]
+    if found.lift is None:
+        pen["path"] = {"at": lines[0], "tolerance": tolerance}
+    else:
+        down = _THREAD + _SLACK
+        up = _THREAD + _CLEAR
+        pen["lines"] = {"at": lines, "lift": "lift", "down": down, "up": up, "tolerance": tolerance}
+        output.append({"name": "lift", "thread": ["G", "E"]})
+        sizes = rest.get("parts", {})
+        posts = {"diameter": _POST, **sizes.get("thread_posts", {})}
+        rest = {**rest, "parts": {**sizes, "thread_posts": posts}}
     drive = {"link": "disc", **rest.get("drive", {})}
     return {**rest, **made, "drive": drive, "output": output}

@@ -15,8 +15,8 @@ from pydantic import Field, TypeAdapter, create_model
 
 from camgen.design.fourbars import Room
 from camgen.errors import Fault, SpecError
-from camgen.machines.spec_files import line_of, rows_of
-from camgen.motion.pen import Corners, closed_line
+from camgen.machines.spec_files import rows_of, strokes_of
+from camgen.motion.pen import Corners, closed_line, strokes_in_order
 from camgen.numerics import Floats, Points
 from camgen.reading import Data, references
 from camgen.spec import Checked, Length, Record, validate
@@ -32,6 +32,8 @@ _WIDER = (2.0, 4.0)  # times these two, where nothing that is exact is within th
 _SMALLEST = 0.1  # mm: places that are nearer to each other are one place
 _SAME_ANGLE = 1e-6  # deg: crank angles that are nearer are one
 _LEAST_ANGLE = 0.1  # deg, that a body's angle may be off at least
+_MOST_STROKES = 12  # of a drawing
+_SHORTEST_STROKE = 1.0  # mm
 _TWICE = 3.0  # times the sides of its box: a line through points in order is shorter
 
 Coordinate = Annotated[float, Field(ge=-1e5, le=1e5)]
@@ -130,11 +132,16 @@ class PathWish(Wish):
         return np.asarray(np.interp(along, at, line.real) + 1j * np.interp(along, at, line.imag))
 
 
-class DrawingWish(Wish):
-    """A line that a pen is to draw over one turn of two cams; [points], [links], [[cam]] and [[output]] are found."""
+Corner = tuple[Coordinate, Coordinate]
+OneLine = Annotated[tuple[Corner, ...], Field(min_length=2)]
 
-    drawing: str | tuple[tuple[Coordinate, Coordinate], ...] = Field(
-        description="one line: an SVG or DXF, a CSV of points, or [x, y] of its corners in order, mm; an open one is drawn there and back"
+
+class DrawingWish(Wish):
+    """Lines that a pen is to draw over one turn of two cams; [points], [links], [[cam]] and [[output]] are found."""
+
+    drawing: str | tuple[Corner, ...] | tuple[OneLine, ...] = Field(
+        description="an SVG or DXF, a CSV of points, or [x, y] of the corners of one line in order, mm, or a list of such lines; of "
+        "several a third cam lifts the pen between them, one open line is drawn there and back"
     )
     tolerance: Annotated[float, Field(ge=0.01, le=5)] = Field(
         0.1, description="mm, how far the pen may be off the line, either way"
@@ -151,17 +158,46 @@ class DrawingWish(Wish):
     )
     lash: Length | None = Field(None, description="mm, greatest free play of the pen by all joints")
 
-    def line(self, folder: Path) -> Points:
-        """Corners of the closed line, the first not repeated, mm; SpecError or FileError where it is no line."""
+    def strokes(self, folder: Path) -> list[Points]:
+        """Lines in the order in which they are drawn, (n,) complex mm, of a closed one the first place again at its end; one that is
+        drawn over and over without the first again. SpecError or FileError where they are no such lines."""
         if isinstance(self.drawing, str):
-            z = line_of(_named("drawing", self.drawing, folder))
+            found = strokes_of(_named("drawing", self.drawing, folder))
         else:
-            z = np.array([complex(*place) for place in self.drawing], complex)
-        line = closed_line(z, self.width)
+            nested = bool(self.drawing) and isinstance(self.drawing[0][0], tuple)
+            rows: Any = self.drawing if nested else [self.drawing]
+            found = [np.array([complex(*place) for place in row], complex) for row in rows]
+        if len(found) > 1:
+            found = strokes_in_order(self._scaled(found))
+        if len(found) > 1:
+            return found
+        line = closed_line(found[0], self.width)
         if line is None:
             right = "a line of at least 3 different points, 1 mm across or more"
-            raise SpecError([Fault(("wanted", "drawing"), f"{z.size} points", right)])
-        return line
+            raise SpecError([Fault(("wanted", "drawing"), f"{found[0].size} points", right)])
+        return [line]
+
+    def _scaled(self, lines: Sequence[Points]) -> list[Points]:
+        """Several lines as wide together as wanted; SpecError where one is too short, or there are too many."""
+        faults = []
+        if len(lines) > _MOST_STROKES:
+            right = f"at most {_MOST_STROKES}: between them the cams have to lift the pen"
+            faults.append(Fault(("wanted", "drawing"), f"{len(lines)} lines", right))
+        places = np.concatenate(lines)
+        across = float(np.ptp(places.real))
+        scale = 1.0 if self.width is None or not across else self.width / across
+        scaled = [scale * z[np.abs(np.diff(z, prepend=np.nan)) != 0] for z in lines]
+        for k, z in enumerate(scaled, 1):
+            length = float(np.abs(np.diff(z)).sum())
+            if length < _SHORTEST_STROKE:
+                x = z[0].real
+                y = z[0].imag
+                found = f"line {k}, {length:.3g} mm from ({x:.4g}, {y:.4g})"
+                right = f"lines of {_SHORTEST_STROKE:g} mm or more"
+                faults.append(Fault(("wanted", "drawing"), found, right))
+        if faults:
+            raise SpecError(faults)
+        return scaled
 
 
 class FunctionWish(Wish):

@@ -31,8 +31,11 @@ class Edges:
     @classmethod
     def of_line(cls, corners: Points) -> Edges:
         """Those of a line through corners, (n,), n > 1."""
-        a = corners[:-1]
-        b = corners[1:]
+        return cls.between(corners[:-1], corners[1:])
+
+    @classmethod
+    def between(cls, a: Points, b: Points) -> Edges:
+        """Those from each place to another, both (n,)."""
         return cls(a, np.where(np.abs(b - a) > _PLACE, b, a))
 
     @classmethod

@@ -18,20 +18,20 @@ def judge_targets(
     wishes: Sequence[Demand], proof: Proof, theta: Floats, where: Where
 ) -> list[Finding]:
     """A finding for each target of each output. theta: (n,) rad, even, both ends of the turn or range included."""
-    findings = []
+    from camgen.machine.targets import Course, target_findings
+
+    def course_of(output: str) -> Course:
+        response = proof.moved(output, theta)
+        unit, scale = unit_of(proof.machine.output(output))
+        whole = abs(theta[-1] - theta[0] - math.tau) < 1e-9
+        by = "mm" if proof.machine.drives[0].slide is not None else "deg"
+        return Course(theta, scale * response.value, scale * response.slope, unit, whole, by)
+
+    findings: list[Finding] = []
     for each in wishes:
         if each.targets:
-            from camgen.machine.targets import Course
-
-            response = proof.moved(each.output, theta)
-            unit, scale = unit_of(proof.machine.output(each.output))
-            whole = abs(theta[-1] - theta[0] - math.tau) < 1e-9
-            value = scale * response.value
-            by = "mm" if proof.machine.drives[0].slide is not None else "deg"
-            course = Course(theta, value, scale * response.slope, unit, whole, by)
+            course = course_of(each.output)
             place = replace(where, output=each.output)
-            closes = bool(np.isfinite(course.value).all())
-            findings += [
-                target.finding(course, place) for target in each.targets if closes
-            ]  # else MOTION_ERROR has told
+            if np.isfinite(course.value).all():  # else MOTION_ERROR has told
+                findings += target_findings(each.targets, course, place, course_of)
     return findings

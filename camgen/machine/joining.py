@@ -42,6 +42,7 @@ from camgen.machine.model import (
     bodies_of,
 )
 from camgen.machine.run import solve
+from camgen.machine.targets import Lines
 from camgen.numerics import Floats
 
 T = TypeVar("T")
@@ -240,7 +241,13 @@ class Module:
     def demand(self, demand: Demand) -> Demand:
         """What is asked of an output."""
         motion = None if demand.motion is None else Ahead(demand.motion, self.phase)
-        return replace(demand, output=self.name(demand.output), motion=motion)
+        targets = tuple(
+            each.model_copy(update={"lift": self.name(each.lift)})
+            if isinstance(each, Lines)
+            else each
+            for each in demand.targets
+        )
+        return replace(demand, output=self.name(demand.output), motion=motion, targets=targets)
 
 
 # What a text is, by its key.

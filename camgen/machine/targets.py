@@ -9,8 +9,9 @@ theta is the drive's angle from the drawn position; where a program moves the dr
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -33,6 +34,7 @@ _PARTS = np.linspace(
 _NARROWER = 18  # times, to 4^-18 of two samples
 _CHORDS = 64  # at most, in place of the cubic between two samples
 _FINE_SHARE = 0.001  # of a path's tolerance, to which its farthest place is found
+_OF_LIFT = 0.001  # of the way from down to up, to which a pen's lift is known
 _FINEST = 1e-6  # of a path's length, finer than which nothing is looked for
 _STILL = 1e-9  # mm or deg: what goes less far stands still
 _ALONG_PATH = 4096  # places along a path, for its breadth
@@ -80,7 +82,14 @@ class Course:
 
     def chords(self, error: float) -> tuple[Points, float]:
         """Corners on a path, (m,), and how far it is from the line through them, mm: no more than `error` where so many chords
-        do. A chord of a cubic z lies within max |z''| / 8 of it, and z'' is greatest at an end."""
+        do."""
+        count = self.count(error)
+        return self.corners(count), self.bend / count**2
+
+    @cached_property
+    def bend(self) -> float:
+        """How far the output is from chords from sample to sample at most, in its unit: a chord of a cubic z lies within
+        max |z''| / 8 of it, and z'' is greatest at an end."""
         h = np.diff(self.theta)
         begin = h * self.slope[:-1]
         end = h * self.slope[1:]
@@ -88,12 +97,19 @@ class Course:
         bends = np.maximum(
             np.abs(6 * way - 4 * begin - 2 * end), np.abs(6 * way - 2 * begin - 4 * end)
         )
-        bend = float(np.max(bends)) / 8
-        count = (
-            _CHORDS if bend >= _CHORDS**2 * error else max(1, math.ceil(math.sqrt(bend / error)))
-        )
+        return float(np.max(bends)) / 8
+
+    def count(self, error: float) -> int:
+        """Chords between two samples that the output leaves by no more than `error`, at most 64."""
+        if self.bend >= _CHORDS**2 * error:
+            return _CHORDS
+        return max(1, math.ceil(math.sqrt(self.bend / error)))
+
+    def corners(self, count: int) -> Any:
+        """Values at the ends of so many chords from sample to sample, (m,)."""
+        h = np.diff(self.theta)
         theta = (self.theta[:-1, None] + h[:, None] * np.arange(count) / count).ravel()
-        return np.append(self.at(theta), self.value[-1]), bend / count**2
+        return np.append(self.at(theta), self.value[-1])
 
     def extreme(self, sign: int) -> tuple[float, float]:
         """theta and value where a real output is greatest (sign 1) or least (-1): where its slope vanishes, or at an end."""
@@ -276,6 +292,95 @@ class Trace(Record):
         return at_most(self.code, distance.proven, self.tolerance, "mm", where, message)
 
 
+Line = Annotated[tuple[tuple[Coordinate, Coordinate], ...], Field(min_length=2, max_length=20_000)]
+
+
+class Lines(Record):
+    """Lines that a point draws with a pen that another output lifts: nothing beside them, and all of each.
+
+    Where the lift is between `down` and `up` the pen may touch or not: what it could draw there has to lie on the lines, and no place
+    of a line may be left to it.
+    """
+
+    code: ClassVar[str] = "PATH_ERROR"
+
+    at: Annotated[tuple[Line, ...], Field(min_length=1, max_length=100)] = Field(
+        description="lines, each of places [x, y] as drawn, joined in their order"
+    )
+    lift: str = Field(
+        description="the output that lifts the pen: an angle, a place, or the length of a thread"
+    )
+    down: Value = Field(description="where that output is as the pen touches; beyond it, too")
+    up: Value = Field(description="where it is as the pen is clear; beyond it, too")
+    tolerance: Near = Field(
+        description="how far what is drawn may lie from the lines, or these from it"
+    )
+
+    def faults(self, path: Key) -> list[Fault]:
+        """What does not go together."""
+        if self.up == self.down:
+            return [Fault((*path, "up"), f"{self.up:g}", "another place than down")]
+        return []
+
+    @property
+    def lines(self) -> list[Points]:
+        """Corners of each line, (n,) complex mm."""
+        return [np.array([complex(*place) for place in line]) for line in self.at]
+
+    def drawn(self, path: Points, lift: Floats) -> list[Points]:
+        """Pieces of a path, (n,) complex mm, at which the pen is not clear; lift: (n,) in its unit."""
+        clear = (lift - self.down) / (self.up - self.down) >= 1
+        touches = np.concatenate([[False], ~(clear[:-1] & clear[1:]), [False]])
+        edges = np.flatnonzero(np.diff(touches)).reshape(-1, 2).tolist()
+        return [path[begin : end + 1] for begin, end in edges]
+
+    def _raised(self, lift: Course, count: int) -> tuple[Floats, Floats]:
+        """Least and greatest lift on each chord, (m - 1,): 0 is down, 1 is up."""
+        raised = (lift.corners(count) - self.down) / (self.up - self.down)
+        sag = lift.bend / count**2 / abs(self.up - self.down)
+        low = np.minimum(raised[:-1], raised[1:]) - sag
+        high = np.maximum(raised[:-1], raised[1:]) + sag
+        return low, high
+
+    def distance(self, course: Course, lift: Course) -> PathDistance | None:
+        """How far lines and what is drawn are apart at most; None where the pen is never down."""
+        resolution = _FINE_SHARE * self.tolerance
+        count = max(course.count(resolution), lift.count(_OF_LIFT * abs(self.up - self.down)))
+        low, high = self._raised(lift, count)
+        corners = course.corners(count)
+        a = corners[:-1]
+        b = corners[1:]
+        down = high <= 0
+        if not down.any():
+            return None
+        wanted = [Edges.of_line(line) for line in self.lines]
+        target = Edges(
+            np.concatenate([each.a for each in wanted]), np.concatenate([each.b for each in wanted])
+        )
+        touching = Edges.between(a[low < 1], b[low < 1])
+        surely = Edges.between(a[down], b[down])
+        return _either_way(touching, target, surely, resolution, course.bend / count**2)
+
+    def finding(self, course: Course, where: Where, lift: Course) -> Finding:
+        """PATH_ERROR: the farthest place of a line, or of what is drawn, by a bound that holds between all places looked at."""
+        apart = self.distance(course, lift)
+        if apart is None:
+            message = (
+                f"the pen is never down: {self.lift} does not come to {self.down:g} {lift.unit}"
+            )
+            return at_most(self.code, math.nan, self.tolerance, "mm", where, message)
+        x = apart.place.real
+        y = apart.place.imag
+        message = f"lines and what the pen draws are farthest apart at ({x:.4g}, {y:.4g}) of "
+        message += (
+            f"its path, where {self.lift} does not lift it clear"
+            if apart.of_path
+            else f"the lines, beyond where {self.lift} has let it down"
+        )
+        message += f", {apart.farthest:.6g} mm; proven for all of both, not only the corners"
+        return at_most(self.code, apart.proven, self.tolerance, "mm", where, message)
+
+
 class Function(Record):
     """An angle or a place as a function of theta: pairs that go together, both counted from the first one."""
 
@@ -419,7 +524,21 @@ class Advance(Record):
         return at_most(self.code, abs(actual - self.value), self.tolerance, "deg", where, message)
 
 
-Target = Stroke | Through | Trace | Function | Straight | Dwell | TimeRatio
+Target = Stroke | Through | Trace | Lines | Function | Straight | Dwell | TimeRatio
+
+
+def target_findings(
+    targets: Sequence[Target | Advance],
+    course: Course,
+    where: Where,
+    course_of: Callable[[str], Course],
+) -> Iterator[Finding]:
+    """What an output's course is to each of its targets; course_of: another output, at the same theta."""
+    for target in targets:
+        if isinstance(target, Lines):
+            yield target.finding(course, where, course_of(target.lift))
+        else:
+            yield target.finding(course, where)
 
 
 @dataclass(frozen=True)
@@ -446,11 +565,24 @@ def path_distance(
     """
     path = Edges.of_line(corners)
     target = Edges.of_line(wanted) if joined else Edges.of_places(wanted)
+    return _either_way(path, target, path, resolution, sag)
+
+
+def _either_way(
+    path: Edges, target: Edges, drawn: Edges, resolution: float, sag: float
+) -> PathDistance:
+    """How far a path is from what is wanted, and that from what of the path is surely drawn; sag: of edges of the path, mm."""
     fine = max(resolution, _FINEST * max(path.length, target.length))
     forth = stray(path, target, fine)
-    back = stray(target, path, fine)
+    back = stray(target, drawn, fine)
     far = forth if forth.farthest >= back.farthest else back
     return PathDistance(far.place, far.foot, far is forth, max(forth.proven, back.proven) + sag)
+
+
+def one_line(pieces: Sequence[Points]) -> Points:
+    """Polylines as one with gaps, (n,) complex."""
+    gap = np.array([complex(math.nan, math.nan)])
+    return np.concatenate([gap[:0], *(each for piece in pieces for each in (piece, gap))])
 
 
 def advance(angle: Floats, lost: float) -> float:

@@ -127,11 +127,28 @@ def stroke_of(path: Path) -> tuple[Points, bool]:
     if many != 1:
         left = f" ({others} cannot be read: make paths of it)" if others else ""
         raise FileError(path, f"holds {counted(many, 'line')} apart{left}: a pen draws one line")
-    if rings:
-        (ring,) = rings
-        return _corners(np.append(ring.points, ring.points[0]), ring.bulges)[:-1], True
-    (chain,) = loose
-    return _corners(chain.points, chain.bulges), False
+    return (_ring(rings[0])[:-1], True) if rings else (_chain(loose[0]), False)
+
+
+def strokes_of(path: Path) -> list[Points]:
+    """The lines of an SVG or DXF, the closed ones first, or the one of a table: as of `line_of`; FileError where there is none."""
+    if path.suffix.lower() not in (".svg", ".dxf"):
+        return [line_of(path)]
+    rings, loose, others = _lines(path)
+    if not rings and not loose:
+        left = f": {others} cannot be read, make paths of it" if others else ""
+        raise FileError(path, f"holds no line{left}")
+    return [*map(_ring, rings), *map(_chain, loose)]
+
+
+def _ring(ring: Ring) -> Points:
+    """Its corners, the first again at the end."""
+    return _corners(np.append(ring.points, ring.points[0]), ring.bulges)
+
+
+def _chain(chain: Chain) -> Points:
+    """Its corners."""
+    return _corners(chain.points, chain.bulges)
 
 
 def _corners(points: Points, bulges: Floats) -> Points:

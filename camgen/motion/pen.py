@@ -6,6 +6,8 @@
     smoothing  the place over the angle, convolved with four boxes again: the switches of that law jump in acceleration
     stops      where the pen stops at corners, the line from one to the next is rounded by itself, mirrored in both ends, and the pen
                rests at each for as long as the window of the smoothing is wide: it is in the corner then, and nothing is cut off
+    strokes    of several lines the pen stops at both ends of each, and rests there for longer, while it is let down or lifted; it goes
+               straight from one to the next
 [Bobrow, Dubowsky, Gibson 1985: time-optimal motion along a path]
 """
 
@@ -88,6 +90,93 @@ class _Way:
         return replace(self, wave=_smoothed(self.wave, window / self.period))
 
 
+def strokes_in_order(lines: Sequence[Points]) -> list[Points]:
+    """Lines as a pen draws them, one after the other with short ways between: some turned round, closed ones begun at another corner.
+
+    lines: corners of each, (n,) complex mm, n > 1; of a closed one the first again at its end. Each time the nearest end is next, from
+    whichever line makes the sum of the ways' square roots, which their times go by, the least. What goes on where another ends is one.
+    """
+    tours = [_tour(lines, first) for first in range(len(lines))]
+    return min(tours, key=lambda tour: sum(math.sqrt(way) for way in _gaps(tour)))
+
+
+def _gaps(tour: Sequence[Points]) -> list[float]:
+    """Ways of the lifted pen, mm, the last one back to the first stroke."""
+    return [float(abs(b[0] - a[-1])) for a, b in zip(tour, [*tour[1:], tour[0]], strict=True)]
+
+
+def _tour(lines: Sequence[Points], first: int) -> list[Points]:
+    """All lines, the nearest end next."""
+    rest = [line for k, line in enumerate(lines) if k != first]
+    tour = [lines[first]]
+    while rest:
+        end = tour[-1][-1]
+        begun = [_begun(line, end) for line in rest]
+        k = int(np.argmin([abs(line[0] - end) for line in begun]))
+        rest.pop(k)
+        if abs(begun[k][0] - end) < SAME_POINT:
+            tour[-1] = np.concatenate([tour[-1], begun[k][1:]])
+        else:
+            tour.append(begun[k])
+    return tour
+
+
+def _begun(line: Points, at: complex) -> Points:
+    """A line, or the same the other way round, from its end that is nearest; of a closed one from its corner."""
+    if abs(line[-1] - line[0]) < SAME_POINT:
+        ring = np.roll(line[:-1], -int(np.argmin(np.abs(line[:-1] - at))))
+        return np.append(ring, ring[0])
+    return line if abs(line[0] - at) <= abs(line[-1] - at) else line[::-1]
+
+
+@dataclass(frozen=True)
+class Lifting:
+    """What lifting a pen takes of a turn, as shares of it."""
+
+    rest: float  # for which the pen is still at each end of a stroke
+    up: float  # from one such rest to the next, at least, while it is lifted
+    down: float  # between the rests of a stroke, at least
+
+
+@dataclass(frozen=True)
+class LiftedMotion:
+    """The motion of a pen that is lifted: it begins within the first stroke.
+
+    places: at even angles of a turn, its end left out, (m,) complex mm. ends: the middle of the rest at which each stroke begins, and of
+    that at which it ends, (n, 2) rad; the first stroke begins before the turn.
+    """
+
+    places: Points
+    ends: Floats
+
+
+def strokes_motion(
+    strokes: Sequence[Points], tolerance: float, corners: Corners, lifting: Lifting
+) -> LiftedMotion:
+    """The motion of a pen along strokes in their order, within the tolerance of each.
+
+    strokes: corners of each, (n,) complex mm, n > 1, no two alike in a row; of a closed one the first again at its end.
+    """
+    line = np.concatenate(strokes)
+    sizes = np.array([len(stroke) for stroke in strokes])
+    firsts = np.cumsum(sizes) - sizes
+    ends = np.column_stack([firsts, firsts + sizes - 1])
+    sharp = _sharp(line) if corners == "stop" else np.zeros(0, np.intp)
+    stops = np.union1d(sharp, ends)
+    numbers = np.searchsorted(stops, ends.ravel())  # of the ends among the stops
+    rests = np.zeros(stops.size)
+    rests[numbers] = lifting.rest
+    ways = zip(numbers, [*numbers[1:], stops.size], strict=True)
+    spans = tuple(
+        _Span(int(a), int(b), (lifting.down, lifting.up)[k % 2]) for k, (a, b) in enumerate(ways)
+    )
+    law, window = _moved(line, stops, tolerance, rests, spans)
+    middles = law.middles(window)[numbers].reshape(-1, 2)
+    begin = round(float(middles[0].mean()) * _PLACES)
+    middles = middles - begin / _PLACES
+    return LiftedMotion(np.roll(law.at(window), -begin), math.tau * middles)
+
+
 def pen_motion(line: Points, tolerance: float, corners: Corners = "round") -> Points:
     """Places of the pen at even angles of one turn, its end left out, (m,) complex mm: within the tolerance of the closed line.
 
@@ -96,7 +185,15 @@ def pen_motion(line: Points, tolerance: float, corners: Corners = "round") -> Po
     stops = _sharp(line) if corners == "stop" else np.zeros(0, np.intp)
     if stops.size:
         line = np.roll(line, -stops[0])
-    ways, exact = _ways(line, stops - stops[:1])
+    law, window = _moved(line, stops - stops[:1], tolerance, np.zeros(stops.size), ())
+    return law.at(window)
+
+
+def _moved(
+    line: Points, stops: Indices, tolerance: float, rests: Floats, spans: tuple[_Span, ...]
+) -> tuple[_TimeLaw, float]:
+    """The time law along a closed line that begins at its first stop, and the widest window that keeps to the tolerance."""
+    ways, exact = _ways(line, stops)
 
     def rounded(window: float) -> list[_Way]:
         return [each.rounded(window) for each in ways]
@@ -105,9 +202,9 @@ def pen_motion(line: Points, tolerance: float, corners: Corners = "round") -> Po
         return apart(np.concatenate([each.places for each in found]), exact)
 
     ways = rounded(_widest(lambda w: off(rounded(w)) <= _SHARE * tolerance, _WIDEST))
-    timed = _time_law(ways, stops.size > 0)
+    law = _time_law(ways, rests, spans)
     widest = _RESTS / stops.size if stops.size else _WIDEST
-    return timed(_widest(lambda w: apart(timed(w), exact) <= tolerance, widest))
+    return law, _widest(lambda w: apart(law.at(w), exact) <= tolerance, widest)
 
 
 def _sharp(line: Points) -> Indices:
@@ -179,30 +276,77 @@ def _widest(within: Callable[[float], bool], most: float) -> float:
     return too_wide - most / 2.0**_STEPS
 
 
-def _time_law(ways: Sequence[_Way], stops: bool) -> Callable[[float], Points]:
-    """The places at even angles of a turn, smoothed by a window of it; where each way begins, the pen rests for as long if it stops."""
+@dataclass(frozen=True)
+class _Span:
+    """From one stop to another, by their numbers, and the share of a turn that it takes at least, rests at both left out."""
+
+    first: int
+    last: int
+    least: float
+
+
+@dataclass(frozen=True)
+class _TimeLaw:
+    """When the pen is where, but for the smoothing; a window of that, a share of a turn, is how long it rests at each stop besides.
+
+    places: (n,) complex mm; theta: there and at the first again, (n + 1,), on a scale of its own; starts: the places of stops.
+    rests: at each stop beside the window, shares of a turn.
+    """
+
+    places: Points
+    theta: Floats
+    starts: Indices
+    rests: Floats
+    spans: tuple[_Span, ...]
+
+    def middles(self, window: float) -> Floats:
+        """Of the rest at each stop, share of a turn; the turn begins in the middle of the first."""
+        theta, rests = self._timing(window)
+        return theta[self.starts] + (np.cumsum(rests) - rests / 2) - rests[:1] / 2
+
+    def at(self, window: float) -> Points:
+        """The places at even angles of a turn, smoothed by the window."""
+        theta, rests = self._timing(window)
+        begun = np.cumsum(np.concatenate([[0.0], rests]))
+        passed = np.searchsorted(self.starts, np.arange(theta.size), side="right")
+        left = theta + begun[passed] - rests[:1].sum() / 2
+        later = self.starts[1:]
+        at = np.insert(left, later, left[later] - rests[1:])
+        closed = np.append(self.places, self.places[0])
+        even = np.linspace(0, 1, _PLACES, endpoint=False)
+        return _smoothed(_between(even, at, np.insert(closed, later, self.places[later])), window)
+
+    def _timing(self, window: float) -> tuple[Floats, Floats]:
+        """Theta without rests, and these, shares of a turn: spans that would be too short are slower, and all others faster."""
+        rests = self.rests + window if self.starts.size else self.rests
+        bounds = np.append(self.starts, len(self.places))
+        at = self.theta[bounds]
+        times = np.array([at[each.last] - at[each.first] for each in self.spans])
+        least = np.array([each.least for each in self.spans])
+        slow = np.zeros(len(self.spans), bool)
+        while True:
+            whole = (self.theta[-1] - times[slow].sum()) / (1 - rests.sum() - least[slow].sum())
+            slower = times < least * whole
+            if np.array_equal(slower, slow):
+                break
+            slow = slower
+        steps = np.diff(self.theta) / whole
+        for k in np.flatnonzero(slow).tolist():
+            span = self.spans[k]
+            steps[bounds[span.first] : bounds[span.last]] *= least[k] * whole / times[k]
+        return np.concatenate([[0.0], np.cumsum(steps)]), rests
+
+
+def _time_law(ways: Sequence[_Way], rests: Floats, spans: tuple[_Span, ...]) -> _TimeLaw:
+    """Of ways one after the other, the least peak acceleration; rests: shares of a turn where each begins, none where none stops."""
     places = np.concatenate([each.places for each in ways])
     counts = [len(each.places) for each in ways]
-    starts = np.array(np.cumsum(counts) - counts if stops else [], np.intp)
+    starts = np.array(np.cumsum(counts) - counts if rests.size else [], np.intp)
     curvature = np.concatenate([each.curvature for each in ways])
     steps = np.abs(np.roll(places, -1) - places)
     fastest = 1 / np.maximum(curvature, 1e-9 / steps.sum())
     fastest[starts] = 0.0
-    theta = _fastest(fastest, curvature, steps)
-    closed = np.append(places, places[0])
-    passed = np.searchsorted(starts, np.arange(theta.size), side="right")
-
-    def timed(window: float) -> Points:
-        rest = window * theta[-1] / (1 - window * len(starts))
-        whole = theta[-1] + rest * len(starts)
-        left = theta + rest * (passed - 0.5 * stops)
-        at = np.insert(left, starts[1:], left[starts[1:]] - rest)
-        turn = np.linspace(0, whole, _PLACES, endpoint=False)
-        return _smoothed(
-            _between(turn, at, np.insert(closed, starts[1:], places[starts[1:]])), window
-        )
-
-    return timed
+    return _TimeLaw(places, _fastest(fastest, curvature, steps), starts, rests, spans)
 
 
 def _fastest(fastest: Floats, curvature: Floats, steps: Floats) -> Floats:

@@ -436,7 +436,8 @@ def order_of_assembly(assembly: Assembly) -> Table:
         fixing = assembly.process.fixing
         return replace(table, steps=mated(table.steps, copies, assembly.features, fixing))
     table = by_heights(assembly)
-    if not assembly.board:
+    lifting = [each for each in assembly.bought if each.role == "lift"]
+    if not assembly.board and not lifting:
         return table
     rows = list(zip(table.rows, table.steps, strict=True))
     for coil in assembly.coils:
@@ -446,7 +447,10 @@ def order_of_assembly(assembly: Assembly) -> Table:
             len(rows),
         )
         rows.insert(first, (row, Step(coil.stringing)))
-    rows += _last_rows(assembly)
+    for each in lifting:
+        row = (0, each.name, each.size, "", each.count, 0.0, "as bought")
+        rows.append((row, Step(f"{each.name}: {each.size}")))
+    rows += _last_rows(assembly) if assembly.board else []
     numbered = tuple((count, *row[1:]) for count, (row, _) in enumerate(rows, 1))
     return replace(table, rows=numbered, steps=tuple(step for _, step in rows))
 

@@ -182,7 +182,8 @@ class Bought:
     standard: str
     size: str
     count: int
-    role: Literal["", "drive", "mount"] = ""  # turns the machine; holds its frame from behind
+    # turns the machine; holds its frame from behind; lifts a pen, which its size says how
+    role: Literal["", "drive", "mount", "lift"] = ""
 
 
 CUT = "cut of steel"

@@ -12,7 +12,7 @@ from camgen.geometry.outlines import Floats
 from camgen.judge.proof import Proof
 from camgen.machine.features import Demand
 from camgen.machine.model import Output, Path, unit_of
-from camgen.machine.targets import Trace
+from camgen.machine.targets import Lines, Trace, one_line
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.assembly import Cycle
 from camgen.report.words import rounded
@@ -125,19 +125,32 @@ class Curves:
         ]
 
 
-def laid_over(demand: Demand, recovered: Mapping[str, Any]) -> Iterator[Plot]:
-    """The line that an output is to draw, and over it what each kind of file gives; recovered: the paths, (n,) complex mm."""
+def laid_over(
+    demand: Demand, recovered: Mapping[str, Any], lifts: Mapping[str, Curves]
+) -> Iterator[Plot]:
+    """The line that an output is to draw, and over it what each kind of file gives, where the pen is not lifted.
+
+    recovered: the paths by the kind, (n,) complex mm; lifts: curves of all outputs by their names.
+    """
     name = demand.output.capitalize()
     for target in demand.targets if recovered else ():
-        if not isinstance(target, Trace):
+        if isinstance(target, Lines):
+            lift = lifts[target.lift]
+            wanted = one_line(target.lines)
+            paths = {
+                kind: one_line(target.drawn(path, lift.scale * lift.recovered[kind]))
+                for kind, path in recovered.items()
+            }
+        elif isinstance(target, Trace):
+            wanted = np.array(target.places)
+            paths = dict(recovered)
+        else:
             continue
-        wanted = np.array(target.places)
         series = [("wanted", wanted.real, wanted.imag)]
-        series += [
-            (f"from {kind.upper()}", path.real, path.imag) for kind, path in recovered.items()
-        ]
-        dots = () if target.joined else ("wanted",)
-        yield Plot(f"{name} over the wanted line", "x, mm", "y, mm", series, equal=True, dots=dots)
+        series += [(f"from {kind.upper()}", path.real, path.imag) for kind, path in paths.items()]
+        dots = () if isinstance(target, Lines) or target.joined else ("wanted",)
+        title = f"{name} over the wanted line{'s' if isinstance(target, Lines) else ''}"
+        yield Plot(title, "x, mm", "y, mm", series, equal=True, dots=dots)
 
 
 def as_designed(mechanism: Mechanism) -> list[Plot]:

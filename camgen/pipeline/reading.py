@@ -200,11 +200,12 @@ def moved_by(
     )
     for curve in curves:
         columns |= curve.columns
+    by_name = {curve.output.name: curve for curve in curves}
     plots = [
         plot
         for curve in curves
         if curve.output.name in wishes
-        for plot in laid_over(wishes[curve.output.name], curve.recovered)
+        for plot in laid_over(wishes[curve.output.name], curve.recovered, by_name)
     ]
     plots += [plot for curve in curves for plot in curve.plots()]
     recovered = mechanism.recovered(theta, curves[0].recovered)

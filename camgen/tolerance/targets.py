@@ -9,17 +9,17 @@ Courses are of first order, what is measured on them is not: so few hundred copi
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
-from camgen.findings import Where
+from camgen.findings import Finding, Where
 from camgen.machine.landmarks import smallest_loop
 from camgen.machine.model import Output, Path, Pin, places_of, unit_of
 from camgen.machine.run import solve
-from camgen.machine.targets import Course
+from camgen.machine.targets import Advance, Course, Target, target_findings
 from camgen.numerics import Floats, Points
 from camgen.tolerance.spread import Spread
 
@@ -47,18 +47,32 @@ def targets(spread: Spread, errors: Floats) -> list[TargetYield]:
     run = solve(spread.mechanism.model, spread.theta, 1)
     whole = abs(float(np.ptp(spread.theta)) - 2 * np.pi) < 1e-9
     by = spread.mechanism.assembly.cycle.unit
-    yields = []
-    for output in outputs:
-        unit, scale = unit_of(output)
-        value, slope = scale * run.derivatives(output.name)
-        modes = scale * spread.found[output.name].modes
+
+    @cache
+    def courses(name: str) -> list[Course]:
+        """Of an output, of each copy."""
+        unit, scale = unit_of(spread.mechanism.model.output(name))
+        value, slope = scale * run.derivatives(name)
+        modes = scale * spread.found[name].modes
         bends = np.gradient(modes, spread.theta, axis=1)
-        courses = [
+        return [
             Course(spread.theta, value + each @ modes, slope + each @ bends, unit, whole, by)
             for each in errors
         ]
+
+    def of_copy(k: int) -> Callable[[str], Course]:
+        return lambda name: courses(name)[k]
+
+    def findings(name: str, target: Target | Advance) -> list[Finding]:
+        """Of a target, of each copy."""
+        each = enumerate(courses(name))
+        made = [target_findings([target], course, Where(), of_copy(k)) for k, course in each]
+        return [finding for found in made for finding in found]
+
+    yields = []
+    for output in outputs:
         for target in wanted[output.name]:
-            made = [target.finding(course, Where()) for course in courses]
+            made = findings(output.name, target)
             holds = np.array([each.ok for each in made])
             yields.append(TargetYield(output.name, target.code, made[0].limit, made[0].unit, holds))
     return yields

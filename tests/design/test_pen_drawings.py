@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -17,8 +18,15 @@ from hypothesis import strategies as st
 import camgen
 from camgen.design.drawings import Plotter
 from camgen.errors import DesignError, FileError, SpecError
-from camgen.machines.spec_files import stroke_of
-from camgen.motion.pen import closed_line, peak_acceleration, pen_motion
+from camgen.machines.spec_files import stroke_of, strokes_of
+from camgen.motion.pen import (
+    Lifting,
+    closed_line,
+    peak_acceleration,
+    pen_motion,
+    strokes_in_order,
+    strokes_motion,
+)
 
 REFERENCE = tomllib.loads(
     (Path(__file__).resolve().parents[1] / "reference" / "motion_tasks.toml").read_text()
@@ -116,6 +124,70 @@ def test_a_circle_is_drawn_evenly() -> None:
     assert peak_acceleration(pen) == pytest.approx(10, rel=0.01)
 
 
+def ring(centre: complex, radius: float) -> np.ndarray:
+    return np.append(centre + radius * np.exp(2j * math.pi * np.arange(8) / 8), centre + radius)
+
+
+def test_lines_are_drawn_with_short_ways_between() -> None:
+    """Two uprights and a ring beyond: up one, down the other, and the ring from its corner that is nearest, at 26."""
+    tour = strokes_in_order([ring(30, 4), np.array([10, 10 + 20j]), np.array([0, 20j])])
+    ways = [abs(b[0] - a[-1]) for a, b in zip(tour, [*tour[1:], tour[0]], strict=True)]
+    assert sorted(ways) == pytest.approx([10, 16, 26])
+
+
+def test_a_line_goes_on_where_another_ends() -> None:
+    (tour,) = strokes_in_order([np.array([0, 10]), np.array([10 + 8j, 10])])
+    assert tour.tolist() == [0, 10, 10 + 8j] or tour.tolist() == [10 + 8j, 10, 0]
+
+
+LIFTING = Lifting(0.02, 0.06, 0.03)
+UPRIGHTS = [np.array([0, 20j]), np.array([10 + 20j, 10])]
+
+
+def still(places: np.ndarray, at: complex) -> float:
+    """Longest time for which the pen stands there, share of a turn."""
+    there = np.abs(np.tile(places, 2) - at) < 1e-9
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], there, [False]]))).reshape(-1, 2)
+    return float(np.ptp(edges, axis=1).max()) / len(places)
+
+
+def test_the_pen_rests_where_lines_begin_and_end() -> None:
+    """For as long as it is asked to, in the ends themselves; the middles of the rests are told."""
+    motion = strokes_motion(UPRIGHTS, 0.1, "round", LIFTING)
+    for line, ends in zip(UPRIGHTS, motion.ends, strict=True):
+        for place, middle in zip((line[0], line[-1]), ends, strict=True):
+            assert LIFTING.rest - 1e-3 < still(motion.places, place) < LIFTING.rest + 0.02
+            number = round(middle / math.tau * len(motion.places)) % len(motion.places)
+            assert motion.places[number] == pytest.approx(place, abs=1e-9)
+    assert motion.ends[0, 0] < 0 < motion.ends[0, 1] < motion.ends[1, 0] < motion.ends[1, 1]
+    assert -motion.ends[0, 0] == pytest.approx(motion.ends[0, 1], abs=1e-3)
+
+
+def test_ways_take_the_times_of_the_least_acceleration() -> None:
+    """From rest to rest by the square root of the way, whether drawn or lifted: 20 and 10 mm."""
+    ends = strokes_motion(UPRIGHTS, 0.1, "round", LIFTING).ends / math.tau
+    line = ends[0, 1] - ends[0, 0]
+    way = ends[1, 0] - ends[0, 1]
+    assert 2 * (line + way) == pytest.approx(1)
+    rest = (way * math.sqrt(2) - line) / (math.sqrt(2) - 1)
+    assert LIFTING.rest < rest < LIFTING.rest + 0.04
+
+
+def test_a_lift_that_takes_long_makes_the_way_slow() -> None:
+    motion = strokes_motion(UPRIGHTS, 0.1, "round", Lifting(0.02, 0.25, 0.1))
+    ends = motion.ends / math.tau
+    assert 0.25 + 0.02 < ends[1, 0] - ends[0, 1] < 0.25 + 0.02 + 0.04
+    assert apart(motion.places, np.concatenate(UPRIGHTS)) < 0.1
+
+
+def test_corners_of_lines_are_met_where_the_pen_stops() -> None:
+    bent = [np.array([0, 20j, 5 + 20j]), np.array([20, 20 + 20j])]
+    motion = strokes_motion(bent, 0.1, "stop", LIFTING)
+    assert np.min(np.abs(motion.places - 20j)) < 1e-9
+    rounded = strokes_motion(bent, 0.1, "round", LIFTING).places
+    assert 0.01 < np.min(np.abs(rounded - 20j)) < 0.101
+
+
 @given(st.floats(-0.3, 0.3), st.floats(-10, 10), st.floats(-10, 10))
 def test_links_keep_their_lengths(turn: float, x: float, y: float) -> None:
     made = Plotter(np.zeros(2, complex), 60.0, 50.0, 30.0, 5.0)
@@ -146,9 +218,18 @@ def test_lines_of_files(tmp_path: Path) -> None:
     line, closed = stroke_of(svg)
     middle = (line.real.max() + line.real.min()) / 2 + 15j * np.sign(line.imag.mean())
     assert closed and np.abs(line - middle) == pytest.approx(10, abs=1e-6)
-    svg.write_text(f'{head}<path d="M0 0 L 20 0"/><path d="M0 5 L 20 5"/></svg>')
-    with pytest.raises(FileError, match="2 lines apart"):
+    svg.write_text(
+        f'{head}<path d="M0 0 L 20 0"/><path d="M0 5 L 20 5 L 20 9"/><circle cx="9" cy="9" r="2"/></svg>'
+    )
+    with pytest.raises(FileError, match="3 lines apart"):
         stroke_of(svg)
+    found = strokes_of(svg)
+    ways = sorted(float(np.abs(np.diff(line)).sum()) for line in found)
+    assert ways == pytest.approx([4 * math.pi, 20, 24], rel=1e-3)
+    assert [abs(line[-1] - line[0]) < 1e-9 for line in found] == [True, False, False]
+    svg.write_text(f"{head}</svg>")
+    with pytest.raises(FileError, match="no line"):
+        strokes_of(svg)
     drawing = ezdxf.new(units=4)
     drawing.modelspace().add_line((0, 0), (20, 0))
     drawing.modelspace().add_arc((20, 5), 5, -90, 90)
@@ -170,10 +251,13 @@ TRIANGLE = [[0, 0], [24, 0], [12, 20], [0, 0]]
         ({"drawing": TRIANGLE, "tolerance": 0.001}, "wanted.tolerance"),
         ({"drawing": "gone.svg"}, "gone.svg"),
         ({"drawing": TRIANGLE, "bars": 4}, "bars"),
+        ({"drawing": [TRIANGLE, [[30, 0], [30.5, 0]]]}, "line 2, 0.5 mm from (30, 0)"),
+        ({"drawing": [TRIANGLE, [[30, 0]]]}, "wanted.drawing"),
+        ({"drawing": [[[9 * k, 0], [9 * k, 9]] for k in range(13)]}, "13 lines"),
     ],
 )
 def test_no_line(wanted: dict[str, Any], says: str) -> None:
-    with pytest.raises((SpecError, FileError), match=says):
+    with pytest.raises((SpecError, FileError), match=re.escape(says)):
         camgen.design({**BASE, "wanted": wanted})
 
 
@@ -202,3 +286,61 @@ def test_a_wrong_cam_is_seen(found: Any) -> None:
     rows[20][1] += 0.5
     failing = {each.code for each in camgen.load(wrong).limits() if not each.ok}
     assert "PATH_ERROR" in failing
+
+
+@pytest.fixture(scope="module")
+def lifted() -> Any:
+    return camgen.design({**BASE, "wanted": {"drawing": [[[0, 0], [0, 16]], [[9, 2], [9, 16]]]}})
+
+
+def path_errors(report: Any) -> dict[str, Any]:
+    return {each.where.kind: each for each in report.findings if each.code == "PATH_ERROR"}
+
+
+def test_a_third_cam_lifts_the_pen(lifted: Any, tmp_path: Path) -> None:
+    """From the files: the lines alone are drawn, though the pen goes 9 mm from one to the other."""
+    report = camgen.build(lifted.machine, tmp_path, only="dxf")
+    assert report.ok
+    errors = path_errors(report)
+    assert set(errors) == {"", "dxf"} and max(each.measured for each in errors.values()) < 0.01
+    bought = {each.name: each.size for each in lifted.machine.assembly.bought}
+    assert "slack by 0.5 mm" in bought["thread"] and "by 2.5 mm" in bought["pen with a spring"]
+    drawn = next(plot for plot in report.plots if plot.title == "Pen over the wanted lines")
+    x = dict((label, x) for label, x, _ in drawn.series)["from DXF"]
+    assert np.count_nonzero(np.isnan(x)) >= 2 and np.nanmax(np.abs(x[np.isfinite(x)])) < 20
+    between = (x > np.nanmin(x) + 0.1) & (x < np.nanmax(x) - 0.1)
+    assert not between.any()
+
+
+def out_of_phase(text: str, late_deg: float) -> dict[str, Any]:
+    """The spec with all lifts later."""
+    wrong = tomllib.loads(text)
+    segments = wrong["cam"][2]["segment"]
+    segments[0]["span_deg"] += late_deg
+    segments[-1]["span_deg"] -= late_deg
+    return wrong
+
+
+@pytest.mark.parametrize("late_deg", [-15.0, 15.0])
+def test_a_lift_out_of_phase_is_seen(lifted: Any, late_deg: float) -> None:
+    limits = camgen.load(out_of_phase(lifted.text, late_deg)).limits()
+    assert [each.ok for each in limits if each.code == "PATH_ERROR"] == [False]
+
+
+def test_files_with_a_lift_out_of_phase_are_seen(lifted: Any, tmp_path: Path) -> None:
+    """The cam is 15 deg late in its drawings, the spec beside them is right."""
+    report = camgen.build(camgen.load(out_of_phase(lifted.text, 15)), tmp_path, only="dxf")
+    (report.folder / "spec.toml").write_text(lifted.text)
+    errors = path_errors(camgen.check(report.folder))
+    assert errors[""].ok and not errors["dxf"].ok
+
+
+@pytest.mark.parametrize(
+    "key, value, says",
+    [("lift", "pen", "output.0.lines.lift"), ("up", 25.5, "output.0.lines.up")],
+)
+def test_no_lift(lifted: Any, key: str, value: Any, says: str) -> None:
+    spec = tomllib.loads(lifted.text)
+    spec["output"][0]["lines"][key] = value
+    with pytest.raises(SpecError, match=says):
+        camgen.load(spec)

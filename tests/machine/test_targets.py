@@ -9,7 +9,16 @@ import pytest
 
 from camgen.findings import Where
 from camgen.machine import targets
-from camgen.machine.targets import Course, Dwell, Straight, Stroke, Through, TimeRatio, Trace
+from camgen.machine.targets import (
+    Course,
+    Dwell,
+    Lines,
+    Straight,
+    Stroke,
+    Through,
+    TimeRatio,
+    Trace,
+)
 from camgen.numerics import Floats
 
 THETA = np.linspace(0, math.tau, 1441)
@@ -177,3 +186,65 @@ def test_a_strip_lies_as_it_must() -> None:
     box = np.array([0, 10, 10 + 2j, 2j, 5 + 1j]) * np.exp(0.3j)
     assert targets.strip(box) == pytest.approx(2, abs=1e-12)
     assert targets.strip(np.array([0, 3 + 4j, 6 + 8j])) == 0
+
+
+def lifted(begin: float, end: float, low: float = 0.0) -> Course:
+    """A lift that is 0 until `begin`, deg, 1 up to `end`, and 0 again; it takes a degree to go up or down."""
+    theta = np.degrees(THETA)
+    value = np.clip(theta - begin, 0, 1) - np.clip(theta - end, 0, 1)
+    return Course(THETA, low + (1 - low) * value, np.zeros_like(THETA), "mm", True)
+
+
+Corners = tuple[tuple[float, float], ...]
+UPPER = tuple((20 * math.cos(t), 5 * math.sin(t)) for t in np.linspace(0, math.pi, 400))
+
+
+def lines(*at: Corners) -> Lines:
+    return Lines(at=at, lift="lift", down=0.1, up=0.9, tolerance=0.1)
+
+
+def test_lines_count_only_while_the_pen_is_down() -> None:
+    """The upper half of an ellipse is drawn, the lower one is not; half a degree more of it is 0.05 mm."""
+    wanted = lines(UPPER)
+    found = wanted.finding(ellipse(), Where(), lifted(180, 359))
+    assert found.ok
+    assert found.measured == pytest.approx(5 * math.sin(math.radians(0.9)), abs=0.01)
+
+
+@pytest.mark.parametrize("begin, end", [(184, 359), (180, 350), (10, 359)])
+def test_a_lift_at_the_wrong_time_is_seen(begin: float, end: float) -> None:
+    """Too late, let down too early, lifted over most of the line: by so much the ends are apart."""
+    found = lines(UPPER).finding(ellipse(), Where(), lifted(begin, end))
+    touches = [math.radians(each) for each in (begin + 0.9, end + 0.1)]
+    at = [complex(20 * math.cos(t), 5 * math.sin(t)) for t in touches]
+    late = max(abs(at[0] + 20) if begin > 180 else 0.0, abs(at[1] - 20) if end < 359 else 0.0)
+    surely = math.radians(begin + 0.1)
+    missed = abs(complex(20 * math.cos(surely), 5 * math.sin(surely)) + 20) if begin < 180 else 0.0
+    assert not found.ok
+    assert found.measured == pytest.approx(max(late, missed), abs=0.02)
+
+
+def test_a_pen_that_is_never_down_or_never_up() -> None:
+    wanted = lines(UPPER)
+    never = wanted.finding(ellipse(), Where(), lifted(180, 359, low=0.5))
+    assert not never.ok and "never down" in never.message
+    always = wanted.finding(ellipse(), Where(), lifted(359, 359.1))
+    assert always.measured == pytest.approx(10, abs=0.01) and not always.ok  # (0, -5) to (0, 5)
+
+
+def test_each_of_several_lines_has_to_be_drawn() -> None:
+    """One more, 3 mm beside the path and 8 mm long."""
+    beside = ((-4.0, 8.0), (4.0, 8.0))
+    found = lines(UPPER, beside).finding(ellipse(), Where(), lifted(180, 359))
+    assert found.measured == pytest.approx(8 - 5 * math.sqrt(1 - 0.04), abs=0.02)
+    assert "beyond where lift has let it down" in found.message
+
+
+def test_pieces_that_are_drawn() -> None:
+    """Each from a clear sample to the next clear one: up from 181 deg, down from 359 deg on."""
+    course = ellipse()
+    wanted = lines(UPPER)
+    lift = np.asarray(lifted(180, 359).value)
+    ways = wanted.drawn(course.value, lift)
+    assert [len(way) for way in ways] == [4 * 181 + 1, 5]
+    assert [way[0] for way in ways] == [course.value[0], course.value[4 * 359]]

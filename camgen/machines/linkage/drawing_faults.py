@@ -461,7 +461,7 @@ def _thread_faults(drawing: Drawing, path: Key, thread: Sequence[str]) -> Iterab
 
 
 def _target_faults(drawing: Drawing, path: Key, output: t.Wanted) -> Iterable[Fault]:
-    keys: tuple[str, ...] = ("points", "path", "straightness")
+    keys: tuple[str, ...] = ("points", "path", "lines", "straightness")
     right = "nothing here: it is a target of a point's path only"
     if output.point is not None:
         keys = ("dwell", "time_ratio", "function")
@@ -471,6 +471,12 @@ def _target_faults(drawing: Drawing, path: Key, output: t.Wanted) -> Iterable[Fa
             yield Fault((*path, key), "", right)
     if output.points is not None:
         yield from output.points.faults((*path, "points"))
+    if output.lines is not None:
+        yield from output.lines.faults((*path, "lines"))
+        lifts = [other.name for other in drawing.outputs if other.point is None]
+        if output.lines.lift not in lifts:
+            right = f"the name of an output that lifts the pen: of a link or a thread{': ' if lifts else ''}{', '.join(lifts)}"
+            yield Fault((*path, "lines", "lift"), repr(output.lines.lift), right)
     if output.straightness is not None:
         yield from output.straightness.faults((*path, "straightness"))
     if drawing.drive.range_deg is None:

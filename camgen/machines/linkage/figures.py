@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
@@ -21,7 +21,17 @@ from camgen.machine.features import Demand
 from camgen.machine.landmarks import double_points
 from camgen.machine.reach import Fold, folds, four_bar_lengths, transmission
 from camgen.machine.run import Run, solve
-from camgen.machine.targets import NO_STROKES, Course, Through, Trace, extent, time_ratio
+from camgen.machine.targets import (
+    NO_STROKES,
+    Course,
+    Lines,
+    Through,
+    Trace,
+    extent,
+    one_line,
+    target_findings,
+    time_ratio,
+)
 from camgen.machines.free_play import accepted
 from camgen.machines.linkage import gearing
 from camgen.machines.linkage.signals import Signal, signals_of
@@ -106,6 +116,11 @@ class LinkageMotion:
             whole = not self.cycle.to_and_fro
             courses.append(Course(theta, value, slope, unit, whole, self.cycle.unit))
         return courses
+
+    def course_of(self, output: str) -> Course:
+        """That of the output with this name."""
+        pairs = zip(self.wanted, self.courses, strict=True)
+        return next(course for wanted, course in pairs if wanted.name == output)
 
 
 @dataclass(frozen=True)
@@ -228,7 +243,9 @@ def _plots(linkage: LinkageMotion, theta: Floats, run: Run, angle: Callable[[], 
         if isinstance(output.of, m.Path):
             path = np.asarray(run[output.name], complex)
             marks = path[::_MARKED]  # of equal time where the drive turns evenly
-            series = [("path", path.real, path.imag), (each, marks.real, marks.imag)]
+            pieces = _drawn(linkage, output.name, run)
+            drawn = path if len(pieces) == 1 else one_line(pieces)
+            series = [("path", drawn.real, drawn.imag), (each, marks.real, marks.imag)]
             series += _wanted_places(linkage, output.name)
             dots = (each, "wanted")
             plots.append(
@@ -269,37 +286,53 @@ def _wanted_places(linkage: LinkageMotion, name: str) -> list[tuple[str, Floats,
         passed = course.at(np.array([theta for theta, _ in met])) if met else places
         curves += [
             ("wanted", places),
-            (f"within {points.tolerance:g} mm", _one_line(_within(points))),
-            ("missed by", _one_line(np.column_stack([places, passed]))),
+            (f"within {points.tolerance:g} mm", one_line(_within(points))),
+            ("missed by", one_line([*np.column_stack([places, passed])])),
         ]
     path = wanted.path
     if path is not None:
         apart = path.distance(course)
         curves += [
             ("wanted path" if path.joined else "wanted", np.array(path.places)),
-            (f"within {path.tolerance:g} mm of it", _one_line(_within(path))),
+            (f"within {path.tolerance:g} mm of it", one_line(_within(path))),
             ("farthest apart", np.array([apart.place, apart.foot])),
         ]
+    lines = wanted.lines
+    if lines is not None:
+        far = lines.distance(course, linkage.course_of(lines.lift))
+        curves += [
+            ("wanted lines", one_line(lines.lines)),
+            (f"within {lines.tolerance:g} mm of them", one_line(_within(lines))),
+        ]
+        curves += [] if far is None else [("farthest apart", np.array([far.place, far.foot]))]
     return [(label, z.real, z.imag) for label, z in curves]
 
 
-def _within(wanted: Through | Trace) -> list[Points]:
+def _drawn(linkage: LinkageMotion, name: str, run: Run) -> list[Points]:
+    """Pieces of an output's path, (n,) complex mm: all of it, but for those on which another output lifts the pen."""
+    path = np.asarray(run[name], complex)
+    lines = next(each.lines for each in linkage.wanted if each.name == name)
+    if lines is None:
+        return [path]
+    scale = m.unit_of(linkage.chain.output(lines.lift))[1]
+    return lines.drawn(path, scale * np.asarray(run[lines.lift], float))
+
+
+def _within(wanted: Through | Trace | Lines) -> list[Points]:
     """Outlines of all that is no farther from what is wanted than the path may be, (n,) complex mm each."""
     import shapely
 
-    z = np.array(wanted.places)
-    joined = isinstance(wanted, Trace) and wanted.joined
-    goal = shapely.linestrings(z.real, z.imag) if joined else shapely.points(z.real, z.imag)
+    if isinstance(wanted, Lines):
+        goal = [shapely.linestrings(z.real, z.imag) for z in wanted.lines]
+    else:
+        z = np.array(wanted.places)
+        joined = isinstance(wanted, Trace) and wanted.joined
+        goal = shapely.linestrings(z.real, z.imag) if joined else shapely.points(z.real, z.imag)
     near = shapely.union_all(shapely.buffer(goal, wanted.tolerance, quad_segs=6))
     return [
         shapely.get_coordinates(ring) @ np.array([1, 1j])
         for ring in shapely.get_parts(shapely.boundary(near))
     ]
-
-
-def _one_line(pieces: Iterable[Points]) -> Points:
-    """Polylines as one with gaps, (n,) complex."""
-    return np.concatenate([np.append(piece, complex(math.nan, math.nan)) for piece in pieces])
 
 
 def _longer_slots(made: Build) -> list[str]:
@@ -332,11 +365,11 @@ def targets(linkage: LinkageMotion) -> list[Finding]:
                 wanted.name,
                 remedy,
             ).saying(said)
-    return [
-        target.finding(course, Where(f"{wanted.name} as designed", output=wanted.name))
-        for wanted, course in pairs
-        for target in wanted.targets
-    ]
+    findings: list[Finding] = []
+    for wanted, course in pairs:
+        where = Where(f"{wanted.name} as designed", output=wanted.name)
+        findings += target_findings(wanted.targets, course, where, linkage.course_of)
+    return findings
 
 
 def demands(linkage: LinkageMotion, allowed: LinkageLimits) -> tuple[Demand, ...]:
@@ -462,19 +495,21 @@ def paths(linkage: LinkageMotion) -> tuple[Sketch, ...]:
     outputs = linkage.chain.outputs
     levels = {each.name: each.of.of.body for each in outputs if isinstance(each.of, m.Path)}
     sketches = [
-        Sketch(_path_of(name), (np.asarray(run[name], complex),), level=level)
+        Sketch(_path_of(name), _drawn(linkage, name, run), level=level)
         for name, level in levels.items()
     ]
     for wanted in linkage.wanted:
-        for goal in (wanted.points, wanted.path):
+        for goal in (wanted.points, wanted.path, wanted.lines):
             if goal is None:
                 continue
-            z = np.array(goal.places)
             strokes = _within(goal)
             dots = []
-            if isinstance(goal, Trace) and goal.joined:
-                strokes.append(z)
+            if isinstance(goal, Lines):
+                strokes += goal.lines
+            elif isinstance(goal, Trace) and goal.joined:
+                strokes.append(np.array(goal.places))
             else:
+                z = np.array(goal.places)
                 radius = max(float(np.ptp(z.real) + np.ptp(z.imag)) / 250, SAME_POINT)
                 dots = [(place, radius) for place in goal.places]
             level = levels.get(wanted.name, "")

@@ -41,6 +41,7 @@ from camgen.machines.linkage import (
     bridges,
     figures,
     freewheels,
+    lifts,
     motors,
     pens,
     planets,
@@ -789,7 +790,7 @@ class Linkage(Mechanism):
             if self.counterweight is None
             else (self._balance(self.counterweight, bodies),),
             coils=coils_of(bodies.layout, bodies.parts, bodies.mounts, ways=ways),
-            bought=[*bodies.bought(self._driving_text), *sprung],
+            bought=[*bodies.bought(self._driving_text), *sprung, *lifts.bought(self._moving)],
             springs=coils.mounted(self.sprung, by_force(self.chain), sizes.pin_diameter),
             journals=journals(machine, features, bodies.parts, bodies.mounts, plastic),
             posts=tuple(

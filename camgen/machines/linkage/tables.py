@@ -21,6 +21,7 @@ from camgen.machine.cams.limits import CamLimits
 from camgen.machine.targets import (
     Dwell,
     Function,
+    Lines,
     Straight,
     Stroke,
     Target,
@@ -736,6 +737,10 @@ class Wanted(Record):
         default=None,
         description="path that it should follow; lines join the places, joined = false: a dense cloud",
     )
+    lines: Lines | None = Field(
+        default=None,
+        description="in place of a path: lines that it should draw with a pen that another output lifts",
+    )
     straightness: Straight | None = Field(
         default=None,
         description="a stretch that should be straight, by its length or by range_deg = [310, 370]",
@@ -760,6 +765,7 @@ class Wanted(Record):
             self.stroke,
             self.points,
             self.path,
+            self.lines,
             self.straightness,
             self.dwell,
             self.time_ratio,
