@@ -25,9 +25,8 @@ from typing import Protocol
 import numpy as np
 
 from camgen.geometry.rings import Floats, Ints, Points
-from camgen.judge.pair_features import Features
+from camgen.judge.pair_features import SAME_NORMAL, Features
 
-SAME_NORMAL = 1e-9  # rad: arcs with one tangent leave gaps of 1e-10 between their ranges
 SAME_FOOT = 1e-9  # mm
 
 
@@ -132,8 +131,11 @@ def in_range(
     features: Features, place: Ints, normal: Points, spare: Floats | float = 0.0
 ) -> np.ndarray:
     """Whether unit normals lie in the ranges of the features at those places: by the chord between them, which keeps its digits at small angles."""
+    chord = np.abs(normal - features.middle[place])
+    if np.ndim(spare) == 0 and spare == 0.0:
+        return np.asarray(chord <= features.chord[place])
     limit = np.minimum(features.half[place] + SAME_NORMAL + spare, np.pi)
-    return np.asarray(np.abs(normal - features.middle[place]) <= 2 * np.sin(limit / 2))
+    return np.asarray(chord <= 2 * np.sin(limit / 2))
 
 
 def _both(events: list[Events]) -> Events:
@@ -180,7 +182,7 @@ class Turn:
         """Both places of the centre x on its circle."""
         total, possible = _reach(m)
         d = np.abs(total)
-        x = np.abs(m.b.centre[m.j])
+        x = m.b.away[m.j]
         y = np.abs(m.y)
         kept = np.flatnonzero(possible & (np.abs(x - y) < d) & (d < x + y))
         m = m.take(kept)
@@ -205,7 +207,7 @@ class Turn:
         n = m.e * m.a.middle[m.i]
         local_y = np.conj(n) * m.y
         h = m.b.radius[m.j] + m.gap + local_y.real
-        x = np.abs(m.b.centre[m.j])
+        x = m.b.away[m.j]
         kept = np.flatnonzero(np.abs(h) < x)
         m = m.take(kept)
         n = n[kept]

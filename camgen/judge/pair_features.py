@@ -21,7 +21,8 @@ import numpy as np
 from camgen.geometry.rings import Floats, Ints, Points, Ring
 
 _FLAT = 1e-7  # mm, sagitta below which an arc is a line
-_SAME_NORMAL = 1e-9  # rad, turn below which two edges meet without a corner
+# rad, turn below which two edges meet without a corner; and arcs with one tangent leave gaps of 1e-10 between their ranges
+SAME_NORMAL = 1e-9
 _LONGEST_ARC = 0.35  # rad
 _LONGEST_SHARE = 0.01  # of the outline's length
 
@@ -71,6 +72,16 @@ class Features:
         return np.angle(self.middle) - self.half
 
     @cached_property
+    def chord(self) -> Floats:
+        """Longest chord from the middle normal to another one, of unit circle."""
+        return 2 * np.sin(np.minimum(self.half + SAME_NORMAL, np.pi) / 2)
+
+    @cached_property
+    def away(self) -> Floats:
+        """Distance of each centre from the body's origin, mm."""
+        return np.abs(self.centre)
+
+    @cached_property
     def far(self) -> float:
         """Greatest distance from the body's origin, mm."""
         return float(np.max(np.abs(self.hub) + self.reach))
@@ -105,7 +116,7 @@ def _of_ring(ring: Ring, heights: Heights) -> Features:
     first = across / half_turn
     last = across * half_turn
     turn = np.angle(np.roll(first, -1) * np.conj(last))
-    corner = np.flatnonzero(turn > _SAME_NORMAL)
+    corner = np.flatnonzero(turn > SAME_NORMAL)
     zero = np.zeros(len(corner))
     corners = Features(
         end[corner],

@@ -94,21 +94,25 @@ def partners(
     # driver's discs seen from the driven body
     turned = np.conj(freedom.turned(phi))
     shift = (place - freedom.moved(phi)) * turned
-    hub = shift[block_a] + (e * turned)[block_a] * a.hub[i][:, None]
+    hub = (e * turned)[block_a]
+    hub *= a.hub[i][:, None]
+    hub += shift[block_a]
     middle = hub.mean(axis=1)
-    reach = np.max(np.abs(hub - middle[:, None]), axis=1) + a.reach[i] + growth + _ROUNDING
+    spread = np.sqrt(np.max(_squared(hub - middle[:, None]), axis=1))
+    reach = spread + a.reach[i] + growth + _ROUNDING
     if wide:
         first, second = _across(b, freedom, hub, a.reach[i] + growth + _ROUNDING, j)
         m, n = overlapping(first, second, (block_a, block_b))
     else:
         m, n = _opposite(bodies, (e, phi), half, (block_a, i), (block_b, j))
-        far = np.minimum(np.abs(middle)[m] + reach[m], (np.abs(b.hub) + b.reach)[j[n]])
-        move = half * (far if freedom.period < np.inf else 1.0)
-        close = np.abs(middle[m] - b.hub[j[n]]) <= reach[m] + b.reach[j[n]] + move
+        hub_b = b.hub[j]
+        reach_b = b.reach[j]
+        move = half * (np.abs(hub_b) + reach_b if freedom.period < np.inf else 1.0)
+        close = _squared(middle[m] - hub_b[n]) <= (reach[m] + (reach_b + move)[n]) ** 2
         m = m[close]
         n = n[close]
-        apart = np.abs(freedom.across(middle[m]) - freedom.across(b.hub[j[n]]))
-        close = apart <= reach[m] + b.reach[j[n]]
+        apart = np.abs(freedom.across(middle)[m] - freedom.across(hub_b)[n])
+        close = apart <= reach[m] + reach_b[n]
         m = m[close]
         n = n[close]
     block = block_a[m]
@@ -118,6 +122,11 @@ def partners(
     hollow = (a.radius[i] < 0).astype(int) + (b.radius[j] < 0)
     meet = (line + hollow <= 1) & (a.low[i] < b.high[j]) & (b.low[j] < a.high[i])
     return block[meet], i[meet], j[meet]
+
+
+def _squared(z: Points) -> Floats:
+    """The square of |z|, without the root that `abs` takes."""
+    return np.asarray(z.real**2 + z.imag**2)
 
 
 def _near_driver(bodies: Bodies, place: Points, e: Points, growth: float) -> tuple[Ints, Ints]:

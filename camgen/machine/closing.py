@@ -53,7 +53,7 @@ def close(
         q, slopes, open_ = _newton(system, guess, theta)
         open_ |= signs * system.order.determinant_sign(slopes, len(q)) < 0
     else:
-        q, slopes, open_ = _newton(system, guess, theta)
+        q, slopes, open_ = _newton(system, system.turned(guess, theta), theta)
     q[open_] = 0
     first, second = _derivatives(system, q, theta, slopes, order)
     for rows in (q, first, second):

@@ -149,6 +149,10 @@ class Constraints:
         """A body's angle, (n,) rad."""
         return 0.0 if body == GROUND else q[:, self.column[body] + 2]
 
+    def _cam_angle(self, cam: Cam, q: Floats) -> Floats:
+        """At which a cam's law is asked, (n,) rad."""
+        return np.asarray(self.angle(cam.cam, q) - cam.phase + np.zeros(len(q)))
+
     def place(self, place: Place, q: Floats, rates: Floats | None = None) -> _Point:
         """A place at the poses."""
         k = self.column[place.body]
@@ -264,7 +268,7 @@ class Constraints:
         if each.over is not None:
             self._write_linear(each, q, rates, rows, (value, slopes, curvature))
             return
-        angle = self.angle(each.cam, q) - each.phase + np.zeros(len(q))
+        angle = self._cam_angle(each, q)
         if each.cam != GROUND:
             k = self.column[each.cam] + 2
             slopes = {**slopes, k: slopes.get(k, 0.0) - each.law(angle, 1)}
@@ -302,6 +306,31 @@ class Constraints:
                 k = self.column[body] + 2
                 slopes[k] = slopes.get(k, 0.0) + factor
         return slopes
+
+    def turned(self, q: Floats, theta: Floats) -> Floats:
+        """The poses, (n, 3 bodies), with each body turned as a drive says, or the law of a cam whose body is turned so.
+
+        Newton's method then asks each of these laws where it is wanted from the first step on, not near there.
+        """
+        q = q.copy()
+        turned = {GROUND}
+        for drive in self.machine.drives:
+            if drive.slide is None and drive.body not in turned:
+                q[:, self.column[drive.body] + 2] = drive.law(theta, 0)
+                turned.add(drive.body)
+        waiting = [
+            each
+            for each in self.machine.joints
+            if isinstance(each, Cam) and each.slide is None and each.over is None
+        ]
+        for _ in range(len(waiting)):
+            for each in waiting:
+                if each.cam in turned and each.follower not in turned:
+                    q[:, self.column[each.follower] + 2] = each.rest + each.law(
+                        self._cam_angle(each, q), 0
+                    )
+                    turned.add(each.follower)
+        return q
 
     def drift(self, theta: Floats) -> Floats:
         """How the conditions change with theta at fixed poses, (n, rows): only the drives do."""

@@ -130,6 +130,53 @@ def test_imports_inside_the_package_go_down() -> None:
                     assert row.get(name, len(ROWS)) < row[file.stem], f"{file.stem} imports {name}"
 
 
+class Counted:
+    """A law sin(angle) / 2 that remembers at which arrays of angles its values were asked."""
+
+    def __init__(self) -> None:
+        self.asked: list[np.ndarray] = []
+
+    def __call__(self, angle: np.ndarray, order: int = 0) -> np.ndarray:
+        if order == 0:
+            self.asked.append(np.array(angle))
+        return np.asarray(np.sin(angle + order * math.pi / 2) / 2)
+
+
+def test_laws_one_after_the_other_are_asked_where_they_are_wanted() -> None:
+    """A cam on the follower of another one, listed first: neither is asked at the angles of a guess that is off."""
+    first = Counted()
+    second = Counted()
+    bodies = [Body(name, {"O": 0j}) for name in ("crank", "arm", "flap")]
+    machine = Machine(
+        bodies=(Body(GROUND, {"O": 0j, "P": 60 + 0j, "Q": 90 + 0j}), *bodies),
+        joints=(
+            Cam("second", "arm", "flap", second, phase=0.3, rest=0.2),
+            Cam("first", "crank", "arm", first, rest=-0.1),
+            *(
+                Pin(f"at {point}", Place(GROUND, z), Place(body.name, 0j))
+                for body, point, z in zip(bodies, "OPQ", (0j, 60 + 0j, 90 + 0j), strict=True)
+            ),
+        ),
+        drives=(Drive("motor", "crank"),),
+        start={
+            body.name: Pose(z, 0.0) for body, z in zip(bodies, (0j, 60 + 0j, 90 + 0j), strict=True)
+        },
+    )
+    system = Constraints(machine)
+    guess = np.full((len(THETA), system.width), 0.01)
+    closed = close(system, THETA, guess)
+    arm = np.sin(THETA) / 2 - 0.1
+    flap = np.sin(arm - 0.3) / 2 + 0.2
+    wanted = np.column_stack([THETA, arm, flap])
+    np.testing.assert_allclose(closed.q[:, 2::3], wanted, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(closed.q[:, 3], 60, rtol=0, atol=1e-12)
+    for law, angle in ((first, THETA), (second, arm - 0.3)):
+        many = [asked for asked in law.asked if len(asked) == len(THETA)]
+        assert many
+        for asked in many:
+            np.testing.assert_allclose(asked, angle, rtol=0, atol=1e-14)
+
+
 def test_a_guess_saves_the_way_there() -> None:
     machine = jansen()
     guess = poses(machine, THETA)[0] + 0.05
