@@ -131,6 +131,7 @@ _LIKELY: dict[str, dict[str, tuple[str, ...]]] = {
         **dict.fromkeys(("cam",), _CAMS),
         **dict.fromkeys(("plate-cam", "radial-cam"), ("disc-cam",)),
         **dict.fromkeys(("barrel-cam", "drum-cam"), ("cylinder-cam",)),
+        **dict.fromkeys(("music-box", "pin-drum", "automaton", "camshaft"), ("drum",)),
     },
 }
 # Machines that are no mechanism but an example of one: their words, and which example.

@@ -31,6 +31,7 @@ FRAMES = {
     "elliptic-trammel": 8,
     "heart": 10,
     "geneva-table": 60,
+    "bird-drum": 20,
     "pencil-cam": 14,
     "elliptic-wheels": 10,
     "ratchet": 20,

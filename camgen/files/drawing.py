@@ -862,6 +862,9 @@ class _Layout:
         lines += [f"Engraved {depth} deep" for depth in depths]
         if part.outlined:
             lines.append(f"Profile: {self.stem}.dxf, within {tolerance:g} of the exact curve")
+        elif part.stacked:
+            low, high = number(part.drawn.z0), number(part.drawn.z1)
+            lines.append(f"Drawn thick: the layer z {low} to {high}; all outlines: {self.stem}.stl")
         else:
             lines.append(f"The blank is drawn; its track: {self.stem}-developed.dxf")
         if self.turns:

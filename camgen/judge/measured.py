@@ -62,6 +62,15 @@ class MeasuredEye:
     spread: float = 0.0  # how far the centres at several heights lie apart
 
 
+def of_layer(sections: Sections, layer: tuple[int, int] | None) -> Sections:
+    """The sections of one of a part's layers, given by its number from the bottom and how many there are; of None all."""
+    if layer is None:
+        return sections
+    number, layers = layer
+    cuts = len(sections) // layers
+    return sections[cuts * number : cuts * (number + 1)]
+
+
 def measure(eye: Eye, sections: Sections) -> MeasuredEye | None:
     """The eye in the sections of its part, at all heights at which it is there; None where no ring comes near it."""
     circles_of_eye: list[tuple[Circle, float]] = []
@@ -259,7 +268,7 @@ class _Reader:
         """A cam's outline with its bore, and what rides on it."""
         files = self.files
         tip = feature.tip
-        ring = _outline(files[feature.part], feature.inside)
+        ring = _outline(of_layer(files[feature.part], feature.layer), feature.inside)
         if ring is None:
             self._lost(f"{feature.joint}: the outline of {feature.part} is lost")
             return

@@ -246,14 +246,17 @@ def judge_solid(mesh: Mesh, expected: NominalPart, where: Where, rounding: float
     return _judge_sections(sections, expected, where, rounding, findings, level_error)
 
 
-def _level_error(heights: Floats, expected: NominalPart) -> float:
-    """How far flat faces are from where they belong, mm; all of a stack's corners lie on such a face."""
+def _level_error(heights: Floats, expected: NominalPart) -> tuple[float, float]:
+    """How far flat faces are from where they belong, and the height of the one that is farthest off, mm; all of a stack's corners lie
+    on such a face."""
     levels = distinct(heights)
     nominal = np.array(expected.levels)
     if not expected.levels_complete:
         levels = levels[[0, -1]]
     distances = np.abs(levels[:, None] - nominal)
-    return float(max(np.max(np.min(distances, axis=0)), np.max(np.min(distances, axis=1))))
+    off = np.concatenate([np.min(distances, axis=0), np.min(distances, axis=1)])
+    worst = int(np.argmax(off))
+    return float(off[worst]), float(np.concatenate([nominal, levels])[worst])
 
 
 def strange(path: Path, remarks: Sequence[str]) -> Finding:
@@ -279,7 +282,7 @@ def _judge_sections(
     where: Where,
     rounding: float,
     findings: list[Finding],
-    level_error: float = 0.0,
+    level: tuple[float, float] = (0.0, 0.0),
 ) -> PartVerdict:
     """Whether every section holds the contours that were meant, and how thin its walls are."""
     undo = expected.print_change
@@ -300,8 +303,8 @@ def _judge_sections(
     if not expected.levels_complete:  # corners near each other are one
         steps += math.sqrt(2) * tolerances.MERGED_STEPS
     limit = 2 * expected.chord_tolerance + steps * rounding + (undo.slack if undo else 0.0)
-    off = level_error
-    remark = f"a flat face is {level_error:.4g} mm off its height"
+    off = level[0]
+    remark = f"the flat face at z {level[1]:.4g} is {off:.4g} mm off its height"
     place = _bore_shift(sections[0][1], sections[0][0].shapes, expected)
     eyes: list[tuple[complex, complex]] = []
     for k, (section, shapes) in enumerate(sections):

@@ -179,6 +179,8 @@ class CamOutline:
     own: OwnTip | None = None  # the tip as a part has it, judged by itself
     roller: str | None = None  # the part that runs there, where the tip is its seat
     nominal: NominalCam = NominalCam()
+    # of a part that has one in each of its layers: which layer, from the bottom, of how many; None: the part's largest
+    layer: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True)
@@ -434,6 +436,27 @@ class PlateEdge:
     radius: float
     rest: complex  # its centre at way 0, of an arm from its axle
     pivot: complex | None = None  # the axle of an arm; None: it slides along y
+
+
+@dataclass(frozen=True)
+class PinRow:
+    """Pins that stand out of a part round its axis, each of which bends a tooth's tip aside and then lets it go.
+
+    The tip goes along the line through its place at rest that is square to the radius. Angles are those by which the part has
+    turned, in its own sense; the tooth points at it from outside.
+    """
+
+    name: str
+    part: str
+    layer: tuple[int, int]  # of the part, from the bottom, and how many it has
+    tip: complex  # place of the tooth's tip at rest, mm about the axis
+    sense: int  # of turning, -1 clockwise
+    releases: tuple[float, ...]  # at which each pin lets the tooth go, rad, growing
+    bend: Law  # how far the tooth is bent aside, mm, over that angle
+    bore: Eye  # the part's hole on its axis
+    shift: float  # rad, by which a corner that is a mm off its place lets go sooner or later
+    rate: float  # rad/s, of turning
+    back: float  # rad, by which the part turns until a tooth is at rest again
 
 
 @dataclass(frozen=True)

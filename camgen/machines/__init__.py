@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 MECHANISMS = {
     "disc-cam": "camgen.machines.disc_cam.mechanism:DiscCamDrive",
     "cylinder-cam": "camgen.machines.cylinder_cam.mechanism:CylinderCam",
+    "drum": "camgen.machines.drum.mechanism:CamDrum",
     "linear-cam": "camgen.machines.linear_cam.mechanism:LinearCamDrive",
     "uniform-swing": "camgen.machines.uniform_swing.mechanism:UniformSwing",
     "thread-take-up": "camgen.machines.thread_take_up.mechanism:ThreadTakeUp",

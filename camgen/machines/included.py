@@ -78,8 +78,10 @@ def stack(
     for k, each in enumerate(includes):
         mechanism = _resolved(each, host)
         own = mechanism.assembly
-        if own.tracks or own.edges:
+        if own.tracks or own.edges or own.rows:
             right = "a machine that moves in a plane: the follower of a drum goes along its shaft"
+            if own.rows:
+                right = "a drum without [[row]]: the comb for its pins stands by its own shaft"
             if own.edges:
                 right = "a machine that is turned by a shaft: a plate slides"
             raise SpecError([Fault(("include", k, "spec"), mechanism.mechanism, right)])
@@ -334,15 +336,22 @@ def _ride_error(each: IncludedMachine, ride: Ride, chain: Machine) -> Finding:
 
 def study(each: IncludedMachine) -> Study:
     """Its figures, curves and tables, which are those of its own spec; angles in them are its own."""
-    own = each.mechanism.study()
-    module = each.module
+    notes = [*_origin(each), *_fastening(each)]
+    own = placed(each.mechanism, each.module)
+    prefix = each.module.prefix
+    return replace(own, notes=[*notes, *(f"{prefix}: {note}" for note in own.notes)])
+
+
+def placed(mechanism: Mechanism, module: Module) -> Study:
+    """What a machine that stands in another one shows of itself, under the module's name; its notes as they are."""
+    own = mechanism.study()
     prefix = module.prefix
     return Study(
         Figures(replace(each, module=prefix) for each in own.numbers.records),
         Later(lambda: [replace(plot, title=f"{prefix}: {plot.title}") for plot in own.plots]),
         Later(lambda: [replace(table, title=f"{prefix}: {table.title}") for table in own.tables]),
         Later(lambda: [_sketch(sketch, module) for sketch in own.sketches]),
-        [*_origin(each), *_fastening(each), *(f"{prefix}: {note}" for note in own.notes)],
+        own.notes,
     )
 
 

@@ -29,6 +29,7 @@ from camgen.machine.features import (
     Mount,
     PartPose,
     Passing,
+    PinRow,
     PlateEdge,
     StandIn,
     Strand,
@@ -159,6 +160,7 @@ class Assembly:
     features: Sequence[Feature] = ()  # of parts, on which the joints are measured
     tracks: Sequence[DrumTrack] = ()  # of drums, in which rollers run
     edges: Sequence[PlateEdge] = ()  # of plates that slide, on which tips run
+    rows: Sequence[PinRow] = ()  # of pins that bend teeth aside and let them go
     passing: Sequence[Passing] = ()  # parts that pass by each other without a joint
     demands: Sequence[Demand] = ()  # on the outputs
     stand_ins: Sequence[StandIn] = ()  # what is not made but in the way
@@ -270,12 +272,13 @@ def tips(
         joint = machine.joint(cam.joint)
         assert isinstance(joint, Cam), f"{cam.joint} is no cam"
         mount = [mount for mount in mounts if mount.part == cam.part][cam.copy]
-        layer = part.drawn
+        layer = part.drawn if cam.layer is None else part.layers[cam.layer[0]]
         high = heights(mount, part.thickness, layer.z0, layer.z1)
         disc = (cam.tip.at, cam.tip.diameter / 2, *high)
-        stand_ins.append(
-            StandIn(f"tip on {cam.part}-{1 + cam.copy}", joint.follower, (disc,), rolls=True)
+        name = (
+            f"tip on {cam.part}-{1 + cam.copy}" if cam.layer is None else f"tip of {joint.follower}"
         )
+        stand_ins.append(StandIn(name, joint.follower, (disc,), rolls=True))
     return stand_ins
 
 

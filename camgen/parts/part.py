@@ -84,6 +84,9 @@ class Part:
     points: tuple[tuple[str, complex], ...] = ()  # of the spec, mm, which a drawing calls by name
     role: Role = ""  # what it is in a machine, where a machine has many of its kind
     drum: Drum | None = None  # what its track leaves of the layers, which are its blank
+    stacked: bool = (
+        False  # whether each of its layers has an outline of its own, none of which is the part's
+    )
 
     @property
     def thickness(self) -> float:
@@ -144,8 +147,8 @@ class Part:
 
     @property
     def outlined(self) -> bool:
-        """Whether the region of its drawn layer can be cut: of a drum it is the blank's."""
-        return self.drum is None
+        """Whether the region of its drawn layer can be cut: of a drum it is the blank's, of a stack one of several."""
+        return self.drum is None and not self.stacked
 
 
 def d_bore(diameter: float, flat_depth: float) -> Contour:

@@ -107,11 +107,25 @@ def _chamfer(bore: float | None) -> float:
 
 
 def timing_of(mechanism: Mechanism) -> list[Motion]:
-    """What the followers of a machine's cams do over a turn of their shafts, by the angle by which these have turned."""
+    """What the followers of a machine's cams and the teeth of its rows of pins do over a turn of their shafts, by the angle by which
+    these have turned."""
     x = np.linspace(0.0, 360.0, _SAMPLES)
+    teeth = [
+        Motion(
+            row.name,
+            "mm",
+            x,
+            row.bend(np.radians(x), 0),
+            row.bend(np.radians(x), 1) * np.radians(1),
+        )
+        for row in mechanism.assembly.rows
+    ]
     return [
-        Motion(each.name, each.unit, x, each.law(x, 0), each.law(x, 1))
-        for each in follower_motions(mechanism)
+        *(
+            Motion(each.name, each.unit, x, each.law(x, 0), each.law(x, 1))
+            for each in follower_motions(mechanism)
+        ),
+        *teeth,
     ]
 
 
@@ -144,7 +158,12 @@ def _cams(mechanism: Mechanism) -> set[str]:
 def _track(mechanism: Mechanism, part: Part, step: float) -> Iterator[tuple[float, complex]]:
     """Where a cam's follower touches its outline, by the angle by which the cam has turned, deg; nothing of another part."""
     assembly = mechanism.assembly
-    outline = next((each for each in assembly.outlines.values() if each.part == part.name), None)
+    outlines = [
+        each
+        for each in assembly.outlines.values()
+        if each.part == part.name and (each.layer is None or each.layer[0] == part.drawn_layer)
+    ]
+    outline = next(iter(outlines), None)
     if outline is None or outline.inside:
         return
     joint = assembly.machine.joint(outline.joint)

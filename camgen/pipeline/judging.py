@@ -43,7 +43,7 @@ from camgen.pipeline.making import (
     parts_table,
     written,
 )
-from camgen.pipeline.reading import Read, budget_of, judge_motion, judge_part, moved_by
+from camgen.pipeline.reading import Read, budget_of, judge_motion, judge_part, judge_rows, moved_by
 from camgen.pipeline.scope import ANY, READ, Outcome, Stage, machined, not_judged, of_parts, unheard
 from camgen.pipeline.servo import servo_files
 from camgen.pipeline.summary import plates_of
@@ -97,6 +97,7 @@ def judge(
         parts.append(outcome)
     progress("recovering the motion from the files", 0.65)
     motion, columns, recovered = moved_by(mechanism, files, sections)
+    rows = judge_rows(case, files, sections)
     budget = (
         budget_of(case, sections, [study.numbers, motion.numbers]) if "report" in kinds else None
     )
@@ -110,7 +111,7 @@ def judge(
         columns = dict(study.columns)
         for outcome in stages:
             columns |= outcome.columns
-    outcomes = [motion, *parts, *stages]
+    outcomes = [motion, rows, *parts, *stages]
     sources: list[Outcome | Study] = [study, *outcomes, recovered]
     # of two parts with one figure the first drives
     numbers = united(each.numbers for each in sources)

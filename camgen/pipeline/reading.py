@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -136,8 +137,7 @@ def judge_motion(
     ]
     if not features or parts_of(features) & lost:
         return None
-    fit = compensation(mechanism) if READABLE[kind].solid else None
-    slack = PrintChange(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None else 0.0
+    slack = _slack(mechanism, kind)
     assembly = mechanism.assembly
     verdict = judge_machine(
         Nominal(mechanism.model, features, assembly.mounts, assembly.demands),
@@ -147,6 +147,12 @@ def judge_motion(
         slack,
     )
     return verdict, features
+
+
+def _slack(mechanism: Mechanism, kind: str) -> float:
+    """What the way back from a print compensation may cost a fit in files of a kind, mm."""
+    fit = compensation(mechanism) if READABLE[kind].solid else None
+    return 0.0 if fit is None else PrintChange(fit.hole, fit.profile, fit.shrinkage).slack
 
 
 def moved_by(
@@ -229,6 +235,13 @@ def budget_of(
     from camgen.judge.joints import Nominal
 
     part = case.parts[drive.part]
+    files = parts[drive.part]
+    if drive.layer is not None:
+        from camgen.judge.measured import of_layer
+
+        files = {kind: of_layer(each, drive.layer) for kind, each in files.items()}
+        part = replace(part, drawn_layer=drive.layer[0])
+        drive = replace(drive, layer=None)
     tolerance = mechanism.accuracy.chord_tolerance
     fit = compensation(mechanism)
     numbers = {name: value for figures in reversed(sources) for name, value in figures.items()}
@@ -237,7 +250,32 @@ def budget_of(
         outline, Ring(*bulges(fit_arcs(outline, tolerance))), _facets(part, tolerance, fit)
     )
     nominal = Nominal(mechanism.model, (drive,), mechanism.assembly.mounts)
-    return error_budget(nominal, drive, stages, parts[drive.part], numbers)
+    return error_budget(nominal, drive, stages, files, numbers)
+
+
+def judge_rows(case: Case, kinds: Sequence[str], parts: Mapping[str, Read]) -> Outcome:
+    """When each pin of a drum's rows lets its tooth go, as each kind of file has it."""
+    mechanism = case.mechanism
+    if not mechanism.assembly.rows:
+        return Outcome()
+    from camgen.judge.measured import measure_bore, of_layer
+    from camgen.judge.pin_rows import judge_row
+
+    findings: list[Finding] = []
+    for kind in kinds:
+        for row in mechanism.assembly.rows:
+            sections = parts[row.part].get(kind)
+            if sections is None:
+                continue
+            shift = -measure_bore(row.bore, sections).centre
+            own = [
+                [shape.moved(shift=shift) for shape in shapes]
+                for shapes in of_layer(sections, row.layer)
+            ]
+            rounding = FORMATS[kind].rounding * max(abs(row.tip), case.parts[row.part].thickness)
+            off = mechanism.accuracy.chord_tolerance + 4 * rounding + _slack(mechanism, kind)
+            findings += judge_row(row, own, in_file(case.file(row.part, kind)), off)
+    return Outcome(findings)
 
 
 def _facets(part: Part, tolerance: float, fit: Compensation | None) -> Ring:

@@ -75,6 +75,9 @@ def of_parts(mechanism: Mechanism) -> list[Stage]:
     if cams:
         ripple = ("SPEED_RIPPLE",) if any(math.isfinite(cam.nominal.ripple) for cam in cams) else ()
         stages.append(Stage(("MOTION_ERROR", *ripple), "the follower, rolled on the outline", READ))
+    if mechanism.assembly.rows:
+        pins = Stage(("RELEASE_ANGLE", "PIN_SPACING"), "the pins of each row", (*SOLID, *EXACT))
+        stages.append(pins)
     if len(cams) > len({cam.joint for cam in cams}):
         stages.append(
             Stage(("LASH", "INTERFERENCE"), "the follower between both its contacts", READ)

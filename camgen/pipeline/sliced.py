@@ -405,7 +405,7 @@ def _motion_of_print(
     cams = {
         feature.part: feature
         for feature in features
-        if isinstance(feature, CamOutline) and feature.part in present
+        if isinstance(feature, CamOutline) and feature.part in present and feature.layer is None
     }
     if cams:
         figures += _by_layer(case, prints, parts_read, cams)

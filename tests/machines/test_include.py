@@ -180,7 +180,9 @@ def test_wrong_include_is_told_by_its_key(
     assert said in told.value.faults[0].expected
 
 
-@pytest.mark.parametrize(("name", "said"), [("cylinder-cam", "plane"), ("linear-cam", "slides")])
+@pytest.mark.parametrize(
+    ("name", "said"), [("cylinder-cam", "plane"), ("linear-cam", "slides"), ("drum", "comb")]
+)
 def test_a_drum_or_plate_is_on_no_shaft_of_others(
     root: Path, tables: dict[str, Any], name: str, said: str
 ) -> None:

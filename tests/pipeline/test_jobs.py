@@ -105,6 +105,7 @@ ALONE = ("uniform-swing", tuple(CAMS))
 MADE = [
     AUTOMATON,
     BEAK,
+    ("gallery/bird-drum", ("files.step=true",)),
     ("gallery/cycloidal-reducer", ()),
     ("gallery/drum-feeder", ()),
     ("gallery/elliptic-trammel", ("files.step=true",)),

@@ -17,25 +17,15 @@ from camgen.parts.generator.sizes import Contours
 from camgen.spec import Coordinate, Length, MinWall, Record, Rpm, quantity, turning
 
 
-class FollowerTable(MovingFollower):
-    """What rides on the cam."""
+class TrackFollower(MovingFollower):
+    """What rides on a cam with a roller, a flat face or a knife edge."""
 
     motion: Literal["translating", "oscillating"] = Field(
         description='"translating" or "oscillating"'
     )
-    shape: Literal["roller", "flat", "knife", "outline"] = Field(
-        description='"roller" (with its radius), "flat", "knife" or "outline"; there is no default'
+    shape: Literal["roller", "flat", "knife"] = Field(
+        description='"roller" (with its radius), "flat" or "knife"; there is no default'
     )
-    outline: str | None = Field(
-        default=None,
-        description='"outline": an SVG or DXF beside the spec, whose largest contour is convex where the cam touches it\n'
-        "translating: +y points off the cam, and the origin lies on the slide; oscillating: the origin is the pivot A",
-    )
-    contours: Contours | None = Field(
-        default=None,
-        description="contours read from that file, each as rows of x, y, mm, and bulge",
-    )
-    drawn_in: str | None = Field(default=None, description="the name of that file")
     radius: Length | None = Field(default=None, description="radius of the roller")
     offset: Coordinate = Field(
         default=0.0,
@@ -58,6 +48,24 @@ class FollowerTable(MovingFollower):
         default=None,
         description="flat: width of the face, centred on the stem or on the contact; checked if given",
     )
+
+
+class FollowerTable(TrackFollower):
+    """What rides on the cam."""
+
+    shape: Literal["roller", "flat", "knife", "outline"] = Field(  # type: ignore[assignment]
+        description='"roller" (with its radius), "flat", "knife" or "outline"; there is no default'
+    )
+    outline: str | None = Field(
+        default=None,
+        description='"outline": an SVG or DXF beside the spec, whose largest contour is convex where the cam touches it\n'
+        "translating: +y points off the cam, and the origin lies on the slide; oscillating: the origin is the pivot A",
+    )
+    contours: Contours | None = Field(
+        default=None,
+        description="contours read from that file, each as rows of x, y, mm, and bulge",
+    )
+    drawn_in: str | None = Field(default=None, description="the name of that file")
 
     @model_validator(mode="before")
     @classmethod

@@ -1,0 +1,1 @@
+"""A drum: several disc cams and rows of pins on one shaft, as one part."""
