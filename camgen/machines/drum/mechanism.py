@@ -49,6 +49,7 @@ from camgen.spec import validate
 from camgen.study import Figure, Figures, Later, Study, Table, together
 
 _DRUM = "drum"
+_OFF = 0.05  # mm along the turn, by which a print may put a pin off: its time is told
 _FARTHER = (
     "pins that stand farther apart, a shorter tooth.return_ms or a lower motor.speed_rpm widen it"
 )
@@ -374,10 +375,10 @@ class CamDrum(Mechanism):
         if self.row:
             pins = self._pins
             figures += [
-                Figure("pins", sum(len(row.release_deg) for row in self.row), ""),
+                Figure("pin count", sum(len(row.release_deg) for row in self.row), ""),
                 Figure("bend of a tooth", pins.bend, "mm"),
                 Figure("pin hold", math.degrees(pins.hold), "deg"),
-                Figure("release shift of 0.05 mm", 50 / pins.end / abs(self._speed), "ms"),
+                Figure("release shift", _OFF / pins.end / abs(self._speed), "s"),
             ]
         return Figures(figures)
 
