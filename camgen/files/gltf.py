@@ -48,14 +48,20 @@ class Shape:
 class Track:
     """A body over a turn: angle (n,) rad and place (n,) complex mm at even times, the last one before the first again.
 
-    copies: on it, as (name, number of the shape, transform (3, 4) in the body's frame, mm).
+    copies: on it, as (name, number of the shape, transform (3, 4) in the body's frame, mm). standing: its plane stands, its x as
+    the machine's -y, y as z and z as -x.
     """
 
     name: str
     angle: Floats
     place: Points
     copies: Sequence[tuple[str, int, Floats]]
+    standing: bool = False
 
+
+# Quaternion (x, y, z, w) of a plane that stands, and how that is read back: within float32 about its own z.
+_STANDING = (0.5, -0.5, -0.5, 0.5)
+_OFF = 1e-6
 
 LYING = (0.0, 0.0, -1.0)  # which way is down where the plate lies on the table
 
@@ -210,7 +216,19 @@ def _course(body: Track) -> tuple[Any, Any]:
     place = np.append(place[last], place[last[0]])
     zero = np.zeros(len(half))
     quaternions = np.column_stack([zero, zero, np.sin(half), np.cos(half)])
-    return _single(quaternions), _single(np.column_stack([place.real, place.imag, zero]))
+    if not body.standing:
+        return _single(quaternions), _single(np.column_stack([place.real, place.imag, zero]))
+    turned = _product(np.array(_STANDING), quaternions)
+    return _single(turned), _single(np.column_stack([zero, -place.real, place.imag]))
+
+
+def _product(first: Floats, then: Floats) -> Floats:
+    """The turn `then` and after it `first`; quaternions (x, y, z, w), (4,) and (n, 4)."""
+    a = first[:3]
+    w = first[3]
+    b = then[:, :3]
+    v = then[:, 3]
+    return np.column_stack([v[:, None] * a + w * b + np.cross(a, b), w * v - b @ a])
 
 
 def _single(values: Floats) -> Any:
@@ -255,7 +273,7 @@ _WIDTH = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}
 class Course:
     """A body as read: seconds (n,) s, angle (n,) rad and place (n,) complex mm, one of each where it stands still.
 
-    copies: on it, as (name, name of the mesh, transform (3, 4) in the body's frame, mm).
+    copies: on it, as (name, name of the mesh, transform (3, 4) in the body's frame, mm). standing: as of a track.
     """
 
     name: str
@@ -263,6 +281,7 @@ class Course:
     angle: Floats
     place: Points
     copies: Sequence[tuple[str, str, Floats]]
+    standing: bool = False
 
 
 def read_glb(path: Path, down: tuple[float, float, float] = LYING) -> list[Course]:
@@ -379,6 +398,12 @@ class _Glb:
         ):
             raise ValueError(f"{node['name']} stands elsewhere than where its motion begins")
         times = times if len(times) > 1 else place_times
+        standing = bool(quaternions[:, :2].any())
+        if standing:
+            back = np.array(_STANDING) * (-1, -1, -1, 1)
+            quaternions = _product(back, np.asarray(quaternions, float))
+            quaternions[:, :2] *= np.abs(quaternions[:, :2]) > _OFF
+            places = np.column_stack([-places[:, 1], places[:, 2], places[:, 0]])
         if quaternions[:, :2].any() or places[:, 2].any():
             raise ValueError(f"{node['name']} moves out of its plane")
         if any(len(each) not in (1, len(times)) for each in (place_times, quaternions, places)):
@@ -397,6 +422,7 @@ class _Glb:
             np.resize(angle, n),
             np.resize(place, n),
             copies,
+            standing,
         )
 
     def copy(self, number: int) -> tuple[str, str, Floats]:

@@ -54,6 +54,7 @@ class Mesh:
 
 
 _UPRIGHT = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+_STANDING = np.array([[0, 0, -1.0], [-1, 0, 0], [0, 1, 0]])
 
 
 def placing(
@@ -77,6 +78,11 @@ def placing(
         over = _UPRIGHT
     shift = [position.real, position.imag, z + (thickness if flipped else 0)]
     return np.column_stack([product(turn, over), shift]) + 0.0
+
+
+def in_standing_plane(transform: Floats) -> Floats:
+    """A transform (3, 4) in a plane that stands, whose x is -y, y is z and z is -x, as one in space."""
+    return np.asarray(product(_STANDING, transform) + 0.0)
 
 
 def weld(corners: Floats) -> Mesh:

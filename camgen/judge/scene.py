@@ -26,7 +26,7 @@ _STEPS = 8  # float32 roundings of a place and, through quaternions, of a turn
 class Flight:
     """Where a copy of a part is to be: angle (n,) rad and place (n,) complex mm at even times, the end as the beginning, nan
     where the machine cannot go; z: height, mm; flipped: turned over about its own y axis first, within its thickness, mm;
-    upright: first stood up, y as -z and z as y.
+    upright: first stood up, y as -z and z as y; standing: all this in a plane that stands, its x as -y, y as z, z as -x.
 
     reach: of the part's farthest point from its origin, mm.
     """
@@ -39,6 +39,7 @@ class Flight:
     thickness: float
     reach: float
     upright: bool = False
+    standing: bool = False
 
     @property
     def transforms(self) -> Floats:
@@ -56,7 +57,14 @@ class Flight:
             z = (sine, -cosine, zero)
         place = self.place.real, self.place.imag, height * ones
         rows = [each for row in zip(x, y, z, place, strict=True) for each in row]
-        return np.stack(rows, axis=1).reshape(-1, 3, 4)
+        found = np.stack(rows, axis=1).reshape(-1, 3, 4)
+        return _stood(found) if self.standing else found
+
+
+def _stood(transforms: Floats) -> Floats:
+    """Transforms (n, 3, 4) in a plane that stands as those in space."""
+    x, y, z = np.moveaxis(transforms, 1, 0)
+    return np.stack([-z, -x, y], axis=1)
 
 
 def judge_scene(
@@ -105,6 +113,8 @@ def _off(course: Course, transform: Floats, flight: Flight, seconds: float) -> t
     turn[:, 2, 2] = 1
     transforms = np.einsum("nij,jk->nik", turn, transform)
     transforms[:, :2, 3] += np.column_stack([course.place.real, course.place.imag])
+    if course.standing:
+        transforms = _stood(transforms)
     error = np.abs(transforms - flight.transforms)
     off = np.max(error[..., 3], axis=1) + flight.reach * np.max(error[..., :3], axis=(1, 2))
     return float(np.nanmax(off, initial=0.0)), limit

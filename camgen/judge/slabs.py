@@ -203,6 +203,14 @@ def shadow_of(sections: Sequence[Section]) -> Section:
     return Section(0.0, 0.0, area, disc_about(area), facets)
 
 
+def plan_of(mesh: Mesh) -> Any:
+    """What a solid covers as seen from above, a geometry: all its triangles that face upwards."""
+    import shapely
+
+    up = mesh.vertices[mesh.faces[mesh.across[:, 2] > 0]]
+    return shapely.union_all(shapely.polygons(up[:, :, :2]))
+
+
 # ---- a plate ready to print ------------------------------------------------------------------------------------------
 
 
@@ -239,9 +247,7 @@ def judge_plate(
         ),
     ]
     if len(meshes) > 1:
-        shadows = [
-            shapely.union_all([area_of(slab.rings) for slab in slabs_of(mesh)]) for mesh in meshes
-        ]
+        shadows = [plan_of(mesh) for mesh in meshes]
         near = shapely.STRtree(shadows).query_nearest(
             shadows, exclusive=True, all_matches=False, return_distance=True
         )[1]

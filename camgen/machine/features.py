@@ -353,6 +353,7 @@ class PartPose(Pose):
     flipped: bool = False  # x is -x, z is thickness - z
     z: float = 0.0  # height of its underside, mm; of its y = 0 where it is upright
     upright: bool = False  # y is -z, z is y
+    standing: bool = False  # all this in a plane that stands: ground = (-z, -x, y) of its points
 
 
 def heights(stands: Mount | PartPose, part: float, low: float, high: float) -> tuple[float, float]:
@@ -507,6 +508,9 @@ class SweptMachine:
     drive: Callable[[Floats], Floats] = lambda phase: (
         phase
     )  # theta at a phase of the period, (n,) rad
+    # bodies whose planes stand, with the places of their origins, and pairs of parts that touch by intent beside them
+    planes: Mapping[str, complex] = field(default_factory=dict)
+    touching: Sequence[tuple[str, str]] = ()
 
 
 def judged_outputs(outputs: Iterable[Output], demands: Iterable[Demand]) -> list[Output]:

@@ -165,6 +165,9 @@ class Assembly:
     demands: Sequence[Demand] = ()  # on the outputs
     stand_ins: Sequence[StandIn] = ()  # what is not made but in the way
     strands: Sequence[Strand] = ()  # threads from post to post
+    # bodies that move in a plane that stands, x as -y, y as z and z as -x, with the place of their own plane's origin in it, mm
+    planes: Mapping[str, complex] = field(default_factory=dict)
+    touching: Sequence[tuple[str, str]] = ()  # parts that touch by intent where planes stand
     balances: Sequence[Balance] = ()  # what the solids of cranks with counterweights are held to
     coils: Sequence[Coil] = ()  # extension springs
     bought: Sequence[Bought] = ()  # by their standards
@@ -250,9 +253,11 @@ class Assembly:
             for mount in self.mounts:
                 if mount.part == name:
                     body = courses[mount.body]
-                    place = body.place + np.exp(1j * body.angle) * mount.at
+                    origin = self.planes.get(mount.body, 0j)
+                    place = body.place + origin + np.exp(1j * body.angle) * mount.at
                     angle = body.angle + mount.angle
-                    poses.append(PartPose(place, angle, mount.flipped, mount.z, mount.upright))
+                    stands = mount.flipped, mount.z, mount.upright, mount.body in self.planes
+                    poses.append(PartPose(place, angle, *stands))
             return poses
 
         return Lazy((part.name for part in self.parts), of_part)
@@ -424,6 +429,8 @@ def bodies_in_motion(assembly: Assembly) -> SweptMachine:
         assembly.cycle.name,
         assembly.cycle.swept,
         assembly.cycle.theta,
+        assembly.planes,
+        assembly.touching,
     )
 
 

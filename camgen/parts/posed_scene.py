@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.geometry.mesh import Mesh, placing
+from camgen.geometry.mesh import Mesh, in_standing_plane, placing
 from camgen.machine.model import GROUND
 from camgen.machine.run import solve
 from camgen.numerics import Floats
@@ -52,7 +52,10 @@ def posed_scene(assembly: Assembly, solids: Mapping[str, Mesh], theta: float) ->
                 "mm",
                 where,
             ).saying(message)
-        graph.update(frame_from="world", frame_to=name, matrix=_square(placing(angle, place, 0, 0)))
+        stands = placing(angle, place + assembly.planes.get(name, 0j), 0, 0)
+        if name in assembly.planes:
+            stands = in_standing_plane(stands)
+        graph.update(frame_from="world", frame_to=name, matrix=_square(stands))
     for name, solid in solids.items():
         scene.geometry[name] = Trimesh(solid.vertices, solid.faces, process=False)
     scene.units = "mm"

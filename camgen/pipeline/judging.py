@@ -395,9 +395,11 @@ def judge_servo(case: Case, kinds: Sequence[str]) -> Outcome:
 def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     """INTERFERENCE of all parts and what else is in the way, moved through a turn."""
     from camgen.judge.assembly import COLUMNS, sweep
+    from camgen.judge.sweep_in_space import sweep_in_space
 
     assembly = case.mechanism.assembly
-    findings, nearest = sweep(case.file("assembly", "3mf"), bodies_in_motion(assembly))
+    judge = sweep_in_space if assembly.planes else sweep
+    findings, nearest = judge(case.file("assembly", "3mf"), bodies_in_motion(assembly))
     columns = (*COLUMNS[:-1], f"{COLUMNS[-1]}, {assembly.cycle.unit}")
     table = Table("Bodies that pass each other, the nearest first", columns, nearest)
     return Outcome(findings, tables=[table] if nearest else [])

@@ -15,11 +15,14 @@ import numpy as np
 from camgen import spec as specs
 from camgen.errors import DesignError
 from camgen.files.formats import EXACT, FORMATS, Job, write_part
+from camgen.machine.features import PartPose
 from camgen.machines.mechanism import Mechanism
+from camgen.numerics import Floats
 from camgen.parts import materials
 from camgen.parts.assembly import cut_of_sheet, printed_parts
 from camgen.parts.catalogue import CAM_FOLLOWERS, TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
+from camgen.parts.part import Part
 from camgen.pipeline.case import Case
 from camgen.pipeline.drawings import timing_facts, timing_of
 from camgen.pipeline.scope import machined
@@ -200,22 +203,17 @@ def compensation(mechanism: Mechanism) -> Compensation | None:
 def assembly_copies(mechanism: Mechanism) -> list[PartCopy]:
     """Every copy of every part where it is at theta = 0."""
     from camgen.files.threemf import PartCopy
-    from camgen.geometry.mesh import placing
+    from camgen.geometry.mesh import in_standing_plane, placing
+
+    def place(part: Part, pose: PartPose) -> Floats:
+        angle = float(pose.angle[0])
+        at = complex(pose.place[0])
+        placed = placing(angle, at, pose.z, part.thickness, pose.flipped, pose.upright)
+        return in_standing_plane(placed) if pose.standing else placed
 
     poses = mechanism.assembly.poses(np.zeros(1))
     return [
-        PartCopy(
-            part.name,
-            f"{part.name}-{k + 1}",
-            placing(
-                float(pose.angle[0]),
-                complex(pose.place[0]),
-                pose.z,
-                part.thickness,
-                pose.flipped,
-                pose.upright,
-            ),
-        )
+        PartCopy(part.name, f"{part.name}-{k + 1}", place(part, pose))
         for part in mechanism.assembly.parts
         for k, pose in enumerate(poses[part.name])
     ]

@@ -59,14 +59,15 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
         if any(pose.upright for pose in poses[part.name]):
             contours = [_edge_on(part)]
         rings = [bulges(fit_arcs(contour, _DRAWN)) for contour in contours]
-        bodies.append(Body(part.name, poses[part.name], rings))
+        stands = any(pose.standing for pose in poses[part.name])
+        bodies.append(Body(part.name, poses[part.name], rings, upright=stands))
     shapes = mechanism.study().sketches if sketches is None else sketches
     for s in (*shapes, *spring_sketches(assembly.coils, assembly.courses)):
         body = courses[s.body]
         course = None if s.course is None else s.course(theta)
         place = body.place + (s.upright.origin if s.upright else 0j)
-        stands = [PartPose(place, body.angle)]
-        drawn = Body(s.name, stands, (), s.strokes, s.circles, course, _heights(assembly, s))
+        pose = [PartPose(place, body.angle)]
+        drawn = Body(s.name, pose, (), s.strokes, s.circles, course, _heights(assembly, s))
         bodies.append(replace(drawn, upright=s.upright is not None))
     moving = _with_output(mechanism, theta, bodies)
     cycle = assembly.cycle
@@ -165,6 +166,7 @@ def solids(mechanism: Mechanism, frames: int) -> tuple[list[Shape], list[Track]]
 
     parts = mechanism.assembly.parts
     courses = mechanism.assembly.courses(_turn(mechanism, frames))
+    planes = mechanism.assembly.planes
     number = {part.name: k for k, part in enumerate(parts)}
     shapes = [
         Shape(part.name, _coarse(part, mechanism.accuracy.chord_tolerance), part_colour(k))
@@ -180,7 +182,12 @@ def solids(mechanism: Mechanism, frames: int) -> tuple[list[Shape], list[Track]]
         stands = placing(mount.angle, at, mount.z, thick, mount.flipped, mount.upright)
         bodies.setdefault(mount.body, []).append((f"{mount.part}-{copies[mount.part]}", k, stands))
     tracks = [
-        Track(name, *_over(courses[name], frames * mechanism.assembly.cycle.turns), copies_of_body)
+        Track(
+            name,
+            *_over(courses[name], frames * mechanism.assembly.cycle.turns, planes.get(name, 0j)),
+            copies_of_body,
+            name in planes,
+        )
         for name, copies_of_body in bodies.items()
     ]
     return shapes, tracks
@@ -233,14 +240,15 @@ def flights(mechanism: Mechanism) -> dict[str, Flight]:
                 part.thickness,
                 reach,
                 pose.upright,
+                pose.standing,
             )
     return flights_of
 
 
-def _over(pose: Pose, frames: int) -> tuple[Floats, Points]:
-    """Angle and place of a body at every frame."""
+def _over(pose: Pose, frames: int, origin: complex) -> tuple[Floats, Points]:
+    """Angle and place of a body at every frame; origin: of its plane."""
     return np.broadcast_to(pose.angle, frames), np.broadcast_to(
-        np.asarray(pose.place, complex), frames
+        np.asarray(pose.place + origin, complex), frames
     )
 
 

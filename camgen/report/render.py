@@ -127,7 +127,8 @@ def _solids(shapes: Sequence[Shape], tracks: Sequence[Track], animation: Animati
             shape = shapes[number]
             vertices = shape.mesh.vertices @ transform[:, :3].T + transform[:, 3]
             corners = vertices[shape.mesh.faces]
-            solids.append(_solid(corners, shape.colour, (track.angle, track.place)))
+            solid = _solid(corners, shape.colour, (track.angle, track.place))
+            solids.append(replace(solid, upright=track.standing))
     frames = len(animation.theta)
     for k, body in enumerate(animation.bodies):
         if body.heights is None or body.course is not None:

@@ -37,6 +37,7 @@ BODIES = [
     ),
     Track("slider", np.zeros(360), PLACE, [("base-2", 0, placing(0.0, 0j, 10.0, 3.0))]),
 ]
+SWING = Track("swing", 0.4 * np.sin(THETA) + 0.2, PLACE, [("arm-3", 1, np.eye(3, 4))], True)
 SHAPES = [Shape("base", box(30, 20, 3), "#0b62a8"), Shape("arm", box(12, 5, 4), "#ffffff")]
 
 
@@ -81,6 +82,21 @@ def test_trimesh_finds_every_copy_where_it_belongs_in_metres_with_y_up(data: byt
             order, other = (np.lexsort(np.round(rows, 6).T) for rows in (there, wanted))
             np.testing.assert_allclose(there[order], wanted[other], atol=1e-8)
     assert all(mesh.is_watertight and mesh.volume > 0 for mesh in scene.geometry.values())
+
+
+def test_a_body_whose_plane_stands_is_read_back_and_found_by_trimesh(tmp_path: Path) -> None:
+    """x of its plane is -y of the machine, y is z and z is -x."""
+    path = tmp_path / "a.glb"
+    path.write_bytes(glb("demo", SHAPES, [*BODIES, SWING]))
+    course = read_glb(path)[-1]
+    assert course.standing and not any(each.standing for each in read_glb(path)[:-1])
+    np.testing.assert_allclose(course.angle[:-1], SWING.angle, atol=1e-6)
+    np.testing.assert_allclose(course.place[:-1], PLACE, atol=1e-5)
+    matrix, _ = trimesh.load(path).graph["arm-3"]
+    turned = complex(3, 4) * np.exp(0.2j) + PLACE[0]
+    there = matrix @ (3, 4, 5, 1)
+    wanted = (-5, turned.imag, turned.real)  # (-5, -x, y) in the machine; glTF has (x, z, -y)
+    np.testing.assert_allclose(1000 * there[:3], wanted, atol=1e-5)
 
 
 def test_one_turn_is_the_animation_and_only_what_moves_is_in_it(data: bytes) -> None:

@@ -25,6 +25,7 @@ FLIGHTS = {
     "arm-1": Flight("arm", THETA + 0.5, (3 + 2j) * SPIN, 7.0, False, 4.0, 13.0),
     "arm-2": Flight("arm", THETA + 0.2, 1j * SPIN, 1.0, True, 4.0, 13.0),
     "base-2": Flight("base", STILL, CAST, 10.0, False, 4.0, 13.0),
+    "swing-1": Flight("arm", THETA + 0.3, CAST + 2 * SPIN, -7.0, False, 4.0, 13.0, standing=True),
 }
 
 
@@ -42,6 +43,7 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
             ],
         ),
         Track("slider", STILL[:-1], CAST[:-1], [("base-2", 0, placing(0.0, 0j, 10.0, 4.0))]),
+        Track("swing", THETA[:-1], CAST[:-1], [("swing-1", 1, placing(0.3, 2, -7.0, 4.0))], True),
     ]
     found = tmp_path_factory.mktemp("scene") / "a.glb"
     found.write_bytes(
@@ -72,9 +74,16 @@ def test_a_copy_turned_over_lies_within_its_thickness(
     )
 
 
+def test_a_plane_that_stands_has_its_x_along_minus_y_and_its_y_along_z() -> None:
+    """A point (1, 2) of it, 3 over it, turned by a right angle to (-2, 1) and shifted by (10, 20)."""
+    angle = np.array([math.pi / 2])
+    flight = Flight("arm", angle, np.array([10 + 20j]), 0.0, False, 4.0, 9.0, standing=True)
+    assert flight.transforms[0] @ (1, 2, 3, 1) == pytest.approx((-3, -8, 21))
+
+
 def test_every_copy_is_where_it_is_to_be(path: Path) -> None:
     found = judge_scene(path, FLIGHTS, SECONDS)
-    assert found.ok and found.limit < 1e-4 and found.message.startswith("4 copies")
+    assert found.ok and found.limit < 1e-4 and found.message.startswith("5 copies")
 
 
 @pytest.mark.parametrize("copy", FLIGHTS)
@@ -121,7 +130,7 @@ def test_other_copies_or_times_are_told(path: Path) -> None:
         {**FLIGHTS, "arm-1": replace(FLIGHTS["arm-1"], part="base")},
     ):
         found = judge_scene(path, other, SECONDS)
-        assert not found.ok and f"4 copies, which are not the {len(other)}" in found.message
+        assert not found.ok and f"5 copies, which are not the {len(other)}" in found.message
         assert math.isnan(found.measured) and found.limit == 0
     assert judge_scene(path, FLIGHTS, 1.01 * SECONDS).measured == math.inf
     every_other = {

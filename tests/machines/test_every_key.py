@@ -40,6 +40,7 @@ VARIANTS: dict[str, tuple[str, dict[str, Any]]] = {
     "disc-cam, arm": ("disc-cam", {"geometry.follower": SWINGING}),
     "disc-cam, machine": ("disc-cam", {"parts.make": "printed"}),
     "indexing-cam, machine": ("indexing-cam", {"parts.make": "printed"}),
+    "cylinder-cam, machine": ("cylinder-cam", {"parts.make": "printed"}),
     "disc-cam, face on an arm": ("disc-cam", {"geometry.follower": FACE}),
 }
 Leaf = tuple[

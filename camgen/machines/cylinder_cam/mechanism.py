@@ -6,14 +6,15 @@
   |   |   |        At s = 0 the roller is where geometry.follower says.
 
 track "groove": one roller between two walls; "rib": two rollers on one slide, astride; "end": the roller on the upper end, on which a
-spring holds it. What stands beside the drum (slide or arm, roller, shaft and bearings) is the person's own.
+spring holds it. What stands beside the drum (slide or arm, roller, shaft and bearings) is the person's own, or with parts.make =
+"printed" made as well: `bench`.
 """
 
 from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Annotated
@@ -40,6 +41,13 @@ from camgen.machines.cam_loads import (
     polydyne_faults,
 )
 from camgen.machines.cylinder_cam.bearings import Roller, pressed
+from camgen.machines.cylinder_cam.bench import (
+    PIN_SHARE,
+    Bench,
+    Fits,
+    roller_pin,
+    shaft_bearing,
+)
 from camgen.machines.cylinder_cam.tables import DrumGeometry, DrumLimits, DrumParts
 from camgen.machines.cylinder_cam.track import Track, smallest
 from camgen.machines.disc_cam.curves import motion_plots, segments_table
@@ -53,9 +61,9 @@ from camgen.motion.segments import SegmentTable, WholeTurn, program
 from camgen.numerics import Floats
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly
-from camgen.parts.catalogue import Bought, ball_roller, narrowest
+from camgen.parts.catalogue import BEARINGS, DOWELS, Bought, ball_roller, narrowest
 from camgen.parts.disc_cams import turning_note
-from camgen.parts.part import drum_part
+from camgen.parts.part import Part, drum_part
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study, Upright
 
 _FOLLOWER = "follower"
@@ -111,6 +119,7 @@ class CylinderCam(Mechanism):
                 right = "0: a drum's walls lean to the bed, so its files are as drawn; let the slicer compensate"
                 found.append(Fault(("print", key), f"{value:g}", right))
         found += self._cutter_faults()
+        found += self._bench_faults() if self.making.make == "printed" else []
         try:
             self._given  # noqa: B018
         except SpecError as error:
@@ -169,6 +178,25 @@ class CylinderCam(Mechanism):
             right = f"at most {most:g} mm, of the roller and its clearance"
             found.append(Fault(("files", "cutter_radius"), f"{cutter:g}", right))
         return found
+
+    def _bench_faults(self) -> Iterator[Fault]:
+        """What no machine can be made of."""
+        roller = self.geometry.roller
+        bore = self.making.bore
+        if shaft_bearing(bore) is None:
+            sizes = sorted({bearing.bore for bearing in BEARINGS.values()})
+            right = f"{', '.join(f'{each:g}' for each in sizes)} mm: of the shaft's ball bearings"
+            yield Fault(("parts", "bore"), f"{bore:g}", right)
+        if roller.cone_deg:
+            right = "0: the roller of a printed machine is a cylinder"
+            yield Fault(("geometry", "roller", "cone_deg"), f"{roller.cone_deg:g}", right)
+        if not roller_pin(roller.radius, roller.length):
+            least = min(DOWELS) / PIN_SHARE / 2
+            right = f"at least {least:g} mm, for a roller on a pin"
+            yield Fault(("geometry", "roller", "radius"), f"{roller.radius:g}", right)
+        if not materials.of(self.material.name).printed:
+            right = '"drum": a machine is made of a plastic that is printed'
+            yield Fault(("parts", "make"), '"printed"', right)
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 
@@ -262,6 +290,14 @@ class CylinderCam(Mechanism):
         )
         part = replace(part, notes=notes, bore=p.bore, min_wall=self.allowed.min_wall)
         made = self._assembly([part], [Mount("drum", "cam")])
+        if p.make == "printed":
+            bench = self._bench(part)
+            made = replace(
+                self._assembly(bench.parts, bench.mounts),
+                planes={_FOLLOWER: bench.plane},
+                touching=bench.touching,
+                work=Later(lambda: [bench.steps()]),
+            )
         output = self.model.outputs[0].name
         demand = Demand(output, lash=self.allowed.lash / self.geometry.follower.unit[1])
         return replace(
@@ -271,8 +307,16 @@ class CylinderCam(Mechanism):
             demands=(demand,),
         )
 
+    def _bench(self, drum: Part) -> Bench:
+        """The machine round the drum."""
+        fits = Fits(self.print.press_clearance, self.print.slide_clearance)
+        cranked = self.motor.model == "hand crank"
+        return Bench(self.track, self.making, fits, drum, cranked)
+
     def _bought(self) -> list[Bought]:
-        """What turns and what rolls; slide or arm are the person's own."""
+        """What turns and what rolls; slide or arm are the person's own. Of a whole machine both are parts."""
+        if self.making.make == "printed":
+            return []
         roller = self.geometry.roller
         bore = self.making.bore
         count = 2 if self.geometry.track == "rib" else 1
@@ -498,7 +542,9 @@ class CylinderCam(Mechanism):
         return [*motion_plots(self.program, self.geometry.follower.unit, self._speed), pressure]
 
     def _sketches(self) -> list[Sketch]:
-        """The rollers, and the slide or arm that carries them beside the drum, at s = 0."""
+        """The rollers, and the slide or arm that carries them beside the drum, at s = 0; nothing where they are made."""
+        if self.making.make == "printed":
+            return []
         track = self.track
         g = self.geometry
         f = g.follower
@@ -537,6 +583,10 @@ class CylinderCam(Mechanism):
             place = f"the middle between both rollers is {where} at displacement 0"
         if self.geometry.follower.swings:
             place = f"the arm's axle is {track.pivot:.4g} mm beside the drum's axis, {where}; at displacement 0 the arm stands at {math.degrees(track.start):.4g} deg"
+        if self.making.make == "printed":
+            return [
+                "theta is counter-clockwise as seen from above; at 0 the follower stands at +x."
+            ]
         return [
             f"The drum is what is made. Bring the follower, its guide, the roller, shaft and bearings: {place}, the roller's inner end {track.inner:.4g} mm from the drum's axis.",
             "theta is counter-clockwise as seen from above; at 0 the follower stands at +x of the drum's files.",

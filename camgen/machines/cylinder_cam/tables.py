@@ -93,11 +93,29 @@ class DrumGeometry(Record):
 
 
 class DrumParts(ShaftBore):
-    """The drum as a body, with the bore of its shaft."""
+    """The drum as a body, with the bore of its shaft, and the machine round it."""
 
+    make: Literal["drum", "printed"] = Field(
+        default="drum",
+        description='"drum": the drum alone\n'
+        '"printed": the machine as well: end plates on four rods, shaft in ball bearings, carriage or arm with\n'
+        "its roller, hand crank",
+    )
     wall: Length = Field(
         default=3.0,
-        description="least wall between the bore and the floor of the track, and at the drum's ends",
+        description="least wall between the bore and the floor of the track, and at the drum's ends; in a machine "
+        "round holes",
+    )
+    thickness: Length = Field(
+        default=6.0,
+        description='make "printed": thickness of arm and crank, and least of the end plates',
+    )
+    rod_diameter: Length = Field(
+        default=6.0, description='make "printed": diameter of the four rods between the end plates'
+    )
+    crank: Length = Field(
+        default=40.0,
+        description='make "printed" with motor.model "hand crank": from the shaft to the knob',
     )
 
 

@@ -1,0 +1,503 @@
+"""The machine round the drum of a cylinder cam: two end plates on four rods, its shaft in ball bearings, carriage or arm, hand crank.
+
+ ====o====  crank        The drum's axis is upright, as its files have it. Both plates are one part, the upper one turned over:
+___________ plate        a bearing in a seat, four rods. The two rods on the roller's side guide the carriage of a slide, or hold
+ |  |#|  |                the bracket on which an arm turns; both are bored along the rods and carry their pin square to them.
+ |  |#|==|  carriage     Between plates and drum two spacers on the shaft take up what the follower needs of height.
+_|__|#|__|_ plate        Heights are over the lower plate's underside, along the drum's axis; lengths mm.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from camgen.geometry.outlines import Contour, Region, circle, rectangle
+from camgen.machine.features import Mount
+from camgen.machine.model import GROUND
+from camgen.machines.cylinder_cam.tables import DrumParts
+from camgen.machines.cylinder_cam.track import Track
+from camgen.parts.catalogue import BEARINGS, DOWELS, Bearing, ball_roller
+from camgen.parts.part import Layer, Part, hull
+from camgen.parts.steps import COLUMNS
+from camgen.study import Step, Table
+
+_CAM = "cam"
+_FOLLOWER = "follower"
+_AIR = 1.0  # between bodies that pass each other
+_END_PLAY = 0.1  # between a spacer and its bearing
+_LIP = 1.5  # of a plate under its bearing
+PIN_SHARE = 0.4  # diameter of a roller's pin as a share of the roller's, at most
+_CAP = 2.0  # room of the cap that keeps an arm on its pin
+_KNOB = (12.0, 25.0)  # diameter and length
+_STUB = 5.0  # diameter, in the crank
+_OUT = 20.0  # of the shaft over the upper plate, where a motor turns it
+
+
+def roller_pin(radius: float, length: float) -> float:
+    """Diameter of the pin on which a roller of this size turns, mm: a ball bearing's bore, else a dowel's; 0 where none is so thin."""
+    ball = ball_roller(2 * radius, length)
+    if ball is not None:
+        return ball.bore
+    return max((size for size in DOWELS if size <= 2 * PIN_SHARE * radius), default=0.0)
+
+
+def shaft_bearing(bore: float) -> Bearing | None:
+    """The largest ball bearing of a bore, mm, whose shoulder a printed spacer can have; None without one."""
+    fitting = (each for each in BEARINGS.values() if each.bore == bore)
+    return max(fitting, key=lambda each: each.outside, default=None)
+
+
+@dataclass(frozen=True)
+class Fits:
+    """Diametral, mm."""
+
+    press: float
+    slide: float
+
+
+@dataclass(frozen=True)
+class Bench:
+    """Sizes, parts and mounts of the machine round a drum."""
+
+    track: Track
+    sizes: DrumParts
+    fits: Fits
+    drum: Part
+    cranked: bool  # whether a hand turns it
+
+    # ---- sizes ------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def bearing(self) -> Bearing:
+        """Of the shaft."""
+        found = shaft_bearing(self.sizes.bore)
+        assert found is not None, "no ball bearing for the shaft"
+        return found
+
+    @property
+    def pin(self) -> float:
+        """Diameter of the roller's pin, and of an arm's."""
+        roller = self.track.geometry.roller
+        return roller_pin(roller.radius, roller.length)
+
+    @property
+    def plate_thickness(self) -> float:
+        """Of both end plates."""
+        return max(self.sizes.thickness, _LIP + self.bearing.width)
+
+    @property
+    def block_depth(self) -> float:
+        """Of the carriage or the bracket, away from the drum's axis."""
+        return self.sizes.rod_diameter + self.fits.slide + 2 * self.sizes.wall
+
+    @property
+    def arm_face(self) -> float:
+        """Distance of an arm's inner face from the drum's axis."""
+        return self.track.radius + _AIR + _CAP
+
+    @property
+    def block_face(self) -> float:
+        """Distance of the inner face of carriage or bracket from the drum's axis."""
+        if not self.track.swings:
+            return self.track.radius + _AIR
+        return self.arm_face + self.sizes.thickness + _AIR / 2
+
+    @property
+    def rod_spacing(self) -> float:
+        """Half the distance of two rods; the pin in the block on them passes beside its bores."""
+        reach = self.sizes.rod_diameter / 2 + self.sizes.wall + self.pin / 2
+        beside = abs(self.track.geometry.follower.offset)
+        half = max(self.track.radius / 2, beside + reach)
+        if self.track.swings and abs(self.track.pivot - half) < reach:
+            half = self.track.pivot + reach
+        return half
+
+    @property
+    def rods(self) -> tuple[complex, ...]:
+        """Places of the rods, x + iy of the drum; the first two are on the follower's side."""
+        front = self.block_face + self.block_depth / 2
+        back = -self.track.radius - _AIR - self.sizes.rod_diameter / 2
+        half = self.rod_spacing
+        return tuple(complex(x, side * half) for x in (front, back) for side in (-1, 1))
+
+    @property
+    def rollers(self) -> tuple[float, ...]:
+        """Heights of the rollers over the follower's middle."""
+        half = (self.track.geometry.distance or 0.0) / 2
+        return (-half, half) if half else (0.0,)
+
+    @property
+    def block_height(self) -> float:
+        """Along the rods: as long as a guide needs that two rods hold."""
+        around = 2 * (self.rollers[-1] + self.pin / 2 + self.sizes.wall)
+        return max(1.5 * self.rod_spacing, around, 2 * self.sizes.rod_diameter)
+
+    @property
+    def arm_hub(self) -> float:
+        """Radius of an arm round its pins."""
+        return self.pin / 2 + self.sizes.wall
+
+    @cached_property
+    def _span(self) -> tuple[float, float]:
+        """Lowest and highest place of drum and follower over the drum's lower end."""
+        track = self.track
+        low, high = track.program.extremes
+        half = self.block_height / 2
+        ends = [0.0, track.length]
+        if track.swings:
+            arm = track.geometry.follower.arm or 0.0
+            tips = [track.height + arm * math.sin(track.start + s) for s in (low, high)]
+            ends += [tip + side * self.arm_hub for tip in tips for side in (-1, 1)]
+            ends += [track.height - half, track.height + half]
+        else:
+            ends += [track.height + low - half, track.height + high + half]
+        return min(ends) - _AIR, max(ends) + _AIR
+
+    @property
+    def base(self) -> float:
+        """Height of the drum's lower end."""
+        return self.plate_thickness - self._span[0]
+
+    @property
+    def top(self) -> float:
+        """Height of the upper plate's upper side."""
+        return self.base + self._span[1] + self.plate_thickness
+
+    @property
+    def plane(self) -> complex:
+        """Place of the origin of the follower's plane in that which stands, its x as the machine's -y and its y as z."""
+        beside = (self.track.geometry.follower.arm or 0.0) - self.track.pivot
+        if not self.track.swings:
+            beside = -self.track.geometry.follower.offset
+        return complex(beside, self.base + self.track.height)
+
+    # ---- parts ------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def made(self) -> Sequence[tuple[Part, Sequence[Mount]]]:
+        """Each part and where its copies stand."""
+        return [
+            *self._stand(),
+            *self._turning(),
+            *(self._arm() if self.track.swings else self._carriage()),
+            *self._roller(),
+        ]
+
+    @property
+    def parts(self) -> list[Part]:
+        """All parts, with their counts."""
+        return [replace(part, count=len(mounts)) for part, mounts in self.made]
+
+    @property
+    def mounts(self) -> list[Mount]:
+        """Of all copies."""
+        return [mount for _, mounts in self.made for mount in mounts]
+
+    @property
+    def touching(self) -> list[tuple[str, str]]:
+        """Parts that touch as they move: the shaft is as wide as its bearings are, and the roller is rolled by itself."""
+        pairs = [("shaft", "bearing"), ("roller", "drum")]
+        return [*pairs, ("arm", "pivot")] if self.track.swings else pairs
+
+    def _hole(self, at: complex, diameter: float, fit: float) -> Contour:
+        return circle(at, (diameter + fit) / 2)
+
+    def _stand(self) -> Iterator[tuple[Part, Sequence[Mount]]]:
+        """Plates, rods and bearings."""
+        s = self.sizes
+        ball = self.bearing
+        hubs = [(at, s.rod_diameter / 2 + s.wall) for at in self.rods]
+        hubs.append((0j, ball.outside / 2 + s.wall))
+        edge = hull(hubs)
+        rods = [self._hole(at, s.rod_diameter, self.fits.press) for at in self.rods]
+        floor = self.plate_thickness - ball.width
+        layers = (
+            Layer(Region(edge, (circle(0j, ball.lip / 2), *rods)), 0.0, floor),
+            Layer(
+                Region(edge, (self._hole(0j, ball.outside, self.fits.press), *rods)),
+                floor,
+                self.plate_thickness,
+            ),
+        )
+        note = f"the seat of bearing {ball.name} towards the drum"
+        plate = Part(
+            "end-plate", "End plate", layers, centres=(0j, *self.rods), notes=(note,), drawn_layer=1
+        )
+        yield (
+            plate,
+            [
+                Mount("end-plate", GROUND),
+                Mount("end-plate", GROUND, 0j, math.pi, True, self.top - self.plate_thickness),
+            ],
+        )
+        size = f"{ball.name}, {ball.size} {ball.standard}"
+        ring = Region(circle(0j, ball.outside / 2), (circle(0j, ball.bore / 2),))
+        bearing = Part(
+            "bearing",
+            "Ball bearing of the shaft",
+            (Layer(ring, 0.0, ball.width),),
+            notes=(size,),
+            process="bought",
+        )
+        places = (floor, self.top - self.plate_thickness)
+        yield bearing, [Mount("bearing", GROUND, z=z) for z in places]
+        rod = Layer(Region(circle(0j, s.rod_diameter / 2)), 0.0, self.top)
+        part = Part(
+            "rod",
+            "Rod",
+            (rod,),
+            notes=(f"steel rod {s.rod_diameter:g} h9 {self.top:.4g}", "glued into both plates"),
+            process="bought",
+        )
+        yield part, [Mount("rod", GROUND, at) for at in self.rods]
+
+    def _turning(self) -> Iterator[tuple[Part, Sequence[Mount]]]:
+        """Drum, shaft, spacers, crank and knob."""
+        s = self.sizes
+        yield self.drum, [Mount("drum", _CAM, z=self.base)]
+        low = _AIR / 2
+        over = _AIR + s.thickness if self.cranked else _OUT
+        length = self.top - low + over
+        shape = "plain" if s.bore_shape == "keyway" else s.bore_shape
+        own = s.model_copy(update={"bore_shape": shape})
+        shaft = Part(
+            "shaft",
+            "Shaft",
+            (Layer(Region(own.hole()), 0.0, length),),
+            notes=(
+                f"steel rod {s.bore:g} h9 {length:.4g}{self._flat()}",
+                "glued into the drum" if s.bore_shape == "plain" else "through the drum's bore",
+            ),
+            process="bought",
+        )
+        yield shaft, [Mount("shaft", _CAM, z=low)]
+        shoulder = circle(0j, self.bearing.shoulder / 2)
+        bore = self._hole(0j, s.bore, self.fits.press)
+        gaps = (
+            ("spacer-below", self.plate_thickness + _END_PLAY, self.base),
+            (
+                "spacer-above",
+                self.base + self.track.length,
+                self.top - self.plate_thickness - _END_PLAY,
+            ),
+        )
+        for name, under, upper in gaps:
+            title = f"Spacer {name.removeprefix('spacer-')} the drum"
+            layer = Layer(Region(shoulder, (bore,)), 0.0, upper - under)
+            yield Part(name, title, (layer,), centres=(0j,)), [Mount(name, _CAM, z=under)]
+        if self.cranked:
+            yield from self._crank()
+
+    def _flat(self) -> str:
+        """What the list says of the shaft's flat or keyway."""
+        s = self.sizes
+        if s.bore_shape == "d-flat":
+            return f" with a flat {s.flat_depth:g} deep all along"
+        return f" with a key {s.key_width:g} wide" if s.bore_shape == "keyway" else ""
+
+    def _crank(self) -> Iterator[tuple[Part, Sequence[Mount]]]:
+        s = self.sizes
+        arm = complex(s.crank)
+        hubs = [(0j, s.reach + s.wall), (arm, _STUB / 2 + s.wall)]
+        stub = self._hole(arm, _STUB, self.fits.press)
+        layer = Layer(Region(hull(hubs), (s.hole(), stub)), 0.0, s.thickness)
+        note = "glued on the shaft, the knob into its other hole"
+        crank = Part("crank", "Hand crank", (layer,), centres=(0j, arm), notes=(note,))
+        under = self.top + _AIR
+        yield crank, [Mount("crank", _CAM, z=under)]
+        wide, tall = _KNOB
+        layers = (
+            Layer(Region(circle(0j, wide / 2)), 0.0, tall),
+            Layer(Region(circle(0j, _STUB / 2)), tall, tall + s.thickness),
+        )
+        yield (
+            Part("knob", "Knob of the crank", layers, centres=(0j,)),
+            [Mount("knob", _CAM, arm, 0.0, True, under)],
+        )
+
+    def _block(self, name: str, title: str, pins: Mapping[complex, float], fit: float) -> Part:
+        """A block on the two rods of the follower's side, its datum between them half way up.
+
+        Its x runs along the turn, its y along the rods; pins: places and diameters of holes square to both; fit: on the rods.
+        """
+        s = self.sizes
+        half = self.rod_spacing
+        rim = s.rod_diameter / 2 + s.wall
+        left = min(-half - rim, *(at.real - size / 2 - s.wall for at, size in pins.items()))
+        right = max(half + rim, *(at.real + size / 2 + s.wall for at, size in pins.items()))
+        tall = self.block_height / 2
+        depth = self.block_depth
+        outline = rectangle(complex(left, -tall), complex(right, tall))
+        holes = tuple(self._hole(at, size, self.fits.press) for at, size in pins.items())
+        bores = tuple(
+            self._hole(complex(sign * half, depth / 2), s.rod_diameter, fit) for sign in (-1, 1)
+        )
+        across = Region(rectangle(complex(left), complex(right, depth)), bores)
+        layer = Layer(Region(outline, holes), 0.0, depth)
+        return Part(name, title, (layer,), centres=tuple(pins), side_profile=across)
+
+    def _carriage(self) -> Iterator[tuple[Part, Sequence[Mount]]]:
+        """Of a slide: a block that runs on two rods, with the pins of its rollers."""
+        beside = self.track.geometry.follower.offset
+        pins = {complex(-beside, z): self.pin for z in self.rollers}
+        part = self._block("carriage", "Carriage", pins, self.fits.slide)
+        note = "runs on two rods; the pin of the roller glued in"
+        at = complex(beside)
+        outside = self.block_face + self.block_depth
+        yield replace(part, notes=(note,)), [Mount("carriage", _FOLLOWER, at, z=-outside)]
+
+    def _arm(self) -> Iterator[tuple[Part, Sequence[Mount]]]:
+        """Of an arm: a bracket glued on two rods, the pin in it, the arm, and the cap that keeps it there."""
+        s = self.sizes
+        track = self.track
+        arm = complex(track.geometry.follower.arm or 0.0)
+        bracket = self._block(
+            "bracket", "Bracket of the arm", {complex(track.pivot): self.pin}, self.fits.press
+        )
+        height = self.base + track.height
+        note = "glued on two rods; the pin of the arm glued in"
+        yield (
+            replace(bracket, notes=(note,)),
+            [
+                Mount(
+                    "bracket", GROUND, complex(self.block_face), math.pi / 2, z=height, upright=True
+                )
+            ],
+        )
+        cap = self.arm_face - _END_PLAY
+        inner = self.track.radius + _AIR
+        length = self.block_face + self.block_depth - inner
+        yield (
+            self._pin_part("pivot", "Pin of the arm", length, "glued into bracket and cap"),
+            [
+                Mount(
+                    "pivot",
+                    GROUND,
+                    complex(inner, track.pivot),
+                    math.pi / 2,
+                    z=height,
+                    upright=True,
+                )
+            ],
+        )
+        washer = Region(circle(0j, self.arm_hub), (self._hole(0j, self.pin, self.fits.press),))
+        yield (
+            Part("cap", "Cap of the arm's pin", (Layer(washer, 0.0, cap - inner),), centres=(0j,)),
+            [
+                Mount(
+                    "cap", GROUND, complex(inner, track.pivot), math.pi / 2, z=height, upright=True
+                )
+            ],
+        )
+        edge = hull([(0j, self.arm_hub), (arm, self.arm_hub)])
+        holes = (
+            self._hole(0j, self.pin, self.fits.slide),
+            self._hole(arm, self.pin, self.fits.press),
+        )
+        layer = Layer(Region(edge, holes), 0.0, s.thickness)
+        note = "turns on its pin; that of the roller glued in"
+        yield (
+            Part("arm", "Arm", (layer,), centres=(0j, arm), notes=(note,)),
+            [Mount("arm", _FOLLOWER, 0j, track.start, z=-self.arm_face - s.thickness)],
+        )
+
+    def _pin_part(self, name: str, title: str, length: float, note: str) -> Part:
+        layer = Layer(Region(circle(0j, self.pin / 2)), 0.0, length)
+        notes = (f"steel pin {self.pin:g} h8 {length:.4g}", note)
+        return Part(name, title, (layer,), notes=notes, process="bought")
+
+    def _roller(self) -> Iterator[tuple[Part, Sequence[Mount]]]:
+        """Rollers and their pins, which end a little before the rollers' inner ends."""
+        track = self.track
+        roller = track.geometry.roller
+        face = self.arm_face if track.swings else self.block_face
+        holder = face + (self.sizes.thickness if track.swings else self.block_depth)
+        middle = cmath.rect(track.geometry.follower.arm or 0.0, track.start) if track.swings else 0j
+        places = [middle + 1j * z for z in self.rollers]
+        holds = "arm" if track.swings else "carriage"
+        pin = self._pin_part(
+            "roller-pin",
+            "Pin of the roller",
+            holder - track.inner - min(_AIR, roller.length / 4),
+            f"glued into the {holds}",
+        )
+        yield pin, [Mount("roller-pin", _FOLLOWER, at, z=-holder) for at in places]
+        ball = ball_roller(2 * roller.radius, roller.length)
+        outer = track.inner + roller.length
+        if ball is not None:
+            hole = circle(0j, self.pin / 2)
+            layers: tuple[Layer, ...] = (
+                Layer(Region(circle(0j, roller.radius), (hole,)), 0.0, roller.length),
+            )
+            size = f"{ball.name}, {ball.size} {ball.standard}"
+            notes = (size, "glued on its pin")
+            part = Part("roller", "Roller", layers, notes=notes, process="bought")
+            yield part, [Mount("roller", _FOLLOWER, at, z=-outer) for at in places]
+            return
+        hole = self._hole(0j, self.pin, self.fits.slide)
+        collar = (
+            self.pin / 2 + (roller.radius - self.pin / 2) / 2
+        )  # keeps it off what holds the pin
+        gap = face - _END_PLAY - outer
+        layers = (
+            Layer(Region(circle(0j, collar), (hole,)), 0.0, gap),
+            Layer(Region(circle(0j, roller.radius), (hole,)), gap, gap + roller.length),
+        )
+        part = Part("roller", "Roller", layers, centres=(0j,), drawn_layer=1)
+        yield part, [Mount("roller", _FOLLOWER, at, z=_END_PLAY - face) for at in places]
+
+    # ---- steps ------------------------------------------------------------------------------------------------------
+
+    def steps(self) -> Table:
+        """In which order it goes together."""
+        swings = self.track.swings
+        held = "arm" if swings else "carriage"
+        copies = {
+            part.name: [f"{part.name}-{k + 1}" for k in range(len(m))] for part, m in self.made
+        }
+        thrust = (
+            f"its roller in the track, its {'bracket' if swings else 'bores'} on the front rods"
+        )
+        said: list[tuple[str, str, list[str]]] = [
+            ("end-plate", "seat up", ["end-plate-1"]),
+            ("bearing", "pressed into the seat", ["bearing-1"]),
+            ("rod", "glued into the plate, flush below", copies["rod"]),
+            ("roller-pin", f"glued into the {held}, flush outside", copies["roller-pin"]),
+            ("roller", "on its pin, its inner end a little over the pin's", copies["roller"]),
+        ]
+        if swings:
+            said += [
+                ("pivot", "glued into the bracket, flush outside", copies["pivot"]),
+                ("arm", "on its pin", copies["arm"]),
+                ("cap", "glued on the pin, the arm free", copies["cap"]),
+            ]
+        said += [
+            ("shaft", "upright in the bearing", copies["shaft"]),
+            ("spacer-below", "glued on the shaft over the bearing", copies["spacer-below"]),
+            (
+                "drum",
+                f"lowered over the shaft together with the {held}, {thrust}",
+                [*copies["drum"], *copies["bracket" if swings else "carriage"]],
+            ),
+            ("spacer-above", "on the shaft", copies["spacer-above"]),
+            ("bearing", "on the shaft", ["bearing-2"]),
+            ("end-plate", "seat down, on bearing and rods, glued, flush above", ["end-plate-2"]),
+        ]
+        if self.cranked:
+            said += [
+                ("knob", "glued into the crank", copies["knob"]),
+                ("crank", "glued on the shaft", copies["crank"]),
+            ]
+        titles = {part.name: part.title for part, _ in self.made}
+        level = {part.name: mounts[0].z for part, mounts in self.made}
+        rows = []
+        steps = []
+        for number, (name, where, which) in enumerate(said, 1):
+            title = titles[name]
+            rows.append((number, name, title, where, len(which), level[name], "as drawn"))
+            steps.append(Step(f"{title}; {where}", which))
+        return Table("Assembly of the machine, from the lower plate up", COLUMNS, rows, steps)

@@ -1,0 +1,206 @@
+"""The machine round the drum of a cylinder cam: bodies in space against distances of their own, files against damages."""
+
+from __future__ import annotations
+
+import json
+import math
+import tomllib
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import manifold3d
+import numpy as np
+import pytest
+
+from camgen.errors import DesignError, SpecError
+from camgen.files.threemf import PartCopy, read_3mf, write_3mf
+from camgen.findings import Finding
+from camgen.geometry.mesh import Mesh
+from camgen.judge.sweep_in_space import sweep_in_space
+from camgen.machines.cylinder_cam.mechanism import CylinderCam
+from camgen.parts.assembly import bodies_in_motion, order_of_assembly
+from camgen.pipeline import build as pipeline
+from camgen.pipeline.making import assembly_copies
+from camgen.spec import validate
+
+SPEC = Path(__file__).parents[2] / "specs" / "cylinder-cam.toml"
+ARM = {"motion": "oscillating", "arm": 40.0}
+SMALL = {"radius": 5.0, "length": 4.0}
+FOLLOWERS: dict[str, dict[str, Any]] = {
+    "slide": {"geometry": {"roller": SMALL}},
+    "offset": {"geometry": {"follower": {"offset": 4.0}}},
+    "arm": {"geometry": {"follower": ARM}, "limits": {"lash": 0.5, "least_radius": 1.0}},
+    "rib": {"geometry": {"track": "rib", "distance": 16.0}},
+    "end": {"geometry": {"track": "end"}},
+}
+
+
+def machine(rows: list[dict[str, Any]] | None = None, **tables: dict[str, Any]) -> CylinderCam:
+    """The starter's motion, or other segments; tables: keys in place of the starter's."""
+    data = tomllib.loads(SPEC.read_text(encoding="utf-8"))
+    data["accuracy"] = {"chord_tolerance": 0.02}
+    tables["parts"] = {"make": "printed", **tables.get("parts", {})}
+    for name, keys in tables.items():
+        data[name] = {**data.get(name, {}), **keys}
+    if rows is not None:
+        data["segment"] = rows
+    return validate(CylinderCam, data)
+
+
+def swept(made: CylinderCam, path: Path, change: Callable[[str, Mesh], Mesh]) -> list[Finding]:
+    """What the sweep says of the machine's solids, each changed by the name of its part."""
+    meshes = {name: change(name, mesh) for name, mesh in made._solids.items()}
+    write_3mf(path, meshes, assembly_copies(made), "0" * 32)
+    return sweep_in_space(path, bodies_in_motion(made.assembly))[0]
+
+
+def grown(mesh: Mesh, share: float) -> Mesh:
+    """A solid about its own z, wider."""
+    return Mesh(mesh.vertices * [share, share, 1], mesh.faces)
+
+
+@pytest.mark.parametrize("kind", FOLLOWERS)
+def test_no_two_bodies_meet_and_a_thicker_one_is_seen(kind: str, tmp_path: Path) -> None:
+    made = machine(**FOLLOWERS[kind])
+    path = tmp_path / "a.3mf"
+    assert [each for each in swept(made, path, lambda _, mesh: mesh) if not each.ok] == []
+
+    def failing(part: str, change: Callable[[Mesh], Mesh]) -> str:
+        found = swept(made, path, lambda name, mesh: change(mesh) if name == part else mesh)
+        return " ".join(str(each.where) for each in found if not each.ok)
+
+    arm = kind == "arm"
+    assert ("arm" if arm else "carriage") in failing("drum", lambda mesh: grown(mesh, 1.2))
+    assert "drum-1" in failing("roller-pin", lambda mesh: grown(mesh, 3.0))
+    assert "rod" in failing("rod", lambda mesh: grown(mesh, 1.05))
+    lower = failing(
+        "arm" if arm else "carriage", lambda mesh: Mesh(mesh.vertices * [1, 4, 1], mesh.faces)
+    )
+    assert "plate" in lower
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("kind", ["slide", "arm"])
+def test_random_machines_keep_apart_what_the_sweep_proves(
+    kind: str, seed: int, tmp_path: Path
+) -> None:
+    """Distances of the solids themselves where the scene has them, at random angles, against the proof."""
+    chance = np.random.default_rng(seed)
+    spans = chance.dirichlet([4, 1, 4, 1]) * 280 + 20
+    lift = float(chance.uniform(6, 14))
+    laws = chance.choice(["cycloidal", "modified-sine", "3-4-5"], 2)
+    rows = [
+        {"kind": "rise", "span_deg": float(spans[0]), "lift": lift, "law": str(laws[0])},
+        {"kind": "dwell", "span_deg": float(spans[1])},
+        {"kind": "return", "span_deg": float(spans[2]), "to": 0.0, "law": str(laws[1])},
+        {"kind": "dwell"},
+    ]
+    limits = {"pressure_angle_deg": 35.0, "lash": 2.0}
+    made = machine(rows, geometry=FOLLOWERS[kind]["geometry"], limits=limits)
+    path = tmp_path / "a.3mf"
+    found = swept(made, path, lambda _, mesh: mesh)
+    assert [each for each in found if not each.ok] == []
+    gap = made.assembly.process.gap
+    fixed = {"end": 0, "rod": 0, "bearing": 0, "bracket": 0, "pivot": 0, "cap": 0}
+    fixed |= {"drum": 1, "shaft": 1, "spacer": 1, "crank": 1, "knob": 1}
+    meant = [{"shaft", "bearing"}, {"roller", "drum"}, {"arm", "pivot"}]
+    for theta in chance.uniform(0, math.tau, 4):
+        scene = made.scene(float(theta))
+        bodies = []
+        for node in scene.graph.nodes_geometry:
+            matrix, name = scene.graph[node]
+            solid = scene.geometry[name]
+            mesh = manifold3d.Mesh64(np.array(solid.vertices), np.array(solid.faces, np.uint64))
+            bodies.append((name, manifold3d.Manifold(mesh).transform(matrix[:3])))
+        for k, (a, one) in enumerate(bodies):
+            for b, other in bodies[:k]:
+                apart = fixed.get(a.split("-")[0], 2) != fixed.get(b.split("-")[0], 2)
+                if apart and {a, b} not in meant:
+                    assert one.min_gap(other, 1.0) > gap - 1e-3, (a, b, theta)
+        # the roller in its track: none of it is in the drum but for facets
+        drum = next(solid for name, solid in bodies if name == "drum")
+        roller = next(solid for name, solid in bodies if name == "roller")
+        common = drum ^ roller
+        assert common.volume() < 0.02 * max(common.surface_area(), 1e-9)
+
+
+@pytest.mark.parametrize("kind", ["offset", "arm"])
+def test_the_roller_stands_where_the_motion_has_it(kind: str) -> None:
+    """On a slide at s over its place; on an arm at a sin(g) over the axle and a cos(g) beside it."""
+    made = machine(**FOLLOWERS[kind])
+    track = made.track
+    for theta in (0.0, 0.7, 2.5, 4.0):
+        scene = made.scene(theta)
+        matrix, _ = scene.graph["roller-1"]
+        drum, _ = scene.graph["drum-1"]
+        s = float(made.motion(np.array([theta]))[0])
+        high = drum[2, 3] + track.height
+        place = (track.geometry.follower.offset, high + s)
+        if kind == "arm":
+            angle = track.start + s
+            place = (track.pivot - 40 * math.cos(angle), high + 40 * math.sin(angle))
+        assert matrix[1:3, 3] == pytest.approx(place, abs=1e-9)
+        # its axis is radial: both ends of the solid are on +x
+        ends = scene.geometry["roller"].vertices @ matrix[:3, :3].T + matrix[:3, 3]
+        assert ends[:, 0].min() == pytest.approx(track.inner, abs=1e-4)
+        assert math.atan2(drum[1, 0], drum[0, 0]) % math.tau == pytest.approx(theta)
+
+
+@pytest.mark.parametrize("kind", ["slide", "arm"])
+def test_the_machine_is_built_listed_and_judged(kind: str, tmp_path: Path) -> None:
+    made = machine(**FOLLOWERS[kind])
+    spec = tmp_path / "spec.toml"
+    spec.write_text(str(made), encoding="utf-8")
+    out = tmp_path / "out"
+    report = pipeline.build(spec, out, frozenset({"stl", "3mf", "report"}))
+    assert [each for each in report.findings if not each.ok] == []
+    folder = out / made.name
+    told = json.loads((folder / "report.json").read_text())
+    count = {part["name"]: part["count"] for part in told["parts"]}
+    assert (count["end-plate"], count["rod"], count["bearing"], count["drum"]) == (2, 4, 2, 1)
+    assert ("carriage" in count, "arm" in count) == (kind == "slide", kind == "arm")
+    glb = [
+        each for each in report.findings if str(each.where).startswith(f"{made.name}-assembly.glb")
+    ]
+    assert [each.code for each in glb] == ["ROUND_TRIP"]
+    steps = order_of_assembly(made.assembly).steps
+    named = [copy for step in steps for copy in step.copies]
+    assert sorted(named) == sorted(
+        f"{part.name}-{k + 1}" for part in made.assembly.parts for k in range(part.count)
+    )
+    assert pipeline.check(folder).ok
+
+
+def test_a_copy_that_is_missing_is_told(tmp_path: Path) -> None:
+    made = machine(**FOLLOWERS["slide"])
+    path = tmp_path / "a.3mf"
+    copies = assembly_copies(made)
+    write_3mf(path, dict(made._solids), copies[:-1], "0" * 32)
+    (found,) = sweep_in_space(path, bodies_in_motion(made.assembly))[0]
+    assert (found.code, found.ok, found.measured) == ("ROUND_TRIP", False, 1)
+    moved = [replace(copies[0], transform=copies[0].transform + np.eye(3, 4, 3) * 9), *copies[1:]]
+    assert isinstance(moved[0], PartCopy)
+    write_3mf(path, dict(made._solids), moved, "0" * 32)
+    assert len(read_3mf(path).items) == len(copies)
+    assert not all(each.ok for each in sweep_in_space(path, bodies_in_motion(made.assembly))[0])
+
+
+def test_a_motor_has_no_crank() -> None:
+    names = [part.name for part in machine(motor={"model": "17HS24"}).assembly.parts]
+    assert "crank" not in names and "knob" not in names and "shaft" in names
+
+
+@pytest.mark.parametrize(
+    ("tables", "told"),
+    [
+        ({"parts": {"bore": 7.0}}, "parts.bore"),
+        ({"geometry": {"roller": {**SMALL, "cone_deg": 5.0}}}, "geometry.roller.cone_deg"),
+        ({"geometry": {"roller": {"radius": 0.9, "length": 4.0}}}, "geometry.roller.radius"),
+        ({"material": {"name": "steel"}}, "parts.make"),
+    ],
+)
+def test_what_no_machine_is_made_of_is_told(tables: dict[str, Any], told: str) -> None:
+    with pytest.raises((SpecError, DesignError), match=told.replace(".", r"\.")):
+        machine(**tables)
