@@ -198,7 +198,7 @@ def test_a_motor_has_no_crank() -> None:
         ({"parts": {"bore": 7.0}}, "parts.bore"),
         ({"geometry": {"roller": {**SMALL, "cone_deg": 5.0}}}, "geometry.roller.cone_deg"),
         ({"geometry": {"roller": {"radius": 0.9, "length": 4.0}}}, "geometry.roller.radius"),
-        ({"material": {"name": "steel"}}, "parts.make"),
+        ({"material": {"name": "C45"}}, "parts.make"),
     ],
 )
 def test_what_no_machine_is_made_of_is_told(tables: dict[str, Any], told: str) -> None:
