@@ -15,28 +15,41 @@ on by a sleeve, such as a thin Bowden cable's, to a holder in which a spring pre
      G  |
      E--O3
 
-Sizes are the least at which the cams keep to their pressure angle and radius, the plates of grooves clear the pivots, and the spec's
+With slides in place of arms: `crossed_slides`. Sizes are the least at which the cams keep to their pressure angle and radius, the plates of grooves clear the pivots, and the spec's
 own limits hold: the cams are tried from small to large, with longer and longer arms.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from camgen.design.crossed_slides import CrossedSlides, crossed_slides
+from camgen.design.pen_cams import (
+    CAMS,
+    CLEAR,
+    SLACK,
+    THREAD,
+    WALLS,
+    Lift,
+    closed_rows,
+    groove,
+    lever,
+    likely,
+    rounded,
+)
 from camgen.design.request import Request
 from camgen.design.wanted import DrawingWish
 from camgen.errors import CamgenError, DesignError, SpecError
 from camgen.findings import Finding
 from camgen.machines.sources import changed, read_mechanism
-from camgen.motion.laws import modified_sine
-from camgen.motion.pen import Lifting, peak_acceleration, pen_motion, strokes_motion
-from camgen.numerics import Floats, Points, halved, peak
+from camgen.motion.pen import peak_acceleration, pen_motion, strokes_motion
+from camgen.numerics import Floats, Points
 from camgen.reading import Data
 from camgen.spec import dump
 
@@ -45,9 +58,6 @@ _NIB = 14.0  # mm, of the pen beyond the joint of both rods
 _LEAST_ARM = 40.0  # mm
 _ARMS = 1.06  # step of the arms' lengths
 _LONGEST_ARM = 170.0  # mm
-_CAMS = tuple(22 * 1.08**k for k in range(19))  # mm, middle distance of a roller from the shaft
-_CORE = 14.0  # mm, of a cam within its groove: shaft, pins and walls
-_WALLS = 20.0  # mm, of a groove's outer plate and a pivot's hub beyond the roller's centre
 _HUBS = 16.0  # mm, of both ends of a link beyond its points, and the bed's margin
 _STEEP = math.radians(
     42
@@ -55,18 +65,7 @@ _STEEP = math.radians(
 _ROWS = (90, 180, 360, 720)
 _OF_ROWS = 0.02  # of the tolerance, that rows of a table may take
 _GAIN = 2.0  # way of the pen for that of an arm's end, at most
-_RISE = 24.0  # deg, in which the pen is lifted, at most
-_RISES = 150.0  # deg, that all rises may take
-_MARGIN = (
-    1.0  # deg, that the pen rests longer at either end of a line than it is lifted or let down
-)
-_LIFT = 2.5  # mm, way of the lift's roller
-_PULL = 3.0  # mm, of the thread
-_SLACK = 0.5  # mm, of that before the pen moves
-_CLEAR = 1.5  # mm, of that when it is clear
 _POST = 5.0  # mm, diameter of its posts, which stand over all levels
-_THREAD = 25.0  # mm, between its posts while the pen is down
-_DIGITS = 6  # of rows, deg, and of points, mm
 _TRIES = 12
 _OF_DRAWING = 0.9  # of its tolerance, that the pen's motion takes; files and facets leave the rest
 _NORTH_WEST = np.exp(0.75j * math.pi)
@@ -76,7 +75,7 @@ _NORTH_WEST = np.exp(0.75j * math.pi)
 class Plotter:
     """Sizes of a machine, mm: arms O-A and O-B, rods to P and to the pen, levers O-T, middle distance of rollers from the shaft.
 
-    line: places of the pen at even angles, in the middle of which is 0; lift: how the pen is lifted, None of one line.
+    line: places of the pen at even angles, in the middle of which is 0.
     """
 
     line: Points
@@ -84,7 +83,6 @@ class Plotter:
     lever: float
     cam: float
     radius: float  # of the rollers
-    lift: Lift | None = None
 
     @property
     def rod(self) -> float:
@@ -95,7 +93,7 @@ class Plotter:
     def longest(self) -> float:
         """Across the longest part, mm: the right rod with its hubs, or a groove's outer plate."""
         swing = max(float(np.ptp(each)) for each in self.swings) / 2
-        plate = 2 * (self.cam + self.lever * swing + _WALLS)
+        plate = 2 * (self.cam + self.lever * swing + WALLS)
         return max(self.rod + _NIB + _HUBS, plate)
 
     @property
@@ -138,150 +136,52 @@ class Plotter:
 
     @property
     def likely(self) -> bool:
-        """Whether the estimates of the pressure angle and of both walls' radii hold."""
-        for swing in self.swings:
-            if not np.isfinite(swing).all():
-                return False
-            way, rate, bend = (self.lever * _derivative(swing, order) for order in range(3))
-            distance = self.cam + way
-            if distance.min() <= self.radius + _CORE or peak(rate / distance) > math.tan(_STEEP):
-                return False
-            square = distance**2 + rate**2
-            curvature = (square + rate**2 - distance * bend) / square**1.5
-            if peak(curvature) * (self.radius + 1.0) > 1:
-                return False
-        return True
-
-    @property
-    def lever_places(self) -> dict[str, complex]:
-        """Points of the lever that lifts the pen, as it is down, and the thread's post on the ground."""
-        far = abs(self.pivots[0])
-        pivot = -1j * far
-        square = 1j * np.exp(1j * math.asin(self.cam / far))
-        end = pivot - _PULL / _LIFT * self.lever
-        return {
-            "O3": pivot,
-            "T3": complex(pivot + self.lever * square),
-            "E": end,
-            "G": end + 1j * _THREAD,
-        }
+        """Whether the estimates of its cams hold."""
+        return all(
+            np.isfinite(swing).all() and likely(self.lever * swing, self.cam, self.radius, _STEEP)
+            for swing in self.swings
+        )
 
     def tables(self, rows: int) -> tuple[Data, float]:
-        """Points, links, drive, cams of the spec, and how far the rows of the cams' tables leave the line, mm."""
-        from scipy.interpolate import make_interp_spline
-
-        pen = self.line + self.middle
-        theta = np.linspace(0, 360, len(pen) + 1)
-        at = np.linspace(0, 360, rows + 1)
+        """Points, links, cams of the spec, and how far the rows of the cams' tables leave the line, mm."""
         cams = []
         off = 0.0
-        places = self.places(pen[:1])
-        for k, swing in enumerate(self.swings):
-            outwards = np.sign(np.diff(np.abs(self.rollers(k, np.array([-1e-3, 1e-3]))))[0])
-            turned = outwards * np.degrees(np.append(swing, swing[0]) - swing[0])
-            shown = np.round(_even(turned[:-1], rows), _DIGITS)
-            shown -= shown[0]
-            shown = np.round(np.append(shown, shown[0]), _DIGITS)
-            spline = make_interp_spline(at, shown, k=5, bc_type="periodic")
-            off += _GAIN * self.arm * math.radians(peak(spline(theta) - turned))
-            law = {
-                "name": "table",
-                "points": [list(row) for row in zip(at.tolist(), shown.tolist(), strict=True)],
-            }
-            name = ("left", "right")[k]
-            places[f"T{k + 1}"] = self.rollers(k, swing[:1])
-            cams.append(
-                {
-                    "name": f"{name}_cam",
-                    "cam": "disc",
-                    "follower": f"{name}_arm",
-                    "at": f"T{k + 1}",
-                    "radius": self.radius,
-                    "closure": "groove",
-                    "segment": [{"law": law}],
-                }
-            )
-        links: dict[str, list[str]] = {}
-        lifts = [] if self.lift is None else [self.lift]
-        for lift in lifts:
-            places |= {name: np.array([z]) for name, z in self.lever_places.items()}
-            cams.append(
-                {
-                    "name": "lift_cam",
-                    "cam": "disc",
-                    "follower": "lifter",
-                    "at": "T3",
-                    "radius": self.radius,
-                    "closure": "groove",
-                    "segment": lift.segments(math.degrees(_LIFT / self.lever)),
-                }
-            )
-            links["lifter"] = ["O3", "T3", "E"]
         left, right = self.pivots
-        places |= {"S": np.zeros(1, complex), "O1": np.array([left]), "O2": np.array([right])}
-        points = {
-            name: [round(float(z[0].real), _DIGITS) + 0.0, round(float(z[0].imag), _DIGITS) + 0.0]
-            for name, z in sorted(places.items())
-        }
+        start = self.places(self.line[:1] + self.middle)
+        places = {name: complex(z[0]) for name, z in start.items()}
+        places |= {"S": 0j, "O1": left, "O2": right}
+        for k, swing in enumerate(self.swings):
+            name = ("left", "right")[k]
+            at = f"T{k + 1}"
+            outwards = np.sign(np.diff(np.abs(self.rollers(k, np.array([-1e-3, 1e-3]))))[0])
+            segments, away = closed_rows(outwards * np.degrees(swing), rows)
+            off += _GAIN * self.arm * math.radians(away)
+            places[at] = complex(self.rollers(k, swing[:1])[0])
+            cams.append(groove(f"{name}_arm", at, self.radius, segments, name))
         links = {
-            "ground": ["S", "O1", "O2", *(["O3", "G"] if lifts else [])],
+            "ground": ["S", "O1", "O2"],
             "disc": ["S"],
             "left_arm": ["O1", "A", "T1"],
             "right_arm": ["O2", "B", "T2"],
             "left_rod": ["A", "P"],
             "right_rod": ["B", "P", "Q"],
-            **links,
         }
-        return {"points": points, "links": links, "cam": cams}, off
+        return {"points": places, "links": links, "cam": cams}, off
 
+    @property
+    def far(self) -> float:
+        """Of a lever's pivot from the shaft, mm, that clears the grooves."""
+        return abs(self.pivots[0])
 
-@dataclass(frozen=True)
-class Lift:
-    """How a cam lifts the pen: at theta = 0 it is down."""
+    @property
+    def size(self) -> float:
+        """By which machines are tried, mm."""
+        return self.cam + self.middle.imag
 
-    rise: float  # deg, in which the pen goes up or comes down
-    ends: Floats  # deg, the middle of the rests at which each line begins and ends, (n, 2), the first one before theta = 0
-
-    @classmethod
-    def timing(cls, lines: int) -> tuple[float, Lifting]:
-        """The rise for so many lines, deg, and what lifting takes of a turn."""
-        rise = min(_RISE, _RISES / lines)
-        slack = _risen(_SLACK)
-        clear = _risen(_CLEAR)
-        rest = (clear - slack) * rise + _MARGIN
-        up = 2 * (1 - clear) * rise
-        return rise, Lifting(rest / 360, up / 360, 2 * slack * rise / 360)
-
-    def segments(self, lift_deg: float) -> list[Data]:
-        """Of the lift's cam over a turn; lift_deg: of its lever."""
-        slack = _risen(_SLACK)
-        clear = _risen(_CLEAR)
-        early = (clear - slack) / 2 * self.rise
-        rises = self.ends[:, 1] - early - slack * self.rise
-        falls = np.append(self.ends[1:, 0], self.ends[0, 0] + 360) - early - (1 - clear) * self.rise
-        segments: list[Data] = []
-        at = 0.0
-        for rise, fall in zip(rises.tolist(), falls.tolist(), strict=True):
-            for kind, begin in (("rise", rise), ("return", fall)):
-                rest = round(begin - at, _DIGITS)
-                span = round(self.rise, _DIGITS)
-                segments += [
-                    {"kind": "dwell", "span_deg": rest},
-                    {
-                        "kind": kind,
-                        "span_deg": span,
-                        "lift_deg": round(lift_deg, _DIGITS),
-                        "law": {"name": "modified-sine"},
-                    },
-                ]
-                at += rest + span
-        return [*segments, {"kind": "dwell", "span_deg": round(360 - at, _DIGITS)}]
-
-
-def _risen(pull: float) -> float:
-    """Share of a rise at which the thread is pulled so far, mm."""
-    law = modified_sine()
-    return halved(lambda u: float(law(np.array([u]))[0]) > pull / _PULL, 0.0, 1.0)
+    @property
+    def said(self) -> str:
+        """Its sizes, in words."""
+        return f"arms of {self.arm:.4g} mm, rods of {self.rod:.4g} mm, cams of {self.cam:.4g} mm in the middle"
 
 
 def _joint(start: complex, end: Points, first: float, second: float, side: int) -> Points:
@@ -293,34 +193,18 @@ def _joint(start: complex, end: Points, first: float, second: float, side: int) 
     return np.asarray(start + first * np.exp(1j * (np.angle(way) + side * bend)))
 
 
-def _derivative(values: Floats, order: int) -> Floats:
-    """Of values at even angles of a turn, (n,)."""
-    k = np.fft.rfftfreq(len(values), 1 / len(values))
-    return np.asarray(np.fft.irfft((1j * k) ** order * np.fft.rfft(values), len(values)))
-
-
-def _even(values: Floats, count: int) -> Floats:
-    """Fewer of the values at even angles of a turn, between them by their harmonics, (count,)."""
-    spectrum = np.fft.rfft(values)
-    k = np.arange(len(spectrum))
-    theta = np.linspace(0, math.tau, count, endpoint=False)
-    kept = k[: min(len(k), 2000)]
-    terms = spectrum[kept] * np.where(kept > 0, 2.0, 1.0) / len(values)
-    return np.asarray((np.exp(1j * np.outer(theta, kept)) @ terms).real)
-
-
 def plotters(line: Points, radius: float) -> list[Plotter]:
     """Those whose estimates hold, the smallest first; line: as of `Plotter`."""
     reach = float(np.abs(line).max())
-    likely = []
+    found_likely = []
     arm = max(_LEAST_ARM, 2 * reach)
     while arm <= max(_LONGEST_ARM, 2.1 * reach):
-        for cam in _CAMS:
+        for cam in CAMS:
             found = _with_lever(line, arm, cam, radius)
             if found is not None and found.likely:
-                likely.append(found)
+                found_likely.append(found)
         arm *= _ARMS
-    return sorted(likely, key=lambda each: each.cam + each.middle.imag)
+    return sorted(found_likely, key=lambda each: each.size)
 
 
 def _with_lever(line: Points, arm: float, cam: float, radius: float) -> Plotter | None:
@@ -329,7 +213,7 @@ def _with_lever(line: Points, arm: float, cam: float, radius: float) -> Plotter 
     for _ in range(30):
         found = Plotter(line, arm, lever, cam, radius)
         half = max(float(np.ptp(swing)) for swing in found.swings) / 2
-        least = cam + lever * half + _WALLS
+        least = cam + lever * half + WALLS
         needed = math.sqrt(max(least**2 - cam**2, 30.0**2))
         if not math.isfinite(needed) or needed > 4 * arm:
             return None
@@ -360,17 +244,19 @@ def written(request: Request) -> str:
         request.say(f"{len(lines)} lines, a third cam lifts the pen within {rise:.3g} deg")
     request.say(f"peak acceleration of the pen: {peak_acceleration(pen):.4g} mm/rad^2")
     rest = request.with_lash("lash", wish.lash)
-    data, found = plotter_tables(pen, lines, wish.tolerance, rest, wish.roller_radius, lift)
-    request.say(
-        f"arms of {found.arm:.4g} mm, rods of {found.rod:.4g} mm, cams of {found.cam:.4g} mm in the middle"
-    )
+    kind = plotters if wish.follower == "arm" else crossed_slides
+    data, found = machine_tables(kind, pen, lines, wish, rest, lift)
+    request.say(found.said)
     if request.text is None:
         return dump(changed(data, request.source, request.folder))
     name = wish.drawing if isinstance(wish.drawing, str) else _typed(wish.drawing)
     key = "path: that line" if lift is None else "lines: those"
     note = f"found by camgen design for the drawing {name}; output.{key}, and how far the pen may be off"
-    made = {} if lift is None else {"parts": {"thread_posts": data["parts"]["thread_posts"]}}
-    return request.with_found(data, ["points", "links", "drive", "cam", "output"], note, made)
+    parts = data.get("parts", {})
+    made = {key: each for key, each in parts.items() if each != rest.get("parts", {}).get(key)}
+    keys = ["points", "links", "drive", *(key for key in ("slide", "slot") if key in data)]
+    more = {"parts": made} if made else {}
+    return request.with_found(data, [*keys, "cam", "output"], note, more)
 
 
 def _typed(drawing: Sequence[Sequence[Any]]) -> str:
@@ -379,18 +265,18 @@ def _typed(drawing: Sequence[Sequence[Any]]) -> str:
     return f"{len(drawing)} {'lines' if nested else 'points'}"
 
 
-def plotter_tables(
+def machine_tables(
+    kind: Callable[[Points, float], Sequence[Plotter] | Sequence[CrossedSlides]],
     line: Points,
     drawn: Sequence[Points],
-    tolerance: float,
+    wish: DrawingWish,
     rest: Data,
-    radius: float,
-    lift: Lift | None = None,
-) -> tuple[Data, Plotter]:
+    lift: Lift | None,
+) -> tuple[Data, Plotter | CrossedSlides]:
     """Tables of the spec whose own limits hold as well, and its sizes; DesignError where none was found.
 
-    line: places of the pen at even angles; drawn: corners of each line that it is to draw; rest: the spec's other tables; lift: None
-    of one line, which is drawn over and over.
+    kind: machines whose estimates hold, the smallest first; line: places of the pen at even angles; drawn: corners of each line that it
+    is to draw; rest: the spec's other tables; lift: None of one line, which is drawn over and over.
     """
     centre = complex(
         (line.real.max() + line.real.min()) / 2, (line.imag.max() + line.imag.min()) / 2
@@ -399,11 +285,10 @@ def plotter_tables(
     worst: Finding | CamgenError | None = None
     tries = 0
     lines = [each - centre for each in drawn]
-    for each in plotters(moved, radius):
-        found = replace(each, lift=lift)
+    for found in kind(moved, wish.roller_radius):
         if tries == _TRIES:
             break
-        tables = _tables(found, lines, tolerance, rest)
+        tables = _tables(found, lines, wish.tolerance, rest, lift)
         try:
             machine = read_mechanism(tables)
             if found.longest > min(machine.print.bed):
@@ -423,33 +308,42 @@ def plotter_tables(
         worst = failing[0]
     size = 2 * float(np.abs(moved).max())
     said = "" if worst is None else f": {worst.code if isinstance(worst, Finding) else worst}"
-    remedy = f"a smaller drawing, fewer loops or a greater wanted.tolerance{said}"
+    arms = ', wanted.follower = "arm"' if wish.follower == "slides" else ""
+    remedy = f"a smaller drawing, fewer loops{arms} or a greater wanted.tolerance{said}"
     raise DesignError("size of the drawing", size, 0.0, "mm", "its cams", remedy).saying(
-        f"no cams up to {_CAMS[-1]:.3g} mm draw a line of {size:.4g} mm across"
+        f"no cams up to {CAMS[-1]:.3g} mm draw a line of {size:.4g} mm across"
     )
 
 
-def _tables(found: Plotter, drawn: Sequence[Points], tolerance: float, rest: Data) -> Data:
+def _tables(
+    found: Plotter | CrossedSlides,
+    drawn: Sequence[Points],
+    tolerance: float,
+    rest: Data,
+    lift: Lift | None,
+) -> Data:
     """Tables of the whole spec, with as few rows as keep to their share of the tolerance."""
     for rows in _ROWS:
         made, off = found.tables(rows)
         if off <= _OF_ROWS * tolerance:
             break
-    lines = [
-        [[round(float(z.real), _DIGITS), round(float(z.imag), _DIGITS)] for z in line]
-        for line in (each + found.middle for each in drawn)
-    ]
+    lines = [[rounded(complex(z)) for z in each + found.middle] for each in drawn]
     pen: dict[str, Any] = {"name": "pen", "point": "Q"}
-    output = [pen]
-    if found.lift is None:
+    output = [pen, *made.pop("output", [])]
+    parts = {**made.pop("parts", {}), **rest.get("parts", {})}
+    if lift is None:
         pen["path"] = {"at": lines[0], "tolerance": tolerance}
     else:
-        down = _THREAD + _SLACK
-        up = _THREAD + _CLEAR
-        pen["lines"] = {"at": lines, "lift": "lift", "down": down, "up": up, "tolerance": tolerance}
+        ends = {"down": THREAD + SLACK, "up": THREAD + CLEAR}
+        pen["lines"] = {"at": lines, "lift": "lift", **ends, "tolerance": tolerance}
         output.append({"name": "lift", "thread": ["G", "E"]})
-        sizes = rest.get("parts", {})
-        posts = {"diameter": _POST, **sizes.get("thread_posts", {})}
-        rest = {**rest, "parts": {**sizes, "thread_posts": posts}}
+        places, cam = lever(lift, found.cam, found.far, found.radius)
+        ground = [*made["links"]["ground"], "O3", "G"]
+        made["points"] = {**made["points"], **places}
+        made["links"] = {**made["links"], "ground": ground, "lifter": ["O3", "T3", "E"]}
+        made["cam"] = [*made["cam"], cam]
+        parts["thread_posts"] = {"diameter": _POST, **parts.get("thread_posts", {})}
+    made["points"] = {name: rounded(z) for name, z in sorted(made["points"].items())}
     drive = {"link": "disc", **rest.get("drive", {})}
-    return {**rest, **made, "drive": drive, "output": output}
+    sizes = {"parts": parts} if parts else {}
+    return {**rest, **sizes, **made, "drive": drive, "output": output}

@@ -153,6 +153,11 @@ class DrawingWish(Wish):
     width: Annotated[float, Field(ge=3, le=300)] | None = Field(
         None, description="mm, width of the drawing; as drawn unless given"
     )
+    follower: Literal["arm", "slides"] = Field(
+        "arm",
+        description='what the cams move: "arm", two arms and rods to the pen; or "slides", two slides and one across, with larger cams '
+        "and less play",
+    )
     roller_radius: Annotated[float, Field(ge=1, le=20)] = Field(
         5.0, description="mm, radius of the rollers in the grooves"
     )

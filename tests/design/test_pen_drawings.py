@@ -279,6 +279,34 @@ def test_the_pen_from_the_files(found: Any, tmp_path: Path) -> None:
     assert all(each.limit == 0.1 and 0.05 < each.measured < 0.1 for each in errors)
 
 
+def lash(report: Any) -> float:
+    return max(each.measured for each in report.findings if each.code == "LASH")
+
+
+def test_slides_in_place_of_arms(found: Any, tmp_path: Path) -> None:
+    """From the files, with all bodies apart over the turn; the pen is on the axes of both slides at every angle, with less play."""
+    slid = camgen.design({**BASE, "wanted": {"drawing": TRIANGLE, "follower": "slides"}})
+    report = camgen.build(slid.machine, tmp_path, only="dxf,3mf")
+    assert report.ok
+    errors = path_errors(report)
+    assert set(errors) == {"", "dxf", "3mf"}
+    assert all(each.limit == 0.1 and 0.05 < each.measured < 0.1 for each in errors.values())
+    run = slid.machine.solve(np.linspace(0, math.tau, 50))
+    rise = run["pen"].imag - run["height"].imag
+    assert np.ptp(rise) < 1e-9 and np.ptp(run["height"].imag) > 19
+    assert 1.5 * lash(report) < lash(camgen.build(found.machine, tmp_path, only="dxf"))
+
+
+def test_too_large_for_slides() -> None:
+    wanted = {"drawing": TRIANGLE, "width": 100, "follower": "slides"}
+    with pytest.raises(DesignError, match='wanted.follower = "arm"'):
+        camgen.design({**BASE, "wanted": wanted})
+
+
+def path_errors(report: Any) -> dict[str, Any]:
+    return {each.where.kind: each for each in report.findings if each.code == "PATH_ERROR"}
+
+
 def test_a_wrong_cam_is_seen(found: Any) -> None:
     """One row of a cam's table off by half a degree."""
     wrong = tomllib.loads(found.text)
@@ -291,10 +319,6 @@ def test_a_wrong_cam_is_seen(found: Any) -> None:
 @pytest.fixture(scope="module")
 def lifted() -> Any:
     return camgen.design({**BASE, "wanted": {"drawing": [[[0, 0], [0, 16]], [[9, 2], [9, 16]]]}})
-
-
-def path_errors(report: Any) -> dict[str, Any]:
-    return {each.where.kind: each for each in report.findings if each.code == "PATH_ERROR"}
 
 
 def test_a_third_cam_lifts_the_pen(lifted: Any, tmp_path: Path) -> None:
