@@ -282,6 +282,9 @@ class _Builder:
         if isinstance(feature, GearTeeth) and feature.implied is not None:
             self._gear(feature, feature.implied)
             return
+        if isinstance(feature, EngagedPair) and feature.implied is not None:
+            self._engaged_pair(feature, feature.implied)
+            return
         joint = self.joints[feature.joint]
         match feature, joint:
             case Steady(), Pin():
@@ -542,7 +545,8 @@ class _Builder:
         # each body answers for one half
         off = abs(worst.gap - worst.meant) / 2
         parts = worst.driver, worst.driven
-        self.fits[joint.name] = Fit(worst.gap, worst.meant, off, parts=parts)
+        if feature.implied is None:  # what follows from other joints limits no output further
+            self.fits[joint.name] = Fit(worst.gap, worst.meant, off, parts=parts)
         self.engagements[joint.name] = engagement
         return replace(joint, law=engagement)
 

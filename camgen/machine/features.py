@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
-from camgen.machine.model import Gear, Law, Output, Pose
+from camgen.machine.model import Cam, Gear, Law, Output, Pose
 from camgen.numerics import Floats
 
 if TYPE_CHECKING:
@@ -262,6 +262,8 @@ class EngagedPair(EdgePair):
     carrier: str = "ground"
     rates: tuple[float, float] = (1.0, 0.0)
     tracks: PinTracks | None = None
+    # where no joint of the machine says how they move, since it follows from others: a second disc's output
+    implied: Cam | None = None
 
 
 @dataclass(frozen=True)

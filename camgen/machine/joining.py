@@ -26,6 +26,7 @@ from camgen.machine.model import (
     Along,
     Angle,
     Body,
+    Cam,
     Clutch,
     Effort,
     Function,
@@ -48,7 +49,7 @@ from camgen.numerics import Floats
 T = TypeVar("T")
 
 # that stand in others
-_RECORDS = Angle | Along | Path | Edge | Eye | Faces | Flat | Gear | OwnTip | Ring | Teeth
+_RECORDS = Angle | Along | Path | Cam | Edge | Eye | Faces | Flat | Gear | OwnTip | Ring | Teeth
 
 
 @dataclass(frozen=True)

@@ -125,6 +125,7 @@ class Drawing:
             ("freewheel", map(self.freewheel_name, self.freewheels)),
             ("planets", (row.title for row in self.planets)),
             ("cycloid", (row.title for row in self.cycloids)),
+            ("cycloid", (row.twin.title for row in self.cycloids if row.twin)),
         ):
             yield from (((kind, k), name) for k, name in enumerate(names))
 
@@ -245,8 +246,14 @@ class Drawing:
 
     @cached_property
     def cycloid_wishes(self) -> list[CycloidWish]:
-        """What is asked of each cycloidal drive."""
-        return [self.cycloid_of(row) for row in self.cycloids]
+        """What is asked of each cycloidal drive, that of a second disc after that of the first."""
+        wishes = []
+        for row in self.cycloids:
+            first = self.cycloid_of(row)
+            wishes.append(first)
+            if row.twin is not None:
+                wishes.append(replace(self.cycloid_of(row.twin), opposite=first))
+        return wishes
 
     @cached_property
     def named_genevas(self) -> dict[str, tuple[Geneva | InnerGeneva, str]]:
@@ -316,6 +323,8 @@ class Drawing:
             for each in self.cycloids:
                 if each.crank in turns:
                     turns.setdefault(each.disc, -turns[each.crank] / (each.pins - 1))
+                    if each.twin is not None:
+                        turns.setdefault(each.twin.disc, turns[each.disc])
                 if each.output and each.disc in turns:
                     turns.setdefault(each.output, turns[each.disc])
         return turns.get(link)
@@ -746,10 +755,8 @@ def _cycloid(wish: CycloidWish, start: Mapping[str, m.Pose]) -> list[m.Cam]:
     crank, disc = (start[link].angle for link in (wish.crank, wish.link))
     law = m.Turning(wish.disc.ratio)
     joints = [m.Cam(wish.joint, wish.crank, wish.link, law, phase=crank, rest=disc)]
-    if wish.output is not None:
-        rest = start[wish.output].angle
-        together = (wish.output_joint, wish.link, wish.output, m.Turning())
-        joints.append(m.Cam(*together, phase=disc, rest=rest))
+    if wish.output is not None and wish.opposite is None:  # the first disc says how it turns
+        joints.append(wish.output_law(start))
     return joints
 
 

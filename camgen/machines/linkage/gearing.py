@@ -39,7 +39,7 @@ def figures(layout: Layout) -> list[Figure]:
             Figure("least speed ratio {of}", float(speed.min()), "", of),
             Figure("greatest pressure angle {of}", leans, "deg", of),
         ]
-    for asked in (drive.wish for drive in layout.cycloid_drives):
+    for asked in (drive.wish for drive in layout.cycloid_drives if not drive.wish.opposite):
         disc = asked.disc
         least, most = map(math.degrees, disc.play)
         found += [
@@ -83,6 +83,12 @@ def notes(layout: Layout) -> Iterator[str]:
     for drive in layout.cycloid_drives:
         asked = drive.wish
         disc = asked.disc
+        if asked.opposite is not None:
+            yield (
+                f"{asked.link} runs in the same pins on an eccentric opposite to that of {asked.opposite.link}: their pulls on the "
+                "shaft cancel. Each counts as if it carried the load alone."
+            )
+            continue
         least, most = map(math.degrees, disc.play)
         yield (
             f"Cycloidal drive {asked.joint}: {disc.pins} pins, {disc.lobes} lobes; {asked.crank} turns {disc.lobes} times for one "

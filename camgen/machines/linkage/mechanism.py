@@ -39,6 +39,7 @@ from camgen.machine.stepwise import stays_clear
 from camgen.machines import included as inc
 from camgen.machines.linkage import (
     bridges,
+    cycloids,
     figures,
     freewheels,
     lifts,
@@ -359,8 +360,10 @@ class Linkage(Mechanism):
         }
 
     def _eccentric_faults(self) -> Iterator[Fault]:
-        """Eccentrics of cycloidal drives without a size."""
-        for row in self.cycloids:
+        """Eccentrics of cycloidal drives without a size, and second discs."""
+        for k, row in enumerate(self.cycloids):
+            own = ("cycloid", k), row, self.cycloids, self.points, self.links
+            yield from cycloids.faults(*own)
             shaft = self._drawing.pivot(row.crank) if row.crank in self.links else None
             if row.at in (self.making.discs or ()) or not {shaft, row.at} <= self.points.keys():
                 continue
@@ -442,6 +445,7 @@ class Linkage(Mechanism):
     @cached_property
     def _drawing(self) -> Drawing:
         points, links = planets.expanded(self.planets, self.points, self.links, self.lengths)
+        points, links = cycloids.expanded(self.cycloids, points, links, self.lengths)
         return Drawing(
             points,
             links,

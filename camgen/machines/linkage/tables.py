@@ -455,6 +455,10 @@ class Cycloid(Record):
     )
     radius: Length = Field(description="radius of the circle on which the pins are")
     pin_radius: Length = Field(description="radius of a pin")
+    discs: Annotated[int, quantity("1", ge=1, le=2)] = Field(
+        default=1,
+        description="number of discs: a second one, over the first, is on an eccentric opposite, and runs in the same pins; both together are balanced",
+    )
     clearance: Annotated[float, quantity("mm", gt=0, le=2)] | None = Field(
         default=None,
         description="air of the disc beside each pin, and of an output pin in its hole; half of print.slide_clearance unless given",
@@ -489,6 +493,15 @@ class Cycloid(Record):
     def output_title(self) -> str:
         """Name of the joint of disc and output."""
         return f"{self.disc} to {self.output}"
+
+    @property
+    def twin(self) -> Cycloid | None:
+        """The second disc, as a drive of its own."""
+        if self.discs == 1:
+            return None
+        changes = {"at": f"{self.at}_2", "disc": f"{self.disc}_2", "discs": 1}
+        name = None if self.name is None else f"{self.name}_2"
+        return self.model_copy(update=changes | {"name": name})
 
 
 class Ratchet(Record):

@@ -37,9 +37,8 @@ from camgen.parts.generator.discs import (
     disc_layer,
     gear_parts,
     geneva_parts,
-    ground_disc,
-    keeper,
     pair_parts,
+    round_shaft,
     shaft_cap,
 )
 from camgen.parts.generator.joints import features_of, part_name, point_of
@@ -263,8 +262,9 @@ class Bodies:
         points = self.layout.points_of(link)
         thick = self.layout.thickness(link)
         holes: dict[str, Contour] = {}
-        discs = [point for point, (on, _) in layout.discs.items() if on == link]
-        for point, z in ((point, z) for point, z in points.items() if point not in discs):
+        found = [point for point, (on, _) in layout.discs.items() if on == link]
+        discs = [point for point in found if point not in layout.eccentrics]
+        for point, z in ((point, z) for point, z in points.items() if point not in found):
             holes[f"hole {point}"] = circle(z, layout.hole(point, link) / 2)
             flat = layout.profile(point, link)
             if flat is not None:
@@ -348,10 +348,8 @@ class Bodies:
         if point in layout.guest_links:
             return
         at, bought = layout.at(body, point), layout.on_motor(point, GROUND)  # the motor's own shaft
-        if layout.on_ground(point):
-            yield from ground_disc(layout, point)
-        elif point in layout.discs:
-            yield keeper(layout, point)
+        if point in layout.discs:
+            yield from round_shaft(layout, point)
         for stub in stubs(layout, point):
             if point in layout.discs:
                 continue

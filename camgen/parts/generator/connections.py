@@ -421,7 +421,7 @@ class Connections:
             above = members[members.index(fixed) + 1 :] if fixed in members else []
             if above:
                 over[point] = (*over.get(point, ()), *above)
-        for each in self.cycloids:
+        for each in (each for each in self.cycloids if each.opposite is None):
             point = self.axis_of(each.crank)
             if each.output is not None and self.shafts.get(point) == each.crank:
                 over[point] = (*over.get(point, ()), each.output)
@@ -454,7 +454,7 @@ class Connections:
         """Of each pin that is a disc its link, and the point of the shaft that goes through it; through one of the ground the
         nearest."""
         discs = {}
-        for point in self.sizes.discs or ():
+        for point in self.disc_sizes:
             links = self.pivots.get(point, ())
             shafts = [shaft for shaft in self.shafts if shaft != point]
             if links[:1] == (GROUND,) and point not in self.shafts and shafts:
@@ -463,6 +463,18 @@ class Connections:
             for shaft in (shaft for shaft in shafts if self.shafts[shaft] in links):
                 discs[point] = self.shafts[shaft], shaft
         return discs
+
+    @cached_property
+    def disc_sizes(self) -> dict[str, float]:
+        """Diameters of pins that are discs, mm, by their points; a second eccentric is as large as the first."""
+        given = self.sizes.discs or {}
+        second = {upper: given[lower] for upper, lower in self.eccentrics.items() if lower in given}
+        return {**given, **second}
+
+    @cached_property
+    def eccentrics(self) -> dict[str, str]:
+        """The point of each eccentric that is a part of its own, over another one, and the point of that."""
+        return {each.at: each.opposite.at for each in self.cycloids if each.opposite is not None}
 
     def on_ground(self, point: str) -> bool:
         """Whether a pin is a disc of the ground."""

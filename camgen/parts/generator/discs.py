@@ -379,6 +379,49 @@ def disc_layer(layout: Layout, point: str) -> Layer:
     return Layer(Region(rim, (bore,)), layout.thickness(link), round(top, 9))
 
 
+def round_shaft(layout: Layout, point: str) -> Iterator[MountedPart]:
+    """What a pin that is a disc has beside the body of its link."""
+    if layout.on_ground(point):
+        yield from ground_disc(layout, point)
+        return
+    if point in layout.eccentrics:
+        yield eccentric(layout, point)
+    if point not in layout.eccentrics.values():
+        yield keeper(layout, point)
+
+
+def eccentric(layout: Layout, point: str) -> MountedPart:
+    """An eccentric over another one, pressed on the same shaft; it holds down what turns on that."""
+    link, shaft = layout.discs[point]
+    off = layout.at(link, point) - layout.at(link, shaft)
+    sizes = layout.turning(point), layout.hole(shaft, link), layout.min_wall
+    lower = layout.eccentrics[point]
+    wall_of_disc(abs(off), *sizes, f"parts.discs.{lower}")
+    low = layout.disc_top(lower)
+    rim = circle(off, layout.turning(point) / 2)
+    region = plate("eccentric", rim, {"shaft": _bore(layout, link, shaft)}, layout.min_wall)
+    name = eccentric_name(layout, point)
+    part = Part(
+        name,
+        f"Second eccentric of {link}",
+        (Layer(region, 0.0, round(layout.disc_top(point) - low, 9)),),
+        centres=(0j, off),
+        min_wall=layout.min_wall,
+        notes=(HoldingNote(f"pressed and glued on the shaft over {_turning_on(layout, lower)}"),),
+    )
+    return part, Mount(name, layout.carrier(link), layout.at(link, shaft), z=low)
+
+
+def eccentric_name(layout: Layout, point: str) -> str:
+    """Name of the part that an eccentric over another one is."""
+    return f"eccentric-{_turning_on(layout, point)}"
+
+
+def _turning_on(layout: Layout, point: str) -> str:
+    """The link that turns on an eccentric."""
+    return next(link for link in layout.pivots[point] if link != layout.discs[point][0])
+
+
 def ground_disc(layout: Layout, point: str) -> Iterator[MountedPart]:
     """A disc of the ground, and the dowels that hold it on the plate."""
     s = layout.sizes

@@ -31,6 +31,7 @@ from camgen.machine.features import (
 )
 from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.cycloids import CycloidDrive, Stud
+from camgen.parts.generator.discs import eccentric_name
 from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.layout import Layout, pivot_name
 from camgen.parts.generator.noncircular import NoncircularDrive
@@ -86,6 +87,9 @@ def _eye(layout: Layout, point: str, link: str, beside: str = "") -> Eye:
             at = layout.at(GROUND, point) - layout.at(GROUND, about)
             return Eye(pivot_name(about), at, layout.hole(point, GROUND), shaft=point == about)
     disc = point in layout.discs and link == layout.pressed_in(point)
+    if disc and point in layout.eccentrics:
+        at = layout.at(link, point) - layout.at(link, layout.discs[point][1])
+        return Eye(eccentric_name(layout, point), at, layout.hole(point, link), shaft=True)
     return Eye(part_of(layout, link), layout.at(link, point), layout.hole(point, link), shaft=disc)
 
 
@@ -148,7 +152,12 @@ def _pin_of(layout: Layout, pins: Sequence[Mount], point: str, link: str, beside
 
 
 def _keyed(layout: Layout) -> Iterator[SharedFlat]:
-    """Webs on one crank pin."""
+    """Webs on one crank pin, eccentrics on one shaft."""
+    for point in layout.eccentrics:
+        link, shaft = layout.discs[point]
+        bore = _eye(layout, shaft, link)
+        other = Eye(eccentric_name(layout, point), 0j, bore.diameter)
+        yield SharedFlat(bore, other, math.pi / 2)
     for (low, held), (high, _) in pairwise(layout.webs.items()):
         yield SharedFlat(_eye(layout, held[1], low), _eye(layout, held[1], high), math.pi / 2)
 
@@ -270,6 +279,7 @@ def _cycloid(layout: Layout, drive: CycloidDrive) -> Iterator[EngagedPair]:
             wish.crank,
             (1.0, -float(lobes)),
             PinTracks("b", 0, wish.output_gap, *drive.output.hardest),
+            None if wish.opposite is None else wish.output_law(layout.machine.start),
         )
 
 

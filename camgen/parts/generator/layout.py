@@ -59,8 +59,8 @@ class Layout(Connections):
 
     def turning(self, point: str) -> float:
         """Diameter of what turns at a point, mm."""
-        if point in self.discs and self.sizes.discs is not None:
-            return self.sizes.discs[point]
+        if point in self.discs:
+            return self.disc_sizes[point]
         if point in self.shafts:
             return self.sizes.shaft_diameter
         if self.kind(point) == "shoulder":
@@ -165,6 +165,8 @@ class Layout(Connections):
             over = int(point in self.over_shafts)
             return over if collar is None else math.ceil(collar.height / step), 0
         if len(self.webs_at(point)) > 1 or self.on_ground(point):
+            return 0, 0
+        if point in self.eccentrics.values():  # another eccentric holds down what turns on it
             return 0, 0
         if self.kind(point) == "shoulder":
             screw = self.sizes.shoulder
@@ -422,7 +424,11 @@ class Layout(Connections):
     @cached_property
     def cycloid_drives(self) -> list[CycloidDrive]:
         """Cycloidal drives, with the output pins for which there is room; DesignError where there is none."""
-        return [CycloidDrive(wish, self.machine, self._output_pins(wish)) for wish in self.cycloids]
+        above = {wish.opposite.link: wish.link for wish in self.cycloids if wish.opposite}
+        return [
+            CycloidDrive(wish, self.machine, self._output_pins(wish.first), above.get(wish.link))
+            for wish in self.cycloids
+        ]
 
     def _output_pins(self, wish: CycloidWish) -> OutputPins | None:
         if wish.output is None:
@@ -455,9 +461,9 @@ class Layout(Connections):
         }
 
     def stud_span(self, stud: Stud) -> tuple[float, float]:
-        """Underside and upper side of it, mm: through its link and over the whole thickness of the disc."""
-        low = self.floor(self.level[stud.disc])
-        high = self.top_of(stud.disc)
+        """Underside and upper side of it, mm: through its link and over the whole thickness of its discs."""
+        low = min(self.floor(self.level[disc]) for disc in stud.discs)
+        high = max(map(self.top_of, stud.discs))
         own = 0.0 if stud.link == GROUND else self.floor(self.level[stud.link])
         return min(low, own), max(high, round(own + self.thickness(stud.link), 9))
 
@@ -636,8 +642,12 @@ class Layout(Connections):
     def on(self, point: str) -> list[tuple[int, float, float]]:
         """What sits on a pin or shaft, from below: level, underside and top, mm; links, rollers, wheels, a groove's back plate,
         eyes of springs."""
+        # an eccentric over another one is no part of its link's body
+        beneath = self.discs[point][0] if point in self.eccentrics else ""
         links = [
-            (link, self.thickness(link)) for link in self.pivots[point] if link not in self.alone
+            (link, self.thickness(link))
+            for link in self.pivots[point]
+            if link not in self.alone and link != beneath
         ]
         discs = self.discs_on(point)
         for carrier in {self.discs[disc][0] for disc in discs}:  # as thick as what turns on them
@@ -668,7 +678,7 @@ class Layout(Connections):
         levels |= {
             (self.on(disc)[-1][0] + 1, self.disc_top(disc), self.disc_top(disc) + self.sizes.head)
             for disc in discs
-            if not self.on_ground(disc)
+            if not self.on_ground(disc) and disc not in self.eccentrics.values()
         }
         if self.capped(point):
             level, _, top = max(levels)

@@ -59,6 +59,9 @@ def things(layout: Layout, run: Run) -> Things:
         if each.lies != "below":
             on_each_other = (link, each.wheel.level)
             stacked.append(on_each_other if each.lies == "under" else on_each_other[::-1])
+    stacked += [
+        (upper, lower) for drive in layout.cycloid_drives for lower, upper in pairwise(drive.discs)
+    ]
     return Things(bands, axes, layout.fits.slide_clearance, walls, over, openings, stacked)
 
 
@@ -300,6 +303,8 @@ def _axes(courses: _Courses, before: Over) -> tuple[list[Axis], Over]:
             if shaft is not None
             else ()
         )
+        if point in layout.eccentrics:  # it begins over the one beneath
+            moving = tuple(link for link in moving if link != layout.discs[point][0])
         held = (*moving, *layout.riders.get(point, ()))
         known = {*before, *over}
         over += _over_on_pin(layout, point, moving, hanging, known)
@@ -344,11 +349,11 @@ def _studs(courses: _Courses) -> tuple[list[Axis], Over]:
     axes = []
     over = Over()
     for drive in layout.cycloid_drives:
-        disc = drive.wish.link
-        over += [] if drive.wish.output is None else [(drive.wish.output, disc)]
+        over += [(upper, lower) for lower, upper in pairwise(drive.discs)]
+        over += [] if drive.wish.output is None else [(drive.wish.output, drive.discs[-1])]
         for k, stud in enumerate(drive.studs, 1):
             grounded = stud.link == GROUND
-            held = (disc,) if grounded else (stud.link, disc)
+            held = drive.discs if grounded else (stud.link, *drive.discs)
             way = courses.ways(stud.link, [stud.at])[0]
             name = f"{stud.part} {k}"
             axes.append(Axis(name, held, way, stud.radius, grounded, over=0))
