@@ -27,6 +27,7 @@ _COMPLETE = (
 )
 # Neither numpy's threads are of use here, 20 ms to start them, nor what other packages would add to pydantic, 4 ms to look for.
 _ENVIRONMENT = {"OPENBLAS_NUM_THREADS": "1", "PYDANTIC_DISABLE_PLUGINS": "__all__"}
+_COLLECTED = 200_000  # objects made and not yet freed, after which garbage is collected
 INTERNAL = 70
 INTERRUPTED = 130
 PIPE_CLOSED = 141
@@ -87,8 +88,9 @@ def _run(arguments: Sequence[str] | None) -> int:
 
         return shell_complete(cli, {}, "camgen", _COMPLETE, os.environ[_COMPLETE])
     if arguments is None:
-        # A run is over before its garbage counts; collecting costs a tenth of the time, most of it at imports.
-        gc.disable()
+        # Python's own 700 collects so often that it costs a tenth of the time, most of it at imports. Never is too
+        # seldom: drawings of a machine of many parts, whose entities point at each other, would all stay in memory.
+        gc.set_threshold(_COLLECTED, 5, 5)
     try:
         # Not cli.main, which turns a closed pipe into exit code 1: here that means a finding that fails.
         with cli.make_context(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import os
 import socket
 import tempfile
@@ -125,7 +124,6 @@ def _serve(
 
     from camgen.live.guard import Few, word
 
-    gc.enable()  # a server runs long
     # by its protocol asyncio knows that answers must not wait for the other side's receipts, 40 ms each
     with socket.socket(proto=socket.IPPROTO_TCP) as place:
         if os.name == "posix":  # elsewhere another program could take the port, too
