@@ -16,7 +16,7 @@ import numpy as np
 
 from camgen.findings import NotJudged
 from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Floats
+from camgen.geometry.outlines import Floats, Region
 from camgen.geometry.rings import Ring
 from camgen.machine.features import (
     Balance,
@@ -209,6 +209,11 @@ class Assembly:
         return {
             each.joint: each for each in reversed(self.features) if isinstance(each, CamOutline)
         }
+
+    def touched(self, outline: CamOutline) -> Region:
+        """The region of a cam's part whose edge its follower touches."""
+        part = self.by_name[outline.part]
+        return part.region if outline.layer is None else part.layers[outline.layer[0]].region
 
     def shoe(self, outline: CamOutline) -> Ring | None:
         """The outline of the part that touches a cam with its edge, as it is meant; None where a tip or a face touches."""

@@ -74,7 +74,7 @@ def cams_of(mechanism: Mechanism) -> dict[str, tuple[CamTouch, Mount, float]]:
         ]
         assert isinstance(joint, Cam), f"{feature.joint} is no cam"
         touch = joint.touches[k] if k < len(joint.touches) else None
-        left_out = mount.flipped or feature.part in cams
+        left_out = mount.flipped or feature.part in cams or feature.layer is not None
         if isinstance(touch, CamTouch) and not touch.mirrored and not left_out:
             cams[feature.part] = touch, mount, feature.free if touch.outer else 0.0
     return cams

@@ -32,7 +32,7 @@ from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Contour, Floats, Line, Points, Region
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.cams import judged_angles
-from camgen.judge.measured import Sections, measure_bore
+from camgen.judge.measured import Sections, measure_bore, of_layer
 from camgen.machine.features import CamOutline, Passing, parts_of
 from camgen.machine.model import unit_of
 from camgen.machines.mechanism import Mechanism
@@ -121,10 +121,11 @@ def _subjects(mechanism: Mechanism) -> tuple[dict[str, Part], dict[str, Contour]
         name for name, part in parts.items() if part.side_profile is None and len(part.layers) == 1
     }
     flat = cam_parts | touching & even or even
+    cams = {cam.part: cam for cam in _cams(mechanism)}
     inside = {cam.part for cam in _cams(mechanism) if cam.inside}
     outlines = {}
     for name in (name for name in parts if name in flat):
-        region = parts[name].region
+        region = mechanism.assembly.touched(cams[name]) if name in cams else parts[name].region
         contour = (
             max(region.holes, key=lambda hole: abs(hole.area)) if name in inside else region.outer
         )
@@ -223,7 +224,7 @@ def _row(spec: Path, tolerance: float, folder: Path) -> Row:
 
 def _ring(sections: Sections, cam: CamOutline | None) -> Ring:
     """The ring of a recovered part that stands for its outline, a cam's about its bore."""
-    shape = sections[0][0]
+    shape = (sections if cam is None else of_layer(sections, cam.layer))[0][0]
     if cam is not None and cam.inside:
         return max(shape.holes, key=lambda hole: abs(hole.area)).counter_clockwise()
     away = 0j if cam is None or cam.bore is None else measure_bore(cam.bore, sections).centre

@@ -400,7 +400,6 @@ def laws_of(
     for mode, error in zip(spread.modes, errors, strict=True):
         given.setdefault(mode.where, {}).setdefault(mode.kind, []).append(float(error))
     laws = {}
-    parts = {part.name: part for part in mechanism.assembly.parts}
     first = mechanism.assembly.outlines
     for joint in shifted.joints:
         own = given.get(f"{joint.name}, 1")
@@ -410,9 +409,8 @@ def laws_of(
         mount = [
             m for m in mechanism.assembly.mounts if (m.part, m.body) == (outline.part, joint.cam)
         ][outline.copy]
-        points = facet_contour(
-            parts[outline.part].region.outer.counter_clockwise(), mechanism.accuracy.chord_tolerance
-        )
+        edge = mechanism.assembly.touched(outline).outer.counter_clockwise()
+        points = facet_contour(edge, mechanism.accuracy.chord_tolerance)
         ahead = np.roll(points, -1) - np.roll(points, 1)
         normals = -1j * ahead / np.abs(ahead)
         places = np.array([mount.place(z) for z in points])

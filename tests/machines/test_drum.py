@@ -249,6 +249,8 @@ def test_the_resolved_spec_makes_the_same_drum() -> None:
         ({"track.0.segment.0.lift": 9.0, "track.0.segment.3.to": 1.0}, "track.0.segment", "0"),
         ({"track.0.follower.shape": "outline"}, "track.0.follower.shape", "roller"),
         ({"limits.min_wall": 0.2}, "limits.min_wall", "nozzle"),
+        ({"files.cutter_radius": 2.0}, "files.cutter_radius", "no outline to cut"),
+        ({"load.stiffness": 200.0}, "load.stiffness", "count as rigid"),
         ({"parts.bore_shape": "d-flat", "parts.flat_depth": 9.0}, "parts.flat_depth", "bore"),
     ],
 )

@@ -45,11 +45,24 @@ from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import Bought, narrowest
 from camgen.parts.disc_cams import turning_note
 from camgen.parts.part import Layer, Part
+from camgen.schemas import shown
 from camgen.spec import validate
 from camgen.study import Figure, Figures, Later, Study, Table, together
 
 _DRUM = "drum"
 _OFF = 0.05  # mm along the turn, by which a print may put a pin off: its time is told
+_NO_TABLE = "nothing here: a drum has no outline to cut; a disc-cam of a track's segments has one"
+_RIGID = "nothing here: the followers of a drum count as rigid, and no force presses them on it"
+# keys of every spec that a drum has no use for, and what would be right
+_UNUSED = (
+    ("files", "profile_step_deg", _NO_TABLE),
+    ("files", "cutter_radius", _NO_TABLE),
+    ("load", "stiffness", _RIGID),
+    ("load", "damping_ratio", _RIGID),
+    ("load", "restitution", _RIGID),
+    ("load", "spring_error", _RIGID),
+    ("load", "cam_follower", _RIGID),
+)
 _FARTHER = (
     "pins that stand farther apart, a shorter tooth.return_ms or a lower motor.speed_rpm widen it"
 )
@@ -76,6 +89,11 @@ class CamDrum(Mechanism):
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
         found = [*self.making.misfits(), *self._place_faults(), *self._pin_faults()]
+        for table, key, right in _UNUSED:
+            record = getattr(self, table)
+            value = getattr(record, key, None)
+            if value is not None and value != type(record).model_fields[key].default:
+                found.append(Fault((table, key), shown(value), right))
         if self.allowed.min_wall < self.print.nozzle:
             right = f"at least the nozzle, {self.print.nozzle:g} mm"
             found.append(Fault(("limits", "min_wall"), f"{self.allowed.min_wall:g}", right))
