@@ -42,6 +42,7 @@ def spread(name: str, *settings: str) -> Spread:
         ("eccentric-drive", ()),
         ("thread-take-up", ()),
         ("quick-return", ()),
+        ("drum", ()),
         ("indexing-cam", ()),
     ],
 )
