@@ -42,7 +42,7 @@ def spread(name: str, *settings: str) -> Spread:
         ("eccentric-drive", ()),
         ("thread-take-up", ()),
         ("quick-return", ()),
-        ("drum", ()),
+        ("drum", ("accuracy.chord_tolerance=0.0001",)),
         ("indexing-cam", ()),
     ],
 )
