@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from camgen.errors import Fault, Key
 from camgen.machine.model import GROUND
 from camgen.machines.linkage import tables as t
+from camgen.tolerances import SAME_POINT
 
 Points = Mapping[str, tuple[float, float]]
 Links = Mapping[str, Sequence[str]]
@@ -28,6 +29,8 @@ def expanded(
             continue
         origin = complex(*points[shaft])
         arm = complex(*points[row.at]) - origin
+        if abs(arm) < SAME_POINT:
+            continue
         given = (lengths.get(f"{a}-{b}") for a, b in ((shaft, row.at), (row.at, shaft)))
         length = next((each for each in given if each is not None), abs(arm))
         arm *= length / abs(arm)
