@@ -200,9 +200,19 @@ def _farthest(points: Points) -> complex:
     except QhullError:  # all on one line: its ends are the extremes along it
         along = (points * np.conj(points[np.argmax(np.abs(points - points[0]))] - points[0])).real
         points = points[[int(np.argmin(along)), int(np.argmax(along))]]
+    points = _ends_of_chords(points)
     places = np.stack([points.real, points.imag], axis=-1)
     a, b = divmod(int(np.argmax(cdist(places, places, "sqeuclidean"))), len(points))
     return complex(points[b] - points[a])
+
+
+def _ends_of_chords(points: Points) -> Points:
+    """Those that may end the longest chord: together two are no farther from the middle of a long one than it is long."""
+    a = points[np.argmax(np.abs(points - points[0]))]
+    b = points[np.argmax(np.abs(points - a))]
+    away = np.abs(points - (a + b) / 2)
+    least = abs(b - a) * (1 - 1e-9) - np.max(away)
+    return np.asarray(points[away >= least])
 
 
 def _spread(points: Points, count: int) -> Indices:

@@ -449,6 +449,8 @@ class Constraints:
             shares.append(
                 {
                     name: _stretch(part[:, :, :1] if name in sliding else part)
+                    if part.any()
+                    else np.zeros(len(q))  # of a machine beside it
                     for name, part in parts.items()
                 }
             )

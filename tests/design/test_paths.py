@@ -12,13 +12,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
+from scipy.spatial.distance import pdist
 
 from camgen.design.chains import Chain, chains
 from camgen.design.linkages import Tracing
 from camgen.design.paths import ChainDesign, Task, area, front, search, solve_task
 from camgen.design.polish import Goal, pack, polish
 from camgen.design.run import Front, design
-from camgen.design.target import Target
+from camgen.design.target import Target, _farthest
 from camgen.errors import DesignError
 from camgen.machine.run import solve
 from camgen.spec import validate
@@ -127,6 +128,19 @@ def test_place_turn_and_size_of_a_path_do_not_count(
         np.max(np.abs(factor * (size * np.exp(1j * turn) * PATH + shift) + moved - PATH))
         < 1e-7 * target.chord
     )
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_the_longest_chord_is_the_greatest_of_all_distances(seed: int) -> None:
+    """Of closed curves of seven harmonics, round ones too, against every pair of their points."""
+    rng = np.random.default_rng(seed)
+    harmonics = np.arange(-3, 4)
+    share = rng.normal(size=7) + 1j * rng.normal(size=7)
+    share *= 10.0 ** -np.abs(rng.uniform(0, 3) * (harmonics - 1))
+    turn = np.linspace(0, 2 * np.pi, 300, endpoint=False)
+    path = np.exp(1j * np.outer(turn, harmonics)) @ share
+    longest = pdist(np.stack([path.real, path.imag], axis=-1)).max()
+    assert abs(_farthest(path)) == pytest.approx(longest, rel=1e-12)
 
 
 def test_the_error_is_the_chamfer_distance() -> None:
