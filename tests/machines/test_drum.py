@@ -212,6 +212,17 @@ def test_what_a_printer_takes_is_taken_back_before_pins_are_judged(tmp_path: Pat
     assert sum(each.code == "RELEASE_ANGLE" for each in report.findings) == 2
 
 
+def test_a_pin_that_hardly_reaches_over_its_tooth_is_seen(tmp_path: Path) -> None:
+    report = build(SPEC, tmp_path, frozenset({"stl"}), overrides=["pin.radius=15.202"])
+    assert report.ok
+
+
+def test_of_steel_it_is_told_that_no_force_is_judged() -> None:
+    assert not list(drum().assembly.unjudged)
+    steel = drum({"material.name": "C45"})
+    assert {each.code for each in steel.assembly.unjudged} == {"LIFT_OFF", "HERTZ"}
+
+
 def test_the_resolved_spec_makes_the_same_drum() -> None:
     machine = validate(
         CamDrum,
@@ -248,6 +259,7 @@ def test_the_resolved_spec_makes_the_same_drum() -> None:
         ),
         ({"track.0.segment.0.lift": 9.0, "track.0.segment.3.to": 1.0}, "track.0.segment", "0"),
         ({"track.0.follower.shape": "outline"}, "track.0.follower.shape", "roller"),
+        ({"pin.radius": 15.2019}, "pin.radius", "at least 15.202: 2 accuracy.chord_tolerance"),
         ({"limits.min_wall": 0.2}, "limits.min_wall", "nozzle"),
         ({"files.cutter_radius": 2.0}, "files.cutter_radius", "no outline to cut"),
         ({"load.stiffness": 200.0}, "load.stiffness", "count as rigid"),

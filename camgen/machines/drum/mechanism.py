@@ -21,7 +21,7 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
-from camgen.findings import Finding, Where, at_least
+from camgen.findings import Finding, NotJudged, Where, at_least
 from camgen.geometry.outlines import Region, circle
 from camgen.machine.features import CamOutline, Eye, Mount, PinRow
 from camgen.machine.joining import Module, Ride
@@ -41,6 +41,7 @@ from camgen.machines.drum.tables import (
 from camgen.machines.included import placed
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
+from camgen.parts import materials
 from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import Bought, narrowest
 from camgen.parts.disc_cams import turning_note
@@ -63,6 +64,7 @@ _UNUSED = (
     ("load", "spring_error", _RIGID),
     ("load", "cam_follower", _RIGID),
 )
+_OVER = 2.0  # chord tolerances, by which a pin reaches over its tooth: facets of its end take one
 _FARTHER = (
     "pins that stand farther apart, a shorter tooth.return_ms or a lower motor.speed_rpm widen it"
 )
@@ -147,6 +149,10 @@ class CamDrum(Mechanism):
                 f"between the core, {core:g} mm, and the ends of the pins, {self.pin.radius:g} mm"
             )
             yield Fault(("tooth", "radius"), f"{self.tooth.radius:g}", right)
+        elif self.pin.radius - self.tooth.radius < _OVER * self.accuracy.chord_tolerance:
+            least = self.tooth.radius + _OVER * self.accuracy.chord_tolerance
+            right = f"at least {least:g}: {_OVER:g} accuracy.chord_tolerance beyond the tooth's tip"
+            yield Fault(("pin", "radius"), f"{self.pin.radius:g}", right)
         elif self.pin.width >= core:
             yield Fault(("pin", "width"), f"{self.pin.width:g}", f"less than the core, {core:g} mm")
         else:
@@ -363,6 +369,14 @@ class CamDrum(Mechanism):
             at_least("MIN_WALL", wall, least, "mm", Where("between bore and core"), remedy),
             *self._spacings(),
         ]
+
+    def _unjudged(self) -> Sequence[NotJudged]:
+        """Of a material that is not printed, whose strength wants to be judged."""
+        if materials.of(self.material.name).printed:
+            return ()
+        why = "nothing says which force presses the followers on the drum"
+        needs = "a disc-cam of the track's segments, with [load] and [spring]"
+        return [NotJudged(code, why, needs) for code in ("LIFT_OFF", "HERTZ")]
 
     def _spacings(self) -> Iterator[Finding]:
         """PIN_SPACING of each row as designed."""
