@@ -14,7 +14,7 @@ from camgen.errors import DesignError
 from camgen.geometry.arcs import bulges, fit_arcs
 from camgen.geometry.outlines import Contour, extent, rectangle
 from camgen.machine.features import PartPose, heights
-from camgen.machine.model import Output, Path, Pose, unit_of
+from camgen.machine.model import Cam, Output, Path, Pose, unit_of
 from camgen.machine.run import solve
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats, Points
@@ -106,11 +106,19 @@ def _edge_on(part: Part) -> Contour:
 
 def _heights(assembly: Assembly, sketch: Sketch) -> tuple[float, float] | None:
     """From where to where a sketch reaches, mm: a line among the parts of a body in the middle of the largest of them; a body
-    without parts, such as the follower of cams alone, along all that are there. In a plane that stands, along its normal."""
+    without parts, such as the follower of cams alone, along all that are there, or the layer that it runs on. In a plane that stands, along its normal."""
     if sketch.upright is not None:
         return -sketch.upright.outer, -sketch.upright.inner
     if sketch.z is not None:
         return sketch.z, sketch.z
+    for outline in assembly.outlines.values():
+        joint = assembly.machine.joint(outline.joint)
+        runs = isinstance(joint, Cam) and joint.follower == sketch.body
+        if outline.layer is not None and runs:
+            part = assembly.by_name[outline.part]
+            at = part.layers[outline.layer[0]]
+            mount = next(each for each in assembly.mounts if each.part == part.name)
+            return heights(mount, part.thickness, at.z0, at.z1)
     parts = {part.name: part for part in assembly.parts}
     lying = [mount for mount in assembly.mounts if not mount.upright]
     plates = [(mount, parts[mount.part], parts[mount.part].drawn) for mount in lying]

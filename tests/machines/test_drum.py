@@ -20,6 +20,7 @@ from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.machines.drum.mechanism import CamDrum
 from camgen.parts.solids import solid
 from camgen.pipeline.build import build
+from camgen.pipeline.shown import animation
 from camgen.settings import assigned
 from camgen.spec import validate
 
@@ -137,6 +138,12 @@ def test_each_follower_rests_on_its_section_where_its_program_wants_it() -> None
         edges = np.roll(tail, -1) - tail
         dense = np.concatenate([tail + share * edges for share in np.linspace(0, 1, 20)])
         assert np.abs(dense * np.exp(1j * angle) - centre).min() == pytest.approx(5, abs=2 * FINE)
+
+
+def test_each_follower_is_shown_as_high_as_its_track() -> None:
+    shown = {each.name: each.heights for each in animation(drum()).bodies}
+    assert shown["wing-follower"] == (0.0, 6.0) and shown["tail-follower"] == (6.0, 12.0)
+    assert shown["beak-follower"] == (12.0, 18.0)
 
 
 # ---- files -----------------------------------------------------------------------------------------------------------
