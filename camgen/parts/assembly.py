@@ -117,6 +117,7 @@ class Support:
 
     down: tuple[float, float, float]
     steps: tuple[tuple[str, str], ...]
+    parts: frozenset[str]  # names of all that is made for it, of what other parts lie on too
 
 
 @dataclass(frozen=True)

@@ -119,8 +119,15 @@ RPM = math.tau / 60  # rad/s
 def of_model(model: str | None, crank: float) -> Motor | None:
     """What a model of the catalogue gives, or a hand; None of none.
 
-    crank: mm, from the shaft to the knob of the machine's own hand crank, which names a hand by itself; 0: it has none.
+    crank: mm, from the shaft to the knob of the machine's own hand crank: a hand drives, whatever the model, for which such a
+    machine has no seat; 0: it has none.
     """
+    if crank or model == HAND_CRANK:
+        knob = crank or _KNOB
+        said = f"a hand gives {_HAND:g} N at a knob {knob:g} mm from the shaft, up to {_HAND_RPM:g} rpm"
+        if model not in (None, HAND_CRANK):
+            said += f"; the machine has a hand crank and no seat for {model}"
+        return Motor(_HAND * knob / 1000, said=said, fastest=_HAND_RPM * RPM)
     if model in GEARED:
         row = GEARED[model]
         said = f"{model} at {row.volts:g} V, from {row.stall:.3g} N m at stall to {row.no_load_rpm:.3g} rpm without load"
@@ -132,8 +139,4 @@ def of_model(model: str | None, crank: float) -> Motor | None:
         servo = SERVOS[model]
         said = f"rated torque of {model}, up to {servo.fastest_rpm:g} rpm"
         return Motor(servo.rated, said=said, fastest=servo.fastest_rpm * RPM)
-    if not (crank or model == HAND_CRANK):
-        return None
-    knob = crank or _KNOB
-    said = f"a hand gives {_HAND:g} N at a knob {knob:g} mm from the shaft, up to {_HAND_RPM:g} rpm"
-    return Motor(_HAND * knob / 1000, said=said, fastest=_HAND_RPM * RPM)
+    return None

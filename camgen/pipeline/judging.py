@@ -555,6 +555,10 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
     if materials.of(mechanism.material.name).printed:
         minutes = sum(float(str(row[6])) for row in rows)
         figures.append(Figure("print time", minutes / 60, "h"))
+        stand = mechanism.assembly.support
+        if stand is not None:
+            of_stand = sum(float(str(row[6])) for row in rows if row[1] in stand.parts)
+            figures.append(Figure("print time stand", of_stand / 60, "h"))
     if sides:
         parts = printed_parts(mechanism.assembly)
         overhang = sum(part.count * sides[part.name].overhang for part in parts)

@@ -139,13 +139,19 @@ def _worst(findings: Sequence[Finding]) -> Finding | None:
     return max(known, key=lambda each: (not each.ok, share_used(each) or 0.0), default=None)
 
 
-def _print_time(report: Report) -> float:
-    """Hours that a printer takes for all parts; 0 where that is not known."""
-    return next((each.value for each in report.numbers.records if each.quantity == "print time"), 0)
+def _print_time(report: Report) -> str:
+    """How long a printer takes for all parts, and how much of it for a stand that takes most; "" where that is not known."""
+    hours = {each.quantity: each.value for each in report.numbers.records}
+    whole = hours.get("print time", 0.0)
+    stand = hours.get("print time stand", 0.0)
+    if whole <= _NOTHING:
+        return ""
+    of_stand = f"; the stand takes {stand:.2g} h of it, and can be cut from sheet instead"
+    return f" (about {whole:.2g} h{of_stand if stand > whole / 2 else ''})"
 
 
-def _steps(name: str, files: Mapping[str, str], hours: float) -> Iterator[FileStep]:
-    """What to do with the files of a machine; files: their paths by their names; hours: to print all."""
+def _steps(name: str, files: Mapping[str, str], time: str) -> Iterator[FileStep]:
+    """What to do with the files of a machine; files: their paths by their names; time: that it takes to print all, in words."""
     if "report.html" in files:
         moves = " move" if "motion.csv" in files else ""  # a coupon's does not
         yield FileStep("open", "report.html", f" in a browser to see it{moves}")
@@ -156,7 +162,6 @@ def _steps(name: str, files: Mapping[str, str], hours: float) -> Iterator[FileSt
         numbers = [each.removesuffix(".3mf").removeprefix(stem) for each in more]
         last = f" to {numbers[-1]}" if len(numbers) > 1 else ""
         others = f", and plate{numbers[0]}{last}" if numbers else ""
-        time = f" (about {hours:.2g} h)" if hours > _NOTHING else ""
         yield FileStep("print", files[first], others + time)
     sheets = [each for each in files if re.fullmatch(rf"{re.escape(name)}-sheet-\d+\.svg", each)]
     if sheets:

@@ -22,6 +22,7 @@ NAMES = {
     "canvas share {of}": "canvas within 10 %, {of} collector",
     "mass": "mass of what is made",
     "print time": "time to print all",
+    "print time stand": "time to print the stand alone",
     "index": "indexing",
     "drive torque": "torque needed, greatest",
     "drive torque mean": "torque needed, mean",

@@ -145,6 +145,8 @@ def test_a_hand_turns_a_crank() -> None:
     assert by_hand is not None and by_hand.torque(1.0) == pytest.approx(22 * 0.025)
     (each,) = found("DRIVE_TORQUE", "linkage", "motor.model=", "parts.hand_crank=40")
     assert each.limit == pytest.approx(22 * 0.040) and each.ok and "a hand" in each.message
+    (each,) = found("DRIVE_TORQUE", "linkage", "motor.model=42STH48-2004AC", "parts.hand_crank=40")
+    assert each.limit == pytest.approx(22 * 0.040) and "no seat for 42STH48" in each.message
     (fast,) = found("DRIVE_TORQUE", "linkage", "motor.model=hand crank", "drive.speed_rpm=121")
     assert not fast.ok and fast.limit == 0
 

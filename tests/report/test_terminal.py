@@ -14,6 +14,7 @@ from test_cli import run as run  # noqa: F401  a fixture
 
 from camgen.findings import Finding, NotJudged, Where, at_least, at_most
 from camgen.report.report import Report
+from camgen.report.summary import summary
 from camgen.report.terminal import number, print_report
 from camgen.report.words import sentence
 from camgen.study import Figure, Figures
@@ -233,3 +234,23 @@ def test_too_long_a_list_is_told_its_limit(run: object, root: Path, tmp_path: Pa
     )
     code, _, err = run("build", tmp_path / "a.toml")  # type: ignore[operator]
     assert code == 2 and "segment: a list of 101" in err and "at most 100" in err
+
+
+@pytest.mark.parametrize(
+    ("stand", "told"),
+    [
+        (None, " (about 4.9 h)"),
+        (1.0, " (about 4.9 h)"),
+        (3.2, " (about 4.9 h; the stand takes 3.2 h of it, and can be cut from sheet instead)"),
+    ],
+)
+def test_a_stand_that_takes_most_of_the_printing_is_told(
+    stand: float | None, told: str, tmp_path: Path
+) -> None:
+    (tmp_path / "m-plate.3mf").touch()
+    figures = [Figure("print time", 4.9, "h")]
+    if stand is not None:
+        figures.append(Figure("print time stand", stand, "h"))
+    report = Report("m", "linkage", [], Figures(figures), folder=tmp_path)
+    (step,) = [each for each in summary(report).steps if each.verb == "print"]
+    assert step.rest == told

@@ -307,7 +307,7 @@ def on_stand(stand: TableStand) -> Assembly:
         mounts=[*made.mounts, *mounts],
         stand_ins=[*made.stand_ins, table],
         bought=stand.bought(),
-        support=Support(down, tuple(steps)),
+        support=Support(down, tuple(steps), frozenset(part.name for part in parts)),
     )
 
 
