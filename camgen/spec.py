@@ -850,7 +850,8 @@ def _meant(path: Sequence[str | int], value: object, node: Data) -> str:
     number = found[1].replace(",", ".")
     written = found[2]
     if not written:
-        return f"a number without quotes: write {number}"
+        right = "with a decimal point" if "," in found[1] else "without quotes"
+        return f"a number {right}: write {number}"
     if _FIT.fullmatch(written):
         return f"a number without a fit: write {number}; drawing.bore_fit has the fit"
     several = {each: _UNITS.get(each, ("", {each: 1.0})) for each in unit.split(" or ")}

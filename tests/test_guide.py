@@ -84,6 +84,12 @@ def test_explain_shows_entries_and_names_the_nearest(run: Any) -> None:  # noqa:
     assert code == 2 and "'modified-sin'" in err and "did you mean 'modified-sine'?" in err
     code, out, err = run("explain", "UNDERCUTS")
     assert (code, out) == (2, "") and "did you mean 'UNDERCUT'?" in err
+    code, out, err = run("explain", "PRESURE")
+    assert (code, out) == (2, "") and "did you mean 'PRESSURE_ANGLE'?" in err
+    code, out, err = run("explain", "TRANSMISSION_ANGEL")
+    assert code == 2 and "did you mean 'TRANSMISSION_ANGLE'?" in err
+    code, out, err = run("build", "none.toml", "--only", "pdf")
+    assert code == 2 and "Drawings, in PDF too, come with dxf." in err
 
 
 ROOT = PACKAGE.parent

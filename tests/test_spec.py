@@ -300,7 +300,7 @@ def test_a_spec_that_is_not_there_is_looked_for_beside(tmp_path: Path) -> None:
         ("25 mm", "lengths are in mm: write 25"),
         ("2,5cm", "lengths are in mm: write 25"),
         ('1"', "lengths are in mm: write 25.4"),
-        ("12,5", "a number without quotes: write 12.5"),
+        ("12,5", "a number with a decimal point: write 12.5"),
         ("25 apples", "a number >= 0.001 and <= 1000000"),
         ("25 rpm", "a number without a unit; lengths are in mm"),
         ("25 H7", "a number without a fit: write 25; drawing.bore_fit has the fit"),

@@ -93,7 +93,12 @@ def kinds_of(
     kinds = frozenset(kind.strip() for kind in value.split(","))
     unknown = sorted(kinds - set(ANY_KIND))
     if unknown:
+        drawn = (
+            " Drawings, in PDF too, come with dxf."
+            if {"pdf", "drawing", "drawings"} & kinds
+            else ""
+        )
         raise click.BadParameter(
-            f"{', '.join(map(repr, unknown))}: a list of {', '.join(ANY_KIND)} was expected."
+            f"{', '.join(map(repr, unknown))}: a list of {', '.join(ANY_KIND)} was expected.{drawn}"
         )
     return kinds

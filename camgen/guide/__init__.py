@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -104,6 +105,9 @@ def explanation(code: str | None = None, spec: Source | None = None) -> Explanat
         from camgen.spec import unknown
 
         fault = unknown(("CODE",), name, known)
+        if "_" not in name:  # the first word of a code alone
+            begun = (each for each in known if get_close_matches(name, each.split("_")[:1], 1))
+            fault = replace(fault, nearest=next(begun, fault.nearest))
         if not fault.nearest:
             fault = unknown(("CODE",), code, laws())
         fault = replace(

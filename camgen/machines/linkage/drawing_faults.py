@@ -104,7 +104,11 @@ def _length_faults(drawing: Drawing) -> Iterable[Fault]:
         if a == b:
             yield Fault(path, "", "two different points")
         elif not any(pair.issubset(points) for points in drawing.links.values()):
-            yield Fault(path, "", f"two points of one link: no link carries both {a} and {b}")
+            yield Fault(
+                path,
+                "",
+                f"a length between two points of one link: {a} and {b} are on none together",
+            )
         elif pair in seen:
             yield Fault(path, "", f"given twice: also as {seen[pair]}")
         seen[pair] = key
