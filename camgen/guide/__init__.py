@@ -105,9 +105,9 @@ def explanation(code: str | None = None, spec: Source | None = None) -> Explanat
         from camgen.spec import unknown
 
         fault = unknown(("CODE",), name, known)
-        if "_" not in name:  # the first word of a code alone
-            begun = (each for each in known if get_close_matches(name, each.split("_")[:1], 1))
-            fault = replace(fault, nearest=next(begun, fault.nearest))
+        beginnings = {each[: len(name) + 1]: each for each in known}
+        for near in get_close_matches(name, beginnings, 1, 0.75):
+            fault = replace(fault, nearest=beginnings[near])
         if not fault.nearest:
             fault = unknown(("CODE",), code, laws())
         fault = replace(
