@@ -375,8 +375,11 @@ def targets(linkage: LinkageMotion) -> list[Finding]:
 def demands(linkage: LinkageMotion, allowed: LinkageLimits) -> tuple[Demand, ...]:
     """What is asked of each output: its targets, and the play that is accepted."""
     made = []
+    lifts = {each.lines.lift for each in linkage.wanted if each.lines is not None}
     for wanted, course in zip(linkage.wanted, linkage.courses, strict=True):
         lash, of = accepted(course, allowed.lash, allowed.lash_deg)
+        if wanted.name in lifts:  # the pen's spring takes its play to one side
+            lash = math.inf
         made.append(Demand(wanted.name, lash=lash, lash_of=of, targets=wanted.targets))
     return tuple(made)
 
