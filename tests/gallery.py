@@ -39,6 +39,12 @@ FRAMES = {
     "planetary-reducer": 8,
 }  # frame of the moving picture that shows most
 _MARGIN = 2.0  # mm, round a drawing
+_CLOSE = 0.05  # mm, and units of all other numbers of a picture
+_WITHIN = 0.2  # mm, that the ends of a cam's arcs leave of its box
+_PATHS = re.compile(r' (?:d|points)="([^"]*)"')
+_NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
+_CORNERS = re.compile(rf"({_NUMBER.pattern}),({_NUMBER.pattern})")  # of a polyline
+_ENDS = re.compile(rf"({_NUMBER.pattern}) ({_NUMBER.pattern})(?=[A-Za-z]|$)")  # of strokes
 
 
 def picture(name: str) -> str:
@@ -104,6 +110,29 @@ def drawn(report: Any) -> str:
     )
     thin = line("from DXF", 'stroke="#0b62a8" stroke-width="0.25"')
     return f"{head}{said}{wide}{thin}</svg>\n"
+
+
+def alike(picture: str, other: str) -> bool:
+    """Whether two pictures show the same: all but their paths is the same, and the paths have the same boxes.
+
+    The last digits of a motion that is searched for, and so the arcs of its cams, differ from processor to processor.
+    """
+    texts = [_PATHS.sub("", each) for each in (picture, other)]
+    words = [_NUMBER.sub("", text) for text in texts]
+    numbers = [np.array(_NUMBER.findall(text), float) for text in texts]
+    boxes = [np.array([_box(each) for each in _PATHS.findall(text)]) for text in (picture, other)]
+    return (
+        words[0] == words[1]
+        and boxes[0].shape == boxes[1].shape
+        and np.allclose(*numbers, rtol=0, atol=_CLOSE)
+        and np.allclose(*boxes, rtol=0, atol=_WITHIN)
+    )
+
+
+def _box(path: str) -> list[float]:
+    """Least and greatest x and y of where the strokes of a path end."""
+    ends = np.array(_CORNERS.findall(path) or _ENDS.findall(path), float)
+    return [*ends.min(axis=0), *ends.max(axis=0)]
 
 
 def path(name: str) -> Path:
