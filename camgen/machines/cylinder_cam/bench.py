@@ -466,11 +466,13 @@ class Bench:
             ("end-plate", "seat up", ["end-plate-1"]),
             ("bearing", "pressed into the seat", ["bearing-1"]),
             ("rod", "glued into the plate, flush below", copies["rod"]),
+            (held, "loose on the table", copies[held]),
             ("roller-pin", f"glued into the {held}, flush outside", copies["roller-pin"]),
             ("roller", "on its pin, its inner end a little over the pin's", copies["roller"]),
         ]
         if swings:
             said += [
+                ("bracket", "loose on the table", copies["bracket"]),
                 ("pivot", "glued into the bracket, flush outside", copies["pivot"]),
                 ("arm", "on its pin", copies["arm"]),
                 ("cap", "glued on the pin, the arm free", copies["cap"]),
@@ -489,8 +491,8 @@ class Bench:
         ]
         if self.cranked:
             said += [
-                ("knob", "glued into the crank", copies["knob"]),
                 ("crank", "glued on the shaft", copies["crank"]),
+                ("knob", "glued into the crank", copies["knob"]),
             ]
         titles = {part.name: part.title for part, _ in self.made}
         level = {part.name: mounts[0].z for part, mounts in self.made}
@@ -498,6 +500,7 @@ class Bench:
         steps = []
         for number, (name, where, which) in enumerate(said, 1):
             title = titles[name]
-            rows.append((number, name, title, where, len(which), level[name], "as drawn"))
+            count = len(set(which) & set(copies[name]))
+            rows.append((number, name, title, where, count, level[name], "as drawn"))
             steps.append(Step(f"{title}; {where}", which))
         return Table("Assembly of the machine, from the lower plate up", COLUMNS, rows, steps)
