@@ -51,6 +51,7 @@ _NOTES = (
 )
 
 
+_DRUM = "Of a drum all is first order: its worst copies are not rolled. The follower counts as in the middle between both walls."
 _FREE = "Air at each tip, mm, without jamming: tip_clearance of a pair, half of print.slide_clearance of a groove"
 _TIMED = (
     "Bodies follow laws of the shaft, as designed: print errors of their gears and guides count as play.",
@@ -130,7 +131,7 @@ def tolerance(
     for k, output in enumerate(spread.outputs):
         progress(f"rolling the worst copies of {output.name}", 0.5 + 0.5 * k / len(spread.outputs))
         plots += _plots(spread, copies, output)
-        if printing.worst:
+        if printing.worst and not mechanism.assembly.tracks:
             tables.append(
                 _worst(
                     spread,
@@ -146,6 +147,7 @@ def tolerance(
         for (name, cam), (loose, _, _) in copies.held.items()
     ]
     notes = (f"{printing.samples} copies, seed {printing.seed}.", *_waves(spread), *_NOTES)
+    notes += (_DRUM,) if mechanism.assembly.tracks else ()
     return Report(
         mechanism.name,
         mechanism.mechanism,

@@ -48,10 +48,13 @@ from camgen.machine.print_errors import (
     waviness,
 )
 from camgen.machine.run import Run, solve
+from camgen.machines.cylinder_cam.mechanism import CylinderCam
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
 from camgen.parts import materials
+from camgen.parts.catalogue import ball_roller
 from camgen.study import Figure, Figures, Study, Table
+from camgen.tolerance.drums import DrumErrors
 from camgen.tolerances import SAME_POINT
 
 if TYPE_CHECKING:
@@ -130,7 +133,8 @@ class Spread:
         outlines = [
             each for each in self.mechanism.assembly.features if isinstance(each, CamOutline)
         ]
-        return {each.joint: each.free / (2 if each.inside else 1) for each in outlines}
+        tracks = {each.joint: each.clearance / 2 for each in self.mechanism.assembly.tracks}
+        return tracks | {each.joint: each.free / (2 if each.inside else 1) for each in outlines}
 
     @cached_property
     def bends(self) -> Mapping[str, Bend]:
@@ -196,6 +200,11 @@ def spread_of(mechanism: Mechanism) -> Spread:
         *mechanism.assembly.cycle.range, max(_ANGLES, _PER_WAVE * sizes.orders[1] + 1)
     )
     holes = _holes(mechanism, outputs)
+    if isinstance(mechanism, CylinderCam):
+        rolled = mechanism.geometry.roller
+        exact = ball_roller(2 * rolled.radius, rolled.length) is not None
+        drum, sensitivity = DrumErrors(mechanism.track, theta, sizes, exact).sensitivity()
+        return Spread(mechanism, theta, sizes, holes, drum, outputs, {outputs[0].name: sensitivity})
     if not machine.joints:
         return Spread(mechanism, theta, sizes, holes, (), outputs, {})
     run = solve(machine, theta, 0)
