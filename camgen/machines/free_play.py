@@ -21,9 +21,7 @@ from camgen.machine.targets import Course, breadth, rectangle, stroke
 from camgen.numerics import Floats
 
 _STILL = 1e-9  # mm or rad, of an output that does not move
-# The play that is accepted unless the spec says otherwise: of a stroke or the length of a line, and of a path's smaller side.
-_OF_STROKE = 0.1
-_OF_SHAPE = 0.25
+_LASH = 0.25  # of an output's stroke, or of a path's smaller side: the play that is accepted unless the spec says otherwise
 _LINE = 0.05  # of a path's length, below which its ways there and back are one
 ANGLES = 721  # at which it is looked at: the play turns so slowly that half a degree loses less than a file's facets add
 
@@ -70,18 +68,16 @@ def accepted(course: Course, lash: float | None, lash_deg: float | None) -> tupl
     if given is not None:
         return scale * given, key
     size = stroke(course)
-    share = _OF_STROKE
-    of = "a tenth of the stroke"
+    of = "stroke"
     if np.iscomplexobj(course.value):
         size, width = rectangle(course.value)
-        of = "a tenth of the path's length"
+        of = "path's length"
         if breadth(course.value) >= _LINE * size:
             size = width
-            share = _OF_SHAPE
-            of = "a quarter of the path's smaller side"
+            of = "path's smaller side"
     if size <= _STILL:
         return math.inf, f"not known, it stands still: give {key}"
-    return scale * share * size, f"{of} ({key} sets another)"
+    return scale * _LASH * size, f"a quarter of the {of} ({key} sets another)"
 
 
 def limit_of(lash: float, value: Any, key: str = "limits.lash") -> tuple[float, str]:
