@@ -61,6 +61,15 @@ def standing(package: Package, machine: SweptMachine) -> Iterator[tuple[str, Ite
             yield f"{item.name}-{number[item.name]}", item, stands[item.name][number[item.name] - 1]
 
 
+def complete(path: Path, package: Package, machine: SweptMachine) -> Finding:
+    """ROUND_TRIP: how many copies of the machine an assembly's file lacks or has too many."""
+    mounts = Counter(mount.part for mount in machine.mounts)
+    there = Counter(item.name for item in package.items)
+    missing = sum(((mounts - there) + (there - mounts)).values())
+    remark = f"{counted(sum(mounts.values()), 'copy', 'copies')} of {counted(len(mounts), 'part')} in place"
+    return at_most("ROUND_TRIP", missing, 0, "copies", in_file(path), remark)
+
+
 def sweep(path: Path, machine: SweptMachine) -> tuple[list[Finding], list[Row]]:
     """Read an assembly file, set it in motion: INTERFERENCE findings, and rows (COLUMNS) of moving pairs that come nearest.
 
@@ -68,12 +77,8 @@ def sweep(path: Path, machine: SweptMachine) -> tuple[list[Finding], list[Row]]:
     """
     package = read_3mf(path)
     where = in_file(path)
-    mounts = Counter(mount.part for mount in machine.mounts)
-    copies_by_part = Counter(item.name for item in package.items)
-    missing = sum(((mounts - copies_by_part) + (copies_by_part - mounts)).values())
-    remark = f"{counted(sum(mounts.values()), 'copy', 'copies')} of {counted(len(mounts), 'part')} in place"
-    finding = at_most("ROUND_TRIP", missing, 0, "copies", where, remark)
-    if missing:
+    finding = complete(path, package, machine)
+    if not finding.ok:
         return [finding], []
     bodies = []
     spare = 4 * machine.tolerance

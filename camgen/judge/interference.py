@@ -63,7 +63,7 @@ class Clearance:
     """What a pair of bodies comes to: smallest gap seen (mm, at theta), the gap proven for all turns that are swept, evaluations.
 
     allowed: overlap that the pair may have because it touches by intent, mm; None where it must stay apart. at_rest: neither
-    moves as the other sees it.
+    moves as the other sees it. standing: looked at as they stand at theta = 0 alone.
     """
 
     a: str
@@ -74,6 +74,7 @@ class Clearance:
     allowed: float | None
     evaluations: int
     at_rest: bool = False
+    standing: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -606,9 +607,8 @@ def interference(
         )
     for c in _worst(touching):
         words = f"overlap seen {max(0.0, -c.gap):z.4f} mm"
-        remark = (
-            f"deepest of {counted(len(touching), 'pair')} that touch by design; {words}; {proven}"
-        )
+        pairs = f"deepest of {counted(len(touching), 'pair')} that touch by design"
+        remark = f"{pairs}; {words}; {'as they stand at theta = 0' if c.standing else proven}"
         where = _place(c, "overlap", angle)
         findings.append(
             at_most("INTERFERENCE", max(0.0, -c.proven), c.allowed or 0.0, "mm", where, remark)

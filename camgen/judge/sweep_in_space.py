@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -24,12 +23,11 @@ from typing import Any
 
 import numpy as np
 
-from camgen.errors import counted
 from camgen.files.threemf import read_3mf
-from camgen.findings import Finding, at_least, at_most, in_file
+from camgen.findings import Finding, at_least, in_file
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.rings import Floats
-from camgen.judge.assembly import Row, standing
+from camgen.judge.assembly import Row, complete, standing
 from camgen.judge.interference import GRID, Clearance, interference
 from camgen.judge.slabs import plan_of
 from camgen.machine.features import SweptMachine
@@ -147,13 +145,8 @@ def sweep_in_space(path: Path, machine: SweptMachine) -> tuple[list[Finding], li
     The file shows theta = 0. A file that does not hold just the copies of the machine is a ROUND_TRIP that fails.
     """
     package = read_3mf(path)
-    where = in_file(path)
-    mounts = Counter(mount.part for mount in machine.mounts)
-    there = Counter(item.name for item in package.items)
-    missing = sum(((mounts - there) + (there - mounts)).values())
-    remark = f"{counted(sum(mounts.values()), 'copy', 'copies')} of {counted(len(mounts), 'part')} in place"
-    finding = at_most("ROUND_TRIP", missing, 0, "copies", where, remark)
-    if missing:
+    finding = complete(path, package, machine)
+    if not finding.ok:
         return [finding], []
     theta = np.linspace(0, math.tau * machine.turns, GRID + 1)
     courses = {
@@ -178,7 +171,8 @@ def sweep_in_space(path: Path, machine: SweptMachine) -> tuple[list[Finding], li
     findings = interference(clearances, machine.gap - _ROUNDING, machine.angle, machine.turns)
     if not all(math.isfinite(float(np.sum(each))) for each in courses.values()):
         words = "cannot be judged: the machine does not close all the way"
-        return [finding, at_least("INTERFERENCE", math.nan, machine.gap, "mm", where, words)], []
+        unknown = at_least("INTERFERENCE", math.nan, machine.gap, "mm", in_file(path), words)
+        return [finding, unknown], []
     return [finding, *findings], rows
 
 
@@ -206,16 +200,17 @@ def _from_start(machine: SweptMachine, theta: Floats, name: str) -> Floats:
 
 
 def _clearances(bodies: list[_Body], machine: SweptMachine, theta: Floats) -> Iterator[Clearance]:
-    """Of all pairs, but for a roller in its track."""
+    """Of all pairs; those that touch by intent as they stand."""
     touching = {frozenset(pair) for pair in machine.touching}
     spare = _PRESSED + 4 * machine.tolerance
     for a, b in itertools.combinations(bodies, 2):
         meant = frozenset((a.part, b.part)) in touching
-        if {a.part, b.part} == {"roller", "drum"}:
-            continue
-        if a.on == b.on or meant:
-            depth = _overlap(a, b)
-            yield Clearance(a.name, b.name, -depth, -depth, 0.0, spare, 1, at_rest=a.on == b.on)
+        fixed = a.on == b.on
+        if fixed or meant:
+            overlap = -_overlap(a, b)
+            yield Clearance(
+                a.name, b.name, overlap, overlap, 0.0, spare, 1, at_rest=fixed, standing=not fixed
+            )
             continue
         apart = _apart(a, b)
         if apart >= machine.gap - _ROUNDING:
@@ -280,5 +275,6 @@ def _searched(a: _Body, b: _Body, needed: float, theta: Floats) -> Clearance:
             if start < end
         ]
     if stretches and proven >= needed:
-        proven = math.nan
-    return Clearance(a.name, b.name, seen, min(seen, proven, needed), at, None, count)
+        proven = math.nan  # too many distances: nothing is proven
+    least = float(np.min([seen, proven, needed]))
+    return Clearance(a.name, b.name, seen, least, at, None, count)

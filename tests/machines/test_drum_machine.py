@@ -18,6 +18,7 @@ from camgen.errors import DesignError, SpecError
 from camgen.files.threemf import PartCopy, read_3mf, write_3mf
 from camgen.findings import Finding
 from camgen.geometry.mesh import Mesh
+from camgen.judge import sweep_in_space as sweep_in_space_module
 from camgen.judge.sweep_in_space import sweep_in_space
 from camgen.machines.cylinder_cam.mechanism import CylinderCam
 from camgen.parts.assembly import bodies_in_motion, order_of_assembly
@@ -79,6 +80,19 @@ def test_no_two_bodies_meet_and_a_thicker_one_is_seen(kind: str, tmp_path: Path)
         "arm" if arm else "carriage", lambda mesh: Mesh(mesh.vertices * [1, 4, 1], mesh.faces)
     )
     assert "plate" in lower
+
+
+def test_a_pair_of_which_too_little_is_seen_is_not_proven(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sweep_in_space_module, "_MOST", 1)
+    failing = [
+        each
+        for each in swept(machine(**FOLLOWERS["arm"]), tmp_path / "a.3mf", lambda _, mesh: mesh)
+        if not each.ok
+    ]
+    assert failing and all(each.code == "INTERFERENCE" for each in failing)
+    assert all(math.isnan(each.measured) for each in failing)
 
 
 @pytest.mark.parametrize("seed", range(3))
