@@ -9,8 +9,8 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from html import escape, unescape
 from pathlib import Path
-from xml.sax.saxutils import escape, unescape
 
 import numpy as np
 
@@ -81,7 +81,7 @@ def write_sheet(
                 if name == layer
             ]
             lines += (
-                [f"<g><title>{escape(piece.name)}</title>\n", *elements, "</g>\n"]
+                [f"<g><title>{escape(piece.name, quote=False)}</title>\n", *elements, "</g>\n"]
                 if elements
                 else []
             )

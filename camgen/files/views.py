@@ -21,6 +21,7 @@ from camgen.files.dimensions import hole_of, turns
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Floats, Region, extent, polygon, rectangle
+from camgen.numerics import distinct
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
 
@@ -251,9 +252,7 @@ def _seen_edges(
     import shapely
 
     points = [shapely.get_coordinates(level) for level in levels]
-    places = np.unique(
-        np.concatenate([each[each[:, 1] <= y + SAME_POINT, 0] for each in points] or [np.zeros(0)])
-    )
+    places = distinct(np.zeros(0), *(each[each[:, 1] <= y + SAME_POINT, 0] for each in points))
     if len(places) < 2:
         return []
     strips = (places[1:] + places[:-1]) / 2

@@ -29,9 +29,7 @@ from camgen.files.shelves import located
 from camgen.findings import NotJudged, at_most, in_file
 from camgen.geometry.outlines import Floats
 from camgen.pipeline.case import Case
-from camgen.pipeline.laser import sheet_files
 from camgen.pipeline.making import lying_sides, write_parts_list, written
-from camgen.pipeline.multibody import make_mjcf, mjcf_files
 from camgen.pipeline.scope import Outcome, machined
 from camgen.pipeline.servo import make_servo_tables, servo_files
 from camgen.pipeline.summary import (
@@ -111,6 +109,8 @@ def _files(case: Case, kind: str) -> list[Path]:
     if kind == "servo":
         return servo_files(case)
     if kind == "mjcf":
+        from camgen.pipeline.multibody import mjcf_files
+
         return mjcf_files(case.folder)
     if kind in RENDERED:
         return [rendered_file(case, case.folder, kind)]
@@ -121,6 +121,8 @@ def _files(case: Case, kind: str) -> list[Path]:
 
 def judged_files(case: Case, names: Collection[str]) -> set[str]:
     """Those of the files, as the manifest names them, that are judged by what they hold."""
+    from camgen.pipeline.laser import sheet_files
+
     paths = [path for kind in FORMATS for path in _files(case, kind)]
     parts = {case.place(path) for path in (*paths, *sheet_files(case))}
     return parts | {SPEC} | {name for name in names if name.endswith((".3mf", ".step"))}
@@ -221,6 +223,8 @@ class Rebuild:
         if "servo" in kinds:
             make_servo_tables(copy)
         if "mjcf" in kinds:
+            from camgen.pipeline.multibody import make_mjcf
+
             make_mjcf(case, folder)
         if "dxf" in kinds and machined(case.mechanism):
             from camgen.pipeline.machining import make_tables

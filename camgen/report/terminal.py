@@ -117,8 +117,11 @@ def _print_figures(figures: Sequence[Headline]) -> None:
         code = f" ({each.finding.code})" if each.finding else ""
         value = number(each.value, NOISE * (each.finding is None or each.finding.ok))
         rows.append((f"  {each.name}", value, each.unit, f"{beside}{code}"))
-    if rows:
-        _print_table(("", "", "", ""), rows, numbers=(1,), width=_PIPE)
+    if not rows:
+        return
+    names, values, units, _ = (max(map(len, column)) for column in zip(*rows, strict=True))
+    for name, value, unit, beside in rows:
+        _say(f"{name:<{names}}  {value:>{values}}  {unit:<{units}}  {beside}".rstrip())
 
 
 def _print_findings(report: Report) -> None:
@@ -163,7 +166,7 @@ def _print_table(
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(box=SIMPLE_HEAD if any(heads) else None, show_header=any(heads), pad_edge=False)
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
     for k, head in enumerate(heads):
         side: Literal["left", "right"] = "right" if k in numbers else "left"
         table.add_column(head, justify=side, no_wrap=head != "where")
