@@ -106,23 +106,39 @@ def left_out(not_judged: Sequence[NotJudged]) -> str:
     )
 
 
+_ALIKE = 0.1  # limits of one check, as a share
+
+
+def _excess(finding: Finding) -> float:
+    """How far a finding is beyond its limit."""
+    beyond = finding.measured - finding.limit
+    return -beyond if finding.floor else beyond
+
+
 def worst_of_each(findings: Sequence[Finding]) -> list[tuple[Finding, str]]:
     """Of findings of one check the worst, with how many there are and where they were made, such as several files or parts.
 
-    One check: of one code, unit and limit, on one output of one machine. Two at the very same place are two checks.
+    One check: of one code and unit, on one output of one machine, with limits that are alike, such as those of a motion
+    error in several files. Two at the very same place are two checks.
     """
     groups: dict[tuple[object, ...], list[Finding]] = {}
+    limits: dict[tuple[object, ...], list[float]] = {}
     count = Counter[tuple[object, ...]]()
     for finding in findings:
         where = finding.where
-        limit = (finding.sign, finding.limit, finding.unit)
-        check = (finding.code, *limit, where.module, where.output)
+        kind = (finding.code, finding.sign, finding.unit, where.module, where.output)
+        known = limits.setdefault(kind, [])
+        alike = (each for each in known if math.isclose(each, finding.limit, rel_tol=_ALIKE))
+        limit = next(alike, finding.limit)
+        if limit not in known:
+            known.append(limit)
+        check = (*kind, limit)
         place = (*check, replace(where, theta=None))
         groups.setdefault((*check, count[place]), []).append(finding)
         count[place] += 1
     rows = []
     for group in groups.values():
-        worst = max(group, key=lambda each: -each.measured if each.floor else each.measured)
+        worst = max(group, key=_excess)
         places = "; ".join(filter(None, dict.fromkeys(str(each.where) for each in group)))
         rows.append((worst, f"worst of {len(group)}: {places}" if len(group) > 1 else places))
     return rows

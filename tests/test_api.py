@@ -600,3 +600,19 @@ def test_faults_of_a_call_are_not_those_of_the_command_line() -> None:
     assert "command line" not in str(caught.value)
     with pytest.raises(camgen.SpecError, match="^camgen.sweep: 1 fault"):
         camgen.sweep(DISC, {"geometry.base_radius": "20:40"})
+
+
+@pytest.mark.parametrize(
+    ("vary", "how", "said"),
+    [
+        ({"geometry.base_radius": "20:40"}, "grid", 'vary geometry.base_radius: .* "A:B:N", N'),
+        ({"geometry.base_radius": 5}, "grid", r"vary geometry.base_radius: 5 .* \[a, b, c\]"),
+        ({"geometry.base_radius": "1:9:10000", "parts.bore": "1:9:10000"}, "grid", "or how=N"),
+        ({"geometry.base_radius": [20, 30], "parts.bore": [5]}, "zip", 'how="zip": values'),
+        ({"segment.9.lift": [1, 2]}, "grid", "vary segment.9.lift - segment has"),
+    ],
+)
+def test_faults_of_a_sweep_are_told_in_arguments(vary: object, how: str, said: str) -> None:
+    with pytest.raises(camgen.SpecError, match=said) as caught:
+        camgen.sweep(DISC, vary, how)  # type: ignore[arg-type]
+    assert "--" not in str(caught.value) and "KEY=" not in str(caught.value)

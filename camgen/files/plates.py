@@ -204,10 +204,11 @@ def bed_fit(
     beyond = max(
         min(f.width, f.height) - min(bed), max(f.width, f.height) - max(bed), tall - height, 0.0
     )
-    room = f"{bed[0]:g} x {bed[1]:g} mm" + (
-        f", {height:g} mm high" if math.isfinite(height) else ""
-    )
-    remark = f"{count} on {f.width:.1f} x {f.height:.1f} mm of the bed, {tall:.1f} mm high; the bed is {room}"
+    copies = "" if count == 1 else f", each of {count} copies,"
+    size = f"{f.width:.1f} x {f.height:.1f} mm, {tall:.1f} mm high"
+    tallest = f", print.bed_height {height:g} mm" if math.isfinite(height) else ""
+    keys = "print.bed has" if math.isfinite(height) else "the bed has"
+    remark = f"the part{copies} takes {size}; {keys} room for {bed[0]:g} x {bed[1]:g} mm{tallest}"
     return f, at_most("BED_FIT", beyond, 0.0, "mm", Where(part=name), remark)
 
 

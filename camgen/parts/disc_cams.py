@@ -14,7 +14,7 @@ from camgen.errors import DesignError, Fault
 from camgen.geometry.distances import point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Points, Region, circle
-from camgen.parts.keyways import keyway
+from camgen.parts.keyways import RANGE, keyway
 from camgen.parts.part import Layer, Part, d_bore, keyed_bore
 from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Length, Record, quantity
@@ -76,8 +76,10 @@ class ShaftBore(Record):
         if self.bore_shape == "d-flat" and self.flat_depth >= self.bore:
             faults.append(Fault(("parts", "flat_depth"), f"{self.flat_depth:g}", limit))
         if self.bore_shape == "keyway" and not {"key_width", "key_depth"} <= self.model_fields_set:
-            known = "key_width and key_depth: DIN 6885 has no keyway here for such a bore"
-            faults.append(Fault(("parts", "bore"), f"{self.bore:g}", known))
+            other = (
+                "for another one set parts.key_width and parts.key_depth, the depth t2 in the hub"
+            )
+            faults.append(Fault(("parts", "bore"), f"{self.bore:g} mm", f"{RANGE}; {other}"))
         elif self.bore_shape == "keyway" and self.key_width >= self.bore:
             faults.append(Fault(("parts", "key_width"), f"{self.key_width:g}", limit))
         return faults
@@ -210,15 +212,14 @@ def pins_beside(sizes: CamParts, min_wall: float) -> float:
 def refuse_wide(name: str, room: float, reach: float, hub: float = 0.0) -> None:
     """DesignError where the bore, by its reach, or the hub, by its diameter, leaves a cam; room: to the cam's side, mm."""
     widest = max(reach, hub / 2)
-    if widest >= room:
-        raise DesignError(
-            "parts.hub_diameter" if widest > reach else "parts.bore",
-            2 * widest,
-            2 * room,
-            "mm",
-            f"the nearest side of {name}",
-            "it leaves the cam: use a smaller one, or a larger base_radius",
-        )
+    if widest < room:
+        return
+    key = "parts.hub_diameter" if widest > reach else "parts.bore"
+    side = f"the nearest side of {name}"
+    remedy = f"set a smaller {key}, or make base_radius more than {widest - room:.2g} mm larger"
+    error = DesignError(key, 2 * widest, 2 * room, "mm", side, remedy)
+    reaches = f"{key} reaches {widest:.4g} mm from the axis"
+    raise error.saying(f"{reaches}; the edge of {name} is only {room:.4g} mm from it")
 
 
 def disc_parts(

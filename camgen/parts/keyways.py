@@ -14,6 +14,7 @@ _KEYWAYS = (
     (44.0, 12.0, 3.3, 0.2),
 )
 _LEAST_KEYED = 6.0  # mm
+RANGE = f"a bore of {_LEAST_KEYED:g} to {_KEYWAYS[-1][0]:g} mm, for which camgen has the keyway of DIN 6885"
 
 
 def keyway(bore: float) -> tuple[float, float, float] | None:

@@ -493,9 +493,8 @@ def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
     if not plates and not any(fit.ok for fit in fits):
         return Outcome(fits)
     short = (Counter({part.name: part.count for part in parts}) - copies).total()
-    remark = (
-        f"{copies.total()} {'copy' if copies.total() == 1 else 'copies'} laid out, {short} missing"
-    )
+    are = "is" if copies.total() == 1 else "are"
+    remark = f"{counted(copies.total(), 'copy', 'copies')} {are} on the plates, {short} missing"
     where = Where(counted(len(plates), "plate"))
     missing = at_most("BED_FIT", short, 0, "copies", where, remark)
     on_plates = [
@@ -508,11 +507,19 @@ def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
 
 def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
     """BED_FIT of single parts, as designed."""
+    return Outcome(room_on_bed(case.mechanism))
+
+
+def room_on_bed(mechanism: Mechanism) -> list[Finding]:
+    """BED_FIT of each printed part, as designed; none where nothing is printed."""
     from camgen.files.plates import bed_fit, within
 
+    if not materials.of(mechanism.material.name).printed:
+        return []
+    bed = mechanism.print
+    room = within(bed.bed, bed.bed_margin)
     findings = []
-    bed = case.mechanism.print
-    for part in printed_parts(case.mechanism.assembly):
+    for part in printed_parts(mechanism.assembly):
         rims = [
             (facet_contour(layer.region.outer, _DRAWN), z)
             for layer in part.layers
@@ -521,12 +528,8 @@ def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
         corners = np.concatenate(
             [np.column_stack([rim.real, rim.imag, np.full(len(rim), z)]) for rim, z in rims]
         )
-        findings.append(
-            bed_fit(
-                part.name, part.count, corners, within(bed.bed, bed.bed_margin), bed.bed_height
-            )[1]
-        )
-    return Outcome(findings)
+        findings.append(bed_fit(part.name, part.count, corners, room, bed.bed_height)[1])
+    return findings
 
 
 def judge_animation(case: Case, kinds: Sequence[str]) -> Outcome:

@@ -25,7 +25,7 @@ from camgen.report.animation import frames, player
 from camgen.report.colours import part_colour
 from camgen.report.plots import plot_figure
 from camgen.report.report import Report, write_text
-from camgen.report.summary import Summary, summary
+from camgen.report.summary import Headline, Summary, summary
 from camgen.report.tables import (
     NOISE_OF,
     figure_lists,
@@ -176,12 +176,14 @@ def _folded(table: Table) -> str:
 
 def _key_figures(first: Summary) -> str:
     """Five figures that tell the most."""
-    items = [
-        f"<div><dt>{escape(each.name)}</dt><dd>{value_text(each.value, each.unit, 3)}{unit_text(each.unit)} "
-        f"<small>{escape(each.beside(lambda value: rounded(value, 3)))}</small></dd></div>"
-        for each in first.figures
-    ]
-    return f'<dl class="key">{"".join(items)}</dl>' if items else ""
+    items = "".join(map(_key_figure, first.figures))
+    return f'<dl class="key">{items}</dl>' if items else ""
+
+
+def _key_figure(each: Headline) -> str:
+    value = each.said(lambda value: value_text(value, each.unit, 3))
+    beside = escape(each.beside(lambda value: rounded(value, 3)))
+    return f"<div><dt>{escape(each.name)}</dt><dd>{value}{unit_text(each.unit)} <small>{beside}</small></dd></div>"
 
 
 # ---- curves, figures -------------------------------------------------------------------------------------------------

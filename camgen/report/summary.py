@@ -38,6 +38,7 @@ _OTHERS = (
     ("Mass", "", "mass"),
     ("Time to print", "", "print time"),
 )
+_ERRORS = ("MOTION_ERROR", "PATH_ERROR")
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,15 @@ class Headline:
     unit: str
     finding: Finding | None = None  # that judges it
     along: float | None = None  # direction of a stroke, deg from the x axis
+
+    def said(self, shown: Callable[[float], str]) -> str:
+        """Its value in words; an error that is only rounding is measured, and no bare 0; shown: a number as text."""
+        error = self.finding is not None and self.finding.code in _ERRORS
+        return (
+            f"below {shown(words.NOISE)}"
+            if error and self.value < words.NOISE
+            else shown(self.value)
+        )
 
     def beside(self, shown: Callable[[float], str]) -> str:
         """Its limit or its direction in words; shown: a number as text."""

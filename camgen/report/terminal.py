@@ -115,8 +115,7 @@ def _print_figures(figures: Sequence[Headline]) -> None:
     for each in figures:
         beside = each.beside(number)
         code = f" ({each.finding.code})" if each.finding else ""
-        value = number(each.value, NOISE * (each.finding is None or each.finding.ok))
-        rows.append((f"  {each.name}", value, each.unit, f"{beside}{code}"))
+        rows.append((f"  {each.name}", each.said(number), each.unit, f"{beside}{code}"))
     if not rows:
         return
     names, values, units, _ = (max(map(len, column)) for column in zip(*rows, strict=True))

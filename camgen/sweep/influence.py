@@ -29,6 +29,7 @@ _LONGEST = 12  # numbers of a list that are changed; longer lists are tables of 
 _SECANTS = 8
 _WIDEST = 4.0  # how far a value is looked for, as a share of the one that is
 _DIGITS = 3  # of a value at which the limit is reached
+_BED = "BED_FIT"  # without files each part's size
 _FORM = frozenset(
     {"files", "drawing", "name", "mechanism"}
 )  # tables that say how files are written
@@ -72,7 +73,7 @@ def influence(spec: Source, code: str) -> Influence:
     judge = _judge(mechanism, code)
     findings = judge(mechanism)
     known = [k for k, each in enumerate(findings) if math.isfinite(_margin(each))]
-    if not known:
+    if not known or (code == _BED and all(each.ok for each in findings)):
         return Influence(findings, None, (), ())
     number = min(known, key=lambda k: _margin(findings[k]) / (abs(findings[k].limit) or 1.0))
     template = Template(tables, "spec", Path())
@@ -122,6 +123,10 @@ def _judge(mechanism: Mechanism, code: str) -> Callable[[Mechanism], Sequence[Fi
     def forecast(each: Mechanism) -> Sequence[Finding]:
         return [finding for finding in each.forecast() if finding.code == code]
 
+    if code == _BED:
+        from camgen.pipeline.judging import room_on_bed
+
+        return room_on_bed
     return limits if limits(mechanism) else forecast
 
 
@@ -336,6 +341,8 @@ def influence_text(spec: Source, code: str) -> str:
         state = "Holds" if each.ok else "Fails"
         place = f" ({each.where})" if str(each.where) else ""
         numbers = f"{_number(each.measured, each)}, {sign} {_number(each.limit, each)}"
+        if each.ok and code == _BED:  # how far it is beyond the bed is 0
+            numbers = each.message
         lines.append(f"- {state}{place}: {numbers}")
         if not each.ok and each.message:
             lines.append(f"  {each.message}")
@@ -346,7 +353,7 @@ def influence_text(spec: Source, code: str) -> str:
         several = "; of the one nearest to its limit" if len(found.findings) > 1 else ""
         lines.append(f"- Keys that change it, each alone, the strongest first{several}:")
         lines += [f"  - {_effect_text(each, found.nearest)}" for each in found.effects]
-    elif found.findings:
+    elif found.nearest is not None:
         lines.append("- A change of 2 % of any number of the spec leaves it as it is.")
     return "\n".join(lines) + "\n"
 

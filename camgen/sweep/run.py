@@ -24,7 +24,16 @@ from typing import Any
 import numpy as np
 
 from camgen._version import __version__
-from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, counted
+from camgen.errors import (
+    COMMAND_LINE,
+    CamgenError,
+    DesignError,
+    Fault,
+    FileError,
+    SpecError,
+    counted,
+    dotted,
+)
 from camgen.extras import install_line
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import Source, Template, changed, prepare, read_tables
@@ -206,7 +215,7 @@ class Cluster:
                 "local, or tcp://HOST:PORT of a Dask scheduler",
                 source="--workers",
             )
-            raise SpecError([fault], "command line")
+            raise SpecError([fault], COMMAND_LINE)
 
     def __call__(self, task: Task, chunks: Iterator[Chunk]) -> Iterator[list[Row]]:
         """Rows as they are ready; FileError where there is no scheduler, or it is lost."""
@@ -333,10 +342,11 @@ def judged(
     began = time.perf_counter()
     first, each = _pace(task)
     if count > MOST:
+        words = task.variants.words
         cores = "one core" if jobs < 2 else f"{jobs} cores"
         took = f"at {1e3 * each:.2g} ms each they would take {_span(count * each / max(jobs, 1))} on {cores}"
-        most = f"at most {MOST:,}, for {took}; fewer values, or --latin N"
-        raise SpecError([Fault((), f"{count:,} variants", most, source="--vary")], "command line")
+        most = f"at most {MOST:,}, for {took}; fewer values, or {words.fewer}"
+        raise SpecError([words.refused("", f"{count:,} variants", most)], COMMAND_LINE)
     journal = Journal(path, task.digest, count)
     try:
         before = journal.done
@@ -407,7 +417,13 @@ def _refuse_unknown(task: Task, first: Row) -> None:
         try:
             changed(*first_variant)
         except SpecError as error:
-            faults = [f for f in error.faults if f.unknown or f.source == "--set"]
+            varied = {each.key for each in task.variants.axes}
+            source = task.variants.words.key.format(key="").strip()
+            faults = [
+                replace(f, source=source) if f.source == "--set" and dotted(f.path) in varied else f
+                for f in error.faults
+                if f.unknown or f.source == "--set"
+            ]
             if faults:
                 raise SpecError(faults, task.source) from None
     elif first["verdict"] != REFUSED:
@@ -418,7 +434,7 @@ def _refuse_unknown(task: Task, first: Row) -> None:
             if name not in figures
         ]
         if faults:
-            raise SpecError(faults, "command line")
+            raise SpecError(faults, COMMAND_LINE)
 
 
 def _wish_columns(data: Mapping[str, Any], columns: Sequence[str]) -> list[str]:

@@ -8,20 +8,41 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 
-from camgen.errors import Fault, SpecError, dotted
+from camgen.errors import COMMAND_LINE, Fault, SpecError, dotted
 from camgen.settings import setting_of, split_setting
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _RANGE = re.compile(rf"\s*({_NUMBER}):({_NUMBER})(?::(\d{{1,16}}))?\s*")
 _LIKE_RANGE = re.compile(r"""[^,:"'\[{]*(:[^,:"'\[{]*){1,2}""")
 _LARGE = 1e15  # beyond it a number is typed with an exponent
-_FORM = "KEY=A:B:N, N values from A to B, or KEY=a,b,c"
+
+
+@dataclass(frozen=True)
+class Wording:
+    """How a sweep is typed, for messages: as options of the command line, or as arguments of `camgen.sweep`."""
+
+    key: str  # what names a key, {key}
+    form: str  # values of a key
+    side_by_side: str
+    fewer: str  # what asks for so many variants
+
+    def refused(self, key: str, value: str, expected: str) -> Fault:
+        """A key's values that are wrong."""
+        return Fault((), value, expected, source=self.key.format(key=key).strip())
+
+
+OPTIONS = Wording(
+    "--vary {key}", "KEY=A:B:N, N values from A to B, or KEY=a,b,c", "--zip", "--latin N"
+)
+ARGUMENTS = Wording(
+    "vary {key}", '"A:B:N", N values from A to B, or a list [a, b, c]', 'how="zip"', "how=N"
+)
 
 
 @dataclass(frozen=True)
@@ -57,75 +78,52 @@ def _text(low: float, high: float, u: float) -> str:
     return repr(int(value)) if value.is_integer() and abs(value) < _LARGE else repr(value)
 
 
-def axis(text: str) -> Axis:
+def axis(text: str, words: Wording = OPTIONS) -> Axis:
     """Read `KEY=A:B:N`, `KEY=A:B` or `KEY=a,b,c`; SpecError where it is none of them, empty or the wrong way round."""
     keys, values = split_setting(text)
     key = dotted(keys)
     values = values.strip()
+
+    def refused(expected: str) -> SpecError:
+        return SpecError([words.refused(key, repr(values), expected)], COMMAND_LINE)
+
     if not (all(keys) and values):
-        raise SpecError([Fault((), repr(text), _FORM, source="--vary")], "command line")
+        raise SpecError([words.refused("", repr(text), words.form)], COMMAND_LINE)
     match = _RANGE.fullmatch(values)
     if not match:
         options = _split(values)
         if _LIKE_RANGE.fullmatch(values):
-            right = f"A and B finite numbers, N a whole one; {_FORM}"
-            raise SpecError(
-                [Fault((), repr(values), right, source=f"--vary {key}")], "command line"
-            )
+            raise refused(f"A and B finite numbers, N a whole one; {words.form}")
         if not all(options):
-            raise SpecError(
-                [
-                    Fault(
-                        (),
-                        repr(values),
-                        f"a value between every two commas; {_FORM}",
-                        source=f"--vary {key}",
-                    )
-                ],
-                "command line",
-            )
+            raise refused(f"a value between every two commas; {words.form}")
         if len(set(options)) < len(options):
-            raise SpecError(
-                [Fault((), repr(values), "each value once", source=f"--vary {key}")], "command line"
-            )
+            raise refused("each value once")
         return Axis(key, tuple(options))
     low = float(match[1])
     high = float(match[2])
     count = int(match[3] or 0)
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
-        raise SpecError(
-            [
-                Fault(
-                    (), repr(values), f"A less than B, both finite; {_FORM}", source=f"--vary {key}"
-                )
-            ],
-            "command line",
-        )
+        raise refused(f"A less than B, both finite; {words.form}")
     if count > 10**15:
-        raise SpecError(
-            [Fault((), repr(values), f"N of at most 1e15; {_FORM}", source=f"--vary {key}")],
-            "command line",
-        )
+        raise refused(f"N of at most 1e15; {words.form}")
     if match[3] and count < 2:
-        raise SpecError(
-            [Fault((), repr(values), f"N of at least 2; {_FORM}", source=f"--vary {key}")],
-            "command line",
-        )
+        raise refused(f"N of at least 2; {words.form}")
     return Axis(key, low=low, high=high, count=count)
 
 
 def axis_of(key: str, values: str | Iterable[Any], ends: bool = False) -> Axis:
     """A key and its values from Python: all of them, or a text as of `axis`; ends: two numbers are those of a range."""
     if isinstance(values, str):
-        return axis(f"{key}={values}")
+        return axis(f"{key}={values}", ARGUMENTS)
     if not isinstance(values, Iterable):
-        raise SpecError([Fault((), repr(values), "a list of values", source=f"vary {key}")])
+        fault = ARGUMENTS.refused(key, repr(values), f"values: {ARGUMENTS.form}")
+        raise SpecError([fault], COMMAND_LINE)
     items = list(values)
     if ends and len(items) == 2 and not any(isinstance(item, str) for item in items):
         low, high = items
-        return axis(f"{key}={low!r}:{high!r}")
+        return axis(f"{key}={low!r}:{high!r}", ARGUMENTS)
     if not items:
-        raise SpecError([Fault((), "no value", _FORM, source=f"vary {key}")])
+        raise SpecError([ARGUMENTS.refused(key, "no value", ARGUMENTS.form)], COMMAND_LINE)
     name = dotted(split_setting(f"{key}=")[0])
     return Axis(name, tuple(split_setting(setting_of(key, item))[1] for item in items))
 
@@ -158,35 +156,28 @@ class Variants:
         0  # of a Latin hypercube: each axis has each of so many equal parts of its range once
     )
     seed: int = 0
+    words: Wording = field(default=OPTIONS, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         faults: list[Fault] = []
         keys = [each.key for each in self.axes]
         twice = sorted({key for key in keys if keys.count(key) > 1})
+        words = self.words
         if not keys:
-            faults.append(Fault((), "", f"at least one: {_FORM}", source="--vary"))
+            faults.append(words.refused("", "", f"at least one key: {words.form}"))
         faults += [
-            Fault((), "given twice", "each key once, with all its values", source=f"--vary {key}")
-            for key in twice
+            words.refused(key, "given twice", "each key once, with all its values") for key in twice
         ]
         if self.how != "latin":
             bare = [each.key for each in self.axes if not len(each)]
-            faults += [
-                Fault((), "a range without a number of values", _FORM, source=f"--vary {key}")
-                for key in bare
-            ]
+            without = "a range without a number of values"
+            faults += [words.refused(key, without, words.form) for key in bare]
         if self.how == "zip" and not faults and len({len(each) for each in self.axes}) > 1:
             sizes = ", ".join(f"{each.key} {len(each)}" for each in self.axes)
-            faults.append(
-                Fault(
-                    (),
-                    f"values: {sizes}",
-                    "the same number of values for every key",
-                    source="--zip",
-                )
-            )
+            right = "the same number of values for every key"
+            faults.append(Fault((), f"values: {sizes}", right, source=words.side_by_side))
         if faults:
-            raise SpecError(faults, "command line")
+            raise SpecError(faults, COMMAND_LINE)
 
     @property
     def count(self) -> int:
@@ -234,8 +225,9 @@ def variants_of(
     axes = tuple(axis_of(key, values, latin > 0) for key, values in vary.items())
     if how not in ("grid", "zip") and latin < 1:
         right = '"grid", "zip", or how many a Latin hypercube has'
-        raise SpecError([Fault((), repr(how), right, source="how")])
-    return Variants(axes, "latin" if latin else "zip" if how == "zip" else "grid", latin)
+        raise SpecError([Fault((), repr(how), right, source="how")], COMMAND_LINE)
+    kind: Literal["grid", "zip", "latin"] = "latin" if latin else "zip" if how == "zip" else "grid"
+    return Variants(axes, kind, latin, words=ARGUMENTS)
 
 
 def variants(
@@ -254,5 +246,5 @@ def variants(
             Fault((), "more than one", "one of the three", source="--zip, --latin, --grid")
         )
     if faults:
-        raise SpecError(faults, "command line")
+        raise SpecError(faults, COMMAND_LINE)
     return Variants(tuple(axes), "latin" if latin else "zip" if zipped else "grid", latin, seed)

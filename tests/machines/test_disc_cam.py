@@ -666,6 +666,21 @@ def test_a_keyway_is_that_of_din_6885_for_its_bore(
     assert (parts["key_width"], parts["key_depth"]) == (width, depth)
 
 
+def test_a_bore_beyond_the_table_is_told_its_range_and_the_keys() -> None:
+    """The rows of tests/reference end at a bore of 44 mm."""
+    with pytest.raises(SpecError) as caught:
+        mechanism("parts.bore_shape='keyway'", "parts.hub_diameter=200", "parts.bore=90")
+    said = "6 to 44 mm", "DIN 6885", "parts.key_width", "parts.key_depth"
+    assert all(each in str(caught.value) for each in said)
+
+
+def test_a_hub_that_leaves_the_cam_is_told_by_how_much() -> None:
+    """A base circle of 5 mm under a hub of 16 mm: 3 mm more are needed."""
+    error = mechanism("geometry.base_radius=5", "parts.hub_diameter=16", "parts.hub_height=6")
+    with pytest.raises(DesignError, match="reaches 8 mm from the axis.* 3 mm larger"):
+        _ = error.assembly
+
+
 @pytest.mark.parametrize(
     ("segments", "path", "word"),
     [

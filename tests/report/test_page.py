@@ -225,6 +225,11 @@ def test_one_fault_in_all_files_is_one_row() -> None:
         (0.7, "stl"),
         (1, "a"),
     ]
+    limits = {"dxf": 0.1, "stl": 0.105, "3mf": 0.103}  # as of a motion error
+    alike = [at_most("STROKE", 0.6, each, "mm", Where(kind), "") for kind, each in limits.items()]
+    assert [(each.limit, where) for each, where in worst_of_each(alike)] == [
+        (0.1, "worst of 3: dxf; stl; 3mf")
+    ]
     fit = [at_most("BED_FIT", size, 0, "mm", Where(file="a.stl"), said) for size, said in BEYOND]
     assert [finding.message for finding, _ in worst_of_each(fit)] == ["too wide", "off the bed"]
     pen, foot = (

@@ -109,6 +109,11 @@ def test_rounding_is_shown_as_0_but_where_it_fails(capsys: pytest.CaptureFixture
     )
 
 
+def test_an_error_that_is_only_rounding_is_no_bare_0(capsys: pytest.CaptureFixture[str]) -> None:
+    text = shown((at_most("MOTION_ERROR", 3e-16, 0.01, "mm", Where("dxf"), ""),), capsys)
+    assert re.search(r"Motion error +below 1e-9 +mm +at most 0.01 ", text)
+
+
 @pytest.mark.parametrize(
     ("written", "read"),
     [

@@ -219,3 +219,15 @@ def test_what_only_makes_it_worse_is_no_remedy_and_the_way_is_said() -> None:
     beyond = camgen.load({**mill, "print": {"slide_clearance": last * 1.02}}).forecast()
     holds = [all(each.ok for each in some if each.code == "LASH") for some in (within, beyond)]
     assert holds == [True, False]
+
+
+def test_room_on_the_bed_is_told_before_files_are_made() -> None:
+    """The cam has a base circle of 24 mm: a bed of 12 mm is too narrow, one of 200 mm wide enough."""
+    small = influence_text(STEEP | {"print": {"bed": [40, 12]}}, "BED_FIT")
+    assert "- Fails (cam): " in small and "print.bed has room for 40 x 12 mm" in small
+    assert "`print.bed.1`" in small
+    wide = influence_text(STEEP | {"print": {"bed": [300, 200]}}, "BED_FIT")
+    assert (
+        "- Holds (cam): the part takes " in wide and "print.bed has room for 300 x 200 mm" in wide
+    )
+    assert "Nothing shows it" not in wide
