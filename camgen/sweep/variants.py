@@ -116,7 +116,7 @@ def axis_of(key: str, values: str | Iterable[Any], ends: bool = False) -> Axis:
     if isinstance(values, str):
         return axis(f"{key}={values}", ARGUMENTS)
     if not isinstance(values, Iterable):
-        fault = ARGUMENTS.refused(key, repr(values), f"values: {ARGUMENTS.form}")
+        fault = ARGUMENTS.refused(key, repr(values), f"a list of values; {ARGUMENTS.form}")
         raise SpecError([fault], COMMAND_LINE)
     items = list(values)
     if ends and len(items) == 2 and not any(isinstance(item, str) for item in items):
