@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
@@ -324,7 +325,7 @@ def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:
     if not faults and drawing.pivot(cam.cam) is None:
         right = "a link that shares a point with the ground: it turns there"
         if drawing.slide_of(cam.cam) is not None:
-            right += '; the edge of a plate that slides is made by mechanism = "linear-cam"'
+            right += f"; {_instead_of_a_plate(drawing, cam)}"
         faults = [Fault((*path, "cam"), repr(cam.cam), right)]
     follower = (*path, "follower")
     strange = _link_fault(drawing, follower, cam.follower)
@@ -351,6 +352,29 @@ def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:
         except SpecError as error:
             faults += error.faults
     return faults
+
+
+def _instead_of_a_plate(drawing: Drawing, cam: t.Cam) -> str:
+    """What makes the plate that was meant, and what moves its follower, with the numbers of this drawing."""
+    straight = f"a straight track of {cam.cam} is a [[slot]] for the pin {cam.at}"
+    other = f'{straight}; any other edge of a plate that slides is made by mechanism = "linear-cam"'
+    slide = drawing.slide_of(cam.cam)
+    hinge = drawing.pivot(cam.follower) if cam.follower in drawing.links else None
+    names = [*(slide.along if slide else ()), hinge or "", cam.at]
+    if not drawing.points.keys() >= {*names}:
+        return other
+    start, end, axle, tip = map(drawing.at, names)
+    if min(abs(end - start), abs(tip - axle)) < SAME_POINT:
+        return other
+    way = (end - start) / abs(end - start)
+    up = math.copysign(1, ((tip - start) / way).imag)  # the follower's side of the plate
+    arm = (tip - axle) / way
+    angle = math.degrees(math.atan2(up * arm.imag, abs(arm.real)))
+    return (
+        f'{other} with geometry.follower = {{ motion = "oscillating", arm = {abs(arm):.4g}, '
+        f"start_deg = {angle:.4g} }}; what {cam.follower} moves is a linkage without {cam.cam}, "
+        f'in which [drive] link = "{cam.follower}" runs its lifts as [[drive.segment]]'
+    )
 
 
 def _tip_faults(drawing: Drawing, path: Key, cam: t.Cam) -> Iterable[Fault]:
