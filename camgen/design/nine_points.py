@@ -9,12 +9,14 @@ The first two are linear in g and conj(g). Cramer's rule gives g = n1 / D and co
 n1 n2 + D (n1 + n2) = 0: eight equations in x, a, y, b and their conjugates, which are taken as numbers of their own. Labels
 and Roberts' cognates aside they have 1,442 solutions. Those for one set of complex d and conj(d) are at hand; they are
 followed while d and conj(d) go straight to the wanted ones, in steps of Runge and Kutta, each corrected by two of Newton.
+Where some are lost all are followed by a second way, bent aside through complex multiples of the straight one.
 [Wampler, Morgan, Sommese, J. Mech. Design 114 (1992) 153]
 """
 
 from __future__ import annotations
 
 import io
+from dataclasses import dataclass
 from importlib.resources import files
 
 import numpy as np
@@ -33,6 +35,8 @@ _ERROR = 1e-3  # of a solution's size, that a step is to be off before it is cor
 _FINER = 1e-5  # likewise, for those that get lost or come to one end
 _CORRECTED = 0.05  # of that, at most what the second correction is
 _ROUNDING = 1e-9
+_ASIDE = 1j  # of the way's length, by which the second way is bent: others get lost on it
+_NOTHING = 1e-9  # of a solution's size: an unknown that is less is 0
 _ROUNDS = 2000
 _FARTHEST = 1e5  # sizes of the points: what goes beyond goes to infinity
 _ONE_END = 1e-8  # of its size: classes that are nearer are one; nearly symmetrical points have some that are 1e-6 apart
@@ -56,10 +60,12 @@ def nine_point_four_bars(points: Points) -> FourBars:
     ends = newton(z[arrived], end)
     shared = doubles(ends) | doubles(ends[::-1])[::-1]  # either of two may have jumped
     again = ~arrived
-    again[np.flatnonzero(arrived)[shared]] = True
+    again[np.flatnonzero(arrived)[shared | _shams(ends)]] = True
     z[again], arrived[again] = followed(known[again], begin, end, _FINER)
-    z = newton(z[arrived], end)
-    z = z[~doubles(z)]
+    z = _distinct(z[arrived], end)
+    if len(z) < len(known):
+        aside, arrived = followed(known, begin, end, aside=_ASIDE)
+        z = _distinct(np.concatenate([z, aside[arrived]]), end)
     back = np.max(np.abs(z[:, 1::2] - np.conj(z[:, ::2])), axis=1)
     return _four_bars(points, size, size * z[back < _REAL * _sizes(z), ::2])
 
@@ -76,6 +82,18 @@ def newton(z: Points, at: Points) -> Points:
     for _ in range(_NEWTON):
         z = z - _solved(*equations(z, at))
     return z
+
+
+def _distinct(z: Points, at: Points) -> Points:
+    """Solutions made better, one of each class, without shams."""
+    z = newton(z, at)
+    z = z[~_shams(z)]
+    return z[~doubles(z)]
+
+
+def _shams(z: Points) -> Flags:
+    """Which are no four-bars, (m,): an unknown is 0, so the coupler point is a joint; or they are not finite."""
+    return np.asarray(~(np.min(np.abs(z), axis=1) > _NOTHING * _sizes(z)))
 
 
 def classes(z: Points) -> Points:
@@ -100,15 +118,40 @@ def doubles(z: Points) -> Flags:
     return again
 
 
+@dataclass(frozen=True)
+class _Way:
+    """d and conj(d), (2, 8), from one set to another one: straight, or bent aside."""
+
+    begin: Points
+    straight: Points
+    aside: Points
+
+    def place(self, at: Floats) -> Points:
+        """Where they are, (2, m, 8), at shares of the way, (m,)."""
+        t = at[:, None]
+        return np.asarray(
+            self.begin[:, None] + t * self.straight[:, None] + t * (1 - t) * self.aside[:, None]
+        )
+
+    def slope(self, at: Floats) -> Points:
+        """How they change there, (2, m, 8)."""
+        t = at[:, None]
+        return np.asarray(self.straight[:, None] + (1 - 2 * t) * self.aside[:, None])
+
+
 def followed(
-    known: Points, begin: Points, end: Points, error: float = _ERROR
+    known: Points,
+    begin: Points,
+    end: Points,
+    error: float = _ERROR,
+    aside: complex = 0.0,
 ) -> tuple[Points, Flags]:
     """Solutions, (m, 8), while d and conj(d), (2, 8), go from one set to the other, and which of them came there, (m,).
 
-    error: of a solution's size, that a step is to be off before it is corrected.
+    error: of a solution's size, that a step is to be off before it is corrected; aside: by which the way is bent, of its length.
     """
     z = known.copy()
-    way = end - begin
+    way = _Way(begin, end - begin, aside * (end - begin))
     at = np.zeros(len(z))
     step = np.full(len(z), _FIRST_STEP)
     lost = np.zeros(len(z), bool)
@@ -118,8 +161,8 @@ def followed(
             break
         then = np.minimum(at[going] + step[going], 1.0)
         with np.errstate(all="ignore"):
-            guess = _predicted(z[going], begin, way, at[going], then)
-            better, first, second = _corrected(guess, _between(begin, way, then))
+            guess = _predicted(z[going], way, at[going], then)
+            better, first, second = _corrected(guess, way.place(then))
             good = (first < 3 * error) & (second < _CORRECTED * first + _ROUNDING)
             growth = 0.9 * (error / np.maximum(first, _ROUNDING)) ** 0.2
         growth = np.clip(np.nan_to_num(growth, nan=0.2), 0.2, np.where(good, 2.0, 0.5))
@@ -130,18 +173,14 @@ def followed(
     return z, ~lost & (at == 1)
 
 
-def _between(begin: Points, way: Points, at: Floats) -> Points:
-    return np.asarray(begin[:, None] + at[:, None] * way[:, None])
-
-
-def _predicted(z: Points, begin: Points, way: Points, at: Floats, then: Floats) -> Points:
+def _predicted(z: Points, way: _Way, at: Floats, then: Floats) -> Points:
     """Where solutions are at the end of a step, (m, 8): Runge and Kutta's formula of the fourth order."""
     step = (then - at)[:, None]
     middle = (at + then) / 2
-    one = _slope(z, begin, way, at)
-    two = _slope(z + step / 2 * one, begin, way, middle)
-    three = _slope(z + step / 2 * two, begin, way, middle)
-    four = _slope(z + step * three, begin, way, then)
+    one = _slope(z, way, at)
+    two = _slope(z + step / 2 * one, way, middle)
+    three = _slope(z + step / 2 * two, way, middle)
+    four = _slope(z + step * three, way, then)
     return np.asarray(z + step / 6 * (one + 2 * two + 2 * three + four))
 
 
@@ -154,9 +193,9 @@ def _corrected(z: Points, at: Points) -> tuple[Points, Floats, Floats]:
     return better, _sizes(first) / size, _sizes(second) / size
 
 
-def _slope(z: Points, begin: Points, way: Points, at: Floats) -> Points:
-    parts = _Parts(z, _between(begin, way, at))
-    return -_solved(parts.along(way), parts.slope())
+def _slope(z: Points, way: _Way, at: Floats) -> Points:
+    parts = _Parts(z, way.place(at))
+    return -_solved(parts.along(way.slope(at)), parts.slope())
 
 
 def equations(z: Points, at: Points) -> tuple[Points, Points]:
@@ -201,7 +240,7 @@ class _Parts:
         return np.stack(columns, axis=-1)
 
     def along(self, way: Points) -> Points:
-        """By d and conj(d) along their way, (2, 8): (m, 8)."""
+        """By d and conj(d) along their way, (2, m, 8): (m, 8)."""
         d, e = self.at
         total = np.zeros(self.value.shape, complex)
         for dyad, (by_a, by_b, by_c) in zip(self.dyads, self.by, strict=True):

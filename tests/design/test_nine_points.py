@@ -150,6 +150,33 @@ def test_of_two_solutions_at_one_end_both_are_followed_again(
     assert np.min(off) < 1e-5
 
 
+@pytest.mark.parametrize("sham", [False, True])
+def test_what_the_straight_way_loses_comes_by_the_bent_one(
+    sham: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One solution, whose straight way is lost or comes to a sham, the coupler point a joint; bent it leads to the hidden four-bar."""
+    at, known = starts()
+    z, end = unknowns(hidden())
+    back, arrived = followed(z, end, at, aside=-nine_points._ASIDE)
+    off = np.max(np.abs(classes(known) - classes(back)), axis=1)
+    assert arrived.all() and np.min(off) < 1e-9
+    asides: list[complex] = []
+
+    def losing(*way: Any, aside: complex = 0.0) -> tuple[np.ndarray, np.ndarray]:
+        asides.append(aside)
+        z, arrived = followed(*way, aside=aside)
+        if not aside:
+            z[:, :2] = 0
+            arrived[:] = sham
+        return z, arrived
+
+    monkeypatch.setattr(nine_points, "starts", lambda: (at, known[[np.argmin(off)]]))
+    monkeypatch.setattr(nine_points, "followed", losing)
+    lengths = nine_point_four_bars(hidden().p[:, 0]).lengths.T
+    assert np.min(np.max(np.abs(lengths - HIDDEN["lengths"][0]), axis=1)) < 1e-5
+    assert asides == [0, 0, nine_points._ASIDE]
+
+
 def test_four_bars_that_are_nearly_images_in_a_mirror_are_two(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
