@@ -115,8 +115,8 @@ def _excess(finding: Finding) -> float:
     return -beyond if finding.floor else beyond
 
 
-def worst_of_each(findings: Sequence[Finding]) -> list[tuple[Finding, str]]:
-    """Of findings of one check the worst, with how many there are and where they were made, such as several files or parts.
+def checks(findings: Sequence[Finding]) -> list[list[Finding]]:
+    """Findings by checks, which several files or parts may go through.
 
     One check: of one code and unit, on one output of one machine, with limits that are alike, such as those of a motion
     error in several files. Two at the very same place are two checks.
@@ -132,12 +132,17 @@ def worst_of_each(findings: Sequence[Finding]) -> list[tuple[Finding, str]]:
         limit = next(alike, finding.limit)
         if limit not in known:
             known.append(limit)
-        check = (*kind, limit)
+        check = kind if finding.code in ROUTINE else (*kind, limit)
         place = (*check, replace(where, theta=None))
         groups.setdefault((*check, count[place]), []).append(finding)
         count[place] += 1
+    return list(groups.values())
+
+
+def worst_of_each(findings: Sequence[Finding]) -> list[tuple[Finding, str]]:
+    """Of findings of one check the worst, with how many there are and where they were made, such as several files or parts."""
     rows = []
-    for group in groups.values():
+    for group in checks(findings):
         worst = max(group, key=_excess)
         places = "; ".join(filter(None, dict.fromkeys(str(each.where) for each in group)))
         rows.append((worst, f"worst of {len(group)}: {places}" if len(group) > 1 else places))

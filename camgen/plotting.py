@@ -126,6 +126,9 @@ def _draw(axes: Axes, plot: Plot, log: bool) -> None:
     axes.set_title(plot.title.replace("_", " "), loc="left")
     axes.set_xlabel(plot.x_label)
     axes.set_ylabel(plot.y_label.replace("^2", "²").replace("^3", "³"))
+    if plot.levels:
+        axes.set_yticks([y for _, y in plot.levels], [text for text, _ in plot.levels])
+        axes.grid(axis="y")
     if plot.equal:
         axes.set_aspect("equal", adjustable="datalim")
     if log:

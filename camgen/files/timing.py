@@ -17,11 +17,13 @@ _PAPER = (297.0, 210.0)  # A4, mm
 _FILING = 20.0
 _MARGIN = 10.0
 _NAMES = 40.0  # room for names and ends of strokes, left of the strips
+_NUMBERS = 10.0  # the same for the numbers of the levels
 _HEAD = 12.0  # above the strips, for the angles
 _STRIP = 32.0  # height of a strip, at most
 _CURVE = 0.62  # of a strip: height of its curve
 _STEP = 30  # deg, between lines
 _APART = 9.0  # mm, of angles that are written below a curve
+_NEAR = 0.15  # of a curve's height, of levels with numbers
 _STILL = 1e-9  # of the greatest speed
 
 
@@ -34,6 +36,22 @@ class Motion:
     angle: Floats
     stroke: Floats
     rate: Floats
+
+    @property
+    def levels(self) -> list[float]:
+        """Its least and greatest stroke, and between them, not too near, 0 and where it stands at 0 deg; rising."""
+        levels = [float(np.min(self.stroke)), float(np.max(self.stroke))]
+        for level in (0.0, float(self.stroke[0])):
+            shares = self.share(np.array([level, *levels]))
+            if 0 < shares[0] < 1 and np.min(np.abs(shares[1:] - shares[0])) > _NEAR:
+                levels.append(level)
+        return sorted(set(levels))
+
+    def share(self, stroke: Floats | float) -> Floats:
+        """A stroke from the least, 0, to the greatest, 1."""
+        least = float(np.min(self.stroke))
+        size = float(np.max(self.stroke)) - least
+        return (np.asarray(stroke) - least) / (size or 1.0)
 
     @property
     def ends(self) -> list[float]:
@@ -84,17 +102,23 @@ def timing_sheet(name: str, motions: Sequence[Motion], facts: Facts) -> Sheet:
 
 def _strip(sheet: Sheet, motion: Motion, corner: complex, across: float, high: float) -> None:
     """One curve over a strip whose lower left corner is there."""
-    least = float(np.min(motion.stroke))
-    most = float(np.max(motion.stroke))
     foot = corner + 1j * (high * (1 - _CURVE) / 2 + 1)
-    share = (motion.stroke - least) / ((most - least) or 1.0)
-    x = foot.real + across * motion.angle / 360
-    points = x + 1j * (foot.imag + _CURVE * high * share)
+    rise = 1j * _CURVE * high
+    for level in motion.levels:
+        at = foot + rise * float(motion.share(level))
+        if level != 0:
+            sheet.line(at, at + across, layer="DIM")
+        sheet.text(at - 1 - 0.9j, f"{level:z.4g}", 1.8, "right")
+    zero = float(motion.share(0.0))
+    if 0 <= zero <= 1:
+        sheet.line(foot + rise * zero, foot + rise * zero + across, layer="CENTER")
+    points = foot + across * motion.angle / 360 + rise * motion.share(motion.stroke)
     sheet.line(*points.tolist(), layer="CUT")
     name = complex(corner.real - _NAMES + 3, corner.imag)
-    sheet.text(name + 1j * (high / 2 + 1), motion.name, 3.5, room=_NAMES - 5)
-    size = f"{least:z.4g} to {most:z.4g} {motion.unit}"
-    sheet.text(name + 1j * (high / 2 - 5), size, 2.5, room=_NAMES - 5)
+    room = _NAMES - 3 - _NUMBERS
+    sheet.text(name + 1j * (high / 2 + 1), motion.name, 3.5, room=room)
+    at_start = f"{motion.unit}, at 0°: {round(float(motion.stroke[0]), 6):z.4g}"
+    sheet.text(name + 1j * (high / 2 - 5), at_start, 2.5, room=room)
     last = -_APART
     for degrees in motion.ends:
         along = across * degrees / 360

@@ -600,14 +600,15 @@ def chart_cams(case: Case, kinds: Sequence[str]) -> Outcome:
     if len(motions) < 2:
         return Outcome()
     strips = []
+    levels = []
     for k, motion in enumerate(motions):
-        stroke = motion.stroke - float(np.min(motion.stroke))
-        size = float(np.max(stroke))
         foot = _STRIP * (len(motions) - 1 - k)
-        label = f"{motion.name}, {size:.4g} {motion.unit}"
-        strips.append((label, motion.angle, foot + stroke / (size or 1.0)))
-    unit = "each follower from its least to its greatest"
-    return Outcome(plots=[Plot("Timing chart of the cams", "cam angle, deg", unit, strips)])
+        strips.append(
+            (f"{motion.name}, {motion.unit}", motion.angle, foot + motion.share(motion.stroke))
+        )
+        levels += [(f"{level:.4g}", foot + float(motion.share(level))) for level in motion.levels]
+    title = "Timing chart of the cams"
+    return Outcome(plots=[Plot(title, "cam angle, deg", "each follower", strips, levels=levels)])
 
 
 def print_errors(case: Case, kinds: Sequence[str]) -> Outcome:

@@ -134,7 +134,7 @@ const camgen = (() => {
     show() {
       const x = this.left + deg / 360 * (this.right - this.left);
       this.cursor.setAttribute("transform", "translate(" + x + " 0)");
-      this.curves.forEach(curve => {
+      this.curves.filter(curve => curve.key).forEach(curve => {
         curve.key.value = curve.lines.map(pieces => {
           const y = pieces.map(piece => at(piece, x)).find(y => !isNaN(y));
           if (y === undefined) return "\u2013";

@@ -63,7 +63,7 @@ def plot_figure(plot: Plot, own: str = "plot") -> str:
     drawn, curves = _picture(plot)
     keys = "".join(
         f'<li class="s{k % 6}"><svg class="k" viewBox="0 0 22 8" aria-hidden="true"><path class="curve" d="M0 4h22"/></svg>'
-        f"{escape(curve.label)} <output></output></li>"
+        f"{escape(curve.label)}{'' if plot.levels else ' <output></output>'}</li>"
         for k, curve in enumerate(curves)
     )
     cursor = f'<path class="cursor" d="M0 {_TOP:g}V{_LOW:g}"/>' if plot.turns else ""
@@ -174,7 +174,7 @@ def _grid(plot: Plot, axes: _Axes) -> str:
     angles = [45.0 * k for k in range(9)] if plot.turns else ticks(*axes.x, 7)
     shown = 10.0**power
     x_ticks = [(t, _text(t, axes.x)) for t in angles]
-    y_ticks = [
+    y_ticks = [(y, escape(text)) for text, y in plot.levels] or [
         (t, _text(t / shown, (axes.y[0] / shown, axes.y[1] / shown))) for t in ticks(*axes.y)
     ]
     x0, x1 = axes.x

@@ -8,7 +8,7 @@ from html import escape
 
 import numpy as np
 
-from camgen.findings import Finding, NotJudged
+from camgen.findings import Finding, NotJudged, checks
 from camgen.report import words
 from camgen.report.words import KINDS, NOISE, rounded, sentence
 from camgen.study import Figures, Table
@@ -121,27 +121,27 @@ def _urgent(finding: Finding) -> tuple[bool, float]:
 
 
 def margins(findings: Sequence[Finding]) -> str:
-    """One row a code: of each kind of file the finding that is nearest to its limit, or farthest beyond."""
-    groups: dict[tuple[str, str], list[Finding]] = {}
-    for finding in findings:
-        groups.setdefault((finding.code, finding.unit), []).append(finding)
-    worst = {key: max(group, key=_urgent) for key, group in groups.items()}
-    order = sorted(groups, key=lambda key: _urgent(worst[key]), reverse=True)
+    """One row a check: of each kind of file the finding that is nearest to its limit, or farthest beyond."""
+    order = sorted(checks(findings), key=_urgency, reverse=True)
     kinds = [kind for kind in ("", *KINDS) if any(_kind(finding) == kind for finding in findings)]
     near = [
-        key
-        for key in order
-        if not worst[key].ok or (share_used(worst[key]) or 0) >= _NEAR or worst[key].code in _ALWAYS
+        group for group in order if _urgency(group) >= (False, _NEAR) or group[0].code in _ALWAYS
     ]
     shown = near if len(near) < len(order) - 1 else order
-    rest = [key for key in order if key not in shown]
-    text = _margins([groups[key] for key in shown], kinds) if shown else ""
+    rest = [group for group in order if group not in shown]
+    text = _margins(shown, kinds) if shown else ""
     if rest:
-        count = sum(len(groups[key]) for key in rest)
+        count = sum(map(len, rest))
+        codes = len({group[0].code for group in rest})
         more = "more " if shown else ""
-        hold = f"{count} {more}findings of {len(rest)} kinds hold, none uses {100 * _NEAR:.0f} % of its limit"
-        text += f"<details><summary>{hold}</summary>{_margins([groups[key] for key in rest], kinds)}</details>"
+        hold = f"{count} {more}findings of {codes} kinds hold, none uses {100 * _NEAR:.0f} % of its limit"
+        text += f"<details><summary>{hold}</summary>{_margins(rest, kinds)}</details>"
     return text
+
+
+def _urgency(group: Sequence[Finding]) -> tuple[bool, float]:
+    """That of the finding nearest to its limit."""
+    return max(map(_urgent, group))
 
 
 _SIGNS = {"<=": "≤", ">=": "≥", ">": "&gt;"}

@@ -69,3 +69,25 @@ def test_a_machines_cams_are_those_of_its_model() -> None:
         assert motion.stroke[0] == pytest.approx(motion.stroke[-1])
         slope = np.gradient(motion.stroke, DEGREES)
         assert np.allclose(motion.rate[5:-5], slope[5:-5], atol=2e-5 * np.ptp(motion.stroke))
+
+
+def test_a_curve_that_starts_between_its_ends_has_its_zero_and_its_start() -> None:
+    """A sine of 8 mm about 5 mm: it starts at 5, and its 0 lies three sixteenths above its least, -3."""
+    stroke = 5 + 8 * np.sin(np.radians(DEGREES))
+    motion = Motion("swing", "mm", DEGREES, stroke, 8 * np.cos(np.radians(DEGREES)))
+    assert motion.levels == pytest.approx([-3, 0, 5, 13])
+    sheet = timing_sheet("demo", [motion], Facts())
+    strokes = [each for each in sheet.primitives if isinstance(each, Stroke)]
+    curve = next(each for each in strokes if each.layer == "CUT")
+    points = np.array([piece.a for piece in curve.pieces])  # type: ignore[union-attr]
+    low, high = points.imag.min(), points.imag.max()
+    axes = [
+        piece.a.imag  # type: ignore[union-attr]
+        for each in strokes
+        if each.layer == "CENTER"
+        for piece in each.pieces
+        if abs(piece.b - piece.a) > 100  # type: ignore[union-attr]
+    ]
+    assert axes == pytest.approx([low + 3 / 16 * (high - low)], abs=0.01)
+    texts = {each.text for each in sheet.primitives if isinstance(each, Text)}
+    assert {"-3", "0", "5", "13", "mm, at 0°: 5"} <= texts

@@ -1,4 +1,4 @@
-"""The page: what it says first, its margins by code, its machine in three dimensions, and that nothing else is needed."""
+"""The page: what it says first, its margins by check, its machine in three dimensions, and that nothing else is needed."""
 
 from __future__ import annotations
 
@@ -239,7 +239,7 @@ def test_one_fault_in_all_files_is_one_row() -> None:
     assert [finding for finding, _ in worst_of_each([pen, foot])] == [pen, foot]
 
 
-def test_margins_have_one_row_a_code_and_a_column_a_kind() -> None:
+def test_margins_have_one_row_a_check_and_a_column_a_kind() -> None:
     found = [
         at_most(
             "ERR", size, 1.0, "mm", Where(file=f"demo-{part}.{kind}", kind=kind, theta=0.05), part
@@ -270,6 +270,21 @@ def test_margins_have_one_row_a_code_and_a_column_a_kind() -> None:
         [Finding("LIFT_OFF", False, 0.0, 0.0, "N", Where("cam"), "", floor=True, strict=True)]
     )
     assert "> 0 N" in Page(pressed).text().replace("\xa0", " ")
+
+
+def test_two_checks_of_one_code_have_a_row_each() -> None:
+    """A gap and an overlap, and two outputs: what is least tells nothing of the other."""
+    text = margins(
+        [
+            at_least("INTERFERENCE", 0.094, 0.08, "mm", Where("a and b"), "nearest"),
+            at_most("INTERFERENCE", 0.001, 0.014, "mm", Where("c and d"), "deepest"),
+            at_most("LASH", 0.4, 0.5, "mm", Where(output="pen"), "of the pen"),
+            at_most("LASH", 0.1, 0.5, "mm", Where(output="foot"), "of the foot"),
+        ]
+    )
+    rows = [tag for tag, attributes in Page(text).elements if tag == "tr" and attributes]
+    assert len(rows) == 4
+    assert all(each in text for each in ("nearest", "deepest", "of the pen", "of the foot"))
 
 
 def test_routine_margins_are_folded_and_counted() -> None:

@@ -258,3 +258,13 @@ def test_named_points_stand_where_they_are_and_within_the_frame() -> None:
     texts = {each.text: each for each in root.iter("text")}
     assert texts["A"].get("class") == "start" and 46 <= cx <= 322 and 22 <= cy <= 164
     assert "far <C>" in texts
+
+
+def test_levels_stand_in_place_of_a_scale() -> None:
+    x = np.linspace(0, 360, 361)
+    strips = [("a, mm", x, x / 360), ("b, deg", x, 2 - x / 360)]
+    figure = plot_figure(
+        Plot("Strips", "cam angle, deg", "each", strips, levels=[("19.4", 0.5), ("7.8", 1.5)])
+    )
+    assert ">19.4<" in figure and ">7.8<" in figure
+    assert ">1<" not in figure and "<output>" not in figure  # no value of a scale that is none
