@@ -33,6 +33,7 @@ _ALIKE = 0.5  # curves that are nowhere farther apart are drawn once
 # of a mark's name: mean width of a letter, height of a row
 _LETTER = 5.2
 _ROW = 12.0
+_LINE = 9.0  # least from a number beside the axis to the next
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -188,10 +189,13 @@ def _grid(plot: Plot, axes: _Axes) -> str:
         f'<text x="{_n(x)}" y="{_LOW + 15:g}">{text}</text>'
         for x, (_, text) in zip(across, x_ticks, strict=True)
     )
-    beside = "".join(
-        f'<text x="{_LEFT - 6:g}" y="{_n(y + 4)}">{text}</text>'
-        for y, (_, text) in zip(up, y_ticks, strict=True)
-    )
+    numbers = list[str]()
+    last = math.inf
+    for y, (_, text) in sorted(zip(up, y_ticks, strict=True), reverse=True):
+        if last - y >= _LINE:
+            numbers.append(f'<text x="{_LEFT - 6:g}" y="{_n(y + 4)}">{text}</text>')
+            last = y
+    beside = "".join(numbers)
     return (
         f'<path class="rule" d="{rules}"/><path class="frame" d="M{_LEFT:g} {_TOP:g}V{_LOW:g}H{_RIGHT:g}"/>'
         f'<g class="mid">{below}</g><g class="end">{beside}<text x="{_RIGHT:g}" y="{_HEIGHT - 6:g}">{escape(plot.x_label)}</text>'
