@@ -48,8 +48,8 @@ class Drum:
     """A cylinder from z = 0 to its length without a bore, with a track between the radii of its floor and its outside; mm.
 
     A groove's roller lies between both walls. An end cam has the wall below the roller alone: above it the drum is no thicker
-    than its floor. A rib, on a core as thick as the floor, has one roller above it and one below: `pitch` between their axes,
-    the path is that of the middle.
+    than its floor, or where it has a pocket it is open within its floor, down to that height. A rib, on a core as thick as the
+    floor, has one roller above it and one below: `pitch` between their axes, the path is that of the middle.
     """
 
     outside: float
@@ -60,6 +60,7 @@ class Drum:
     roller: DrumRoller
     pitch: float = 0.0
     breaks: tuple[float, ...] = ()  # cam angles at which its path may not be smooth, rad
+    pocket: float | None = None  # of an end cam without a core: height of the floor within its wall
 
     @property
     def walls(self) -> tuple[DrumWall, ...]:
@@ -94,7 +95,7 @@ class Drum:
     def blank(self) -> tuple[tuple[float, float, float], ...]:
         """What it is turned from, from below: radius, lower and upper end of each cylinder, mm."""
         low, high = self.span
-        if self.track == "groove":
+        if self.track == "groove" or self.pocket is not None:
             return ((self.outside, 0.0, self.length),)
         if self.track == "end":
             return ((self.outside, 0.0, high), (self.floor, high, self.length))
@@ -106,7 +107,7 @@ class Drum:
 
     @cached_property
     def moments(self) -> DrumMoments:
-        """Of its volume, by Gauss along the radius and even angles; DesignError as of `span`."""
+        """Of its volume, its pocket filled, by Gauss along the radius and even angles; DesignError as of `span`."""
         self.span  # noqa: B018
         beta = np.linspace(0, math.tau, _EVEN, endpoint=False)
         nodes, weights = np.polynomial.legendre.leggauss(_NODES)
@@ -163,7 +164,7 @@ class Drum:
             thickness = float(np.min(levels[1] - levels[0]))
             remedy = "move the rollers apart, or take smaller ones"
             raise DesignError("thickness of the rib", thickness, 0.0, "mm", "its thinnest", remedy)
-        if low <= 0 or high >= self.length:
+        if low <= 0 or (high >= self.length and self.pocket is None):
             raise self._leaving(low, high)
         return low, high
 
@@ -228,7 +229,7 @@ class Drum:
         edge = self.floor if self.track == "rib" else self.outside
         top = self.outside if self.track == "groove" else self.floor
         bottom = [point(edge, 0)]
-        end = [point(top, self.length)]
+        end = [point(top, self.length if self.pocket is None else self.pocket)]
         if self.track == "end":
             return [*bottom, *inwards, *end]
         outwards = [

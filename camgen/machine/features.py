@@ -411,6 +411,16 @@ class Passing:
 
 
 @dataclass(frozen=True)
+class DrumRing:
+    """The upper piece of a drum, which sits on the other's core turned over about its own Oy; mm."""
+
+    part: str
+    top: float  # height over the drum's lower end of the ring's own z = 0
+    key: float  # height at which both are cut across their key
+    corner: float  # distance of the key's corners from the axis
+
+
+@dataclass(frozen=True)
 class DrumTrack:
     """Of a Cam: the drum in whose track a roller runs, its axis along the part's z, and where the roller is; mm."""
 
@@ -426,6 +436,9 @@ class DrumTrack:
     )  # of the follower's speed, as a share of the greatest, that is accepted
     distance: float | None = None  # of both rollers of a rib
     offset: float = 0.0  # of a slide, beside the drum's axis
+    ring: DrumRing | None = (
+        None  # the piece with the wall above the roller, where that is one by itself
+    )
     # length, and place of the axle beside and along the drum's axis
     arm: tuple[float, float, float] | None = None
 

@@ -192,6 +192,11 @@ class Assembly:
     unjudged: Sequence[NotJudged] = ()  # of its limits, such as what presses a follower on its cam
     texts: Mapping[str, str] = field(default_factory=dict)  # text files, by the ends of their names
 
+    @property
+    def whole_drums(self) -> Sequence[str]:
+        """Names of drums in one piece."""
+        return [track.part for track in self.tracks if track.ring is None]
+
     @cached_property
     def exact(self) -> Machine:
         """The machine as exact parts move it: cams that the spec undercuts give what they can."""

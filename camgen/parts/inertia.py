@@ -146,7 +146,8 @@ def _contours(part: Part) -> Iterator[tuple[float, Contour]]:
     holes."""
     for sign, layers in ((1, part.layers), (-1, part.engraved)):
         for layer in layers:
-            outer = [] if part.drum is not None else [(1, layer.region.outer)]
+            blank = part.drum is not None and layer is not part.key
+            outer = [] if blank else [(1, layer.region.outer)]
             for side, contour in (*outer, *((-1, hole) for hole in layer.region.holes)):
                 yield sign * side * (layer.z1 - layer.z0), contour.counter_clockwise()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -117,7 +117,9 @@ class Part:
                 for layer in self.layers
                 for hole in layer.region.holes
             )
-            return self.drum.moments.volume - bored
+            key = self.key
+            beyond = 0.0 if key is None else abs(key.region.outer.area) * (key.z1 - key.z0)
+            return self.drum.moments.volume + beyond - bored
         return sum(layer.volume for layer in self.layers) - sum(
             layer.volume for layer in self.engraved
         )
@@ -139,6 +141,12 @@ class Part:
         if self.drum is not None:
             area += self.drum.moments.walls
         return area
+
+    @property
+    def key(self) -> Layer | None:
+        """What stands on the upper end of a drum, for another part to sit on."""
+        top = self.layers[-1]
+        return top if self.drum is not None and top.z0 >= self.drum.length else None
 
     @property
     def prismatic(self) -> bool:
@@ -452,3 +460,21 @@ def drum_part(name: str, title: str, drum: Drum, hole: Contour) -> Part:
     )
     widest = max(range(len(layers)), key=lambda k: drum.blank[k][0])
     return Part(name, title, layers, centres=(0j,), drawn_layer=widest, drum=drum)
+
+
+def keyed_drum(name: str, title: str, drum: Drum, hole: Contour, key: Contour, top: float) -> Part:
+    """A drum with a hole, on whose upper end stands a key up to a height; DesignError where its track cannot be made."""
+    part = drum_part(name, title, drum, hole)
+    stands = Layer(Region(key, (hole,)), drum.length, top)
+    return replace(part, layers=(*part.layers, stands))
+
+
+def drum_ring(name: str, title: str, drum: Drum, hole: Contour) -> Part:
+    """A drum with a pocket, in whose floor is a hole; DesignError where its track cannot be made."""
+    assert drum.pocket is not None, "a ring is open within its wall"
+    edge = circle(0j, drum.outside)
+    layers = (
+        Layer(Region(edge, (hole,)), 0.0, drum.pocket),
+        Layer(Region(edge, (circle(0j, drum.floor),)), drum.pocket, drum.length),
+    )
+    return Part(name, title, layers, centres=(0j,), drum=drum)

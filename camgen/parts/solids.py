@@ -107,36 +107,57 @@ def _prism(layer: Layer, tolerance: float, name: str, pocket: bool, fine: bool =
 
 
 def _drum(part: Part, drum: Drum, tolerance: float) -> Mesh:
-    """A drum's rings, its ends with the holes of its layers, and the walls of these, one after the other."""
+    """A drum's rings, with a key on its upper end, its ends with the holes of its layers, and the walls of these."""
     rims = drum.rings(tolerance).astype(np.float32).astype(float) + 0.0
     count = rims.shape[1]
-    holes = rings(part.region, tolerance)[1:]
-    size = sum(map(len, holes))
-    inside = np.concatenate(holes)
-    ends = [
-        np.column_stack([inside.real, inside.imag, np.full(size, z)]) for z in rims[[0, -1], 0, 2]
-    ]
-    vertices = np.concatenate([*rims, *ends])
-    first = len(rims) * count  # of the holes' points at the lower end
+    made = _Rings([*rims])
     faces = []
     for k in range(len(rims) - 1):
-        faces += _strip(np.arange(count) + k * count, np.arange(count) + (k + 1) * count)
-    start = 0
-    for hole in holes:
-        low = np.arange(len(hole)) + first + start
-        faces += _strip(low, low + size)
-        start += len(hole)
-    for rim, at, side in ((0, first, -1), (len(rims) - 1, first + size, 1)):
-        edge = rims[rim, :, 0] + 1j * rims[rim, :, 1]
-        _check_rings([edge, *holes], part.name)
-        points, cap = triangles([edge, *holes])
-        index = np.concatenate([np.arange(count) + rim * count, np.arange(size) + at])
-        extra = points[len(index) :]
-        index = np.concatenate([index, np.arange(len(extra)) + len(vertices)])
-        level = np.full(len(extra), rims[rim, 0, 2])
-        vertices = np.concatenate([vertices, np.column_stack([extra.real, extra.imag, level])])
-        faces.append(index[cap[:, ::side]])
-    return Mesh(vertices, np.concatenate(faces))
+        low, high = (np.arange(count) + row * count for row in (k, k + 1))
+        faces += _strip(low, high)
+    holes = rings(part.layers[0].region, tolerance)[1:]
+    bottom = np.arange(count)
+    top = bottom + (len(rims) - 1) * count
+    height = float(rims[-1, 0, 2])
+    if part.key is not None:
+        edge = rings(part.key.region, tolerance)[0]
+        foot = made.ring(edge, height)
+        faces.append(made.cap(top, [foot[::-1]], 1, part.name))
+        top = made.ring(edge, float(np.float32(part.key.z1)))
+        faces += _strip(foot, top)
+        height = float(np.float32(part.key.z1))
+    lower, upper = ([made.ring(hole, z) for hole in holes] for z in (float(rims[0, 0, 2]), height))
+    for low, high in zip(lower, upper, strict=True):
+        faces += _strip(low, high)
+    faces.append(made.cap(bottom, lower, -1, part.name))
+    faces.append(made.cap(top, upper, 1, part.name))
+    return Mesh(made.vertices, np.concatenate(faces))
+
+
+class _Rings:
+    """Points of a body as they come, each ring by the numbers of its own."""
+
+    def __init__(self, rims: Sequence[Floats]) -> None:
+        self.vertices = np.concatenate(rims)
+
+    def ring(self, z: Points, height: float) -> Faces:
+        """Points at a height, and their numbers."""
+        first = len(self.vertices)
+        more = np.column_stack([z.real, z.imag, np.full(len(z), height)])
+        self.vertices = np.concatenate([self.vertices, more])
+        return np.arange(first, len(self.vertices))
+
+    def cap(self, edge: Faces, holes: Sequence[Faces], side: int, name: str) -> Faces:
+        """Level triangles between rings, edge counter-clockwise and holes clockwise, that look up (side +1) or down."""
+        plan = self.vertices[:, 0] + 1j * self.vertices[:, 1]
+        loops = [plan[edge], *(plan[hole] for hole in holes)]
+        _check_rings(loops, name)
+        points, cap = triangles(loops)
+        index = np.concatenate([edge, *holes])
+        index = np.concatenate(
+            [index, self.ring(points[len(index) :], float(self.vertices[edge[0], 2]))]
+        )
+        return np.asarray(index[cap[:, ::side]])
 
 
 def _strip(low: Faces, high: Faces) -> list[Faces]:

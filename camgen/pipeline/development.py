@@ -52,9 +52,10 @@ _NEAR = 3  # steps between these, to either side of the nearest, within which it
 
 
 def drums_of(case: Case) -> Iterator[tuple[Part, Drum]]:
-    """Parts that are drums."""
+    """Parts that are drums in one piece: one in two is printed."""
+    whole = case.mechanism.assembly.whole_drums
     for part in case.parts.values():
-        if part.drum is not None:
+        if part.drum is not None and part.name in whole:
             yield part, part.drum
 
 

@@ -143,11 +143,17 @@ def _crossings(
 
 
 def _ends(part: Part, drum: Drum, tolerance: float) -> list[Section]:
-    """The sections of a drum below and above its track."""
+    """The sections of a drum below and above its track, and of a key or within a pocket."""
     low, high = drum.span
-    lower = part.layers[0]
-    upper = part.layers[-1]
-    heights = ((lower, low / 2), (upper, (high + drum.length) / 2))
+    lower, *others = part.layers
+    if drum.pocket is not None:
+        heights = [(lower, drum.pocket / 2), (others[-1], (drum.pocket + low) / 2)]
+    elif part.key is not None:
+        key = part.key
+        heights = [(lower, low / 2), (others[-2], (high + drum.length) / 2)]
+        heights.append((key, (key.z0 + key.z1) / 2))
+    else:
+        heights = [(lower, low / 2), (part.layers[-1], (high + drum.length) / 2)]
     return [Section((z,), (facetted(layer.region, tolerance),)) for layer, z in heights]
 
 

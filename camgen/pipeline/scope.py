@@ -111,8 +111,7 @@ def of_parts(mechanism: Mechanism) -> list[Stage]:
 
 def machined(mechanism: Mechanism) -> bool:
     """Whether there are files for machine tools: tables and paths that are asked for, developments of drums."""
-    drums = any(part.drum is not None for part in mechanism.assembly.parts)
-    return mechanism.files.machining or drums
+    return mechanism.files.machining or bool(mechanism.assembly.whole_drums)
 
 
 def not_judged(

@@ -18,6 +18,7 @@ from functools import cached_property
 from camgen.geometry.outlines import Contour, Region, circle, rectangle
 from camgen.machine.features import Mount
 from camgen.machine.model import GROUND
+from camgen.machines.cylinder_cam.pieces import SEAT, ring_mount
 from camgen.machines.cylinder_cam.tables import DrumParts
 from camgen.machines.cylinder_cam.track import Track
 from camgen.parts.catalogue import BEARINGS, DOWELS, Bearing, ball_roller
@@ -66,7 +67,7 @@ class Bench:
     track: Track
     sizes: DrumParts
     fits: Fits
-    drum: Part
+    drum: Sequence[Part]  # and the ring on it, where it is in two pieces
     cranked: bool  # whether a hand turns it
 
     # ---- sizes ------------------------------------------------------------------------------------------------------
@@ -200,7 +201,7 @@ class Bench:
     @property
     def touching(self) -> list[tuple[str, str]]:
         """Parts that touch as they move: the shaft is as wide as its bearings are, and the roller is rolled by itself."""
-        pairs = [("shaft", "bearing"), ("roller", "drum")]
+        pairs = [("shaft", "bearing"), *(("roller", part.name) for part in self.drum)]
         return [*pairs, ("arm", "pivot")] if self.track.swings else pairs
 
     def _hole(self, at: complex, diameter: float, fit: float) -> Contour:
@@ -258,7 +259,10 @@ class Bench:
     def _turning(self) -> Iterator[tuple[Part, Sequence[Mount]]]:
         """Drum, shaft, spacers, crank and knob."""
         s = self.sizes
-        yield self.drum, [Mount("drum", _CAM, z=self.base)]
+        drum, *rings = self.drum
+        yield drum, [Mount(drum.name, _CAM, z=self.base)]
+        for ring in rings:
+            yield ring, [ring_mount(ring, self.base + self.track.length)]
         low = _AIR / 2
         over = _AIR + s.thickness if self.cranked else _OUT
         length = self.top - low + over
@@ -462,7 +466,10 @@ class Bench:
         thrust = (
             f"its roller in the track, its {'bracket' if swings else 'bores'} on the front rods"
         )
+        rings = [part.name for part in self.drum[1:]]
         said: list[tuple[str, str, list[str]]] = [
+            *(("drum", "on the table, its key up", copies["drum"]) for _ in rings),
+            *((ring, SEAT, copies[ring]) for ring in rings),
             ("end-plate", "seat up", ["end-plate-1"]),
             ("bearing", "pressed into the seat", ["bearing-1"]),
             ("rod", "glued into the plate, flush below", copies["rod"]),
@@ -483,7 +490,10 @@ class Bench:
             (
                 "drum",
                 f"lowered over the shaft together with the {held}, {thrust}",
-                [*copies["drum"], *copies["bracket" if swings else "carriage"]],
+                [
+                    *(name for part in self.drum for name in copies[part.name]),
+                    *copies["bracket" if swings else "carriage"],
+                ],
             ),
             ("spacer-above", "on the shaft", copies["spacer-above"]),
             ("bearing", "on the shaft", ["bearing-2"]),
@@ -496,11 +506,15 @@ class Bench:
             ]
         titles = {part.name: part.title for part, _ in self.made}
         level = {part.name: mounts[0].z for part, mounts in self.made}
+        lies = {
+            part.name: "turned over" if mounts[0].flipped else "as drawn"
+            for part, mounts in self.made
+        }
         rows = []
         steps = []
         for number, (name, where, which) in enumerate(said, 1):
             title = titles[name]
             count = len(set(which) & set(copies[name]))
-            rows.append((number, name, title, where, count, level[name], "as drawn"))
+            rows.append((number, name, title, where, count, level[name], lies[name]))
             steps.append(Step(f"{title}; {where}", which))
         return Table("Assembly of the machine, from the lower plate up", COLUMNS, rows, steps)

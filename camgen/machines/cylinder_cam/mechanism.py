@@ -48,6 +48,7 @@ from camgen.machines.cylinder_cam.bench import (
     roller_pin,
     shaft_bearing,
 )
+from camgen.machines.cylinder_cam.pieces import DRUM, Pieces, ring_mount
 from camgen.machines.cylinder_cam.tables import DrumGeometry, DrumLimits, DrumParts
 from camgen.machines.cylinder_cam.track import Track, smallest
 from camgen.machines.disc_cam.curves import motion_plots, segments_table
@@ -119,6 +120,7 @@ class CylinderCam(Mechanism):
                 right = "0: a drum's walls lean to the bed, so its files are as drawn; let the slicer compensate"
                 found.append(Fault(("print", key), f"{value:g}", right))
         found += self._cutter_faults()
+        found += self._pieces_faults() if self.making.pieces == 2 else []
         found += self._bench_faults() if self.making.make == "printed" else []
         try:
             self._given  # noqa: B018
@@ -178,6 +180,22 @@ class CylinderCam(Mechanism):
             right = f"at most {most:g} mm, of the roller and its clearance"
             found.append(Fault(("files", "cutter_radius"), f"{cutter:g}", right))
         return found
+
+    def _pieces_faults(self) -> Iterator[Fault]:
+        """What no drum in two pieces can be."""
+        if self.geometry.track != "groove":
+            right = (
+                f'1: a track = "{self.geometry.track}" is printed in one piece without a ceiling'
+            )
+            yield Fault(("parts", "pieces"), "2", right)
+        if self.files.cutter_radius is not None:
+            right = "nothing here: a drum in two pieces is printed, and no cutter goes round it"
+            yield Fault(("files", "cutter_radius"), f"{self.files.cutter_radius:g}", right)
+        play = self.print.slide_clearance / 2
+        if self.geometry.roller.end_clearance < play:
+            right = f"at least {play:g} mm, half of print.slide_clearance: the ring begins outside of the core by that"
+            value = f"{self.geometry.roller.end_clearance:g}"
+            yield Fault(("geometry", "roller", "end_clearance"), value, right)
 
     def _bench_faults(self) -> Iterator[Fault]:
         """What no machine can be made of."""
@@ -242,11 +260,13 @@ class CylinderCam(Mechanism):
         p = self.making
         clearance = self.print.slide_clearance
         given = self.geometry.radius
-        track = Track(self.geometry, self.program, clearance, p.reach, p.wall, given or 0.0)
+        key = p.wall if p.pieces == 2 else 0.0  # takes as much of the core as of its height
+        reach = p.reach + key
+        track = Track(self.geometry, self.program, clearance, reach, p.wall, given or 0.0, key)
         if given is None:
             track = replace(track, radius=smallest(track, self._steepest))
-        elif track.floor <= p.reach:
-            least = given + p.reach - track.floor
+        elif track.floor <= reach:
+            least = given + reach - track.floor
             remedy = "the bore reaches the track: a larger radius, a shorter roller or a smaller parts.bore"
             raise DesignError(
                 "geometry.radius", given, least, "mm", "the floor of the track", remedy
@@ -280,7 +300,13 @@ class CylinderCam(Mechanism):
         """The drum."""
         p = self.making
         track = self.track
-        part = drum_part("drum", "Drum of a cylinder cam", track.drum, p.hole())
+        pieces = self._pieces
+        rings: list[Part] = []
+        if pieces is None:
+            part = drum_part(DRUM, "Drum of a cylinder cam", track.drum, p.hole())
+        else:
+            part, ring = pieces.parts(p.hole())
+            rings = [replace(ring, min_wall=self.allowed.min_wall)]
         roller = self.geometry.roller
         said = f"{self.geometry.track} for a roller of {2 * roller.radius:g} x {roller.length:g}"
         notes = (
@@ -289,9 +315,12 @@ class CylinderCam(Mechanism):
             f"{said}, its inner end {track.inner:.4g} from the axis",
         )
         part = replace(part, notes=notes, bore=p.bore, min_wall=self.allowed.min_wall)
-        made = self._assembly([part], [Mount("drum", "cam")])
+        mounts = [Mount(DRUM, "cam"), *(ring_mount(each, track.length) for each in rings)]
+        made = self._assembly([part, *rings], mounts)
+        if pieces is not None:
+            made = replace(made, work=Later(lambda: [pieces.steps()]))
         if p.make == "printed":
-            bench = self._bench(part)
+            bench = self._bench([part, *rings])
             made = replace(
                 self._assembly(bench.parts, bench.mounts),
                 planes={_FOLLOWER: bench.plane},
@@ -302,13 +331,27 @@ class CylinderCam(Mechanism):
         demand = Demand(output, lash=self.allowed.lash / self.geometry.follower.unit[1])
         return replace(
             made,
-            tracks=(replace(track.rolled, ripple=self.allowed.speed_ripple),),
+            tracks=(
+                replace(
+                    track.rolled,
+                    ripple=self.allowed.speed_ripple,
+                    ring=None if pieces is None else pieces.ring,
+                ),
+            ),
             bought=self._bought(),
             demands=(demand,),
         )
 
-    def _bench(self, drum: Part) -> Bench:
-        """The machine round the drum."""
+    @cached_property
+    def _pieces(self) -> Pieces | None:
+        """Drum and ring; None where the drum is in one piece."""
+        if self.making.pieces == 1:
+            return None
+        fits = self.print
+        return Pieces(self.track, self.making.reach, fits.slide_clearance, fits.press_clearance)
+
+    def _bench(self, drum: Sequence[Part]) -> Bench:
+        """The machine round the pieces of the drum."""
         fits = Fits(self.print.press_clearance, self.print.slide_clearance)
         cranked = self.motor.model == "hand crank"
         return Bench(self.track, self.making, fits, drum, cranked)
@@ -367,6 +410,17 @@ class CylinderCam(Mechanism):
                 "a larger geometry.length or parts.wall widens it",
             ),
         ]
+        if self._pieces is not None:
+            walls.append(
+                at_least(
+                    "MIN_WALL",
+                    self._pieces.thinnest,
+                    self.allowed.min_wall,
+                    "mm",
+                    Where("shoulder, key or its bore"),
+                    "a larger parts.wall widens it",
+                )
+            )
         air = []
         if self._loaded is not None and self.geometry.track == "end":
             load = self._load or FollowerLoad()

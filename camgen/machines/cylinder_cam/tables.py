@@ -101,10 +101,15 @@ class DrumParts(ShaftBore):
         '"printed": the machine as well: end plates on four rods, shaft in ball bearings, carriage or arm with\n'
         "its roller, hand crank",
     )
+    pieces: Literal[1, 2] = Field(
+        default=1,
+        description="2: a groove is printed as two pieces, each with its wall up, without supports: the drum with "
+        "the lower wall,\nand a ring with the upper one, which is glued on its core; a flat of the core holds its angle",
+    )
     wall: Length = Field(
         default=3.0,
         description="least wall between the bore and the floor of the track, and at the drum's ends; in a machine "
-        "round holes",
+        "round holes; of a drum in two pieces also the height of the key",
     )
     thickness: Length = Field(
         default=6.0,

@@ -46,6 +46,7 @@ class Track:
     bore_reach: float  # how far the shaft's hole reaches from the axis
     wall: float  # least, round the bore and at the ends
     radius: float  # of the drum, outside
+    key_height: float = 0.0  # of a drum in two pieces, over the wall at its upper end
     followed: RollerPath | None = None  # of the roller's axis, where it is known from another drum
 
     @property
@@ -133,14 +134,14 @@ class Track:
         """Of the drum."""
         given = self.geometry.length
         low, high = self._reach
-        return high - low + 2 * self.wall if given is None else given
+        return high - low + 2 * self.wall + self.key_height if given is None else given
 
     @property
     def height(self) -> float:
         """Of the roller at displacement 0, or of the arm's axle, over the drum's lower end."""
         given = self.geometry.follower.height
         low, high = self._reach
-        return (self.length - high - low) / 2 if given is None else given
+        return (self.length - self.key_height - high - low) / 2 if given is None else given
 
     @cached_property
     def path(self) -> RollerPath:
