@@ -16,7 +16,8 @@ from camgen.errors import DesignError
 from camgen.files.formats import EXACT, FORMATS, SOLID, read_exact, read_solid
 from camgen.findings import Finding, Where, at_most, in_file
 from camgen.geometry.mesh import Mesh
-from camgen.judge.rolled_drum import Rolled, RollerTable, roll, track_findings
+from camgen.judge.drum_pieces import DrumPieces, pieces_findings, placed, together
+from camgen.judge.rolled_drum import SAMPLES, Rolled, RollerTable, roll, track_findings
 from camgen.machine.features import DrumTrack
 from camgen.machine.model import Cam, Output, unit_of
 from camgen.machines.mechanism import Mechanism
@@ -87,6 +88,7 @@ def _judged(case: Case, track: DrumTrack, kinds: Sequence[str]) -> Outcome:
     mechanism = case.mechanism
     follower = _follower(mechanism, track)
     table = roller_table(track, mechanism.accuracy.chord_tolerance)
+    press = mechanism.print.press_clearance
     unit, scale = unit_of(follower.output)
     findings: list[Finding] = []
     figures: list[Figure] = []
@@ -100,6 +102,14 @@ def _judged(case: Case, track: DrumTrack, kinds: Sequence[str]) -> Outcome:
             continue
         try:
             mesh = _mesh(path, track.part, table.tolerance)
+            if track.ring is not None:
+                ring = read_solid(case.file(track.ring.part, kind), track.ring.part)[0]
+                pieces = DrumPieces(mesh, placed(ring, track.ring.top), track.ring.key)
+                findings += pieces_findings(
+                    pieces, track.ring.corner, press, table.tolerance, where
+                )
+                figures += _key_figures(pieces, follower, kind)
+                mesh = together(mesh, pieces.ring)
             rolled = roll(mesh, table, HARMONICS)
         except DesignError as fault:
             findings.append(at_most("MOTION_ERROR", math.nan, 0, unit, where, fault.sentence))
@@ -127,6 +137,17 @@ def _judged(case: Case, track: DrumTrack, kinds: Sequence[str]) -> Outcome:
     )
     plots += [Plot("Play between both walls", label, unit, plays)] if plays else []
     return Outcome(findings, Figures(figures), plots, columns=columns)
+
+
+def _key_figures(pieces: DrumPieces, follower: _Follower, kind: str) -> list[Figure]:
+    """What a ring's key leaves of its angle, and what that does to the follower: it goes half as far as one of its walls."""
+    unit, scale = unit_of(follower.output)
+    fastest = peak(follower.law.law(np.linspace(0, math.tau, SAMPLES), 1))
+    play = pieces.play
+    return [
+        Figure("key play {of}", math.degrees(play), "deg", of=kind),
+        Figure("follower by key play {of}", scale * fastest * play / 2, unit, of=kind),
+    ]
 
 
 def _mesh(path: Path, part: str, tolerance: float) -> Mesh:

@@ -48,6 +48,7 @@ class DrumErrors:
     theta: Floats
     sizes: Sizes
     exact: bool
+    key: float | None = None  # of a drum in two pieces: half the length of its key's flat, mm
 
     @cached_property
     def touches(self) -> list[_Touch]:
@@ -118,6 +119,15 @@ class DrumErrors:
         yield from self._walls()
         for mode, shift in self._shifts():
             yield mode, [touch.moved(shift) for touch in self.touches]
+        if self.key is not None:
+            still = np.zeros(len(self.theta))
+            up = np.array([[0.0], [0.0], [1.0]])
+            along = np.array([[0.0], [self.track.roller.middle / self.key], [0.0]])
+            for kind, shift in (("seat", up), ("key", along)):
+                yield (
+                    Mode("ring", kind, self.sizes.offset),
+                    [touch.moved(shift) if touch.side > 0 else still for touch in self.touches],
+                )
         if not self.exact:
             thicker = [-touch.cosine / touch.way for touch in self.touches]
             yield Mode("roller", "tip", self.sizes.offset), thicker

@@ -203,7 +203,8 @@ def spread_of(mechanism: Mechanism) -> Spread:
     if isinstance(mechanism, CylinderCam):
         rolled = mechanism.geometry.roller
         exact = ball_roller(2 * rolled.radius, rolled.length) is not None
-        drum, sensitivity = DrumErrors(mechanism.track, theta, sizes, exact).sensitivity()
+        key = mechanism.pieces.corner if mechanism.pieces else None
+        drum, sensitivity = DrumErrors(mechanism.track, theta, sizes, exact, key).sensitivity()
         return Spread(mechanism, theta, sizes, holes, drum, outputs, {outputs[0].name: sensitivity})
     if not machine.joints:
         return Spread(mechanism, theta, sizes, holes, (), outputs, {})

@@ -300,7 +300,7 @@ class CylinderCam(Mechanism):
         """The drum."""
         p = self.making
         track = self.track
-        pieces = self._pieces
+        pieces = self.pieces
         rings: list[Part] = []
         if pieces is None:
             part = drum_part(DRUM, "Drum of a cylinder cam", track.drum, p.hole())
@@ -343,7 +343,7 @@ class CylinderCam(Mechanism):
         )
 
     @cached_property
-    def _pieces(self) -> Pieces | None:
+    def pieces(self) -> Pieces | None:
         """Drum and ring; None where the drum is in one piece."""
         if self.making.pieces == 1:
             return None
@@ -410,11 +410,11 @@ class CylinderCam(Mechanism):
                 "a larger geometry.length or parts.wall widens it",
             ),
         ]
-        if self._pieces is not None:
+        if self.pieces is not None:
             walls.append(
                 at_least(
                     "MIN_WALL",
-                    self._pieces.thinnest,
+                    self.pieces.thinnest,
                     self.allowed.min_wall,
                     "mm",
                     Where("shoulder, key or its bore"),

@@ -150,7 +150,7 @@ class Pieces:
         """In which order they go together."""
         rows = [
             (1, DRUM, "Drum", "on the table, its key up", 1, 0.0, "as drawn"),
-            (2, RING, "Ring", SEAT, 1, self.shoulder, "turned over"),
+            (2, RING, "Ring", SEAT, 1, self.track.length - self._upper.length, "turned over"),
         ]
         steps = [Step(f"{row[2]}; {row[3]}", [f"{row[1]}-1"]) for row in rows]
         return Table("Assembly of the drum", COLUMNS, rows, steps)
