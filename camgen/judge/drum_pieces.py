@@ -1,6 +1,6 @@
 """A drum of two pieces, put together from their meshes: how they overlap, whether the ring sits, what its key leaves of its angle.
 
-overlap   of both bodies as placed; thickness: of each lump of it, twice its volume over its surface, mm
+overlap   of both bodies as placed; of each lump of it the mean thickness, twice its volume over its surface, mm
 seat      how far the ring could still go down: lowered by d it overlaps by area (d - gap), so two depths give the gap
 key       section across it: a convex core in a convex hole. It bites where the core, turned, reaches out of the hole
 """
@@ -8,6 +8,7 @@ key       section across it: a convex core in a convex hole. It bites where the 
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -64,9 +65,13 @@ class DrumPieces:
 
     @property
     def overlap(self) -> float:
-        """Thickness of the thickest lump of the overlap, mm; 0 without one."""
+        """The deepest of seat, key, and the thickest lump of what both share, mm; 0 without one."""
         lumps = self._overlap(0.0).decompose()
-        return max((2 * each.volume() / each.surface_area() for each in lumps), default=0.0)
+        found = [2 * each.volume() / each.surface_area() for each in lumps]
+        found.append(-self.seat_gap)
+        with suppress(ValueError):  # of a key that is not there
+            found.append(self.bite(0.0))
+        return max([0.0, *(depth for depth in found if math.isfinite(depth))])
 
     @property
     def seat_gap(self) -> float:
@@ -130,7 +135,7 @@ def pieces_findings(
             facets + max(0.0, -press / 2),
             "mm",
             where,
-            "mean thickness of what drum and ring share as they stand",
+            "how deep drum and ring are in each other as they stand",
         ),
         at_most("PIN_GAP", abs(pieces.seat_gap), facets, "mm", where, seat),
         at_most("PIN_GAP", abs(low + high) / 2 * corner, facets, "mm", where, key),

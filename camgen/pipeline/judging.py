@@ -398,7 +398,8 @@ def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.judge.sweep_in_space import sweep_in_space
 
     assembly = case.mechanism.assembly
-    judge = sweep_in_space if assembly.planes else sweep
+    in_pieces = any(track.ring is not None for track in assembly.tracks)  # and lean in each other
+    judge = sweep_in_space if assembly.planes or in_pieces else sweep
     findings, nearest = judge(case.file("assembly", "3mf"), bodies_in_motion(assembly))
     columns = (*COLUMNS[:-1], f"{COLUMNS[-1]}, {assembly.cycle.unit}")
     table = Table("Bodies that pass each other, the nearest first", columns, nearest)

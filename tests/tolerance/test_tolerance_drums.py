@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from camgen.geometry.mesh import Mesh
+from camgen.judge.drum_pieces import placed, together
 from camgen.judge.rolled_drum import Rolled, RollerTable, roll
 from camgen.machine.print_errors import Sizes
 from camgen.machines.cylinder_cam.mechanism import CylinderCam
@@ -101,6 +102,35 @@ def test_each_error_moves_the_follower_as_the_mesh_says(case: str) -> None:
     # and none of these is idle where it counts: the bore moves by the slope of the track
     bore = next(k for k, mode in enumerate(modes) if mode.kind == "bore")
     assert np.abs(found.modes[bore]).max() > 0.2 * unit
+
+
+def test_a_ring_that_is_off_its_seat_or_its_key_moves_one_wall() -> None:
+    """Both pieces put together, the ring higher by OFF, or turned as its flat is off by OFF at its ends."""
+    made = drum(follower={"offset": 3.0}).replace({"parts.pieces": 2})
+    lower, ring = (solid(part, 0.005) for part in made.assembly.parts)
+    upper = placed(ring, made.track.length)
+    assert made.pieces is not None
+    turn = np.exp(1j * OFF / made.pieces.corner)
+    x, y, z = upper.vertices.T
+    plan = (x + 1j * y) * turn
+    wrong = {
+        "seat": Mesh(upper.vertices + [0, 0, OFF], upper.faces),
+        "key": Mesh(np.column_stack([plan.real, plan.imag, z]), upper.faces),
+    }
+    table = roller_table(made.assembly.tracks[0], 0.005)
+    exact = roll(together(lower, upper), table, 60)
+    sizes = Sizes(0.03, 0.02, 0.04, 0.06)
+    modes, found = DrumErrors(
+        made.track, exact.theta, sizes, True, made.pieces.corner
+    ).sensitivity()
+    gap, _ = found.held["contact"]
+    own = [(k, mode) for k, mode in enumerate(modes) if mode.where == "ring"]
+    assert {mode.kind for _, mode in own} == set(wrong)
+    for k, mode in own:
+        off = roll(together(lower, wrong[mode.kind]), table, 60)
+        assert off.motion - exact.motion == pytest.approx(OFF * found.modes[k], abs=0.012)
+        assert off.play - exact.play == pytest.approx(OFF * gap[k], abs=0.018)
+        assert np.abs(found.modes[k]).max() > 0.2
 
 
 def test_a_wall_that_bumps_by_waves_is_the_roller_thicker_there() -> None:

@@ -103,8 +103,8 @@ class DrumParts(ShaftBore):
     )
     pieces: Literal[1, 2] = Field(
         default=1,
-        description="2: a groove is printed as two pieces, each with its wall up, without supports: the drum with "
-        "the lower wall,\nand a ring with the upper one, which is glued on its core; a flat of the core holds its angle",
+        description="2: a groove as two pieces, each printed with its wall up, without supports: the drum with its lower wall,\n"
+        "and a ring with the upper one, glued on its core, whose flat holds the ring's angle",
     )
     wall: Length = Field(
         default=3.0,
