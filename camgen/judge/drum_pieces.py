@@ -71,7 +71,7 @@ class DrumPieces:
         found.append(-self.seat_gap)
         with suppress(ValueError):  # of a key that is not there
             found.append(self.bite(0.0))
-        return max([0.0, *(depth for depth in found if math.isfinite(depth))])
+        return float(max([0.0, *(depth for depth in found if math.isfinite(depth))]))
 
     @property
     def seat_gap(self) -> float:
