@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import cmath
-import itertools
 import math
 from pathlib import Path
 from typing import Any
 
 import ezdxf
+import numpy as np
 import pytest
 import shapely
 from ezdxf import path
@@ -134,9 +134,9 @@ def collisions(space: Any) -> list[tuple[str, str]]:
         shown.extend(list(size.virtual_entities()))
     texts = [(entity, text_box(entity)) for entity in shown.query("TEXT")]
     found = [
-        (one.dxf.text, two.dxf.text)
-        for (one, mine), (two, other) in itertools.combinations(texts, 2)
-        if mine.intersection(other).area > 1e-9
+        (texts[i][0].dxf.text, texts[j][0].dxf.text)
+        for i, j in meetings([box for _, box in texts], [box for _, box in texts])
+        if i < j and texts[i][1].intersection(texts[j][1]).area > 1e-9
     ]
     drawn = [
         (entity, box) for entity, box in texts if entity.dxf.layer == "DIM"
@@ -158,18 +158,15 @@ def collisions(space: Any) -> list[tuple[str, str]]:
     heads = [
         shapely.Polygon([(p.x, p.y) for p in each.vertices()]) for each in shown.query("SOLID")
     ]
-    found += [
-        (entity.dxf.text, "edge")
-        for entity, box in labels
-        for edge in edges
-        if box.intersects(edge)
-    ]
-    return found + [
-        (entity.dxf.text, "arrow")
-        for entity, box in labels
-        for head in heads
-        if box.intersects(head)
-    ]
+    boxes = [box for _, box in labels]
+    found += [(labels[i][0].dxf.text, "edge") for i, _ in meetings(boxes, edges)]
+    return found + [(labels[i][0].dxf.text, "arrow") for i, _ in meetings(boxes, heads)]
+
+
+def meetings(shapes: list[Any], others: list[Any]) -> list[tuple[int, int]]:
+    """Pairs, by their numbers, of a shape and one of the others that meet."""
+    found = shapely.STRtree(others).query(np.array(shapes, object), "intersects")
+    return [*zip(*found.tolist(), strict=True)]
 
 
 @pytest.mark.parametrize("spec", SHIPPED, ids=lambda path: path.stem)
