@@ -13,6 +13,7 @@ import io
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -25,7 +26,7 @@ from camgen.report.colours import part_colour
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-Ints = np.ndarray[Any, np.dtype[np.int64]]
+Ints = np.ndarray[Any, np.dtype[np.integer[Any]]]
 Bools = np.ndarray[Any, np.dtype[np.bool_]]
 Vector = tuple[float, float, float]
 Kind = Literal["part", "ghost", "line"]  # a line has no edges
@@ -274,8 +275,8 @@ def _image(solids: Sequence[_Solid], animation: Animation, frame: int, view: _Vi
         shine, before = _drawn(ghosts, frame, view)
         seen = before > depth
         paper[seen] += _GHOST * (shine[seen] - paper[seen])
-    fine = [paper[i::_FINE, k::_FINE] for i in range(_FINE) for k in range(_FINE)]
-    smooth = np.sum(fine, axis=0) / len(fine)
+    rows: Floats = reduce(np.add, [paper[k::_FINE] for k in range(_FINE)])
+    smooth: Floats = reduce(np.add, [rows[:, k::_FINE] for k in range(_FINE)]) / _FINE**2
     return Image.fromarray((smooth + 0.5).astype(np.uint8))
 
 
@@ -299,7 +300,8 @@ def _drawn(solids: Sequence[_Solid], frame: int, view: _View) -> tuple[Floats, F
     size = (_FINE * view.high, _FINE * view.wide)
     slopes = _slopes(at)
     index, depth = nearest(at, slopes, size)
-    paper = np.concatenate([*colours, _PAPER])[index]  # the last where nothing is
+    # the last where nothing is
+    paper = np.take(np.concatenate([*colours, _PAPER]), index, axis=0, mode="wrap")
     faces = (np.concatenate(things), np.concatenate(normals), slopes)
     paper[_edges(index, depth, faces)] *= _LINE
     return paper, depth
@@ -347,7 +349,7 @@ def nearest(corners: Floats, slopes: Floats, size: tuple[int, int]) -> tuple[Int
     pixel = row * wide + column
     depth = np.full(high * wide, -np.inf)
     np.maximum.at(depth, pixel, z)
-    index = np.full(high * wide, -1)
+    index = np.full(high * wide, -1, np.int32)
     seen = z >= depth[pixel]
     index[pixel[seen]] = triangle[seen]
     return index.reshape(size), depth.reshape(size)
@@ -368,7 +370,8 @@ def _edges(index: Ints, depth: Floats, faces: tuple[Ints, Floats, Floats]) -> Bo
     for axis in (1, 0):
         here = (slice(None, -1), slice(None)) if axis == 0 else (slice(None), slice(None, -1))
         there = (slice(1, None), slice(None)) if axis == 0 else (slice(None), slice(1, None))
-        rows, columns = np.nonzero(index[here] != index[there])
+        differ = index[here] != index[there]
+        rows, columns = np.divmod(np.flatnonzero(differ), differ.shape[1])
         next_rows = rows + (axis == 0)
         next_columns = columns + (axis == 1)
         a = index[rows, columns]
