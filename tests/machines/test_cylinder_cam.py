@@ -24,7 +24,9 @@ from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, circle
 from camgen.machines.cylinder_cam.bearings import Roller, pressed
 from camgen.machines.cylinder_cam.mechanism import CylinderCam
+from camgen.machines.sources import read_mechanism
 from camgen.parts import materials
+from camgen.parts.assembly import order_of_assembly
 from camgen.parts.part import Layer, Part
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
@@ -518,3 +520,18 @@ def test_no_drum_is_told_as_such() -> None:
         drum(geometry={"track": "rib", "distance": 5.0}).track  # noqa: B018
     steep = drum(geometry={"radius": 25.0}).limits()
     assert [each.code for each in steep if not each.ok] == ["PRESSURE_ANGLE"]
+
+
+def test_steps_of_a_drum_machine_give_a_height_to_what_lies_level_alone() -> None:
+    """Carriage, pin and roller have their axis across the drum's; the second plate lies over the drum, turned over."""
+    machine = read_mechanism(Path(__file__).parents[2] / "specs" / "gallery" / "drum-feeder.toml")
+    table = order_of_assembly(machine.assembly)
+    rows = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
+    across = {row["part"] for row in rows if row["lies"] == "on its side"}
+    assert across == {"carriage", "roller-pin", "roller"}
+    assert all((row["underside at z, mm"] == "") == (row["part"] in across) for row in rows)
+    below, *above = (row["underside at z, mm"] for row in rows if row["part"] == "end-plate")
+    drum = next(row for row in rows if row["part"] == "drum")
+    assert below == 0 and set(above) == {above[0]} and above[0] > drum["underside at z, mm"]  # type: ignore[operator]
+    aside = next(row for row in rows if row["part"] == "carriage")
+    assert aside["where"] == f"on the table beside the machine; step {drum['step']} puts it in"

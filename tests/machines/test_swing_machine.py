@@ -213,8 +213,21 @@ def test_what_is_bought_for_a_tip_and_the_order_of_assembly() -> None:
             if "cam" in str(row[1]) or "frame" in str(row[1])
         ]
 
-    assert order() == ["cam", "frame plate", "second frame plate", "spacer, second cam"]
-    assert order("frame.tip='pin'", *FORCED) == ["frame plate", "cam"]
+    assert order() == [
+        *("cam", "cam-pin", "frame", "frame, second copy"),
+        *("frame-pin", "both frames", "cam-spacer", "cam, second copy"),
+    ]
+    assert order("frame.tip='pin'", *FORCED) == ["frame", "frame", "cam", "cam-pin"]
+
+
+@pytest.mark.parametrize("settings", [(), ("frame.tip='MR63'",), ("frame.tip='pin'", *FORCED)])
+def test_a_step_lays_one_part_by_the_name_of_its_file(settings: tuple[str, ...]) -> None:
+    made = machine(*settings).assembly
+    table = order_of_assembly(made)
+    names = {part.name for part in made.parts} | {thing.name for thing in made.bought}
+    for row, step in zip(table.rows, table.steps, strict=True):
+        assert len({copy.rpartition("-")[0] for copy in step.copies}) <= 1, row
+        assert str(row[1]).partition(",")[0] in names | {"both frames"}
 
 
 def test_axles_have_end_float() -> None:

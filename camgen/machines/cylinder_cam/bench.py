@@ -35,6 +35,7 @@ PIN_SHARE = 0.4  # diameter of a roller's pin as a share of the roller's, at mos
 _CAP = 2.0  # room of the cap that keeps an arm on its pin
 _KNOB = (12.0, 25.0)  # diameter and length
 _STUB = 5.0  # diameter, in the crank
+_ASIDE = "on the table beside the machine; step {step} puts it in"
 _OUT = 20.0  # of the shaft over the upper plate, where a motor turns it
 
 
@@ -473,13 +474,13 @@ class Bench:
             ("end-plate", "seat up", ["end-plate-1"]),
             ("bearing", "pressed into the seat", ["bearing-1"]),
             ("rod", "glued into the plate, flush below", copies["rod"]),
-            (held, "loose on the table", copies[held]),
+            (held, _ASIDE, copies[held]),
             ("roller-pin", f"glued into the {held}, flush outside", copies["roller-pin"]),
             ("roller", "on its pin, its inner end a little over the pin's", copies["roller"]),
         ]
         if swings:
             said += [
-                ("bracket", "loose on the table", copies["bracket"]),
+                ("bracket", _ASIDE, copies["bracket"]),
                 ("pivot", "glued into the bracket, flush outside", copies["pivot"]),
                 ("arm", "on its pin", copies["arm"]),
                 ("cap", "glued on the pin, the arm free", copies["cap"]),
@@ -497,7 +498,8 @@ class Bench:
             ),
             ("spacer-above", "on the shaft", copies["spacer-above"]),
             ("bearing", "on the shaft", ["bearing-2"]),
-            ("end-plate", "seat down, on bearing and rods, glued, flush above", ["end-plate-2"]),
+            ("end-plate", "seat down, on bearing and rods, flush above", ["end-plate-2"]),
+            ("end-plate", "glued on the rods", ["end-plate-2"]),
         ]
         if self.cranked:
             said += [
@@ -505,16 +507,22 @@ class Bench:
                 ("knob", "glued into the crank", copies["knob"]),
             ]
         titles = {part.name: part.title for part, _ in self.made}
-        level = {part.name: mounts[0].z for part, mounts in self.made}
-        lies = {
-            part.name: "turned over" if mounts[0].flipped else "as drawn"
-            for part, mounts in self.made
+        mounts = {
+            copy: mount
+            for part, m in self.made
+            for copy, mount in zip(copies[part.name], m, strict=True)
         }
+        taken = next(k for k, (name, _, _) in enumerate(said, 1) if name == "drum")
         rows = []
         steps = []
-        for number, (name, where, which) in enumerate(said, 1):
+        for number, (name, place, which) in enumerate(said, 1):
+            where = place.format(step=taken)
             title = titles[name]
-            count = len(set(which) & set(copies[name]))
-            rows.append((number, name, title, where, count, level[name], lies[name]))
+            own = [copy for copy in which if copy in copies[name]]
+            mount = mounts[own[0]]
+            level = mount.body in (GROUND, _CAM) and not mount.upright
+            z: object = round(mount.z, 3) if level else ""
+            lies = ("turned over" if mount.flipped else "as drawn") if level else "on its side"
+            rows.append((number, name, title, where, len(own), z, lies))
             steps.append(Step(f"{title}; {where}", which))
         return Table("Assembly of the machine, from the lower plate up", COLUMNS, rows, steps)

@@ -7,6 +7,8 @@ from camgen.machines.uniform_swing.printed import SwingMachine
 from camgen.parts.catalogue import DOWEL_STANDARD, SCREWS, Bought, fixed_motor, nut
 from camgen.study import Step, Table
 
+_TIP = "pressed in, flush with the side away from the cam"
+_BEARING = "glued on the pin at half the cam's height"
 _ENGAGED = 0.8  # diameters of thread that hold a screw in metal
 
 
@@ -64,58 +66,86 @@ def bought(machine: SwingMachine) -> tuple[Bought, ...]:
 
 
 def steps(machine: SwingMachine) -> Table:
-    """In which order the machine goes together: from the base up, each part laid on from above."""
+    """In which order the machine goes together: from the base up, each part laid on from above, one operation a step."""
     m = machine
     sizes = machine.sizes
-    tip = "; dowel pin pressed in, flush with the side away from the cam" if sizes.seat else ""
-    tip += ", the bearing glued on it at half the cam's height" if sizes.frame.bearing else ""
-    nuts = "nozzle's nuts in their pockets" + ("" if sizes.pair else " below")
-    flush = f"pressed on until the axles end flush, which leaves them {m.play:g} mm of end float"
-    cam = f"on the shaft, arrow up, {m.low - sizes.base.thickness:.3g} mm over the base"
-    cam += "; its pins" if m.cam_pin_length else ""
-    frame = f"as drawn, pressed and glued on both axles{tip}; {nuts}"
-    # height, what, how, what of the parts is laid
+    # height, part as its files name it, how, what of the parts is laid
     layers: list[tuple[float, str, str, tuple[str, ...]]] = [
-        (m.low, "cam", cam, ("cam-1", "cam-pin")),
-        (m.foot, "frame plate", frame, ("frame-1",)),
-    ]
-    if sizes.pair:
-        over = "turned over about the line of the axles"
-        over += "; its pins" if sizes.making.pin_diameter else ""
-        second = "on the first cam and its pins, turned over about Oy, arrow down"
-        layers += [
-            (
-                m.foot + m.thickness,
-                "second frame plate",
-                f"{over}; {flush}",
-                ("frame-2", "frame-pin"),
-            ),
-            (m.top - m.thickness, "spacer, second cam", second, ("cam-spacer", "cam-2")),
-        ]
-    else:
-        layers.append((m.foot + 1e-3, "axles", flush, ()))
-    rows = [
-        ("base, motor", "motor below, its screws' heads in the pockets", ("base",)),
         (
-            "axles, washers",
-            "from below, held by a tape, one through the hole, one through the arc slot; a washer on each",
-            ("axle", "axle-washer"),
+            m.low,
+            "cam",
+            f"on the shaft, arrow up, {m.low - sizes.base.thickness:.3g} mm over the base",
+            ("cam-1",),
+        )
+    ]
+    if m.cam_pin_length:
+        layers.append((m.low, "cam-pin", "into the holes of the cam", ("cam-pin",)))
+    layers.append((m.foot, "frame", "as drawn, pressed and glued on both axles", ("frame-1",)))
+    if sizes.seat:
+        layers.append((m.foot, "dowel pin of the tip", _TIP, ()))
+    if sizes.frame.bearing:
+        layers.append((m.foot, "bearing of the tip", _BEARING, ()))
+    layers.append(
+        (
+            m.foot,
+            "nut of the nozzle",
+            f"both in the pockets of the frame{'' if sizes.pair else ', below'}",
+            (),
+        )
+    )
+    top = m.foot
+    if sizes.pair:
+        top = m.foot + m.thickness
+        layers.append(
+            (top, "frame, second copy", "turned over about the line of the axles", ("frame-2",))
+        )
+        if sizes.seat:
+            layers.append((top, "dowel pin of the tip", _TIP, ()))
+        if sizes.frame.bearing:
+            layers.append((top, "bearing of the tip", _BEARING, ()))
+        if sizes.making.pin_diameter:
+            layers.append((top, "frame-pin", "into the holes of both frames", ("frame-pin",)))
+        second = m.top - m.thickness
+        layers += [
+            (second, "cam-spacer", "on the first cam and its pins", ("cam-spacer",)),
+            (
+                second,
+                "cam, second copy",
+                "on the pins, turned over about Oy, arrow down",
+                ("cam-2",),
+            ),
+        ]
+    flush = f"pressed on until the axles end flush, which leaves them {m.play:g} mm of end float"
+    layers.append((top + 1e-3, "frame" if not sizes.pair else "both frames", flush, ()))
+    rows: list[tuple[str, str, tuple[str, ...]]] = [
+        ("base", "on the motor, its screws' heads in the pockets", ("base",)),
+        (
+            "axle",
+            "from below, one through the hole, one through the arc slot; a tape holds both",
+            ("axle",),
         ),
+        ("axle-washer", "one on each axle", ("axle-washer",)),
     ]
     if m.base_plate.mounts:
         free = f"{sizes.frame.flange_thickness + m.play:g} mm free below for the axles"
-        said = f"on your stand, {free}, before the frames cover the screws"
+        said = f"screwed on your stand, {free}, before the frames cover the screws"
         rows.append(("base", said, ("stand-rail",)))
-    rows += [(what, how, laid) for _, what, how, laid in sorted(layers)]
+    rows += [(what, how, laid) for _, what, how, laid in sorted(layers, key=lambda each: each[0])]
     if sizes.plain:
-        ring = "collet glued on the upper cam; ring over it, wide end first, pushed home"
-        rows.append(("collet, clamp ring", ring, ("collet", "clamp-ring")))
+        rows += [
+            ("collet", "glued on the upper cam", ("collet",)),
+            ("clamp-ring", "over the collet, wide end first, pushed home", ("clamp-ring",)),
+        ]
     rows.append(
-        ("nozzle", "yours, on the frames, its screws from above into the nuts", ("nozzle-foot",))
+        (
+            "nozzle-foot",
+            "your nozzle, on the frames, its screws from above into the nuts",
+            ("nozzle-foot",),
+        )
     )
     return Table(
         "Assembly, step by step",
-        ("step", "what", "how"),
+        ("step", "part", "how"),
         [(k, what, how) for k, (what, how, _) in enumerate(rows, 1)],
         [Step(f"{what}: {how}", laid, 1 if "axle" in laid else -1) for what, how, laid in rows],
     )
