@@ -512,7 +512,7 @@ class Bench:
             for part, m in self.made
             for copy, mount in zip(copies[part.name], m, strict=True)
         }
-        taken = next(k for k, (name, _, _) in enumerate(said, 1) if name == "drum")
+        taken = max(k for k, (name, _, _) in enumerate(said, 1) if name == "drum")
         rows = []
         steps = []
         for number, (name, place, which) in enumerate(said, 1):
@@ -521,7 +521,7 @@ class Bench:
             own = [copy for copy in which if copy in copies[name]]
             mount = mounts[own[0]]
             level = mount.body in (GROUND, _CAM) and not mount.upright
-            z: object = round(mount.z, 3) if level else ""
+            z: object = round(mount.z, 3) if level and not where.startswith("on the table") else ""
             lies = ("turned over" if mount.flipped else "as drawn") if level else "on its side"
             rows.append((number, name, title, where, len(own), z, lies))
             steps.append(Step(f"{title}; {where}", which))
