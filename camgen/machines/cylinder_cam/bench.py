@@ -35,6 +35,7 @@ PIN_SHARE = 0.4  # diameter of a roller's pin as a share of the roller's, at mos
 _CAP = 2.0  # room of the cap that keeps an arm on its pin
 _KNOB = (12.0, 25.0)  # diameter and length
 _STUB = 5.0  # diameter, in the crank
+_FIRST = "on the table, its key up"
 _ASIDE = "on the table beside the machine; step {step} puts it in"
 _OUT = 20.0  # of the shaft over the upper plate, where a motor turns it
 
@@ -469,7 +470,7 @@ class Bench:
         )
         rings = [part.name for part in self.drum[1:]]
         said: list[tuple[str, str, list[str]]] = [
-            *(("drum", "on the table, its key up", copies["drum"]) for _ in rings),
+            *(("drum", _FIRST, copies["drum"]) for _ in rings),
             *((ring, SEAT, copies[ring]) for ring in rings),
             ("end-plate", "seat up", ["end-plate-1"]),
             ("bearing", "pressed into the seat", ["bearing-1"]),
@@ -521,7 +522,7 @@ class Bench:
             own = [copy for copy in which if copy in copies[name]]
             mount = mounts[own[0]]
             level = mount.body in (GROUND, _CAM) and not mount.upright
-            z: object = round(mount.z, 3) if level and not where.startswith("on the table") else ""
+            z: object = round(mount.z, 3) if level and place not in (_ASIDE, _FIRST) else ""
             lies = ("turned over" if mount.flipped else "as drawn") if level else "on its side"
             rows.append((number, name, title, where, len(own), z, lies))
             steps.append(Step(f"{title}; {where}", which))
