@@ -222,6 +222,8 @@ class _Layout:
         self.notes = self._notes(tolerance)
         self.low, self.high = extent([self.outer, *self.above, *self.hidden])
         self.disc = self._disc()
+        self.rim_letter = self._rim_letter()
+        self.datum_letter = self.datum_letter or self.rim_letter
         self.letter = next(
             (c for c in "S Z W V U T R Q".split() if c not in {label for label, _ in self.named}),
             "S-S",
@@ -265,6 +267,12 @@ class _Layout:
             ),
             None,
         )
+
+    def _rim_letter(self) -> str:
+        """Letter of the datum that a round rim is, where no hole about its axis is one and something refers to a datum."""
+        track = self.facts.profile and any(map(free, self.part.region.holes))
+        centred = self.disc is not None and abs(self.low + self.high) < SAME_POINT
+        return self._second if centred and not self.datum_letter and (track or self.placed) else ""
 
     def paper(self, z: complex) -> complex:
         """A point of the part on the paper."""
@@ -362,6 +370,9 @@ class _Layout:
         self._dimension(
             low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, Measure(span.real, wide)
         )
+        if self.rim_letter:
+            foot = self.paper(complex(0, self.low.imag)) - 1j * _DIMENSION_GAP
+            datum(self.sheet, foot, -1j, self.rim_letter)
         if self.disc is None:
             aside = -_DIMENSION_GAP + 0j
             self._dimension(low, complex(low.real, high.imag), aside, Measure(span.imag, tall))
@@ -757,8 +768,8 @@ class _Layout:
 
     @property
     def _second(self) -> str:
-        """Letter of the datum that a keyway is: one that names no hole."""
-        names = {label for label, _ in self.named}
+        """Letter of the datum that a keyway or a rim is: one that names no hole."""
+        names = {label[:1] for label, _ in self.named}
         taken = {*names, self.datum_letter, "I", "O"}
         return next(letter for letter in ascii_uppercase if letter not in taken)
 
@@ -894,6 +905,6 @@ class _Layout:
             self.sheet.text(complex(_FILING + 3, _MARGIN + 3 + 4.5 * i), line, 2.5, room=_NOTES)
         if self.placed:
             corner = complex(_FILING + 3.5, _MARGIN + 4 + 4.5 * len(self.notes))
-            origin = self.zero_is.partition("hole ")[2]
+            origin = self.zero_is.partition("hole ")[2] or self.rim_letter
             end = position(self.sheet, corner, self.facts.position, origin)
             self.sheet.text(end + 2 + 1.8j, "round holes; X and Y are exact", room=58)

@@ -531,6 +531,26 @@ def test_the_bore_of_a_metal_cam_is_its_datum_without_a_keyway_too(tmp_path):
     assert not [text for text in plain if text.startswith("Bore ")]
 
 
+def test_the_rim_of_a_plate_without_a_bore_is_its_datum(tmp_path):
+    """A groove's outer wall: track and pins refer to the rim, whose letter is that of no hole and stands under its diameter."""
+    track = keyed_cam().layers[0].region.outer
+    pins = tuple(circle(cmath.rect(50, math.radians(45 + 90 * k)), 1.5) for k in range(4))
+    layer = Layer(Region(circle(0, 60), (track, *pins)), 0, 6)
+    part = Part("outer", "Groove cam, outer wall", (layer,))
+    layout = _Layout(part, "d", TOLERANCE, replace(SHOP, position=0.1))
+    assert layout.rim_letter and layout.rim_letter == layout.datum_letter
+    assert layout.rim_letter not in {label[:1] for label, _ in layout.named}
+    words = [each for each in layout.sheet.primitives if isinstance(each, Text)]
+    letters = [each.at for each in words if each.text == layout.rim_letter]
+    (size,) = (each.at for each in words if each.text == "Ø120")
+    assert min(abs(at.real - size.real) + max(at.imag - size.imag, 0) for at in letters) < 2
+    assert len(letters) == 3  # datum, frame of the profile, frame of the position
+    square = replace(
+        layer, region=Region(polygon([-60 - 60j, 60 - 60j, 60 + 60j, -60 + 60j]), (track, *pins))
+    )
+    assert not _Layout(replace(part, layers=(square,)), "s", TOLERANCE, SHOP).rim_letter
+
+
 def test_frames_and_the_circle_of_a_whole_outline_are_drawn():
     """The circle at the bend of the track's leader; the run-out's arrow on the face at z = 0, its frame on free paper."""
     layout = _Layout(keyed_cam_with_hub(), "d", TOLERANCE, SHOP)
