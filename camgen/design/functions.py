@@ -23,8 +23,8 @@ from camgen.design.found import CRANK, Found, Judged
 from camgen.design.offers import Aim, Offer
 from camgen.design.request import Request
 from camgen.design.wanted import FunctionWish
-from camgen.design.weighing import with_prototype
-from camgen.errors import DesignError, counted
+from camgen.design.weighing import Designs
+from camgen.errors import DesignError
 from camgen.machine.targets import Function
 from camgen.numerics import Floats, solve
 from camgen.reading import Data
@@ -79,9 +79,9 @@ def offer(request: Request) -> Offer:
     _, wish = request.for_linkage(request.wish)
     found = partial(machine, wish, request.with_lash("lash_deg", wish.lash))
     searched = search(wish)
-    request.say(f"parts of {counted(len(searched), 'design')}")
+    losses = np.array([[each.error, -each.transmission] for each in searched])
     with Workers(request.jobs) as workers:
-        designs = list(workers.map(with_prototype, [found(each) for each in searched]))
+        designs = Designs(losses, lambda k: found(searched[k])).weighed(workers.map, request.say)
     best_in = "transmits best"
     error_counts = wish.tolerance is None
     return Offer(

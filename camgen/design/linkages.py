@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +17,7 @@ from camgen.design.polish import Goal
 from camgen.design.request import Request
 from camgen.design.target import Target
 from camgen.design.wanted import PathWish
-from camgen.design.weighing import PathFront
+from camgen.design.weighing import Designs
 from camgen.errors import DesignError, counted
 from camgen.machine.targets import Trace, path_distance
 from camgen.numerics import Points
@@ -28,6 +29,7 @@ TRACED = "P"
 # of the wanted path's longest chord: error, and length of all bars, that a front reaches to
 _WORST = 0.2
 _MOST = 10.0
+_BEHIND = 0.8  # of the error and bars of a design that could be built: the front reaches to those at most so much worse
 _STEPS = 2000  # angles of a turn, corners of the line in place of the path
 _RESOLUTION = 0.001  # of the distance that is borne, to which the worst one is found
 _SKETCHED = 600  # places of the wanted path in a sketch
@@ -106,7 +108,7 @@ def offer(request: Request) -> Offer:
         found = paths.search(goal, kinds, wish.effort, wish.seed, workers.map, request.say)
         if not found:
             raise DesignError("designs whose chain closes", 0, 1, "", "wanted", wish.further)
-        designs = PathFront(tracing.found, workers.map, request.say).of_all(found)
+        designs = machines(found, tracing).weighed(workers.map, request.say)
     play = wish.useful_play(chord)
     name = wish.path if isinstance(wish.path, str) else f"{len(wish.path)} points"
     return Offer(
@@ -124,6 +126,13 @@ def offer(request: Request) -> Offer:
         },
         f"found by camgen design for the path {name}; output.path: that path, and how far this machine's may be from it",
     )
+
+
+def machines(found: Sequence[ChainDesign], tracing: Tracing) -> Designs:
+    """Designs for a path as what is weighed: those on the front or near it that lie apart."""
+    near = paths.apart(paths.near(found, paths.front(found), _BEHIND))
+    losses = np.array([[each.error, each.bars] for each in near])
+    return Designs(losses, lambda k: tracing.found(near[k]))
 
 
 def names(chain: Chain) -> list[str]:

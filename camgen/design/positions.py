@@ -28,7 +28,7 @@ from camgen.design.wanted import (
     SlideWish,
     kind_of,
 )
-from camgen.design.weighing import weighed
+from camgen.design.weighing import Designs
 from camgen.errors import DesignError, counted
 from camgen.machine.targets import Dwell, Function, Stroke, Through
 from camgen.numerics import Floats, Indices
@@ -48,14 +48,6 @@ _DIGITS = 6  # of an angle, deg
 _SPEED = 60.0  # rpm, unless the spec says one
 
 
-@dataclass(frozen=True)
-class Designs:
-    """What a search found before it is weighed: losses (designs, 2), of which less is better, and the design of a number."""
-
-    losses: Floats
-    of: Callable[[int], Found]
-
-
 def offer(request: Request) -> Offer:
     """Linkages for the positions that a spec wants; SpecError, DesignError."""
     wish: LinkWish
@@ -63,7 +55,7 @@ def offer(request: Request) -> Offer:
     rooms = wish.rooms(sizes.pin_diameter + 2 * sizes.wall)
     designs = _first(wish, rooms, request.with_lash(wish.lash_key, wish.lash), request.say)
     with Workers(request.jobs) as workers:
-        looked = weighed(designs.losses, designs.of, workers.map, request.say)
+        looked = designs.weighed(workers.map, request.say)
     best_in = "shorter bars" if wish.trades_size else "a smaller error"
     aim = (wish.lash, wish.useful_play, wish.unit, not wish.trades_size, "transmits best")
     return Offer(

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from camgen.design import weighing
 from camgen.design.front import Front
 from camgen.design.run import design
+from camgen.design.weighing import Designs
 
 TARGETS = Path(__file__).parents[1] / "reference"
 LENGTH = 100.0  # mm, of each path's longest chord
@@ -44,14 +44,14 @@ def spent() -> float:
 
 
 def main() -> None:
-    plain = weighing.PathFront.of_all
+    plain = Designs.weighed
     begun: list[float] = []
 
-    def timed(self: weighing.PathFront, designs: Any) -> Any:
+    def timed(self: Designs, *others: Any) -> Any:
         begun.append(spent())
-        return plain(self, designs)
+        return plain(self, *others)
 
-    weighing.PathFront.of_all = timed  # type: ignore[method-assign]
+    Designs.weighed = timed  # type: ignore[method-assign]
     for name, wanted in wishes().items():
         fronts: list[Front] = []
         first = spent()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import tomllib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Container, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,14 +17,14 @@ from camgen.design import paths
 from camgen.design.chains import chains
 from camgen.design.found import Found
 from camgen.design.front import Front
-from camgen.design.linkages import Tracing
+from camgen.design.linkages import Tracing, machines
 from camgen.design.offers import Aim, rank
 from camgen.design.paths import ChainDesign, Task, solve_task
 from camgen.design.polish import Goal
 from camgen.design.prototype import Prototype, prototype, tally
 from camgen.design.run import design
 from camgen.design.target import Target
-from camgen.design.weighing import PathFront
+from camgen.design.weighing import Designs
 from camgen.errors import DesignError
 from camgen.findings import Finding, Where
 from camgen.machines.linkage.mechanism import Linkage
@@ -92,10 +92,10 @@ def test_plates_that_the_spec_says_are_kept_and_the_refusal_says_what_was_tried(
 
 
 def test_the_front_is_the_same_on_several_cores(found: list[ChainDesign]) -> None:
-    of = tracing().found
-    alone = PathFront(of, map, lambda text: None).of_all(found)
+    designs = machines(found, tracing())
+    alone = designs.weighed(map, lambda text: None)
     with Workers(2) as workers:
-        together = PathFront(of, workers.map, lambda text: None).of_all(found)
+        together = designs.weighed(workers.map, lambda text: None)
     assert [each.row(1) for each in alone] == [each.row(1) for each in together]
     assert alone and all(not each.miss for each in alone)
 
@@ -104,23 +104,56 @@ def test_parts_of_what_misses_the_path_are_made_only_where_nothing_else_can_be_b
     found: list[ChainDesign],
 ) -> None:
     def weighed(allowance: float) -> tuple[list[Found], list[Found]]:
-        looked: list[Found] = []
+        drawn: list[Found] = []
+        designs = machines(found, tracing(allowance))
 
-        def run(task: Callable[[Any], Found], each: Sequence[Any]) -> Iterable[Found]:
-            done = list(map(task, each))
-            looked.extend(done)
-            return done
+        def of(number: int) -> Found:
+            drawn.append(designs.of(number))
+            return drawn[-1]
 
-        front = PathFront(tracing(allowance).found, run, lambda text: None).of_all(found)
-        return front, looked
+        return replace(designs, of=of).weighed(map, lambda text: None), drawn
 
     worst = sorted(tracing().found(each).share for each in paths.apart(found))  # of 1 mm
-    front, looked = weighed(1.01 * worst[1])
-    missed = [each for each in looked if each.miss]
+    front, drawn = weighed(1.01 * worst[1])
+    missed = [each for each in drawn if each.miss]
     assert missed and not any("prototype" in vars(each) for each in missed)
     assert front and all(each.prototype.of_use for each in front)
     front, _ = weighed(0.5 * worst[0])
     assert front and all(each.prototype.verdict == "fails" for each in front)
+
+
+def numbers(losses: Sequence[tuple[float, float]], refused: Container[int] = ()) -> list[int]:
+    """Of the designs that are weighed, in their order; refused: those that cannot be built."""
+    each = [weighed(0.5, 1.0, "no levels" if k in refused else "") for k in range(len(losses))]
+    looked = Designs(np.array(losses, float), each.__getitem__).weighed(map, lambda text: None)
+    return [next(k for k, one in enumerate(each) if one is design) for design in looked]
+
+
+def test_a_design_that_cannot_be_built_hides_none_behind_it() -> None:
+    """The first one beats all; the second and third one beat each other in one thing each; the fourth is beaten by both."""
+    losses = [(1, 1), (2, 3), (3, 2), (4, 4)]
+    assert numbers(losses) == [0]
+    assert numbers(losses, {0}) == [0, 1, 2]
+    assert numbers(losses, {0, 1, 2}) == [0, 1, 2, 3]
+
+
+def test_both_ends_of_a_front_are_weighed_and_neighbours_once() -> None:
+    """Of 1,001 on one line six, then those in the middle of the gaps; twelve are enough. Twins within a fiftieth count as one."""
+    line = [(k, 1000 - k) for k in range(1001)]
+    assert numbers(line)[:6] == [0, 200, 400, 600, 800, 1000]
+    assert len(numbers(line)) == 12
+    twins = [(0, 100), (1, 99), (100, 0), (99, 1)]
+    assert numbers([*twins, (40, 60), (60, 40), (20, 80), (80, 20)], {0}) == [0, 6, 4, 5, 7, 2]
+
+
+def test_beyond_enough_of_use_only_nearer_ones_are_weighed() -> None:
+    """Those of the least first loss cannot be built, so what comes before the others is tried on, to the last one."""
+    line = [(k, 100 - k) for k in range(0, 101, 5)]
+    refused = {0, 1, 2}
+    looked = numbers(line, refused)
+    useful = [k for k in looked if k not in refused]
+    assert refused & set(looked) and len(useful) >= 8
+    assert 3 in looked or min(useful) == 3
 
 
 def weighed(
