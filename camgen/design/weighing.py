@@ -17,8 +17,9 @@ from camgen.design.prototype import tally
 from camgen.numerics import Floats, Indices
 
 _AT_ONCE = 6  # hits of a front that are weighed together
-_ELSEWHERE = 0.02  # of the range of a front's hits: designs that are nearer to one another in both losses count as one
-_LOOKED_AT = 60  # designs at most, and the rest of a front
+_ELSEWHERE = 0.01  # of the range of a front's hits: designs that are nearer to one another in both losses count as one
+_MOST = 40  # hits, and
+_FAR = 120  # misses, with which no further front is looked at
 _ENOUGH = 8  # designs of use: beyond them only those of a less first loss are weighed
 _MISSES = 12  # that are weighed where no hit is of use
 
@@ -43,7 +44,7 @@ class Designs:
         drawn: dict[int, Found] = {}
         weighed: dict[int, Found] = {}
         misses: dict[int, Found] = {}
-        while remaining.size and len(weighed) + len(misses) < _LOOKED_AT:
+        while remaining.size and len(weighed) < _MOST and len(misses) < _FAR:
             layer = remaining[front(self.losses[remaining])]
             drawn |= {k: self.of(k) for k in layer.tolist() if k not in drawn}
             hits = np.array([k for k in layer.tolist() if not drawn[k].miss], int)
