@@ -613,7 +613,9 @@ def _unlike(teeth: list[tuple[str, UnlikeTooth]]) -> Iterator[str]:
 
 
 def _holding(jumps: list[Jump], held: list[Lock]) -> Iterator[str]:
-    """What a person wants to know of a ratchet; nothing where it locks nowhere."""
+    """What a person wants to know of a ratchet; nothing where it locks nowhere, or where no spring makes it one."""
+    if not held:
+        return
     open_at = [jump for jump, lock in zip(jumps, held, strict=True) if math.isnan(lock.lost)]
     if len(open_at) == len(held):
         return

@@ -329,3 +329,19 @@ def test_what_holds_is_told(tmp_path: Path) -> None:
     assert numbers["lost_angle_deg"] == pytest.approx(32.7776, abs=1e-3)
     assert numbers["draw_angle_deg"] == pytest.approx(25.1913, abs=1e-3)
     assert "up to a friction of 0.470" in result.output
+
+
+def test_a_rack_that_ends_within_a_turn_jumps_without_a_spring(gears: Path) -> None:
+    """Three trapezoids of the basic rack: the pinion's next tooth finds none of them."""
+    slope = math.tan(math.radians(20))
+    tooth = [math.pi / 2 + 2.5 * slope - 2.5j, math.pi / 2 - 2 * slope + 2j]
+    tooth = [*tooth, *(-z.conjugate() for z in reversed(tooth))]
+    pitch = 2 * math.pi
+    points = np.array([k * pitch + 0.99 * z.real + 1j * z.imag for k in (1, 0, -1) for z in tooth])
+    back = np.array([-11 - 2.5j, -11 - 9j, 11 - 9j, 11 - 2.5j])
+    edge = np.append(points, back) - 12j  # the pitch line touches the pinion's reference circle
+    write(gears / "rack.dxf", Ring(edge, np.zeros(len(edge))))
+    words = ["motion", str(gears / "pinion.dxf"), "--drives", str(gears / "rack.dxf")]
+    result = CliRunner().invoke(cli, [*words, "--slides", "0", "-o", str(gears / "out")])
+    assert result.exit_code == 0, result.output
+    assert "jumps" in result.output and "locks" not in result.output
