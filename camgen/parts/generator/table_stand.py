@@ -47,6 +47,7 @@ _LOOSE = 0.5  # mm, by which a hole for a screw without a known thread is wider
 _TOO_NEAR = (
     "use a smaller parts.hand_crank or a longer parts.shaft_length, or leave parts.stand out"
 )
+_FRAME = 10.0  # mm, width of the frame round a window of a stand, at least
 _TABLE = 3.0  # mm, half of what is taken of the table
 
 
@@ -339,6 +340,14 @@ def _contour(area: Any) -> Contour:
 # ---- a board ---------------------------------------------------------------------------------------------------------
 
 
+def _window(name: str, low: complex, high: complex, edge: float) -> dict[str, Contour]:
+    """An opening between two corners that leaves a frame, if it is worth one: the frame lies on the table or has a gusset behind."""
+    low += edge * (1 + 1j)
+    high -= edge * (1 + 1j)
+    small = min(high.real - low.real, high.imag - low.imag) < edge
+    return {} if small else {name: rectangle(low, high)}
+
+
 def _board(stand: TableStand) -> tuple[list[Part], list[Mount], StandIn, list[tuple[str, str]]]:
     t = stand.thick
     rim = stand.rim
@@ -376,6 +385,9 @@ def _board(stand: TableStand) -> tuple[list[Part], list[Mount], StandIn, list[tu
         f"slot {k}": stand._slot(complex(x, panel_tab[0]), complex(x + t, panel_tab[1]))
         for k, x in enumerate(gussets, 1)
     }
+    edge = max(2 * rim + t, _FRAME)
+    under = stand.held.low.imag + rim  # of its lowest hole
+    slots |= _window("window", complex(left, floor), complex(right, under), edge)
     panel = stand._panel("stand-panel", "Panel of the stand", outer, slots)
     # foot: its y is the machine's height over the plate
     low = complex(left - t - rim, -t - deep - rim)
@@ -387,6 +399,8 @@ def _board(stand: TableStand) -> tuple[list[Part], list[Mount], StandIn, list[tu
         for k, x in enumerate(gussets, 3)
     }
     outer_foot = rectangle(low, complex(right + t + rim, front))
+    slots |= _window("window 1", complex(left, -t - deep), complex(right, -t), edge)
+    slots |= _window("window 2", complex(left, 0), complex(right, front), edge)
     foot = stand._sheet(
         "stand-foot",
         "Foot of the stand",
