@@ -10,17 +10,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen.errors import SpecError
 from camgen.files.threemf import write_3mf
 from camgen.findings import Finding
+from camgen.geometry.facets import facet_contour
 from camgen.geometry.mesh import Mesh
 from camgen.judge.assembly import sweep
 from camgen.judge.tipping import Standing, judge_tipping
 from camgen.machines.loads.assess import assess
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.sources import read_mechanism
 from camgen.parts.assembly import Assembly, bodies_in_motion, order_of_assembly
 from camgen.parts.generator.table_stand import sweeps
 from camgen.parts.solids import solid
@@ -154,7 +157,7 @@ def test_tabs_fit_their_slots_whatever_the_machine(
     }
     found = machine("board", "parts.hand_crank=30", *(f"{k}={v!r}" for k, v in keys.items()))
     made = found.assembly
-    slots = _rings(made, "stand-foot")
+    slots = [z for z in _rings(made, "stand-foot") if min(np.ptp(z.real), np.ptp(z.imag)) < 9.9]
     tabs = made.by_name["stand-panel"].region.outer
     low = min(complex(piece.at(piece.t0)).imag for piece in tabs.pieces)
     ends = sorted(
@@ -226,3 +229,20 @@ def test_a_machine_on_a_stand_bears_its_weight_downwards_unless_the_spec_says_an
     assert torque[3] != torque[0]
     lies = pipeline.read_mechanism(spec, ["parts.stand='box'", "parts.hand_crank="])
     assert "load" not in lies.resolved().model_dump(exclude_none=True)
+
+
+def test_a_panel_is_a_frame_where_nothing_is_screwed_on() -> None:
+    """The four-bar's panel was 29.3 cm^3; its window leaves 10 mm and more to every side, and to all other holes."""
+    spec = Path(__file__).parents[3] / "specs" / "gallery" / "four-bar.toml"
+    panel = read_mechanism(spec).assembly.by_name["stand-panel"]
+    (layer,) = panel.layers
+    assert layer.region.area * (layer.z1 - layer.z0) < 0.7 * 29.3e3
+    shapes = [
+        shapely.Polygon([(z.real, z.imag) for z in facet_contour(each, 0.01).tolist()])
+        for each in layer.region.holes
+    ]
+    window, *others = sorted(shapes, key=lambda each: each.bounds[1])
+    outer = facet_contour(layer.region.outer, 0.01)
+    rim = shapely.LinearRing([(z.real, z.imag) for z in outer.tolist()])
+    assert window.area > 400 and window.distance(rim) > 9.99
+    assert min(window.distance(each) for each in others) > 9.0
