@@ -278,20 +278,40 @@ class Wheel(Teeth):
         eased = partial(_eased, self.base, start, relief, self.tip)
         return [Smooth(eased, self.tangent(self.tip) / self.base, plain.t0), plain]
 
-    def outline(self) -> Contour:
-        """The edge, counter-clockwise about the axis."""
+    @cached_property
+    def left(self) -> list[Piece]:
+        """The left side of the tooth on Ox, from the tip to the root circle."""
         angle, form = self._join
         root = Smooth(self._trochoid, angle, math.pi / 2)
-        left = [
+        return [
             *self._flank(form),
             *_foot(root, complex(root.at(angle)), form, self),
             root,
         ]
+
+    @property
+    def right(self) -> list[Piece]:
+        """Its right side, from the root circle to the tip."""
+        return _other_side(self.left)
+
+    @property
+    def half_top(self) -> float:
+        """Half of the angle of a tooth's tip, rad."""
         eased = self.relief.amount / self.base if self.relief else 0.0
-        top = self.half_angle(self.tip) - eased
-        foot = cmath.phase(complex(root.at(math.pi / 2)))
+        return self.half_angle(self.tip) - eased
+
+    @property
+    def half_foot(self) -> float:
+        """Half of the angle of a tooth on the root circle, rad."""
+        return cmath.phase(end_point(self.left[-1]))
+
+    def outline(self) -> Contour:
+        """The edge, counter-clockwise about the axis."""
+        top = self.half_top
+        foot = self.half_foot
         gap = Arc(0j, self.root, foot, self.pitch - 2 * foot)
-        return _around(self.teeth, self.pitch, left, [Arc(0j, self.tip, -top, 2 * top)], gap)
+        arc = Arc(0j, self.tip, -top, 2 * top)
+        return _around(self.teeth, self.pitch, self.left, [arc], gap)
 
 
 def _foot(root: Smooth, begin: complex, form: float, wheel: Wheel) -> list[Piece]:
@@ -336,12 +356,16 @@ def _eased(base: float, start: float, relief: Relief, tip: float, roll: Any, ord
     return np.asarray((ddz + 2 * spin * dz + (change + spin**2) * z) * turn)
 
 
+def _other_side(left: Sequence[Piece]) -> list[Piece]:
+    """The right side of what is alike about Ox, from the root outwards."""
+    return [piece.moved(mirror=True).reversed() for piece in reversed(left)]
+
+
 def _around(
     count: int, pitch: float, left: Sequence[Piece], top: Sequence[Piece], gap: Arc
 ) -> Contour:
     """Teeth all round: left side of the one on Ox from top to gap, its top, and the gap on its left."""
-    right = [piece.moved(mirror=True).reversed() for piece in reversed(left)]
-    one: list[Piece] = [*right, *top, *left, gap]
+    one: list[Piece] = [*_other_side(left), *top, *left, gap]
     turns = [cmath.rect(1, k * pitch) for k in range(count)]
     return Contour(tuple(piece.moved(turn) for turn in turns for piece in one))
 

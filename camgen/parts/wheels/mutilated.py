@@ -1,0 +1,501 @@
+"""Mutilated gears: a driver with teeth on a part of its rim turns a wheel by one station a turn; the rest of its rim holds the wheel.
+
+    u           the driver's angle, v the wheel's, rad; both turn so that what is between the axes goes up
+    w           place on the wheel, rad, up from the line of both axes: -radius exp(-i w) from its axis
+    x, y        angles of a tooth of the driver and of the one of the wheel that it pushes, as u and w; so one law serves all teeth
+    block       teeth of the wheel without gaps between them, hollowed by the driver's rim; one at each station
+    lock        the driver's rim without teeth, in a hollow: the wheel stands
+    free        air of a flank, and of the lock in its hollow, on either side, mm
+
+At first the corner of the wheel's tooth slides on the flank of the driver's, then both flanks mesh, and at last the driver's corner
+slides on the wheel's flank and round its tip. The last tooth is as low as it must be to leave the wheel at a station: as it
+passes, the corner of the wheel's tooth is `free` beyond its circle. The first one is as low as it must be to get in beside a tooth
+that stands. Where a corner z, seen from a flank's axis, touches it: arg z + inv(arccos(base / |z|)) is the flank's angle.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+
+from camgen.errors import DesignError
+from camgen.geometry.outlines import Arc, Contour, Floats, Line, Piece, Points
+from camgen.parts.wheels.involute import LEAST_TIP, BasicRack, Wheel
+
+_MOST_JOINED = 8  # teeth of a block
+_NEWTON = 40  # steps at most
+
+
+@dataclass(frozen=True)
+class MutilatedPair:
+    """Both wheels, of standard teeth."""
+
+    teeth: tuple[int, int]  # of the driver, had it teeth all round, and of the wheel
+    stations: int  # of the wheel
+    distance: float  # of the axes, mm
+    backlash: float  # mm along the pitch circles; each tooth is thinner by half of it
+    pressure: float = math.radians(20)
+
+    def __post_init__(self) -> None:
+        if self.teeth[1] % self.stations:
+            least = self.stations * math.ceil(self.teeth[1] / self.stations)
+            said = f"{self.teeth[1]} teeth do not divide into {self.stations} stations"
+            remedy = f"give the wheel {least} teeth"
+            what = "teeth of the wheel"
+            raise DesignError(what, self.teeth[1], least, "", "", remedy).saying(said)
+        if self.joined < 2:
+            said = "the tips of both wheels do not reach far enough into each other for the last tooth to reach a station"
+            more = "use more teeth on both"
+            raise DesignError("teeth joined to a block", self.joined, 2, "", "", more).saying(said)
+        if self.pushing < 2:
+            said = f"{self.joined} of {self.travel} teeth from station to station are joined to the block that is held"
+            remedy = "use fewer stations, or more teeth on the wheel"
+            what = "teeth of the driver"
+            raise DesignError(what, self.pushing, 2, "", "", remedy).saying(said)
+        self._refuse_low_tips()
+        self._refuse_deep_tips()
+        self._refuse_wide_teeth()
+
+    def _refuse_low_tips(self) -> None:
+        """DesignError where the first or the last tooth is so low that its flank never meshes with the wheel's."""
+        least = {"first": self._base_pitch - self._approach, "last": -self._approach}
+        for name, wheel in {"first": self.first, "last": self.last}.items():
+            if self._recess(wheel) <= least[name]:
+                said = f"the driver's {name} tooth, as low as it must be, lets go before another one holds the wheel"
+                need = math.hypot(self.driver.base, self._foot(self.driver) + least[name])
+                what = f"radius of the {name} tooth's tip"
+                remedy = "use more teeth on both"
+                raise DesignError(what, wheel.tip, need, "mm", "", remedy).saying(said)
+
+    def _refuse_deep_tips(self) -> None:
+        """DesignError where a tip reaches below the other wheel's flanks."""
+        wheel = self.wheel
+        begun = abs(complex(self._corner(-wheel.half_top - wheel.pitch * (self.joined - 1) / 2, 0)))
+        reached = {
+            "driver": min(begun, self._seen(self.driver, self._approach)),
+            "wheel": self._seen(wheel, self._recess(self.driver)),
+        }
+        for name, least in reached.items():
+            own = self.driver if name == "driver" else wheel
+            if own.form > least:
+                said = f"tips of the other wheel reach below the flanks of the {name}'s {own.teeth} teeth"
+                what = "radius at which the flanks begin"
+                remedy = "use more teeth"
+                raise DesignError(what, own.form, least, "mm", "", remedy).saying(said)
+
+    def _refuse_wide_teeth(self) -> None:
+        """DesignError where the driver's teeth leave no room for its lock."""
+        rest = self.rest
+        if rest <= 0:
+            said = f"{self.pushing} of {self.teeth[0]} teeth of the driver leave no room for the rim that holds the wheel"
+            what = "angle over which the wheel is held"
+            remedy = "use more stations, or more teeth on the driver"
+            raise DesignError(what, math.degrees(rest), 0, "deg", "", remedy).saying(said)
+
+    @property
+    def module(self) -> float:
+        """Of the teeth, mm."""
+        return 2 * self.distance / sum(self.teeth)
+
+    @property
+    def free(self) -> float:
+        """Air on either side, mm."""
+        return self.backlash / 2 * math.cos(self.pressure)
+
+    @property
+    def ratio(self) -> float:
+        """Angle of the wheel over the driver's while flanks mesh."""
+        return self.teeth[0] / self.teeth[1]
+
+    @property
+    def pitch(self) -> float:
+        """Angle from station to station, rad."""
+        return math.tau / self.stations
+
+    @property
+    def travel(self) -> int:
+        """Teeth of the wheel from station to station."""
+        return self.teeth[1] // self.stations
+
+    @cached_property
+    def driver(self) -> Wheel:
+        """Of its teeth between the first and the last."""
+        return self._wheel(0)
+
+    @cached_property
+    def wheel(self) -> Wheel:
+        """The wheel's teeth."""
+        return self._wheel(1)
+
+    def _wheel(self, k: int) -> Wheel:
+        return Wheel(self.teeth[k], BasicRack(self.module, self.pressure), 0.0, self.backlash / 2)
+
+    def _base_angle(self, wheel: Wheel) -> float:
+        """Half of a tooth's angle at its base circle, rad, of one that is wider by the air."""
+        return wheel.half_angle(wheel.base) + self.free / wheel.base
+
+    @cached_property
+    def joined(self) -> int:
+        """Teeth of a block: as many as the last tooth reaches."""
+        reached = (k for k in range(_MOST_JOINED, 0, -1) if self._leaving(k) <= self.driver.tip)
+        return next(reached, 0)
+
+    @property
+    def pushing(self) -> int:
+        """Teeth of the driver."""
+        return self.travel + 1 - self.joined
+
+    def _leaving(self, joined: int) -> float:
+        """Tip of the driver's last tooth with blocks of so many teeth, mm."""
+        wheel = self.wheel
+        return abs(complex(self._corner((joined + 1) / 2 * wheel.pitch - wheel.half_top, 0))) - self.free
+
+    @cached_property
+    def first(self) -> Wheel:
+        """The driver's first tooth, which passes the upper corner of the wheel's second one."""
+        wheel = self.wheel
+        place = -(self.joined + 1) / 2 * wheel.pitch + wheel.half_top
+        return self._lowered(abs(complex(self._corner(place, 0))) - self.free)
+
+    @cached_property
+    def last(self) -> Wheel:
+        """The driver's last tooth."""
+        return self._lowered(self._leaving(self.joined))
+
+    def _lowered(self, tip: float) -> Wheel:
+        """A tooth of the driver up to a radius, mm."""
+        driver = self.driver
+        return replace(driver, shortened=max(0.0, driver.tip - tip) / self.module)
+
+    def _places(self, tooth: int) -> tuple[float, float]:
+        """Angles of a pair of teeth, from 1, at u = 0 and v = 0, rad."""
+        past = tooth - 1
+        own = self.joined / 2 + past
+        other = (self.joined - 1) / 2 + past
+        return -own * self.driver.pitch, -other * self.wheel.pitch
+
+    # ---- along the line on which flanks touch, mm from the pitch point
+
+    @property
+    def _base_pitch(self) -> float:
+        return self.driver.pitch * self.driver.base
+
+    def _foot(self, wheel: Wheel) -> float:
+        """From the pitch point to where the line touches a wheel's base circle, mm."""
+        return wheel.base * math.tan(self.pressure)
+
+    def _recess(self, wheel: Wheel) -> float:
+        """Where a tooth of the driver lets go, mm."""
+        return wheel.tangent(wheel.tip) - self._foot(wheel)
+
+    @property
+    def _approach(self) -> float:
+        """From where the wheel's tips are touched to the pitch point, mm."""
+        return self.wheel.tangent(self.wheel.tip) - self._foot(self.wheel)
+
+    def _seen(self, wheel: Wheel, beyond: float) -> float:
+        """Least radius at which a wheel is touched by tips that reach so far beyond the pitch point, mm."""
+        return math.hypot(wheel.base, self._foot(wheel) - beyond)
+
+    # ---- the law of a pair of teeth
+
+    def _corner(self, w: Any, order: int) -> Points:
+        """Of the wheel's tip circle the place w, or a derivative, order 0..3, complex mm from the driver's axis."""
+        spoke = -self.wheel.tip * np.exp(-1j * np.asarray(w, float)) * (-1j) ** order
+        return np.asarray(spoke + self.distance if order == 0 else spoke)
+
+    def _mesh(self, x: Floats) -> Floats:
+        """y while both flanks touch."""
+        return np.asarray(self.ratio * x + self.wheel.pitch / 2)
+
+    @cached_property
+    def _meets(self) -> float:
+        """y from which on both flanks touch."""
+        wheel = self.wheel
+        return self.pressure - math.acos(wheel.base / wheel.tip) + wheel.half_top
+
+    def _before(self, y: Any, order: int = 0) -> Floats:
+        """x while the corner of the wheel's tooth slides on the driver's flank, or a derivative to y."""
+        w = np.asarray(y, float) - self.wheel.half_top
+        spots = [self._corner(w, k) for k in range(order + 1)]
+        angle = _angle(spots, _on_flank(spots[0], self.driver.base))
+        return angle - self._base_angle(self.driver) if order == 0 else angle
+
+    def _lets_go(self, wheel: Wheel) -> float:
+        """x up to which both flanks touch."""
+        return math.acos(wheel.base / wheel.tip) - self.pressure - wheel.half_top
+
+    def _after(self, wheel: Wheel, x: Any, order: int = 0) -> Floats:
+        """y while the corner of a tooth of the driver slides on the wheel's flank, then round its tip, or a derivative to x."""
+        own = self.wheel
+        end = self._passes(wheel)
+        within = np.minimum(np.asarray(x, float), end)
+        tip = -wheel.tip * np.exp(1j * (within + wheel.half_top))
+        spots = [tip * 1j**k + (self.distance if k == 0 else 0) for k in range(order + 1)]
+        radius = np.abs(spots[0])
+        flat = radius <= math.hypot(own.base, own.tangent(own.tip) + self.free)
+        flank = -_angle(spots, _on_flank(spots[0], own.base))
+        round_tip = -_angle(spots, _round_corner(radius, own.tip, self.free))
+        if order == 0:
+            flank = flank + self._base_angle(own)
+            round_tip = round_tip + own.half_top
+        found = np.where(flat, flank, round_tip)
+        return found if order == 0 else np.where(np.asarray(x) > end, 0.0, found)
+
+    def _passes(self, wheel: Wheel) -> float:
+        """x at which a tooth of the driver has left that of the wheel behind: both corners lie on one line from its axis."""
+        own = self.wheel
+        reach = wheel.tip + self.free
+        beside = self.distance**2 + reach**2 - own.tip**2
+        return math.acos(beside / (2 * self.distance * reach)) - wheel.half_top
+
+    # ---- the law of both wheels
+
+    @cached_property
+    def drive(self) -> tuple[float, float]:
+        """u at which the wheel starts and stands again."""
+        start, place = self._places(1)
+        begin = float(self._before(place)) if place < self._meets else (place - self.wheel.pitch / 2) / self.ratio
+        return begin - start, self._passes(self.last) - self._places(self.pushing)[0]
+
+    @property
+    def half(self) -> float:
+        """Half of the driver's angle over which the wheel turns, rad."""
+        return (self.drive[1] - self.drive[0]) / 2
+
+    @property
+    def middle(self) -> float:
+        """u in the middle of that."""
+        return sum(self.drive) / 2
+
+    @property
+    def rest(self) -> float:
+        """Half of the driver's angle over which the lock holds the wheel on both sides, rad."""
+        return math.pi - self.half - self._hollow_half
+
+    @property
+    def held(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Ranges of the driver's angle from the middle of a rest in which lock or flanks hold the wheel on both sides, rad."""
+        base = self.driver.base
+        step = self._base_pitch
+        # of the first tooth along the line; the back of a tooth is touched half a base pitch later
+        begin = step / 2 - self._recess(self.first)
+        end = begin
+        for k in range(self.pushing):
+            wheel = self._tooth(k + 1)
+            if k * step + step / 2 - self._recess(wheel) > end + 1e-9:
+                break
+            end = k * step + step / 2 + self._approach
+        begin = max(begin, -self._approach)
+        end = min(end, (self.pushing - 1) * step + self._recess(self.last))
+        zero = -self._places(1)[0] - self.driver.pitch / 4 - self.middle + math.pi
+        return (-self.rest, self.rest), (begin / base + zero, end / base + zero)
+
+    def _tooth(self, k: int) -> Wheel:
+        """The driver's k-th, from 1."""
+        return {1: self.first, self.pushing: self.last}.get(k, self.driver)
+
+    def motion(self, u: Any, order: int = 0) -> Floats:
+        """The wheel's angle v within `drive`, or its derivative, order 0..3; rad."""
+        u = np.asarray(u, float)
+        start, place = self._places(1)
+        meshes = self._mesh(u + start) - place
+        if order == 0:
+            found = meshes
+        else:
+            found = np.full(u.shape, self.ratio if order == 1 else 0.0)
+        early = self._entered(u + start)
+        if place < self._meets:
+            entering = early < self._meets
+            found = np.where(entering, early - place if order == 0 else self._entering(early, order), found)
+        best = np.full(u.shape, -np.inf)
+        last = self.pushing
+        for k in (last - 1, last):
+            x = u + self._places(k)[0]
+            wheel = self._tooth(k)
+            v = self._after(wheel, x) - self._places(k)[1]
+            taken = (u > self._lets_go(self.last) - self._places(last)[0]) & (v > best)
+            best = np.where(taken, v, best)
+            found = np.where(taken, v if order == 0 else self._after(wheel, x, order), found)
+        return np.asarray(found)
+
+    def _entered(self, x: Floats) -> Floats:
+        """y of the first tooth at x; where both flanks touch what meets."""
+        low = self._places(1)[1]
+        high = self._meets
+        if low >= high:
+            return np.full(x.shape, high)
+        ends = float(self._before(low)), float(self._before(high))
+        wanted = np.clip(x, *ends)
+        y = low + (high - low) * (wanted - ends[0]) / (ends[1] - ends[0])
+        for _ in range(_NEWTON):
+            step = (self._before(y) - wanted) / self._before(y, 1)
+            y = np.clip(y - step, low, high)
+            if np.max(np.abs(step), initial=0.0) < 1e-15:
+                break
+        return np.where(x >= ends[1], high, y)
+
+    def _entering(self, y: Floats, order: int) -> Floats:
+        """Derivatives of y to x from those of x to y."""
+        first = self._before(y, 1)
+        if order == 1:
+            return np.asarray(1 / first)
+        second = self._before(y, 2)
+        if order == 2:
+            return np.asarray(-second / first**3)
+        return np.asarray((3 * second**2 - first * self._before(y, 3)) / first**5)
+
+    # ---- edges
+
+    @property
+    def _corner_angle(self) -> float:
+        """Of a block's corner about the wheel's axis, from its middle, rad."""
+        wheel = self.wheel
+        return (self.joined - 1) / 2 * wheel.pitch + wheel.half_top - LEAST_TIP * self.module / wheel.tip
+
+    @property
+    def hollow(self) -> float:
+        """Radius of the blocks' hollows, mm."""
+        return abs(complex(self._corner(self._corner_angle, 0)))
+
+    @property
+    def lock(self) -> float:
+        """Radius of the driver's rim without teeth, mm."""
+        return self.hollow - self.free
+
+    @property
+    def _hollow_half(self) -> float:
+        """Half of a hollow's angle about the driver's axis, rad."""
+        return abs(cmath.phase(complex(self._corner(self._corner_angle, 0))))
+
+    def driver_edge(self) -> Contour:
+        """The driver's edge, counter-clockwise about its axis; the wheel lies on Ox, in the middle of a rest."""
+        begin, end = self.drive
+        driver = self.driver
+        foot = driver.half_foot
+        pieces: list[Piece] = []
+        for k in range(self.pushing, 0, -1):
+            place = self._places(k)[0]
+            pieces += _moved(place, _whole(self._tooth(k)))
+            if k > 1:
+                pieces.append(Arc(0j, driver.root, place + foot, driver.pitch - 2 * foot))
+        left = self._places(1)[0] + foot
+        right = self._places(self.pushing)[0] - foot
+        ends = [cmath.rect(1, -each) for each in (begin, end)]
+        pieces += [
+            Arc(0j, driver.root, left, -begin - left),
+            Line(driver.root * ends[0], self.lock * ends[0]),
+            Arc(0j, self.lock, -begin, math.tau - (end - begin)),
+            Line(self.lock * ends[1], driver.root * ends[1]),
+            Arc(0j, driver.root, -end, right + end),
+        ]
+        return Contour(tuple(_moved(self.middle - math.pi, pieces)))
+
+    def wheel_edge(self) -> Contour:
+        """The wheel's edge, counter-clockwise about its axis, a block at rest on -Ox, where the driver is."""
+        wheel = self.wheel
+        gap = Arc(0j, wheel.root, wheel.half_foot, wheel.pitch - 2 * wheel.half_foot)
+        one = [*self._block(), *_moved((self.joined - 1) / 2 * wheel.pitch, [gap])]
+        for k in range(self.travel - self.joined):
+            one += _moved(((self.joined + 1) / 2 + k) * wheel.pitch, [*_whole(wheel), gap])
+        turns = (math.pi + self.pitch * k for k in range(self.stations))
+        return Contour(tuple(piece for turn in turns for piece in _moved(turn, one)))
+
+    def _block(self) -> Iterator[Piece]:
+        """About Ox, from root circle to root circle."""
+        wheel = self.wheel
+        end = (self.joined - 1) / 2 * wheel.pitch
+        corner = self._corner_angle
+        land = end + wheel.half_top - corner
+        turn = self._hollow_half
+        yield from _moved(-end, wheel.right)
+        yield Arc(0j, wheel.tip, -end - wheel.half_top, land)
+        yield Arc(complex(self.distance), self.hollow, math.pi + turn, -2 * turn)
+        yield Arc(0j, wheel.tip, corner, land)
+        yield from _moved(end, wheel.left)
+
+
+def _whole(wheel: Wheel) -> list[Piece]:
+    """A tooth on Ox, from root circle to root circle."""
+    top = wheel.half_top
+    return [*wheel.right, Arc(0j, wheel.tip, -top, 2 * top), *wheel.left]
+
+
+def _moved(angle: float, pieces: Sequence[Piece]) -> list[Piece]:
+    """Pieces turned about the axis."""
+    turn = cmath.exp(1j * angle)
+    return [piece.moved(turn) for piece in pieces]
+
+
+Slopes = tuple[Floats, Floats, Floats, Floats]
+
+
+def _on_flank(z: Points, base: float) -> Slopes:
+    """inv(arccos(base / |z|)) and its derivatives to log |z|, rad."""
+    t = np.sqrt(np.maximum((np.abs(z) / base) ** 2 - 1, 1e-300))
+    bend = (1 + t**2) / t
+    return t - np.arctan(t), t, bend, (1 - 1 / t**2) * bend
+
+
+def _round_corner(radius: Floats, tip: float, free: float) -> Slopes:
+    """Less the angle between two points at a radius and at the tip's that are `free` apart, and derivatives to log radius, rad."""
+    cosine = np.clip((tip**2 + radius**2 - free**2) / (2 * tip * radius), -1.0, 1.0)
+    rate = (radius**2 - tip**2 + free**2) / (2 * tip * radius)
+    sine = np.sqrt(np.maximum(1 - cosine**2, 1e-30))
+    second = cosine / sine + cosine * rate**2 / sine**3
+    third = rate / sine + (3 * cosine**2 * rate + rate**3) / sine**3
+    third = third + 3 * cosine**2 * rate**3 / sine**5
+    return -np.arccos(cosine), rate / sine, second, third
+
+
+def _angle(spots: Sequence[Points], added: Slopes) -> Floats:
+    """Of the last order of `spots`, a point and its derivatives, arg z + added(log |z|), or its derivative, order 0..3."""
+    z = spots[0]
+    order = len(spots) - 1
+    if order == 0:
+        return np.asarray(np.angle(z) + added[0])
+    first = spots[1] / z
+    if order == 1:
+        return np.asarray(first.imag + added[1] * first.real)
+    second = spots[2] / z - first**2
+    if order == 2:
+        return np.asarray(second.imag + added[2] * first.real**2 + added[1] * second.real)
+    third = spots[3] / z - first * spots[2] / z - 2 * first * second
+    way = added[3] * first.real**3 + 3 * added[2] * first.real * second.real
+    return np.asarray(third.imag + way + added[1] * third.real)
+
+
+@dataclass(frozen=True)
+class MutilatedLaw:
+    """The wheel's angle over the driver's, rad, both 0 in the middle of a rest: on by a station a turn, against the driver's sense.
+
+    way: the sense in which the driver turns.
+    """
+
+    pair: MutilatedPair
+    way: Literal[1, -1] = 1
+
+    @property
+    def breaks(self) -> tuple[float, float]:
+        """Angles of the driver at which the wheel's speed jumps, rad."""
+        return self.way * (math.pi - self.pair.half), self.way * (math.pi + self.pair.half)
+
+    def __call__(self, t: Any, order: int = 0) -> Floats:
+        """Its order-th derivative, 0..3, at the driver's angle t, (n,) rad, nan at nan; 0 while it stands."""
+        pair = self.pair
+        t = self.way * np.asarray(t, float)
+        turn = np.floor(t / math.tau)
+        u = t - math.tau * turn - math.pi + pair.middle
+        begin, end = pair.drive
+        with np.errstate(invalid="ignore"):
+            moved = pair.motion(np.clip(u, begin, end), order)
+            drives = (u > begin) & (u < end)
+        if order == 0:
+            return np.asarray(-self.way * (moved + pair.pitch * turn))
+        return np.where(drives, -self.way * moved * float(self.way) ** order, 0.0)
