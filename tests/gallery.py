@@ -35,6 +35,7 @@ FRAMES = {
     "pencil-cam": 14,
     "elliptic-wheels": 10,
     "ratchet": 20,
+    "stepping-gears": 26,
     "cycloidal-reducer": 12,
     "planetary-reducer": 8,
 }  # frame of the moving picture that shows most

@@ -49,6 +49,7 @@ class _Place:
     play: Floats
     lever: Floats  # mm that both edges must be off by, square to them, for 1 rad of the middle between them
     gap: Floats  # air on both sides together, square to the edges, mm
+    behind: Floats  # twice what is left on the side from which it is moved, mm
 
 
 @dataclass(frozen=True)
@@ -132,7 +133,8 @@ class Engagement:
         place = self._placed(self.motion.bounds(own))
         ends = self.wanted(np.array([0.0, period]), 0)
         value = place.value[back] + whole * (ends[1] - ends[0])
-        found = (value, *(each[back] for each in (place.slope, place.play, place.lever, place.gap)))
+        others = place.slope, place.play, place.lever, place.gap, place.behind
+        found = (value, *(each[back] for each in others))
         return _Place(*(each.reshape(theta.shape) for each in found))
 
     def _placed(self, bounds: Bounds) -> _Place:
@@ -155,7 +157,13 @@ class Engagement:
         lever = 2 / (1 / low.lever + 1 / high.lever)
         lever = np.where(np.isnan(lever), np.fmax(low.lever, high.lever), lever)
         gap = (high.bound - low.bound) * lever + 2 * (self.feature.free - low.free)
-        return _Place(value, slope, bounds.play, lever, gap)
+        # 0 where what moves it leaves the air that is meant
+        behind = np.where(
+            self.wanted(bounds.theta, 1) > 0,
+            (wanted - low.end) * low.lever,
+            (high.end - wanted) * high.lever,
+        )
+        return _Place(value, slope, bounds.play, lever, gap, 2 * (self.feature.free + behind))
 
     def _sides(self, bounds: Bounds) -> list[_Side]:
         """What holds the follower below and above: the driver grown by most of the air, so that levers are those of where the
@@ -167,7 +175,10 @@ class Engagement:
         free = self.feature.free
         grown = replace(self.pair, overlap=-_FILLED * free)
         middle = (bounds.low + bounds.high) / 2
-        guess = np.where(np.isnan(middle), 0.0, middle)
+        middle = np.where(np.isnan(middle), 0.0, middle)
+        # one side may leave much more than the air
+        wanted = self.wanted(bounds.theta, 0)
+        guess = np.where((wanted > bounds.low) & (wanted < bounds.high), wanted, middle)
         window = float(np.max(bounds.play[~np.isnan(bounds.play)], initial=_NARROW))
         near, _, _ = grown.measured(bounds.theta, guess, (window, window), False)
         within = (near.low >= bounds.low) & (near.high <= bounds.high)
@@ -201,9 +212,13 @@ class Engagement:
     @cached_property
     def _held(self) -> Ints:
         """Samples at which it is to be held on both sides."""
+        return self._within(self.feature.held)
+
+    def _within(self, ranges: Sequence[tuple[float, float]]) -> Ints:
+        """Samples in some ranges of the joint's angle, rad."""
         theta = self.motion.samples.theta
-        within = [(theta - begin) % math.tau <= end - begin for begin, end in self.feature.held]
-        return np.flatnonzero(np.any(within, axis=0))
+        within = [(theta - begin) % math.tau <= end - begin for begin, end in ranges]
+        return np.flatnonzero(np.any(within, axis=0)) if within else np.empty(0, int)
 
     @cached_property
     def _least_lever(self) -> float:
@@ -211,13 +226,17 @@ class Engagement:
 
     @cached_property
     def worst_gap(self) -> Gap:
-        """Where it is held by least or most compared to what is meant."""
+        """Where it is held, or moved, by least or most compared to what is meant."""
         samples = self.motion.samples
         meant = 2 * self.feature.free
         gaps = np.where(samples.free, self._samples.gap, 0.0)
         gaps = np.nan_to_num(gaps, nan=0.0)[self._held]
-        k = int(self._held[np.argmax(np.abs(gaps - meant))])
-        gap = float(gaps[np.searchsorted(self._held, k)])
+        pushed = self._within(self.feature.pushed)
+        behind = np.where(samples.free, self._samples.behind, 0.0)[pushed]
+        gaps = np.concatenate([gaps, np.nan_to_num(behind, nan=math.inf)])
+        worst = int(np.argmax(np.abs(gaps - meant)))
+        k = int(np.concatenate([self._held, pushed])[worst])
+        gap = float(gaps[worst])
         sides = (samples.low_pair[k], samples.high_pair[k])
         drivers = [_owner(self.a, self.feature.a, int(pair[0])) for pair in sides]
         driven = [_owner(self.b, self.feature.b, int(pair[1])) for pair in sides]

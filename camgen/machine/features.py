@@ -252,7 +252,8 @@ class EngagedPair(EdgePair):
     """An EdgePair whose edges hold the follower from both sides.
 
     The follower counts as where its law wants it, as far as `free` is left on either side, mm; else as in the middle. held: ranges
-    of the joint's angle in which no more is left, rad; period: of the angle after which both stand as before. rates: of driver and
+    of the joint's angle in which no more is left, rad; pushed: those in which no more is left on the side from which it is
+    moved; period: of the angle after which both stand as before. rates: of driver and
     carrier, turns for one of the joint's angle; a driver of rate 0 is the ground, any other the joint's cam.
     """
 
@@ -264,6 +265,7 @@ class EngagedPair(EdgePair):
     tracks: PinTracks | None = None
     # where no joint of the machine says how they move, since it follows from others: a second disc's output
     implied: Cam | None = None
+    pushed: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True)

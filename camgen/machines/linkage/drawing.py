@@ -40,6 +40,7 @@ from camgen.parts.generator.ratchets import RatchetWish
 from camgen.parts.generator.wheels import SECOND, Ridden, follower_of, level_of, named, pivot
 from camgen.parts.wheels.cycloid import CycloidDisc, OutputWish
 from camgen.parts.wheels.geneva import Geneva, GenevaLaw, InnerGeneva
+from camgen.parts.wheels.mutilated import MutilatedLaw, MutilatedPair
 from camgen.parts.wheels.noncircular import Centrodes, NoncircularPair
 from camgen.parts.wheels.ratchet import PawlLaw, RatchetWheel, pawl_of
 
@@ -74,6 +75,7 @@ class Drawing:
     noncirculars: Sequence[t.Noncircular] = ()
     cycloids: Sequence[t.Cycloid] = ()
     ratchets: Sequence[t.Ratchet] = ()
+    mutilated: Sequence[t.Mutilated] = ()
 
     # ---- names ----------------------------------------------------------------------------------------------------
 
@@ -121,6 +123,7 @@ class Drawing:
             ("cam", map(self.cam_name, self.cams)),
             ("geneva", map(self.geneva_name, self.genevas)),
             ("noncircular", (each.joint for each in self.noncirculars)),
+            ("mutilated", (each.joint for each in self.mutilated)),
             ("ratchet", (each.joint for each in self.ratchets)),
             ("freewheel", map(self.freewheel_name, self.freewheels)),
             ("planets", (row.title for row in self.planets)),
@@ -140,11 +143,12 @@ class Drawing:
 
     def levels_of_joints(self) -> list[str]:
         """Names in [layers] of what has a level of its own beside the links: cams, the second one of a pair, gears, Geneva drives, wheels
-        that are not round, ratchets."""
+        that are not round, mutilated gears, ratchets."""
         levels = [level_of(gear.joint) for gear in self.gears]
         levels += [level_of(row.title) for row in self.planets]
         levels += [level_of(self.geneva_name(geneva)) for geneva in self.genevas]
         levels += [level_of(each.joint) for each in self.noncirculars]
+        levels += [level_of(each.joint) for each in self.mutilated]
         levels += [level_of(each.joint) for each in self.ratchets]
         for cam in (cam for cam in self.cams if cam.shape == "roller"):
             key = level_of(self.cam_name(cam))
@@ -210,10 +214,28 @@ class Drawing:
                 raise named(error, f"noncircular {each.joint}") from None
         return made
 
+    @cached_property
+    def mutilated_laws(self) -> dict[str, MutilatedLaw]:
+        """Mutilated gears, by their joints; DesignError where there are none such."""
+        made = {}
+        for each in self.mutilated:
+            backlash = 2 * self.geneva_sizes[0] if each.backlash is None else each.backlash
+            apart = self._shafts_apart(each.a, each.b)
+            try:
+                pair = MutilatedPair(each.teeth, each.stations, apart, backlash)
+            except DesignError as error:
+                raise named(error, f"mutilated {each.joint}") from None
+            made[each.joint] = MutilatedLaw(pair, self._way(each.a))
+        return made
+
+    def _way(self, link: str) -> Literal[1, -1]:
+        """The sense in which a link turns."""
+        rate = self.turns_of(link) or 1.0
+        return 1 if self.drive.speed_rpm * rate > 0 else -1
+
     def ratchet_of(self, table: t.Ratchet) -> RatchetWish:
         """What is asked of its wheel and pawl; DesignError where there are none such."""
-        rate = self.turns_of(table.a) or 1.0
-        way: Literal[1, -1] = 1 if self.drive.speed_rpm * rate > 0 else -1
+        way = self._way(table.a)
         distance = self._shafts_apart(table.a, table.b)
         try:
             wheel = RatchetWheel(table.teeth, table.radius, table.radius - table.deep)
@@ -343,6 +365,7 @@ class Drawing:
         joined += [cam.cam for cam in self.cams]
         joined += [name for geneva in self.genevas for name in (geneva.a, geneva.b)]
         joined += [name for pair in self.noncirculars for name in (pair.a, pair.b)]
+        joined += [name for pair in self.mutilated for name in (pair.a, pair.b)]
         joined += [each.a for each in self.ratchets]
         joined += [
             name for row in self.cycloids for name in (row.crank, row.disc, row.output or "")
@@ -442,6 +465,7 @@ class Drawing:
         joints += [self._cam(cam, start, joints) for cam in self.cams]
         joints += [self._geneva(geneva, bodies, start) for geneva in self.genevas]
         joints += [self._noncircular(each, start) for each in self.noncirculars]
+        joints += [self._mutilated(each, start) for each in self.mutilated]
         joints += [self._ratchet(each, start) for each in self.ratchets]
         joints += [joint for wish in self.cycloid_wishes for joint in _cycloid(wish, start)]
         drives = [
@@ -719,6 +743,12 @@ class Drawing:
     def _noncircular(self, table: t.Noncircular, start: Mapping[str, m.Pose]) -> m.Cam:
         """The joint; its angle is 0 as drawn."""
         law = self.noncircular_pairs[table.joint].centrodes.law.reversed
+        phase, rest = (start[link].angle for link in (table.a, table.b))
+        return m.Cam(table.joint, table.a, table.b, law, phase=phase, rest=rest)
+
+    def _mutilated(self, table: t.Mutilated, start: Mapping[str, m.Pose]) -> m.Cam:
+        """The joint; its angle is 0 as drawn, in the middle of a rest."""
+        law = self.mutilated_laws[table.joint]
         phase, rest = (start[link].angle for link in (table.a, table.b))
         return m.Cam(table.joint, table.a, table.b, law, phase=phase, rest=rest)
 

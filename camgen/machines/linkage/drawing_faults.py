@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from camgen.errors import Fault, Key, SpecError
 from camgen.machine.model import GROUND
@@ -117,20 +118,19 @@ def _length_faults(drawing: Drawing) -> Iterable[Fault]:
 
 def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
     yield from _drive_faults(drawing)
-    for k, slide in enumerate(drawing.slides):
-        yield from _slide_faults(drawing, ("slide", k), slide)
-    for k, slot in enumerate(drawing.slots):
-        yield from _slot_faults(drawing, ("slot", k), slot)
-    for k, gear in enumerate(drawing.gears):
-        yield from _gear_faults(drawing, ("gear", k), gear)
-    for k, cam in enumerate(drawing.cams):
-        yield from _cam_faults(drawing, ("cam", k), cam)
-    for k, geneva in enumerate(drawing.genevas):
-        yield from _geneva_faults(drawing, ("geneva", k), geneva)
-    for k, each in enumerate(drawing.noncirculars):
-        yield from _noncircular_faults(drawing, ("noncircular", k), each)
-    for k, row in enumerate(drawing.cycloids):
-        yield from _cycloid_faults(drawing, ("cycloid", k), row)
+    kinds: tuple[tuple[str, Sequence[Any], Callable[..., Iterable[Fault]]], ...] = (
+        ("slide", drawing.slides, _slide_faults),
+        ("slot", drawing.slots, _slot_faults),
+        ("gear", drawing.gears, _gear_faults),
+        ("cam", drawing.cams, _cam_faults),
+        ("geneva", drawing.genevas, _geneva_faults),
+        ("noncircular", drawing.noncirculars, _noncircular_faults),
+        ("mutilated", drawing.mutilated, shaft_faults),
+        ("cycloid", drawing.cycloids, _cycloid_faults),
+    )
+    for kind, rows, faults in kinds:
+        for k, row in enumerate(rows):
+            yield from faults(drawing, (kind, k), row)
     for name in drawing.levels_of_joints():
         if name in drawing.links:
             right = "another name: a cam, a gear, a Geneva drive, a pair of wheels or a ratchet has it, and its level"
@@ -239,7 +239,7 @@ def _gear_faults(drawing: Drawing, path: Key, gear: t.Gear) -> Iterable[Fault]:
 
 
 def shaft_faults(
-    drawing: Drawing, path: Key, pair: t.Geneva | t.Noncircular | t.Ratchet
+    drawing: Drawing, path: Key, pair: t.Geneva | t.Noncircular | t.Mutilated | t.Ratchet
 ) -> Iterable[Fault]:
     """What is wrong with the links of wheels that turn on the ground."""
     for key, name in {"a": pair.a, "b": pair.b}.items():

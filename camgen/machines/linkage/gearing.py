@@ -19,7 +19,7 @@ _EVEN = 1e-9  # rad, by which planets that are evenly spread may differ
 
 
 def figures(layout: Layout) -> list[Figure]:
-    """Contact ratio of each pair, of planets once; turns of a set's fast member, or a disc's eccentric, for one of the slow; of wheels that are
+    """Contact ratio of each pair, of planets once; turns of a set's fast member, or a disc's eccentric, for one of the slow; of mutilated gears by how much the wheel's speed jumps; of wheels that are
     not round their module, how fast the driven one is at most and at least, and how far a flank's normal leans at most."""
     pairs = {(each.a.part, each.b.part): each for each in reversed(layout.gear_pairs)}
     found = [
@@ -38,6 +38,13 @@ def figures(layout: Layout) -> list[Figure]:
             Figure("peak speed ratio {of}", float(speed.max()), "", of),
             Figure("least speed ratio {of}", float(speed.min()), "", of),
             Figure("greatest pressure angle {of}", leans, "deg", of),
+        ]
+    for mutilated in layout.mutilated_drives:
+        begin, end = mutilated.law.pair.jumps
+        of = mutilated.joint.name
+        found += [
+            Figure("speed step as it starts {of}", begin, "", of),
+            Figure("speed step as it stops {of}", end, "", of),
         ]
     for asked in (drive.wish for drive in layout.cycloid_drives if not drive.wish.opposite):
         disc = asked.disc
@@ -93,6 +100,16 @@ def notes(layout: Layout) -> Iterator[str]:
         yield (
             f"Cycloidal drive {asked.joint}: {disc.pins} pins, {disc.lobes} lobes; {asked.crank} turns {disc.lobes} times for one "
             f"turn of {asked.output or asked.link}, the other way. The disc has a play of {least:.4g} to {most:.4g} deg."
+        )
+    for mutilated in layout.mutilated_drives:
+        law = mutilated.law
+        pair = law.pair
+        links = mutilated.joint.cam, mutilated.joint.follower
+        sense = "counter-clockwise" if law.way > 0 else "clockwise"
+        yield (
+            f"Mutilated gears {mutilated.joint.name}: turn {links[0]} {sense} only. In each turn it takes {links[1]} on by "
+            f"{math.degrees(pair.pitch):.6g} deg while it turns by {math.degrees(2 * pair.half):.4g}, and holds it for the rest. "
+            f"{links[1].capitalize()} starts at once, at {pair.jumps[0]:.3g} of its speed: turn slowly, or keep its mass small."
         )
     for wish in layout.planets:
         fixed, fast, slow = _members(wish)

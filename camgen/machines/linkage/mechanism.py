@@ -177,6 +177,10 @@ class Linkage(Mechanism):
         default=(),
         description="two toothed wheels that are not round: one turns the other at a ratio that varies over the turn",
     )
+    mutilated: Annotated[tuple[t.Mutilated, ...], Field(max_length=20)] = Field(
+        default=(),
+        description="gears with teeth on a part of the driver's rim: a wheel that turns by stations, and stands between",
+    )
     ratchets: Annotated[tuple[t.Ratchet, ...], Field(alias="ratchet", max_length=20)] = Field(
         default=(),
         description="a wheel that turns one way past a pawl, which falls behind each tooth",
@@ -271,6 +275,7 @@ class Linkage(Mechanism):
             *(name for gear in self.gears for name in (gear.a, gear.b)),
             *(name for geneva in self.genevas for name in (geneva.a, geneva.b)),
             *(name for pair in self.noncirculars for name in (pair.a, pair.b)),
+            *(name for pair in self.mutilated for name in (pair.a, pair.b)),
             *(name for each in self.ratchets for name in (each.a, each.b)),
             *(name for row in self.cycloids for name in (row.crank, row.output) if name),
         ]
@@ -470,6 +475,7 @@ class Linkage(Mechanism):
             self.noncirculars,
             self.cycloids,
             self.ratchets,
+            self.mutilated,
         )
 
     @property
@@ -962,6 +968,7 @@ class Linkage(Mechanism):
             gears,
             genevas=self._drawing.named_genevas,
             noncirculars=self._drawing.noncircular_pairs,
+            mutilated=self._drawing.mutilated_laws,
             ratchets=self._drawing.ratchet_wishes,
             planets=sets,
             cycloids=self._drawing.cycloid_wishes,

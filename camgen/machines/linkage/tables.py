@@ -504,6 +504,33 @@ class Cycloid(Record):
         return self.model_copy(update=changes | {"name": name})
 
 
+class Mutilated(Record):
+    """Mutilated gears: link a has teeth on a part of its rim, which turn link b by one station a turn; the rest of its rim holds b."""
+
+    a: Name = Field(description="the driver: a link that turns on the ground, always in one sense")
+    b: Name = Field(
+        description="the wheel: another link that turns on the ground; it stands as drawn"
+    )
+    teeth: tuple[WheelTeeth, WheelTeeth] = Field(
+        description="teeth of a, if it had them all round, and of b; the distance of both shafts gives their size"
+    )
+    stations: Annotated[int, quantity("1", ge=1, le=50)] = Field(
+        description="stations of b in a turn, over which its teeth divide; it goes on by one in each turn of a"
+    )
+    backlash: Annotated[float, quantity("mm", gt=0, le=5)] | None = Field(
+        default=None,
+        description="play of the teeth along their pitch circles; print.slide_clearance unless given",
+    )
+    name: Name | None = Field(
+        default=None, description="name of the joint; both links unless given"
+    )
+
+    @property
+    def joint(self) -> str:
+        """Name of its joint."""
+        return self.name or f"{self.a} to {self.b}"
+
+
 class Ratchet(Record):
     """A ratchet: the wheel of link a turns one way past the pawl of link b, which falls behind each tooth and holds it the other way."""
 

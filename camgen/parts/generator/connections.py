@@ -23,6 +23,7 @@ from camgen.parts.gears import GearWish
 from camgen.parts.generator.cycloids import CycloidWish
 from camgen.parts.generator.gears import DowelledWheel, GearPair, GearWheel, PlanetWish, gear_pairs
 from camgen.parts.generator.genevas import DowelledEdge, GenevaDrive
+from camgen.parts.generator.mutilated import MutilatedDrive
 from camgen.parts.generator.noncircular import NoncircularDrive
 from camgen.parts.generator.ratchets import RatchetDrive, RatchetWish
 from camgen.parts.generator.sizes import Parts
@@ -41,6 +42,7 @@ from camgen.parts.hardware import FACETS
 from camgen.parts.part import Layer, Part
 from camgen.parts.wheels.geneva import Geneva, InnerGeneva
 from camgen.parts.wheels.involute import Ring
+from camgen.parts.wheels.mutilated import MutilatedLaw
 from camgen.parts.wheels.noncircular import NoncircularPair
 from camgen.spec import Print
 
@@ -133,6 +135,7 @@ class Connections:
     # wheel and disc of each Geneva drive, and the point of its pin
     genevas: Mapping[str, tuple[Geneva | InnerGeneva, str]] = field(default_factory=dict)
     noncirculars: Mapping[str, NoncircularPair] = field(default_factory=dict)
+    mutilated: Mapping[str, MutilatedLaw] = field(default_factory=dict)
     ratchets: Mapping[str, RatchetWish] = field(default_factory=dict)
     stems: Mapping[str, str] = field(default_factory=dict)  # how slides' runners reach their rails
     sunk: bool = False  # whether the ground's pins turn in the plate, heads under it
@@ -313,6 +316,11 @@ class Connections:
         return [NoncircularDrive(self._cam(name), pair) for name, pair in self.noncirculars.items()]
 
     @cached_property
+    def mutilated_drives(self) -> list[MutilatedDrive]:
+        """Mutilated gears."""
+        return [MutilatedDrive(self._cam(name), law) for name, law in self.mutilated.items()]
+
+    @cached_property
     def ratchet_drives(self) -> list[RatchetDrive]:
         """Ratchets; the pawl's boss is a hub round its shaft."""
         hub = (self.sizes.shaft_diameter + self.fits.press_clearance) / 2 + self.rim
@@ -324,9 +332,16 @@ class Connections:
         return joint
 
     @property
-    def edge_drives(self) -> Sequence[GenevaDrive | NoncircularDrive | RatchetDrive]:
+    def pair_drives(self) -> Sequence[NoncircularDrive | MutilatedDrive | RatchetDrive]:
+        """Pairs of two plates on shafts that drive each other by their edges."""
+        return [*self.noncircular_drives, *self.mutilated_drives, *self.ratchet_drives]
+
+    @property
+    def edge_drives(
+        self,
+    ) -> Sequence[GenevaDrive | NoncircularDrive | MutilatedDrive | RatchetDrive]:
         """Pairs whose wheels drive each other by their edges."""
-        return [*self.geneva_drives, *self.noncircular_drives, *self.ratchet_drives]
+        return [*self.geneva_drives, *self.pair_drives]
 
     @cached_property
     def rollers(self) -> list[Roller]:

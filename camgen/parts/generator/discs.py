@@ -23,6 +23,7 @@ from camgen.parts.gears import table, windows
 from camgen.parts.generator.gears import DowelledWheel, GearWheel
 from camgen.parts.generator.genevas import DowelledEdge, GenevaDrive
 from camgen.parts.generator.layout import GROUND, Layout, pivot_name
+from camgen.parts.generator.mutilated import MutilatedDrive
 from camgen.parts.generator.noncircular import NoncircularDrive
 from camgen.parts.generator.pins import MountedPart
 from camgen.parts.generator.ratchets import RatchetDrive
@@ -281,8 +282,10 @@ def _geneva_wheels(layout: Layout, drive: GenevaDrive) -> Iterator[MountedPart]:
         raise named(error, drive.thing, drive.remedy) from None
 
 
-def pair_parts(layout: Layout, drive: NoncircularDrive | RatchetDrive) -> Iterator[MountedPart]:
-    """Both wheels of a pair that are not round, or a ratchet's wheel and pawl, each on its link's shaft."""
+def pair_parts(
+    layout: Layout, drive: NoncircularDrive | MutilatedDrive | RatchetDrive
+) -> Iterator[MountedPart]:
+    """Both wheels of a pair, or a ratchet's wheel and pawl, each on its link's shaft."""
     links = drive.joint.cam, drive.joint.follower
     for link, edge in zip(links, drive.edges(layout.machine), strict=True):
         part, mount = _on_shaft(layout, link, drive, edge)
@@ -290,7 +293,10 @@ def pair_parts(layout: Layout, drive: NoncircularDrive | RatchetDrive) -> Iterat
 
 
 def _on_shaft(
-    layout: Layout, link: str, drive: GenevaDrive | NoncircularDrive | RatchetDrive, edge: Contour
+    layout: Layout,
+    link: str,
+    drive: GenevaDrive | NoncircularDrive | MutilatedDrive | RatchetDrive,
+    edge: Contour,
 ) -> MountedPart:
     """A plate on the shaft of one of its links."""
     wheel = next(each for each in drive.wheels if each.link == link)

@@ -34,6 +34,7 @@ from camgen.parts.generator.cycloids import CycloidDrive, Stud
 from camgen.parts.generator.discs import eccentric_name
 from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.layout import Layout, pivot_name
+from camgen.parts.generator.mutilated import MutilatedDrive
 from camgen.parts.generator.noncircular import NoncircularDrive
 from camgen.parts.generator.pins import bearing_name
 from camgen.parts.generator.plates import SECOND
@@ -134,6 +135,7 @@ def features_of(layout: Layout, pins: Sequence[Mount]) -> Sequence[Feature]:
         found.append(GearTeeth(each.joint.name, *both, turns, angle, implied))
     found += [_geneva(layout, drive) for drive in layout.geneva_drives]
     found += [_noncircular(layout, drive) for drive in layout.noncircular_drives]
+    found += [_mutilated(layout, drive) for drive in layout.mutilated_drives]
     found += [_ratchet(layout, drive) for drive in layout.ratchet_drives]
     found += [pair for drive in layout.cycloid_drives for pair in _cycloid(layout, drive)]
     found += [outline for tip in layout.tips for outline in _outlines(layout, tip)]
@@ -322,6 +324,27 @@ def _noncircular(layout: Layout, drive: NoncircularDrive) -> EngagedPair:
     pair = drive.pair
     period = math.tau * pair.turns
     return EngagedPair(drive.joint.name, a, b, turns, swings, pair.air, ((0.0, math.tau),), period)
+
+
+def _mutilated(layout: Layout, drive: MutilatedDrive) -> EngagedPair:
+    """What mutilated gears are judged on."""
+    links = drive.joint.cam, drive.joint.follower
+    a, b = ((_edge(layout, drive.part_on(link)),) for link in links)
+    turns, swings = (pivot_of(layout, link) for link in links)
+    pair = drive.law.pair
+    period = math.tau * pair.stations
+    law = drive.law
+    return EngagedPair(
+        drive.joint.name,
+        a,
+        b,
+        turns,
+        swings,
+        pair.free,
+        law.held,
+        period,
+        pushed=(law.drives,),
+    )
 
 
 def _ratchet(layout: Layout, drive: RatchetDrive) -> PawlPair:

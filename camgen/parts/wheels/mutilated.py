@@ -30,6 +30,17 @@ from camgen.parts.wheels.involute import LEAST_TIP, BasicRack, Wheel
 
 _MOST_JOINED = 8  # teeth of a block
 _NEWTON = 40  # steps at most
+_HAIR = 1e-24  # least square of a slope: there neither formula counts
+_ROUNDING = 0.2  # modules, of the corner that lets go last: a sharp one wears, or is printed round
+
+
+@dataclass(frozen=True)
+class _Tip:
+    """Of a tooth on Ox on its left: the middle of its rounding."""
+
+    reach: float  # from the axis, mm
+    half: float  # angle, rad
+    rounding: float  # radius, mm; 0: a corner
 
 
 @dataclass(frozen=True)
@@ -76,9 +87,8 @@ class MutilatedPair:
     def _refuse_deep_tips(self) -> None:
         """DesignError where a tip reaches below the other wheel's flanks."""
         wheel = self.wheel
-        begun = abs(complex(self._corner(-wheel.half_top - wheel.pitch * (self.joined - 1) / 2, 0)))
         reached = {
-            "driver": min(begun, self._seen(self.driver, self._approach)),
+            "driver": self._seen(self.driver, self._approach),
             "wheel": self._seen(wheel, self._recess(self.driver)),
         }
         for name, least in reached.items():
@@ -154,7 +164,10 @@ class MutilatedPair:
     def _leaving(self, joined: int) -> float:
         """Tip of the driver's last tooth with blocks of so many teeth, mm."""
         wheel = self.wheel
-        return abs(complex(self._corner((joined + 1) / 2 * wheel.pitch - wheel.half_top, 0))) - self.free
+        return (
+            abs(complex(self._corner((joined + 1) / 2 * wheel.pitch - wheel.half_top, 0)))
+            - self.free
+        )
 
     @cached_property
     def first(self) -> Wheel:
@@ -227,33 +240,37 @@ class MutilatedPair:
         angle = _angle(spots, _on_flank(spots[0], self.driver.base))
         return angle - self._base_angle(self.driver) if order == 0 else angle
 
-    def _lets_go(self, wheel: Wheel) -> float:
+    def _lets_go(self, tip: _Tip) -> float:
         """x up to which both flanks touch."""
-        return math.acos(wheel.base / wheel.tip) - self.pressure - wheel.half_top
+        driver = self.driver
+        reached = driver.tangent(tip.reach) + tip.rounding
+        radius = math.hypot(driver.base, reached)
+        return math.acos(driver.base / radius) - self.pressure - driver.half_angle(radius)
 
-    def _after(self, wheel: Wheel, x: Any, order: int = 0) -> Floats:
+    def _after(self, tip: _Tip, x: Any, order: int = 0) -> Floats:
         """y while the corner of a tooth of the driver slides on the wheel's flank, then round its tip, or a derivative to x."""
         own = self.wheel
-        end = self._passes(wheel)
+        end = self._passes(tip)
+        far = self.free + tip.rounding
         within = np.minimum(np.asarray(x, float), end)
-        tip = -wheel.tip * np.exp(1j * (within + wheel.half_top))
-        spots = [tip * 1j**k + (self.distance if k == 0 else 0) for k in range(order + 1)]
+        place = -tip.reach * np.exp(1j * (within + tip.half))
+        spots = [place * 1j**k + (self.distance if k == 0 else 0) for k in range(order + 1)]
         radius = np.abs(spots[0])
-        flat = radius <= math.hypot(own.base, own.tangent(own.tip) + self.free)
+        flat = radius <= math.hypot(own.base, own.tangent(own.tip) + far)
         flank = -_angle(spots, _on_flank(spots[0], own.base))
-        round_tip = -_angle(spots, _round_corner(radius, own.tip, self.free))
+        round_tip = -_angle(spots, _round_corner(radius, own.tip, far))
         if order == 0:
-            flank = flank + self._base_angle(own)
+            flank = flank + own.half_angle(own.base) + far / own.base
             round_tip = round_tip + own.half_top
         found = np.where(flat, flank, round_tip)
         return found if order == 0 else np.where(np.asarray(x) > end, 0.0, found)
 
-    def _passes(self, wheel: Wheel) -> float:
+    def _passes(self, tip: _Tip) -> float:
         """x at which a tooth of the driver has left that of the wheel behind: both corners lie on one line from its axis."""
         own = self.wheel
-        reach = wheel.tip + self.free
+        reach = tip.reach + tip.rounding + self.free
         beside = self.distance**2 + reach**2 - own.tip**2
-        return math.acos(beside / (2 * self.distance * reach)) - wheel.half_top
+        return math.acos(beside / (2 * self.distance * reach)) - tip.half
 
     # ---- the law of both wheels
 
@@ -261,13 +278,23 @@ class MutilatedPair:
     def drive(self) -> tuple[float, float]:
         """u at which the wheel starts and stands again."""
         start, place = self._places(1)
-        begin = float(self._before(place)) if place < self._meets else (place - self.wheel.pitch / 2) / self.ratio
-        return begin - start, self._passes(self.last) - self._places(self.pushing)[0]
+        begin = (
+            float(self._before(place))
+            if place < self._meets
+            else (place - self.wheel.pitch / 2) / self.ratio
+        )
+        return begin - start, self._passes(self._tip(self.pushing)) - self._places(self.pushing)[0]
 
     @property
     def half(self) -> float:
         """Half of the driver's angle over which the wheel turns, rad."""
         return (self.drive[1] - self.drive[0]) / 2
+
+    @property
+    def jumps(self) -> tuple[float, float]:
+        """Speed of the wheel over that of the driver as it starts and as it stops."""
+        begin, end = self.motion(np.array(self.drive), 1)
+        return float(begin), float(end)
 
     @property
     def middle(self) -> float:
@@ -293,13 +320,22 @@ class MutilatedPair:
                 break
             end = k * step + step / 2 + self._approach
         begin = max(begin, -self._approach)
-        end = min(end, (self.pushing - 1) * step + self._recess(self.last))
+        tip = self._tip(self.pushing)
+        last = self.driver.tangent(tip.reach) + tip.rounding - self._foot(self.driver)
+        end = min(end, (self.pushing - 1) * step + last)
         zero = -self._places(1)[0] - self.driver.pitch / 4 - self.middle + math.pi
         return (-self.rest, self.rest), (begin / base + zero, end / base + zero)
 
     def _tooth(self, k: int) -> Wheel:
         """The driver's k-th, from 1."""
         return {1: self.first, self.pushing: self.last}.get(k, self.driver)
+
+    def _tip(self, k: int) -> _Tip:
+        """Of the driver's k-th, on the side that pushes."""
+        wheel = self._tooth(k)
+        rounding = _ROUNDING * self.module if k == self.pushing else 0.0
+        reach = wheel.tip - rounding
+        return _Tip(reach, wheel.half_angle(reach) - rounding / wheel.base, rounding)
 
     def motion(self, u: Any, order: int = 0) -> Floats:
         """The wheel's angle v within `drive`, or its derivative, order 0..3; rad."""
@@ -313,16 +349,18 @@ class MutilatedPair:
         early = self._entered(u + start)
         if place < self._meets:
             entering = early < self._meets
-            found = np.where(entering, early - place if order == 0 else self._entering(early, order), found)
+            found = np.where(
+                entering, early - place if order == 0 else self._entering(early, order), found
+            )
         best = np.full(u.shape, -np.inf)
         last = self.pushing
         for k in (last - 1, last):
             x = u + self._places(k)[0]
-            wheel = self._tooth(k)
-            v = self._after(wheel, x) - self._places(k)[1]
-            taken = (u > self._lets_go(self.last) - self._places(last)[0]) & (v > best)
+            tip = self._tip(k)
+            v = self._after(tip, x) - self._places(k)[1]
+            taken = (u > self._lets_go(self._tip(last)) - self._places(last)[0]) & (v > best)
             best = np.where(taken, v, best)
-            found = np.where(taken, v if order == 0 else self._after(wheel, x, order), found)
+            found = np.where(taken, v if order == 0 else self._after(tip, x, order), found)
         return np.asarray(found)
 
     def _entered(self, x: Floats) -> Floats:
@@ -357,7 +395,11 @@ class MutilatedPair:
     def _corner_angle(self) -> float:
         """Of a block's corner about the wheel's axis, from its middle, rad."""
         wheel = self.wheel
-        return (self.joined - 1) / 2 * wheel.pitch + wheel.half_top - LEAST_TIP * self.module / wheel.tip
+        return (
+            (self.joined - 1) / 2 * wheel.pitch
+            + wheel.half_top
+            - LEAST_TIP * self.module / wheel.tip
+        )
 
     @property
     def hollow(self) -> float:
@@ -382,7 +424,8 @@ class MutilatedPair:
         pieces: list[Piece] = []
         for k in range(self.pushing, 0, -1):
             place = self._places(k)[0]
-            pieces += _moved(place, _whole(self._tooth(k)))
+            tooth = self._last_tooth() if k == self.pushing else _whole(self._tooth(k))
+            pieces += _moved(place, tooth)
             if k > 1:
                 pieces.append(Arc(0j, driver.root, place + foot, driver.pitch - 2 * foot))
         left = self._places(1)[0] + foot
@@ -396,6 +439,23 @@ class MutilatedPair:
             Arc(0j, driver.root, -end, right + end),
         ]
         return Contour(tuple(_moved(self.middle - math.pi, pieces)))
+
+    def _last_tooth(self) -> list[Piece]:
+        """On Ox, from root circle to root circle; rounded where it pushes."""
+        last = self.last
+        tip = self._tip(self.pushing)
+        middle = cmath.rect(tip.reach, tip.half)
+        reached = last.tangent(tip.reach) + tip.rounding
+        ends = math.hypot(last.base, reached)
+        begins = cmath.rect(ends, last.half_angle(ends))
+        turn = cmath.phase((begins - middle) * cmath.exp(-1j * tip.half))
+        left = replace(last, shortened=(self.driver.tip - ends) / self.module).left
+        return [
+            *last.right,
+            Arc(0j, last.tip, -last.half_top, last.half_top + tip.half),
+            Arc(middle, tip.rounding, tip.half, turn),
+            *left,
+        ]
 
     def wheel_edge(self) -> Contour:
         """The wheel's edge, counter-clockwise about its axis, a block at rest on -Ox, where the driver is."""
@@ -438,7 +498,7 @@ Slopes = tuple[Floats, Floats, Floats, Floats]
 
 def _on_flank(z: Points, base: float) -> Slopes:
     """inv(arccos(base / |z|)) and its derivatives to log |z|, rad."""
-    t = np.sqrt(np.maximum((np.abs(z) / base) ** 2 - 1, 1e-300))
+    t = np.sqrt(np.maximum((np.abs(z) / base) ** 2 - 1, _HAIR))
     bend = (1 + t**2) / t
     return t - np.arctan(t), t, bend, (1 - 1 / t**2) * bend
 
@@ -447,7 +507,7 @@ def _round_corner(radius: Floats, tip: float, free: float) -> Slopes:
     """Less the angle between two points at a radius and at the tip's that are `free` apart, and derivatives to log radius, rad."""
     cosine = np.clip((tip**2 + radius**2 - free**2) / (2 * tip * radius), -1.0, 1.0)
     rate = (radius**2 - tip**2 + free**2) / (2 * tip * radius)
-    sine = np.sqrt(np.maximum(1 - cosine**2, 1e-30))
+    sine = np.sqrt(np.maximum(1 - cosine**2, _HAIR))
     second = cosine / sine + cosine * rate**2 / sine**3
     third = rate / sine + (3 * cosine**2 * rate + rate**3) / sine**3
     third = third + 3 * cosine**2 * rate**3 / sine**5
@@ -484,7 +544,21 @@ class MutilatedLaw:
     @property
     def breaks(self) -> tuple[float, float]:
         """Angles of the driver at which the wheel's speed jumps, rad."""
-        return self.way * (math.pi - self.pair.half), self.way * (math.pi + self.pair.half)
+        return self.drives
+
+    @property
+    def held(self) -> tuple[tuple[float, float], ...]:
+        """Ranges of the driver's angle in which lock or flanks hold the wheel on both sides, rad."""
+        return tuple(map(self._turned, self.pair.held))
+
+    @property
+    def drives(self) -> tuple[float, float]:
+        """Range in which the driver moves the wheel, rad."""
+        return self._turned((math.pi - self.pair.half, math.pi + self.pair.half))
+
+    def _turned(self, span: tuple[float, float]) -> tuple[float, float]:
+        """A range as the driver's sense has it."""
+        return span if self.way > 0 else (-span[1], -span[0])
 
     def __call__(self, t: Any, order: int = 0) -> Floats:
         """Its order-th derivative, 0..3, at the driver's angle t, (n,) rad, nan at nan; 0 while it stands."""

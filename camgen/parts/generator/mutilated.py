@@ -1,0 +1,73 @@
+"""Mutilated gears of a linkage: both wheels on one level, each on its link's shaft."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from camgen.geometry.outlines import Contour
+from camgen.machine import model as m
+from camgen.parts.generator.wheels import Wheel, level_of, pivot
+from camgen.parts.wheels.mutilated import MutilatedLaw
+
+
+@dataclass(frozen=True)
+class MutilatedDrive:
+    """A pair of a machine, drawn in the middle of a rest."""
+
+    joint: m.Cam
+    law: MutilatedLaw
+    remedy = "put the shafts further apart, or use more teeth"  # where a wheel has no room
+
+    @property
+    def level(self) -> str:
+        """Of both wheels."""
+        return level_of(self.joint.name)
+
+    @property
+    def thing(self) -> str:
+        """What it is in messages."""
+        return f"mutilated {self.joint.name}"
+
+    def part_on(self, link: str) -> str:
+        """Name of the wheel of one of its links."""
+        return f"wheel-{self.level}-{link}"
+
+    @property
+    def wheels(self) -> tuple[Wheel, Wheel]:
+        """On their shafts."""
+        pair = self.law.pair
+        tips = {self.joint.cam: pair.driver.tip, self.joint.follower: pair.wheel.tip}
+        first, second = (
+            Wheel(self.level, link, tip, f"wheel of {link}") for link, tip in tips.items()
+        )
+        return first, second
+
+    def edges(self, machine: m.Machine) -> tuple[Contour, Contour]:
+        """Of both wheels about their axes, as drawn at theta = 0; mirrored where the driver turns clockwise."""
+        axes = [pivot(machine, link)[1] for link in (self.joint.cam, self.joint.follower)]
+        line = (axes[1] - axes[0]) / abs(axes[1] - axes[0])
+        pair = self.law.pair
+        mirrored = self.law.way < 0
+        driver, wheel = (
+            edge.moved(mirror=mirrored).counter_clockwise().moved(line)
+            for edge in (pair.driver_edge(), pair.wheel_edge())
+        )
+        return driver, wheel
+
+    def table(self, link: str) -> tuple[str, ...]:
+        """Data of a wheel as a workshop reads them beside its drawing."""
+        pair = self.law.pair
+        teeth = f"module {pair.module:.6g}, pressure angle {math.degrees(pair.pressure):g} deg"
+        mate = f"mate at {pair.distance:.3f}, backlash {pair.backlash:g}"
+        if link == self.joint.cam:
+            return (
+                f"{pair.pushing} teeth of {pair.teeth[0]}, {teeth}",
+                f"tips R {pair.driver.tip:.3f}, of the first R {pair.first.tip:.3f}, of the last R {pair.last.tip:.3f}",
+                f"rim R {pair.lock:.3f} over {math.degrees(math.tau - 2 * pair.half):.2f} deg; {mate}",
+            )
+        return (
+            f"{pair.teeth[1]} teeth, {teeth}",
+            f"{pair.stations} blocks of {pair.joined} teeth with hollows R {pair.hollow:.3f}",
+            f"tips R {pair.wheel.tip:.3f}; {mate}",
+        )
