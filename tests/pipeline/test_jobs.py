@@ -119,6 +119,7 @@ MADE = [
     ("gallery/pencil-cam", ("files.step=true",)),
     ("gallery/ratchet", ("files.step=true",)),
     ("gallery/scotch-yoke", ("files.step=true",)),
+    ("gallery/stepping-gears", ()),
     ("gallery/valve", ("output.step=true",)),
     ALONE,
 ]
