@@ -326,7 +326,9 @@ def _pushing(drive: Drive, motion: PairMotion) -> Side:
     rate = drive.ratio
     if rate is None:
         known = motion.samples
-        middle = np.nanmean(np.vstack([known.low, known.high]), axis=0)
+        low = np.where(np.isnan(known.low), known.high, known.low)
+        high = np.where(np.isnan(known.high), known.low, known.high)
+        middle = (low + high) / 2
         rate = float(np.nansum(np.diff(middle)))
     return "high" if rate < 0 else "low"
 

@@ -345,3 +345,11 @@ def test_a_rack_that_ends_within_a_turn_jumps_without_a_spring(gears: Path) -> N
     result = CliRunner().invoke(cli, [*words, "--slides", "0", "-o", str(gears / "out")])
     assert result.exit_code == 0, result.output
     assert "jumps" in result.output and "locks" not in result.output
+
+
+def test_a_driven_outline_that_nothing_touches_for_a_while_is_followed() -> None:
+    """A pin that goes round a crank pushes an arm of like make once a turn; elsewhere no bound of it is known."""
+    circle = np.exp(0.5j * math.pi * np.arange(4))
+    pin = Ring(31 + 3 * circle, np.full(4, math.tan(math.pi / 8)))
+    driven = driven_by(pin, pin, Drive(distance=60.0, start=math.pi))
+    assert np.any(np.isnan(driven.low) & np.isnan(driven.high))
