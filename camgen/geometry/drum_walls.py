@@ -140,13 +140,14 @@ class DrumWall:
     side: int
 
     def contact(self, phi: Floats, r: Floats) -> Floats:
-        """Angle psi of the contact round the roller, rad, from k towards t."""
+        """Angle psi of the contact round the roller, rad, from k towards t; nan where none of its normals is square to its way."""
         return self._contact(self.path.place(phi, 0), self.path.place(phi, 1), r)
 
     def _contact(self, place: Points, velocity: Points, r: Floats) -> Floats:
         reach = r + self.roller.at(r) * self.roller.slope + velocity.real
         climb = velocity.imag
-        tilt = np.arcsin(place.real * self.roller.slope / np.hypot(reach, climb))
+        with np.errstate(invalid="ignore", divide="ignore"):  # a cone far beside, or no speed
+            tilt = np.arcsin(place.real * self.roller.slope / np.hypot(reach, climb))
         turn = -np.arctan2(climb, reach) - self.side * tilt
         return np.asarray(turn if self.side > 0 else math.pi + turn)
 

@@ -230,3 +230,21 @@ def test_a_drum_without_room_for_the_key_is_told(sizes: dict[str, Any]) -> None:
     made = drum(geometry=sizes, parts={"wall": 6.0}, limits={"pressure_angle_deg": 60.0})
     with pytest.raises(DesignError, match=rf"geometry\.{next(iter(sizes))}.*no room for the key"):
         made.assembly  # noqa: B018
+
+
+def test_a_roller_that_passes_beside_its_drum_is_told() -> None:
+    """Half way along it is hypot(25, 12) = 27.7 from the axis of a drum of 26."""
+    sizes = {"radius": 26.0, "follower": {"offset": 12.0}}
+    sizes["roller"] = {"radius": 5.0, "length": 1.0}
+    with pytest.raises(DesignError, match="the middle of the roller lies beside the drum"):
+        drum(1, geometry=sizes, limits={"pressure_angle_deg": 60.0}).assembly  # noqa: B018
+
+
+def test_an_arm_that_leaves_a_cone_no_contact_is_no_drum() -> None:
+    """Its roller is farther beside the drum than the cone's normals reach: told without a warning of numbers."""
+    follower = {**ARM, "arm": 131.4, "start_deg": 65.56}
+    roller = {"radius": 8.7, "length": 0.32, "cone_deg": -43.9, "end_clearance": 5.76}
+    sizes = {"track": "end", "roller": roller, "follower": follower}
+    made = drum(1, geometry=sizes, limits={"pressure_angle_deg": 33.8})
+    with pytest.raises(DesignError):
+        made.assembly  # noqa: B018

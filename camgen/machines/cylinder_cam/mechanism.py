@@ -278,6 +278,13 @@ class CylinderCam(Mechanism):
             raise DesignError(
                 "geometry.follower.offset", offset, limit, "mm", "the floor of the track", remedy
             )
+        middle = track.inner + self.geometry.roller.length / 2
+        if math.hypot(middle, offset) >= track.radius:
+            remedy = "the middle of the roller lies beside the drum: a smaller offset, a larger geometry.radius or a longer roller"
+            limit = math.copysign(math.sqrt(track.radius**2 - middle**2), offset)
+            raise DesignError(
+                "geometry.follower.offset", offset, limit, "mm", "the drum's outside", remedy
+            )
         track.drum.span  # noqa: B018  refuses what is no drum
         return track
 
