@@ -59,11 +59,16 @@ class Spring:
         half = self.damping / self.mass / 2
         square = self.rate / self.mass
         pull = -(self.preload + self.rate * place) / self.mass
-        root = np.emath.sqrt(square - half**2)
-        fade = np.exp(-half * time)
-        swing = time if root == 0 else np.real(np.sin(root * time) / root)
-        kick = fade * swing  # what a velocity of 1 does, and its change
-        change = fade * np.real(np.cos(root * time)) - half * kick
+        rate = math.sqrt(abs(square - half**2))
+        # what a velocity of 1 does, and its change
+        if square >= half**2:
+            fade = np.exp(-half * time)
+            kick = fade * (np.sin(rate * time) / rate if rate else time)
+            change = fade * np.cos(rate * time) - half * kick
+        else:  # it creeps back
+            fade = np.exp(-square / (half + rate) * time)
+            kick = fade * -np.expm1(-2 * rate * time) / (2 * rate)
+            change = fade * (1 + np.exp(-2 * rate * time)) / 2 - half * kick
         if square:
             fall = (1 - change - 2 * half * kick) / square  # what an acceleration of 1 does
         elif half:

@@ -227,3 +227,14 @@ def test_a_cam_in_a_machine_bounces_as_one_alone(geared: bool) -> None:
     assert not finding.ok and f"contact is lost from {lost} rpm" in finding.message
     numbers = machine.study().numbers
     assert numbers["hop_disc_on_ram_mm"] == pytest.approx(0.713, abs=6e-4)
+
+
+def test_a_follower_that_creeps_back_is_told_without_overflow() -> None:
+    """Heavily damped: its two rates are 1e-3 and 1e6 per s; after a while only the slow one is left."""
+    fast, slow = 1e6, 1e-3
+    spring = Spring(mass=1.0, damping=fast + slow, rate=fast * slow, preload=0.0)
+    time = np.array([0.0, 1e-6, 1.0, 1e3])
+    moved, velocity = spring.flight(2.0, 0.0, time)
+    exact = 2 * (fast * np.exp(-slow * time) - slow * np.exp(-fast * time)) / (fast - slow)
+    assert np.allclose(moved, exact, rtol=1e-9)
+    assert np.allclose(velocity[2:], -slow * exact[2:], rtol=1e-3)
