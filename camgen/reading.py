@@ -360,6 +360,10 @@ def _syntax_in_words(line: str, reason: str, above: str) -> str:
         first = _line_of(rf"[ \t]*\[\s*{re.escape(name)}\s*\]", above)
         if first:
             return f"[[{name}]], here and in line {first}, if it is a list; else [{name}] once, with all of its keys"
+    if line.startswith("[") and (
+        inline := _line_of(rf"[ \t]*{re.escape(name)}\s*(?:\.|=\s*[\[{{])", above)
+    ):
+        return f"its keys beside those in line {inline}, where {name} begins; or all of them here"
     if reason == "Cannot overwrite a value":
         key = line.partition("=")[0].strip()
         start = max((header.start() for header in _HEADER.finditer(above)), default=0)

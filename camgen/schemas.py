@@ -118,7 +118,13 @@ def _simple_words(node: Data, root: Data) -> str:
         return f"a table with {', '.join(node['properties'])}"
     if kind == "array":
         if "prefixItems" in node:
-            return "a list of " + ", ".join(in_words(item, root) for item in node["prefixItems"])
+            words = [in_words(item, root) for item in node["prefixItems"]]
+            same = len({*words}) == 1 and len(words) > 1
+            return (
+                f"a list of {len(words)}, each {words[0]}"
+                if same
+                else f"a list of {', '.join(words)}"
+            )
         bounds = " and ".join(f"{word} {node[key]}" for key, word in _COUNTS.items() if key in node)
         return f"a list{f' of {bounds}' if bounds else ''}, each item {in_words(node.get('items'), root)}"
     signs = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}

@@ -843,6 +843,10 @@ def _meant(path: Sequence[str | int], value: object, node: Data) -> str:
         return f'{in_words(node, node)}: write "{plain}"' if plain not in ("", value) else ""
     if path[-1] in ("lift", "lift_deg") and isinstance(value, int | float) and value < 0:
         return f'a number above 0: kind = "return" with {path[-1]} = {-value:g} goes back'
+    if isinstance(value, list) and len(node.get("prefixItems", ())) + 1 == len(value) == 3:
+        a, b, c = map(str, value)
+        if f"{a}{b}{c}".lstrip("-").isdigit() and b.isdigit():
+            return f"two numbers, with decimal points: write [{a}.{b}, {c}] or [{a}, {b}.{c}]"
     unit = unit_of(node)
     found = _NUMBER.fullmatch(value.strip()) if isinstance(value, str) and unit else None
     if found is None or unit is None:

@@ -388,6 +388,9 @@ def test_set_reaches_the_resolved_spec_and_check_agrees(
     assert resolved["geometry"]["swing_deg"] == 24.0
     code, again, _ = run("check", tmp_path / "other", "--json")
     assert code == 0
+    for wrong in (tmp_path / "other" / "spec.toml", tmp_path):
+        code, _, err = run("check", wrong)
+        assert code == 4 and f"{wrong}: is not the folder of a build, as out/<name> is" in err
     *same, anew = json.loads(again)["findings"]
     assert same == json.loads(out)["findings"] and (anew["code"], anew["ok"]) == ("REBUILD", True)
 

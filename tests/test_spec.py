@@ -272,7 +272,14 @@ def test_a_key_that_stands_twice_is_told_with_its_first_line(tmp_path: Path) -> 
         ("side = 1\nat = [\n  [1, 2],\n]\nside = 2", "side once: it stands in line 1 too"),
         ("side = 1\n[side]", "valid TOML: Cannot overwrite a value"),
         ("side.left = 1\nside = 2", "valid TOML: Cannot overwrite a value"),
-        ("side.left = 1\n[side]", r"valid TOML: Cannot declare \('side',\) twice"),
+        (
+            "side.left = 1\n[side]",
+            "its keys beside those in line 1, where side begins; or all of them here",
+        ),
+        (
+            "a = 1\nside = [{ b = 2 }]\n[[side]]",
+            "its keys beside those in line 2, where side begins; or all of them here",
+        ),
     ],
 )
 def test_a_line_is_named_only_where_the_key_stands(tmp_path: Path, text: str, said: str) -> None:

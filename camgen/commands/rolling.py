@@ -254,7 +254,7 @@ def motion(
     of master (deg) and slave.
     """
 
-    _refuse_mixed(options)
+    _refuse_mixed(options, file)
 
     def work() -> Work:
         from camgen.measuring import drives, drum, servo
@@ -283,13 +283,18 @@ def motion(
     each([file], work, as_json=as_json, quiet=quiet, verbose=verbose)
 
 
-def _refuse_mixed(options: dict[str, Any]) -> None:
-    """UsageError where two of --follower, --roller and --drives are given, or options of another one."""
+def _refuse_mixed(options: dict[str, Any], file: Path) -> None:
+    """UsageError where two of --follower, --roller and --drives are given, none for an outline, or options of another one."""
     readers = [name for name in ("follower", "roller", "drives") if options[name] is not None]
     if len(readers) > 1:
         raise click.UsageError("give --follower, --roller or --drives")
     others: Sequence[str]
     if not readers:
+        from camgen.measuring.outlines import ENDINGS
+
+        if file.suffix.lower() in {*ENDINGS} - {".csv"}:  # a CSV may be a cam table
+            said = f"give --follower, --roller or --drives: {file.name} is an outline"
+            raise click.UsageError(said)
         others = (*_OF_DRIVES, "second_follower", "second")
         reader = "a cam table: give --follower for an outline"
     else:

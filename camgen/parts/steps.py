@@ -440,7 +440,8 @@ def _hole_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixin
         )
         if shaft is not None and outline is not None:
             how = _WORDS[fixing.how(hole, copy.part, outline, shaft.part)]
-            far = f", {_height(hole, shaft, below)}" if how and shaft.slender else ""
+            told = how and (shaft.slender or _under(hole, below)[0] > SAME_POINT)
+            far = f", {_height(hole, shaft, below)}" if told else ""
             places.append(f"{of_copy}{f'{how} on' if how else 'on'} {shaft.part.name}{far}")
             continue
         under = [
@@ -481,17 +482,21 @@ def _support(hole: Round, shaft: StandingCopy, below: Sequence[StandingCopy]) ->
         return "flush with its lower end"
     if abs(hole.high - max(each.high for each in shaft.outlines)) < SAME_POINT:
         return "flush with its upper end"
+    gap, name = _under(hole, below)
+    if not name:
+        return ""
+    return f"{gap:.3g} mm over {name}" if gap > SAME_POINT else f"down on {name}"
+
+
+def _under(hole: Round, below: Sequence[StandingCopy]) -> tuple[float, str]:
+    """How far over what lies next under a hole, mm, and its part's name; 0 and "" where nothing does."""
     under = [
-        (each.high, other.part.name)
+        (hole.low - each.high, other.part.name)
         for other in below
         for each in other.holes
         if hole.in_line(each) and -SAME_POINT < hole.low - each.high < _RESTS
     ]
-    if not under:
-        return ""
-    top, name = max(under)
-    gap = hole.low - top
-    return f"{gap:.3g} mm over {name}" if gap > SAME_POINT else f"down on {name}"
+    return min(under, default=(0.0, ""))
 
 
 def _pin_words(

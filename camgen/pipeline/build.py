@@ -99,6 +99,8 @@ def build(
 def check(folder: Path, progress: Progress = silent, jobs: int | None = 1) -> Report:
     """Judge the files of an earlier build again, from the files and the spec.toml beside them, and hold all others against those
     that are made anew; writes nothing."""
+    if folder.exists() and not (folder / SPEC).is_file():
+        raise FileError(folder, f"is not the folder of a build, as out/<name> is: it has no {SPEC}")
     case = Case(read_mechanism(folder / SPEC), folder)
     manifest = read_manifest(folder)
     names = list(manifest["files"])

@@ -29,6 +29,25 @@ def four_bar(root: Path) -> dict[str, Any]:
     return read(root / "specs" / "linkage.toml")
 
 
+@pytest.mark.parametrize(
+    ("place", "right"),
+    [
+        ([20, 5, 0], "write [20.5, 0] or [20, 5.0]"),
+        ([-20, 5, 0], "write [-20.5, 0] or [-20, 5.0]"),
+        ([1, 2, 3, 4], "a list of 2, each a number >= -1000000 and <= 1000000"),
+        ([1.5, 2, 3], "a list of 2, each a number"),
+    ],
+)
+def test_a_decimal_comma_in_a_point_is_told_with_both_readings(
+    place: list[float], right: str
+) -> None:
+    tables = {"mechanism": "linkage", "name": "a", "points": {"O": [0, 0], "A": place}}
+    with pytest.raises(SpecError) as caught:
+        validate(Linkage, tables, "spec")
+    (fault,) = [each for each in caught.value.faults if tuple(each.path)[:2] == ("points", "A")]
+    assert right in fault.expected
+
+
 def cam_machine(**changes: Any) -> dict[str, Any]:
     """A disc on O, a rocker on C with a roller at T."""
     rise, back = (

@@ -52,7 +52,7 @@ def test_each_link_is_said_to_go_over_those_that_it_is_jointed_to(leg: Mechanism
     )
     assert said["lower_rod"] == "A over upper_rod, E over hanger"
     assert (
-        said["hanger"] == "C pressed and glued on pin-1, E over foot"
+        said["hanger"] == "C pressed and glued on pin-1, flush with its upper end, E over foot"
     )  # its head is under the plate
     fixed = "through {} of {}, pressed and glued into {}"  # of a pin the lowest link
     rows = [("B", "upper_rod", "shoulder"), ("D", "link", "shoulder"), ("F", "link", "foot")]
@@ -111,6 +111,20 @@ def test_a_height_over_what_lies_there_is_said_by_the_gap() -> None:
     rows = order((shaft, plate, ring), mounts, poses, (), PLAY).rows
     said = ["0.2 mm over plate", "down on ring", "underside 40 mm from its lower end"]
     assert [row[3] for row in rows[2:]] == [f"pressed and glued on shaft, {each}" for each in said]
+
+
+def test_a_cap_on_a_short_pin_has_its_height_where_it_would_lock_the_joint() -> None:
+    """A pin no longer than it is wide, a link on it, and a cap 0.2 mm over the link, which the pin stands out of by 0.6 mm."""
+    pin = Part("pin", "Pin", (Layer(Region(circle(0, 4)), 0, 7.8),))
+    link = Part("link", "Link", (Layer(Region(circle(0, 9), (circle(0, 4.1),)), 0, 4),))
+    cap = Part("cap", "Cap", (Layer(Region(circle(0, 6), (circle(0, 4),)), 0, 3),))
+    high = {"pin": 0.0, "link": 0.0, "cap": 4.2}
+    poses = {
+        name: [PartPose(np.zeros(1, complex), np.zeros(1), False, z)] for name, z in high.items()
+    }
+    mounts = [Mount(name, "crank", z=z) for name, z in high.items()]
+    rows = order((pin, link, cap), mounts, poses, (), PLAY).rows
+    assert rows[-1][3] == "pressed and glued on pin, 0.2 mm over link"
 
 
 def test_what_is_turned_over_goes_where_its_mirror_image_stands() -> None:

@@ -235,6 +235,9 @@ def test_options_of_outlines_do_not_go_with_a_roller(tmp_path: Path) -> None:
     assert code == 2 and "give --follower, --roller or --drives" in text
     code, text = call(tmp_path / "drum.dxf", ROLLER)
     assert code == 4 and "needs a mesh" in text
+    result = CliRunner().invoke(cli, ["motion", str(tmp_path / "drum.dxf")])
+    said = "give --follower, --roller or --drives: drum.dxf is an outline"
+    assert result.exit_code == 2 and said in result.output
 
 
 def test_a_table_in_a_file_is_read(tmp_path: Path) -> None:

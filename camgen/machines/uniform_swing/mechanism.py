@@ -160,7 +160,9 @@ class UniformSwing(Mechanism):
         springs = wished(self._spring_wish)
         lever = f"; pulls square to a lever of {self.spring.lever:g} mm about the pivot, no eye is made for it"
         wound = [replace(each, size=each.size + lever) for each in to_wind(springs)]
-        demands = (Demand("swing", lash=math.radians(self.allowed.lash_deg)),)
+        demands = (
+            Demand("swing", lash=math.radians(self.allowed.lash_deg), lash_of="limits.lash_deg"),
+        )
         machine = self.machine
         facts = FollowerFacts(wish=self._spring_wish)
         if machine is None:
