@@ -49,7 +49,7 @@ class _Place:
     play: Floats
     lever: Floats  # mm that both edges must be off by, square to them, for 1 rad of the middle between them
     gap: Floats  # air on both sides together, square to the edges, mm
-    behind: Floats  # twice what is left on the side from which it is moved, mm
+    behind: Floats  # air on both sides, mm, if only the side from which it is moved were off
 
 
 @dataclass(frozen=True)
@@ -163,7 +163,7 @@ class Engagement:
             (wanted - low.end) * low.lever,
             (high.end - wanted) * high.lever,
         )
-        return _Place(value, slope, bounds.play, lever, gap, 2 * (self.feature.free + behind))
+        return _Place(value, slope, bounds.play, lever, gap, 2 * self.feature.free + behind)
 
     def _sides(self, bounds: Bounds) -> list[_Side]:
         """What holds the follower below and above: the driver grown by most of the air, so that levers are those of where the
