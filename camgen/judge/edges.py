@@ -49,7 +49,7 @@ class _Place:
     play: Floats
     lever: Floats  # mm that both edges must be off by, square to them, for 1 rad of the middle between them
     gap: Floats  # air on both sides together, square to the edges, mm
-    behind: Floats  # air on both sides, mm, if only the side from which it is moved were off
+    behind: Floats  # twice the air on the side from which it is moved, mm
 
 
 @dataclass(frozen=True)
@@ -61,6 +61,7 @@ class _Side:
     free: Floats  # air that is meant to be left at the bound, mm
     lever: Floats  # mm for 1 rad
     slope: Floats
+    air: Floats  # where the follower is wanted, mm: of both ways to tell it to first order the nearer to what is meant
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,13 +158,8 @@ class Engagement:
         lever = 2 / (1 / low.lever + 1 / high.lever)
         lever = np.where(np.isnan(lever), np.fmax(low.lever, high.lever), lever)
         gap = (high.bound - low.bound) * lever + 2 * (self.feature.free - low.free)
-        # 0 where what moves it leaves the air that is meant
-        behind = np.where(
-            self.wanted(bounds.theta, 1) > 0,
-            (wanted - low.end) * low.lever,
-            (high.end - wanted) * high.lever,
-        )
-        return _Place(value, slope, bounds.play, lever, gap, 2 * self.feature.free + behind)
+        behind = np.where(self.wanted(bounds.theta, 1) > 0, low.air, high.air)
+        return _Place(value, slope, bounds.play, lever, gap, 2 * behind)
 
     def _sides(self, bounds: Bounds) -> list[_Side]:
         """What holds the follower below and above: the driver grown by most of the air, so that levers are those of where the
@@ -192,7 +188,11 @@ class Engagement:
             lever = np.where(within, close.lever, touch.lever)
             end = freer(bound + inwards * left / lever, touching + inwards * free / touch.lever)
             slope = np.where(within, close.slope, touch.slope)
-            sides.append(_Side(bound, end, left, lever, slope))
+            near_air = free - left + inwards * (wanted - bound) * lever
+            touch_air = inwards * (wanted - touching) * touch.lever
+            nearer = np.abs(near_air - free) <= np.abs(touch_air - free)
+            air = np.where(nearer, near_air, touch_air)
+            sides.append(_Side(bound, end, left, lever, slope, air))
         return sides
 
     def figures(self, kind: str) -> list[Figure]:
