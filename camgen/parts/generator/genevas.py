@@ -15,7 +15,7 @@ import numpy as np
 
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
-from camgen.parts.generator.wheels import Roller, Wheel, level_of, pivot
+from camgen.parts.generator.wheels import EdgeDrive, Roller, Wheel, pivot
 from camgen.parts.wheels.geneva import Geneva, InnerGeneva
 
 
@@ -34,25 +34,15 @@ class DowelledEdge:
 
 
 @dataclass(frozen=True)
-class GenevaDrive:
+class GenevaDrive(EdgeDrive):
     """A Geneva drive of a machine."""
 
-    joint: m.Cam
     geneva: Geneva | InnerGeneva
     point: str  # of the crank, where its roller is
+    kind = "geneva"
     remedy = (
         "put the shafts further apart, or use a smaller pin_radius"  # where a wheel has no room
     )
-
-    @property
-    def level(self) -> str:
-        """Of all its parts."""
-        return level_of(self.joint.name)
-
-    @property
-    def thing(self) -> str:
-        """What it is in messages."""
-        return f"geneva {self.joint.name}"
 
     def part_on(self, link: str) -> str:
         """Name of the part on the shaft of one of its links: the slotted wheel, or the disc that locks it."""

@@ -8,31 +8,17 @@ from dataclasses import dataclass
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.numerics import Floats, Points
-from camgen.parts.generator.wheels import Wheel, level_of, pivot
+from camgen.parts.generator.wheels import EdgeDrive, Wheel, pivot
 from camgen.parts.wheels.noncircular import NoncircularPair
 
 
 @dataclass(frozen=True)
-class NoncircularDrive:
+class NoncircularDrive(EdgeDrive):
     """A pair of a machine, drawn as t = 0."""
 
-    joint: m.Cam
     pair: NoncircularPair
+    kind = "noncircular"
     remedy = "put the shafts further apart, or use more teeth"  # where a wheel has no room
-
-    @property
-    def level(self) -> str:
-        """Of both wheels."""
-        return level_of(self.joint.name)
-
-    @property
-    def thing(self) -> str:
-        """What it is in messages."""
-        return f"noncircular {self.joint.name}"
-
-    def part_on(self, link: str) -> str:
-        """Name of the wheel of one of its links."""
-        return f"wheel-{self.level}-{link}"
 
     @property
     def wheels(self) -> tuple[Wheel, Wheel]:

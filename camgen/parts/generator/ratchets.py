@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
-from camgen.parts.generator.wheels import Wheel, level_of, pivot
+from camgen.parts.generator.wheels import EdgeDrive, Wheel, pivot
 from camgen.parts.wheels.ratchet import Pawl, PawlLaw
 
 
@@ -21,28 +21,18 @@ class RatchetWish:
 
 
 @dataclass(frozen=True)
-class RatchetDrive:
+class RatchetDrive(EdgeDrive):
     """A ratchet of a machine; hub: radius of the pawl's boss, mm."""
 
-    joint: m.Cam
     wish: RatchetWish
     hub: float
+    kind = "ratchet"
     remedy = "use a greater radius, or a smaller depth"  # where a wheel has no room
 
     @property
     def pawl(self) -> Pawl:
         """Its pawl."""
         return self.wish.law.pawl
-
-    @property
-    def level(self) -> str:
-        """Of both parts."""
-        return level_of(self.joint.name)
-
-    @property
-    def thing(self) -> str:
-        """What it is in messages."""
-        return f"ratchet {self.joint.name}"
 
     def part_on(self, link: str) -> str:
         """Name of the part on the shaft of one of its links."""

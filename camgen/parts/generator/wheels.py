@@ -13,7 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -342,3 +342,25 @@ def named(error: DesignError, thing: str, remedy: str = "") -> DesignError:
     found = DesignError(*facts, where, remedy)
     own = error.sentence != DesignError(*facts, error.where, error.remedy).sentence
     return found.saying(f"{thing}: {error.sentence}") if own else found
+
+
+@dataclass(frozen=True)
+class EdgeDrive:
+    """Two parts of a machine, on their links' shafts and on one level, of which one drives the other by its edge."""
+
+    joint: m.Cam
+    kind: ClassVar[str]  # its table in a spec
+
+    @property
+    def level(self) -> str:
+        """Of all its parts."""
+        return level_of(self.joint.name)
+
+    @property
+    def thing(self) -> str:
+        """What it is in messages."""
+        return f"{self.kind} {self.joint.name}"
+
+    def part_on(self, link: str) -> str:
+        """Name of the part on the shaft of one of its links."""
+        return f"wheel-{self.level}-{link}"
