@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import re
+from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from PIL import Image
 
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.shown import animation as shown
+from camgen.pipeline.shown import rendered
 from camgen.report.animation import frames, still_svg
 
 TOP = Path(__file__).resolve().parent.parent
@@ -39,9 +42,11 @@ FRAMES = {
     "cycloidal-reducer": 12,
     "planetary-reducer": 8,
 }  # frame of the moving picture that shows most
+SOLID = ("drum-feeder",)  # what a plan does not show
 _MARGIN = 2.0  # mm, round a drawing
 _CLOSE = 0.05  # mm, and units of all other numbers of a picture
 _WITHIN = 0.2  # mm, that the ends of a cam's arcs leave of its box
+_SAME = 0.002  # of a picture's pixels, that lie on edges and may differ from processor to processor
 _PATHS = re.compile(r' (?:d|points)="([^"]*)"')
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 _CORNERS = re.compile(rf"({_NUMBER.pattern}),({_NUMBER.pattern})")  # of a polyline
@@ -53,6 +58,22 @@ def picture(name: str) -> str:
     (spec,) = (TOP / "specs").rglob(f"{name}.toml")
     mechanism = pipeline.read_mechanism(spec)
     return still_svg(shown(mechanism), f"{mechanism.name} ({mechanism.mechanism})", FRAMES[name])
+
+
+def solid(name: str) -> bytes:
+    """A machine in 3-D, as PNG."""
+    (spec,) = (TOP / "specs").rglob(f"{name}.toml")
+    return rendered(pipeline.read_mechanism(spec), "picture")
+
+
+def same_pixels(picture: bytes, other: bytes) -> bool:
+    """Whether two PNG show the same."""
+    images = [
+        np.asarray(Image.open(BytesIO(each)).convert("RGB"), int) for each in (picture, other)
+    ]
+    if images[0].shape != images[1].shape:
+        return False
+    return bool(np.mean(np.any(abs(images[0] - images[1]) > 8, axis=-1)) < _SAME)
 
 
 def moving(name: str, seconds: float = 6.0) -> str:
@@ -136,15 +157,17 @@ def _box(path: str) -> list[float]:
     return [*ends.min(axis=0), *ends.max(axis=0)]
 
 
-def path(name: str) -> Path:
+def path(name: str, kind: str = "svg") -> Path:
     """Where the README finds it."""
-    return TOP / "out" / "gallery" / f"{name}.svg"
+    return TOP / "out" / "gallery" / f"{name}.{kind}"
 
 
 if __name__ == "__main__":
     path("walking-leg-moving").write_text(moving("walking-leg"), encoding="utf-8")
     for name in FRAMES:
         path(name).write_text(picture(name), encoding="utf-8")
+    for name in SOLID:
+        path(name, "png").write_bytes(solid(name))
     with TemporaryDirectory() as folder:
         made = pipeline.build(TOP / "specs/gallery/heart.toml", Path(folder), frozenset({"dxf"}))
     path("heart-drawn").write_text(drawn(made), encoding="utf-8")

@@ -251,6 +251,13 @@ def test_the_pictures_in_the_readme_are_of_today(name: str) -> None:
     assert gallery.alike(gallery.path(name).read_text(encoding="utf-8"), gallery.picture(name))
 
 
+@pytest.mark.parametrize("name", gallery.SOLID)
+def test_the_pictures_in_space_are_of_today(name: str) -> None:
+    kept = gallery.path(name, "png").read_bytes()
+    assert gallery.same_pixels(kept, gallery.solid(name))
+    assert not gallery.same_pixels(kept, gallery.solid("end-cam"))
+
+
 def test_another_picture_is_not_alike() -> None:
     text = gallery.path("disc-cam").read_text(encoding="utf-8")
     first = re.search(r' d="M(\S+) ', text)
