@@ -310,6 +310,11 @@ class Files(Record):
         default=None,
         description="true: links of a linkage have the letters of their holes, engraved 0.4 mm deep",
     )
+    up_marks: bool = Field(
+        default=True,
+        description="true: cams and wheels of a machine that fit turned over as well, and move it wrongly "
+        "then, have UP engraved\non their upper side, 0.4 mm deep",
+    )
     step: bool | None = Field(
         default=None, description="true: a whole build makes exact solids as well (STEP)"
     )

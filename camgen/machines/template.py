@@ -70,7 +70,12 @@ class Template(Mechanism):
         """The linkage that it is."""
         from camgen.machines.linkage.mechanism import Linkage  # a cam alone needs none of it
 
-        shared = {"print": self.print, "material": self.material, "accuracy": self.accuracy}
+        shared = {
+            "print": self.print,
+            "material": self.material,
+            "accuracy": self.accuracy,
+            "files": self.files,
+        }
         more = {} if self.laser is None else {"laser": self.laser.model_dump()}
         load = {} if self.load is None else {"load": self.load}
         base = {"mechanism": "linkage", "name": self.name, **shared, **more, **load}

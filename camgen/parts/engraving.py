@@ -1,6 +1,6 @@
 """Letters and texts engraved in parts: shallow pockets in the face that a drawing shows, clear of holes and edges.
 
-Glyphs are those of DejaVu Sans Bold, which comes with matplotlib: the same on every system.
+Glyphs are those of DejaVu Sans Bold, which comes with matplotlib: the same on every system. UP has plain ones of its own.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Points, Region, polygon
-from camgen.parts.part import Layer, Part
+from camgen.parts.part import HoldingNote, Layer, Part
 from camgen.parts.standing import discs
 from camgen.tolerances import SAME_POINT
 
@@ -33,6 +33,11 @@ _EM = 100.0  # size at which glyphs are drawn before they are scaled
 _CAPITAL = 0.729  # of it, height of a capital letter
 _TURNS = 24  # directions from a hole in which its letter is tried
 _AWAY = (0.0, 1.0, 2.0, 4.0, 6.0)  # mm, further from its hole than it must be
+
+UP = "UP"  # on the upper side of what fits turned over as well
+_LETTER_U = ((0, 73), (0, 0), (60, 0), (60, 73), (42, 73), (42, 18), (18, 18), (18, 73))
+_LETTER_P = ((80, 0), (98, 0), (98, 25), (140, 25), (140, 73), (80, 73))
+_EYE_OF_P = ((98, 41), (122, 41), (122, 57), (98, 57))
 
 
 def engraved(part: Part, letters: bool, text: str = "", key: str = "") -> Part:
@@ -60,6 +65,27 @@ def engraved(part: Part, letters: bool, text: str = "", key: str = "") -> Part:
     )
     notes = [f"no room to engrave {', '.join(left)}"] if left else []
     return replace(part, engraved=(*part.engraved, *layers), notes=(*part.notes, *notes))
+
+
+def with_upper_side(part: Part, mark: bool) -> Part:
+    """The part, which fits turned over as well, with a note that says its upper side, and UP engraved there if it has room.
+
+    mark: whether it may be engraved.
+    """
+    face = part.drawn
+    if mark and face.z1 - face.z0 >= 3 * DEPTH:
+        free = _Face(_free(part))
+        centre, radius = next(
+            (disc for hole in part.region.holes for disc in discs(hole)), (0j, 0.0)
+        )
+        if free.take(_beside(UP, centre, radius)):
+            layers = [Layer(region, face.z1 - DEPTH, face.z1) for region in _regions(free.taken[0])]
+            note = HoldingNote("UP on its upper side")
+            return replace(part, engraved=(*part.engraved, *layers), notes=(*part.notes, note))
+    note = HoldingNote(
+        "lies as in its drawing: it fits turned over as well, and moves wrongly then"
+    )
+    return replace(part, notes=(*part.notes, note))
 
 
 @dataclass
@@ -128,8 +154,14 @@ def _regions(inscription: _Inscription) -> list[Region]:
 @cache
 def _glyphs(text: str) -> tuple[Sequence[Any], tuple[complex, complex]]:
     """Polygons (shapely) of a text's glyphs at the size _EM, and the corners of the box round them."""
-    import matplotlib
     import shapely
+
+    if text == UP:
+        return [shapely.Polygon(_LETTER_U), shapely.Polygon(_LETTER_P, [_EYE_OF_P])], (
+            0j,
+            140 + 73j,
+        )
+    import matplotlib
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import TextPath
 

@@ -28,7 +28,7 @@ from camgen.findings import Finding, NotJudged
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
 from camgen.machine.cams.limits import Advice
-from camgen.machine.features import Balance, CamOutline
+from camgen.machine.features import Balance, CamOutline, Feature
 from camgen.machine.forces import Forces
 from camgen.machine.freewheels import Ratchet
 from camgen.machine.joining import Module, joined
@@ -92,6 +92,7 @@ from camgen.parts.part import Part
 from camgen.parts.sides import PREFIX as FAR
 from camgen.parts.sides import Mirror, both_sides
 from camgen.parts.stiffness import bending_stiffness
+from camgen.parts.turning_over import fit_turned_over
 from camgen.reading import Data
 from camgen.spec import Checked, unknown, validate
 from camgen.study import ROWS, Figures, Later, Study, together
@@ -788,7 +789,7 @@ class Linkage(Mechanism):
         ways = {each.name: each.way(sizes.pin_diameter) for each in self.sprung}
         made = Assembly(
             machine,
-            self._engraved(bodies.parts),
+            self._engraved(bodies.parts, features),
             self._process,
             self.cycle,
             bodies.mounts,
@@ -833,19 +834,27 @@ class Linkage(Mechanism):
             why = f"bodies are moved over one turn of {self.rounds}, after which all are back"
             yield NotJudged("INTERFERENCE", why, f"a ratio of at most {_SWEPT_TURNS} whole turns")
 
-    def _engraved(self, parts: Sequence[Part]) -> Sequence[Part]:
-        """Parts with what is to be engraved in them: a text in a link, letters of holes in what has named points."""
+    def _engraved(self, parts: Sequence[Part], features: Sequence[Feature]) -> Sequence[Part]:
+        """Parts with what is engraved in them: a text in a link, letters of holes in what has named points, and what says the
+        upper side of a cam or wheel that fits turned over as well; of sheet only where engraving is cut too.
+        """
         texts = {
             part_name(link): (shape.engrave, f"parts.{link}.engrave")
             for link in self._drawing.links
             if (shape := self.making.shape(link)).engrave
         }
         letters = bool(self.files.hole_letters)
-        if not (texts or letters):
+        reversible = set(fit_turned_over(parts, features))
+        if not (texts or letters or reversible):
             return parts
-        from camgen.parts.engraving import engraved
+        from camgen.parts.engraving import engraved, with_upper_side
 
-        return [engraved(part, letters, *texts.get(part.name, ())) for part in parts]
+        engraves = self.files.engrave or not self.making.of_sheet
+        mark = self.files.up_marks and engraves and self.making.sides == 1
+        lettered = (engraved(part, letters, *texts.get(part.name, ())) for part in parts)
+        return [
+            with_upper_side(part, mark) if part.name in reversible else part for part in lettered
+        ]
 
     @property
     def _arm_stiffness(self) -> float | None:

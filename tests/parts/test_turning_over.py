@@ -1,0 +1,132 @@
+"""Which parts fit upside down and move their machine wrongly there, and how they are marked."""
+
+from __future__ import annotations
+
+import cmath
+import math
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+import camgen
+from camgen import starters
+from camgen.files.dxf import read_dxf
+from camgen.geometry.outlines import Contour, Region, circle, polygon
+from camgen.machine.features import CamOutline, Eye
+from camgen.parts.engraving import DEPTH, with_upper_side
+from camgen.parts.part import Layer, Part, d_bore
+from camgen.parts.turning_over import fit_turned_over
+
+CAM = CamOutline("contact", "cam", "shaft", None, Eye(None, 40j, 10.0))
+KITE = (30 + 0j, 18j, -15 + 0j, -18j)  # its own image in Ox, and in no other line
+HOOK = (30 + 0j, 10 + 14j, -15 + 6j, -10 - 12j, 9 - 12j)  # no line's image
+
+
+def cam(corners: tuple[complex, ...], *holes: Contour, thickness: float = 4.0) -> Part:
+    return Part("cam", "Cam", (Layer(Region(polygon(list(corners)), holes), 0.0, thickness),))
+
+
+def flat(direction: float) -> Contour:
+    """A bore with a flat that faces this way, deg; d_bore has it on +y."""
+    return d_bore(6.0, 0.8).moved(cmath.exp(1j * math.radians(direction - 90)))
+
+
+def is_found(part: Part) -> bool:
+    return list(fit_turned_over([part], [CAM])) == ["cam"]
+
+
+def test_a_flat_on_the_line_of_symmetry_is_safe_and_any_other_is_not() -> None:
+    for direction in (0, 180):
+        assert not is_found(cam(KITE, flat(direction)))
+    for direction in (30, 90, 179):
+        assert is_found(cam(KITE, flat(direction)))
+    for direction in range(0, 360, 15):
+        assert is_found(cam(HOOK, flat(direction)))
+
+
+def test_about_a_round_bore_only_what_has_no_line_of_symmetry_is_found() -> None:
+    for turn in (0.0, 17.3, 101.0):
+        turned = tuple(z * cmath.exp(1j * math.radians(turn)) for z in KITE)
+        assert not is_found(cam(turned, circle(0j, 3)))
+    assert is_found(cam(HOOK, circle(0j, 3)))
+
+
+def test_holes_that_lie_alike_let_a_part_turn_over_and_others_do_not() -> None:
+    dowels = circle(-8 + 0j, 2), circle(8 + 0j, 2)
+    assert is_found(cam(HOOK, *dowels))
+    assert is_found(cam(KITE, *dowels)), "about the line between both the kite is another one"
+    assert not is_found(cam(HOOK, circle(-8 + 0j, 2), circle(8 + 0j, 2), circle(1 + 5j, 2)))
+    other_sizes = circle(-8 + 0j, 2), circle(8 + 0j, 1.5)
+    assert not is_found(cam(KITE, *other_sizes)), "about the line through both it is the same"
+    assert is_found(cam(HOOK, *other_sizes))
+
+
+def test_what_has_a_hub_lies_one_way_alone_and_a_part_without_a_working_edge_counts_not() -> None:
+    part = cam(HOOK, circle(0j, 3))
+    hub = Layer(Region(circle(0j, 6), (circle(0j, 3),)), 4.0, 8.0)
+    assert not is_found(Part("cam", "Cam", (*part.layers, hub)))
+    assert list(fit_turned_over([part], [])) == []
+
+
+def test_up_stands_beside_the_bore_upright_as_deep_as_letters() -> None:
+    marked = with_upper_side(cam(tuple(2 * z for z in HOOK), flat(90)), True)
+    assert [(layer.z0, layer.z1) for layer in marked.engraved] == [(4 - DEPTH, 4)] * 2
+    u, p = (layer.region for layer in marked.engraved)
+    assert len(u.holes) == 0 and len(p.holes) == 1
+    assert max(z.real for z in corners(u)) < min(z.real for z in corners(p)), "read from the left"
+    assert marked.notes == ("UP on its upper side",)
+
+
+def corners(region: Region) -> list[complex]:
+    from camgen.geometry.outlines import start_point
+
+    return [complex(start_point(piece)) for piece in region.outer.pieces]
+
+
+@pytest.mark.parametrize(
+    "part, mark",
+    [
+        (cam(HOOK, circle(0j, 3), thickness=1.0), True),
+        (cam(tuple(z / 3 for z in KITE), circle(0j, 3)), True),
+        (cam(HOOK, circle(0j, 3)), False),
+    ],
+    ids=["thin", "small", "switched off"],
+)
+def test_without_room_or_leave_a_note_names_the_drawing(part: Part, mark: bool) -> None:
+    plain = with_upper_side(part, mark)
+    assert not plain.engraved
+    assert plain.notes == (
+        "lies as in its drawing: it fits turned over as well, and moves wrongly then",
+    )
+
+
+def built(folder: Path, **files: bool) -> tuple[camgen.Report, Path]:
+    tables = tomllib.loads(starters.text("disc-cam"))
+    tables["parts"] = {"make": "printed"}
+    tables["files"] = files
+    report = camgen.build(tables, folder, only=frozenset({"dxf", "stl", "report"}))
+    return report, folder / "disc-cam"
+
+
+def test_a_machines_cam_has_up_in_its_files_and_in_its_step(tmp_path: Path) -> None:
+    report, folder = built(tmp_path / "marked", engrave=True)
+    assert report.ok
+    mesh = trimesh.load(next(folder.rglob("*-cam-contact.stl")))
+    floor = mesh.triangles_center[:, 2].round(3) == 4 - DEPTH
+    assert mesh.is_watertight and floor.any()
+    assert (mesh.face_normals[floor][:, 2] > 0.99).all(), "the pockets open upwards"
+    drawing = read_dxf(next(folder.rglob("*-cam-contact.dxf")), engraving=True)
+    assert len(drawing.engraved) == 3, "U, P and its eye"
+    step = "Disc cam: contact: UP on its upper side; pressed and glued on shaft"
+    assert step in next(folder.rglob("report.html")).read_text()
+
+    report, folder = built(tmp_path / "plain", up_marks=False, hole_letters=True)
+    assert report.ok
+    plain = trimesh.load(next(folder.rglob("*-cam-contact.stl")))
+    assert set(np.unique(plain.vertices[:, 2].round(3))) == {0.0, 4.0}
+    letters = trimesh.load(next(folder.rglob("*-ground.stl")))
+    assert 5 - DEPTH in letters.vertices[:, 2].round(3), "hole_letters act in this machine too"
+    assert "lies as in its drawing" in next(folder.rglob("report.html")).read_text()
