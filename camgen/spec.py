@@ -312,8 +312,7 @@ class Files(Record):
     )
     up_marks: bool = Field(
         default=True,
-        description="true: cams and wheels of a machine that fit turned over as well, and move it wrongly "
-        "then, have UP engraved\non their upper side, 0.4 mm deep",
+        description="false: no UP engraved on the upper side of a machine's cam or wheel that fits upside down too",
     )
     step: bool | None = Field(
         default=None, description="true: a whole build makes exact solids as well (STEP)"
