@@ -29,7 +29,7 @@ from camgen import sweep as _sweep  # noqa: F401
 from camgen import tolerance as _tolerance  # noqa: F401
 from camgen._version import __version__ as __version__
 from camgen.arguments import checked
-from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError
+from camgen.errors import ArgumentError, CamgenError, DesignError, Fault, FileError, SpecError
 from camgen.progress import silent
 
 if TYPE_CHECKING:
@@ -52,6 +52,7 @@ if TYPE_CHECKING:
 
 
 __all__ = [
+    "ArgumentError",
     "CamgenError",
     "DesignError",
     "DesignResult",

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 PLOT_FILES = ("svg", "png")  # written of each plot
 _SIZE = (6.5, 3.6)  # inches, of a plot
 SERIES = ("#0b62a8", "#b5541c", "#2c7a4b", "#7a3e9d", "#8a6d00", "#a8326e")
+_DOTS = "os^D"  # shapes of dots, each in all colours
 _DASHES = ("-", "--", ":", "-.", (0, (9, 2)), (0, (4, 1, 1, 1, 1, 1)))
 _TURN = 360.0  # deg
 _STYLE: dict[Any, Any] = {
@@ -104,7 +105,8 @@ def _draw(axes: Axes, plot: Plot, log: bool) -> None:
         label = label.replace("_", " ")
         heights = np.where(np.isfinite(y), y, np.nan)
         if plot.series[k][0] in plot.dots:
-            axes.plot(x, heights, "o", color=colour, markersize=3, label=label)
+            shape = _DOTS[k // len(SERIES) % len(_DOTS)]
+            axes.plot(x, heights, shape, color=colour, markersize=3, label=label)
         else:
             axes.plot(x, heights, color=colour, linestyle=_DASHES[k % len(_DASHES)], label=label)
     for name, at in plot.marks:

@@ -343,6 +343,16 @@ def test_a_run_as_columns_and_as_a_frame() -> None:
     assert repr(camgen.load(LINKAGE).solve([])) == "Run at 0 angles"
 
 
+def test_what_belongs_to_a_run_prints_what_it_is() -> None:
+    run = camgen.load(LINKAGE).solve(np.radians([0, 90]))
+    least, most = sorted(run["swing"])
+    assert repr(run.outputs).splitlines()[1] == f"swing: {least:.6g} to {most:.6g} rad"
+    slow, fast = sorted(run.velocity["pen"].real)
+    assert repr(run.velocity).startswith(f"pen: x {slow:.6g} to {fast:.6g}, y ")
+    assert repr(run.acceleration).endswith(" rad/s^2")
+    assert repr(camgen.load(LINKAGE).solve([]).outputs) == "pen: no angles\nswing: no angles"
+
+
 def test_without_pandas_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(camgen.CamgenError, match="pip install pandas"):
@@ -384,6 +394,44 @@ def test_a_sweep_is_the_commands_table(tmp_path: Path, capsys: pytest.CaptureFix
     )
     assert swept.to_dataframe().shape == (4, len(swept.columns) - 1)
     assert swept._repr_html_().count("<tr>") == 5
+
+
+def test_a_sweep_of_a_linkage_has_its_transmission_angle_and_play(tmp_path: Path) -> None:
+    ground, crank, rocker = 70.0, 20.0, 50.0
+    couplers = [55.0, 60.0]
+    swept = camgen.sweep(LINKAGE, {"lengths.A-B": couplers})
+    for coupler, angle in zip(couplers, swept["transmission_angle_deg"], strict=True):
+        bends = []  # law of cosines, where the crank lies in line with the ground
+        for base in (ground - crank, ground + crank):
+            cosine = (coupler**2 + rocker**2 - base**2) / (2 * coupler * rocker)
+            bend = math.degrees(math.acos(cosine))
+            bends.append(min(bend, 180 - bend))
+        assert angle == pytest.approx(min(bends), abs=1e-3)  # the least of samples
+    report = camgen.build(LINKAGE, tmp_path, only="dxf")  # by its pins as they lie in the files
+    for key, unit in (("play_pen", "mm"), ("play_swing", "deg")):
+        drawn = report.numbers[f"{key}_dxf_{unit}"]
+        assert swept[f"{key}_{unit}"][1] == pytest.approx(drawn, rel=0.005)
+
+
+def test_a_plot_of_a_sweep_names_the_values_of_its_other_key() -> None:
+    laws = ["cycloidal", "modified-sine"]
+    size, angle = "geometry.base_radius", "pressure_angle_deg"
+    swept = camgen.sweep(DISC, {size: (9, 22), "segment.0.law": laws})
+    (axes,) = swept.plot(size, angle).axes
+    drawn = {
+        str(line.get_label()): [float(y) for y in np.asarray(line.get_ydata())]
+        for line in axes.get_lines()
+    }
+    wanted: dict[str, list[float]] = {}
+    for row in swept:
+        beyond = "" if row["verdict"] == "limits hold" else ", does not hold"
+        wanted.setdefault(f"law = {row['segment.0.law']}{beyond}", []).append(row[angle])
+    assert drawn == wanted and len(drawn) == 4
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == list(drawn)
+    assert axes.get_title(loc="left") == "Sweep of disc-cam"
+    many = camgen.sweep(DISC, {size: "9:40", "segment.0.lift": "10:12"}, how=30)
+    (axes,) = many.plot(size, angle).axes
+    assert {line.get_label() for line in axes.get_lines()} <= {"holds", "does not hold"}
 
 
 def test_the_front_of_a_sweep_is_what_nothing_beats() -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from camgen import guide
-from camgen.commands.options import completed
+from camgen.commands.options import completed, set_option
 from camgen.commands.running import known, show
 
 
@@ -44,7 +44,8 @@ def _explained() -> list[str]:
 
 @click.command()
 @click.argument("codes", metavar="[CODE]... [SPEC]", nargs=-1, shell_complete=completed(_explained))
-def explain(codes: Sequence[str]) -> None:
+@set_option("Change a key of SPEC before.")
+def explain(codes: Sequence[str], settings: Sequence[str]) -> None:
     """Explain a finding (its meaning, formula, limit and what helps), or say what a law of motion is for. Without a CODE, list the
     findings.
 
@@ -55,8 +56,10 @@ def explain(codes: Sequence[str]) -> None:
     names = codes if spec is None else codes[:-1]
     if spec is not None and not names:
         raise click.UsageError("a CODE before the SPEC, such as PRESSURE_ANGLE")
+    if settings and spec is None:
+        raise click.UsageError("--set changes a key of a SPEC: name its file behind the CODE")
     if names:
-        show("\n".join(guide.explanation(code, spec) for code in names))
+        show("\n".join(guide.explanation(code, spec, settings) for code in names))
         return
     for code, entry in guide.entries().items():
         click.echo(f"{code:<20} {guide.in_short(entry)}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from pathlib import Path
@@ -84,11 +85,13 @@ class Explanation(str):
         return str(self)
 
 
-def explanation(code: str | None = None, spec: Source | None = None) -> Explanation:
+def explanation(
+    code: str | None = None, spec: Source | None = None, settings: Sequence[str] = ()
+) -> Explanation:
     """What a code means, its formula, where its limit comes from and what helps, or what a law is for; without one all codes, a line
     each.
 
-    spec: in which it is explained as well, by its numbers and keys.
+    spec: in which it is explained as well, by its numbers and keys; settings: of its keys, as of `--set`.
     SpecError, with the nearest, for a code that there is none of, and for the spec.
     """
     known = entries()
@@ -118,7 +121,7 @@ def explanation(code: str | None = None, spec: Source | None = None) -> Explanat
         return Explanation(known[name])
     from camgen.sweep.influence import influence_text
 
-    return Explanation(f"{known[name]}\n{influence_text(spec, name)}")
+    return Explanation(f"{known[name]}\n{influence_text(spec, name, settings)}")
 
 
 def in_short(entry: str) -> str:

@@ -16,7 +16,7 @@ from camgen.machine.constraints import Constraints
 from camgen.machine.forces import Forces, kinetostatics, peaks
 from camgen.machine.jets import fill
 from camgen.machine.loops import chain_of
-from camgen.machine.model import Cam, Machine, Output, Path, Place, Pose, unit_of
+from camgen.machine.model import Angle, Cam, Machine, Output, Path, Place, Pose, unit_of
 from camgen.machine.state import State
 from camgen.numerics import Floats, Points
 from camgen.study import Plot, data_frame
@@ -71,11 +71,17 @@ class Play:
 
 
 class Lazy(Mapping[str, T]):
-    """What belongs to some names, each worked out once, when it is asked for."""
+    """What belongs to some names, each worked out once, when it is asked for; said: of a name, in a line for people."""
 
-    def __init__(self, names: Iterable[str], make: Callable[[str], T]) -> None:
+    def __init__(
+        self,
+        names: Iterable[str],
+        make: Callable[[str], T],
+        said: Callable[[str], str] = lambda name: f"{name}: worked out when asked for",
+    ) -> None:
         self._names = tuple(names)
         self._make = make
+        self._said = said
         self._made = dict[str, T]()
 
     def __getitem__(self, name: str) -> T:
@@ -97,7 +103,16 @@ class Lazy(Mapping[str, T]):
         return len(self._names)
 
     def __repr__(self) -> str:
-        return f"Lazy({', '.join(self._names)})"
+        return "\n".join(map(self._said, self._names))
+
+
+def _ranges(parts: Mapping[str, Floats]) -> str:
+    """Between what each of some values runs, such as "x 1 to 5, y -2 to 2"; "" where none is finite."""
+    return ", ".join(
+        f"{axis} {np.nanmin(rows):.6g} to {np.nanmax(rows):.6g}".strip()
+        for axis, rows in parts.items()
+        if np.isfinite(rows).any()
+    )
 
 
 def _parts(output: Output, values: Floats | Points) -> dict[str, Floats]:
@@ -146,13 +161,8 @@ class Run:
     def _said(self, name: str) -> str:
         """An output in a line: between what it moves."""
         output = self.machine.output(name)
-        unit = unit_of(output)[0]
-        ends = [
-            f"{axis} {np.nanmin(rows):.6g} to {np.nanmax(rows):.6g}".strip()
-            for axis, rows in _parts(output, self[name]).items()
-            if np.isfinite(rows).any()
-        ]
-        return f"{name}: {', '.join(ends)} {unit}" if ends else f"{name}: does not close"
+        ends = _ranges(_parts(output, self[name]))
+        return f"{name}: {ends} {unit_of(output)[0]}" if ends else f"{name}: does not close"
 
     def __getitem__(self, name: str) -> Floats | Points:
         """An output by its name, (n,); SpecError where there is none."""
@@ -178,7 +188,7 @@ class Run:
     @property
     def outputs(self) -> Mapping[str, Floats | Points]:
         """Of each output by name: rad, mm, or complex mm for a path, (n,)."""
-        return Lazy(self, self.__getitem__)
+        return self._rates(0)
 
     @property
     def velocity(self) -> Mapping[str, Floats | Points]:
@@ -193,7 +203,22 @@ class Run:
     def _rates(self, order: int) -> Mapping[str, Floats | Points]:
         """The outputs' time derivatives of one order, by name."""
         self._check(order)
-        return Lazy(self, lambda name: self.derivatives(name)[order] * self.machine.speed**order)
+
+        def rate(name: str) -> Floats | Points:
+            rows: Floats | Points = self.derivatives(name)[order]
+            return rows * self.machine.speed**order if order else rows
+
+        def said(name: str) -> str:
+            """Between what it runs, in the unit of its values."""
+            output = self.machine.output(name)
+            unit = ("rad" if isinstance(output.of, Angle) else "mm") + ("", "/s", "/s^2")[order]
+            rows = rate(name)
+            axes = {"x": rows.real, "y": rows.imag} if np.iscomplexobj(rows) else {"": rows}
+            nothing = "does not close" if rows.size else "no angles"
+            ends = _ranges(axes)
+            return f"{name}: {ends} {unit}" if ends else f"{name}: {nothing}"
+
+        return Lazy(self, rate, said)
 
     def _check(self, order: int) -> None:
         """SpecError for an order that is none, or that was not solved."""

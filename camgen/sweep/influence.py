@@ -61,12 +61,12 @@ class Influence:
     effects: Sequence[KeyEffect]  # the strongest first
 
 
-def influence(spec: Source, code: str) -> Influence:
-    """What a finding says of this spec before files are made, and which keys move it.
+def influence(spec: Source, code: str, settings: Sequence[str] = ()) -> Influence:
+    """What a finding says of this spec before files are made, and which keys move it; settings: as of `--set`.
 
     SpecError for the spec, DesignError where no such mechanism exists.
     """
-    mechanism = read_mechanism(spec)
+    mechanism = read_mechanism(spec, settings)
     tables = mechanism.source_tables
     with suppress(DesignError):
         tables = mechanism.settled_tables()
@@ -328,9 +328,9 @@ def _rounded(value: float, way: float) -> float:
     return float(f"{whole * digit:.{_DIGITS}g}")
 
 
-def influence_text(spec: Source, code: str) -> str:
+def influence_text(spec: Source, code: str, settings: Sequence[str] = ()) -> str:
     """The same as Markdown, to stand behind what is said of the code."""
-    found = influence(spec, code)
+    found = influence(spec, code, settings)
     lines = [f"### {code} in {_title(spec)}"]
     if not found.findings:
         lines.append(

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 _SHOWN = 12  # rows of a table that is printed
 _FIRST = 6  # of its columns, beside the keys, that say something
+_WIDE = 40  # letters of a cell of it
+_COLOURS = 24  # series of a plot that can be told apart
 
 
 @dataclass(frozen=True, repr=False)
@@ -102,7 +104,10 @@ class SweepTable:
         return frame.set_index(frame["variant"].astype(int)).drop(columns="variant")
 
     def plot(self, x: str, *columns: str) -> Figure:
-        """Columns over another one, rows that hold and others apart, below each other; a notebook shows it."""
+        """Columns over another one, below each other, which a notebook shows; a colour for each value of the other keys that vary.
+
+        Rows that do not hold are apart. Where the other keys have more than 24 values together, all rows have one colour.
+        """
         from camgen.plotting import figure_of
 
         return figure_of([self._plot(x, column) for column in columns])
@@ -112,10 +117,23 @@ class SweepTable:
             if self[name].dtype == object:
                 fault = Fault((), repr(name), "a column of numbers", source="column")
                 raise SpecError([fault], "table")
+        others = [key for key in self.keys if key != x]
+        values = [tuple(_text(row[key]) for key in others) for row in self.rows]
+        if len(set(values)) > _COLOURS:
+            others = []
+            values = [()] * len(self.rows)
         held = np.array([row["verdict"] in (HOLDS, LIMITS) for row in self.rows], bool)
-        parts = (("holds", held), ("does not hold", ~held))
-        series = [(label, self[x][part], self[column][part]) for label, part in parts if part.any()]
-        return Plot(column, x, column, series, dots=[label for label, *_ in series])
+        series = []
+        for each in dict.fromkeys(values):
+            names = (f"{key.rpartition('.')[2]} = {v}" for key, v in zip(others, each, strict=True))
+            label = ", ".join(names) or "holds"
+            alike = np.array([value == each for value in values], bool) & np.isfinite(self[column])
+            failing = f"{label}, does not hold" if others else "does not hold"
+            for name, part in ((label, alike & held), (failing, alike & ~held)):
+                if part.any():
+                    series.append((name, self[x][part], self[column][part]))
+        title = f"Sweep of {self.task.data.get('name', Path(self.task.source).stem)}"
+        return Plot(title, x, column, series, dots=[label for label, *_ in series])
 
     def write(self, path: str | PathLike[str]) -> None:
         """Write the table as .csv or .parquet; SpecError for another name, FileError where it cannot be written."""
@@ -134,7 +152,10 @@ class SweepTable:
         """The verdicts, and the first rows."""
         told = [name for name in self.columns if any(row.get(name) != "" for row in self.rows)]
         columns = told[: _FIRST + len(self.keys)]
-        cells = self._cells(columns, _SHOWN)
+        cells = [
+            [text if len(text) <= _WIDE else f"{text[: _WIDE - 3]}..." for text in line]
+            for line in self._cells(columns, _SHOWN)
+        ]
         widths = [max(len(line[k]) for line in cells) for k in range(len(columns))]
         lines = ["  ".join(map(str.ljust, line, widths)).rstrip() for line in cells]
         more = len(self.rows) - _SHOWN

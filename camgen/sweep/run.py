@@ -35,12 +35,14 @@ from camgen.errors import (
     dotted,
 )
 from camgen.extras import install_line
+from camgen.findings import Finding
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import Source, Template, changed, prepare, read_tables
 from camgen.machines.spec_files import with_tables
 from camgen.progress import Progress, silent
 from camgen.report.sweep_page import SweepPage, shown_step, write_page
 from camgen.spec import unknown
+from camgen.study import Figure, Figures
 from camgen.sweep.journal import Journal
 from camgen.sweep.tables import Row, writer_of
 from camgen.sweep.variants import Variants
@@ -120,8 +122,7 @@ def _row(task: Task, number: int, values: Sequence[str], mechanism: Mechanism | 
             findings = report.findings
             numbers = report.numbers
         else:
-            findings = mechanism.forecast()
-            numbers = mechanism.study().numbers
+            findings, numbers = _foreseen(mechanism)
     except SpecError as error:
         return row | {"verdict": WRONG, "fails": "", "reason": "; ".join(map(str, error.faults))}
     except DesignError as error:
@@ -133,6 +134,22 @@ def _row(task: Task, number: int, values: Sequence[str], mechanism: Mechanism | 
         "reason": "",
     }
     return row | {name: _figure(numbers.get(name, math.nan)) for name in task.keep or numbers}
+
+
+def _foreseen(mechanism: Mechanism) -> tuple[Sequence[Finding], Figures]:
+    """What is known without files: findings and figures, with the least transmission angle and the play of each output."""
+    findings = mechanism.forecast()
+    numbers = mechanism.study().numbers
+    angles = [each for each in findings if each.code == "TRANSMISSION_ANGLE"]
+    if angles:
+        least = min(angles, key=lambda each: each.measured)
+        numbers |= [Figure("transmission angle", least.measured, least.unit)]
+    numbers |= [
+        Figure("play {of}", each.measured, each.unit, each.where.output or each.where.thing)
+        for each in findings
+        if each.code == "LASH"
+    ]
+    return findings, numbers
 
 
 def _plain(value: str) -> Any:
@@ -427,7 +444,8 @@ def _refuse_unknown(task: Task, first: Row) -> None:
             if faults:
                 raise SpecError(faults, task.source) from None
     elif first["verdict"] != REFUSED:
-        figures = changed(*first_variant).study().numbers
+        machine = changed(*first_variant)
+        figures = machine.study().numbers if task.build else _foreseen(machine)[1]
         faults = [
             replace(unknown((), name, figures), source="--keep")
             for name in task.keep

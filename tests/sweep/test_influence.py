@@ -123,6 +123,17 @@ def test_explain_takes_a_spec_behind_the_codes(run: Any, tmp_path: Path) -> None
     assert code == 4 and "none.toml" in err
 
 
+def test_explain_sets_keys_of_the_spec_before(run: Any) -> None:  # noqa: F811
+    spec = str(SPECS / "linkage.toml")
+    said = ("explain", "TRANSMISSION_ANGLE", spec, "--set")
+    code, out, _ = run(*said, "limits.transmission_angle_deg=60")
+    assert code == 0 and "Fails (joint B, 0.00 deg): 53.13 deg, at least 60 deg" in out
+    code, _, err = run("explain", "TRANSMISSION_ANGLE", "--set", "lengths.A-B=55")
+    assert code == 2 and "name its file behind the CODE" in err
+    code, _, err = run(*said, "lengths.A-Z=60")
+    assert code == 2 and "lengths.A-Z" in err
+
+
 def test_an_open_dwell_takes_the_rest_of_a_turn_that_is_changed() -> None:
     steep = camgen.load(STEEP)
     wide = steep.replace({"segment.0.span_deg": 110})

@@ -26,7 +26,14 @@ _TYPES = {
     "sweeps and designs": ("camgen.sweep.results.SweepTable", "camgen.design.run.DesignResult"),
     "errors": tuple(
         f"camgen.errors.{name}"
-        for name in ("CamgenError", "SpecError", "DesignError", "FileError", "Fault")
+        for name in (
+            "CamgenError",
+            "SpecError",
+            "ArgumentError",
+            "DesignError",
+            "FileError",
+            "Fault",
+        )
     ),
 }
 _LIST = re.compile(r"\s*([-*]|\d+\.) ")
