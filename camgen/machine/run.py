@@ -213,7 +213,9 @@ class Run:
             output = self.machine.output(name)
             unit = ("rad" if isinstance(output.of, Angle) else "mm") + ("", "/s", "/s^2")[order]
             rows = rate(name)
-            axes = {"x": rows.real, "y": rows.imag} if np.iscomplexobj(rows) else {"": rows}
+            axes: dict[str, Floats] = {"": rows.real}
+            if isinstance(output.of, Path):
+                axes = {"x": rows.real, "y": rows.imag}
             nothing = "does not close" if rows.size else "no angles"
             ends = _ranges(axes)
             return f"{name}: {ends} {unit}" if ends else f"{name}: {nothing}"

@@ -45,6 +45,7 @@ class ReturnSpring:
     play: float  # mm, of what moves past each other
     rate: float = 0.0  # wanted on the follower, N/mm or N m/rad; 0: found
     preload: float = 0.0  # wanted where the follower is lowest, N or N m; 0: found
+    place: complex | None = None  # wanted of its post; None: found
 
     @cached_property
     def hooked(self) -> complex:
@@ -86,6 +87,11 @@ class ReturnSpring:
     @cached_property
     def post(self) -> complex:
         """Its end on the ground."""
+        return self.found_post if self.place is None else self.place
+
+    @cached_property
+    def found_post(self) -> complex:
+        """In line with the pull at half of the way, beyond the cam."""
         at, slope = self._moved(np.ptp(self._s) / 2 + np.min(self._s))
         way = complex(-self.cam.follower.leaves * slope / abs(slope))
         rim = float(np.abs(self.cam.profile(SAMPLES)).max())
@@ -93,6 +99,14 @@ class ReturnSpring:
         beside = (at * way.conjugate()).imag
         length = math.sqrt(max(0.0, clear**2 - beside**2)) - (at * way.conjugate()).real
         return complex(at + max(length, clear) * way)
+
+    @property
+    def askew(self) -> tuple[float, float]:
+        """Greatest angle between its pull and the follower's way back over the turn, and the cam angle there, both rad."""
+        at, slope = self._moved(self._s)
+        angle = np.abs(np.angle((self.post - at) / (-self.cam.follower.leaves * slope)))
+        k = int(np.argmax(angle))
+        return float(angle[k]), float(SAMPLES[k])
 
     @cached_property
     def lengths(self) -> Floats:

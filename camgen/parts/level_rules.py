@@ -147,6 +147,11 @@ class NoPassage(NoLevels):
             names,
             self.room(slimmer=distance >= needed / 2),
         )
+        self.sentence = (
+            f"{a.name} and {b.name} cannot pass on any level{others}: {distance:.3g} mm apart at "
+            f"{math.degrees(theta):.1f} deg, {needed:.3g} mm needed"
+        )
+        self.args = (f"{self.sentence}; {self.remedy}",)
 
     def room(self, slimmer: bool) -> str:
         """In words what makes room for both: by keys that move them, and with slimmer those that make them so."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -161,3 +162,70 @@ def test_a_given_level_of_a_spring_is_kept(four_bar: dict[str, Any]) -> None:
     four_bar["layers"] = {"spring": 6}
     machine = validate(Linkage, four_bar)
     assert machine.bodies.layout.level["spring"] == 6
+
+
+# ---- the post of a return spring --------------------------------------------------------------------------------------
+
+PECKER: dict[str, Any] = {
+    "mechanism": "linkage",
+    "name": "pecker",
+    "points": {
+        "O": [0, 0],
+        "W": [-58, -4],
+        "Tw": [-16, 24],
+        "N": [58, -4],
+        "Th": [16, 24],
+    },
+    "links": {"ground": ["O", "W", "N"], "shaft": ["O"], "wing": ["W", "Tw"], "head": ["N", "Th"]},
+    "drive": {"link": "shaft", "speed_rpm": 20},
+    "motor": {"model": "hand crank"},
+    "cam": [
+        {
+            "cam": "shaft",
+            "follower": follower,
+            "at": tip,
+            "radius": 5,
+            "name": name,
+            "spring": {},
+            "segment": [{"to_deg": lift, "span_deg": 180}, {"to_deg": 0, "span_deg": 180}],
+        }
+        for follower, tip, name, lift in (("wing", "Tw", "flap", 18), ("head", "Th", "peck", 14))
+    ],
+    "output": [{"name": "flap", "link": "wing"}],
+}
+
+
+def pecker(post: tuple[float, float] | None) -> Linkage:
+    """A shaft with two cams, the second one's spring on a post of its own."""
+    flap, peck = PECKER["cam"]
+    spring = {} if post is None else {"post": post}
+    return validate(Linkage, {**PECKER, "cam": [flap, {**peck, "spring": spring}]})
+
+
+def test_a_return_spring_that_crosses_the_shaft_is_moved_by_the_key_that_the_message_names() -> (
+    None
+):
+    with pytest.raises(DesignError) as caught:
+        _ = pecker(None).assembly.parts
+    assert "return_spring_peck and shaft O cannot pass on any level" in str(caught.value)
+    assert "make room for 4" in str(caught.value)
+    assert "cam.1.spring.post elsewhere" in str(caught.value) and "points.peck_post" not in str(
+        caught.value
+    )
+    moved = pecker((60, -40))
+    assert moved.chain.body("ground").points["peck_post"] == 60 - 40j
+    assert {"return_spring_flap", "return_spring_peck"} <= moved.bodies.layout.level.keys()
+
+
+def test_a_post_that_pulls_the_follower_off_its_cam_is_refused_with_a_place_that_does_not() -> None:
+    """The head turns clockwise about N as its cam lifts it; pull and way back by hand at its lowest."""
+    off = 60 + 90j
+    lever = (16 + 24j) - (58 - 4j)
+    pull = off - (16 + 24j)
+    angle = math.degrees(abs(np.angle(pull / (1j * lever))))
+    assert angle > 90
+    with pytest.raises(DesignError, match=r"put cam\.1\.spring\.post beyond the cam") as caught:
+        _ = pecker((off.real, off.imag)).chain
+    assert caught.value.value >= angle - 1e-6 and caught.value.limit == 90
+    near = re.findall(r"-?[\d.]+", caught.value.remedy)[-2:]
+    assert abs(np.angle((complex(*map(float, near)) - (16 + 24j)) / (1j * lever))) < 0.2

@@ -39,11 +39,12 @@ class MountedSpring:
     shortest: float  # mm, between its points
     longest: float  # mm
     note: str = ""  # of its line in the list of parts
+    key: str = ""  # that says where its end on the ground is; "" of one between points of the spec
 
     @property
     def stretched(self) -> StretchedSpring:
         """What it takes up."""
-        return StretchedSpring(*self.ends, self.spring.outside, self.spring.wire)
+        return StretchedSpring(*self.ends, self.spring.outside, self.spring.wire, self.key)
 
     def forces(self) -> tuple[float, float]:
         """Its least and greatest pull, N."""
@@ -78,6 +79,7 @@ class Returning:
     post: str  # name of its point on the ground
     hook: str  # name of its point on the follower
     at: complex  # mm, the cam's axis on the ground
+    key: str  # that says where its post is
 
     def on(self, machine: m.Machine) -> m.Machine:
         """The machine with its points."""
@@ -103,20 +105,43 @@ class Returning:
         shortest, longest = (length - pin for length in self.spring.way)
         note = "" if self.spring.given else f"; {self.spring.of_a_shop(least)}"
         ends = ((m.GROUND, self.post), (self.cam.follower, self.hook))
-        return MountedSpring(self.name, self.name, ends, pull, spring, shortest, longest, note)
+        return MountedSpring(
+            self.name, self.name, ends, pull, spring, shortest, longest, note, self.key
+        )
 
 
 def returning(machine: m.Machine, drawing: Drawing, sizes: Parts, play: float) -> list[Returning]:
     """The return spring of each cam that has one, in the machine of a drawing; play: of what moves past each other, mm."""
     springs = []
+    numbers = {name: k for k, name in enumerate(drawing.named_cams)}
     first = {tip.joint.name: tip for tip in reversed(tips(machine, drawing.ridden, sizes, play))}
     for name, (title, post, hook) in drawing.returns.items():
         tip = first[name]
         wish = drawing.named_cams[name].spring or t.ReturnSpring()
-        spring = ReturnSpring(tip.cam, tip.rolls, sizes, play, wish.rate, wish.preload)
         axis = pivot(machine, tip.joint.cam)[1]
-        springs.append(Returning(title, tip.joint, spring, post, hook, axis))
+        place = None if wish.post is None else complex(*wish.post) - axis
+        spring = ReturnSpring(tip.cam, tip.rolls, sizes, play, wish.rate, wish.preload, place)
+        key = f"cam.{numbers[name]}.spring.post"
+        if place is not None:
+            _refuse_askew(spring, axis, key)
+        springs.append(Returning(title, tip.joint, spring, post, hook, axis, key))
     return springs
+
+
+def _refuse_askew(spring: ReturnSpring, axis: complex, key: str) -> None:
+    """DesignError where a spring would pull its follower off the cam; axis: the cam's, mm."""
+    angle, theta = spring.askew
+    if angle < math.pi / 2:
+        return
+    near = axis + spring.found_post
+    raise DesignError(
+        "angle between the return spring's pull and the follower's way back",
+        math.degrees(angle),
+        90,
+        "deg",
+        f"cam angle {math.degrees(theta):.0f} deg",
+        f"there it pulls the follower off its cam: put {key} beyond the cam, such as near ({near.real:.4g}, {near.imag:.4g})",
+    )
 
 
 def mounted(

@@ -673,6 +673,10 @@ class ReturnSpring(Record):
         default=0.0,
         description="force or torque where the follower is lowest; 0: what keeps it on the cam",
     )
+    post: Place | None = Field(
+        default=None,
+        description="where its end on the ground is; left out: in line with the pull, beyond the cam",
+    )
 
 
 class Cam(Record):

@@ -57,6 +57,7 @@ class StretchedSpring:
     b: tuple[str, str]
     diameter: float  # mm, outside
     wire: float  # mm
+    key: str = ""  # of the spec, that says where its end on the ground is; "" of points that have their own
 
 
 @dataclass(frozen=True)

@@ -58,7 +58,8 @@ def slimmer_pin(layout: Layout, point: str) -> tuple[str, str]:
     """What makes a pin or shaft slimmer, and what moves it, by the keys."""
     move = f"other lengths to points.{point}"
     if layout.pivots[point][0] == GROUND:
-        move = f"points.{point} elsewhere"
+        posts = (each.key for each in layout.springs.values() if (GROUND, point) == each.a)
+        move = f"{next(filter(None, posts), f'points.{point}')} elsewhere"
     if layout.kind(point) == "shoulder":
         return f'another kind of parts.pins.{point} than "shoulder"', move
     what = "shaft" if point in layout.shafts else "pin"

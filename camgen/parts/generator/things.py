@@ -282,7 +282,10 @@ def _springs(courses: _Courses) -> tuple[list[Band], Over]:
     for name, spring in layout.springs.items():
         ends = np.array([courses.way(*end) for end in (spring.a, spring.b)])
         below = layout.below(spring)
-        bands.append(Band(name, ends, spring.diameter / 2, below=below, slim="a thinner spring"))
+        places = [f"points.{point}" for _, point in (spring.a, spring.b)]
+        move = f"{spring.key or ' or '.join(places)} elsewhere"
+        band = Band(name, ends, spring.diameter / 2, below=below, slim="a thinner spring")
+        bands.append(replace(band, move=move))
         for _, point in (spring.a, spring.b):
             beside = (*layout.pivots[point], *layout.riders[point])
             over += [(name, other) for other in beside if other not in (GROUND, name)]
