@@ -141,7 +141,7 @@ class Mate:
     comes: bool = False  # whether what goes through is the part that comes
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Step:
     """A step of assembly.
 
@@ -157,6 +157,7 @@ class Step:
     group: str = ""  # the sub-assembly
     # what is built by itself from many steps, such as a far side; the step that names it, without copies and group, joins it
     apart: str = ""
+    wire: Floats | None = None  # line of a spring that comes, (n, 3) mm
 
 
 @dataclass(frozen=True)

@@ -448,6 +448,9 @@ def bodies_in_motion(assembly: Assembly) -> SweptMachine:
 # ---- steps of assembly -----------------------------------------------------------------------------------------------
 
 
+_Row = tuple[tuple[object, ...], Step]  # of the table, and its picture
+
+
 def order_of_assembly(assembly: Assembly) -> Table:
     """In which order it goes together, and where."""
     if assembly.work:
@@ -460,20 +463,38 @@ def order_of_assembly(assembly: Assembly) -> Table:
     lifting = [each for each in assembly.bought if each.role == "lift"]
     if not assembly.board and not lifting:
         return table
-    rows = list(zip(table.rows, table.steps, strict=True))
+    rows: list[_Row] = [
+        (tuple(row), step) for row, step in zip(table.rows, table.steps, strict=True)
+    ]
     for coil in assembly.coils:
-        row = (0, "extension spring", coil.stringing, "", 1, coil.eyes[0], "as bought")
-        first = next(
-            (k for k, (_, step) in enumerate(rows) if set(coil.heads) & set(step.copies)),
-            len(rows),
-        )
-        rows.insert(first, (row, Step(coil.stringing)))
+        rows = _with_spring(rows, coil, assembly.courses(np.zeros(1)))
     for each in lifting:
         row = (0, each.name, each.size, "", each.count, 0.0, "as bought")
         rows.append((row, Step(f"{each.name}: {each.size}")))
     rows += _last_rows(assembly) if assembly.board else []
     numbered = tuple((count, *row[1:]) for count, (row, _) in enumerate(rows, 1))
     return replace(table, rows=numbered, steps=tuple(step for _, step in rows))
+
+
+def _with_spring(rows: Sequence[_Row], coil: Coil, poses: Mapping[str, Pose]) -> list[_Row]:
+    """Rows with a spring before the first head or cap over an eye of it, and pins that come through its eyes."""
+    length = coil.length(poses)
+    hooked = coil.stringing(length)
+    step = Step(hooked, wire=coil.wire(poses))
+    spring = (0, "extension spring", hooked, "", 1, coil.eyes[0], "as bought"), step
+    over = {copy for end in coil.heads for copy in end}
+    first = next((k for k, (_, each) in enumerate(rows) if over & set(each.copies)), len(rows))
+    found = [*rows[:first], spring]
+    before = set[str]()
+    for row, each in rows[first:]:
+        through = coil.through(each.copies, before, length)
+        before |= set(each.copies)
+        if through:
+            where = ", ".join(filter(None, (str(row[3]), through)))
+            row = (*row[:3], where, *row[4:])
+            each = replace(each, title=f"{each.title}{',' if row[3] else ';'} {through}")
+        found.append((row, each))
+    return found
 
 
 def by_heights(assembly: Assembly, before: Mapping[str, int] | None = None) -> Table:
@@ -485,7 +506,7 @@ def by_heights(assembly: Assembly, before: Mapping[str, int] | None = None) -> T
     return order(assembly.parts, mounts, poses, assembly.features, fixing, before)
 
 
-def _last_rows(assembly: Assembly) -> Iterator[tuple[tuple[object, ...], Step]]:
+def _last_rows(assembly: Assembly) -> Iterator[_Row]:
     """What the machine is put on at the end."""
     if assembly.support is None:
         yield (0, "board", assembly.board, "", 1, 0.0, "as yours"), Step(assembly.board)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -28,7 +28,8 @@ class Coil:
     points: tuple[str, str]  # names of these places
     diameter: float  # outside, mm
     eyes: tuple[float, float]  # underside and upper side, mm
-    heads: tuple[str, ...]  # copies of heads and caps over its eyes, such as "cap-1-2"
+    # of either end, copies of heads and caps over its eye, such as "cap-1-2"
+    heads: tuple[tuple[str, ...], tuple[str, ...]]
     capped: bool  # whether one of them is a cap
     reach: tuple[float, float] | None = (
         None  # mm from either end, between which the sweep sees it; None: it does not
@@ -39,13 +40,56 @@ class Coil:
         """Of its middle line, mm."""
         return sum(self.eyes) / 2
 
-    @property
-    def stringing(self) -> str:
-        """How it is put on its pins."""
+    def stringing(self, length: float) -> str:
+        """How it is put on its pins, which are so far apart then, mm."""
         where = f"points {' and '.join(self.points)}"
+        apart = f"{length:.4g} mm from pin to pin"
         if self.capped:
-            return f"{self.title}, eyes on the pins at {where}, before their caps: over these they do not go"
-        return f"{self.title}, eyes over the holes at {where}: the pins go in through them, for their heads are wider"
+            return f"{self.title}, eyes on the pins at {where}, before their caps: over these they do not go; {apart}"
+        return (
+            f"{self.title}, eyes over the holes at {where}: the pins go in through them, for their heads are wider; "
+            f"{apart}"
+        )
+
+    def through(self, coming: Collection[str], before: Collection[str], length: float) -> str:
+        """What is said of pins that come through its eyes from above, "" of others; before: copies that are there."""
+        comes, there = (
+            [bool(set(end) & set(copies)) for end in self.heads] for copies in (coming, before)
+        )
+        if self.capped or not any(comes):
+            return ""
+        if all(comes):
+            return f"through both eyes of the {self._called}, stretched to {length:.4g} mm"
+        if any(there):
+            return f"through the other eye of the {self._called}: stretch it to {length:.4g} mm"
+        return f"through an eye of the {self._called}"
+
+    @property
+    def _called(self) -> str:
+        return self.title[0].lower() + self.title[1:]
+
+    def length(self, poses: Mapping[str, Pose]) -> float:
+        """From pin to pin, mm, at the first angle of the poses."""
+        a, b = (complex(_place(poses, end)[0]) for end in self.ends)
+        return abs(b - a)
+
+    def wire(self, poses: Mapping[str, Pose]) -> Floats:
+        """The line of its wire at the first angle of the poses, (n, 3) mm: an eye round each pin, legs, and coils."""
+        a, b = (complex(_place(poses, end)[0]) for end in self.ends)
+        way = (b - a) / abs(b - a)
+        radius = self.diameter / 2
+        round_ = np.linspace(0, 2 * np.pi, 25)
+        eye = radius * np.exp(1j * round_)
+        turn = np.linspace(0, 2 * np.pi * _TURNS, 16 * _TURNS + 1)
+        swell = np.minimum(
+            1, np.minimum(turn, turn[::-1]) / np.pi
+        )  # from the axis out to the coils
+        along = _ENDS + (1 - 2 * _ENDS) * turn / turn[-1]
+        coils = a + (b - a) * along + 1j * way * radius * swell * np.cos(turn)
+        flat = np.concatenate([a + way * eye, coils, b - way * eye])
+        level = np.zeros(len(eye))
+        height = self.height + np.concatenate([level, radius * swell * np.sin(turn), level])
+        return np.column_stack([flat.real, flat.imag, height])
 
     def stand_ins(self) -> list[StandIn]:
         """Two bars from beside the heads to its middle, where it is longest; the eyes are left out."""
@@ -70,7 +114,10 @@ class Coil:
             title=f"{self.title} of {module.prefix}",
             ends=(module.place(self.ends[0]), module.place(self.ends[1])),
             eyes=(low + module.z, high + module.z),
-            heads=tuple(map(module.part, self.heads)),
+            heads=(
+                tuple(map(module.part, self.heads[0])),
+                tuple(map(module.part, self.heads[1])),
+            ),
         )
 
 

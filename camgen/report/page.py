@@ -148,7 +148,8 @@ def _on_bench(step: Step, place: Mapping[str, int]) -> dict[str, object]:
         {**asdict(mate), "place": [round(value, 3) for value in mate.place]} for mate in step.mates
     ]
     copies = [place[copy] for copy in step.copies]
-    return {"copies": copies, "way": step.way, "group": step.group, "mates": mates}
+    wire = [] if step.wire is None else step.wire.round(2).tolist()
+    return {"copies": copies, "way": step.way, "group": step.group, "mates": mates, "wire": wire}
 
 
 # ---- pieces of text ----
@@ -293,11 +294,16 @@ def _steps(scene: Scene | None) -> str:
     if scene is None or len(scene.steps) < 2:
         return ""
     cards = [
-        _card(f"Step {k + 1}", step.title, [], f"step-{k}", bool(step.copies or step.group))
+        _card(f"Step {k + 1}", step.title, [], f"step-{k}", _has_picture(step))
         for k, step in enumerate(scene.steps)
     ]
     all_steps = f"<details open><summary>All steps</summary>{_cards(cards)}</details>"
     return _BENCH + all_steps
+
+
+def _has_picture(step: Step) -> bool:
+    """Whether something comes in it that can be shown."""
+    return bool(step.copies or step.group or step.wire is not None)
 
 
 # Steps one after the other, as the script shows them; without it the cards below remain.

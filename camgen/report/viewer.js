@@ -545,9 +545,13 @@
       if (what === "part") put(parts[number], new THREE.Matrix4(), false);
       if (what === "plate") lying.plates[number].forEach(([k, ...m]) => put(parts[k], new THREE.Matrix4().set(...m, 0, 0, 0, 1), false));
       if (what === "step") {
-        const { coming, there } = onBench(lying.steps, Number(number));
+        const { coming, there, spring, springs } = onBench(lying.steps, Number(number)), some = spring.length || springs.length;
         there.forEach(k => put(copies[k].part, standing[k], true));
         coming.forEach(k => put(copies[k].part, standing[k], false));
+        if (some) [spring, ...springs].forEach((wire, k) => {
+          scene.add(new THREE.Mesh(tube(wire), surface({ color: variable(k ? "--plain" : "--new") })));
+          ends.push(...points(wire));
+        });
       }
       const view = Object.assign(eye(lain()), { aspect: 320 / 220 });
       look(view, ends, ahead(lain()));
@@ -571,13 +575,14 @@
 
   // ---- on the bench: one step of assembly after the other ----
 
-  // Copies that come in a step, and those that are there: of what is built by itself its own alone.
+  // Copies that come in a step, and those that are there, with the wires of springs: of what is built by itself its own alone.
   function onBench(steps, number) {
     const { copies, group } = steps[number], run = [];
     for (let k = number - 1; k >= 0 && group && steps[k].group === group && steps[k].copies.length; k--) run.unshift(...steps[k].copies);
-    if (group && copies.length) return { coming: copies, there: run };
-    const coming = copies.length ? copies : run;
-    return { coming, there: [...new Set(steps.slice(0, number).flatMap(step => step.copies))].filter(k => !coming.includes(k)) };
+    if (group && copies.length) return { coming: copies, there: run, spring: [], springs: [] };
+    const coming = copies.length ? copies : run, before = steps.slice(0, number);
+    const there = [...new Set(before.flatMap(step => step.copies))].filter(k => !coming.includes(k));
+    return { coming, there, spring: steps[number].wire, springs: before.map(step => step.wire).filter(wire => wire.length) };
   }
 
   // A body about z: triangles between rings of a radius and a height each.
@@ -588,6 +593,29 @@
     });
     const body = new THREE.BufferGeometry();
     body.setAttribute("position", new THREE.BufferAttribute(new Float32Array(out), 3));
+    return body;
+  }
+
+  const points = wire => wire.map(place => new THREE.Vector3(...place));
+  // The wire of a spring: rings of six corners along its line, each turned as little against the one before as can be.
+  function tube(wire) {
+    const line = points(wire), half = 0.5, out = [], aside = new THREE.Vector3(0, 0, 1);
+    const rings = line.map((at, k) => {
+      const way = new THREE.Vector3().subVectors(line[Math.min(k + 1, line.length - 1)], line[Math.max(k - 1, 0)]).normalize();
+      aside.addScaledVector(way, -aside.dot(way));
+      if (aside.length() < 0.01) aside.set(way.y, way.z, way.x).addScaledVector(way, -way.dot(aside));
+      aside.normalize();
+      const turn = new THREE.Quaternion().setFromAxisAngle(way, Math.PI / 3), ring = [aside.clone()];
+      while (ring.length < 6) ring.push(ring[ring.length - 1].clone().applyQuaternion(turn));
+      return ring.map(corner => corner.multiplyScalar(half).add(at).toArray());
+    });
+    rings.slice(1).forEach((ring, n) => ring.forEach((corner, k) => {
+      const last = rings[n], after = (k + 1) % 6;
+      out.push(...last[k], ...last[after], ...ring[after], ...last[k], ...ring[after], ...corner);
+    }));
+    const body = new THREE.BufferGeometry();
+    body.setAttribute("position", new THREE.BufferAttribute(new Float32Array(out), 3));
+    body.computeVertexNormals();
     return body;
   }
 
@@ -637,29 +665,31 @@
       if (renderer && near.length) hand.aim(near, from);
     }
     // What fills the picture: what comes with some of its surroundings, or all where that is not much more.
-    function focus({ coming, there }, mates) {
-      whole = corners([...there, ...coming]);
+    function focus({ coming, there, spring, springs }, mates) {
+      whole = [...corners([...there, ...coming]), ...[spring, ...springs].flatMap(points)];
       const all = new THREE.Box3().setFromPoints(whole.length ? whole : corners([0])), size = new THREE.Vector3();
-      const close = new THREE.Box3().setFromPoints([...corners(coming), ...mates.map(({ place }) => new THREE.Vector3(...place))]);
+      const close = new THREE.Box3().setFromPoints([...corners(coming), ...points(spring), ...mates.map(({ place }) => new THREE.Vector3(...place))]);
       close.expandByScalar(Math.max(least, close.getSize(size).length() / 4));
-      inset.hidden = !coming.length || close.getSize(size).length() > 0.5 * all.getSize(size).length();
+      inset.hidden = !(coming.length || spring.length) || close.getSize(size).length() > 0.5 * all.getSize(size).length();
       const shown = inset.hidden ? all.expandByScalar(Math.max(0, least - all.getSize(size).length() / 4)) : close;
       radius = shown.getSize(size).length() / 2;
       return shown;
     }
     function dress() {  // what is seen of this step, in the colours of the page
-      const now = onBench(steps, number), { way: sense, mates } = steps[number], all = [...now.there, ...now.coming];
+      const now = onBench(steps, number), { way: sense, mates } = steps[number], comes = now.coming.length || now.spring.length;
       [there, coming].forEach(group => group.clear());
-      const shown = focus(now, mates), box = new THREE.Box3().setFromPoints(corners(now.coming)), high = now.coming.length ? box.max.z - box.min.z : 0;
-      lift = now.coming.length && now.there.length ? -sense * Math.max(1.3 * high, 0.45 * radius) : 0;
+      const shown = focus(now, mates), box = new THREE.Box3().setFromPoints([...corners(now.coming), ...points(now.spring)]), high = comes ? box.max.z - box.min.z : 0;
+      lift = comes && now.there.length ? -sense * Math.max(1.3 * high, 0.45 * radius) : 0;
       near = inset.hidden ? [...whole, shown.min, shown.max] : [0, 1, 2, 3, 4, 5, 6, 7].map(k => new THREE.Vector3(...["x", "y", "z"].map((axis, n) => shown[k >> n & 1 ? "max" : "min"][axis])));
-      near.push(...corners(now.coming, lift));
+      near.push(...corners(now.coming, lift), ...points(now.spring).map(place => place.setZ(place.z + lift)));
       plain.color.set(variable("--plain"));
       fresh.color.set(variable("--new"));
       edge.color.set(variable("--ink"));
-      now.there.forEach(k => put(there, k, now.coming.length ? plain : surface({ color: colour(copies[k].part.number) })));
+      now.there.forEach(k => put(there, k, comes ? plain : surface({ color: colour(copies[k].part.number) })));
       now.coming.forEach(k => put(coming, k, fresh));
-      if (lift) arrows(now.coming, sense, mates);
+      now.springs.forEach(wire => there.add(new THREE.Mesh(tube(wire), plain)));
+      coming.add(new THREE.Mesh(tube(now.spring), fresh));
+      if (lift) arrows(box, sense, now.spring.length ? [] : mates);
       mates.forEach(({ how, place, diameter, height, comes }) => {
         const wide = diameter / 2 + 0.05, half = height / 2;
         if (diameter) mark(comes ? coming : there, turned([wide, -half], [wide, half]), place, how === "free" ? "--free" : "--glue", { transparent: true, opacity: 0.75, depthTest: false });
@@ -667,8 +697,8 @@
       name(now.coming, mates);
       ask();
     }
-    function arrows(numbers, sense, mates) {  // over what it goes on or through, else over its middle
-      const box = new THREE.Box3().setFromPoints(corners(numbers)), middle = box.getCenter(new THREE.Vector3());
+    function arrows(box, sense, mates) {  // over what it goes on or through, else over its middle
+      const middle = box.getCenter(new THREE.Vector3());
       const places = mates.filter(({ diameter }) => diameter).map(({ place: [x, y] }) => [x, y]);
       const up = -sense * 0.16 * radius, wide = 0.025 * radius, tip = sense < 0 ? box.max.z + 0.04 * radius : box.min.z - 0.04 * radius;
       const body = turned([0, 0], [2.2 * wide, 0.4 * up], [wide, 0.4 * up], [wide, up], [0, up]);

@@ -45,6 +45,7 @@ def solid() -> Report:
             Step("first", ["cam-1"]),
             Step(EVIL, ["cam-2"], 1, [Mate("glue", EVIL, (1.0, 2.0, 3.00001), 4.0, 5.0, True)]),
             Step("nut"),
+            Step("spring", wire=np.array([[1, 2, 3], [4.5, 5.25, 6.0004]])),
             Step("both by themselves", group=EVIL),
         ],
         holes=[[HoleLabel(EVIL, "Ø4", (1.0, 2.0, 3.0))]],
@@ -80,10 +81,17 @@ def test_the_machine_is_in_the_page_and_the_library_that_shows_it(page: str) -> 
     assert lying == {
         "plates": [[[0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 9]]],
         "steps": [
-            {"copies": [0], "way": -1, "group": "", "mates": []},
-            {"copies": [1], "way": 1, "group": "", "mates": [mate]},
-            {"copies": [], "way": -1, "group": "", "mates": []},
-            {"copies": [], "way": -1, "group": EVIL, "mates": []},
+            {"copies": [0], "way": -1, "group": "", "mates": [], "wire": []},
+            {"copies": [1], "way": 1, "group": "", "mates": [mate], "wire": []},
+            {"copies": [], "way": -1, "group": "", "mates": [], "wire": []},
+            {
+                "copies": [],
+                "way": -1,
+                "group": "",
+                "mates": [],
+                "wire": [[1.0, 2.0, 3.0], [4.5, 5.25, 6.0]],
+            },
+            {"copies": [], "way": -1, "group": EVIL, "mates": [], "wire": []},
         ],
         "parts": [["", [[EVIL, "Ø4", [1, 2, 3]]]]],
     }

@@ -31,7 +31,7 @@ def coils_of(
         usual = "Extension spring" if name == "spring" else f"Extension spring {name}"
         _, one = spring.a
         _, other = spring.b
-        heads = [each for point in (one, other) for each in _heads(layout, parts, mounts, point)]
+        heads = [list(_heads(layout, parts, mounts, point)) for point in (one, other)]
         ends = (_end(layout, *spring.a), _end(layout, *spring.b))
         reach = _reach(layout, name, *ways[name]) if name in ways else None
         title = titles.get(name, usual)
@@ -43,8 +43,8 @@ def coils_of(
                 (one, other),
                 spring.diameter,
                 layout.eye(name),
-                tuple(copy for copy, _ in heads),
-                any(cap for _, cap in heads),
+                (tuple(copy for copy, _ in heads[0]), tuple(copy for copy, _ in heads[1])),
+                any(cap for each in heads for _, cap in each),
                 reach,
             )
         )

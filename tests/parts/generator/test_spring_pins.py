@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -158,6 +159,51 @@ def test_a_spring_comes_before_the_heads_that_are_wider_than_its_eyes(machine: M
         and over <= {copy for each in table.steps[step:] for copy in each.copies}
     )
     assert [row[0] for row in table.rows] == list(range(1, len(table.rows) + 1))
+
+
+@pytest.mark.parametrize("machine", [bench(), including()], ids=["bench", "included"])
+def test_the_step_of_a_spring_shows_its_wire_round_both_pins_as_far_apart_as_it_says(
+    machine: Mechanism,
+) -> None:
+    """Where pins with heads up stand at theta = 0, from the poses of the parts."""
+    table = order_of_assembly(machine.assembly)
+    (number,) = (k for k, row in enumerate(table.rows) if row[1] == "extension spring")
+    wire = table.steps[number].wire
+    (coil,) = machine.assembly.coils
+    poses = machine.assembly.poses(np.zeros(1))
+    pins = []
+    for copy in (copy for end in coil.heads for copy in end):
+        name, _, count = copy.rpartition("-")
+        pins.append(complex(poses[name][int(count) - 1].place[0]))
+    a, b = pins
+    assert wire is not None and wire.shape[1] == 3
+    flat = wire[:, 0] + 1j * wire[:, 1]
+    radius = coil.diameter / 2
+    turn = 24
+    np.testing.assert_allclose(abs(flat[: turn + 1] - a), radius, rtol=1e-9)
+    np.testing.assert_allclose(abs(flat[-turn - 1 :] - b), radius, rtol=1e-9)
+    for eye, pin in ((flat[: turn + 1], a), (flat[-turn - 1 :], b)):
+        assert abs(np.sum(np.angle((eye[1:] - pin) / (eye[:-1] - pin)))) == pytest.approx(2 * np.pi)
+    way = (b - a) / abs(b - a)
+    aside = np.hypot(((flat - a) / way).imag, wire[:, 2] - coil.height)
+    assert aside.max() == pytest.approx(radius), "the coils are as wide as it is"
+    assert 2 * radius == pytest.approx(np.ptp(wire[:, 2]), rel=0.02)
+    assert f"; {abs(b - a):.4g} mm from pin to pin" in table.steps[number].title
+    said = [step.title for step in table.steps[number + 1 :] if "eye of the" in step.title]
+    first, other = (title.rpartition(", through ")[2] for title in said)
+    assert first.startswith("an eye of the extension spring")
+    assert other.endswith(f": stretch it to {abs(b - a):.4g} mm")
+    assert [row[3] for row in table.rows[number + 1 :] if str(row[3]).endswith(other)]
+
+
+def test_both_pins_of_a_step_go_through_both_eyes() -> None:
+    (coil,) = bench().assembly.coils
+    (one,), (other,) = coil.heads
+    assert coil.through([one, other], [], 70.0).endswith("stretched to 70 mm")
+    assert coil.through([one], [], 70.0).startswith("through an eye")
+    assert coil.through([other], [one], 70.0).startswith("through the other eye")
+    assert coil.through(["ground-1"], [one], 70.0) == ""
+    assert replace(coil, capped=True).through([one], [], 70.0) == ""
 
 
 def test_springs_are_drawn_between_their_pins() -> None:
