@@ -144,7 +144,7 @@ def test_parts_plates_and_steps_have_their_files_and_their_views(page: str) -> N
         for tag, attributes in parsed.elements
         if tag == "canvas" and "data-view" in attributes
     ]
-    assert views == ["part-0", "plate-0", "step-0", "step-1", "step-3"], (
+    assert views == ["part-0", "plate-0", "step-0", "step-1", "step-3", "step-4"], (
         "for a bought nut nothing is drawn"
     )
     links = [attributes["href"] for tag, attributes in parsed.elements if tag == "a"]
