@@ -13,6 +13,10 @@ from camgen.numerics import Floats, Points
 if TYPE_CHECKING:
     import shapely
 
+_FEW = (
+    100  # edges of a ring that are gone through one by one in less time than a tree of them takes
+)
+
 
 def _polygon(ring: Points) -> shapely.Polygon:
     import shapely
@@ -25,10 +29,12 @@ def point_to_ring(points: Points, ring: Points) -> Floats:
     import shapely
 
     corners = np.column_stack([ring.real, ring.imag])
+    places = shapely.points(points.real, points.imag)
+    if 2 < len(ring) <= _FEW:
+        return np.asarray(shapely.distance(places, shapely.LinearRing(corners)))
     edges = shapely.STRtree(
         shapely.linestrings(np.stack([corners, np.roll(corners, -1, axis=0)], axis=1))
     )
-    places = shapely.points(points.real, points.imag)
     _, distances = edges.query_nearest(places, return_distance=True, all_matches=False)
     return np.asarray(distances)
 

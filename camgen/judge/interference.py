@@ -473,7 +473,9 @@ def _least(
             for first, second in pairs:
                 _settle(_facing(motions, first, second, -floor), best, accuracy)
             continue
-        first, second = (shadow_of(sections) for sections in zip(*pairs, strict=True))
+        first, second = (
+            shadow_of(tuple(dict.fromkeys(sections))) for sections in zip(*pairs, strict=True)
+        )
         whole = _Best()
         approach = _facing(motions, first, second, -floor)
         clear = _search(approach, whole, accuracy, _LONG) and whole.gap > max(accuracy.needed, 0.0)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 ROUND = 0.002  # mm, how far an outline may lie from a circle and count as one
 FACETS = 0.001  # mm, chord tolerance of arcs
 PLANE = np.array([1, 1j])  # coordinates to complex numbers
+_SAME_AREA = 1e-9  # share by which areas may differ for rounding
 
 
 @dataclass(frozen=True)
@@ -194,7 +195,8 @@ def covered(section: Section, other: Section) -> bool:
     )
 
 
-def shadow_of(sections: Sequence[Section]) -> Section:
+@functools.lru_cache(maxsize=128)  # a stack passes by several others
+def shadow_of(sections: tuple[Section, ...]) -> Section:
     """All that sections cover, as one."""
     import shapely
 
@@ -207,8 +209,14 @@ def plan_of(mesh: Mesh) -> Any:
     """What a solid covers as seen from above, a geometry: all its triangles that face upwards."""
     import shapely
 
-    up = mesh.vertices[mesh.faces[mesh.across[:, 2] > 0]]
-    return shapely.union_all(shapely.polygons(up[:, :, :2]))
+    corners = mesh.vertices[mesh.faces[mesh.across[:, 2] > 0]]
+    up = shapely.polygons(corners[:, :, :2])
+    try:  # side by side, as those of a plain stack are: a fifteenth of the time
+        plan = shapely.coverage_union_all(up)
+    except shapely.errors.GEOSException:
+        return shapely.union_all(up)
+    beside = abs(plan.area - float(np.sum(shapely.area(up)))) <= _SAME_AREA * plan.area
+    return plan if beside and plan.is_valid else shapely.union_all(up)
 
 
 # ---- a plate ready to print ------------------------------------------------------------------------------------------

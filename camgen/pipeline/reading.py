@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +19,7 @@ from camgen.geometry.outlines import Floats
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.as_printed import printed
 from camgen.judge.round_trip import (
+    NominalPart,
     PartVerdict,
     PrintChange,
     judge_dimensioned,
@@ -60,6 +62,11 @@ def judge_part(
     findings: list[Finding] = []
     sections: Read = {}
     not_judged: list[NotJudged] = []
+
+    @cache  # files of several kinds should hold the same
+    def nominal(sent: Compensation | None) -> NominalPart:
+        return nominal_part(part, tolerance, features, sent, mechanism.files)
+
     for kind in kinds:
         path = case.file(name, kind)
         blank = FORMATS[kind].holds == "drawing" and not part.outlined
@@ -78,9 +85,7 @@ def judge_part(
                     )
                 )
             continue
-        solid = FORMATS[kind].solid
-        sent, drawn = (fit, None) if solid else (None, mechanism.files)
-        shape = nominal_part(part, tolerance, features, sent, drawn)
+        shape = nominal(fit if FORMATS[kind].solid else None)
         verdict = PartVerdict(()) if blank else _JUDGES[FORMATS[kind].holds](path, shape)
         findings += verdict.findings
         if kind == "dxf" and dimensioned:

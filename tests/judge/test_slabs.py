@@ -24,6 +24,7 @@ from camgen.judge.slabs import (
     area_of,
     covered,
     disc_about,
+    plan_of,
     sections_of,
     shadow_of,
     shrunk,
@@ -84,10 +85,34 @@ def test_sections_stand_where_their_body_does() -> None:
         7 * 5 - 9 + (1 - math.pi / 4), rel=1e-3
     )  # round about the hole's corners
     assert shrunk(flat, 0.0) is flat.area
-    whole = shadow_of([flat, disc])
+    whole = shadow_of((flat, disc))
     assert whole.facets == 0.001 and whole.area.area == pytest.approx(
         8 * 6 - 4 + 0.75 * disc.area.area, rel=1e-3
     )
+
+
+@pytest.mark.parametrize("corner", [(4.0, 0.0), (3.0, 1.0), (1.0, 1.0), (9.0, 9.0)])
+def test_the_plan_of_boxes_is_the_area_that_they_cover(corner: tuple[float, float]) -> None:
+    """Beside each other, overlapping, one over the other, apart; each 4 by 4 mm."""
+    x, y = corner
+    inner = 2.0 if x < 3 else 4.0
+    regions = [
+        Region(contour([0, 4, 4 + 4j, 4j])),
+        Region(contour([x + w * inner + y * 1j for w in (0, 1, 1 + 1j, 1j)])),
+    ]
+    boxes = [
+        solid(Part("box", "Box", (Layer(region, z, z + 1.0),)), 0.01)
+        for region, z in zip(regions, (0.0, 3.0), strict=True)
+    ]
+    count = len(boxes[0].vertices)
+    both = Mesh(
+        np.concatenate([box.vertices for box in boxes]),
+        np.concatenate([boxes[0].faces, boxes[1].faces + count]),
+    )
+    plan = plan_of(both)
+    common = max(0.0, min(4, x + inner) - x) * max(0.0, min(4, y + inner) - y)
+    assert plan.is_valid and plan.area == pytest.approx(16 + inner**2 - common, rel=1e-12)
+    assert plan.covers(shapely.box(x, y, x + inner, y + inner))
 
 
 def test_a_section_is_covered_by_one_that_is_no_coarser() -> None:
