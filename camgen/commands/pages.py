@@ -49,9 +49,10 @@ def explore(spec: Path | None, **served: Any) -> None:
     """
     from camgen import starters
     from camgen.live import run
+    from camgen.live.gallery import Gallery
 
-    names = ("linkage", *starters.examples())
-    run.explore(spec, say=_say, gallery={each: starters.text(each) for each in names}, **served)
+    texts = {each: starters.text(each) for each in ("linkage", *starters.examples())}
+    run.explore(spec, say=_say, gallery=Gallery(texts, starters.pictures()), **served)
 
 
 def _say(text: str) -> None:

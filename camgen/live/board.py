@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache, reduce
 from hashlib import sha256
@@ -23,7 +23,7 @@ from camgen.bounds import read_bytes
 from camgen.edits import edited
 from camgen.errors import DesignError, Fault, FileError, SpecError, file_errors
 from camgen.findings import Finding
-from camgen.live.gallery import cards, usable
+from camgen.live.gallery import Gallery, cards, usable
 from camgen.live.numbers import numbers, overrides, write
 from camgen.live.operations import FILE_NAME, NAMED_FILE, ROWS, applied, moved
 from camgen.live.preview import failure, preview
@@ -68,12 +68,12 @@ class SheetFile:
 class Board:
     """A linkage's text while it is drawn. Without a spec a page with the gallery comes first."""
 
-    def __init__(
-        self, spec: Path | None, out: Path, gallery: Mapping[str, str] | None = None
-    ) -> None:
-        """gallery: texts of specs by their names; those are shown that are linkages and name no file."""
+    def __init__(self, spec: Path | None, out: Path, gallery: Gallery | None = None) -> None:
+        """gallery: those of its specs are shown that are linkages and name no file."""
         self.file = SheetFile(spec)
-        self.gallery = usable(gallery or {})
+        given = gallery or Gallery()
+        self.gallery = usable(given.texts)
+        self.pictures = given.pictures
         self.last_build = LastBuild(spec or Path("sheet.toml"), out)
         self.lock = Lock()
         self.text: str | None = None
@@ -323,14 +323,16 @@ class Board:
 
     def choice(self) -> str:
         """The gallery, with which a sheet begins; what is drawn stays."""
-        return Template(asset("start.html")).substitute(cards=cards(self.gallery))
+        return Template(asset("start.html")).substitute(
+            cards=cards(Gallery(self.gallery, self.pictures))
+        )
 
     def app(self, word: str) -> Starlette:
         """What serves it, below the word."""
         asked = ("draw", "undo", "redo", "idle", "limits", "preview", "build", "save", "start")
         answers = {f"/{name}": getattr(self, name) for name in asked}
         pages = {"/": self.page, "/gallery": self.choice}
-        return served(word, pages, self.last_build, answers)
+        return served(word, pages, self.last_build, answers, self.pictures)
 
 
 # ---- what is drawn ---------------------------------------------------------------------------------------------------

@@ -316,14 +316,21 @@ function draw(seen) {
       const still = Object.fromEntries(ground().map(name => [name, seen.sheet.points[name]]));
       drag = { point: what.point, places: {}, still, whole: { ...seen.start, ...still }, pressed: event };
     } else if (tool === "move" || (tool !== "link" && event.button === 1)) drag = { pan: [...centre], pressed: event };
-    else if (["ground", "drive", "output", "delete"].includes(tool)) click(what);
+    else if (["ground", "drive", "output", "delete"].includes(tool)) { if (!click(what)) note = missed(event); }
     else if (tool === "link" && drag && drag.from) finish(event);
     else if (tool === "link" || what.point || (what.link && tool !== "slot")) {
       const from = what.point && tool !== "point" ? places()[what.point] : snapped(event);
       drag = { ...what, from, to: from, pressed: event };
-    }
+    } else note = missed(event);
     render();
   });
+
+  function missed(event) {  // what to say of a press on nothing that the tool takes
+    const at = places(), here = onPaper(event);
+    const [far, name] = Object.keys(at).map(point => [distance(at[point], here) * scale, point]).sort((a, b) => a[0] - b[0])[0] || [Infinity];
+    const taken = { move: "A point", ground: "A point", slot: "A point" }[tool] || "A point or a link";
+    return far > 60 ? `${taken} has to be under the press.` : `${taken} has to be under the press: the nearest point, ${name}, is ${Math.round(far)} px away.`;
+  }
 
   const MOVED = "onpointerrawupdate" in svg ? "pointerrawupdate" : "pointermove";  // at once, or with the next frame
   svg.addEventListener(MOVED, event => {
@@ -361,7 +368,10 @@ function draw(seen) {
   svg.addEventListener("pointerup", event => {
     pointers.delete(event.pointerId);
     const far = drag && Math.hypot(event.clientX - drag.pressed.clientX, event.clientY - drag.pressed.clientY) > 5;
-    if (!drag || drag.pan) drag = null;
+    if (!drag || drag.pan) {
+      if (drag && !far && tool === "move" && !picked && Object.values(places()).some(at => distance(at, onPaper(event)) * scale < 40)) note = missed(event);
+      drag = null;
+    }
     else if (far) finish(event);
     else if (tool !== "link") drag = null;  // of a link a second click sets the end
     render();
@@ -406,6 +416,7 @@ function draw(seen) {
     else if (tool === "gear" && linkOf(on)) await commit({ op: "gear", a: linkOf(mine), b: linkOf(on) });
     else if (tool === "cam" && on.point) await commit({ op: "cam", cam: linkOf(mine), point: on.point });
     else if (tool === "slot" && on.link) await commit({ op: "slot", point: mine.point, link: on.link });
+    else note = `Nothing is done: it ends on no ${{ cam: "point of a follower" }[tool] || "link"}.`;
     if (drag === mine) drag = null;
     render();
   }
@@ -420,12 +431,11 @@ function draw(seen) {
     return Object.fromEntries(Object.entries({ ...rest, ...point }).filter(([name, place]) => distance(place, seen.sheet.points[name]) > 0.006));
   }
 
-  function click(what) {
-    if (tool === "ground" && what.point) commit({ op: "ground", point: what.point });
-    else if (tool === "drive" && (what.link || what.point)) {
-      const link = linkOf(what);
-      if (link) commit({ op: "drive", link });
-    } else if (["output", "delete"].includes(tool) && (what.point || what.link)) commit({ op: tool, ...what });
+  function click(what) {  // whether the tool takes it
+    const link = tool === "drive" && linkOf(what), some = what.point || what.link;
+    if (tool === "ground" ? !what.point : tool === "drive" ? !link : !some) return false;
+    commit(tool === "ground" ? { op: "ground", point: what.point } : tool === "drive" ? { op: "drive", link } : { op: tool, ...what });
+    return true;
   }
 
   function lock(a, b) {  // hold a length, or let it follow
@@ -533,7 +543,7 @@ function draw(seen) {
     const answer = await ask("build", {});
     button.disabled = false;
     button.textContent = "Build files";
-    tell(answer, Math.round((performance.now() - began) / 1000) + " s" + (answer.folder ? ", files in " + answer.folder : ""));
+    tell(answer, answer.folder ? seconds(performance.now() - began) + ", files in " + answer.folder : "");
     if (answer.folder) { view("stage"); show(frame => { frame.src = "out/report.html"; }); }
   });
   document.addEventListener("keydown", event => {

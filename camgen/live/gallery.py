@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
 
@@ -16,6 +17,18 @@ from camgen.machines.linkage.traces import angles, traces
 from camgen.machines.sources import changed
 
 
+@dataclass(frozen=True)
+class Gallery:
+    """Texts of specs by their names, and a folder with a picture of some of them, NAME.svg."""
+
+    texts: Mapping[str, str] = field(default_factory=dict)
+    pictures: Path | None = None
+
+    def pictured(self, name: str) -> bool:
+        """Whether there is a picture of a spec."""
+        return self.pictures is not None and (self.pictures / f"{name}.svg").is_file()
+
+
 def usable(texts: Mapping[str, str]) -> dict[str, str]:
     """The texts of linkages that name no other file, by their names."""
     tables = {name: tomllib.loads(text) for name, text in texts.items()}
@@ -26,16 +39,19 @@ def usable(texts: Mapping[str, str]) -> dict[str, str]:
     }
 
 
-def cards(texts: Mapping[str, str]) -> str:
-    """A button with a picture for each of them, as HTML."""
-    return "".join(
-        f'<button data-start="{name}">{_picture(text)}<b>{name}</b>'
-        f"<small>{escape(text.partition(chr(10))[0].lstrip('# '))}</small></button>"
-        for name, text in texts.items()
-    )
+def cards(gallery: Gallery) -> str:
+    """A button with a picture for each of them, as HTML: the gallery's own, with wheels and cams, or a sketch of the links."""
+    buttons = []
+    for name, text in gallery.texts.items():
+        picture = f'<img src="pictures/{name}.svg" alt="" loading="lazy">'
+        buttons.append(
+            f'<button data-start="{name}">{picture if gallery.pictured(name) else _sketch(text)}<b>{name}</b>'
+            f"<small>{escape(text.partition(chr(10))[0].lstrip('# '))}</small></button>"
+        )
+    return "".join(buttons)
 
 
-def _picture(text: str) -> str:
+def _sketch(text: str) -> str:
     """Links as drawn and the paths of the outputs, as SVG; an empty one where it does not move."""
     try:
         linkage = changed(tomllib.loads(text), "gallery", Path())

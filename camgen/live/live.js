@@ -35,6 +35,8 @@ function carry(from, to) {
   to.contentWindow.scrollTo(0, from.contentWindow.scrollY);
 }
 
+const seconds = ms => (ms < 9500 ? (ms / 1000).toFixed(1) : Math.round(ms / 1000)) + " s";
+
 function tell(answer, took) {
   byId("said").className = !answer.ok ? "bad" : answer.open ? "open" : "ok";
   byId("verdict").textContent = answer.verdict;
@@ -44,7 +46,18 @@ function tell(answer, took) {
     line.textContent = error;
     return line;
   }));
+  unfold(false);
 }
+
+function unfold(all) {  // of what does not fit all, or its first lines; over the sheet, which stays where it is
+  const said = byId("said"), more = byId("more");
+  if (!more) return;
+  said.classList.toggle("unfolded", all);
+  more.textContent = all ? "Show less" : "Show all";
+  more.setAttribute("aria-expanded", all);
+  more.hidden = !all && said.scrollHeight <= said.clientHeight;
+}
+if (byId("more")) byId("more").addEventListener("click", () => unfold(!byId("said").classList.contains("unfolded")));
 
 async function ask(path, asked) {
   try {
@@ -197,7 +210,7 @@ function explore(numbers) {
     const answer = await ask("build", { settings: settings() });
     button.disabled = false;
     button.textContent = "Build files";
-    tell(answer, Math.round((performance.now() - began) / 1000) + " s" + (answer.folder ? ", files in " + answer.folder : ""));
+    tell(answer, answer.folder ? seconds(performance.now() - began) + ", files in " + answer.folder : "");
     byId("note").hidden = Boolean(answer.folder);
     if (answer.folder) show(frame => { frame.src = "out/report.html"; });
   });

@@ -8,7 +8,7 @@ import tempfile
 import threading
 import time
 import webbrowser
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from html import escape
 from pathlib import Path
@@ -23,6 +23,7 @@ from camgen.reading import SPEC_FILE, read
 if TYPE_CHECKING:
     from starlette.applications import Starlette
 
+    from camgen.live.gallery import Gallery
     from camgen.live.server import LastBuild
 
     Say = Callable[[str], None]
@@ -37,11 +38,11 @@ def explore(
     port: int,
     browser: bool,
     say: Say,
-    gallery: Mapping[str, str] | None = None,
+    gallery: Gallery | None = None,
 ) -> None:
     """Serve the spec until Ctrl-C, a linkage to draw on, any other with sliders; without one an empty sheet or the gallery.
 
-    gallery: texts of specs by their names. FileError where the extra is missing or the port is taken.
+    gallery: specs with which a sheet may begin. FileError where the extra is missing or the port is taken.
     """
     _need()
     from camgen.live.board import Board

@@ -36,7 +36,7 @@ from camgen.machines.sources import changed, read_tables
 from camgen.pipeline.build import KINDS, build
 
 _POLICY = (
-    "default-src 'none'; script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; connect-src 'self'; "
+    "default-src 'none'; img-src 'self'; script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; connect-src 'self'; "
     "frame-src 'self'; frame-ancestors 'self'"
 )
 
@@ -207,9 +207,12 @@ def served(
     pages: Mapping[str, Callable[[], str]],
     last_build: LastBuild,
     answers: Mapping[str, Callable[[Answer], Answer]],
+    pictures: Path | None = None,
 ) -> Starlette:
-    """Pages, their scripts and style, the files of the last build, and what the pages ask for: JSON to JSON."""
+    """Pages, their scripts and style, the files of the last build, pictures of a folder, and what the pages ask for: JSON to JSON."""
     routes: list[BaseRoute] = [Mount("/out", app=last_build)]
+    if pictures is not None:
+        routes.append(Mount("/pictures", app=StaticFiles(directory=pictures)))
     routes += [Route(path, _showing(page)) for path, page in pages.items()]
     routes += [
         Route(f"/{file}", Response(asset(file), media_type=f"text/{kind}"))

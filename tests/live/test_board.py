@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from starlette.testclient import TestClient
 from camgen import starters
 from camgen.errors import SpecError
 from camgen.live.board import Board
-from camgen.live.gallery import cards, usable
+from camgen.live.gallery import Gallery, cards, usable
 from camgen.live.operations import OPERATIONS, applied
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.machines.linkage.traces import angles, idle, traces
@@ -292,7 +293,7 @@ def test_a_key_of_another_kind_is_shown_and_operations_refuse_it(tmp_path: Path,
 def test_a_four_bar_from_an_empty_sheet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """As with the mouse: three links, two points on the ground, a point on the coupler, its path."""
     monkeypatch.chdir(tmp_path)
-    page = client(Board(None, tmp_path / "out", {"walking-leg": LEG}))
+    page = client(Board(None, tmp_path / "out", Gallery({"walking-leg": LEG})))
     assert 'data-start="walking-leg"' in page.get("/").text
     assert page.post("/draw", json={"op": "output", "point": "A"}).status_code == 409
     assert page.post("/start", json={"name": "nothing"}).status_code == 409
@@ -520,8 +521,29 @@ def test_another_page_draws_nothing(tmp_path: Path) -> None:
 def test_the_gallery_has_pictures_of_linkages_that_stand_alone() -> None:
     texts = {name: starters.text(name) for name in ("four-bar", "disc-cam", "stitch-head")}
     assert [*usable(texts)] == ["four-bar"]
-    card = cards(usable(texts))
+    card = cards(Gallery(usable(texts)))
     assert card.count("<polyline") == 4 and "Hoeken" in card and "nan" not in card
+
+
+def test_no_tile_of_the_gallery_is_empty_and_its_pictures_are_served(tmp_path: Path) -> None:
+    """A linkage without rods, such as two wheels, has the gallery's own picture."""
+    texts = {n: starters.text(n) for n in starters.examples()}
+    page = TestClient(
+        Board(None, tmp_path, Gallery(texts, starters.pictures())).app(WORD),
+        base_url=f"{HOME}/{WORD}/",
+    )
+    answer = page.get("/")
+    tiles = re.findall(r"<button data-start=\"([^\"]+)\">(.*?)</button>", answer.text)
+    assert len(tiles) > 12 and "img-src 'self'" in answer.headers["content-security-policy"]
+    for name, tile in tiles:
+        if "<img" not in tile:
+            lengths = [len(set(places.split())) for places in re.findall('points="([^"]*)"', tile)]
+            assert max(lengths) > 1, name
+            continue
+        picture = page.get(f"/pictures/{name}.svg")
+        assert picture.status_code == 200 and "<svg" in picture.text, name
+    assert "<img" in dict(tiles)["elliptic-wheels"]
+    assert page.get("/pictures/none.svg").status_code == 404
 
 
 @pytest.mark.parametrize("name", [*usable({n: starters.text(n) for n in starters.examples()})])
