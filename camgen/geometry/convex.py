@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import product
 
 import numpy as np
 
@@ -45,24 +44,26 @@ def distance(a: Points, b: Points) -> Floats:
     both = ((a, b), (b, a))
     towards = [(one, other) for one, other in both if len(other) > 1] or both[:1]
     least: Floats = np.minimum.reduce(
-        [_to_side(z, *side) for one, other in towards for z in one for side in _sides(other)]
+        [_to_side(one[:, None], *_sides(other)).min(axis=(0, 1)) for one, other in towards]
     )
     if len(towards) > 1:
-        for (p0, p1), (q0, q1) in product(_sides(a), _sides(b)):
-            cross = _side(p0, p1, q0) * _side(p0, p1, q1) < 0
-            cross &= _side(q0, q1, p0) * _side(q0, q1, p1) < 0
-            least[cross] = 0.0
+        p0, p1 = (ends[:, None] for ends in _sides(a))
+        q0, q1 = _sides(b)
+        cross = _side(p0, p1, q0) * _side(p0, p1, q1) < 0
+        cross &= _side(q0, q1, p0) * _side(q0, q1, p1) < 0
+        least[cross.any(axis=(0, 1))] = 0.0
     for one, other in both:
         if len(one) > 2:
-            inside = np.all([_side(p0, p1, other[0]) >= 0 for p0, p1 in _sides(one)], axis=0)
+            inside = np.all(_side(*_sides(one), other[0]) >= 0, axis=0)
             least[inside] = 0.0
     return least
 
 
-def _sides(corners: Points) -> list[tuple[Points, Points]]:
+def _sides(corners: Points) -> tuple[Points, Points]:
+    """Where each side begins and ends, (sides, n) each; of a point one without length."""
     if len(corners) < 3:
-        return [(corners[0], corners[-1])]
-    return [(corners[k - 1], corners[k]) for k in range(len(corners))]
+        return corners[:1], corners[-1:]
+    return np.concatenate([corners[-1:], corners[:-1]]), corners
 
 
 def _side(a: Points, b: Points, z: Points) -> Floats:

@@ -223,6 +223,10 @@ class Mechanism(Spec, ABC):
     def limits(self) -> Sequence[Finding]:
         """Closed-form design checks; raises DesignError where no such mechanism exists."""
 
+    def limits_of(self, code: str) -> Sequence[Finding]:
+        """Those of one code."""
+        return [finding for finding in self.limits() if finding.code == code]
+
     def forecast(self) -> Sequence[Finding]:
         """Design checks, and what else is known of the files before they are made; DesignError where they cannot be."""
         limits = self.limits()

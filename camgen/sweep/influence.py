@@ -118,7 +118,7 @@ def _judge(mechanism: Mechanism, code: str) -> Callable[[Mechanism], Sequence[Fi
     """Findings of one code: of the limits alone, where they have it, for what is known of files takes longer."""
 
     def limits(each: Mechanism) -> Sequence[Finding]:
-        return [finding for finding in each.limits() if finding.code == code]
+        return each.limits_of(code)
 
     def forecast(each: Mechanism) -> Sequence[Finding]:
         return [finding for finding in each.forecast() if finding.code == code]

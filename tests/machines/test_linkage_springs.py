@@ -229,3 +229,14 @@ def test_a_post_that_pulls_the_follower_off_its_cam_is_refused_with_a_place_that
     assert caught.value.value >= angle - 1e-6 and caught.value.limit == 90
     near = re.findall(r"-?[\d.]+", caught.value.remedy)[-2:]
     assert abs(np.angle((complex(*map(float, near)) - (16 + 24j)) / (1j * lever))) < 0.2
+
+
+def test_one_code_is_judged_as_among_all_and_equal_cams_are_worked_out_once() -> None:
+    machine = pecker((60, -40))
+    (found,) = {each.code for each in machine.limits_of("LIFT_OFF")}
+    assert found == "LIFT_OFF" and len(machine.limits_of("LIFT_OFF")) == 2
+    for code in ("LIFT_OFF", "PRESSURE_ANGLE"):
+        same = [each for each in machine.limits() if each.code == code]
+        assert same and machine.limits_of(code) == same
+    cams = {id(tip.cam) for tip in machine.bodies.layout.tips}
+    assert {id(tip.cam) for tip in pecker((60, -40)).bodies.layout.tips} == cams

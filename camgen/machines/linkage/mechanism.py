@@ -676,11 +676,7 @@ class Linkage(Mechanism):
             far = self._made_of(self._far_bodies, self._far_fitted)
             own = replace(both_sides(own, far, self._mirror, self.model), feet=self._feet)
         whole = assemblies.joined(own, [each.assembly for each in self.modules], self.model)
-        even = self.drive.range_deg is None and not self._programmed
-        cams = any(isinstance(each, CamOutline) for each in whole.features)
-        name = ("cam angle" if cams else "crank angle") if even else "drive angle"
-        if isinstance(self.drive, t.SlidingDrive):
-            name = "way of the drive"
+        name = self._angle_name(any(isinstance(each, CamOutline) for each in whole.features))
         swept = self.rounds if self.rounds <= _SWEPT_TURNS else 1
         cycle = replace(self.cycle, name=name, turns=self.turns, swept=swept)
         whole = replace(whole, cycle=cycle)
@@ -691,6 +687,14 @@ class Linkage(Mechanism):
         return on_stand(
             TableStand(whole, kind, sizes, self.print, self.allowed.min_wall, -self._down)
         )
+
+    def _angle_name(self, cams: bool) -> str:
+        """What theta is called; cams: whether any are made."""
+        if isinstance(self.drive, t.SlidingDrive):
+            return "way of the drive"
+        if self.drive.range_deg is not None or self._programmed:
+            return "drive angle"
+        return "cam angle" if cams else "crank angle"
 
     @property
     def _feet(self) -> Feet:
@@ -1052,11 +1056,18 @@ class Linkage(Mechanism):
             *(() if self.pen is None else pens.stretches(self.chain, self.pen, least)),
             *wheels.limits(self._layout.tips),
         ]
-        return [
-            *found,
-            *self._pressed.findings,
-            *(finding for each in self.modules for finding in inc.limits(each, self.chain)),
-        ]
+        return [*found, *self._pressed.findings, *self._included_limits]
+
+    def limits_of(self, code: str) -> Sequence[Finding]:
+        """Those of one code; of LIFT_OFF without the profiles of cams, which take longer."""
+        if code != "LIFT_OFF":
+            return super().limits_of(code)
+        found = (*self._pressed.findings, *self._included_limits)
+        return [finding for finding in found if finding.code == code]
+
+    @property
+    def _included_limits(self) -> Sequence[Finding]:
+        return [finding for each in self.modules for finding in inc.limits(each, self.chain)]
 
     @cached_property
     def _pressed(self) -> LoadCheck:
@@ -1067,7 +1078,7 @@ class Linkage(Mechanism):
         theta = np.linspace(*self.cycle.range, len(_SAMPLES) + 1)
         kicks = self._drawing.kicks()
         bounces = restitution_of(self.load)
-        return lift_off(self._pulled, cams, kicks, theta, self.assembly.cycle.name, bounces)
+        return lift_off(self._pulled, cams, kicks, theta, self._angle_name(True), bounces)
 
     def remarks(self) -> Remarks:
         """How many links are closed together on what each kind of file shows."""

@@ -11,7 +11,7 @@ import cmath
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import groupby
 from typing import Any, ClassVar, Literal
 
@@ -254,6 +254,12 @@ def follower_of(
     return SwingingArm(far, arm, radius, leaves)
 
 
+@lru_cache(32)
+def _worked_out(cam: DiscCam[Any]) -> DiscCam[Any]:
+    """The first cam that was equal to this one, whose outline may be known: variants of a spec share most of their cams."""
+    return cam
+
+
 def tips(
     machine: m.Machine, cams: Mapping[str, Ridden], sizes: Parts, clearance: float
 ) -> list[Tip]:
@@ -273,7 +279,7 @@ def tips(
                 remedy = "draw `at` on the cam's side of the hinge"
                 where = f"cam {name}"
                 raise DesignError("side of the face", follower.leaves, leaves, "", where, remedy)
-            cam = DiscCam(joint.law.signed, follower, spec.tip_clearance)
+            cam = _worked_out(DiscCam(joint.law.signed, follower, spec.tip_clearance))
             level = key if spec.shape == "roller" else joint.follower
             made.append(Tip(level, joint, cam, point, leaves, key, spec, rim, bool(suffix)))
     return made
