@@ -27,7 +27,7 @@ class Motion:
         self.theta = theta
         self._courses = (home, guest)
         self.turns, self.shifts = self._read(theta)
-        self._jumps = [int(k) for k in self._sudden() if self._jumps_in(int(k))]
+        self._jumps = self._jumps_in(self._sudden()).tolist()
 
     def _sudden(self) -> Ints:
         """Steps of the grid in which the guest turns many times as far as in those before and after."""
@@ -38,22 +38,22 @@ class Motion:
         behind = np.append([0.0, 0.0], steps[:-2])
         return np.flatnonzero(steps > _SUDDEN * np.maximum(ahead, behind) + AT_REST)
 
-    def _jumps_in(self, k: int) -> bool:
-        """Whether the turn in a step of the grid does not grow less as the step is halved."""
-        low = float(self.theta[k])
-        high = float(self.theta[k + 1])
-        first, last = (complex(self.turns[n]) for n in (k, k + 1))
-        whole = abs(last - first)
-        for _ in range(_HALVINGS):
+    def _jumps_in(self, steps: Ints) -> Ints:
+        """Those steps of the grid in which the turn does not grow less as the step is halved; all are halved together."""
+        low = self.theta[steps]
+        high = self.theta[steps + 1]
+        first = self.turns[steps]
+        last = self.turns[steps + 1]
+        whole = np.abs(last - first)
+        for _ in range(_HALVINGS if len(steps) else 0):
             middle = (low + high) / 2
-            here = complex(self._read(np.array([middle]))[0][0])
-            if abs(here - first) > abs(last - here):
-                high = middle
-                last = here
-            else:
-                low = middle
-                first = here
-        return abs(last - first) > _REST * whole
+            here, _ = self._read(middle)
+            before = np.abs(here - first) > np.abs(last - here)
+            high = np.where(before, middle, high)
+            last = np.where(before, here, last)
+            low = np.where(before, low, middle)
+            first = np.where(before, first, here)
+        return steps[np.abs(last - first) > _REST * whole]
 
     @property
     def at_rest(self) -> bool:
