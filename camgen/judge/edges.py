@@ -175,8 +175,10 @@ class Engagement:
         # one side may leave much more than the air
         wanted = self.wanted(bounds.theta, 0)
         guess = np.where((wanted > bounds.low) & (wanted < bounds.high), wanted, middle)
-        window = float(np.max(bounds.play[~np.isnan(bounds.play)], initial=_NARROW))
-        near, _, _ = grown.measured(bounds.theta, guess, (window, window), False)
+        # a larger driver leaves less: what it holds the follower by lies within
+        below = np.where(np.isnan(bounds.low), _NARROW, guess - bounds.low + _NARROW)
+        above = np.where(np.isnan(bounds.high), _NARROW, bounds.high - guess + _NARROW)
+        near, _, _ = grown.measured(bounds.theta, guess, (below, above), False)
         within = (near.low >= bounds.low) & (near.high <= bounds.high)
         sides = []
         for side, inwards, freer in _SIDES:

@@ -20,6 +20,7 @@ Of both roots the sign tells which one is closing. A root counts where the norma
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -28,6 +29,9 @@ from camgen.geometry.rings import Floats, Ints, Points
 from camgen.judge.pair_features import SAME_NORMAL, Features
 
 SAME_FOOT = 1e-9  # mm
+_ROUNDING = (
+    1e-5  # mm and mm2, added to each sieve: near a dead point a root loses half of its digits
+)
 
 
 @dataclass(frozen=True)
@@ -56,6 +60,60 @@ class Meetings:
             self.e[index],
             self.gap,
         )
+
+
+@dataclass(frozen=True)
+class Couples:
+    """Pairs of features in blocks of poses, each (m,): places i in the features a and j in b, and a block.
+
+    place, e: of the driver in all poses, (blocks, size), as in `Poses`. gap: mm, one for all.
+    """
+
+    a: Features
+    b: Features
+    i: Ints
+    j: Ints
+    block: Ints
+    place: Points
+    e: Points
+    gap: float
+
+    def take(self, index: Ints) -> Couples:
+        """Those with the given places."""
+        return Couples(
+            self.a,
+            self.b,
+            self.i[index],
+            self.j[index],
+            self.block[index],
+            self.place,
+            self.e,
+            self.gap,
+        )
+
+    def met(self, row: Ints, column: Ints) -> Meetings:
+        """Pairs of these rows in the poses of these columns of their block."""
+        i = self.i[row]
+        block = self.block[row]
+        e = self.e[block, column]
+        y = self.place[block, column] + e * self.a.centre[i]
+        return Meetings(self.a, self.b, i, self.j[row], y, e, self.gap)
+
+    def pose(self, row: Ints, column: Ints) -> Ints:
+        """Places in the list of poses."""
+        return np.asarray(self.block[row] * self.e.shape[1] + column)
+
+    @cached_property
+    def driver_centre(self) -> Points:
+        """The driver's centres from the pivot in its own frame, (m, size) mm."""
+        pivot = np.conj(self.e) * self.place
+        return pivot[self.block] + self.a.centre[self.i][:, None]
+
+    @cached_property
+    def driver_radius(self) -> Floats:
+        """Their distance from the pivot, squared, (m, size) mm2."""
+        z = self.driver_centre
+        return np.asarray(z.real**2 + z.imag**2)
 
 
 @dataclass(frozen=True)
@@ -91,6 +149,15 @@ class Freedom(Protocol):
     def across(self, place: Points) -> Floats:
         """What of a place it keeps as phi changes: its distance from the pivot, or from the slide; mm."""
 
+    def rounds_reach(self, c: Couples) -> np.ndarray:
+        """Where two rounds may be as far apart as for a touch, (m, size): a sieve before the formula."""
+
+    def driver_lines_reach(self, c: Couples) -> np.ndarray:
+        """Where the foot may be on a line of the driver."""
+
+    def driven_lines_reach(self, c: Couples) -> np.ndarray:
+        """Where the foot may be on a line of the driven body."""
+
     def rounds(self, m: Meetings) -> Events:
         """Touches of two rounds, or of a round in a hollow."""
 
@@ -101,30 +168,51 @@ class Freedom(Protocol):
         """Touches of rounds with lines of the driven body."""
 
 
-def touches(m: Meetings, freedom: Freedom) -> Events:
-    """All touches of the pairs, those of two lines and of two hollows left out: there are none."""
-    line_a = m.a.straight[m.i]
-    line_b = m.b.straight[m.j]
+def touches(c: Couples, freedom: Freedom) -> tuple[Meetings, Ints, Events]:
+    """All touches of the pairs in the poses of their blocks: the meetings, the pose of each, and the touches.
+
+    Of two lines and of two hollows there are none.
+    """
+    line_a = c.a.straight[c.i]
+    line_b = c.b.straight[c.j]
     kinds = (
-        (~line_a & ~line_b, freedom.rounds),
-        (line_a & ~line_b & (m.b.radius[m.j] >= 0), freedom.driver_lines),
-        (~line_a & line_b & (m.a.radius[m.i] >= 0), freedom.driven_lines),
+        (~line_a & ~line_b, freedom.rounds_reach, freedom.rounds),
+        (
+            line_a & ~line_b & (c.b.radius[c.j] >= 0),
+            freedom.driver_lines_reach,
+            freedom.driver_lines,
+        ),
+        (
+            ~line_a & line_b & (c.a.radius[c.i] >= 0),
+            freedom.driven_lines_reach,
+            freedom.driven_lines,
+        ),
     )
+    pairs = []
+    columns = []
     found = []
-    for mask, formula in kinds:
+    count = 0
+    for mask, reach, formula in kinds:
         chosen = np.flatnonzero(mask)
-        if len(chosen):
-            events = formula(m.take(chosen))
-            found.append(Events(chosen[events.index], events.closing, events.phi, events.normal))
-    if not found:
-        none = np.zeros(0)
-        return Events(none.astype(np.int64), none.astype(bool), none, none.astype(complex))
-    return Events(
-        np.concatenate([each.index for each in found]),
-        np.concatenate([each.closing for each in found]),
-        np.concatenate([each.phi for each in found]),
-        np.concatenate([each.normal for each in found]),
+        if not len(chosen):
+            continue
+        row, column = np.nonzero(reach(c.take(chosen)))
+        row = chosen[row]
+        events = formula(c.met(row, column))
+        pairs.append(row)
+        columns.append(column)
+        found.append(Events(events.index + count, events.closing, events.phi, events.normal))
+        count += len(row)
+    none = np.zeros(0, np.int64)
+    row = np.concatenate([none, *pairs])
+    column = np.concatenate([none, *columns])
+    every = Events(
+        np.concatenate([none, *(each.index for each in found)]),
+        np.concatenate([none.astype(bool), *(each.closing for each in found)]),
+        np.concatenate([none.astype(float), *(each.phi for each in found)]),
+        np.concatenate([none.astype(complex), *(each.normal for each in found)]),
     )
+    return c.met(row, column), c.pose(row, column), every
 
 
 def in_range(
@@ -148,7 +236,7 @@ def _both(events: list[Events]) -> Events:
     )
 
 
-def _reach(m: Meetings) -> tuple[Floats, np.ndarray]:
+def _reach(m: Meetings | Couples) -> tuple[Floats, np.ndarray]:
     """Sum of the radii and the gap, negative in a hollow; and whether such two can touch."""
     total = m.a.radius[m.i] + m.b.radius[m.j] + m.gap
     hollow = (m.a.radius[m.i] < 0) | (m.b.radius[m.j] < 0)
@@ -177,6 +265,28 @@ class Turn:
     def across(self, place: Points) -> Floats:
         """Distance from the pivot."""
         return np.abs(place)
+
+    def rounds_reach(self, c: Couples) -> np.ndarray:
+        """The centres' circles about the pivot come as near to each other as D, in the squares."""
+        total, possible = _reach(c)
+        x = c.b.away[c.j]
+        nearest = np.maximum(np.abs(x - np.abs(total)) - _ROUNDING, 0.0)
+        farthest = np.where(possible, x + np.abs(total) + _ROUNDING, 0.0)
+        y = c.driver_radius
+        return np.asarray((y >= nearest[:, None] ** 2) & (y <= farthest[:, None] ** 2))
+
+    def driver_lines_reach(self, c: Couples) -> np.ndarray:
+        """One of both feet is on the line."""
+        place = np.conj(c.a.middle[c.i])[:, None] * c.driver_centre
+        h = (c.b.radius[c.j] + c.gap)[:, None] + place.real
+        return _foot_reach(c.b.away[c.j][:, None] ** 2 - h**2, place.imag, c.a.length[c.i])
+
+    def driven_lines_reach(self, c: Couples) -> np.ndarray:
+        """One of both feet is on the line."""
+        place = np.conj(c.b.middle[c.j]) * c.b.centre[c.j]
+        h = c.a.radius[c.i] + c.gap + place.real
+        squared = c.driver_radius - h[:, None] ** 2
+        return _foot_reach(squared, place.imag[:, None], c.b.length[c.j])
 
     def rounds(self, m: Meetings) -> Events:
         """Both places of the centre x on its circle."""
@@ -255,6 +365,15 @@ class Turn:
         return _both(events)
 
 
+def _foot_reach(squared: Floats, begin: Floats, length: Floats) -> np.ndarray:
+    """Whether w or -w is on a line, but for rounding, (m, size); squared: w^2, mm2; begin: of the line, mm, and length, (m,) mm."""
+    w = np.sqrt(np.maximum(squared, 0.0))
+    least = begin - _ROUNDING
+    most = begin + (length + _ROUNDING)[:, None]
+    on = ((w >= least) & (w <= most)) | ((w <= -least) & (w >= -most))
+    return np.asarray(on & (squared >= -_ROUNDING))
+
+
 def _of_turn(kept: Ints, valid: np.ndarray, closing: bool, turn: Points, normal: Points) -> Events:
     chosen = np.flatnonzero(valid)
     phi = np.angle(turn[chosen])
@@ -283,6 +402,13 @@ class Slide:
     def across(self, place: Points) -> Floats:
         """Signed distance from the slide through the origin."""
         return np.imag(place * np.conj(self.along))
+
+    def rounds_reach(self, c: Couples) -> np.ndarray:
+        """Everywhere."""
+        return np.ones((len(c.i), c.e.shape[1]), bool)
+
+    driver_lines_reach = rounds_reach
+    driven_lines_reach = rounds_reach
 
     def rounds(self, m: Meetings) -> Events:
         """Both places of the centre on its line."""

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgen.geometry.rings import Floats, Ints, Points
-from camgen.judge.pair_events import SAME_FOOT, Freedom, Meetings, Slide, in_range
+from camgen.judge.pair_events import SAME_FOOT, Couples, Freedom, Meetings, Slide, in_range
 from camgen.judge.pair_features import Features, overlapping
 
 _WIDE = 0.5  # rad, window beyond which normals are no sieve
@@ -36,6 +36,11 @@ class Bodies:
     b: Features
     freedom: Freedom
 
+    def wide(self, poses: Poses) -> np.ndarray:
+        """Where the window is so wide that normals tell nothing, (n,)."""
+        widest = _WIDE * (1.0 if self.freedom.period < np.inf else self.a.far)
+        return np.asarray(~(poses.below + poses.above < 2 * widest))
+
 
 @dataclass(frozen=True)
 class Poses:
@@ -44,6 +49,7 @@ class Poses:
     place, e: where the driver's origin is, mm, and how it is turned, unit complex; velocity, spin: their derivatives to theta,
     mm and 1, and bend: bound of the second one of any of its points seen from the driven body, mm.
     slope: of the guess until the next pose; step: of theta until then, 0 where nothing is asked of it.
+    below, above: window, how far from the guess bounds are looked for; inf: everywhere.
     """
 
     place: Points
@@ -54,10 +60,12 @@ class Poses:
     guess: Floats
     slope: Floats
     step: Floats
+    below: Floats
+    above: Floats
 
-    def part(self, low: int, high: int) -> Poses:
-        """Those from one place in the list to before another."""
-        return Poses(*(each[low:high] for each in vars(self).values()))
+    def take(self, index: Ints) -> Poses:
+        """Those with the given places in the list."""
+        return Poses(*(each[index] for each in vars(self).values()))
 
     def padded(self, count: int) -> Poses:
         """With the last one so many times more."""
@@ -68,51 +76,90 @@ class Poses:
         )
 
 
-def partners(
-    bodies: Bodies, poses: Poses, size: int, window: tuple[float, float], growth: float
-) -> tuple[Ints, Ints, Ints]:
-    """Pairs that may touch: block, feature of a, feature of b; poses are in blocks of `size`.
+class _Blocks:
+    """The driver as the driven body sees it at the middle of the window, in blocks of `size` poses.
 
-    window: from guess less the first to guess and the second, at most; growth: the greatest, mm.
+    turn, shift: of the driver half way through each block, place = shift + turn * own place, (n,). pole: its own place that moves
+    little in the block; drift: mm, by which that is off at most, and swing: rad, by which places turn about it. half: of the window.
+    """
+
+    def __init__(self, freedom: Freedom, poses: Poses, size: int, wide: bool) -> None:
+        middle = 0.0 if wide else (poses.above - poses.below) / 2
+        phi = poses.guess + middle
+        turned = np.conj(freedom.turned(phi))
+        turns = (poses.e * turned).reshape(-1, size)
+        shifts = ((poses.place - freedom.moved(phi)) * turned).reshape(-1, size)
+        self.turn = turns[:, size // 2]
+        self.shift = shifts[:, size // 2]
+        turning = turns - self.turn[:, None]
+        shifting = shifts - self.shift[:, None]
+        by = turning[:, -1] - turning[:, 0]
+        turns_much = np.abs(by) > _ROUNDING
+        by = np.where(turns_much, by, 1.0)
+        self.pole = np.where(turns_much, -(shifting[:, -1] - shifting[:, 0]) / by, 0.0)
+        self.drift = np.max(np.abs(turning * self.pole[:, None] + shifting), axis=1)
+        self.swing = np.max(np.abs(turning), axis=1)
+        off = np.angle(turns * np.conj(self.turn)[:, None])
+        self.turns = turns
+        self.shifts = shifts
+        self.least_turn = off.min(axis=1)
+        self.most_turn = off.max(axis=1)
+        half = (poses.below + poses.above) / 2
+        self.half = np.full(len(turns), np.inf) if wide else half.reshape(-1, size).max(axis=1)
+
+    def seen(self, place: Points) -> tuple[Points, Floats]:
+        """Own places of the driver, (m,): where they are half way, and by how much they are off that in the block, (n, m) mm."""
+        away = np.abs(place - self.pole[:, None])
+        spread = self.drift[:, None] + self.swing[:, None] * away
+        return self.shift[:, None] + self.turn[:, None] * place, spread
+
+
+def partners(bodies: Bodies, poses: Poses, size: int, growth: float, gap: float) -> Couples:
+    """Pairs that may touch; poses are in blocks of `size`, all of them wide or none.
+
+    growth: by how much features may come nearer, mm, the gap included.
     """
     a = bodies.a
     b = bodies.b
     freedom = bodies.freedom
-    shape = (-1, size)
-    below, above = window
-    half = (below + above) / 2
-    wide = not half < _WIDE * (1.0 if freedom.period < np.inf else a.far)
-    phi = poses.guess.reshape(shape) + (0.0 if wide else (above - below) / 2)
-    place = poses.place.reshape(shape)
-    e = poses.e.reshape(shape)
-    half = np.inf if wide else half
-    block_a, i = _near_driver(bodies, place, e, growth)
-    block_b, j = _near_driven(bodies, place, phi, half, growth)
+    wide = bool(bodies.wide(poses)[0])
+    shaped = poses.place.reshape(-1, size), poses.e.reshape(-1, size)
+    blocks = _Blocks(freedom, poses, size, wide)
+    growth = growth + _ROUNDING
+    # rings about the pivot, or strips along the slide, that both can reach
+    place, spread = blocks.seen(a.hub)
+    reach = spread + (a.reach + growth)
+    across = freedom.across(place)
+    own = freedom.across(b.hub)
+    low = float(np.min(own - b.reach))
+    high = float(np.max(own + b.reach))
+    block_a, i = np.nonzero((across - reach <= high) & (across + reach >= low))
+    turns = freedom.period < np.inf
+    move = np.outer(blocks.half, np.abs(b.hub) + b.reach if turns else np.ones(len(b)))
+    if wide:
+        block_b, j = (each.ravel() for each in np.indices((len(blocks.turn), len(b))))
+    else:
+        origin, astray = blocks.seen(np.zeros(1, complex))
+        away = np.abs(b.hub - origin)
+        spare = b.reach + move + astray + growth
+        least = float(np.min(np.abs(a.hub) - a.reach))
+        block_b, j = np.nonzero((away - spare <= a.far) & (away + spare >= least))
     if not len(i) or not len(j):
         none = np.zeros(0, np.int64)
-        return none, none, none
-    # driver's discs seen from the driven body
-    turned = np.conj(freedom.turned(phi))
-    shift = (place - freedom.moved(phi)) * turned
-    hub = (e * turned)[block_a]
-    hub *= a.hub[i][:, None]
-    hub += shift[block_a]
-    middle = hub.mean(axis=1)
-    spread = np.sqrt(np.max(_squared(hub - middle[:, None]), axis=1))
-    reach = spread + a.reach[i] + growth + _ROUNDING
+        return Couples(a, b, none, none, none, shaped[0], shaped[1], gap)
     if wide:
-        first, second = _across(b, freedom, hub, a.reach[i] + growth + _ROUNDING, j)
+        across = freedom.across(blocks.shifts[block_a] + blocks.turns[block_a] * a.hub[i][:, None])
+        room = a.reach[i] + growth
+        least_across = across.min(axis=1) - room
+        first = (least_across, across.max(axis=1) + room - least_across)
+        second = (own[j] - b.reach[j], 2 * b.reach[j])
         m, n = overlapping(first, second, (block_a, block_b))
     else:
-        m, n = _opposite(bodies, (e, phi), half, (block_a, i), (block_b, j))
-        hub_b = b.hub[j]
-        reach_b = b.reach[j]
-        move = half * (np.abs(hub_b) + reach_b if freedom.period < np.inf else 1.0)
-        close = _squared(middle[m] - hub_b[n]) <= (reach[m] + (reach_b + move)[n]) ** 2
-        m = m[close]
-        n = n[close]
-        apart = np.abs(freedom.across(middle)[m] - freedom.across(hub_b)[n])
-        close = apart <= reach[m] + reach_b[n]
+        place = place[block_a, i]
+        reach = reach[block_a, i]
+        m, n = _opposite(bodies, blocks, (block_a, i), (block_b, j))
+        room = b.reach[j] + move[block_b, j]
+        close = _squared(place[m] - b.hub[j[n]]) <= (reach[m] + room[n]) ** 2
         m = m[close]
         n = n[close]
     block = block_a[m]
@@ -121,7 +168,7 @@ def partners(
     line = a.straight[i].astype(int) + b.straight[j]
     hollow = (a.radius[i] < 0).astype(int) + (b.radius[j] < 0)
     meet = (line + hollow <= 1) & (a.low[i] < b.high[j]) & (b.low[j] < a.high[i])
-    return block[meet], i[meet], j[meet]
+    return Couples(a, b, i[meet], j[meet], block[meet], *shaped, gap)
 
 
 def _squared(z: Points) -> Floats:
@@ -129,74 +176,17 @@ def _squared(z: Points) -> Floats:
     return np.asarray(z.real**2 + z.imag**2)
 
 
-def _near_driver(bodies: Bodies, place: Points, e: Points, growth: float) -> tuple[Ints, Ints]:
-    """Driver's features in the ring, or strip, that the driven body can sweep: block and feature."""
-    a = bodies.a
-    b = bodies.b
-    freedom = bodies.freedom
-    k = place.shape[1] // 2
-    across = freedom.across(place[:, k, None] + e[:, k, None] * a.hub)
-    drift = np.max(np.abs(place - place[:, k, None]), axis=1)
-    swing = np.max(np.abs(e - e[:, k, None]), axis=1)
-    spare = a.reach + drift[:, None] + swing[:, None] * np.abs(a.hub) + growth + _ROUNDING
-    own = freedom.across(b.hub)
-    low = float(np.min(own - b.reach))
-    high = float(np.max(own + b.reach))
-    block, i = np.nonzero((across - spare <= high) & (across + spare >= low))
-    return block, i
-
-
-def _near_driven(
-    bodies: Bodies, place: Points, phi: Floats, half: float, growth: float
-) -> tuple[Ints, Ints]:
-    """Driven body's features that come as near to the driver's origin as its own: block and feature."""
-    a = bodies.a
-    b = bodies.b
-    freedom = bodies.freedom
-    if half == np.inf:
-        return tuple(each.ravel() for each in np.indices((len(place), len(b))))  # type: ignore[return-value]
-    k = place.shape[1] // 2
-    middle = freedom.turned(phi[:, k, None]) * b.hub + freedom.moved(phi[:, k, None])
-    away = np.abs(middle - place[:, k, None])
-    change = np.max(np.abs(phi - phi[:, k, None]), axis=1)[:, None] + half
-    move = change * (np.abs(b.hub) if freedom.period < np.inf else 1.0)
-    drift = np.max(np.abs(place - place[:, k, None]), axis=1)[:, None]
-    spare = b.reach + move + drift + growth + _ROUNDING
-    low = float(np.min(np.abs(a.hub) - a.reach))
-    return np.nonzero((away - spare <= a.far) & (away + spare >= low))  # type: ignore[return-value]
-
-
-def _across(
-    b: Features, freedom: Freedom, hub: Points, reach: Floats, j: Ints
-) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
-    """Intervals of what a place keeps as the driven body moves, of the driver's discs and of the driven one's."""
-    across = freedom.across(hub)
-    low = across.min(axis=1) - reach
-    width = across.max(axis=1) + reach - low
-    own = freedom.across(b.hub[j]) - b.reach[j]
-    return (low, width), (own, 2 * b.reach[j])
-
-
 def _opposite(
-    bodies: Bodies,
-    turns: tuple[Points, Floats],
-    half: float,
-    driver: tuple[Ints, Ints],
-    driven: tuple[Ints, Ints],
+    bodies: Bodies, blocks: _Blocks, driver: tuple[Ints, Ints], driven: tuple[Ints, Ints]
 ) -> tuple[Ints, Ints]:
     """Pairs whose normals are opposite at some pose of their block; places in both lists."""
     a = bodies.a
     b = bodies.b
-    freedom = bodies.freedom
-    e, phi = turns
     block_a, i = driver
     block_b, j = driven
-    relative = e * np.conj(freedom.turned(phi))
-    middle = relative.shape[1] // 2
-    off = np.angle(relative * np.conj(relative[:, middle, None]))
-    spare = _ROUNDING + (half if freedom.period < np.inf else 0.0)
-    low = np.angle(relative[:, middle]) + off.min(axis=1) - spare
-    span = off.max(axis=1) - off.min(axis=1) + 2 * spare
+    spare = _ROUNDING + (blocks.half if bodies.freedom.period < np.inf else 0.0)
+    low = np.angle(blocks.turn) + blocks.least_turn - spare
+    span = blocks.most_turn - blocks.least_turn + 2 * spare
     start = (a.normal_angle[i] + np.pi + low[block_a]) % _TURN
     own = b.normal_angle[j] % _TURN
     width = 2 * b.half[j]
@@ -210,29 +200,15 @@ def _opposite(
     return m, place[n]
 
 
-def meetings(
-    bodies: Bodies,
-    pairs: tuple[Ints, Ints, Ints],
-    poses: Poses,
-    size: int,
-    gap: float,
-) -> tuple[Meetings, Ints]:
-    """All pairs at all poses of their blocks, and the pose of each."""
-    a = bodies.a
-    block, i, j = pairs
-    pose = (block[:, None] * size + np.arange(size)).ravel()
-    i = np.repeat(i, size)
-    j = np.repeat(j, size)
-    y = poses.place[pose] + poses.e[pose] * a.centre[i]
-    return Meetings(a, bodies.b, i, j, y, poses.e[pose], gap), pose
-
-
-def nearing(m: Meetings, pose: Ints, poses: Poses, freedom: Freedom) -> Ints:
-    """Meetings that may become a touch on the way to the next pose, while the driven body moves with the guess.
+def nearing(c: Couples, poses: Poses, freedom: Freedom, growth: float) -> Ints:
+    """Poses in which pairs may come to touch on the way to the next pose, while the driven body moves with the guess.
 
     What is apart by more than it comes nearer along the normal does not touch; nor does what stays out of the ranges of normals,
-    or beside a line, by more than both turn and move.
+    or beside a line, by more than both turn and move. growth: by how much anything comes nearer, mm, at most.
     """
+    row, column = np.nonzero(_within(c, poses, freedom, growth))
+    pose = c.pose(row, column)
+    m = c.met(row, column)
     line_a = m.a.straight[m.i]
     line_b = m.b.straight[m.j]
     found = []
@@ -244,8 +220,21 @@ def nearing(m: Meetings, pose: Ints, poses: Poses, freedom: Freedom) -> Ints:
         chosen = np.flatnonzero(mask)
         if len(chosen):
             near = test(_Way(m.take(chosen), pose[chosen], poses, freedom))
-            found.append(chosen[near])
+            found.append(pose[chosen[near]])
     return np.concatenate(found) if found else np.zeros(0, np.int64)
+
+
+def _within(c: Couples, poses: Poses, freedom: Freedom, growth: float) -> np.ndarray:
+    """Where discs of features are no farther apart than so much at the guess, (m, size)."""
+    shape = c.e.shape
+    turned = np.conj(freedom.turned(poses.guess)).reshape(shape)
+    moved = freedom.moved(poses.guess).reshape(shape)
+    apart = (c.e * turned)[c.block]
+    apart *= c.a.hub[c.i][:, None]
+    apart += ((c.place - moved) * turned)[c.block]
+    apart -= c.b.hub[c.j][:, None]
+    reach = c.a.reach[c.i] + c.b.reach[c.j] + growth + _ROUNDING
+    return np.asarray(_squared(apart) <= reach[:, None] ** 2)
 
 
 class _Way:

@@ -35,12 +35,13 @@ import numpy as np
 from camgen.geometry.rings import Floats, Ints, Points, Ring
 from camgen.judge.pair_events import Events, Freedom, Turn, touches
 from camgen.judge.pair_features import EVERYWHERE, Features, Heights, features
-from camgen.judge.pair_search import Bodies, Poses, greatest_way, meetings, nearing, partners
+from camgen.judge.pair_search import Bodies, Poses, greatest_way, nearing, partners
 from camgen.numerics import least_squares
 
 # place, mm, complex, and angle, rad, of the driver over theta, or their derivatives, each (n,)
 Pose = Callable[[Floats, int], tuple[Points, Floats]]
 Rest = Literal["low", "high", "play"]
+Window = tuple[Floats | float, Floats | float]  # below and above
 
 _BLOCK = 16
 _BATCH = 64  # blocks at once
@@ -208,7 +209,7 @@ class OutlinePair:
             return high - min(half, self.stand_off)
         return low + min(half, self.stand_off)
 
-    def poses(self, theta: Floats, guess: Floats) -> Poses:
+    def poses(self, theta: Floats, guess: Floats, window: Window) -> Poses:
         """The driver at growing theta, (n,), and the guess, linear between."""
         place, angle = self.pose(theta, 0)
         velocity, spin = self.pose(theta, 1)
@@ -219,64 +220,70 @@ class OutlinePair:
         reach = self.bodies.a.far
         bent = np.abs(bend) + np.abs(twist) * reach + (np.abs(spin) + turning) ** 2 * reach
         bent = bent + turning**2 * np.abs(place) + 2 * turning * np.abs(velocity)
-        return Poses(place, np.exp(1j * angle), velocity, spin, bent, guess, slope, step)
+        below, above = (np.broadcast_to(each, theta.shape) for each in window)
+        return Poses(
+            place, np.exp(1j * angle), velocity, spin, bent, guess, slope, step, below, above
+        )
 
     def measured(
-        self, theta: Floats, guess: Floats, window: tuple[float, float], prove: bool = True
+        self, theta: Floats, guess: Floats, window: Window, prove: bool = True
     ) -> tuple[Bounds, np.ndarray, np.ndarray]:
         """Bounds next to a guess that is free; whether the guess stays free until the next pose; and whether a bound is missed.
 
         window: how far below and above the guess bounds are looked for, what lies farther is missed; inf: everywhere.
         """
-        poses = self.poses(theta, guess)
-        batch = _BLOCK * (_BATCH if max(window) < math.inf else _BATCH // 16)
-        parts = [
-            self._batch(poses.part(k, k + batch), window, prove)
-            for k in range(0, len(theta), batch)
-        ]
-        low, high, low_pair, high_pair, ahead, missed = (
-            np.concatenate([part[k] for part in parts]) for k in range(6)
+        poses = self.poses(theta, guess, window)
+        count = len(theta)
+        bounds = Bounds(
+            theta,
+            np.full(count, np.nan),
+            np.full(count, np.nan),
+            np.ones(count, bool),
+            np.ones(count, bool),
+            np.full((count, 2), -1),
+            np.full((count, 2), -1),
         )
-        all_free = np.ones(len(theta), bool)
-        found = Bounds(theta, low, high, all_free, all_free, low_pair, high_pair)
-        return found, ahead, missed
+        ahead = np.ones(count, bool)
+        missed = np.zeros(count, bool)
+        wide = self.bodies.wide(poses)
+        for chosen, batch in ((~wide, _BATCH), (wide, _BATCH // 16)):
+            places = np.flatnonzero(chosen)
+            for k in range(0, len(places), _BLOCK * batch):
+                rows = places[k : k + _BLOCK * batch]
+                self._batch(poses.take(rows), rows, bounds, ahead, missed, prove)
+        return bounds, ahead, missed
 
     def _batch(
-        self, poses: Poses, window: tuple[float, float], prove: bool
-    ) -> tuple[Floats, Floats, Ints, Ints, np.ndarray, np.ndarray]:
-        """Bounds of some poses, their pairs, whether the guess stays free until the next one, and whether a bound is missed."""
+        self,
+        poses: Poses,
+        rows: Ints,
+        bounds: Bounds,
+        ahead: np.ndarray,
+        missed: np.ndarray,
+        prove: bool,
+    ) -> None:
+        """Write the bounds of some poses, and what is told of them, into these rows."""
         count = len(poses.guess)
         size = min(_BLOCK, count)
         poses = poses.padded(-count % size)
         growth = greatest_way(self.bodies, poses) if prove else 0.0
         growth = growth + max(0.0, -self.overlap)
-        pairs = partners(self.bodies, poses, size, window, growth)
-        met, pose = meetings(self.bodies, pairs, poses, size, -self.overlap)
-        events = touches(met, self.freedom)
-        low, first = _next(events, pose, poses.guess, self.freedom, -1)
-        high, last = _next(events, pose, poses.guess, self.freedom, 1)
-        below, above = window
-        lost_low = ~(low >= poses.guess - below)
-        lost_high = ~(high <= poses.guess + above)
-        low = np.where(lost_low, np.nan, low)
-        high = np.where(lost_high, np.nan, high)
-        first[lost_low] = -1
-        last[lost_high] = -1
-        missed = (lost_low & (below < math.inf)) | (lost_high & (above < math.inf))
-        ahead = np.ones(len(poses.guess), bool)
+        pairs = partners(self.bodies, poses, size, growth, -self.overlap)
+        met, pose, events = touches(pairs, self.freedom)
+        couples = np.vstack([np.column_stack([met.i, met.j]), np.full(2, -1)])
+        for values, found, sense, window in (
+            (bounds.low, bounds.low_pair, -1, poses.below),
+            (bounds.high, bounds.high_pair, 1, poses.above),
+        ):
+            value, which = _next(events, pose, poses.guess, self.freedom, sense)
+            lost = ~(sense * (value - poses.guess) <= window)
+            which[lost] = -1
+            values[rows] = np.where(lost, np.nan, value)[:count]
+            found[rows] = couples[which[:count]]
+            missed[rows] |= (lost & (window < math.inf))[:count]
         if prove:
-            ahead[pose[nearing(met, pose, poses, self.freedom)]] = False
-        couples = np.column_stack([met.i, met.j])
-        none = np.full(2, -1)
-        couples = np.vstack([couples, none])
-        return (
-            low[:count],
-            high[:count],
-            couples[first[:count]],
-            couples[last[:count]],
-            ahead[:count],
-            missed[:count],
-        )
+            touched = nearing(pairs, poses, self.freedom, growth)
+            ahead[rows[touched[touched < count]]] = False
 
     def touch(self, bounds: Bounds, side: Literal["low", "high"]) -> Touch:
         """Contact at one of the bounds."""
@@ -286,10 +293,9 @@ class OutlinePair:
 
     def cells(self, theta: float, near: float, window: float) -> list[tuple[float, float]]:
         """Intervals of phi between touches that may be free, nearest first; an open side is infinite."""
-        poses = self.poses(np.array([theta]), np.array([near]))
-        pairs = partners(self.bodies, poses, 1, (window, window), 0.0)
-        met, _ = meetings(self.bodies, pairs, poses, 1, -self.overlap)
-        events = touches(met, self.freedom)
+        poses = self.poses(np.array([theta]), np.array([near]), (window, window))
+        pairs = partners(self.bodies, poses, 1, max(0.0, -self.overlap), -self.overlap)
+        _, _, events = touches(pairs, self.freedom)
         period = self.freedom.period
         phi = events.phi
         if period < math.inf:
@@ -586,6 +592,7 @@ class _Following:
 _LOOKS = 25  # samples at which anything free is looked for
 _JUMP = 2e-4  # rad, or share of the driver's reach on a slide, of a bound within a step
 _HALVINGS = 40
+_SPARE = 0.1  # of the play, by which bounds between samples may lie beyond theirs before they are looked for farther
 _LOST = 5.0  # times the slope beside it, from which one may be that of a lever that goes to 0
 _BACK = 1e-3  # rad
 _PATIENCE = 60  # steps that are not proven, after which none is halved any more
@@ -608,21 +615,37 @@ class PairMotion:
             nothing = np.full((len(theta), 2), -1)
             return Bounds(theta, guess, guess, ~lost, ~lost, nothing, nothing)
         known = np.where(lost, 0.0, guess)
-        near, _, missed = self.pair.measured(theta, known, (self._most_play,) * 2, False)
-        low = np.where(lost, np.nan, near.low)
-        high = np.where(lost, np.nan, near.high)
-        far = np.flatnonzero(missed & ~lost)
-        if len(far):
-            everywhere = (math.inf, math.inf)
-            found, _, _ = self.pair.measured(theta[far], known[far], everywhere, False)
-            for some, all_ in (
-                (found.low, low),
-                (found.high, high),
-                (found.low_pair, near.low_pair),
-                (found.high_pair, near.high_pair),
-            ):
-                all_[far] = some
-        return Bounds(theta, low, high, ~lost, ~lost, near.low_pair, near.high_pair)
+        low = np.full(len(theta), np.nan)
+        high = low.copy()
+        low_pair = np.full((len(theta), 2), -1)
+        high_pair = low_pair.copy()
+        rows = np.flatnonzero(~lost)
+        most = (self._most_play, self._most_play)
+        for window in (self._near(theta, guess), most, (math.inf, math.inf)):
+            below, above = (np.broadcast_to(each, theta.shape)[rows] for each in window)
+            found, _, missed = self.pair.measured(theta[rows], known[rows], (below, above), False)
+            low[rows] = found.low
+            high[rows] = found.high
+            low_pair[rows] = found.low_pair
+            high_pair[rows] = found.high_pair
+            rows = rows[missed]
+            if not len(rows):
+                break
+        return Bounds(theta, low, high, ~lost, ~lost, low_pair, high_pair)
+
+    def _near(self, theta: Floats, guess: Floats) -> Window:
+        """How far from a guess bounds are expected: as far as those of the samples on both sides and a share of the play, each (n,)."""
+        samples = self.samples
+        after = np.clip(np.searchsorted(samples.theta, theta), 1, len(samples.theta) - 1)
+        low = np.minimum(samples.low[after - 1], samples.low[after])
+        high = np.maximum(samples.high[after - 1], samples.high[after])
+        spare = _SPARE * (high - low)
+        below, above = guess - low + spare, high - guess + spare
+        known = np.isfinite(spare)
+        return (
+            np.where(known, below, self._most_play),
+            np.where(known, above, self._most_play),
+        )
 
     @cached_property
     def _most_play(self) -> float:
