@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext, suppress
 from itertools import repeat
 from pathlib import Path
@@ -231,11 +231,12 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
     density = mechanism.assembly.process.density * 1e-3
     parts = mechanism.assembly.parts
     printed = printed_parts(mechanism.assembly)
+    same = _same(parts)
     rows: list[tuple[object, ...]] = [
         (
             "printed",
             row.part,
-            row.title,
+            row.title + same.get(row.part, ""),
             row.count,
             row.material_mm3,
             row.mass_g,
@@ -259,6 +260,7 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
         if how == "printed":
             how = f"made of {material}"
             mass = volume * density * 1e-3
+        what += same.get(part.name, "")
         rows.append((how, part.name, what, part.count, volume or "", mass, *blank[1:]))
     things = list(mechanism.assembly.bought)
     rollers = [cam.roller for cam in mechanism.assembly.outlines.values()]
@@ -285,6 +287,18 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
     )
     kept = len(columns) if materials.of(material).printed else columns.index("print time, min")
     return Table("Parts list", columns[:kept], [row[:kept] for row in rows], digits=3)
+
+
+def _same(parts: Sequence[Part]) -> Mapping[str, str]:
+    """Of parts that are made like an earlier one under another name, what the list says."""
+    first = dict[object, str]()
+    said = dict[str, str]()
+    for part in parts:
+        shape = part.layers, part.engraved, part.side_profile, part.edges, part.drum, part.process
+        name = first.setdefault(shape, part.name)
+        if name != part.name and part.process != "bought":
+            said[part.name] = f"; same as {name}"
+    return said
 
 
 def _lying(side: Side | None) -> tuple[object, ...]:

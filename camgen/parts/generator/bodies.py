@@ -115,6 +115,7 @@ class Bodies:
             *thread_posts(layout),
             *own.parts,
         ]:
+            part = _with_even_heights(part)
             if part not in names:  # what is alike is one part
                 number = sum(each.role == part.role for each in names) + 1
                 names[part] = f"{part.role}-{number}" if part.role in _NUMBERED else part.name
@@ -502,3 +503,12 @@ class Bodies:
         kept = (GROUND, *given)
         bodies = (b if b.name in kept else solids.body(b) for b in machine.bodies)
         return replace(machine, bodies=tuple(bodies))
+
+
+def _with_even_heights(part: Part) -> Part:
+    """The part with heights without what rounding leaves: sums in another order give one part, not two."""
+
+    def even(layers: Sequence[Layer]) -> tuple[Layer, ...]:
+        return tuple(replace(each, z0=round(each.z0, 9), z1=round(each.z1, 9)) for each in layers)
+
+    return replace(part, layers=even(part.layers), engraved=even(part.engraved))
