@@ -141,7 +141,7 @@ def test_shaft_ends_in_webs_that_pins_join(folder: Path) -> None:
     for mount, (low, high) in zip(
         pins, (("crank", "crank_web2"), ("crank_web2", "crank_web3")), strict=True
     ):
-        assert ends[mount.part] == pytest.approx(
+        assert (mount.z, mount.z + parts[mount.part].thickness) == pytest.approx(
             (layout.floor(layout.level[low]), layout.top(layout.level[high]))
         )
 
