@@ -24,18 +24,24 @@ def _polygon(ring: Points) -> shapely.Polygon:
     return shapely.Polygon(np.column_stack([ring.real, ring.imag]))
 
 
+def _edges(rings: Sequence[Points]) -> shapely.STRtree:
+    """All edges of rings."""
+    import shapely
+
+    start = np.concatenate(rings)
+    end = np.concatenate([np.roll(ring, -1) for ring in rings])
+    corners = np.stack([start, end], axis=1)
+    return shapely.STRtree(shapely.linestrings(np.stack([corners.real, corners.imag], axis=2)))
+
+
 def point_to_ring(points: Points, ring: Points) -> Floats:
     """Distance of each point from the nearest edge of the ring, (n,) mm, 0 on it and positive on both sides."""
     import shapely
 
-    corners = np.column_stack([ring.real, ring.imag])
     places = shapely.points(points.real, points.imag)
     if 2 < len(ring) <= _FEW:
-        return np.asarray(shapely.distance(places, shapely.LinearRing(corners)))
-    edges = shapely.STRtree(
-        shapely.linestrings(np.stack([corners, np.roll(corners, -1, axis=0)], axis=1))
-    )
-    _, distances = edges.query_nearest(places, return_distance=True, all_matches=False)
+        return np.asarray(shapely.distance(places, _polygon(ring).exterior))
+    _, distances = _edges([ring]).query_nearest(places, return_distance=True, all_matches=False)
     return np.asarray(distances)
 
 
@@ -66,17 +72,20 @@ def inside(points: Points, ring: Points) -> NDArray[np.bool_]:
     return np.asarray(shapely.contains_xy(_polygon(ring), points.real, points.imag))
 
 
-def segments_to_rings(a: Points, b: Points, rings: Sequence[Points]) -> Floats:
-    """Distance of each straight way from a to b, (n,), from the material that rings enclose (even-odd), (n,) mm, 0 within it."""
+def segments_to_sections(a: Points, b: Points, sections: Sequence[Sequence[Points]]) -> Floats:
+    """Distance of each straight way from a to b, (n,), from the nearest of sections, which are what rings enclose (even-odd),
+    (n,) mm, 0 within one; inf where there is none."""
     import shapely
 
+    if not sections:
+        return np.full(len(a), np.inf)
     ways = shapely.linestrings(
         np.stack([np.column_stack([a.real, a.imag]), np.column_stack([b.real, b.imag])], axis=1)
     )
-    least = np.full(len(a), np.inf)
-    within = np.zeros(len(a), int)
-    for ring in rings:
-        polygon = _polygon(ring)
-        least = np.minimum(least, shapely.distance(ways, polygon.exterior))
-        within += shapely.contains_xy(polygon, a.real, a.imag)
-    return np.where(within % 2 == 1, 0.0, least)
+    _, least = _edges([ring for rings in sections for ring in rings]).query_nearest(
+        ways, return_distance=True, all_matches=False
+    )
+    for rings in sections:
+        within = [shapely.contains_xy(_polygon(ring), a.real, a.imag) for ring in rings]
+        least = np.where(np.sum(within, axis=0) % 2 == 1, 0.0, least)
+    return np.asarray(least)

@@ -88,9 +88,14 @@ def meeting(a: Sequence[Points], b: Sequence[Points]) -> Any:
     shifts = [
         np.round(np.subtract.outer(one, other).ravel(), 12) for one in ones for other in others
     ]
-    return shapely.union_all(
-        shapely.convex_hull([shapely.MultiPoint(np.column_stack([z.real, z.imag])) for z in shifts])
+    z = np.concatenate(shifts)
+    hulls = shapely.convex_hull(
+        shapely.linestrings(
+            np.column_stack([z.real, z.imag]),
+            indices=np.repeat(np.arange(len(shifts)), [len(each) for each in shifts]),
+        )
     )
+    return shapely.union_all(hulls)
 
 
 def signed_distances(area: Any, shifts: Points) -> Floats:

@@ -19,7 +19,7 @@ import numpy as np
 
 from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, Where, at_least, in_file
-from camgen.geometry.distances import segments_to_rings
+from camgen.geometry.distances import segments_to_sections
 from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.judge.assembly import standing
 from camgen.machine.features import Strand, SweptMachine
@@ -182,7 +182,7 @@ def _nearest(
             np.broadcast_to(copy.at(axis, poses[copy.body], start[copy.body]), theta.shape)
             for axis in axes
         )
-        return np.asarray(np.min([segments_to_rings(a, b, rings) for rings in sections], axis=0))
+        return segments_to_sections(a, b, sections)
 
     theta = np.linspace(0, math.tau, _STEPS, endpoint=False)
     theta = theta[int(np.argmin(beside(theta)))] + np.linspace(-1, 1, _FINE) * math.tau / _STEPS

@@ -444,16 +444,13 @@ class Constraints:
         for gradient in gradients:
             rows = solution[:, first : first + gradient.shape[1]]
             first = first + gradient.shape[1]
-            parts = {each.name: rows[:, :, self.rows[each.name]] for each in self.conditions}
-            sliding = {each.name for each in self.conditions if isinstance(each, Slide)}
-            shares.append(
-                {
-                    name: _stretch(part[:, :, :1] if name in sliding else part)
-                    if part.any()
-                    else np.zeros(len(q))  # of a machine beside it
-                    for name, part in parts.items()
-                }
-            )
+            moving = rows.any(axis=(0, 1))  # not what belongs to a machine beside it
+            share = {}
+            for each in self.conditions:
+                own = self.rows[each.name]
+                part = rows[:, :, own][:, :, :1] if isinstance(each, Slide) else rows[:, :, own]
+                share[each.name] = _stretch(part) if moving[own].any() else np.zeros(len(q))
+            shares.append(share)
         return shares
 
     def poses(self, q: Floats) -> Mapping[str, Pose]:

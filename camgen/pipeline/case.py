@@ -12,6 +12,7 @@ from camgen.files.shelves import listed, located, shelved
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
 from camgen.parts.part import Part
+from camgen.study import Study
 from camgen.workers import all_cores, core_count
 
 _FEW = 3  # parts that are made sooner than other processes have begun
@@ -29,6 +30,11 @@ class Case:
     def parts(self) -> dict[str, Part]:
         """The mechanism's parts by name."""
         return {part.name: part for part in self.mechanism.assembly.parts}
+
+    @cached_property
+    def study(self) -> Study:
+        """What the report shows of the mechanism."""
+        return self.mechanism.study()
 
     def file(self, part: str, ending: str) -> Path:
         """Path of a part's file, on its shelf where it is on one."""

@@ -88,7 +88,7 @@ def judge(
         if stage.work is not None and stage.runs(files)
     ]
     limits = mechanism.limits()
-    study = mechanism.study()
+    study = case.study
     parts: list[Outcome] = []
     sections: dict[str, Read] = {}
     for k, name in enumerate(case.parts):

@@ -93,7 +93,7 @@ def write_report(summary: Summary, case: Case, folder: Path) -> None:
 
         report = replace(
             summary.report,
-            animation=animation(case.mechanism),
+            animation=animation(case.mechanism, case.study.sketches),
             scene=summary.scene,
             why_flat="" if summary.scene else _WITHOUT_SOLIDS,
             places=case.places,
