@@ -444,7 +444,7 @@ class Constraints:
         for gradient in gradients:
             rows = solution[:, first : first + gradient.shape[1]]
             first = first + gradient.shape[1]
-            moving = rows.any(axis=(0, 1))  # not what belongs to a machine beside it
+            moving = np.asarray(rows.any(axis=(0, 1)))  # not what belongs to a machine beside it
             share = {}
             for each in self.conditions:
                 own = self.rows[each.name]
