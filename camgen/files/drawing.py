@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from string import ascii_uppercase
@@ -204,13 +204,16 @@ class _Layout:
         )
         self.key = next(filter(None, map(keyed, part.region.holes)), None)
         self.bored = self._bored()
-        self.upright = _across_keyway(part, tolerance) if self.key else None
-        self.section = None if self.upright else views.section(part, tolerance)
+        self.turns = free(part.region.outer) and part.bore is not None
+        self.chamfer = facts.bore_chamfer if self.turns else 0.0
+        upright = _across_keyway(part, tolerance) if self.key else None
+        section = None if upright else views.section(part, tolerance)
+        self.upright = self._chamfered(upright)
+        self.section = self._chamfered(section)
         self.bosses = bosses(part)
         self.beside = _BESIDE + _BOSS * len(self.bosses)
         self.depth = part.thickness if part.side_profile or self.section else 0.0
         self.engraved = _contours(part.engraved, tolerance)
-        self.turns = free(part.region.outer) and part.bore is not None
         self.rows = self._rows()
         self.polar = self._radii_of_profile()
         surface = self.polar and (facts.profile or facts.roughness)
@@ -246,6 +249,24 @@ class _Layout:
         facts = replace(facts, number=facts.number or f"{stem}-drawing")
         corner = complex(width - _MARGIN, _MARGIN)
         title_block(self.sheet, corner, part, facts, self.scale, self.size_name)
+
+    def _chamfered(self, section: views.Section | None) -> views.Section | None:
+        """A section through the bore's axis with the chamfers of its bore, and their edges behind it."""
+        if section is None or not self.chamfer or abs(section.y) > SAME_POINT:
+            return section
+        import shapely
+
+        c = self.chamfer
+        high = self.part.thickness
+        radius = (self.part.bore or 0.0) / 2
+        faces = section.faces
+        beyond = list(section.beyond)
+        for end, inner in ((0.0, c), (high, high - c)):
+            rim = [(-radius - c, end), (radius + c, end), (radius, inner), (-radius, inner)]
+            faces = faces.difference(shapely.Polygon(rim))
+            beyond.append((complex(-radius, inner), complex(radius, inner)))
+            beyond.append((complex(-radius - c, end), complex(-radius, end)))
+        return replace(section, faces=faces, beyond=beyond)
 
     def _bored(self) -> Contour | None:
         """The bore that gets a detail: one with a keyway, or a round one to which a cam's track refers."""
@@ -542,6 +563,18 @@ class _Layout:
             self.sheet.contour(box.moved(self.scale, origin), "VIEW")
         for bore in views.side_bores(self.part, self.tolerance):
             self.sheet.contour(bore.moved(self.scale, origin), "HIDDEN")
+        for ends in self._chamfer_edges():
+            self.sheet.line(*(origin + self.scale * end for end in ends), layer="HIDDEN")
+
+    def _chamfer_edges(self) -> Iterator[tuple[complex, complex]]:
+        """Edges of the bore's chamfers in the view from the left, z + iy, mm."""
+        radius = (self.part.bore or 0.0) / 2
+        c = self.chamfer
+        high = self.part.thickness
+        for end, inner in ((0.0, c), (high, high - c)) if c else ():
+            for side in (-1, 1):
+                yield complex(end, side * (radius + c)), complex(inner, side * radius)
+            yield complex(inner, -radius), complex(inner, radius)
 
     def _boss_sizes(self, origin: complex) -> None:
         """Diameters of the bosses, to the right of the view from the left."""
@@ -813,7 +846,7 @@ class _Layout:
         half = self.key[1] / 2
         deeper = keyway(2 * radius)
         usual = deeper is not None and abs(deeper[1] - (top - radius)) < SAME_POINT
-        depth = f"+{deeper[2]:g}/0" if facts.key_fit and deeper is not None and usual else ""
+        depth = f"+{deeper[2]:g}/0" if facts.key_fit and deeper and deeper[2] and usual else ""
         key = 8j
         size(
             complex(-half, top),
@@ -881,8 +914,8 @@ class _Layout:
         if self.turns:
             lines.append("+ : positive sense of turning (ccw)")
         facts = self.facts
-        if facts.bore_chamfer and self.turns:
-            lines.append(f"Bore chamfered {number(facts.bore_chamfer)} × 45° at both ends")
+        if self.chamfer:
+            lines.append(f"Bore chamfered {number(self.chamfer)} × 45° at both ends")
         if facts.roughness_elsewhere:
             other = [
                 name

@@ -1,17 +1,37 @@
-"""Keyways of hubs.   [DIN 6885 sheet 1, by berger-tools.co.uk, Standard_Parts_Catalogue, page 2078]"""
+"""Keyways of hubs and the parallel keys in them, after DIN 6885 sheet 1.
+
+Up to a bore of 44: berger-tools.co.uk, Standard_Parts_Catalogue, page 2078 (widths, t2 and its tolerance) and
+engineeringhardware.com, DIN 6885 Parallel Keys (heights of keys); beyond: Siemens, Flender gear units, MD 31.1, 2016, page 7/3,
+which has no tolerance of t2.
+"""
 
 from __future__ import annotations
 
-# Width and depth t2 of a hub's keyway and what t2 may be deeper, by the bores up to which they are, mm.
+from camgen.parts.catalogue import Bought
+
+# Width and height of the key, depth t2 of the hub's keyway, and what t2 may be deeper, 0 where the source has none; by the bores
+# up to which they are, mm.
 _KEYWAYS = (
-    (8.0, 2.0, 1.0, 0.1),
-    (10.0, 3.0, 1.4, 0.1),
-    (12.0, 4.0, 1.8, 0.1),
-    (17.0, 5.0, 2.3, 0.1),
-    (22.0, 6.0, 2.8, 0.1),
-    (30.0, 8.0, 3.3, 0.2),
-    (38.0, 10.0, 3.3, 0.2),
-    (44.0, 12.0, 3.3, 0.2),
+    (8.0, 2.0, 2.0, 1.0, 0.1),
+    (10.0, 3.0, 3.0, 1.4, 0.1),
+    (12.0, 4.0, 4.0, 1.8, 0.1),
+    (17.0, 5.0, 5.0, 2.3, 0.1),
+    (22.0, 6.0, 6.0, 2.8, 0.1),
+    (30.0, 8.0, 7.0, 3.3, 0.2),
+    (38.0, 10.0, 8.0, 3.3, 0.2),
+    (44.0, 12.0, 8.0, 3.3, 0.2),
+    (50.0, 14.0, 9.0, 3.8, 0.0),
+    (58.0, 16.0, 10.0, 4.3, 0.0),
+    (65.0, 18.0, 11.0, 4.4, 0.0),
+    (75.0, 20.0, 12.0, 4.9, 0.0),
+    (85.0, 22.0, 14.0, 5.4, 0.0),
+    (95.0, 25.0, 14.0, 5.4, 0.0),
+    (110.0, 28.0, 16.0, 6.4, 0.0),
+    (130.0, 32.0, 18.0, 7.4, 0.0),
+    (150.0, 36.0, 20.0, 8.4, 0.0),
+    (170.0, 40.0, 22.0, 9.4, 0.0),
+    (200.0, 45.0, 25.0, 10.4, 0.0),
+    (230.0, 50.0, 28.0, 11.4, 0.0),
 )
 _LEAST_KEYED = 6.0  # mm
 RANGE = f"a bore of {_LEAST_KEYED:g} to {_KEYWAYS[-1][0]:g} mm, for which camgen has the keyway of DIN 6885"
@@ -19,6 +39,21 @@ RANGE = f"a bore of {_LEAST_KEYED:g} to {_KEYWAYS[-1][0]:g} mm, for which camgen
 
 def keyway(bore: float) -> tuple[float, float, float] | None:
     """Width and depth t2 of a hub's keyway, and by what it may be deeper, mm; None of a bore that has none in the table."""
+    row = _row(bore)
+    return None if row is None else (row[1], row[3], row[4])
+
+
+def parallel_key(bore: float, width: float, depth: float, length: float, count: int) -> Bought:
+    """The keys for keyways of a width and a depth in hubs with this bore, as long as that, mm."""
+    row = _row(bore)
+    most = f"at most {length:.4g} long, as its bore"
+    if row is not None and abs(row[1] - width) < 1e-6 and abs(row[3] - depth) < 1e-6:
+        return Bought("parallel key", "DIN 6885", f"{width:g} x {row[2]:g}, {most}", count)
+    size = f"{width:g} wide, for a keyway {depth:.4g} deep in the hub, {most}"
+    return Bought("parallel key", "", size, count)
+
+
+def _row(bore: float) -> tuple[float, ...] | None:
     if bore < _LEAST_KEYED:
         return None
-    return next((row[1:] for row in _KEYWAYS if bore <= row[0]), None)
+    return next((row for row in _KEYWAYS if bore <= row[0]), None)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from itertools import repeat
 from pathlib import Path
@@ -15,6 +15,7 @@ import numpy as np
 from camgen import spec as specs
 from camgen.errors import DesignError
 from camgen.files.formats import EXACT, FORMATS, Job, write_part
+from camgen.geometry.outlines import start_point
 from camgen.machine.features import PartPose
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
@@ -22,6 +23,7 @@ from camgen.parts import materials
 from camgen.parts.assembly import cut_of_sheet, printed_parts
 from camgen.parts.catalogue import CAM_FOLLOWERS, TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
+from camgen.parts.keyways import parallel_key
 from camgen.parts.part import Part
 from camgen.pipeline.case import Case
 from camgen.pipeline.drawings import timing_facts, timing_of
@@ -270,6 +272,7 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
         thing.name for thing in things
     }:
         things.append(Bought("glue", "", "for all that is glued", 1))
+    things += _keys(parts)
     for thing in things:
         size = ", ".join(text for text in (thing.size, thing.standard) if text)
         rows.append(("bought", thing.name, size, thing.count, "", *blank))
@@ -299,6 +302,19 @@ def _same(parts: Sequence[Part]) -> Mapping[str, str]:
         if name != part.name and part.process != "bought":
             said[part.name] = f"; same as {name}"
     return said
+
+
+def _keys(parts: Sequence[Part]) -> Iterator[Bought]:
+    """The parallel keys in the keyways of parts' bores."""
+    from camgen.files.dimensions import keyed
+
+    for part in parts:
+        for hole in part.region.holes:
+            found = keyed(hole)
+            if found is not None:
+                radius, width = found
+                top = max(start_point(piece).imag for piece in hole.pieces)
+                yield parallel_key(2 * radius, width, top - radius, part.thickness, part.count)
 
 
 def _lying(side: Side | None) -> tuple[object, ...]:

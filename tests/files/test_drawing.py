@@ -450,6 +450,27 @@ def test_a_cam_with_a_hub_is_cut_through_its_keyway(tmp_path):
     assert "Profile by DXF, z 0 to 5" in texts
 
 
+def test_a_bore_s_chamfers_are_cut_off_in_its_section():
+    """Of 0.5 at 45 deg at either end of a bore of 12, 14 high, on the side without the keyway; above it the floor is higher."""
+    part = keyed_cam_with_hub()
+    faces = _Layout(part, "d", TOLERANCE, SHOP).upright.faces
+    plain = _Layout(part, "d", TOLERANCE, replace(SHOP, bore_chamfer=0.0)).upright.faces
+    gone = shapely.get_parts(plain.difference(faces))
+    assert [each.area for each in gone] == pytest.approx([0.125, 0.125])
+    corners = {
+        (round(x, 6), round(z, 6)) for each in gone for x, z in shapely.get_coordinates(each)
+    }
+    assert corners == {(-6, 0), (-6.5, 0), (-6, 0.5), (-6, 14), (-6.5, 14), (-6, 13.5)}
+
+
+def test_a_bore_s_chamfers_are_dashed_in_the_view_from_the_left():
+    def dashed(facts):
+        sheet = _Layout(keyed_cam(), "d", TOLERANCE, facts).sheet
+        return [each for each in sheet.primitives if getattr(each, "layer", "") == "HIDDEN"]
+
+    assert len(dashed(SHOP)) == len(dashed(replace(SHOP, bore_chamfer=0.0))) + 6
+
+
 def test_a_cam_s_overall_sizes_are_references(tmp_path):
     """They follow from the profile: nothing to be held beside its tolerance. A plain disc keeps its diameter."""
     texts = texts_of(write_drawing(tmp_path, "d", keyed_cam_with_hub(), TOLERANCE, SHOP)[0])

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from camgen.files.limits import FITS, decimals, deviations, general, in_limits
-from camgen.parts.keyways import keyway
+from camgen.parts.keyways import keyway, parallel_key
 
 ROOT = Path(__file__).resolve().parents[2]
 FACTS = tomllib.loads((ROOT / "tests" / "reference" / "fits.toml").read_text(encoding="utf-8"))
@@ -44,7 +44,7 @@ def test_keyways_of_hubs(row: list[float]) -> None:
 
 
 def test_bores_without_a_keyway() -> None:
-    assert keyway(5.0) is None and keyway(45.0) is None
+    assert keyway(5.0) is None and keyway(231.0) is None
 
 
 @pytest.mark.parametrize("kind", "fmcv")
@@ -67,3 +67,19 @@ def test_decimals_keep_three_quarters_of_a_tolerance() -> None:
         assert 0.5 * 10**-digits <= allowed / 4
         assert digits == 0 or 0.5 * 10 ** (1 - digits) > allowed / 4
     assert decimals(math.inf) == decimals(0.0) == 3
+
+
+@pytest.mark.parametrize("row", FACTS["keys"], ids=lambda row: f"bore {row[0]}")
+def test_keys_and_keyways_of_large_bores_too(row: list[float]) -> None:
+    bore, width, height, depth = row
+    for size in (bore, bore - 0.5):
+        found = keyway(size)
+        assert found is not None and found[:2] == (width, depth)
+    key = parallel_key(bore, width, depth, 20.0, 3)
+    assert key.size == f"{width:g} x {height:g}, at most 20 long, as its bore"
+    assert (key.standard, key.count) == ("DIN 6885", 3)
+
+
+def test_a_key_for_another_keyway_has_no_standard() -> None:
+    key = parallel_key(20.0, 5.0, 2.8, 12.0, 1)
+    assert key.standard == "" and key.size.startswith("5 wide, for a keyway 2.8 deep")

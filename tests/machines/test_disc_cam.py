@@ -655,6 +655,7 @@ def test_bad_keys_are_told_by_their_path(settings: list[str], path: str) -> None
         (["parts.bore=12"], 4.0, 1.8),
         (["parts.bore=20"], 6.0, 2.8),
         (["parts.bore=20", "parts.key_width=5"], 5.0, 2.8),
+        (["parts.bore=50", "parts.hub_diameter=90"], 14.0, 3.8),
     ],
 )
 def test_a_keyway_is_that_of_din_6885_for_its_bore(
@@ -667,10 +668,10 @@ def test_a_keyway_is_that_of_din_6885_for_its_bore(
 
 
 def test_a_bore_beyond_the_table_is_told_its_range_and_the_keys() -> None:
-    """The rows of tests/reference end at a bore of 44 mm."""
+    """The rows of tests/reference end at a bore of 230 mm."""
     with pytest.raises(SpecError) as caught:
-        mechanism("parts.bore_shape='keyway'", "parts.hub_diameter=200", "parts.bore=90")
-    said = "6 to 44 mm", "DIN 6885", "parts.key_width", "parts.key_depth"
+        mechanism("parts.bore_shape='keyway'", "parts.hub_diameter=600", "parts.bore=250")
+    said = "6 to 230 mm", "DIN 6885", "parts.key_width", "parts.key_depth"
     assert all(each in str(caught.value) for each in said)
 
 

@@ -10,6 +10,7 @@ import pytest
 from camgen.machines.sources import read_mechanism
 from camgen.parts.materials import MATERIALS
 from camgen.pipeline.drawings import facts_of
+from camgen.pipeline.making import parts_table
 
 STARTER = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"
 # The starter without its own hub, on a shaft of 20 with a key, and large enough for both.
@@ -92,3 +93,16 @@ def test_a_hardened_case_has_its_depth() -> None:
     elastic = steel.elastic
     half_width = 4 * steel.hertz * 20.0 * (1 - elastic.poisson**2) / elastic.modulus
     assert 0.39 < 0.78 * half_width < 0.4
+
+
+def test_the_list_of_parts_has_the_key_of_each_keyway() -> None:
+    """A bore of 20 in 16MnCr5 is 20 long, its key 6 x 6 [DIN 6885]; a pair has two, a plain bore none."""
+
+    def keys(*settings: str) -> list[tuple[object, ...]]:
+        table = parts_table(read_mechanism(STARTER, [*KEYED, "material.name=16MnCr5", *settings]))
+        return [tuple(row[:4]) for row in table.rows if row[1] == "parallel key"]
+
+    text = "6 x 6, at most 20 long, as its bore, DIN 6885"
+    assert keys() == [("bought", "parallel key", text, 1)]
+    assert len(keys("geometry.closure=conjugate")) == 2
+    assert keys("parts.bore_shape=plain") == []
