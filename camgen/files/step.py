@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -362,7 +363,7 @@ def read_step(path: Path) -> tuple[dict[str, Brep], list[PartCopy], list[str]]:
     if not text.startswith("ISO-10303-21;") or not text.rstrip().endswith("END-ISO-10303-21;"):
         raise FileError(path, "not a STEP file, or cut short: it does not end in END-ISO-10303-21")
     try:
-        return _Reader(_entities(text)).read()
+        bodies, copies, remarks = _read(text)
     except (
         KeyError,
         IndexError,
@@ -374,6 +375,12 @@ def read_step(path: Path) -> tuple[dict[str, Brep], list[PartCopy], list[str]]:
         raise FileError(
             path, f"not a STEP file of upright walls between level faces, or of a drum: {error!r}"
         ) from None
+    return dict(bodies), list(copies), list(remarks)
+
+
+@lru_cache(maxsize=4)  # a drum's is asked for by three stages
+def _read(text: str) -> tuple[dict[str, Brep], list[PartCopy], list[str]]:
+    return _Reader(_entities(text)).read()
 
 
 def _entities(text: str) -> dict[str, list[Any]]:

@@ -138,6 +138,7 @@ def crossed(
     A triangle keeps the roller out of one interval of heights, since triangle and roller are convex.
     """
     found = np.zeros(len(phi), bool)
+    corners = corners[np.hypot(corners[..., 0], corners[..., 1]).max(axis=1) >= roller.inner]
     bottom = corners[..., 2].min(axis=1) - roller.largest
     top = corners[..., 2].max(axis=1) + roller.largest
     for sample, row in _pairs(*_ranges(corners), _window(roller, beside), phi):
@@ -145,7 +146,10 @@ def crossed(
         sample = sample[near]
         row = row[near]
         x, y = _turned(corners[row], phi[sample, None])
-        placed = np.stack([x, y - beside[sample, None], corners[row, :, 2]], axis=-1)
+        aside = y - beside[sample, None]
+        meets = _room(x, aside, roller) > 0
+        sample = sample[meets]
+        placed = np.stack([x, aside, corners[row, :, 2]], axis=-1)[meets]
         upper = _on_triangles(placed, roller)
         lower = -_on_triangles(placed * np.array([1.0, 1.0, -1.0]), roller)
         found[sample[(lower < height[sample]) & (height[sample] < upper)]] = True
@@ -177,18 +181,19 @@ def _lowest(corners: Floats, roller: SolidRoller, phi: Floats, beside: Floats) -
         row = row[near]
         x, y = _turned(corners[row], phi[sample, None])
         aside = y - beside[sample, None]
-        nearest = np.maximum(0.0, np.maximum(aside.min(axis=1), -aside.max(axis=1)))
-        room = roller.largest**2 - nearest**2
+        room = _room(x, aside, roller)
         high = corners[row, :, 2].max(axis=1) + np.sqrt(np.maximum(room, 0.0))
-        meets = (
-            (room >= 0)
-            & (x.max(axis=1) >= roller.inner)
-            & (x.min(axis=1) <= roller.outer)
-            & (high > lowest[sample])
-        )
+        meets = (room >= 0) & (high > lowest[sample])
         placed = np.stack([x, aside, corners[row, :, 2]], axis=-1)[meets]
         np.maximum.at(lowest, sample[meets], _on_triangles(placed, roller))
     return np.where(np.isfinite(lowest), lowest, math.nan)
+
+
+def _room(x: Floats, aside: Floats, roller: SolidRoller) -> Floats:
+    """R^2 - y^2 of each triangle at most, (n,), by its corners' x and y - Y, (n, 3); below 0 where the roller cannot meet it."""
+    nearest = np.maximum(0.0, np.maximum(aside.min(axis=1), -aside.max(axis=1)))
+    between = (x.max(axis=1) >= roller.inner) & (x.min(axis=1) <= roller.outer)
+    return np.where(between, roller.largest**2 - nearest**2, -1.0)
 
 
 def _each_once(corners: Floats) -> Floats:
