@@ -636,7 +636,7 @@ def test_pressure_angle_and_undercut_by_other_routes() -> None:
         (["parts.thickness=0.001"], "parts.thickness"),
         (["parts.hub_height=1e6"], "parts.hub_height"),
         (["parts.shaft='keyway'", "parts.key_width=9"], "parts.key_width"),
-        (["parts.shaft='keyway'", "parts.bore=50", "parts.hub_diameter=70"], "parts.bore"),
+        (["parts.shaft='keyway'", "parts.bore=250", "parts.hub_diameter=400"], "parts.bore"),
         (["parts.shaft='d-flat'", "parts.flat_depth=9"], "parts.flat_depth"),
         (["parts.pin_diameter=9"], "parts.pin_diameter"),
         (["limits.min_wall=0.1"], "limits.min_wall"),

@@ -273,6 +273,11 @@ class TableStand:
         layer = Layer(region, 0.0, self.thick)
         return Part(name, title, (layer,), min_wall=self.min_wall, notes=tuple(notes))
 
+    @property
+    def frame(self) -> float:
+        """Width of the frame round a window, mm: fingers or a tab with material on both sides."""
+        return max(2 * self.rim + self.thick, _FRAME)
+
     def _slot(self, low: complex, high: complex) -> Contour:
         """For a tab between two corners."""
         by = complex(self.fit, self.fit) / 2
@@ -385,7 +390,7 @@ def _board(stand: TableStand) -> tuple[list[Part], list[Mount], StandIn, list[tu
         f"slot {k}": stand._slot(complex(x, panel_tab[0]), complex(x + t, panel_tab[1]))
         for k, x in enumerate(gussets, 1)
     }
-    edge = max(2 * rim + t, _FRAME)
+    edge = stand.frame
     under = stand.held.low.imag + rim  # of its lowest hole
     slots |= _window("window", complex(left, floor), complex(right, under), edge)
     panel = stand._panel("stand-panel", "Panel of the stand", outer, slots)
@@ -489,8 +494,8 @@ def _box(stand: TableStand) -> tuple[list[Part], list[Mount], StandIn, list[tupl
         for y0 in (low.imag, high_corner.imag - t):
             short = short.difference(_box_of(complex(y0, a - half), complex(y0 + t, b + half)))
     walls = [
-        stand._sheet("stand-side", "Side of the stand", Region(_contour(long))),
-        stand._sheet("stand-end", "End of the stand", Region(_contour(short))),
+        stand._sheet("stand-side", "Side of the stand", _with_window(long, x, depth, stand)),
+        stand._sheet("stand-end", "End of the stand", _with_window(short, y, depth, stand)),
     ]
     side, end = (replace(wall, count=2) for wall in walls)
     quarter = math.pi / 2
@@ -510,6 +515,13 @@ def _box(stand: TableStand) -> tuple[list[Part], list[Mount], StandIn, list[tupl
         (side.name, "fingers glued into those of the ends, tabs into the lid"),
     ]
     return [panel, side, end], mounts, table, steps
+
+
+def _with_window(wall: Any, edge: Sequence[float], depth: float, stand: TableStand) -> Region:
+    """A wall with an opening in its middle, under its tabs, where it is high enough."""
+    low = complex(edge[0], -stand.thick - depth)
+    window = _window("window", low, complex(edge[-1], -stand.thick), stand.frame)
+    return Region(_contour(wall), tuple(window.values()))
 
 
 def _wall(edge: Sequence[float], column: Sequence[float], depth: float, thick: float) -> Any:

@@ -246,3 +246,21 @@ def test_a_panel_is_a_frame_where_nothing_is_screwed_on() -> None:
     rim = shapely.LinearRing([(z.real, z.imag) for z in outer.tolist()])
     assert window.area > 400 and window.distance(rim) > 9.99
     assert min(window.distance(each) for each in others) > 9.0
+
+
+def test_high_walls_of_a_box_have_windows_and_shallow_ones_have_none() -> None:
+    """Round a motor: 10 mm are left to the fingers' ends and to the lid, through whose notches the tabs go; 20 mm leave no room."""
+    walls = machine(*KINDS[1]).assembly.by_name
+    for name in ("stand-side", "stand-end"):
+        (layer,) = walls[name].layers
+        (window,) = layer.region.holes
+        rim = facet_contour(layer.region.outer, 0.01)
+        hole = facet_contour(window, 0.01)
+        top = max(hole.imag)
+        assert top == pytest.approx(-4 - 10) and min(hole.imag) - min(rim.imag) > 9.99
+        edge = shapely.LinearRing([(z.real, z.imag) for z in rim.tolist()])
+        inner = shapely.LinearRing([(z.real, z.imag) for z in hole.tolist()])
+        assert 5.99 < inner.distance(edge), "a finger is 4 deep"
+        assert abs(window.area) > 400
+    low = machine("box", "parts.hand_crank=0").assembly.by_name
+    assert all(len(low[name].region.holes) == 0 for name in ("stand-side", "stand-end"))
