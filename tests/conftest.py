@@ -8,6 +8,7 @@ import os
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from zlib import crc32
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -30,6 +31,25 @@ gc.set_threshold(
 
 MOST_WAITED = 6000  # times 0.05 s, for a folder that another process makes
 ROOT = Path(__file__).resolve().parent.parent
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--share", metavar="K/N", help="of the tests marked long only those of share K, 0 to N - 1"
+    )
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Keeps all short tests, and of the long ones a share, by a hash of their names: N shares together are all."""
+    if not config.getoption("share"):
+        return
+    share, count = map(int, config.getoption("share").split("/"))
+    kept, left = [], []
+    for item in items:
+        own = not item.get_closest_marker("long") or crc32(item.nodeid.encode()) % count == share
+        (kept if own else left).append(item)
+    items[:] = kept
+    config.hook.pytest_deselected(items=left)
 
 
 @pytest.fixture

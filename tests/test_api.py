@@ -189,6 +189,7 @@ UNITS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", SPEC_NAMES)
 def test_figures_have_plain_keys_and_known_units(name: str) -> None:
     numbers = camgen.load(SPECS / f"{name}.toml").study().numbers

@@ -269,6 +269,7 @@ def undocumented(module: str, tree: ast.Module) -> list[str]:
     return found
 
 
+@pytest.mark.long
 def test_every_module_keeps_the_rules() -> None:
     trees = {
         module: ast.parse(path.read_text(encoding="utf-8")) for module, path in MODULES.items()
@@ -304,6 +305,7 @@ def circles(trees: Mapping[str, ast.AST]) -> list[set[str]]:
     return [{name.removeprefix("camgen.") for name in each} for each in together if len(each) > 1]
 
 
+@pytest.mark.long
 def test_modules_import_each_other_in_no_circle() -> None:
     trees = {
         module: ast.parse(path.read_text(encoding="utf-8")) for module, path in MODULES.items()
@@ -380,6 +382,7 @@ def test_help_loads_nothing_heavy() -> None:
     assert loaded(code) & (HEAVY | {"numpy", "pydantic", "tomllib"}) == set()
 
 
+@pytest.mark.long
 def test_dxf_only_run_loads_no_mesh_library(starter: Path, tmp_path: Path) -> None:
     code = (
         "from camgen.cli import main\ntry:\n"
@@ -418,6 +421,7 @@ def careless(tree: ast.AST) -> Iterator[str]:
             yield ast.unparse(call)
 
 
+@pytest.mark.long
 def test_a_file_is_written_the_same_on_every_system() -> None:
     written = 'open(p, "w", encoding="utf-8")', "p.read_text()", 'p.write_text(t, encoding="utf-8")'
     assert all(list(careless(ast.parse(text))) == [text.replace('"', "'")] for text in written)

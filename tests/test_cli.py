@@ -378,6 +378,7 @@ def test_what_cannot_be_read_or_written_is_4(run: Run, tmp_path: Path, starter: 
     assert (tmp_path / "out" / "uniform-swing" / "letter.txt").read_text() == "mine"
 
 
+@pytest.mark.long
 def test_set_reaches_the_resolved_spec_and_check_agrees(
     run: Run, tmp_path: Path, starter: Path
 ) -> None:
@@ -641,6 +642,7 @@ def test_step_is_named_from_the_start_on_a_terminal(
     assert (b"turning the handle" in seen) is shown and b"that was all" in seen
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "words, code",
     [

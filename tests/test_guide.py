@@ -131,6 +131,7 @@ def test_every_figure_stands_in_a_page_and_in_a_terminal_its_path() -> None:
     assert len(re.findall(r"`(/\S+\.svg)`", text)) == 2
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("topic", guide.TOPICS)
 def test_what_a_page_says_to_type_works(
     topic: str,
@@ -166,6 +167,7 @@ def displayed(value: Any) -> str:
     return "" if value is None else repr(value)
 
 
+@pytest.mark.long
 def test_the_notebook_runs_from_its_first_cell_to_its_last(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

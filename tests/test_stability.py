@@ -18,6 +18,7 @@ from camgen.machines import MECHANISMS  # noqa: E402
 QUICK = [case for case in stability.CASES if case.quick]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("case", QUICK, ids=lambda case: f"{case.mechanism}, {case.name}")
 def test_kept_or_refused(case: stability.Case, tmp_path: Path) -> None:
     found = stability.judged(case, tmp_path)

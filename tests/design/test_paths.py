@@ -94,6 +94,7 @@ def test_each_corner_of_the_wanted_path_counts_and_is_judged() -> None:
     assert all(each.ok for each in kept if each.code == "PATH_ERROR")
 
 
+@pytest.mark.long
 def test_without_a_tolerance_a_useless_path_is_none() -> None:
     """A figure eight, 100 mm long, of which a four-bar misses 14 mm: a twentieth is borne, 5 mm."""
     turn = np.linspace(0, 2 * np.pi, 41)
@@ -217,6 +218,7 @@ def test_shortest_bar_and_transmission_angle_are_kept() -> None:
         )
 
 
+@pytest.mark.long
 def test_a_target_of_the_challenge_is_met_by_a_four_bar_better_than_by_the_students_machines() -> (
     None
 ):

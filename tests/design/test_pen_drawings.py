@@ -62,6 +62,7 @@ def apart(places: np.ndarray, line: np.ndarray) -> float:
     return max(off(places[::4], line), off(dense, places[::2]))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name, tolerance, peak", REFERENCE["peaks"])
 def test_least_acceleration_within_the_tolerance(name: str, tolerance: float, peak: float) -> None:
     """No worse than the other program, nor out of its reach; the whole tolerance is spent."""
@@ -271,6 +272,7 @@ def found() -> Any:
     return camgen.design({**BASE, "wanted": {"drawing": TRIANGLE}})
 
 
+@pytest.mark.long
 def test_the_pen_from_the_files(found: Any, tmp_path: Path) -> None:
     report = camgen.build(found.machine, tmp_path, only="dxf")
     assert report.ok
@@ -283,6 +285,7 @@ def lash(report: Any) -> float:
     return max(each.measured for each in report.findings if each.code == "LASH")
 
 
+@pytest.mark.long
 def test_slides_in_place_of_arms(found: Any, tmp_path: Path) -> None:
     """From the files, with all bodies apart over the turn; the pen is on the axes of both slides at every angle, with less play."""
     slid = camgen.design({**BASE, "wanted": {"drawing": TRIANGLE, "follower": "slides"}})
@@ -321,6 +324,7 @@ def lifted() -> Any:
     return camgen.design({**BASE, "wanted": {"drawing": [[[0, 0], [0, 16]], [[9, 2], [9, 16]]]}})
 
 
+@pytest.mark.long
 def test_a_third_cam_lifts_the_pen(lifted: Any, tmp_path: Path) -> None:
     """From the files: the lines alone are drawn, though the pen goes 9 mm from one to the other."""
     report = camgen.build(lifted.machine, tmp_path, only="dxf")

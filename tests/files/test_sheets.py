@@ -172,6 +172,7 @@ def body(part: Part, folder: Path, facets: float = FACETS) -> Mesh:
     return read_stl(folder / f"{part.name}.stl")
 
 
+@pytest.mark.long
 def test_views_are_the_shadows_of_the_body_that_is_made(
     sheets: list[Drawn], tmp_path: Path
 ) -> None:
@@ -508,6 +509,7 @@ def each_label_has_its_hole(sheet: Drawn) -> None:
         assert tips and min(tips) * sheet.scale < 0.1, (sheet.part.name, name)
 
 
+@pytest.mark.long
 def test_labels_of_crowded_holes(tmp_path: Path) -> None:
     """Small holes so near to each other that beside none there is room for a label of its own."""
     holes = tuple(

@@ -108,6 +108,7 @@ def check(length: float, offset: float, swing_deg: float, rho: float, blend: flo
     return made
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("blend", [0.0, 0.3, math.pi])
 @pytest.mark.parametrize("rho", [0.1, 10.0, 12.0, 25.0])
 def test_tips_and_blends(rho: float, blend: float) -> None:
@@ -117,6 +118,7 @@ def test_tips_and_blends(rho: float, blend: float) -> None:
         assert len(made.undercuts) == (2 if rho > 10.5231 else 1)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "case",
     [
@@ -174,6 +176,7 @@ def test_other_way_round_is_seen() -> None:
     assert np.min(free_distance(made, raw, np.linspace(0, 2 * math.pi, 6001))) < 3 - 1e-3
 
 
+@pytest.mark.long
 @settings(max_examples=15)
 @given(
     st.floats(-1, 4),

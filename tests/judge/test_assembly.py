@@ -81,6 +81,7 @@ def swept(path: Path, name: str, *settings: str, **shifts: complex) -> list[Find
     return sweep(path, bodies_in_motion(found.assembly))[0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name",
     sorted(
@@ -102,6 +103,7 @@ def test_free_as_designed(tmp_path: Path, name: str) -> None:
     assert "INTERFERENCE" in {f.code for f in findings}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name, shifted, by, pair",
     [

@@ -370,6 +370,7 @@ def judged(m: ChainStitchLooper, folder: Path, kind: str = "stl", **changes: Any
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["stl", "3mf"])
 @pytest.mark.parametrize("name", DESIGNS)
 def test_the_table_comes_out_of_the_files(

@@ -184,6 +184,7 @@ def star(seed: int, count: int, noise: float) -> np.ndarray:
     return radius * np.exp(1j * phi)
 
 
+@pytest.mark.long
 @settings(max_examples=150)
 @given(
     seed=st.integers(0, 10**6),

@@ -155,6 +155,7 @@ def slit(begin: complex, end: complex, width: float, void: float = 0.0) -> Damag
     return damage
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["dxf", "stl"])
 @pytest.mark.parametrize(
     ("name", "part"),
@@ -178,6 +179,7 @@ def test_sound_parts_pass(name: str, part: str, kind: str, tmp_path: Path) -> No
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["dxf", "stl"])
 @pytest.mark.parametrize(
     ("name", "part", "damage"),
@@ -255,6 +257,7 @@ def test_a_bore_that_is_aside_in_the_hub_alone_is_told(tmp_path: Path) -> None:
     assert failing("foot", "cam", "stl", made, tmp_path) == {"ROUND_TRIP"}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "damage", [lambda f: f.buffer(2.6), lambda f: f.buffer(0.2), widened(0j, 9)]
 )

@@ -257,6 +257,7 @@ def test_an_undeclared_press_fit(oversize: float, ok: bool) -> None:
 STAR = st.lists(st.floats(2.0, 8.0), min_size=3, max_size=12)
 
 
+@pytest.mark.long
 @given(
     STAR,
     STAR,

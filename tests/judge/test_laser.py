@@ -212,6 +212,7 @@ def sheet(tmp_path_factory):
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("was, now", STRANGE)
 def test_a_sheet_that_is_more_than_plain_geometry_is_told(sheet, tmp_path, was, now):
     (dxf, svg), laid, meant, _ = sheet
@@ -318,6 +319,7 @@ def test_engraving_comes_first_and_is_not_cut(tmp_path):
 # ---- whole machines -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_a_linkage_of_sheet_moves_as_asked(tmp_path, root):
     settings = ("laser.thickness=4", "laser.kerf=0.3")
     report = build(root / "specs" / "linkage.toml", tmp_path / "a", DXF, settings)

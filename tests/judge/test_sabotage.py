@@ -567,6 +567,7 @@ def with_impostor(text: str, name: str = "cam") -> str:
     return text[:start] + large + good + text[end:]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["cam", "assembly"])
 @pytest.mark.parametrize(
     "edit, said",

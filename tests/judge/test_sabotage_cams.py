@@ -103,6 +103,7 @@ def failing(folder: Path, *kinds: str) -> set[tuple[str, str]]:
     }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", BUILDS)
 def test_sound_builds_pass(sound: Copy, kind: str) -> None:
     """In a pair each cam is judged against what it gives by itself: where one is undercut the other is not."""
@@ -152,6 +153,7 @@ def shifted_bore(drawing: ezdxf.document.Drawing) -> None:
     bore.dxf.center = (0.02, 0.01)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("kind", "part", "edit", "code"),
     [
@@ -219,6 +221,7 @@ def test_a_solid(copy: Copy, kind: str, part: str, damage: str, code: str) -> No
 # ---- a spec that the files do not keep to ----------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("kind", "key", "value", "code", "files"),
     [

@@ -59,6 +59,7 @@ def asked(page: TestClient, path: str, **settings: str) -> dict[str, Any]:
 # ---- numbers ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("path", sorted(folder().rglob("*.toml")), ids=lambda path: path.stem)
 def test_every_number_lies_on_its_slider_and_every_spec_comes_back_as_it_was(path: Path) -> None:
     text, data = path.read_text(encoding="utf-8"), reading.read(path)
@@ -326,6 +327,7 @@ def test_localhost_is_this_machine_and_a_long_request_is_refused(
 # ---- watch -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_a_save_builds_anew_and_an_error_is_shown(spec: Path, tmp_path: Path) -> None:
     text = spec.read_text(encoding="utf-8")
     spec.write_text(text.replace("# bearing_life_h = 1000", "bearing_life_h = 1000"), "utf-8")

@@ -64,6 +64,7 @@ def bought(folder: Path) -> str:
     return (folder / "disc-cam-parts.csv").read_text(encoding="utf-8")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("settings", "sprung"),
     [
@@ -104,6 +105,7 @@ def test_the_return_is_cycloidal_in_the_files(
     )
 
 
+@pytest.mark.long
 def test_the_table_of_an_indexing_cam_turns_by_half_and_rests(tmp_path: Path) -> None:
     """From the files: 180 deg over 120 deg of the cam, half of it at half of them, then 60 deg at rest; gears 6 to 1."""
     # the cam's shaft and the wheels of steel; that its bodies stay apart is seen in test_standing_unloader
@@ -288,6 +290,7 @@ def shift_seat(drawing: ezdxf.document.Drawing) -> None:
     seat.dxf.center = (0.0, 0.03)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("part", "edit"), [("cam-contact", mirror), ("follower", shift_seat)])
 def test_a_mirrored_cam_and_a_roller_seat_30_um_off(
     sound: Path, tmp_path: Path, part: str, edit: Callable[[ezdxf.document.Drawing], None]
@@ -300,6 +303,7 @@ def test_a_mirrored_cam_and_a_roller_seat_30_um_off(
     assert "MOTION_ERROR" in failing(folder)
 
 
+@pytest.mark.long
 def test_a_motor_under_the_plate_and_its_seat_30_um_off(tmp_path: Path) -> None:
     """NEMA 17: four screws M3 on a square of 31, a boss of 22 about the shaft; the shaft turns the crank."""
     motor = ["parts.motor=nema-17"]

@@ -441,6 +441,7 @@ def test_the_starter_clears_its_needles_by_half_a_millimetre(tmp_path: Path) -> 
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "changes",
     [{}, {"timing.spreader": "cycloidal", "geometry.p6_setback": 6, "geometry.blade_length": 50}],
@@ -567,6 +568,7 @@ def test_faults_between_keys(changes: dict[str, Any], path: str) -> None:
 # ---- search ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_search_gives_a_spec_that_builds_and_clears(tmp_path: Path) -> None:
     m = machine({"wanted.spreader_stroke": 40})
     found = m.designed()

@@ -97,6 +97,7 @@ def test_the_drum_is_as_small_as_the_pressure_angle_lets_it() -> None:
     assert narrow.inner == pytest.approx(4 + 5 + 0.5)  # the roller stays clear of the bore
 
 
+@pytest.mark.long
 def test_the_smallest_drum_is_not_undercut_at_its_floor() -> None:
     """A steep wall reaches the floor's radius at a smaller depth than the roller's end: there it is undercut first."""
     steep = drum(limits={"pressure_angle_deg": 80.0}).track
@@ -118,6 +119,7 @@ def test_pressure_angles_and_areas_are_the_references() -> None:
     assert np.abs(beside).max() == published(REFERENCE["b"]["farthest_beside"])
 
 
+@pytest.mark.long
 def test_a_build_gives_the_motion_of_both_meshes(built: Path) -> None:
     rows = np.genfromtxt(built / "motion.csv", delimiter=",", names=True)
     assert rows.dtype.names == ("theta_deg", "lift_mm", "lift_mm_stl", "lift_mm_3mf")
@@ -132,6 +134,7 @@ def test_a_build_gives_the_motion_of_both_meshes(built: Path) -> None:
     assert play == pytest.approx(0.2, abs=0.02)
 
 
+@pytest.mark.long
 def test_the_resolved_spec_makes_the_same_drum(built: Path) -> None:
     resolved = pipeline.read_mechanism(built / "spec.toml")
     assert isinstance(resolved, CylinderCam)
@@ -158,6 +161,7 @@ def mirrored(mesh: Mesh) -> Mesh:
     return Mesh(mesh.vertices * np.array([1.0, -1.0, 1.0]), mesh.faces[:, ::-1])
 
 
+@pytest.mark.long
 def test_damages_are_refused(tmp_path: Path) -> None:
     data = drum(rise={"span_deg": 100.0, "law": "3-4-5"})
     assert failing(verdicts(tmp_path, data)) == set()
@@ -173,6 +177,7 @@ def test_damages_are_refused(tmp_path: Path) -> None:
     assert "GROOVE_FIT" in failing(verdicts(tmp_path, drum(), lambda _: solid(part, 0.01)))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "geometry",
     [
@@ -212,6 +217,7 @@ def test_a_smaller_cutter_leaves_what_the_reference_says(tmp_path: Path) -> None
     assert not path.ok
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("track", "more"),
     [

@@ -317,6 +317,7 @@ KINDS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_follower_is_proved_from_its_files(sound: Callable[[str], Any], kind: str) -> None:
     report, folder = sound(kind)
@@ -404,6 +405,7 @@ def test_a_groove_whose_inner_wall_is_undercut(tmp_path: Path) -> None:
 # ---- every check is seen to fail -------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("settings", "codes"),
     [
@@ -805,6 +807,7 @@ def table_of(count: int, steps: int = 1) -> list[dict[str, Any]]:
     ]
 
 
+@pytest.mark.long
 def test_a_table_of_2000_points_costs_about_what_a_law_does(tmp_path: Path) -> None:
     """Processor time and memory of builds in processes of their own; work that grew with the square of the points would take
     hundreds of times as long."""
@@ -830,6 +833,7 @@ def test_a_table_of_2000_points_costs_about_what_a_law_does(tmp_path: Path) -> N
     assert float(seconds["table"]) < 4 * float(seconds["law"])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("count", [5, 61, 400])
 def test_outline_of_a_table_is_the_envelope_through_all_its_knots(count: int) -> None:
     """Facets and arcs keep to their tolerance from the profile, which is computed point by point."""

@@ -160,6 +160,7 @@ def failing(folder: Path, machine: CamDrum) -> Sequence[Finding]:
         path.write_bytes(own)
 
 
+@pytest.mark.long
 def test_what_was_built_holds(folder: Path) -> None:
     assert failing(folder, drum()) == []
     pins = (folder / "bird-drum-pins.csv").read_text(encoding="utf-8").splitlines()
@@ -167,6 +168,7 @@ def test_what_was_built_holds(folder: Path) -> None:
     assert pins[1].startswith("low,1,19.000000,250.000000,") and pins[1].endswith(",6.944444")
 
 
+@pytest.mark.long
 def test_a_pin_moved_by_a_twentieth_of_a_millimetre_is_named(folder: Path) -> None:
     off = math.degrees(0.05 / 15.5)
     found = {e.code: e for e in failing(folder, drum({"row.0.release_deg.1": 300 + off}))}
@@ -176,6 +178,7 @@ def test_a_pin_moved_by_a_twentieth_of_a_millimetre_is_named(folder: Path) -> No
     assert "ROUND_TRIP" in found
 
 
+@pytest.mark.long
 def test_a_pin_that_is_missing_or_one_more_is_named(folder: Path) -> None:
     for releases, said in (
         ([250.0, 350.0], "row low: pin 2, at 300 deg, is missing"),
@@ -189,6 +192,7 @@ def test_a_pin_that_is_missing_or_one_more_is_named(folder: Path) -> None:
         assert math.isnan(missing.measured) and missing.message == said
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("track", [0, 1, 2])
 def test_a_track_that_is_turned_is_named(folder: Path, track: int) -> None:
     """By half a degree: its first and last segment are longer and shorter by that."""
@@ -199,6 +203,7 @@ def test_a_track_that_is_turned_is_named(folder: Path, track: int) -> None:
     assert error.where.output == name and error.message.startswith(name)
 
 
+@pytest.mark.long
 def test_a_face_at_another_height_is_told(folder: Path) -> None:
     found = failing(
         folder, drum({"track.0.thickness": 5.95, "track.1.height": 5.95, "track.1.thickness": 6.05})
@@ -208,6 +213,7 @@ def test_a_face_at_another_height_is_told(folder: Path) -> None:
     assert level.message == "the flat face at z 6 is 0.05 mm off its height"
 
 
+@pytest.mark.long
 def test_what_a_printer_takes_is_taken_back_before_pins_are_judged(tmp_path: Path) -> None:
     report = build(
         SPEC,

@@ -182,6 +182,7 @@ def test_nothing_overlaps_on_the_turn(keys: dict[str, Any]) -> None:
             assert (first ^ second).volume() < 1e-3, (a, b, math.degrees(angle))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("keys", MACHINES[1:])
 def test_other_machines_build_and_move_as_asked(keys: dict[str, Any], tmp_path: Path) -> None:
     overrides = [f"{path.replace('__', '.')}={value}" for path, value in keys.items()]

@@ -95,6 +95,7 @@ def test_take_up_included_keeps_its_figures(root: Path, tables: dict[str, Any]) 
     assert low >= high
 
 
+@pytest.mark.long
 def test_whole_is_built_judged_and_built_again(
     root: Path, tables: dict[str, Any], tmp_path: Path
 ) -> None:
@@ -120,6 +121,7 @@ def test_whole_is_built_judged_and_built_again(
     assert not check(folder).ok
 
 
+@pytest.mark.long
 def test_machines_in_one_place_meet(root: Path, tables: dict[str, Any], tmp_path: Path) -> None:
     """The sweep of the whole sees host and module."""
     data = include(root, tables, {"spec": "thread-take-up.toml", "at": [0, 0], "z": 0})
@@ -259,6 +261,7 @@ def test_stitch_head_moves_as_the_stitch_asks(root: Path, head: Any) -> None:
     assert np.allclose((needle.place - needle.place[0]).imag, lift, rtol=0, atol=1e-8)
 
 
+@pytest.mark.long
 def test_stitch_head_keeps_each_module_s_figures(root: Path, head: Any) -> None:
     numbers = head.study().numbers
     for name in ("chain-stitch-looper", "thread-take-up"):
@@ -281,6 +284,7 @@ def test_joints_bear_what_the_spec_of_their_machine_says(root: Path, head: Any) 
     assert assembly.limits_of("A").pv == 2 and assembly.limits_of("a joint of none").pv == 2
 
 
+@pytest.mark.long
 def test_clearance_is_judged_where_the_riding_bodies_go(root: Path, tmp_path: Path) -> None:
     """A needle bar that is not where the stitch has it comes nearer to the spreader; too far off fails by its own code."""
     shipped = build(root / "specs" / "stitch-head.toml", tmp_path, frozenset({"dxf"}))

@@ -331,6 +331,7 @@ def test_pressure_angle_and_undercut_are_seen_to_fail() -> None:
 # ---- files -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_files_move_as_asked(built: Callable[..., Path]) -> None:
     folder = built("indexing-cam")
     report = pipeline.check(folder)

@@ -132,6 +132,7 @@ def shifted_hole(file: Path, near: complex, by: float) -> None:
     document.saveas(file)
 
 
+@pytest.mark.long
 def test_four_bar_from_spec_to_verdict(built: Callable[..., Path], tmp_path: Path) -> None:
     folder = built("linkage")
     codes = {
@@ -243,6 +244,7 @@ def slider_crank(theta: np.ndarray) -> np.ndarray:
     return 20 * np.cos(theta) + np.sqrt(60**2 - (20 * np.sin(theta)) ** 2)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("tables", "column", "scale", "motion"),
     [
@@ -275,6 +277,7 @@ def test_slot_and_slide_from_their_files(
         )
 
 
+@pytest.mark.long
 def test_a_rocker_that_is_driven_to_and_fro(root: Path, tmp_path: Path) -> None:
     settings = ["drive.link=rocker", "drive.range_deg=[-2, 25]", "limits.transmission_angle_deg=10"]
     report = build(root / "specs" / "linkage.toml", tmp_path, frozenset({"dxf", "3mf"}), settings)

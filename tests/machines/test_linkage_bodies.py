@@ -174,6 +174,7 @@ def failing(folder: Path) -> set[str]:
     }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("tables", "column", "motion", "within"),
     [
@@ -230,6 +231,7 @@ def test_motion_from_the_files(
 KNOWN = read(Path(__file__).resolve().parents[1] / "reference" / "linkage_specs.toml")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", KNOWN)
 def test_known_linkages_are_built(tmp_path: Path, name: str) -> None:
     kind = (
@@ -259,6 +261,7 @@ def test_jansens_leg_and_peaucelliers_cell_need_few_levels(root: Path) -> None:
     assert max(cell.bodies.layout.given.values()) == 4
 
 
+@pytest.mark.long
 def test_a_geared_five_bar_draws_a_straight_line(tmp_path: Path) -> None:
     rows = curves(made(tmp_path, FIVE_BAR, "3mf"))
     theta = np.radians(rows["theta_deg"])
@@ -413,6 +416,7 @@ def test_a_slot_turned_by_a_fifth_of_a_degree_is_found(tmp_path: Path) -> None:
     assert "MOTION_ERROR" in failing(folder)
 
 
+@pytest.mark.long
 def test_a_wheel_with_turned_teeth_and_a_thin_one_are_found(tmp_path: Path) -> None:
     folder = made(tmp_path, GEARED, "dxf")
     path = folder / "own-gear-crank_to_drum-drum.dxf"
@@ -431,6 +435,7 @@ def test_a_mirrored_cam_is_found(tmp_path: Path) -> None:
     assert {"MOTION_ERROR", "ROUND_TRIP"} <= failing(folder)
 
 
+@pytest.mark.long
 def test_links_that_change_their_levels_in_the_assembly_are_found(tmp_path: Path) -> None:
     folder = made(tmp_path, YOKE, "3mf")
     path = folder / "own-assembly.3mf"

@@ -438,6 +438,7 @@ def test_bad_input_is_told_by_its_key(settings: tuple[str, ...], path: str) -> N
     assert [fault.key for fault in told.value.faults] == [path]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("path", sorted(SPECS.glob("*.toml")), ids=lambda path: path.stem)
 def test_every_starter_bears_what_it_does(path: Path) -> None:
     report: Any = judged(path.stem)

@@ -149,6 +149,7 @@ def assert_alike(
         assert one[2:] == pytest.approx(two[2:], rel=1e-5, abs=2e-5), one[0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("spec", "failing"),
     [
@@ -195,6 +196,7 @@ TURNED = {"inertia_kg_m2": 2e-4, "damping": 0.01, "resistance": 0.1}
 ELASTIC = {"mass_kg": 0.2, "damping": 0.01, "stiffness": 200.0, "polydyne": True}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "spec",
     [
@@ -251,6 +253,7 @@ def test_every_door_gives_the_same_findings(follower: Tables) -> None:
     assert np.max(np.abs(wanted - given)) < 1e-9 * np.max(wanted)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "spec", [disc_spec(FLAT), disc_spec(SLIDE, "groove"), disc_spec(ARM, "conjugate")]
 )

@@ -68,6 +68,7 @@ def write_dxf(path: Path, unit: int = 4, scale: float = 1.0) -> None:
     drawing.saveas(path)
 
 
+@pytest.mark.long
 def test_a_wing_is_built_checked_and_built_again_alike(here: Path) -> None:
     report = camgen.build(spec(), here / "out", only=["dxf", "stl", "3mf"])
     assert report.ok

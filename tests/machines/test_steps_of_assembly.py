@@ -419,16 +419,19 @@ def empty(machine: Mechanism) -> list[Ring]:
 OWN_WORDS = {"uniform-swing", "drum-feeder"}  # steps in words of their own
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", [name for name in MACHINES if name != "uniform-swing"])
 def test_what_a_step_names_is_there(name: str) -> None:
     assert not misnamed(built(name))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", [name for name in MACHINES if name not in OWN_WORDS])
 def test_what_a_step_fixes_is_held(name: str) -> None:
     assert not unfixed(built(name))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", MACHINES)
 def test_no_hole_for_a_pin_is_left_empty(name: str) -> None:
     assert not empty(built(name))
@@ -473,6 +476,7 @@ def misglued(machine: Mechanism) -> list[str]:
     return found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", MACHINES)
 def test_glue_is_said_between_parts_of_one_body_and_none_where_two_bodies_move(name: str) -> None:
     assert not misglued(built(name))

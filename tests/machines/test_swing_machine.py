@@ -86,6 +86,7 @@ def test_what_you_bring_meets_the_holes_of_base_and_frames() -> None:
     assert "stand-rail" not in machine("base.mount='none'").assembly.by_name
 
 
+@pytest.mark.long
 def test_all_parts_of_the_table_are_made_in_their_counts(made: Path) -> None:
     counts = {part.name: part.count for part in machine().assembly.parts}
     assert counts == {
@@ -276,6 +277,7 @@ def test_canvas_is_that_of_constant_speed(made: Path) -> None:
         assert numbers[f"canvas_share_flat_{kind}_percent"] >= 98
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "settings",
     [
@@ -417,6 +419,7 @@ FITS = (
 )
 
 
+@pytest.mark.long
 def test_fits_change_what_is_printed_and_keep_the_motion(made: Path, tmp_path: Path) -> None:
     report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl"}), [*FITS, *COARSE])
     assert [f for f in report.findings if not f.ok] == []
@@ -434,6 +437,7 @@ def test_fits_change_what_is_printed_and_keep_the_motion(made: Path, tmp_path: P
     assert far[0] == pytest.approx((far[1] - 0.06) / 0.996, abs=0.03)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("setting", FITS)
 def test_files_with_fits_judged_without_them_fail(tmp_path: Path, setting: str) -> None:
     assert pipeline.build(
@@ -456,6 +460,7 @@ def lift_off(*settings: str) -> list[bool]:
     return [f.ok for f in machine(*settings).limits() if f.code == "LIFT_OFF"]
 
 
+@pytest.mark.long
 def test_lift_off() -> None:
     force = ("geometry.closure='force'", "nozzle.inertia_kg_m2=0.001")
     assert lift_off(force[1]) == []  # a pair needs no spring
@@ -581,6 +586,7 @@ def test_faults_of_the_new_keys(settings: list[str], path: str) -> None:
     assert path in {fault.key for fault in caught.value.faults}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "setting",
     ["print.profile_compensation=2", "print.elephant_foot=1", "print.hole_compensation=2"],

@@ -400,6 +400,7 @@ def test_parts_fit_their_pins_and_stack() -> None:
     assert top["thread-post-2"] == EXACT(top["thread-post-1"])
 
 
+@pytest.mark.long
 def test_shipped_spec_builds_and_checks(built: Callable[..., Path], tmp_path: Path) -> None:
     folder = Path(shutil.copytree(built("thread-take-up"), tmp_path / "thread-take-up"))
     codes = {
@@ -604,6 +605,7 @@ def _segment(radius: float, depth: float) -> float:
     return radius**2 * (half - math.sin(half) * math.cos(half))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("play, limit", [(0.2, 7.0), (1.0, 7.0), (1.0, 25.0)])
 def test_lash_is_judged_by_the_designers_limit(play: float, limit: float, tmp_path: Path) -> None:
     """The source bears 7 mm of excess thread; play of 1 mm in each joint moves the feed by 20.87 mm, of 82 mm."""

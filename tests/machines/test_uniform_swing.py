@@ -268,6 +268,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "bench"))
 from bench_hard_cases import USUAL, outcome  # noqa: E402
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("changes", "ends"),
     [

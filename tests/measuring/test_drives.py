@@ -98,6 +98,7 @@ def test_an_error_above_the_tolerance_fails_and_names_the_place(gears: Path) -> 
     assert "TRANSMISSION_ERROR" in text and "of the driver's outline" in text
 
 
+@pytest.mark.long
 def test_a_flank_that_is_off_by_20_um_is_seen_at_its_tooth(gears: Path) -> None:
     """Tooth 7 of the wheel, its falling flank thinner: only the bound that it makes changes, while it is in mesh."""
     ring = Wheel(2, 30).ring()
@@ -287,6 +288,7 @@ def pawl_locks(edge: Ring) -> tuple[list[Jump], list[Lock]]:
     return drops, list(locks(driven.motion, drops, "high"))
 
 
+@pytest.mark.long
 def test_a_pawl_locks_where_its_end_lies_in_the_root() -> None:
     """By the triangle of both pivots and the middle of the end in the root, between face and back."""
     drops, found = pawl_locks(edge_of(WHEEL))
@@ -304,6 +306,7 @@ def test_a_pawl_locks_where_its_end_lies_in_the_root() -> None:
     assert pawl.draw > 0
 
 
+@pytest.mark.long
 def test_a_tooth_that_throws_the_pawl_out_loses_a_whole_tooth() -> None:
     """Of one tooth the root lies before the tip, so that its face is a ramp down which the pawl slides."""
     edge = edge_of(WHEEL)
@@ -317,6 +320,7 @@ def test_a_tooth_that_throws_the_pawl_out_loses_a_whole_tooth() -> None:
     assert max(ways_back(drops, found)) == pytest.approx(sound + WHEEL.pitch, abs=1e-6)
 
 
+@pytest.mark.long
 def test_what_holds_is_told(tmp_path: Path) -> None:
     pinion = write(tmp_path / "wheel.dxf", edge_of(WHEEL))
     end = write(tmp_path / "pawl.dxf", Ring(np.array([ARM - END, ARM + END], complex), np.ones(2)))
@@ -331,6 +335,7 @@ def test_what_holds_is_told(tmp_path: Path) -> None:
     assert "up to a friction of 0.470" in result.output
 
 
+@pytest.mark.long
 def test_a_rack_that_ends_within_a_turn_jumps_without_a_spring(gears: Path) -> None:
     """Three trapezoids of the basic rack: the pinion's next tooth finds none of them."""
     slope = math.tan(math.radians(20))

@@ -166,6 +166,7 @@ def test_there_are_thirty() -> None:
     assert len(SOUND) == 30
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", SOUND)
 def test_sound_pairs_are_no_false_alarm(name: str) -> None:
     assert SOUND[name]().error() < LEAST

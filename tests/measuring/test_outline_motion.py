@@ -712,6 +712,7 @@ def great_arcs(space: Any) -> None:
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "draw, said",
     [
@@ -739,6 +740,7 @@ def test_what_a_small_file_stands_for_is_counted_first(
     assert time.process_time() - start < 30 and peak < 3e8
 
 
+@pytest.mark.long
 def test_loose_lines_and_holes_by_the_thousand_are_read(tmp_path: Path) -> None:
     """2,500 free lines took a table of all ends against all others, 2,000 holes were compared with one another."""
 

@@ -169,6 +169,7 @@ def meetings(shapes: list[Any], others: list[Any]) -> list[tuple[int, int]]:
     return [*zip(*found.tolist(), strict=True)]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("spec", SHIPPED, ids=lambda path: path.stem)
 def test_no_label_of_a_shipped_drawing_lies_on_another_or_on_an_edge(
     spec: Path, tmp_path: Path

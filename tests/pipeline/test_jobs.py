@@ -74,6 +74,7 @@ def test_a_case_is_reopened_from_its_folder(tmp_path: Path) -> None:
     assert again.file("cam", "dxf") == tmp_path / "uniform-swing-cam.dxf"
 
 
+@pytest.mark.long
 def test_several_cores_say_the_same(tmp_path: Path) -> None:
     """A build and a check of its files; whether a build on one core says it too: `SHARED_OUT`, whose reports are compared."""
     told: list[float] = []
@@ -131,6 +132,7 @@ def test_all_of_the_gallery_is_made() -> None:
     }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name, changes", MADE)
 def test_all_of_a_spec_is_judged(
     built: Callable[..., Path], name: str, changes: tuple[str, ...]
@@ -146,6 +148,7 @@ def test_all_of_a_spec_is_judged(
 SHARED_OUT = [(*AUTOMATON, 2), (*BEAK, 4), (*SHEET, 4), (*ALONE, 2)]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name, changes, jobs", SHARED_OUT)
 def test_same_bytes_with_several_cores(
     built: Callable[..., Path], tmp_path: Path, name: str, changes: tuple[str, ...], jobs: int
@@ -191,6 +194,7 @@ with Workers(int(sys.argv[3])) as workers:
 """
 
 
+@pytest.mark.long
 def test_same_parts_with_several_cores(tmp_path: Path) -> None:
     made = []
     for jobs in (1, 4):
@@ -239,6 +243,7 @@ def numbers(path: Path) -> bytes:
     return data
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name, changes", MADE)
 def test_no_file_has_minus_zero(
     built: Callable[..., Path], name: str, changes: tuple[str, ...]
@@ -327,6 +332,7 @@ STAGES = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("only", ["dxf", "stl", "3mf", "report"])
 def test_no_stage_runs_that_no_output_asks_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, only: str

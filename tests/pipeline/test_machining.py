@@ -335,6 +335,7 @@ def cells(path):
     return head, table
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("column", COLUMNS)
 def test_a_column_of_a_profile_that_is_off_is_told(case, column):
     more, where = COLUMNS[column]
@@ -346,6 +347,7 @@ def test_a_column_of_a_profile_that_is_off_is_told(case, column):
         assert any(each.startswith(where) for each in failing(case, path, head, table)), path.name
 
 
+@pytest.mark.long
 @settings(max_examples=6)
 @given(data=st.data())
 def test_one_cell_that_is_off_is_told(case, data):
@@ -362,6 +364,7 @@ def test_one_cell_that_is_off_is_told(case, data):
         assert failing(case, path, head, table)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "change",
     [lambda t: t[1:], lambda t: [*t, t[0]], lambda t: t[::-1], lambda t: [t[1], t[0], *t[2:]]],
@@ -384,6 +387,7 @@ PIECES = {
 }
 
 
+@pytest.mark.long
 @settings(max_examples=10)
 @given(data=st.data())
 def test_one_cell_of_a_path_that_is_off_is_told(case, data):
@@ -406,6 +410,7 @@ def test_one_cell_of_a_path_that_is_off_is_told(case, data):
             assert "piece" in failing(case, path, head, table)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("cell", ["nan", "inf", "1e999", "x", ""])
 def test_a_cell_that_is_no_number_is_refused(case, cell):
     for path in (*case.folder.glob("*-profile.csv"), *case.folder.glob("*-path.csv")):
@@ -435,6 +440,7 @@ def test_a_path_in_inches_or_with_a_second_line_is_told(made, tmp_path):
     assert all(f.ok for f in machining.judge_tables(case))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "more",
     [
@@ -492,6 +498,7 @@ cutter_radius = 2
 """
 
 
+@pytest.mark.long
 def test_a_cam_on_a_crank_that_is_drawn_at_any_angle_has_the_same_table(tmp_path):
     """Its part's frame is the cam's own, wherever the crank's points are; the cam of one drawn upwards had none."""
     found = []

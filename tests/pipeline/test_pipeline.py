@@ -118,6 +118,7 @@ def test_motion_csv_holds_wanted_and_recovered(made: Path) -> None:
         assert np.abs(rows[f"swing_deg_{kind}"] - wanted)[away].max() < 1.73e-3
 
 
+@pytest.mark.long
 def test_same_spec_same_bytes_in_another_process_and_from_the_resolved_spec(
     made: Path, tmp_path: Path
 ) -> None:
@@ -192,6 +193,7 @@ def test_every_machine_has_steps_of_assembly_for_all_that_stands_in_it(name: str
     assert {copy for step in steps.steps for copy in step.copies} <= {*every}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("only", ["dxf", "stl", "3mf", "report"])
 def test_only_what_is_asked_for_is_written(tmp_path: Path, only: str) -> None:
     assert pipeline.build(SPEC, tmp_path, frozenset({only}), CAMS).ok
@@ -204,6 +206,7 @@ def test_only_what_is_asked_for_is_written(tmp_path: Path, only: str) -> None:
     assert pipeline.check(tmp_path / "uniform-swing").ok
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "settings",
     [
@@ -221,6 +224,7 @@ def test_other_specs_move_as_asked_too(tmp_path: Path, settings: list[str]) -> N
     assert [f for f in report.findings if not f.ok] == []
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("scale", [0.01, 100])
 def test_any_size(tmp_path: Path, scale: float) -> None:
     """The same machine in other units: all lengths scaled, tolerance too."""
@@ -246,6 +250,7 @@ def test_any_size(tmp_path: Path, scale: float) -> None:
     assert [f for f in report.findings if not f.ok] == []
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", gallery.FRAMES)
 def test_the_pictures_in_the_readme_are_of_today(name: str) -> None:
     assert gallery.alike(gallery.path(name).read_text(encoding="utf-8"), gallery.picture(name))

@@ -72,12 +72,14 @@ def failing(folder: Path) -> set[str]:
         return {"FileError"}
 
 
+@pytest.mark.long
 def test_a_sound_folder_is_as_it_is_made_anew(folder: Path) -> None:
     report = judged(folder)
     (anew,) = [finding for finding in report.findings if finding.code == "REBUILD"]
     assert report.ok and not report.not_judged and not report.remarks and "14 files" in anew.message
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kinds", ["dxf", "report", "stl,3mf,report", "step"])
 def test_a_smaller_build_is_as_it_is_made_anew(kinds: str, tmp_path: Path) -> None:
     settings = ("geometry.closure='conjugate'", "output.profile_step_deg=5")
@@ -96,6 +98,7 @@ def names(folder: Path) -> Iterator[str]:
     )
 
 
+@pytest.mark.long
 def test_every_file_that_is_lost_is_told(sound: Path, folder: Path) -> None:
     """Of each file, by itself, with a manifest that does not list it."""
     quiet = []
@@ -253,6 +256,7 @@ KINDS: dict[str, tuple[str, str]] = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", KINDS)
 def test_one_digit_of_a_text_is_told(folder: Path, name: str) -> None:
     file, code = KINDS[name]
@@ -263,6 +267,7 @@ def test_one_digit_of_a_text_is_told(folder: Path, name: str) -> None:
     assert found and (code in found or "FileError" in found or not code)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "file, damage, code",
     [
@@ -301,6 +306,7 @@ def test_a_damage_is_told(folder: Path, file: str, damage: Damage, code: str) ->
     assert code in found if code else found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "file, edit, codes",
     [
@@ -328,6 +334,7 @@ def test_a_package_that_is_damaged_is_told(folder: Path, file: str) -> None:
     assert failing(folder)
 
 
+@pytest.mark.long
 def test_a_plate_that_is_damaged_or_lost_and_the_chain_of_a_linkage_are_told(
     tmp_path: Path,
 ) -> None:

@@ -273,6 +273,7 @@ def test_a_killed_worker_costs_nothing(tmp_path: Path, monkeypatch: pytest.Monke
         sweep(asked, tmp_path / "u.csv", Processes(2), 2)
 
 
+@pytest.mark.long
 def test_a_cluster_writes_the_same_and_bears_a_killed_worker(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -444,6 +445,7 @@ LINES += [
 ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("line", LINES, ids=range(len(LINES)))
 @pytest.mark.parametrize("signed", [False, True])
 def test_a_line_that_is_no_row_of_this_sweep_is_told_and_passed_over(
@@ -526,6 +528,7 @@ def test_the_page_runs_nothing_but_its_own_script() -> None:
     assert not re.search(r"innerHTML|outerHTML|insertAdjacent|document\.write|eval\(", pages[1])
 
 
+@pytest.mark.long
 def test_two_runs_do_not_write_one_table(tmp_path: Path) -> None:
     """Locks hold between processes."""
     code = "import sys; from camgen.cli import main; main(sys.argv[1:])"
@@ -576,6 +579,7 @@ ARM = "geometry.follower.motion='oscillating'"
 WIDE = ("parts.hub_height=0", "limits.lash=3", "limits.pressure_angle_deg=60")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "settings, vary, fails",
     [

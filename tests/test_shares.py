@@ -1,0 +1,42 @@
+"""Shares of the long tests, which `.ci/run` takes one of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import conftest
+
+
+@dataclass(frozen=True)
+class _Test:
+    nodeid: str
+    long: bool
+
+    def get_closest_marker(self, name: str) -> bool:
+        assert name == "long"
+        return self.long
+
+
+def _kept(tests: list[_Test], share: str | None) -> list[Any]:
+    left: list[_Test] = []
+    hook = SimpleNamespace(pytest_deselected=lambda items: left.extend(items))
+    config: Any = SimpleNamespace(getoption=lambda name: share, hook=hook)
+    kept: Any = list(tests)
+    conftest.pytest_collection_modifyitems(config, kept)
+    assert sorted(each.nodeid for each in [*kept, *left]) == [each.nodeid for each in tests]
+    return list(kept)
+
+
+def test_five_shares_hold_each_long_test_once_and_each_short_one_always() -> None:
+    tests = [_Test(f"tests/test_{k:03}.py::test", k % 3 == 0) for k in range(300)]
+    shares = [_kept(tests, f"{k}/5") for k in range(5)]
+    for test in tests:
+        assert sum(test in share for share in shares) == (1 if test.long else 5)
+    assert all(10 < sum(test.long for test in share) < 30 for share in shares)
+
+
+def test_without_a_share_all_are_kept() -> None:
+    tests = [_Test("a", True), _Test("b", False)]
+    assert _kept(tests, None) == tests
