@@ -226,7 +226,16 @@ class FileError(CamgenError):
     def __init__(self, path: object, reason: str) -> None:
         self.path = str(path)
         self.reason = reason
+        self.key: Key = ()  # of the spec that names the file, where one does
         super().__init__(f"{path}: {reason}")
+
+    def named_by(self, key: Key, line: int | None = None) -> FileError:
+        """The same, with the key of the spec that names the file, and its line there."""
+        place = dotted(key) if line is None else f"line {line}: {dotted(key)}"
+        error = FileError(self.path, self.reason)
+        error.key = key
+        error.args = (f"{self.path}: {self.reason} ({place} names it)",)
+        return error
 
 
 def explained(error: CamgenError | OSError) -> CamgenError:

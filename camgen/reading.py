@@ -38,6 +38,8 @@ _HEADER = re.compile(
     r"""(?m)^[ \t]*\[(?:"(?:[^"\\\n]|\\.)*"|'[^'\n]*'|[^,=\n"'])*\][ \t\r]*(?:#|$)"""
 )
 
+_WIDE = re.compile(rb"\xff\xfe|\xfe\xff|[\s!-~]\0|\0[\s!-~]")  # how UTF-16 begins
+
 
 def read(path: Path) -> Data:
     """Tables of a TOML file.
@@ -52,6 +54,9 @@ def read(path: Path) -> Data:
             said = f"cannot be read: there is no such file; did you mean {meant}?"
             raise FileError(path, said) from None
         raise
+    if _WIDE.match(raw):
+        right = "UTF-8: save it with that encoding"
+        raise SpecError([Fault((), "the file is UTF-16", right, source=_place(""))], str(path))
     try:
         text = raw.decode("utf-8-sig")
         if large := too_large(*counted(text)):
@@ -334,7 +339,8 @@ def _syntax_fault(text: str, error: Exception) -> Fault:
 
 
 _COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)\s*(?:#.*)?$")
-_UNQUOTED = re.compile(r"=\s*([A-Za-z][\w .-]*?)\s*(?:#.*)?$")
+# text without quotes, or with one at its beginning or end alone
+_UNQUOTED = re.compile(r"""=\s*(?:["'](?=[^"'#]*(?:#|$)))?([A-Za-z][\w .-]*?)["']?\s*(?:#.*)?$""")
 _WITH_UNIT = re.compile(r"=\s*([+-]?[\d.]+)\s*([a-zA-Z°]+)\s*(?:#.*)?$")
 _ROUND = re.compile(r"=\s*\(([^()]*)\)")
 _CURLY = re.compile("[\u201c\u201d\u201e\u2018\u2019]")

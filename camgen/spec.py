@@ -560,6 +560,11 @@ S = TypeVar("S", bound=Checked)
 # ---- checking --------------------------------------------------------------------------------------------------------
 
 
+_OTHER_BEGINNING = (
+    0.75  # likeness of names that do not begin alike, where one may stand for the other
+)
+
+
 def unknown(path: Key, value: object, known: Iterable[str], kind: str = "") -> Fault:
     """Fault for a value that is none of the known names, with those that it may mean; kind: of the value, unless its key says it."""
     names = sorted(known)
@@ -571,8 +576,30 @@ def unknown(path: Key, value: object, known: Iterable[str], kind: str = "") -> F
     if new := example(kind, value):
         return Fault(path, given, f"'linkage': camgen new {new} FILE writes such a one")
     texts = [each for each in names if isinstance(each, str)]  # a literal may be a number
-    nearest = meant or (get_close_matches(value, texts, 1) if isinstance(value, str) else ())
+    nearest = meant or (_alike(value, texts) if isinstance(value, str) else ())
     return Fault(path, given, one_of(names), nearest[0] if nearest else None)
+
+
+_SIZED = re.compile(r"([A-Za-z-]+)(\d+)")  # a name of a catalogue, such as KR16
+
+
+def _alike(value: str, names: Sequence[str]) -> Sequence[str]:
+    """The name that a person may have meant: of a catalogue's the one with the nearest number, else the nearest in spelling.
+
+    A name that begins otherwise has to be nearer: "rolling" does not mean oscillating.
+    """
+    sized = _SIZED.fullmatch(value)
+    if sized is not None:
+        sizes = {
+            name: abs(int(each[2]) - int(sized[2]))
+            for name in names
+            if (each := _SIZED.fullmatch(name)) and each[1].lower() == sized[1].lower()
+        }
+        if sizes:
+            return [min(sizes, key=lambda name: sizes[name])]
+    near = get_close_matches(value, names, 1)
+    same = near and near[0][:1].lower() == value[:1].lower()
+    return near if same else get_close_matches(value, names, 1, _OTHER_BEGINNING)
 
 
 def choose(data: Data, known: Collection[str], source: str = "spec") -> str:
@@ -734,7 +761,8 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
     found: dict[Key, Fault] = {}
     for item in error.errors(include_url=False):
         key = item["loc"][-1:] == ("[key]",)  # of a table whose keys are names
-        path, node, table = _locate(item["loc"][: -1 if key else None], data, root)
+        loc = _whole(item["loc"][: -1 if key else None], data, root)
+        path, node, table = _locate(loc, data, root)
         expected = in_words(node, root)
         nearest = None
         keys = list(keys_of(table, root))
@@ -766,6 +794,7 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
                 else []
             )
             close = get_close_matches(str(path[-1]), map(str, extra), 1)
+            expected = _needed(node, root) or expected
             expected = f"missing: {expected}" + (f" ('{close[0]}' is no key)" if close else "")
         elif (
             item["type"] not in get_args(ErrorType) or node is None
@@ -797,6 +826,19 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
             Fault(tuple(path), given, expected, nearest, "" if path else "spec", no_such),
         )
     return list(found.values())
+
+
+def _needed(node: Data | None, root: Data) -> str:
+    """What a table has to have, of which other keys may be left out; "" of all else."""
+    for member in members_of(node or {}, root):
+        needed = member.get("required", ())
+        if (
+            needed
+            and "form" not in {**(node or {}), **member}
+            and len(needed) < len(member.get("properties", ()))
+        ):
+            return f"a table with {' and '.join(needed)}; other keys may be left out"
+    return ""
 
 
 def _in_another(path: Sequence[str | int], root: Data) -> list[str]:
@@ -870,6 +912,15 @@ def _meant(path: Sequence[str | int], value: object, node: Data) -> str:
         foreign = any(written in sizes for _, sizes in _UNITS.values())
         return f"a number without a unit; {words}" if foreign else ""
     return f"a number without a unit; {words}: write {float(number) * size:.6g}"
+
+
+def _whole(loc: tuple[int | str, ...], data: Data, root: Data) -> tuple[int | str, ...]:
+    """Where an error is told: at the value itself, or at the one round it whose parts say too little, `whole` in the schema."""
+    for k in range(1, len(loc)):
+        node = _locate(loc[:k], data, root)[1]
+        if node is not None and node.get("whole"):
+            return loc[:k]
+    return loc
 
 
 def _locate(

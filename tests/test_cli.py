@@ -260,6 +260,8 @@ def test_wrong_command_is_2(run: Run, arguments: tuple[str, ...]) -> None:
 
 def test_nearest_mechanism_is_named(run: Run) -> None:
     assert "did you mean 'uniform-swing'?" in run("new", "uniform-swin")[2]
+    code, _, err = run("new", "out.toml", "bird-drum")
+    assert code == 2 and "first the mechanism, then the file: camgen new bird-drum out.toml" in err
 
 
 # ---- JSON ------------------------------------------------------------------------------------------------------------
@@ -423,6 +425,7 @@ def test_new_prints_and_writes_the_starter(
     text = f"#:schema ./{mechanism}.schema.json\n" + (
         root / "specs" / f"{mechanism}.toml"
     ).read_text(encoding="utf-8")
+    assert run("new", mechanism, "-") == run("new", mechanism)
     assert run("new", mechanism) == (
         0,
         text,

@@ -218,7 +218,7 @@ def test_name_that_is_one(name: str) -> None:
         (b"a = 1\na = 2\n\n\n", "line 2, column 6", "stands in line 1 too"),
         (b'a = 1\nb = "\xff"', "line 2, column 6", "UTF-8"),
         (b"\x00\x01", "line 1, column 1", "Invalid"),
-        (b'a = "x\ny"', "line 1, column 7", "character"),
+        (b'a = "x\ny"', "line 1, column 7", 'quotes round text: "x"'),
         (b"hello, world", "line 1, column 6", "="),
     ],
 )
@@ -390,8 +390,8 @@ def test_faults_of_a_file_tell_their_lines_in_order(tmp_path: Path) -> None:
     "content, says",
     [
         ('mechanism = "disc-cam"\nname = "ä"'.encode("latin-1"), "line 2, column 9: byte 0xe4"),
-        ('mechanism = "disc-cam"'.encode("utf-16-le"), "valid TOML"),
-        (b"\xff\xfea\x00", "line 1, column 1: byte 0xff"),
+        ('mechanism = "disc-cam"'.encode("utf-16-le"), "line 1, column 1: the file is UTF-16"),
+        (b"\xff\xfea\x00", "line 1, column 1: the file is UTF-16"),
         (b"a = " + b"9" * 5000 + b"\nb c = 1", "4300 digits"),
         (b"a = " + b"[" * 5000 + b"]" * 5000 + b"\nb c = 1", "32 deep"),
     ],
@@ -878,3 +878,82 @@ def test_a_console_completes_keys_and_not_the_names_of_pydantic():
     names = dir(read_mechanism(TOP / "specs/disc-cam.toml"))
     assert {"geometry", "replace", "solve"} <= {*names}
     assert not {"model_dump", "parse_obj", "json"} & {*names}
+
+
+# ---- words that were meant otherwise, and files -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("value", "names", "nearest"),
+    [
+        ("KR20", ("KR16", "KR19", "KR22", "KR52"), "KR19"),
+        ("kr50", ("KR16", "KR19", "KR22", "KR52"), "KR52"),
+        ("rolling", ("translating", "oscillating"), None),
+        ("oscilating", ("translating", "oscillating"), "oscillating"),
+        ("ranslating", ("translating", "oscillating"), "translating"),
+    ],
+)
+def test_a_guess_is_near_by_number_too_and_not_far_in_spelling(
+    value: str, names: tuple[str, ...], nearest: str | None
+) -> None:
+    assert unknown(("x",), value, names).nearest == nearest
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (('name = "disc-cam"', 'name = "disc-cam'), 'quotes round text: "disc-cam"'),
+        (('name = "disc-cam"', 'name = disc-cam"'), 'quotes round text: "disc-cam"'),
+        (('motion = "translating"', "motion = 'translating"), 'quotes round text: "translating"'),
+    ],
+)
+def test_a_lost_quote_is_told_with_its_line(
+    tmp_path: Path, root: Path, change: tuple[str, str], said: str
+) -> None:
+    text = (root / "specs" / "disc-cam.toml").read_text(encoding="utf-8")
+    assert text.count(change[0]) == 1
+    line = text[: text.index(change[0])].count("\n") + 1
+    spec = tmp_path / "lost.toml"
+    spec.write_text(text.replace(*change), encoding="utf-8")
+    with pytest.raises(SpecError, match=rf"line {line}, column \d+: .*{re.escape(said)}"):
+        read_mechanism(spec)
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be"])
+def test_a_file_in_utf_16_is_told_how_to_save_it(tmp_path: Path, encoding: str) -> None:
+    spec = tmp_path / "wide.toml"
+    mark = "\ufeff" if encoding == "utf-16-be" else ""
+    spec.write_bytes((mark + 'name = "x"').encode(encoding))
+    with pytest.raises(SpecError, match="the file is UTF-16 - expected UTF-8: save it"):
+        read_mechanism(spec)
+
+
+def test_a_file_that_is_missing_is_told_with_the_key_and_line_that_name_it(
+    tmp_path: Path, root: Path
+) -> None:
+    text = (root / "specs" / "linkage.toml").read_text(encoding="utf-8")
+    spec = tmp_path / "own.toml"
+    spec.write_text(text + '\n[parts.coupler]\noutline = "wing.svg"\n', encoding="utf-8")
+    last = len(spec.read_text(encoding="utf-8").splitlines())
+    with pytest.raises(FileError) as caught:
+        read_mechanism(spec)
+    assert str(caught.value).startswith(f"{tmp_path / 'wing.svg'}: cannot be read")
+    assert str(caught.value).endswith(f"(line {last}: parts.coupler.outline names it)")
+
+
+def test_a_table_that_is_missing_is_told_by_what_it_needs(root: Path) -> None:
+    data = read(root / "specs" / "disc-cam.toml")
+    del data["geometry"]["follower"]
+    with pytest.raises(SpecError) as caught:
+        read_mechanism(data)
+    assert "geometry.follower - missing: a table with motion and shape; other keys" in str(
+        caught.value
+    )
+
+
+def test_a_drawing_that_is_none_is_one_fault() -> None:
+    data = {"mechanism": "linkage", "name": "x", "wanted": {"drawing": [[[0, 0]]]}}
+    with pytest.raises(SpecError) as caught:
+        camgen.design(data)
+    (fault,) = caught.value.faults
+    assert fault.path == ("wanted", "drawing") and "[[x, y], [x, y], ...]" in fault.expected

@@ -38,6 +38,11 @@ def new(mechanism: str | None, file: Path | None, short: bool, source: Path | No
     if mechanism is None:
         mechanism, file = _asked()
     mechanism = "linkage" if mechanism == "machine" and source is not None else mechanism
+    if mechanism not in specs_known() and file is not None and str(file) in specs_known():
+        right = f"first the mechanism, then the file: camgen new {file} {mechanism}"
+        raise SpecError([Fault(("MECHANISM",), repr(mechanism), right)], "command line")
+    if str(file) == "-":  # as other programs print
+        file = None
     kind = starters.kind(known("MECHANISM", mechanism, specs_known(), "camgen list"))
     if source is None:
         text = starters.short(mechanism) if short else starters.text(mechanism)

@@ -141,7 +141,11 @@ class DrawingWish(Wish):
 
     drawing: str | tuple[Corner, ...] | tuple[OneLine, ...] = Field(
         description="an SVG or DXF, a CSV of points, or [x, y] of the corners of one line in order, mm, or a list of such lines; of "
-        "several a third cam lifts the pen between them, one open line is drawn there and back"
+        "several a third cam lifts the pen between them, one open line is drawn there and back",
+        json_schema_extra={
+            "form": "a file, or the corners of one line, [[x, y], [x, y], ...], two at least, or a list of such lines",
+            "whole": True,
+        },
     )
     tolerance: Annotated[float, Field(ge=0.01, le=5)] = Field(
         0.1, description="mm, how far the pen may be off the line, either way"

@@ -15,7 +15,7 @@ from typing import Any
 from camgen import reading
 from camgen import spec as specs
 from camgen.bounds import read_bytes
-from camgen.errors import CamgenError, DesignError, Fault, SpecError, dotted
+from camgen.errors import CamgenError, DesignError, Fault, FileError, Key, SpecError, dotted
 from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism, made
 from camgen.machines.spec_files import with_tables
@@ -41,11 +41,20 @@ def read_mechanism(spec: Source, overrides: Sequence[str] = ()) -> Mechanism:
         if error.source != str(spec):
             raise
         raise _located(error, Path(spec), overrides) from None
+    except FileError as error:
+        if not error.key:
+            raise
+        raise error.named_by(error.key, _lines(Path(spec)).get(error.key)) from None
+
+
+def _lines(spec: Path) -> Mapping[Key, int]:
+    """The line of each key of a spec's file."""
+    return reading.lines(read_bytes(spec, reading.SPEC_FILE).decode("utf-8-sig"))
 
 
 def _located(error: SpecError, spec: Path, overrides: Sequence[str]) -> SpecError:
     """The error with the line of each fault, in their order; keys that were set anew have none."""
-    lines = reading.lines(read_bytes(spec, reading.SPEC_FILE).decode("utf-8-sig"))
+    lines = _lines(spec)
     anew = [split_setting(setting)[0] for setting in overrides]
 
     def located(fault: Fault) -> Fault:

@@ -16,7 +16,7 @@ from camgen.geometry.chains import Chain, joined, nearest_gap
 from camgen.geometry.distances import inside
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.motion.tables import load_table, read_points, read_table
-from camgen.reading import Data, references, too_large
+from camgen.reading import Data, Reference, references, too_large
 
 _READ = ("law", "load", "outline", "line")
 _DRAWING = Bound("a drawing of a link's outline", 10_000_000)
@@ -41,36 +41,42 @@ def with_tables(data: Data, folder: Path, source: str = "spec") -> Data:
     values = 0
     for each in [each for each in references(data) if each.kind in _READ]:
         try:
-            file = each.file(folder)
+            values += _filled(each, folder)
         except SpecError as error:
             faults += error.faults
             continue
-        table = each.table
-        if each.kind == "outline":
-            table["drawn_in"] = table.pop("outline")
-            table["contours"] = contours_of(file, each.path)
-            values += 4 * sum(map(len, table["contours"]))
-            continue
-        if each.kind == "line":
-            table["drawn_in"] = table["line"]
-            places = line_of(file)
-            table["line"] = [[round(z.real, 9), round(z.imag, 9)] for z in places.tolist()]
-            values += 3 * len(table["line"])
-            continue
-        name = each.table.pop(str(each.path[-1]))
-        if each.kind == "law":
-            table["points"] = [list(point) for point in read_points(file)]
-        else:
-            table["points"], unit = load_table(file)
-            if unit is not None:
-                table.setdefault("unit", unit)
-        table.setdefault("source", name)
-        values += 3 * len(table["points"])  # the pair, and its two numbers
+        except FileError as error:
+            raise error.named_by(each.path) from None
         if large := too_large(0, values):
             raise SpecError([*faults, *large], source)
     if faults:
         raise SpecError(faults, source)
     return data
+
+
+def _filled(reference: Reference, folder: Path) -> int:
+    """Put what a file holds in its key's place; how many values that is, at least."""
+    file = reference.file(folder)
+    table = reference.table
+    if reference.kind == "outline":
+        contours = contours_of(file, reference.path)
+        table["drawn_in"] = table.pop("outline")
+        table["contours"] = contours
+        return 4 * sum(map(len, contours))
+    if reference.kind == "line":
+        places = line_of(file)
+        table["drawn_in"] = table["line"]
+        table["line"] = [[round(z.real, 9), round(z.imag, 9)] for z in places.tolist()]
+        return 3 * len(table["line"])
+    name = table.pop(str(reference.path[-1]))
+    if reference.kind == "law":
+        table["points"] = [list(point) for point in read_points(file)]
+    else:
+        table["points"], unit = load_table(file)
+        if unit is not None:
+            table.setdefault("unit", unit)
+    table.setdefault("source", name)
+    return 3 * len(table["points"])  # the pair, and its two numbers
 
 
 def contours_of(path: Path, key: Key) -> list[list[list[float]]]:
