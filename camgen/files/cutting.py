@@ -137,8 +137,17 @@ _SHOWN = 60  # characters of a line that is not understood
 class Layer:
     """What one tool of the laser follows."""
 
-    rings: list[Ring]  # y upwards, mm
-    titles: list[str]  # of the groups in which they stand
+    pieces: list[tuple[str, list[Ring]]]  # titles of groups, and what stands in each, y upwards, mm
+
+    @property
+    def rings(self) -> list[Ring]:
+        """All of them."""
+        return [ring for _, rings in self.pieces for ring in rings]
+
+    @property
+    def titles(self) -> list[str]:
+        """Of the groups."""
+        return [title for title, _ in self.pieces]
 
 
 def read_svg(path: Path) -> tuple[tuple[float, float], dict[str, Layer]]:
@@ -153,6 +162,35 @@ def read_svg(path: Path) -> tuple[tuple[float, float], dict[str, Layer]]:
         raise FileError(path, error.strerror or str(error)) from None
     except ValueError as error:
         raise FileError(path, f"not a sheet in SVG as camgen writes it: {error}") from None
+
+
+@dataclass(frozen=True)
+class SheetPicture:
+    """A sheet as a person sees it: its file's name, width and height, the lines of its groups, what is cut out of it, and how far.
+
+    parts: name, lower left corner, width and height of each, mm, y upwards; as the beam goes, which is half the kerf outside.
+    """
+
+    file: str
+    size: tuple[float, float]
+    groups: str
+    parts: Sequence[tuple[str, complex, float, float]]
+    cut: float  # mm
+
+
+def sheet_picture(path: Path) -> SheetPicture:
+    """The picture of a sheet in SVG, read as `read_svg` does; FileError as there."""
+    size, layers = read_svg(path)
+    _, *lines = path.read_text(encoding="utf-8").splitlines()
+    pieces = layers[CUT_LAYER].pieces if CUT_LAYER in layers else []
+    parts = []
+    for name, rings in pieces:
+        boxes = np.array([ring.box for ring in rings])
+        left, low = boxes[:, :2].min(axis=0)
+        right, high = boxes[:, 2:].max(axis=0)
+        parts.append((name, complex(left, low), float(right - left), float(high - low)))
+    length = sum(float(ring.length) for _, rings in pieces for ring in rings)
+    return SheetPicture(path.name, size, "\n".join(lines[:-1]), parts, length)
 
 
 class _Lines:
@@ -198,12 +236,14 @@ class _Lines:
 
     def layer(self, height: float) -> Layer:
         """A layer's pieces."""
-        layer = Layer([], [])
+        pieces = list[tuple[str, list[Ring]]]()
         while not self.take("</g>"):
-            layer.titles.append(unescape(self.need(_PIECE, "a piece with its title")[1]))
+            title = unescape(self.need(_PIECE, "a piece with its title")[1])
+            rings = list[Ring]()
             while not self.take("</g>"):
-                layer.rings.append(self.ring(height))
-        return layer
+                rings.append(self.ring(height))
+            pieces.append((title, rings))
+        return Layer(pieces)
 
     def ring(self, height: float) -> Ring:
         """A contour."""

@@ -6,9 +6,12 @@ All of it follows from spec.toml and the parts' files, so that it can be made ag
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from camgen.errors import FileError
+from camgen.files.cutting import SheetPicture, sheet_picture
 from camgen.files.formats import RENDERED, SOLID
 from camgen.geometry.outlines import Floats
 from camgen.pipeline.case import Case
@@ -45,6 +48,15 @@ def scene_of(case: Case, kinds: Collection[str]) -> Scene | None:
         for path in plates_of(case)
     ]
     return scene(case.mechanism, plates)
+
+
+def _sheets(case: Case) -> list[SheetPicture]:
+    """The sheets for a laser that are there, as pictures; what cannot be read is a finding elsewhere."""
+    pictures = []
+    for path in case.files("sheet-[0-9]*.svg") if case.mechanism.laser is not None else ():
+        with suppress(FileError):
+            pictures.append(sheet_picture(path))
+    return pictures
 
 
 def draw_part(case: Case, name: str, folder: Path) -> None:
@@ -97,6 +109,7 @@ def write_report(summary: Summary, case: Case, folder: Path) -> None:
             scene=summary.scene,
             why_flat="" if summary.scene else _WITHOUT_SOLIDS,
             places=case.places,
+            sheets=_sheets(case),
         )
         write_html(folder / "report.html", report)
     if "plots" in summary.kinds:

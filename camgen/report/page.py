@@ -69,6 +69,7 @@ def to_html(report: Report) -> str:
         plots=_section("Curves", _plots(report.plots)),
         parts=_section("Parts", _parts(report))
         + _section("Plates, ready to print", _plates(report), "plates")
+        + _section("Sheets, as they are cut", _sheets(report), "sheets")
         + _section(scene.work if scene else "", _steps(scene), "steps"),
         findings=_section("Margins", margins(report.findings)),
         numbers=_section("Figures", figure_lists(report.numbers)),
@@ -288,6 +289,53 @@ def _plates(report: Report) -> str:
             _card(f"Plate {k + 1}", copies, [_link(report, plate.file, "3MF")], f"plate-{k}", True)
         )
     return _cards(cards)
+
+
+def _sheets(report: Report) -> str:
+    """Sheets for a laser, as far as parts lie on them, with sizes and names: lines as wide as a person sees them."""
+    drawn = []
+    for k, sheet in enumerate(report.sheets, 1):
+        reach = (
+            max((low.real + across for _, low, across, _ in sheet.parts), default=0.0),
+            max((low.imag + up for _, low, _, up in sheet.parts), default=0.0),
+        )
+        # from its lower left corner; what is empty beyond the half is not shown
+        wide, high = (
+            whole if used > whole / 2 else used
+            for used, whole in zip(reach, sheet.size, strict=True)
+        )
+        top = sheet.size[1] - high
+        edge = 0.06 * max(wide, high)
+        texts = [
+            f'<text x="{wide / 2:.6g}" y="{top + high + 0.8 * edge:.6g}">{wide:.4g} mm</text>',
+            f'<text transform="translate({-0.4 * edge:.6g} {top + high / 2:.6g}) rotate(-90)">{high:.4g} mm</text>',
+            *(_on_sheet(sheet.size[1], 0.35 * edge, *part) for part in sheet.parts),
+        ]
+        box = f"{-edge:.6g} {top - 0.2 * edge:.6g} {wide + 1.2 * edge:.6g} {high + 1.2 * edge:.6g}"
+        groups = sheet.groups.replace('<g id="', '<g class="')  # a page has several sheets
+        count = len(sheet.parts)
+        said = (
+            f"{count} {'part' if count == 1 else 'parts'} within {reach[0]:.4g} × {reach[1]:.4g} mm "
+            f"of a sheet of {sheet.size[0]:g} × {sheet.size[1]:g} mm; red is cut, {sheet.cut / 1000:.3g} m "
+            "in all; blue is engraved first"
+        )
+        drawn.append(
+            f'<figure><svg viewBox="{box}" font-size="{0.35 * edge:.3g}" role="img" aria-label="Sheet {k}: {said}">'
+            f'<rect width="{sheet.size[0]:g}" height="{sheet.size[1]:g}"/>{groups}{"".join(texts)}</svg>'
+            f"<figcaption>Sheet {k}, {_link(report, sheet.file)}: {said}</figcaption></figure>"
+        )
+    return "".join(drawn)
+
+
+def _on_sheet(height: float, most: float, name: str, low: complex, across: float, up: float) -> str:
+    """The name of a part in its middle, along its longer side, at most so high, mm; height: of the sheet."""
+    long, short = max(across, up), min(across, up)
+    size = min(most, 1.4 * long / max(len(name), 1), 0.5 * short)
+    turn = " rotate(-90)" if up > across else ""
+    x = low.real + across / 2
+    y = height - low.imag - up / 2
+    place = f'transform="translate({x:.6g} {y:.6g}){turn}" dy="0.35em"'
+    return f'<text {place} font-size="{size:.3g}">{escape(name)}</text>'
 
 
 def _steps(scene: Scene | None) -> str:

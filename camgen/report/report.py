@@ -25,6 +25,7 @@ from camgen.findings import Finding, NotJudged, left_out, worst_of_each
 from camgen.study import Figures, Plot, Scene, Table
 
 if TYPE_CHECKING:
+    from camgen.files.cutting import SheetPicture
     from camgen.report.animation import Animation
 
 Path = str | PathLike[str]
@@ -38,7 +39,8 @@ class Report:
     animation, scene: the machine in motion, drawn and in three dimensions; budget: the error budget by stage; files: further
     files of the folder to which the page links, and places: those that do not lie at the top, by name; not_judged: codes that were left out; warnings: sentences that a person should
     read before the parts are made; why_flat: a sentence on what to build for a view in three dimensions; remarks: what this run did beside the result, and folder: where it wrote, told but not
-    written: the same spec gives the same files; summary: the verdict of a report without findings; film: a GIF that the page shows.
+    written: the same spec gives the same files; summary: the verdict of a report without findings; film: a GIF that the page shows;
+    sheets: as a laser cuts them.
     """
 
     name: str
@@ -61,6 +63,7 @@ class Report:
     summary: str = "Nothing is judged here"
     places: Mapping[str, str] = field(default_factory=dict)
     film: bytes = b""
+    sheets: Sequence[SheetPicture] = ()
 
     @property
     def ok(self) -> bool:

@@ -2,6 +2,7 @@
 
 import csv
 import re
+from pathlib import Path
 
 import ezdxf
 import numpy as np
@@ -12,7 +13,7 @@ from judged import judged, wrong
 from test_solids import oval
 
 from camgen.errors import DesignError, FileError, SpecError
-from camgen.files.cutting import Piece, read_svg, write_sheet
+from camgen.files.cutting import Piece, read_svg, sheet_picture, write_sheet
 from camgen.files.dxf import read_dxf
 from camgen.geometry.outlines import Region, circle, polygon, rectangle
 from camgen.geometry.rings import Ring
@@ -25,6 +26,8 @@ from camgen.parts.sheets import why_not
 from camgen.pipeline.build import build
 from camgen.pipeline.expectation import nominal_part
 from camgen.pipeline.laser import sheet_parts
+from camgen.report.page import to_html
+from camgen.report.report import Report
 
 TOLERANCE = 1e-3
 KERF = 0.2
@@ -399,3 +402,40 @@ def test_which_parts_a_sheet_can_be(root):
     }
     assert said["shaft"] == "turned of steel" and said["thread-post-1"].startswith("stepped")
     assert said["pivot-C"] == "4.2 mm thick, the sheet is 4"
+
+
+def test_the_report_shows_a_sheet_with_names_and_sizes(tmp_path):
+    """A disc of 20 at (30, 25) and a bar of 40 x 10 with a hole of 4: boxes, and the way of the beam."""
+    disc = Region(circle(30 + 25j, 10))
+    bar = Region(rectangle(50 + 20j, 90 + 30j), (circle(60 + 25j, 2),))
+    path = tmp_path / "m-sheet-1.svg"
+    write_sheet(path, [Piece("disc-1", disc), Piece("bar <&", bar)], (200.0, 100.0), TOLERANCE)
+    picture = sheet_picture(path)
+    (first, a, *one), (second, b, *other) = picture.parts
+    assert (first, second) == ("disc-1", "bar <&")
+    assert [a, *one] == pytest.approx([20 + 15j, 20, 20])
+    assert [b, *other] == pytest.approx([50 + 20j, 40, 10])
+    assert picture.cut == pytest.approx(np.pi * 20 + 100 + np.pi * 4)
+    page = to_html(Report("m", "linkage", [], sheets=[picture, picture]))
+    section = page[page.index("Sheets, as they are cut") :]
+    said = "2 parts within 90 × 35 mm of a sheet of 200 × 100 mm; red is cut, 0.175 m in all"
+    assert section.count(said) == 4, "of each sheet once to be read and once to be heard"
+    assert "bar &lt;&amp;</text>" in section and 'id="CUT"' not in page
+    assert section.count('<circle cx="30" cy="75" r="10"/>') == 2
+    assert "as they are cut" not in to_html(Report("m", "linkage", []))
+
+
+def test_a_sheet_that_says_more_than_camgen_wrote_is_not_shown(tmp_path):
+    path = tmp_path / "m-sheet-1.svg"
+    write_sheet(path, [Piece("disc-1", Region(circle(30 + 25j, 10)))], (200.0, 100.0), TOLERANCE)
+    path.write_text(path.read_text().replace("</svg>", "<script>alert(1)</script></svg>"))
+    with pytest.raises(FileError, match="line"):
+        sheet_picture(path)
+
+
+def test_a_build_shows_what_it_cuts(tmp_path):
+    settings = ["parts.hub_height=0", "laser.thickness=6", "parts.thickness=6"]
+    spec = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"
+    assert build(spec, tmp_path, frozenset({"dxf", "report"}), settings).ok
+    page = (tmp_path / "disc-cam" / "report.html").read_text(encoding="utf-8")
+    assert "Sheets, as they are cut" in page and "cam-1</text>" in page
