@@ -60,6 +60,10 @@ class Stroke(Program):
             result[mine] = segment.at(place[mine] - starts[k], order)
         return result
 
+    def backwards(self) -> Stroke:
+        """The way from its end to its beginning: s(-theta)."""
+        return Stroke(super().backwards().segments, -float(self.joints[-1]))
+
     def jumps(self, order: int) -> list[float]:
         """Step of the derivative of this order at each joint, (n,): none where the way begins."""
         return [0.0, *super().jumps(order)[1:]]

@@ -1,18 +1,21 @@
-"""Linear cams: a plate that slides along -x, and a round tip that its upper edge moves.
+"""Linear cams: a plate that slides, and a round tip that one of its edges moves.
 
 theta    way of the plate, of which a degree stands for a millimetre, so that it is an angle to all that reads a program
 x        the same in mm: 180 theta / pi
-plate    frame of the plate: at x = 0 that of the ground; the tip stands at +x in it when the plate has gone by x
+travel   unit vector of the ground along which the plate goes as theta grows: -1 of a machine of its own
+plate    frame of the plate: at x = 0 that of the ground; the tip stands at -travel x in it when the plate has gone by x
 
-The plate does not turn, so the pitch curve is x + trace(s), and what a round tip leaves of it is its parallel curve, as of a
-disc: tan(alpha) = ds/dx of a slide, and the radius of curvature of a slide's pitch curve is (1 + s'^2)^1.5 / |s''|.
+The plate does not turn, so the pitch curve is trace(s) - travel x, and what a round tip leaves of it is its parallel curve, as
+of a disc: tan(alpha) = ds/dx of a slide square to the way, and the radius of curvature of such a slide's pitch curve is
+(1 + s'^2)^1.5 / |s''|. The pitch curve runs along -travel, and the tip lies to its left: where a follower stands on the other
+side of its plate, its program is taken from its end to its beginning, and the plate along -travel (`seen_from_left`).
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import pairwise
 from typing import Any
@@ -21,23 +24,26 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Line, Piece, Smooth, end_point, start_point
-from camgen.machine.cams.followers import Motion, RoundTip, SlidingTip, SwingingArm
+from camgen.machine.cams.followers import Motion, SlidingTip, SwingingArm
 from camgen.machine.cams.profile import sharpness
 from camgen.motion.stroke import Stroke
 from camgen.numerics import Floats, Points, greatest
 
 WAY = math.degrees(1)  # mm of the plate's way for 1 of theta
+_ALONG = 1e-6  # of a follower's speed, across the plate's way at least
 _BESIDE = 1e-9  # of theta, to either side of a joint
 
 
-def _pitches(tip: RoundTip, turn: complex, theta: Any, motion: Motion, order: int) -> list[Points]:
+def _pitches(
+    tip: PlateSlide | PlateArm, turn: complex, theta: Any, motion: Motion, order: int
+) -> list[Points]:
     """Trace point in the plate's frame with derivatives to theta; turn: of the trace point's velocity for 1 of s."""
     theta = np.asarray(theta, float)
     s = [motion(theta, k) for k in range(order + 1)]
     way = tip.velocity(s[0], 0)
-    rows = [np.asarray(WAY * theta + tip.trace(s[0]))]
+    rows = [np.asarray(tip.trace(s[0]) - tip.travel * WAY * theta)]
     if order > 0:
-        rows.append(np.asarray(WAY + way * s[1]))
+        rows.append(np.asarray(way * s[1] - tip.travel * WAY))
     if order > 1:
         rows.append(np.asarray(way * (s[2] + turn * s[1] ** 2)))
     if order > 2:
@@ -49,6 +55,8 @@ def _pitches(tip: RoundTip, turn: complex, theta: Any, motion: Motion, order: in
 class PlateSlide(SlidingTip):
     """A round tip on a slide over a plate."""
 
+    travel: complex = -1.0 + 0j  # unit vector of the ground, of the plate as theta grows
+
     def pitches(self, theta: Any, motion: Motion, order: int) -> list[Points]:
         """Trace point in the plate's frame and its derivatives to theta up to an order 0..3, each (n,) complex."""
         return _pitches(self, 0j, theta, motion, order)
@@ -57,6 +65,8 @@ class PlateSlide(SlidingTip):
 @dataclass(frozen=True)
 class PlateArm(SwingingArm):
     """A round tip on an arm over a plate."""
+
+    travel: complex = -1.0 + 0j  # unit vector of the ground, of the plate as theta grows
 
     def pitches(self, theta: Any, motion: Motion, order: int) -> list[Points]:
         """Trace point in the plate's frame and its derivatives to theta up to an order 0..3, each (n,) complex."""
@@ -102,7 +112,7 @@ class LinearCam:
 
     @cached_property
     def edge(self) -> tuple[Piece, ...]:
-        """The upper edge from left to right; DesignError where the tip does not fit, or the speed of the lift jumps."""
+        """The edge, run through along -travel, the tip to its left; DesignError where the tip does not fit, or the speed of the lift jumps."""
         self._check()
         pieces: list[Piece] = []
         for a, b in pairwise(self.program.corners):
@@ -113,6 +123,11 @@ class LinearCam:
                 piece = Line(start_point(piece), end_point(piece))
             pieces.append(piece)
         return tuple(pieces)
+
+    def _back(self, theta: Any) -> Floats:
+        """How fast the tip goes back over the plate, mm for 1 of theta, (n,)."""
+        onward = self.follower.pitch(theta, self.program, 1)
+        return np.asarray((onward * np.conj(self.follower.travel)).real)
 
     def _check(self) -> None:
         jump = next((each for each in self.program.discontinuities(1) if each.order <= 1), None)
@@ -127,11 +142,28 @@ class LinearCam:
             remedy = "the edge is undercut: use a smaller roller, a longer span or a smaller lift"
             tip = self.follower.tip_radius
             raise DesignError("radius of the pitch curve", radius, tip, "mm", where, remedy)
-        at, back = self.greatest(lambda t: -self.follower.pitch(t, self.program, 1).real)
+        at, back = self.greatest(self._back)
         if back >= 0:
             where = f"{WAY * at:.4g} mm of the way"
             remedy = "the arm carries its tip along faster than the plate goes: use a longer span"
             raise DesignError("way of the tip over the plate", -back / WAY, 0.0, "", where, remedy)
+
+
+def seen_from_left(cam: LinearCam) -> LinearCam:
+    """The same cam, its pitch curve run through so that the tip lies to its left; DesignError where the tip moves along the plate.
+
+    Places on the plate are as before: of a program that is turned round the plate's frame is that of the ground at x = 0, too.
+    """
+    follower = cam.follower
+    off = follower.leaves * follower.velocity(cam.program.segments[0].start, 0).item()
+    across = (off * np.conj(1j * -follower.travel)).real
+    if abs(across) <= _ALONG * abs(off):
+        remedy = "draw the follower so that it moves across the plate's way"
+        raise DesignError("pressure angle as drawn", 90, 90, "deg", "", remedy)
+    if across > 0:
+        return cam
+    program = cam.program.backwards()
+    return LinearCam(program, replace(follower, travel=-follower.travel))
 
 
 def _within(cam: LinearCam, low: float, high: float, theta: Floats, order: int) -> Points:
