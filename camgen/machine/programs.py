@@ -39,6 +39,15 @@ class CamLaw:
         return max(max(each.start, each.end) for each in self.program.segments)
 
 
+@dataclass(frozen=True)
+class CarriedLaw(CamLaw):
+    """A program over the way of a cam that slides, mm: it is gone through once."""
+
+    def __call__(self, way: Floats, order: int = 0) -> Floats:
+        """Its order-th derivative at the cam's place, (n,)."""
+        return np.asarray(self.sign * self.program(way, order))
+
+
 @dataclass(frozen=True, eq=False)
 class TableLaw:
     """Angles of a period as the law of a drive: a cubic spline through them, and on by whole turns where a period ends turned on."""

@@ -21,12 +21,12 @@ from camgen.machine import freedom
 from camgen.machine import model as m
 from camgen.machine.cams.followers import Follower
 from camgen.machine.cams.limits import Advice
-from camgen.machine.cams.linear import WAY
+from camgen.machine.cams.linear import WAY, LinearCam, PlateArm, PlateSlide, seen_from_left
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.cams.sizing import least_base_radius
 from camgen.machine.freewheels import Ratchet
 from camgen.machine.jets import thread_length
-from camgen.machine.programs import CamLaw
+from camgen.machine.programs import CamLaw, CarriedLaw
 from camgen.machine.run import solve
 from camgen.machine.stepwise import closed_by_dyads
 from camgen.machines.linkage import planets
@@ -35,6 +35,7 @@ from camgen.machines.linkage.links import shape
 from camgen.motion.polydyne import Lag, polydyne
 from camgen.motion.program import Program
 from camgen.motion.segments import program
+from camgen.motion.stroke import Stroke, StrokeSegment, stroke
 from camgen.parts.generator.cycloids import CycloidWish
 from camgen.parts.generator.ratchets import RatchetWish
 from camgen.parts.generator.wheels import SECOND, Ridden, follower_of, level_of, named, pivot
@@ -321,6 +322,10 @@ class Drawing:
             pairs[name] = title, post, cam.at if cam.shape == "roller" else hook
         return pairs
 
+    def carries_plate(self, cam: t.Cam) -> bool:
+        """Whether a cam is a plate: the driven link, which slides."""
+        return isinstance(self.drive, t.SlidingDrive) and cam.cam == self.drive.link
+
     def rate_of(self, drive: t.OneDrive) -> float | None:
         """Turns of a driven link over theta, below 0 against the first one; None of one that a program moves."""
         if drive is self.drive:
@@ -407,8 +412,17 @@ class Drawing:
         return made.backwards() if turns and self.speed_of(cam) < 0 else made
 
     def written_program(self, cam: t.Cam, path: Key) -> Program:
-        """A cam's segments one after the other."""
+        """A cam's segments one after the other; of a plate over mm of its way."""
         swings = self.slide_of(cam.follower) is None
+        if self.carries_plate(cam):
+            lifts = [
+                (row.lift_deg, row.to_deg) if swings else (row.lift, row.to) for row in cam.segment
+            ]
+            stretches = [
+                StrokeSegment(kind=row.kind, span=row.span or 0.0, lift=lift, to=to, law=row.law)
+                for row, (lift, to) in zip(cam.segment, lifts, strict=True)
+            ]
+            return stroke(stretches, math.radians(1) if swings else 1.0, 1.0)
         rows = tuple(
             row.going(*((row.lift_deg, row.to_deg) if swings else (row.lift, row.to)))
             for row in cam.segment
@@ -693,9 +707,8 @@ class Drawing:
 
     def _cam(self, cam: t.Cam, start: Mapping[str, m.Pose], joints: Sequence[m.Joint]) -> m.Cam:
         slide = self.slide_of(cam.follower)
-        pivot = self.pivot(cam.cam)
-        assert pivot is not None, "drawing_faults has looked"
-        spoke = self.at(cam.at) - self.at(pivot)
+        carrier, phase = self._carrier(cam, start, joints)
+        spoke = self._spoke(cam, carrier)
         if slide is not None:
             joint, rest = self._sliding(cam.follower, joints)
             way = cmath.exp(1j * joint.angle)
@@ -706,7 +719,16 @@ class Drawing:
             rest = start[cam.follower].angle
         outward = (spoke.conjugate() * way).real
         if abs(outward) <= 1e-6 * abs(spoke) * abs(way):
-            remedy = f"the follower moves across the line from {pivot} to {cam.at}: draw {cam.at} elsewhere"
+            off = (
+                f"the way of {cam.cam}"
+                if carrier
+                else f"the line from {self.pivot(cam.cam)} to {cam.at}"
+            )
+            remedy = (
+                f"the follower moves along {off}: draw {cam.at} elsewhere"
+                if carrier
+                else f"the follower moves across {off}: draw {cam.at} elsewhere"
+            )
             raise DesignError(
                 "pressure angle as drawn", 90, 90, "deg", f"cam {self.cam_name(cam)}", remedy
             )
@@ -716,13 +738,45 @@ class Drawing:
             self.cam_name(cam),
             cam.cam,
             cam.follower,
-            CamLaw(self.program_of(cam), sign),
+            CarriedLaw(self.program_of(cam), sign)
+            if carrier
+            else CamLaw(self.program_of(cam), sign),
             None if slide is None else self.slide_name(slide),
-            start[cam.cam].angle,
+            phase,
             rest,
             form,
             sign,
+            over=carrier.name if carrier else None,
         )
+
+    def _carrier(
+        self, cam: t.Cam, start: Mapping[str, m.Pose], joints: Sequence[m.Joint]
+    ) -> tuple[m.Slide | None, float]:
+        """The slide of a plate, None of a disc; and the cam's place along it, mm, or its angle, rad, as drawn."""
+        if not self.carries_plate(cam):
+            return None, start[cam.cam].angle
+        return self._sliding(cam.cam, joints)
+
+    def _spoke(self, cam: t.Cam, carrier: m.Slide | None) -> complex:
+        """What points from a cam to what touches it: from a disc's shaft, or square to a plate's way."""
+        if carrier is None:
+            pivot = self.pivot(cam.cam)
+            assert pivot is not None, "drawing_faults has looked"
+            return self.at(cam.at) - self.at(pivot)
+        way = cmath.exp(1j * carrier.angle)
+        aside = (self.at(cam.at) - carrier.guide.at) / way
+        return 1j * math.copysign(1, aside.imag) * way
+
+    def plate(self, cam: t.Cam) -> LinearCam:
+        """The edge of a plate as it lies at theta = 0, on the ground; DesignError where it cannot be made."""
+        joint = self._open.joint(self.cam_name(cam))
+        assert isinstance(joint, m.Cam) and isinstance(joint.law, CarriedLaw) and joint.over
+        carrier = self._open.slide(joint.over)
+        follower = follower_of(self._open, joint, self.ridden[joint.name], cam.at, joint.leaves)
+        own = vars(follower) | {"travel": cmath.exp(1j * carrier.angle)}
+        kind = PlateSlide if joint.slide is not None else PlateArm
+        segments = [replace(each, span=each.span / WAY) for each in joint.law.signed.segments]
+        return seen_from_left(LinearCam(Stroke(tuple(segments)), kind(**own)))
 
     def _geneva(
         self, table: t.Geneva, bodies: Mapping[str, m.Body], start: Mapping[str, m.Pose]

@@ -322,7 +322,9 @@ def _cycloid_faults(drawing: Drawing, path: Key, row: t.Cycloid) -> Iterable[Fau
 
 def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:
     faults = _link_fault(drawing, (*path, "cam"), cam.cam)
-    if not faults and drawing.pivot(cam.cam) is None:
+    if not faults and drawing.carries_plate(cam):
+        faults = [*_plate_faults(drawing, path, cam)]
+    elif not faults and drawing.pivot(cam.cam) is None:
         right = "a link that shares a point with the ground: it turns there"
         if drawing.slide_of(cam.cam) is not None:
             right += f"; {_instead_of_a_plate(drawing, cam)}"
@@ -352,6 +354,32 @@ def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:
         except SpecError as error:
             faults += error.faults
     return faults
+
+
+def _plate_faults(drawing: Drawing, path: Key, cam: t.Cam) -> Iterable[Fault]:
+    """Of a cam that is a plate."""
+    plate = "nothing here: the cam is a plate that slides"
+    if cam.shape == "flat":
+        yield Fault(
+            (*path, "shape"), repr(cam.shape), '"roller" or "knife": a plate moves no flat face'
+        )
+    if cam.closure != "force":
+        yield Fault((*path, "closure"), repr(cam.closure), '"force": a plate has one edge')
+    if cam.base_radius is not None:
+        yield Fault((*path, "base_radius"), str(cam.base_radius), plate)
+    if cam.polydyne:
+        yield Fault((*path, "polydyne"), "true", plate)
+    for k, row in enumerate(cam.segment):
+        if row.span is None:
+            yield Fault((*path, "segment", k, "span"), "", "missing: mm of the plate's way")
+        for key in ("span_deg", "at_deg"):
+            if getattr(row, key) is not None:
+                yield Fault((*path, "segment", k, key), "", f"span, mm: {cam.cam} slides")
+    length = sum(row.span or 0.0 for row in cam.segment)
+    low, high = drawing.drive.range_deg or (0.0, 0.0)
+    if low < 0 or high > length:
+        right = f"within 0 and {length:g}, the way of the cam's segments, which begin as drawn"
+        yield Fault(("drive", "range"), f"[{low:g}, {high:g}]", right)
 
 
 def _instead_of_a_plate(drawing: Drawing, cam: t.Cam) -> str:

@@ -643,6 +643,10 @@ class CamSegment(Span):
         description='"rise": away from the cam\'s shaft; "return": back to it; or "dwell"; may be left '
         "out if the end shows it",
     )
+    span: Annotated[float, quantity("mm", ge=1e-3, le=1e5)] | None = Field(
+        default=None,
+        description="of a cam that slides, in place of span_deg: how much of its way it takes",
+    )
     lift: Length | None = Field(
         default=None, description="how far a follower slides; or to, where it ends"
     )
@@ -682,7 +686,9 @@ class ReturnSpring(Record):
 class Cam(Record):
     """A cam: the outline of link `cam` is made so that `follower` moves by the segments."""
 
-    cam: Name = Field(description="a link that turns on the ground: its outline is made")
+    cam: Name = Field(
+        description="a link that turns on the ground, or the one that drives along a slide: its outline is made"
+    )
     follower: Name = Field(description="a link that swings or slides on the ground")
     shape: Literal["roller", "knife", "flat"] = Field(
         default="roller",

@@ -231,7 +231,7 @@ def follower_of(
 ) -> Follower:
     """What touches the cam, about the cam's axis, as drawn."""
     at = complex(machine.body(joint.follower).points[point])
-    centre = pivot(machine, joint.cam)[1]
+    centre = 0j if joint.over is not None else pivot(machine, joint.cam)[1]
     radius = spec.radius or 0.0
     if joint.slide is not None:
         slide = machine.slide(joint.slide)
