@@ -3,8 +3,8 @@
 The plate has gone by x along -x: in its frame the tip's slide, or its arm's axle, stands x further on. Of all straight edges
 and corners that look up each stops the tip at one place; the highest stops it first.
 
-    slide, edge     the tip's centre is R off the edge's line, its foot between both ends
-    slide, corner   y = y_c + sqrt(R^2 - (x - x_c)^2)
+    slide, edge     n . (A + s d) = R from the edge's line, its foot between both ends; d: the slide's direction
+    slide, corner   |A + s d - corner| = R, the further one along d
     arm             n . (A + a exp(i psi)) = R from the edge: psi = arg n - acos(..), and of a corner by the triangle with its axle;
                     to the right of the axle alone, as the arm comes down from upright
 """
@@ -12,7 +12,7 @@ and corners that look up each stops the tip at one place; the highest stops it f
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,6 +29,48 @@ class Tip:
     radius: float
     rest: complex
     pivot: complex | None = None
+    along: complex = 1j  # unit vector of a slide, upwards
+
+
+@dataclass(frozen=True)
+class GroundTip:
+    """A round tip as it stands on the ground over a plate that goes along `travel`; start: its centre on a slide, or its axle.
+
+    way: of a slide a unit vector, of an arm the tip's centre from the axle, mm; leaves: the sense of s that takes it off.
+    """
+
+    radius: float
+    start: complex
+    way: complex
+    swings: bool
+    leaves: int
+    travel: complex
+
+    @property
+    def senses(self) -> tuple[int, int]:
+        """Of x along -travel, and of y to the left of that."""
+        axis = -self.travel
+        off = self.leaves * self.way * (1j if self.swings else 1) / axis
+        right = (self.way / axis).real if self.swings else 1.0
+        return (1 if right > 0 else -1), (1 if off.imag > 0 else -1)
+
+    def seen(self, z: Points) -> Points:
+        """Places of the ground, or of the plate as it lies at x = 0, in the frame of `run`."""
+        across, up = self.senses
+        local = np.asarray(z / -self.travel)
+        return np.asarray(across * local.real + 1j * up * local.imag)
+
+    def run(self, ring: Ring, x: Floats, chord: float) -> Floats:
+        """s at each place of the plate along travel, (n,) mm or rad; see `run`. ring: the plate's at x = 0 on the ground."""
+        across, up = self.senses
+        points = self.seen(ring.points)
+        local = replace(ring, points=points, bulges=across * up * ring.bulges)
+        start, way = self.seen(np.array([self.start, self.way]))
+        if self.swings:
+            tip = Tip(self.radius, complex(way), complex(start))
+        else:
+            tip = Tip(self.radius, complex(start), along=self.leaves * complex(way))
+        return self.leaves * run(local, tip, across * np.asarray(x, float), chord)
 
 
 def pressure_angle(tip: Tip, s: Floats, slope: Floats) -> Floats:
@@ -64,14 +106,18 @@ def run(ring: Ring, tip: Tip, x: Floats, chord: float) -> Floats:
 
 def _of_slide(tip: Tip, starts: Points, sides: Points, corners: Points, x: Floats) -> Floats:
     """s of a slide by each that may stop it, (n, candidates)."""
-    across = x + tip.rest.real
-    normal = -1j * sides / np.abs(sides)
-    foot = (across - tip.radius * normal.real - starts.real) / sides.real
-    high = starts.imag + foot * sides.imag + tip.radius * normal.imag
-    high = np.where((foot >= 0) & (foot <= 1), high, np.nan)
+    rest = x + tip.rest
+    lengths = np.abs(sides)
+    normal = -1j * sides / lengths
+    rises = (tip.along * np.conj(normal)).real
+    with np.errstate(divide="ignore", invalid="ignore"):
+        s = (tip.radius - ((rest - starts) * np.conj(normal)).real) / rises
+    foot = ((rest + s * tip.along - starts) * np.conj(sides)).real / lengths**2
+    s = np.where((foot >= 0) & (foot <= 1) & (rises > 0), s, np.nan)
+    spoke = (corners - rest) * np.conj(tip.along)
     with np.errstate(invalid="ignore"):
-        tops = corners.imag + np.sqrt(tip.radius**2 - (across - corners.real) ** 2)
-    return np.concatenate([high, tops], axis=1) - tip.rest.imag
+        tops = spoke.real + np.sqrt(tip.radius**2 - spoke.imag**2)
+    return np.concatenate([s, tops], axis=1)
 
 
 def _of_arm(tip: Tip, starts: Points, sides: Points, corners: Points, x: Floats) -> Floats:

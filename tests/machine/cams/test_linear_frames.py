@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError
+from camgen.geometry.rings import Ring
+from camgen.judge.edge_runs import GroundTip
 from camgen.machine.cams.linear import WAY, LinearCam, PlateArm, PlateSlide, seen_from_left
 from camgen.machine.programs import CamLaw
 from camgen.motion.stroke import Stroke, StrokeSegment, stroke
@@ -101,3 +103,52 @@ def test_a_follower_along_the_plate_is_refused() -> None:
     cam = plate(1, 0.0)
     with pytest.raises(DesignError, match="across the plate's way"):
         seen_from_left(replace(cam, follower=replace(cam.follower, along=1 + 0j)))
+
+
+def ground_tip(cam: LinearCam) -> GroundTip:
+    tip = cam.follower
+    if isinstance(tip, PlateSlide):
+        return GroundTip(4.0, tip.start, tip.along, False, tip.leaves, tip.travel)
+    return GroundTip(4.0, tip.pivot, tip.arm, True, tip.leaves, tip.travel)
+
+
+def closed(cam: LinearCam) -> Ring:
+    """The edge, and a bottom 30 below it, square to the plate's way; facets of 0.02 lie within 3e-6 of the curve."""
+    seen = seen_from_left(cam)
+    edge = sampled(seen)
+    below = edge[[-1, 0]] + 30j * seen.follower.travel
+    ends = np.array([-seen.follower.travel, seen.follower.travel]) * 6
+    points = np.concatenate([edge[:1] + ends[1:], edge, edge[-1:] + ends[:1], below + ends])
+    return Ring(points, np.zeros(len(points)))
+
+
+CASES = [
+    *(plate(side, direction, tilt) for side, direction in WAYS for tilt in (0.0, 0.3)),
+    *(armed(side, direction, ahead) for side, direction in WAYS for ahead in (1, -1)),
+]
+
+
+@pytest.mark.parametrize("cam", CASES)
+def test_the_judge_runs_the_tip_in_any_frame(cam: LinearCam) -> None:
+    way = np.linspace(0, 80, 161)
+    ran = ground_tip(cam).run(closed(cam), way, 1e-6)
+    off = np.abs(ran - cam.program(way / WAY)) * abs(ground_tip(cam).way)
+    assert off.max() < 2e-5
+
+
+@pytest.mark.parametrize("cam", CASES)
+def test_a_damage_of_20_um_is_seen_as_such(cam: LinearCam) -> None:
+    """A stretch of the edge raised by 20 um towards the tip, in the middle of the dwell: the tip is off by that over its cosine."""
+    ring = closed(cam)
+    tip = ground_tip(cam)
+    way = np.array([45.0])
+    centre = centres(cam, way)
+    near = np.abs(np.abs(ring.points - centre) - 4.0) < 5e-3
+    assert near.sum() > 3
+    normal = centre - ring.points[near]
+    raised = ring.points.copy()
+    raised[near] += 0.02 * normal / np.abs(normal)
+    moved = tip.run(Ring(raised, ring.bulges), way, 1e-6) - tip.run(ring, way, 1e-6)
+    velocity = tip.way * (1j * np.exp(1j * cam.program(way / WAY)) if tip.swings else 1.0)
+    across = abs((velocity * np.conj(1j * cam.follower.travel)).real).item()
+    assert tip.leaves * moved.item() * across == pytest.approx(0.02, abs=2e-4)
