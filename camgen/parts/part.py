@@ -396,7 +396,8 @@ def _crossings(
         b = (piece.b - origin) / direction
         parameter = (offset - a.imag) / (b.imag - a.imag) if b.imag != a.imag else math.inf
         return [((a + parameter * (b - a)).real, parameter)] if 0 <= parameter <= 1 else []
-    assert isinstance(piece, Arc)
+    if not isinstance(piece, Arc):  # a track, of which no bar comes out
+        return []
     centre = (piece.centre - origin) / direction
     rise = (offset - centre.imag) / piece.radius
     if abs(rise) > 1:

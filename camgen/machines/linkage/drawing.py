@@ -21,7 +21,7 @@ from camgen.machine import freedom
 from camgen.machine import model as m
 from camgen.machine.cams.followers import Follower
 from camgen.machine.cams.limits import Advice
-from camgen.machine.cams.linear import WAY, LinearCam, PlateArm, PlateSlide, seen_from_left
+from camgen.machine.cams.linear import WAY
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.cams.sizing import least_base_radius
 from camgen.machine.freewheels import Ratchet
@@ -35,7 +35,7 @@ from camgen.machines.linkage.links import shape
 from camgen.motion.polydyne import Lag, polydyne
 from camgen.motion.program import Program
 from camgen.motion.segments import program
-from camgen.motion.stroke import Stroke, StrokeSegment, stroke
+from camgen.motion.stroke import StrokeSegment, stroke
 from camgen.parts.generator.cycloids import CycloidWish
 from camgen.parts.generator.ratchets import RatchetWish
 from camgen.parts.generator.wheels import SECOND, Ridden, follower_of, level_of, named, pivot
@@ -151,7 +151,9 @@ class Drawing:
         levels += [level_of(each.joint) for each in self.noncirculars]
         levels += [level_of(each.joint) for each in self.mutilated]
         levels += [level_of(each.joint) for each in self.ratchets]
-        for cam in (cam for cam in self.cams if cam.shape == "roller"):
+        for cam in self.cams:
+            if cam.shape != "roller" or self.carries_plate(cam):
+                continue
             key = level_of(self.cam_name(cam))
             levels += [key, key + SECOND] if cam.closure == "conjugate" else [key]
         return levels
@@ -766,17 +768,6 @@ class Drawing:
         way = cmath.exp(1j * carrier.angle)
         aside = (self.at(cam.at) - carrier.guide.at) / way
         return 1j * math.copysign(1, aside.imag) * way
-
-    def plate(self, cam: t.Cam) -> LinearCam:
-        """The edge of a plate as it lies at theta = 0, on the ground; DesignError where it cannot be made."""
-        joint = self._open.joint(self.cam_name(cam))
-        assert isinstance(joint, m.Cam) and isinstance(joint.law, CarriedLaw) and joint.over
-        carrier = self._open.slide(joint.over)
-        follower = follower_of(self._open, joint, self.ridden[joint.name], cam.at, joint.leaves)
-        own = vars(follower) | {"travel": cmath.exp(1j * carrier.angle)}
-        kind = PlateSlide if joint.slide is not None else PlateArm
-        segments = [replace(each, span=each.span / WAY) for each in joint.law.signed.segments]
-        return seen_from_left(LinearCam(Stroke(tuple(segments)), kind(**own)))
 
     def _geneva(
         self, table: t.Geneva, bodies: Mapping[str, m.Body], start: Mapping[str, m.Pose]

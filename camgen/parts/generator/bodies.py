@@ -38,6 +38,7 @@ from camgen.parts.generator.discs import (
     gear_parts,
     geneva_parts,
     pair_parts,
+    roller_part,
     round_shaft,
     shaft_cap,
 )
@@ -102,6 +103,7 @@ class Bodies:
         titles: dict[Part, str] = {}
         for part, mount in [
             *(each for tip in layout.tips for each in cam_parts(layout, tip)),
+            *(roller_part(layout, plate.roller) for plate in layout.plates),
             *gear_parts(layout),
             *(each for drive in layout.geneva_drives for each in geneva_parts(layout, drive)),
             *(each for drive in layout.pair_drives for each in pair_parts(layout, drive)),
@@ -486,7 +488,7 @@ class Bodies:
             elif isinstance(joint, m.Pin | m.Slot):
                 point, a, b = point_of(layout, joint)
                 joint = replace(joint, clearance=layout.fit(point, a) + layout.fit(point, b))
-            elif joint.name in layout.cams and isinstance(joint, m.Cam):
+            elif isinstance(joint, m.Cam) and joint.name in layout.cams and joint.over is None:
                 shaft = layout.at(joint.cam, layout.shaft_of(joint.cam))
                 joint = with_touches(joint, layout.tips, shaft)
             joints.append(joint)

@@ -29,12 +29,14 @@ from camgen.parts.generator.ratchets import RatchetDrive, RatchetWish
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.generator.webs import throws, webs, with_webs
 from camgen.parts.generator.wheels import (
+    PlateTip,
     Ridden,
     Roller,
     Tip,
     Wheel,
     groove_rim,
     level_of,
+    plates,
     tips,
     with_seconds,
 )
@@ -248,6 +250,11 @@ class Connections:
         return tips(self.machine, self.cams, self.sizes, self.fits.slide_clearance)
 
     @cached_property
+    def plates(self) -> list[PlateTip]:
+        """Cams that slide, and what runs on them."""
+        return plates(self.machine, self.cams)
+
+    @cached_property
     def gear_pairs(self) -> list[GearPair]:
         """Pairs of gears; their backlash is the clearance of what slides, their least module two nozzles."""
         least = 2 * self.fits.nozzle
@@ -349,6 +356,7 @@ class Connections:
         """All rollers on pins."""
         return [
             *(tip.roller for tip in self.tips if tip.rolls),
+            *(plate.roller for plate in self.plates),
             *(each.roller for each in self.geneva_drives),
         ]
 

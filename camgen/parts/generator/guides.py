@@ -15,6 +15,8 @@ import cmath
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from camgen.geometry.convex import hull_corners
+from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.machine.features import Faces, SlideFaces
@@ -25,6 +27,7 @@ from camgen.tolerances import SAME_POINT
 STEMS = ("along", "ahead", "behind", "both")
 # in which order, where a cover is to hold them: along it none can
 COVERED = ("ahead", "behind", "both", "along")
+_COARSE = 0.1  # mm, by which the corners of a plate's hull may lie off its edge
 _GRIP = 4.0  # half widths of the bar: how long rails are that it does not stay between
 _AIR = 1.0  # mm, between the ends of such rails and what moves before them
 
@@ -41,6 +44,7 @@ class Guide:
     rails: list[tuple[complex, complex]]  # of each rail, in the guide's; pairs one after the other
     wing: Discs  # hubs beside the bar
     covered: bool  # whether covers lie on the rails
+    plate: Contour | None = None  # in place of the wing's edge
 
     @property
     def pairs(self) -> list[list[tuple[complex, complex]]]:
@@ -58,7 +62,7 @@ class Guide:
         """The runner's edge."""
         if not self.wing:
             return hull(self.bands[0])
-        edge = hull(self.wing)
+        edge = self.plate or hull(self.wing)
         for a, b in self.stems:
             edge = with_bar(edge, a, (b - a) / abs(b - a), self.half, abs(b - a))
         return edge
@@ -80,6 +84,15 @@ class Runner:
     hubs: Sequence[tuple[complex, float]]  # place and radius; a knife's disc has none
     slotted: bool  # it has a slot
     least: float  # half width that a bar has at least
+    plate: Contour | None = None  # its edge, where that is no band round its hubs
+
+    @property
+    def discs(self) -> Sequence[tuple[complex, float]]:
+        """Hubs, and places of the plate's edge."""
+        if self.plate is None:
+            return self.hubs
+        edge = facet_contour(self.plate, _COARSE)
+        return [*self.hubs, *((complex(z), 0.0) for z in edge[hull_corners(edge)])]
 
 
 @dataclass(frozen=True)
@@ -103,11 +116,11 @@ class Rails:
 def guide(joint: m.Slide, runner: Runner, way: Way, rails: Rails, stem: str) -> Guide:
     """The bodies of a slide; stem: one of STEMS."""
     direction = cmath.exp(1j * (joint.angle - joint.turn))
-    discs = [((z - joint.runner.at) / direction, radius) for z, radius in runner.hubs]
+    discs = [((z - joint.runner.at) / direction, radius) for z, radius in runner.discs]
     discs = discs or [(0j, runner.least)]
     across = [z.imag for z, _ in discs]
     uneven = max(across) - min(across) > SAME_POINT
-    wing = runner.slotted or uneven or any(radius == 0 for _, radius in runner.hubs)
+    wing = runner.slotted or uneven or any(radius == 0 for _, radius in runner.discs)
     offset = (min(across) + max(across)) / 2
     half = max([runner.least, *(radius for _, radius in discs)])
     if wing:
@@ -129,8 +142,9 @@ def guide(joint: m.Slide, runner: Runner, way: Way, rails: Rails, stem: str) -> 
         half,
         [(origin + a * direction, origin + b * direction) for a, b in stems],
         _beside(joint, spans, half + (rails.clearance + rails.width) / 2),
-        list(runner.hubs) if wing else [],
+        list(runner.discs) if wing else [],
         rails.cover is not None and stem != "along",
+        runner.plate,
     )
 
 

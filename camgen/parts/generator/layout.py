@@ -590,13 +590,24 @@ class Layout(Connections):
         return {
             link: guide(
                 joint,
-                Runner(self.round_hubs(link), bool(self.slots_of(link)), head),
+                Runner(self.round_hubs(link), bool(self.slots_of(link)), head, self.plate_edge(link)),
                 Way(self.strokes[joint.name], self._clear(link)),
                 Rails(width, play, self.sizes.shape(link).rails, self.cover),
                 self.stems.get(link, "along"),
             )
             for link, joint in self.slides.items()
         }
+
+    def plate_edge(self, link: str) -> Contour | None:
+        """The outline of a link that is a cam, without the bars on which it slides; None of any other."""
+        head = self.sizes.pin_diameter / 2 + self.sizes.head + self.fits.slide_clearance
+        deep = 2 * (head + self.sizes.wall)
+        made = (
+            each.outline(self.round_hubs(link), head, deep)
+            for each in self.plates
+            if each.joint.cam == link
+        )
+        return next(made, None)
 
     @cached_property
     def cover(self) -> Cover | None:

@@ -164,6 +164,9 @@ def _cams(courses: _Courses) -> tuple[list[Band], Over]:
             bands.append(_rolling(courses, tip.roller))
             above = tip.hung or tip.grooved
             over.append((follower, tip.level) if above else (tip.level, follower))
+    for plate in layout.plates:
+        bands.append(_rolling(courses, plate.roller))
+        over.append((plate.level, plate.joint.follower))
     return bands, over
 
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.findings import Finding
-from camgen.geometry.outlines import Contour
+from camgen.geometry.outlines import Contour, Line, Piece, end_point, start_point
 from camgen.machine import model as m
 from camgen.machine.cams.followers import (
     FlatFace,
@@ -29,16 +29,19 @@ from camgen.machine.cams.followers import (
     SwingingArm,
     SwingingFace,
 )
+from camgen.machine.cams.linear import WAY, LinearCam, PlateArm, PlateSlide, seen_from_left
 from camgen.machine.cams.limits import Advice, CamLimits, ExactCam, cam_findings
 from camgen.machine.cams.machine import CamTouch
 from camgen.machine.cams.profile import DiscCam
-from camgen.machine.programs import CamLaw
+from camgen.machine.programs import CamLaw, CarriedLaw
+from camgen.motion.stroke import Stroke
 from camgen.numerics import peak
 from camgen.parts.generator.sizes import Parts
 
 SECOND = "_2"  # of names: the other cam of a conjugate pair, and where its roller is
 _ROUND = np.linspace(0, math.tau, 721)
 NOSE = 3.0  # radii of a knife's disc, from there to its edge
+_INSIDE = 1e-9  # of theta, from the ends of a plate's way
 _BESIDE = 0.5  # mm, of a face beside where it is touched
 
 
@@ -85,11 +88,12 @@ class Roller:
     wheel: Wheel
     about: str  # what it touches, for messages
     hung: bool = False  # whether it hangs under its link
+    own: str = ""  # its name where that is not its level's
 
     @property
     def part(self) -> str:
         """Name of its part."""
-        return f"roller-{self.level}"
+        return f"roller-{self.own or self.level}"
 
 
 @dataclass(frozen=True)
@@ -186,6 +190,61 @@ class Tip:
         return Wheel(self.level, self.joint.cam, reach, f"cam {self.joint.name}")
 
 
+@dataclass(frozen=True)
+class PlateTip:
+    """A plate that slides, and the roller that runs on its edge. The plate is its link, so it has that one's level."""
+
+    joint: m.Cam
+    cam: LinearCam  # on the ground at theta = 0
+    pose: m.Pose  # of the plate's link there
+    point: str  # of the follower
+    ridden: Ridden
+
+    @property
+    def level(self) -> str:
+        """Its link's."""
+        return self.joint.cam
+
+    @property
+    def roller(self) -> Roller:
+        """Where it rolls."""
+        about = f"plate {self.joint.name}"
+        wheel = Wheel(self.level, self.joint.cam, 0.0, about)
+        name = level_of(self.joint.name)
+        radius = self.ridden.radius or 0.0
+        return Roller(self.level, self.joint.name, self.joint.follower, self.point, radius, wheel, about, own=name)
+
+    def outline(self, lowest: Sequence[tuple[complex, float]], ends: float, deep: float) -> Contour:
+        """The plate's edge in its link's axes, counter-clockwise: the track, so much straight on at both ends, a bottom so deep
+        below its lowest place, and below discs that it has to hold, mm."""
+        cam = self.cam
+        onward = -cam.follower.travel
+        turn = cmath.exp(-1j * self.pose.angle)
+        edge = cam.edge
+        low, high = cam.range
+        first, last = (
+            complex(cam.follower.normal(np.array([t]), cam.program)[0]) for t in (low + _INSIDE, high - _INSIDE)
+        )
+        left = start_point(edge[0])
+        right = end_point(edge[-1])
+        beyond = [left + 1j * first * ends, right - 1j * last * ends]
+        theta = np.linspace(low, high, 721)
+        track = cam.follower.envelope(theta, cam.program, 0) / onward
+        held = [((z / turn + self.pose.place) / onward).imag - radius for z, radius in lowest]
+        heights = [*track.imag, *((z / onward).imag for z in beyond)]
+        bottom = min(min(heights) - deep - (max(heights) - min(heights)), *held, math.inf)
+        under = [complex((z / onward).real, bottom) * onward for z in beyond]
+        pieces: tuple[Piece, ...] = (
+            Line(under[0], under[1]),
+            Line(under[1], beyond[1]),
+            Line(beyond[1], right),
+            *(piece.reversed() for piece in reversed(edge)),
+            Line(left, beyond[0]),
+            Line(beyond[0], under[0]),
+        )
+        return Contour(pieces).moved(turn, -self.pose.place * turn)
+
+
 def pivot(machine: m.Machine, link: str) -> tuple[complex, complex]:
     """Where a link turns on the ground: in its axes and on the ground, mm."""
     for joint in machine.joints:
@@ -269,6 +328,8 @@ def tips(
     for name, spec in cams.items():
         joint = machine.joint(name)
         assert isinstance(joint, m.Cam) and isinstance(joint.law, CamLaw)
+        if joint.over is not None:
+            continue
         senses: tuple[Literal[1, -1], ...] = (1, -1) if joint.law.sign > 0 else (-1, 1)
         two = spec.closure == "conjugate" and spec.shape == "roller"
         for leaves, suffix in zip(senses, ("", SECOND)[: 1 + two], strict=False):
@@ -282,6 +343,35 @@ def tips(
             cam = _worked_out(DiscCam(joint.law.signed, follower, spec.tip_clearance))
             level = key if spec.shape == "roller" else joint.follower
             made.append(Tip(level, joint, cam, point, leaves, key, spec, rim, bool(suffix)))
+    return made
+
+
+def plate_of(machine: m.Machine, joint: m.Cam, spec: Ridden) -> LinearCam:
+    """The edge of a plate as it lies at theta = 0, on the ground; DesignError where it cannot be made."""
+    assert isinstance(joint.law, CarriedLaw) and joint.over is not None
+    carrier = machine.slide(joint.over)
+    sign: Literal[1, -1] = 1 if joint.leaves > 0 else -1
+    follower = follower_of(machine, joint, spec, spec.at, sign)
+    kind = PlateArm if joint.slide is None else PlateSlide
+    seen = kind(**vars(follower), travel=cmath.exp(1j * carrier.angle))
+    segments = (replace(each, span=each.span / WAY) for each in joint.law.signed.segments)
+    try:
+        cam = seen_from_left(LinearCam(Stroke(tuple(segments)), seen))
+        cam.edge  # noqa: B018  refuses what is no edge
+    except DesignError as error:
+        raise named(error, f"cam {joint.name}") from None
+    return cam
+
+
+def plates(machine: m.Machine, cams: Mapping[str, Ridden]) -> list[PlateTip]:
+    """Cams that slide, and what runs on them."""
+    made = []
+    for name, spec in cams.items():
+        joint = machine.joint(name)
+        assert isinstance(joint, m.Cam)
+        if joint.over is not None:
+            cam = plate_of(machine, joint, spec)
+            made.append(PlateTip(joint, cam, machine.start_of(joint.cam), spec.at, spec))
     return made
 
 
