@@ -40,7 +40,6 @@ def error_budget(
     files: sections of the part that drives, by kind of FORMATS; numbers: the report's, with what the spec itself undercuts.
     The outline error is the largest anywhere along the exact outline, that of s over the judged cam angles.
     """
-    theta = judged_angles()
     joint = nominal.machine.joint(drive.joint)
     assert isinstance(joint, Cam), f"{drive.joint} is no cam"
     unit, scale = s_unit(joint)

@@ -16,7 +16,7 @@ from camgen.findings import Finding, Where, at_most
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, SlideTip
-from camgen.judge.joints import Outline, RollingLaw, measured_machine
+from camgen.judge.joints import Outline, PlateLaw, RollingLaw, measured_machine
 from camgen.judge.measured import Files, Sections, read
 from camgen.machine.features import CamOutline, Edge, Flat, Mount, OwnTip
 from camgen.machine.model import Cam, Law, Machine
@@ -24,10 +24,21 @@ from camgen.numerics import Floats
 from camgen.study import Figure
 
 
+_PLATE_WINDOW = 1.0  # mm of a plate's way, over which a speed is a mean
+
+
 def judged_angles() -> Floats:
     """Cam angles at which motion is judged, rad: one at random in each of JUDGED_ANGLES equal steps, always the same ones."""
     n = tolerances.JUDGED_ANGLES
     return (np.arange(n) + np.random.default_rng(20181).random(n)) * (2 * math.pi / n)
+
+
+def judged_places(law: RollingLaw | PlateLaw) -> Floats:
+    """Angles of a cam, rad, or places of a plate, mm, at which a follower is judged."""
+    if isinstance(law, RollingLaw):
+        return judged_angles()
+    low, high = law.span
+    return low + (high - low) * judged_angles()[::4] / math.tau
 
 
 def s_unit(joint: Cam) -> tuple[str, float]:
@@ -46,7 +57,7 @@ def outline_and_law(
     mounts: Sequence[Mount],
     sections: Sections,
     shoe: Ring | None = None,
-) -> tuple[Ring, RollingLaw]:
+) -> tuple[Ring, RollingLaw | PlateLaw]:
     """The outline in a part's sections, about its bore in the part's frame, and what the follower rolls to on it; ValueError
     where it does not fit. A tip on another part counts as meant; shoe: the outline of one that is an edge, as meant."""
     tip = outline.tip
@@ -68,9 +79,9 @@ def outline_and_law(
     return features.rings[outline].moved(shift=-away), law
 
 
-def limit(law: RollingLaw, off: float) -> float:
+def limit(law: RollingLaw | PlateLaw, off: float) -> float:
     """Largest error of s that an outline gives which is off by so much, mm, with spare for the second order."""
-    return off * (1 + tolerances.BOUND_SPARE) / float(np.min(law.lever(judged_angles())))
+    return off * (1 + tolerances.BOUND_SPARE) / float(np.min(law.lever(judged_places(law))))
 
 
 class FollowerOnOutline:
@@ -80,7 +91,7 @@ class FollowerOnOutline:
         self.joint = joint
         self.outline = outline
         self.where = where
-        self.theta = judged_angles()
+        self.theta = judged_places(outline.law)
         self.nominal = outline.feature.nominal
         self.touch = outline.law.contact.touch(self.theta)
         self.limit = limit(outline.law, off)
@@ -89,6 +100,8 @@ class FollowerOnOutline:
 
     def place(self, k: int) -> Where:
         """The file, and the judged angle k."""
+        if isinstance(self.outline.law, PlateLaw):
+            return replace(self.where, theta=math.radians(float(self.theta[k])))
         return replace(self.where, theta=float(self.theta[k] + self.joint.phase))
 
     @property
@@ -136,6 +149,10 @@ class FollowerOnOutline:
             return None
         theta = self.theta
         half = math.radians(tolerances.SPEED_WINDOW_DEG) / 2
+        if isinstance(self.outline.law, PlateLaw):
+            low, high = self.outline.law.span
+            half = _PLATE_WINDOW / 2
+            theta = np.clip(theta, low + half, high - half)
         outline_and_law = self.outline.law.contact
         turn = outline_and_law.angle(theta + half) - outline_and_law.angle(theta - half)
         wanted_turn = self._law(theta + half, 0) - self._law(theta - half, 0)

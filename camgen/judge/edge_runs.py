@@ -73,6 +73,14 @@ class GroundTip:
         return self.leaves * run(local, tip, across * np.asarray(x, float), chord)
 
 
+    def pressure_angle(self, s: Floats, slope: Floats) -> Floats:
+        """Angle between the contact's normal and the tip's way, rad, (n,), 0 or more; slope: ds/dx, mm or rad for a mm."""
+        way = self.way * (1j * np.exp(1j * s) if self.swings else np.ones(np.shape(s)))
+        normal = 1j * (way * slope - self.travel)
+        off = np.angle(way * np.conj(normal))
+        return np.asarray(np.minimum(np.abs(off), math.pi - np.abs(off)))
+
+
 def pressure_angle(tip: Tip, s: Floats, slope: Floats) -> Floats:
     """Angle between the contact's normal and the tip's way, rad, (n,), 0 or more; s: mm or rad, slope: ds/dx.
 

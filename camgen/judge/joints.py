@@ -16,10 +16,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from camgen.geometry.rings import Ring
-from camgen.judge.contact import RollingContact, contact
+from camgen.judge.contact import RollingContact, Touch, contact
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, Form, SlideTip
 from camgen.judge.edge_contact import EdgeContact
+from camgen.judge.edge_runs import GroundTip
 from camgen.judge.edges import Engagement
 from camgen.judge.measured import Readings
 from camgen.judge.meshes import MeshedWheel, Meshing
@@ -63,11 +64,14 @@ from camgen.machine.model import (
     centres_of,
     placed,
 )
+from camgen.machine.programs import CarriedLaw
 from camgen.numerics import ASKED, Floats, latest
 from camgen.tolerances import SAME_POINT
 
 STILL = Turning(0.0)  # law of a follower that stands still
 _STEEP = 0.25  # cosine of a pressure angle (75 deg) that no cam is meant to reach, so that a wrong one widens no limit
+_PLATE_CHORD = 1e-5  # mm, by which chords lie off a plate's arcs as they are run over
+_PLATE_STEP = 1e-5  # mm, over which the slope along a plate is taken
 _SLOPE = 1e-6  # rad of cam angle, over which the slope of a rolled motion is taken: shorter than any facet
 
 
@@ -121,6 +125,59 @@ class RollingLaw:
         return np.asarray(arm * np.maximum(np.cos(touch.pressure_angle), _STEEP))
 
 
+@dataclass(frozen=True, eq=False)
+class PlateLaw:
+    """A cam's law as its follower runs along the edge of a plate that slides: x is the plate's place less the phase, mm; s in rad, or
+    mm where it slides.
+
+    ring: of the plate on the ground at x = 0, its edges straight; span: of x, that is judged.
+    """
+
+    ring: Ring
+    tip: GroundTip
+    span: tuple[float, float]
+
+    def __call__(self, x: Floats, order: int = 0) -> Floats:
+        """s at x, (n,), or its derivative."""
+        if order > 1:
+            return np.zeros(np.shape(x))
+        return self._slopes(x) if order else self._places(x)
+
+    @cached_property
+    def _places(self) -> Callable[[ArrayLike], Floats]:
+        return latest(lambda x: self.tip.run(self.ring, np.asarray(x, float), _PLATE_CHORD), ASKED)
+
+    @cached_property
+    def _slopes(self) -> Callable[[ArrayLike], Floats]:
+        return latest(lambda x: (self(x + _PLATE_STEP) - self(x - _PLATE_STEP)) / (2 * _PLATE_STEP), ASKED)
+
+    @property
+    def contact(self) -> PlateLaw:
+        """Itself: it has touches."""
+        return self
+
+    def angle(self, x: Floats) -> Floats:
+        """s at x, (n,)."""
+        return self(x)
+
+    def touch(self, x: Floats) -> Touch:
+        """s and the pressure angle at x, (n,)."""
+        s = self(x)
+        steep = self.tip.pressure_angle(s, self(x, 1))
+        none = np.full(np.shape(x), np.nan)
+        return Touch(s, steep, np.zeros(np.shape(x), np.int64), none)
+
+    @property
+    def changes(self) -> Floats:
+        """Places at which the touch goes from one edge to the next: none is told."""
+        return np.empty(0)
+
+    def lever(self, x: Floats) -> Floats:
+        """Way of the tip square to the edge per unit of s, (n,) mm; of one that is too steep to be meant as if it were not."""
+        arm = abs(self.tip.way) if self.tip.swings else 1.0
+        return np.asarray(arm * np.maximum(np.cos(self.touch(x).pressure_angle), _STEEP))
+
+
 @dataclass(frozen=True)
 class Fit:
     """How a joint fits, mm."""
@@ -138,8 +195,8 @@ class Outline:
     off) and as wide as it is (`tight`); own: with the tip that a part has, None where no tip was found."""
 
     feature: CamOutline
-    law: RollingLaw
-    tight: RollingLaw
+    law: RollingLaw | PlateLaw
+    tight: RollingLaw | PlateLaw
     own: RollingLaw | None = None
 
     def play(self, other: Outline, theta: Floats) -> Floats:
@@ -618,9 +675,11 @@ class _Builder:
         facing: complex | None,
         radius: float,
         air: float,
-    ) -> RollingLaw:
+    ) -> RollingLaw | PlateLaw:
         """What a follower with this tip, so much larger, mm, rolls to on one outline."""
         radius += air
+        if joint.over is not None:
+            return self._plate_law(feature, joint, tip, radius)
         centre = self._pin_places(feature.turns, joint.cam)[1]
         ring, turn, shift = self._turning(feature, joint)
         form: Form
@@ -648,6 +707,28 @@ class _Builder:
             else:
                 form = SlideFace(start - air * feature.leaves * along, along, feature.leaves)
         return RollingLaw(contact(ring, form), lever, feature.nominal.lever, middle, turn, shift)
+
+    def _plate_law(self, feature: CamOutline, joint: Cam, tip: complex, radius: float) -> PlateLaw:
+        """What a follower with this round tip runs to along a plate's edge."""
+        assert joint.over is not None and isinstance(joint.law, CarriedLaw)
+        slide = self.joints[joint.over]
+        assert isinstance(slide, Slide)
+        travel = cmath.exp(1j * slide.angle)
+        turn = cmath.exp(1j * slide.turn)
+        place = slide.guide.at + joint.phase * travel - turn * slide.runner.at
+        mount = next(each for each in self.mounts if (each.part, each.body) == (feature.part, joint.cam))
+        ring = self.found.rings[feature]
+        ring = ring.moved(cmath.exp(1j * mount.angle), mount.at).moved(turn, place)
+        if feature.swings is not None:
+            axle, start = self._pin_places(feature.swings, joint.follower)
+            way = cmath.exp(1j * joint.rest) * (tip - axle)
+        else:
+            start, way = self._sliding(joint, tip)
+        points = ring.facetted(_PLATE_CHORD)
+        swings = feature.swings is not None
+        ground = GroundTip(radius, start, way, swings, feature.leaves, travel)
+        ways = joint.law.program.joints
+        return PlateLaw(Ring(points, np.zeros(len(points))), ground, (float(ways[0]), float(ways[-1])))
 
     def _turning(self, feature: CamOutline, joint: Cam) -> tuple[Ring, complex, complex]:
         """A cam's outline about its shaft at theta = 0, and how it is turned and then shifted there from its part's frame."""

@@ -21,6 +21,7 @@ from camgen.machine.features import (
     GearTeeth,
     Mark,
     Mount,
+    NominalCam,
     PawlPair,
     PinEyes,
     PinTracks,
@@ -40,7 +41,7 @@ from camgen.parts.generator.pins import bearing_name
 from camgen.parts.generator.plates import SECOND
 from camgen.parts.generator.ratchets import RatchetDrive
 from camgen.parts.generator.stubs import in_upper
-from camgen.parts.generator.wheels import Tip, pivot
+from camgen.parts.generator.wheels import PlateTip, Tip, pivot
 
 
 def part_name(link: str) -> str:
@@ -139,6 +140,7 @@ def features_of(layout: Layout, pins: Sequence[Mount]) -> Sequence[Feature]:
     found += [_ratchet(layout, drive) for drive in layout.ratchet_drives]
     found += [pair for drive in layout.cycloid_drives for pair in _cycloid(layout, drive)]
     found += [outline for tip in layout.tips for outline in _outlines(layout, tip)]
+    found += [_plate_outline(layout, plate) for plate in layout.plates]
     found += [*_keyed(layout), *_steady(layout, pins)]
     marks = (*layout.pens.items(), *layout.thread_posts.items())
     return [*found, *(Mark(_eye(layout, point, link)) for point, link in marks)]
@@ -246,6 +248,26 @@ def _outlines(layout: Layout, tip: Tip) -> Iterator[CamOutline]:
         wall = nominal_cam(tip.cam, tip.ridden.limits, outer=True)
         free = layout.fits.slide_clearance
         yield replace(driving, part=f"{name}-outer", inside=True, free=free, nominal=wall)
+
+
+def _plate_outline(layout: Layout, plate: PlateTip) -> CamOutline:
+    """What a roller runs on along a plate that slides; the hole of its pin is what holds it."""
+    joint = plate.joint
+    assert joint.over is not None
+    limits = plate.ridden.limits
+    arm = 1.0 if joint.slide is not None else abs(plate.cam.follower.velocity(0.0, 0).item())
+    lever = arm * math.cos(math.radians(plate.cam.steepest))
+    return CamOutline(
+        joint.name,
+        part_name(joint.cam),
+        joint.over,
+        pivot_of(layout, joint.follower) if joint.slide is None else None,
+        _eye(layout, plate.point, joint.follower),
+        plate.roller.radius,
+        plate.cam.follower.leaves,
+        roller=plate.roller.part,
+        nominal=NominalCam(None, lever, limits.ripple, limits.undercut),
+    )
 
 
 def _cycloid(layout: Layout, drive: CycloidDrive) -> Iterator[EngagedPair]:
