@@ -23,7 +23,6 @@ from camgen.machine.model import Cam, Law, Machine
 from camgen.numerics import Floats
 from camgen.study import Figure
 
-
 _PLATE_WINDOW = 1.0  # mm of a plate's way, over which a speed is a mean
 
 
@@ -35,10 +34,13 @@ def judged_angles() -> Floats:
 
 def judged_places(law: RollingLaw | PlateLaw) -> Floats:
     """Angles of a cam, rad, or places of a plate, mm, at which a follower is judged."""
-    if isinstance(law, RollingLaw):
-        return judged_angles()
-    low, high = law.span
-    return low + (high - low) * judged_angles()[::4] / math.tau
+    return judged_angles() if isinstance(law, RollingLaw) else judged_way(law.span)
+
+
+def judged_way(span: tuple[float, float]) -> Floats:
+    """Places of a plate, (n,) mm, within its way."""
+    low, high = span
+    return np.asarray(low + (high - low) * judged_angles()[::4] / math.tau)
 
 
 def s_unit(joint: Cam) -> tuple[str, float]:
@@ -294,7 +296,8 @@ def judge_cams(
 
 def _tips(outlines: Sequence[Outline]) -> list[Figure]:
     """Where a follower of several parts has its tips at s = 0, mm."""
-    rides = {outline.feature.part: outline.law.contact.form for outline in outlines}
+    laws = ((each.feature.part, each.law) for each in outlines)
+    rides = {part: law.contact.form for part, law in laws if isinstance(law, RollingLaw)}
     figures: list[Figure] = []
     for part, form in rides.items() if len(rides) > 1 else ():
         if isinstance(form, ArmTip | ArmFace):

@@ -72,7 +72,6 @@ class GroundTip:
             tip = Tip(self.radius, complex(start), along=self.leaves * complex(way))
         return self.leaves * run(local, tip, across * np.asarray(x, float), chord)
 
-
     def pressure_angle(self, s: Floats, slope: Floats) -> Floats:
         """Angle between the contact's normal and the tip's way, rad, (n,), 0 or more; slope: ds/dx, mm or rad for a mm."""
         way = self.way * (1j * np.exp(1j * s) if self.swings else np.ones(np.shape(s)))

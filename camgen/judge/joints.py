@@ -149,7 +149,9 @@ class PlateLaw:
 
     @cached_property
     def _slopes(self) -> Callable[[ArrayLike], Floats]:
-        return latest(lambda x: (self(x + _PLATE_STEP) - self(x - _PLATE_STEP)) / (2 * _PLATE_STEP), ASKED)
+        return latest(
+            lambda x: (self(x + _PLATE_STEP) - self(x - _PLATE_STEP)) / (2 * _PLATE_STEP), ASKED
+        )
 
     @property
     def contact(self) -> PlateLaw:
@@ -176,6 +178,13 @@ class PlateLaw:
         """Way of the tip square to the edge per unit of s, (n,) mm; of one that is too steep to be meant as if it were not."""
         arm = abs(self.tip.way) if self.tip.swings else 1.0
         return np.asarray(arm * np.maximum(np.cos(self.touch(x).pressure_angle), _STEEP))
+
+
+def way_of(joint: Cam) -> tuple[float, float]:
+    """From where to where the program of a plate runs, mm from its drawn place."""
+    assert isinstance(joint.law, CarriedLaw)
+    ways = joint.law.program.joints
+    return float(ways[0]), float(ways[-1])
 
 
 @dataclass(frozen=True)
@@ -710,13 +719,15 @@ class _Builder:
 
     def _plate_law(self, feature: CamOutline, joint: Cam, tip: complex, radius: float) -> PlateLaw:
         """What a follower with this round tip runs to along a plate's edge."""
-        assert joint.over is not None and isinstance(joint.law, CarriedLaw)
+        assert joint.over is not None
         slide = self.joints[joint.over]
         assert isinstance(slide, Slide)
         travel = cmath.exp(1j * slide.angle)
         turn = cmath.exp(1j * slide.turn)
         place = slide.guide.at + joint.phase * travel - turn * slide.runner.at
-        mount = next(each for each in self.mounts if (each.part, each.body) == (feature.part, joint.cam))
+        mount = next(
+            each for each in self.mounts if (each.part, each.body) == (feature.part, joint.cam)
+        )
         ring = self.found.rings[feature]
         ring = ring.moved(cmath.exp(1j * mount.angle), mount.at).moved(turn, place)
         if feature.swings is not None:
@@ -727,8 +738,7 @@ class _Builder:
         points = ring.facetted(_PLATE_CHORD)
         swings = feature.swings is not None
         ground = GroundTip(radius, start, way, swings, feature.leaves, travel)
-        ways = joint.law.program.joints
-        return PlateLaw(Ring(points, np.zeros(len(points))), ground, (float(ways[0]), float(ways[-1])))
+        return PlateLaw(Ring(points, np.zeros(len(points))), ground, way_of(joint))
 
     def _turning(self, feature: CamOutline, joint: Cam) -> tuple[Ring, complex, complex]:
         """A cam's outline about its shaft at theta = 0, and how it is turned and then shifted there from its part's frame."""

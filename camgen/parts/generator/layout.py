@@ -590,7 +590,9 @@ class Layout(Connections):
         return {
             link: guide(
                 joint,
-                Runner(self.round_hubs(link), bool(self.slots_of(link)), head, self.plate_edge(link)),
+                Runner(
+                    self.round_hubs(link), bool(self.slots_of(link)), head, self.plate_edge(link)
+                ),
                 Way(self.strokes[joint.name], self._clear(link)),
                 Rails(width, play, self.sizes.shape(link).rails, self.cover),
                 self.stems.get(link, "along"),

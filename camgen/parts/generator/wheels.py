@@ -29,8 +29,8 @@ from camgen.machine.cams.followers import (
     SwingingArm,
     SwingingFace,
 )
-from camgen.machine.cams.linear import WAY, LinearCam, PlateArm, PlateSlide, seen_from_left
 from camgen.machine.cams.limits import Advice, CamLimits, ExactCam, cam_findings
+from camgen.machine.cams.linear import WAY, LinearCam, PlateArm, PlateSlide, seen_from_left
 from camgen.machine.cams.machine import CamTouch
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.programs import CamLaw, CarriedLaw
@@ -212,7 +212,16 @@ class PlateTip:
         wheel = Wheel(self.level, self.joint.cam, 0.0, about)
         name = level_of(self.joint.name)
         radius = self.ridden.radius or 0.0
-        return Roller(self.level, self.joint.name, self.joint.follower, self.point, radius, wheel, about, own=name)
+        return Roller(
+            self.level,
+            self.joint.name,
+            self.joint.follower,
+            self.point,
+            radius,
+            wheel,
+            about,
+            own=name,
+        )
 
     def outline(self, lowest: Sequence[tuple[complex, float]], ends: float, deep: float) -> Contour:
         """The plate's edge in its link's axes, counter-clockwise: the track, so much straight on at both ends, a bottom so deep
@@ -223,7 +232,8 @@ class PlateTip:
         edge = cam.edge
         low, high = cam.range
         first, last = (
-            complex(cam.follower.normal(np.array([t]), cam.program)[0]) for t in (low + _INSIDE, high - _INSIDE)
+            complex(cam.follower.normal(np.array([t]), cam.program)[0])
+            for t in (low + _INSIDE, high - _INSIDE)
         )
         left = start_point(edge[0])
         right = end_point(edge[-1])
