@@ -166,6 +166,38 @@ def seen_from_left(cam: LinearCam) -> LinearCam:
     return LinearCam(program, replace(follower, travel=-follower.travel))
 
 
+@dataclass(frozen=True)
+class PlateTouch:
+    """Where a plate is touched, on its body as that stands turned and shifted: body = at + turn * ground at x = 0.
+
+    cam: seen from the left; sense: +1 or -1, of its theta over the plate's way.
+    """
+
+    cam: LinearCam
+    sense: int
+    turn: complex = 1 + 0j
+    at: complex = 0j
+
+    def _theta(self, way: Floats) -> Floats:
+        low, high = self.cam.range
+        return np.clip(self.sense * np.asarray(way, float) / WAY, low + _BESIDE, high - _BESIDE)
+
+    def __call__(self, way: Floats) -> tuple[Points, Points]:
+        """Place, complex mm, and unit normal into the follower at places of the plate, (n,) mm."""
+        theta = self._theta(way)
+        program = self.cam.program
+        place = self.cam.follower.envelope(theta, program, 0)
+        return self.at + self.turn * place, self.turn * self.cam.follower.normal(theta, program)
+
+    def radius(self, way: Floats) -> Floats:
+        """Radius of curvature there, mm, above 0 where it is convex, (n,)."""
+        return self.cam.follower.radius(self._theta(way), self.cam.program)
+
+    def across(self, way: Floats) -> Floats:
+        """Radius of the tip, mm, (n,)."""
+        return np.full(np.shape(way), self.cam.follower.tip_radius)
+
+
 def _within(cam: LinearCam, low: float, high: float, theta: Floats, order: int) -> Points:
     """The envelope of one stretch; at its ends derivatives are those of the inside."""
     if order:

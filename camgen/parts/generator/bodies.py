@@ -17,6 +17,7 @@ thread   over posts that stand over all links: threads.py
 
 from __future__ import annotations
 
+import cmath
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
@@ -491,6 +492,10 @@ class Bodies:
             elif isinstance(joint, m.Cam) and joint.name in layout.cams and joint.over is None:
                 shaft = layout.at(joint.cam, layout.shaft_of(joint.cam))
                 joint = with_touches(joint, layout.tips, shaft)
+            elif isinstance(joint, m.Cam) and joint.over is not None:
+                way = cmath.exp(1j * layout.machine.slide(joint.over).angle)
+                plate = next(each for each in layout.plates if each.joint.name == joint.name)
+                joint = plate.touched(way)
             joints.append(joint)
         return replace(layout.machine, joints=tuple(joints))
 

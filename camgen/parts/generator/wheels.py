@@ -30,7 +30,14 @@ from camgen.machine.cams.followers import (
     SwingingFace,
 )
 from camgen.machine.cams.limits import Advice, CamLimits, ExactCam, cam_findings
-from camgen.machine.cams.linear import WAY, LinearCam, PlateArm, PlateSlide, seen_from_left
+from camgen.machine.cams.linear import (
+    WAY,
+    LinearCam,
+    PlateArm,
+    PlateSlide,
+    PlateTouch,
+    seen_from_left,
+)
 from camgen.machine.cams.machine import CamTouch
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.programs import CamLaw, CarriedLaw
@@ -204,6 +211,13 @@ class PlateTip:
     def level(self) -> str:
         """Its link's."""
         return self.joint.cam
+
+    def touched(self, travel: complex) -> m.Cam:
+        """The joint with what touches it; travel: of its link, unit vector of the ground."""
+        sense = 1 if (self.cam.follower.travel * travel.conjugate()).real > 0 else -1
+        turn = cmath.exp(-1j * self.pose.angle)
+        touch = PlateTouch(self.cam, sense, turn, -self.pose.place * turn)
+        return replace(self.joint, touches=(touch,), leaves=self.cam.follower.leaves)
 
     @property
     def roller(self) -> Roller:
