@@ -153,6 +153,8 @@ class PlateLaw:
             lambda x: (self(x + _PLATE_STEP) - self(x - _PLATE_STEP)) / (2 * _PLATE_STEP), ASKED
         )
 
+    middle = 0.0
+
     @property
     def contact(self) -> PlateLaw:
         """Itself: it has touches."""
@@ -206,7 +208,7 @@ class Outline:
     feature: CamOutline
     law: RollingLaw | PlateLaw
     tight: RollingLaw | PlateLaw
-    own: RollingLaw | None = None
+    own: RollingLaw | PlateLaw | None = None
 
     def play(self, other: Outline, theta: Floats) -> Floats:
         """Way of the follower from this outline to another one, rad or mm, (n,); below 0 they are in each other's way."""
@@ -521,11 +523,13 @@ class _Builder:
     def _cam(self, feature: CamOutline, joint: Cam) -> None:
         """Its joint stays: which outline drives is said later."""
         if isinstance(feature.tip, Edge):
-            law = self._edge_law(feature, joint, feature.tip)
-            self.outlines.setdefault(joint.name, []).append(Outline(feature, law, law))
+            edge = self._edge_law(feature, joint, feature.tip)
+            self.outlines.setdefault(joint.name, []).append(Outline(feature, edge, edge))
             return
         try:
             tip, facing, radius = self._tip(feature, joint)
+            law: RollingLaw | PlateLaw
+            tight: RollingLaw | PlateLaw
             law = tight = self._rolling_law(feature, joint, tip, facing, radius, feature.free)
             if feature.free:
                 tight = self._rolling_law(feature, joint, tip, facing, radius, 0.0)
@@ -658,7 +662,7 @@ class _Builder:
         turn = cmath.exp(1j * mount.angle) * (-1 if mount.flipped else 1)
         return self.found.edges[edge].moved(turn, shift, mirror=mount.flipped)
 
-    def _own(self, feature: CamOutline, joint: Cam) -> RollingLaw | None:
+    def _own(self, feature: CamOutline, joint: Cam) -> RollingLaw | PlateLaw | None:
         """What the follower's own tip rolls to; None where it is lost or does not fit the cam."""
         own = feature.own
         eyes = self.found.eyes

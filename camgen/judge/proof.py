@@ -169,12 +169,6 @@ class Proof:
             self._closed = (key, closed)
         return self._closed[1]
 
-    def _argument(self, joint: Cam, q: Floats) -> Any:
-        """What a cam's law is asked at: its angle, rad, or its place, mm, less the phase."""
-        if joint.over is None:
-            return self._system.angle(joint.cam, q) - joint.phase
-        return self._system.along(joint.over, q, None)[0] - joint.phase
-
     def _at(self, theta: Floats) -> Mapping[str, Response]:
         """All outputs by the joints as they are, (n,)."""
         closed = close(self._system, theta, self._meant.near(theta), 1)
@@ -183,7 +177,7 @@ class Proof:
         plays: dict[str, Any] = dict(self.plays)
         for joint in self.machine.joints:
             if isinstance(joint, Cam) and isinstance(joint.law, RollingLaw | PlateLaw | Engagement):
-                angle = self._argument(joint, closed.q)
+                angle = self._system.argument(joint, closed.q)
                 angle = np.broadcast_to(angle, theta.shape)
                 levers[joint.name] = joint.law.lever(angle)
                 if isinstance(joint.law, Engagement):

@@ -276,6 +276,11 @@ class Constraints:
                 curvature = curvature - each.law(angle, 2) * rates[:, k] ** 2
         rows.add(value - each.rest - each.law(angle, 0), slopes, curvature)
 
+    def argument(self, cam: Cam, q: Floats) -> Floats:
+        """What the law of a cam is asked at in these poses, (n,): its angle, rad, or its place along its slide, mm, less the phase."""
+        carried = self.angle(cam.cam, q) if cam.over is None else self.along(cam.over, q, None)[0]
+        return np.asarray(carried - cam.phase + np.zeros(len(q)))
+
     def _write_linear(
         self,
         each: Cam,

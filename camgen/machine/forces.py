@@ -179,6 +179,7 @@ def _contact(
     per_s = solve(slopes, unit)  # how all bodies move for a unit of s, the drives held
     column = system.column[cam.cam]
     angle = system.angle(cam.cam, q) + np.zeros(len(q))
+    argument = system.argument(cam, q)
     force = np.full(len(q), np.nan)
     wrenches = np.zeros(q.shape)
     for k, touch in enumerate(cam.touches[:2]):
@@ -188,7 +189,7 @@ def _contact(
             if len(cam.touches) == 1
             else (effort * cam.leaves >= 0) == (k == 0)
         )
-        place, normal = touch(angle - cam.phase)
+        place, normal = touch(argument)
         turn = np.exp(1j * angle)
         point = q[:, column] + 1j * q[:, column + 1] + place * turn
         push = normal * turn

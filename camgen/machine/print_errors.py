@@ -274,7 +274,7 @@ def _contact(cam: Cam, side: int, system: Constraints, q: Floats, waves: Sequenc
     """One side of a cam at the poses."""
     column = system.column[cam.cam]
     angle = system.angle(cam.cam, q) + np.zeros(len(q))
-    place, normal = cam.touches[side](angle - cam.phase)
+    place, normal = cam.touches[side](system.argument(cam, q))
     turn = np.exp(1j * angle)
     way = system.wrench(cam, q, q[:, column] + 1j * q[:, column + 1] + place * turn, normal * turn)
     return _Contact(cam, side, way, waviness(place, normal, waves))

@@ -169,7 +169,7 @@ def _track(mechanism: Mechanism, part: Part, step: float) -> Iterator[tuple[floa
     joint = assembly.machine.joint(outline.joint)
     assert isinstance(joint, Cam)
     mounts = [each for each in assembly.mounts if each.part == part.name and each.body == joint.cam]
-    if not joint.touches or len(mounts) != 1:
+    if not joint.touches or joint.over is not None or len(mounts) != 1:
         return
     (mount,) = mounts
     turned = np.arange(0.0, 360.0, step)

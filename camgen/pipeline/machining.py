@@ -23,7 +23,7 @@ from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.outlines import Arc, Piece, Region, end_point, start_point
 from camgen.geometry.rings import Ring
 from camgen.judge.cams import outline_and_law
-from camgen.judge.joints import RollingLaw
+from camgen.judge.joints import PlateLaw, RollingLaw
 from camgen.judge.machine_tables import Profile, Step, judge_path, judge_profile
 from camgen.judge.round_trip import pieces_of
 from camgen.machine.cams.machine import CamTouch
@@ -219,7 +219,7 @@ def judge_tables(case: Case) -> list[Finding]:
     return findings
 
 
-def _rolled(mechanism: Mechanism, part: str, rings: Sequence[Ring]) -> RollingLaw:
+def _rolled(mechanism: Mechanism, part: str, rings: Sequence[Ring]) -> RollingLaw | PlateLaw:
     """What the follower rolls to on a part's outline as it is drawn; ValueError where it does not fit."""
     feature = next(
         each

@@ -160,7 +160,7 @@ def _followers(
 def _steepest(design: FollowerOnOutline) -> float:
     """Largest pressure angle of the exact curve, deg; of one without a formula that of its facets."""
     joint = design.joint
-    if not joint.touches:
+    if not joint.touches or joint.over is not None:
         return design.pressure_angle
     steep = joint.touches[0].cam.pressure_angle_untrimmed(design.theta)  # type: ignore[attr-defined]
     return math.degrees(float(np.nanmax(np.abs(steep))))

@@ -18,7 +18,7 @@ import numpy as np
 from camgen.errors import Fault, SpecError
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.rings import Ring, Shape
-from camgen.judge.joints import RollingLaw
+from camgen.judge.joints import PlateLaw, RollingLaw
 from camgen.machine.closing import close
 from camgen.machine.constraints import Constraints
 from camgen.machine.features import CamOutline, Eye, Mark, judged_outputs
@@ -247,6 +247,8 @@ def _bends(spread: Spread) -> dict[str, Bend]:
     poses = run.poses()
     bends = {}
     for cam, output in zip(cams, outputs, strict=True):
+        if cam.over is not None:
+            continue
         angle = np.asarray(system.angle(cam.cam, poses) + np.zeros(len(poses))) - cam.phase
         turned = float(angle[-1] - angle[0])
         if abs(abs(turned) - math.tau) < 1e-9 and np.all(np.diff(angle) * turned > 0):
@@ -400,7 +402,7 @@ def rolled_outputs(spread: Spread, errors: Floats) -> dict[str, Any]:
 
 def laws_of(
     spread: Spread, errors: Floats, shifted: Machine
-) -> dict[str, tuple[CamOutline, RollingLaw]]:
+) -> dict[str, tuple[CamOutline, RollingLaw | PlateLaw]]:
     """Of each cam of one copy what its follower rolls to on the displaced outline, and the outline with its own tip; shifted: the
     machine with its joints' centres off, see `shifted_by`."""
     from camgen.judge.cams import outline_and_law

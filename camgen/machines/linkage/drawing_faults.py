@@ -359,10 +359,10 @@ def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:
 def _plate_faults(drawing: Drawing, path: Key, cam: t.Cam) -> Iterable[Fault]:
     """Of a cam that is a plate."""
     plate = "nothing here: the cam is a plate that slides"
-    if cam.shape == "flat":
-        yield Fault(
-            (*path, "shape"), repr(cam.shape), '"roller" or "knife": a plate moves no flat face'
-        )
+    if cam.shape != "roller":
+        yield Fault((*path, "shape"), repr(cam.shape), '"roller": nothing else runs on a plate')
+    if cam.spring is not None:
+        yield Fault((*path, "spring"), "", f"{plate}: a [[spring]] between two pins presses on it")
     if cam.closure != "force":
         yield Fault((*path, "closure"), repr(cam.closure), '"force": a plate has one edge')
     if cam.base_radius is not None:

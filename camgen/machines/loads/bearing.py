@@ -209,7 +209,7 @@ def contacts(run: Run, forces: Forces, assembly: Assembly, load: Weight | None) 
                 needs = "a spring or weight that keeps the follower on its cam"
                 check.not_judged.append(NotJudged("HERTZ", why, needs))
             continue
-        angle = _angle(run, joint.cam) - joint.phase
+        angle = run.argument(joint)[0]
         if np.any(joint.touches[0].across(angle) == 0):  # type: ignore[attr-defined]
             why = f"a knife edge touches at {joint.name}: it has no width, and no formula gives its pressure"
             check.not_judged.append(NotJudged("HERTZ", why, "a roller or a flat face"))

@@ -92,7 +92,7 @@ class Runner:
         if self.plate is None:
             return self.hubs
         edge = facet_contour(self.plate, _COARSE)
-        return [*self.hubs, *((complex(z), 0.0) for z in edge[hull_corners(edge)])]
+        return [*self.hubs, *((complex(z), 0.0) for z in edge[hull_corners(edge.tolist())])]
 
 
 @dataclass(frozen=True)

@@ -264,7 +264,7 @@ def _plate_outline(layout: Layout, plate: PlateTip) -> CamOutline:
         pivot_of(layout, joint.follower) if joint.slide is None else None,
         _eye(layout, plate.point, joint.follower),
         plate.roller.radius,
-        plate.cam.follower.leaves,
+        1 if plate.cam.follower.leaves > 0 else -1,
         roller=plate.roller.part,
         nominal=NominalCam(None, lever, limits.ripple, limits.undercut),
     )
