@@ -321,7 +321,8 @@ def _own_tip(
     if outline.own is None:
         reason = "the part has no such tip, or it does not fit the cam"
         return at_most("TIP_MOTION", math.nan, 2 * motion.limit, motion.unit, file, reason), []
-    radius = getattr(outline.own.contact.form, "tip_radius", 0.0) - outline.feature.free
+    form = None if isinstance(outline.own, PlateLaw) else outline.own.contact.form
+    radius = getattr(form, "tip_radius", 0.0) - outline.feature.free
     what = "roller on the frame's pin" if own.radius is not None else "frame's own tip"
     remark = f"the {what}, radius {radius:z.4f} mm, on the cam, both from the files"
     finding = at_most(

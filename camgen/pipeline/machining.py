@@ -23,7 +23,7 @@ from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.outlines import Arc, Piece, Region, end_point, start_point
 from camgen.geometry.rings import Ring
 from camgen.judge.cams import outline_and_law
-from camgen.judge.joints import PlateLaw, RollingLaw
+from camgen.judge.joints import RollingLaw
 from camgen.judge.machine_tables import Profile, Step, judge_path, judge_profile
 from camgen.judge.round_trip import pieces_of
 from camgen.machine.cams.machine import CamTouch
@@ -219,7 +219,7 @@ def judge_tables(case: Case) -> list[Finding]:
     return findings
 
 
-def _rolled(mechanism: Mechanism, part: str, rings: Sequence[Ring]) -> RollingLaw | PlateLaw:
+def _rolled(mechanism: Mechanism, part: str, rings: Sequence[Ring]) -> RollingLaw:
     """What the follower rolls to on a part's outline as it is drawn; ValueError where it does not fit."""
     feature = next(
         each
@@ -228,7 +228,9 @@ def _rolled(mechanism: Mechanism, part: str, rings: Sequence[Ring]) -> RollingLa
     )
     made = mechanism.assembly
     sections = [pieces_of(rings)]
-    return outline_and_law(mechanism.model, feature, made.mounts, sections, made.shoe(feature))[1]
+    law = outline_and_law(mechanism.model, feature, made.mounts, sections, made.shoe(feature))[1]
+    assert isinstance(law, RollingLaw), "a plate has no table over a turn"
+    return law
 
 
 def _rows(path: Path, columns: Sequence[str]) -> list[list[str]]:
