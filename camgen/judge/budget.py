@@ -12,7 +12,7 @@ from camgen.geometry.deviation import outline_error
 from camgen.geometry.outlines import Contour, Floats
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.cams import judged_angles, judged_way, outline_and_law, s_unit
-from camgen.judge.joints import Nominal, way_of
+from camgen.judge.joints import Nominal
 from camgen.judge.measured import Sections
 from camgen.machine.features import CamOutline
 from camgen.machine.model import Cam
@@ -43,7 +43,7 @@ def error_budget(
     joint = nominal.machine.joint(drive.joint)
     assert isinstance(joint, Cam), f"{drive.joint} is no cam"
     unit, scale = s_unit(joint)
-    theta = judged_angles() if joint.over is None else judged_way(way_of(joint))
+    theta = judged_angles() if drive.way is None else judged_way(drive.way)
 
     def follow(sections: Sections) -> tuple[Ring, Floats]:
         """The outline about its bore, and s on it."""

@@ -64,7 +64,6 @@ from camgen.machine.model import (
     centres_of,
     placed,
 )
-from camgen.machine.programs import CarriedLaw
 from camgen.numerics import ASKED, Floats, latest
 from camgen.tolerances import SAME_POINT
 
@@ -180,13 +179,6 @@ class PlateLaw:
         """Way of the tip square to the edge per unit of s, (n,) mm; of one that is too steep to be meant as if it were not."""
         arm = abs(self.tip.way) if self.tip.swings else 1.0
         return np.asarray(arm * np.maximum(np.cos(self.touch(x).pressure_angle), _STEEP))
-
-
-def way_of(joint: Cam) -> tuple[float, float]:
-    """From where to where the program of a plate runs, mm from its drawn place."""
-    assert isinstance(joint.law, CarriedLaw)
-    ways = joint.law.program.joints
-    return float(ways[0]), float(ways[-1])
 
 
 @dataclass(frozen=True)
@@ -723,7 +715,7 @@ class _Builder:
 
     def _plate_law(self, feature: CamOutline, joint: Cam, tip: complex, radius: float) -> PlateLaw:
         """What a follower with this round tip runs to along a plate's edge."""
-        assert joint.over is not None
+        assert joint.over is not None and feature.way is not None
         slide = self.joints[joint.over]
         assert isinstance(slide, Slide)
         travel = cmath.exp(1j * slide.angle)
@@ -742,7 +734,7 @@ class _Builder:
         points = ring.facetted(_PLATE_CHORD)
         swings = feature.swings is not None
         ground = GroundTip(radius, start, way, swings, feature.leaves, travel)
-        return PlateLaw(Ring(points, np.zeros(len(points))), ground, way_of(joint))
+        return PlateLaw(Ring(points, np.zeros(len(points))), ground, feature.way)
 
     def _turning(self, feature: CamOutline, joint: Cam) -> tuple[Ring, complex, complex]:
         """A cam's outline about its shaft at theta = 0, and how it is turned and then shifted there from its part's frame."""

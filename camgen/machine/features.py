@@ -178,6 +178,8 @@ class CamOutline:
     )
     own: OwnTip | None = None  # the tip as a part has it, judged by itself
     roller: str | None = None  # the part that runs there, where the tip is its seat
+    # of a plate that slides: from where to where its program runs, mm from its drawn place
+    way: tuple[float, float] | None = None
     nominal: NominalCam = NominalCam()
     # of a part that has one in each of its layers: which layer, from the bottom, of how many; None: the part's largest
     layer: tuple[int, int] | None = None

@@ -26,6 +26,7 @@ from camgen.errors import DesignError
 from camgen.geometry.outlines import Line, Piece, Smooth, end_point, start_point
 from camgen.machine.cams.followers import Motion, SlidingTip, SwingingArm
 from camgen.machine.cams.profile import sharpness
+from camgen.motion.program import Program
 from camgen.motion.stroke import Stroke
 from camgen.numerics import Floats, Points, greatest
 
@@ -147,6 +148,12 @@ class LinearCam:
             where = f"{WAY * at:.4g} mm of the way"
             remedy = "the arm carries its tip along faster than the plate goes: use a longer span"
             raise DesignError("way of the tip over the plate", -back / WAY, 0.0, "", where, remedy)
+
+
+def over_way(program: Program, follower: PlateSlide | PlateArm) -> LinearCam:
+    """The cam of a program over mm of the way."""
+    segments = tuple(replace(each, span=each.span / WAY) for each in program.segments)
+    return LinearCam(Stroke(segments), follower)
 
 
 def seen_from_left(cam: LinearCam) -> LinearCam:

@@ -266,6 +266,7 @@ def _plate_outline(layout: Layout, plate: PlateTip) -> CamOutline:
         plate.roller.radius,
         1 if plate.cam.follower.leaves > 0 else -1,
         roller=plate.roller.part,
+        way=plate.way,
         nominal=NominalCam(None, lever, limits.ripple, limits.undercut),
     )
 

@@ -31,17 +31,16 @@ from camgen.machine.cams.followers import (
 )
 from camgen.machine.cams.limits import Advice, CamLimits, ExactCam, cam_findings
 from camgen.machine.cams.linear import (
-    WAY,
     LinearCam,
     PlateArm,
     PlateSlide,
     PlateTouch,
+    over_way,
     seen_from_left,
 )
 from camgen.machine.cams.machine import CamTouch
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.programs import CamLaw, CarriedLaw
-from camgen.motion.stroke import Stroke
 from camgen.numerics import peak
 from camgen.parts.generator.sizes import Parts
 
@@ -212,6 +211,13 @@ class PlateTip:
         """Its link's."""
         return self.joint.cam
 
+    @property
+    def way(self) -> tuple[float, float]:
+        """From where to where its program runs, mm from its drawn place."""
+        assert isinstance(self.joint.law, CarriedLaw)
+        ways = self.joint.law.program.joints
+        return float(ways[0]), float(ways[-1])
+
     def touched(self, travel: complex) -> m.Cam:
         """The joint with what touches it; travel: of its link, unit vector of the ground."""
         sense = 1 if (self.cam.follower.travel * travel.conjugate()).real > 0 else -1
@@ -378,9 +384,8 @@ def plate_of(machine: m.Machine, joint: m.Cam, spec: Ridden) -> LinearCam:
     follower = follower_of(machine, joint, spec, spec.at, sign)
     kind = PlateArm if joint.slide is None else PlateSlide
     seen = kind(**vars(follower), travel=cmath.exp(1j * carrier.angle))
-    segments = (replace(each, span=each.span / WAY) for each in joint.law.signed.segments)
     try:
-        cam = seen_from_left(LinearCam(Stroke(tuple(segments)), seen))
+        cam = seen_from_left(over_way(joint.law.signed, seen))
         cam.edge  # noqa: B018  refuses what is no edge
     except DesignError as error:
         raise named(error, f"cam {joint.name}") from None
