@@ -151,9 +151,11 @@ class FollowerOnOutline:
             return None
         theta = self.theta
         half = math.radians(tolerances.SPEED_WINDOW_DEG) / 2
+        window = f"{tolerances.SPEED_WINDOW_DEG:g} deg of cam angle"
         if isinstance(self.outline.law, PlateLaw):
             low, high = self.outline.law.span
-            half = _PLATE_WINDOW / 2
+            half = min(_PLATE_WINDOW, high - low) / 2
+            window = f"{2 * half:g} mm of the plate's way"
             theta = np.clip(theta, low + half, high - half)
         outline_and_law = self.outline.law.contact
         turn = outline_and_law.angle(theta + half) - outline_and_law.angle(theta - half)
@@ -166,7 +168,7 @@ class FollowerOnOutline:
             self.nominal.ripple,
             "share",
             self.place(worst),
-            f"of the greatest speed, averaged over {tolerances.SPEED_WINDOW_DEG:g} deg of cam angle; "
+            f"of the greatest speed, averaged over {window}; "
             "a smaller accuracy.chord_tolerance lowers it",
         )
 

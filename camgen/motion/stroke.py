@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from camgen.errors import Fault, SpecError
+from camgen.errors import Fault, Key, SpecError
 from camgen.motion.program import Program
 from camgen.motion.segments import Kind, NamedLaw, SegmentTable, program
 from camgen.numerics import Floats
@@ -69,15 +69,18 @@ class Stroke(Program):
         return [0.0, *super().jumps(order)[1:]]
 
 
-def stroke(rows: Sequence[StrokeSegment], unit: float, scale: float) -> Stroke:
-    """The program of these rows, from displacement 0; unit: what one of the spec's lifts is in s; scale: of a mm of the way.
+def stroke(
+    rows: Sequence[StrokeSegment], unit: float, scale: float, path: Key = (), suffix: str = ""
+) -> Stroke:
+    """The program of these rows, from displacement 0; unit: what one of the spec's lifts is in s; scale: of a mm of the way;
+    path: of the table with the segments; suffix: of their keys `lift` and `to`, such as "_deg".
 
     SpecError with every fault. Laws that are chosen join a follower that rests at both ends of the way.
     """
     length = math.fsum(row.span for row in rows)
     short = [
         Fault(
-            ("segment", k, "span"),
+            (*path, "segment", k, "span"),
             f"{row.span:g}",
             f"at least {_LEAST * length:.3g} mm: {_LEAST:g} of the way",
         )
@@ -104,9 +107,9 @@ def stroke(rows: Sequence[StrokeSegment], unit: float, scale: float) -> Stroke:
         for part, keys in zip(_CLOSING, (rest, back, rest), strict=True)
     ]
     try:
-        closed = program(tables, unit)
+        closed = program(tables, unit, suffix=suffix)
     except SpecError as error:
-        raise SpecError([_of_row(fault, len(rows)) for fault in error.faults]) from None
+        raise SpecError([_of_row(fault, path, len(rows)) for fault in error.faults]) from None
     return Stroke(
         tuple(
             replace(segment, span=scale * row.span)
@@ -115,9 +118,10 @@ def stroke(rows: Sequence[StrokeSegment], unit: float, scale: float) -> Stroke:
     )
 
 
-def _of_row(fault: Fault, count: int) -> Fault:
+def _of_row(fault: Fault, above: Key, count: int) -> Fault:
     """A fault by the keys of a row."""
     path = fault.path
     if len(path) > 1 and path[1] in range(count, count + len(_CLOSING)):  # nobody's
         path = ("segment",)
-    return replace(fault, path=tuple("span" if key == "span_deg" else key for key in path))
+    named = ("span" if key == "span_deg" else key for key in path)
+    return replace(fault, path=(*above, *named))

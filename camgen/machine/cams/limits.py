@@ -21,6 +21,7 @@ import numpy as np
 from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.facets import facet_contour
 from camgen.machine.cams.followers import SwingingArm, SwingingFace
+from camgen.machine.cams.linear import LinearCam
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.cams.shoes import SwingingShoe
 from camgen.motion.program import Program
@@ -46,7 +47,7 @@ class CamLimits:
     rounding: float = 0.1  # of a table's rows, as a share of its greatest acceleration
     continuous: int = 2  # highest derivative of s that must not jump; -1: no check
 
-    def steepest(self, cam: DiscCam[Any]) -> float:
+    def steepest(self, cam: DiscCam[Any] | LinearCam) -> float:
         """The pressure angle that this cam may reach, deg."""
         if self.pressure_angle is not None:
             return self.pressure_angle
@@ -86,12 +87,12 @@ class ExactCam:
     advice: Advice
 
 
-def swings(cam: DiscCam[Any]) -> bool:
+def swings(cam: DiscCam[Any] | LinearCam) -> bool:
     """Whether its follower turns about a pivot."""
     return isinstance(cam.follower, SwingingArm | SwingingFace | SwingingShoe)
 
 
-def unit_of(cam: DiscCam[Any]) -> tuple[str, float]:
+def unit_of(cam: DiscCam[Any] | LinearCam) -> tuple[str, float]:
     """What people read s in, and how many of it one unit of s is."""
     return ("deg", math.degrees(1)) if swings(cam) else ("mm", 1.0)
 
@@ -125,6 +126,16 @@ def cam_findings(
     return [
         *findings,
         *program_findings(first.cam.program, unit_of(first.cam), limits, smoother, program),
+    ]
+
+
+def edge_findings(cam: LinearCam, limits: CamLimits, where: str, flatter: str) -> list[Finding]:
+    """PRESSURE_ANGLE and CURVATURE of a plate's edge; flatter: what lowers the angle and widens the edge, by the keys of the spec."""
+    steep = limits.steepest(cam)
+    curved = f"least radius of the convex edge; {flatter} widens it"
+    return [
+        at_most("PRESSURE_ANGLE", cam.steepest, steep, "deg", Where(where), f"{flatter} lowers it"),
+        at_least("CURVATURE", cam.least_radius, limits.least_radius, "mm", Where(where), curved),
     ]
 
 

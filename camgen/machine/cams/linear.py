@@ -130,22 +130,27 @@ class LinearCam:
         onward = self.follower.pitch(theta, self.program, 1)
         return np.asarray((onward * np.conj(self.follower.travel)).real)
 
+    @staticmethod
+    def _place(theta: float) -> str:
+        """In words; of a program from its end to its beginning theta is 0 or less."""
+        return f"{abs(WAY * theta):.4g} mm of the way"
+
     def _check(self) -> None:
         jump = next((each for each in self.program.discontinuities(1) if each.order <= 1), None)
         if jump is not None:
-            where = f"{WAY * jump.theta:.4g} mm of the way"
+            where = self._place(jump.theta)
             remedy = "the edge would have a kink there: use a law that ends smoothly"
             raise DesignError("jump of the speed", abs(jump.size) / WAY, 0.0, "", where, remedy)
         at, tight = self.greatest(lambda theta: -self.follower.room(theta, self.program))
         if tight >= 0:
             radius = 1 / float(self.follower.pitch_curvature(np.array([at]), self.program)[0])
-            where = f"{WAY * at:.4g} mm of the way"
+            where = self._place(at)
             remedy = "the edge is undercut: use a smaller roller, a longer span or a smaller lift"
             tip = self.follower.tip_radius
             raise DesignError("radius of the pitch curve", radius, tip, "mm", where, remedy)
         at, back = self.greatest(self._back)
         if back >= 0:
-            where = f"{WAY * at:.4g} mm of the way"
+            where = self._place(at)
             remedy = "the arm carries its tip along faster than the plate goes: use a longer span"
             raise DesignError("way of the tip over the plate", -back / WAY, 0.0, "", where, remedy)
 

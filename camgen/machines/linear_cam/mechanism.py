@@ -21,9 +21,9 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
-from camgen.findings import Finding, NotJudged, Where, at_least, at_most
+from camgen.findings import Finding, NotJudged, Where
 from camgen.geometry.outlines import Contour, Line, Region, circle, end_point, start_point
-from camgen.machine.cams.limits import ARM_PRESSURE, SLIDE_PRESSURE, program_findings
+from camgen.machine.cams.limits import edge_findings, program_findings
 from camgen.machine.cams.linear import WAY, LinearCam, PlateArm, PlateSlide
 from camgen.machine.cams.machine import FollowerLoad, Loaded, contact_machine, loaded_by
 from camgen.machine.features import Mount, PlateEdge
@@ -43,7 +43,7 @@ from camgen.schemas import shown
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study
 
 _SMOOTHER = "a law that ends smoother joins them"
-_FLATTER = "a longer span or a smaller lift lowers it"
+_FLATTER = "a longer span or a smaller lift"
 _AS_DRAWN = "0: the edge of a linear cam is in its files as drawn; let the slicer compensate"
 _NO_TURN = "nothing here: a plate that slides has no cam angle"
 # keys of every spec that a plate has no use for, and what would be right
@@ -246,22 +246,11 @@ class LinearCamDrive(Mechanism):
     def limits(self) -> Sequence[Finding]:
         """PRESSURE_ANGLE and CURVATURE of the edge, and what the program does."""
         self._outline  # noqa: B018  refuses what is no plate
-        usual = ARM_PRESSURE if self.geometry.follower.swings else SLIDE_PRESSURE
-        steep = self.allowed.pressure_angle_deg or usual
-        plate = Where("exact edge")
-        of_program = program_findings(
-            self.program, self.geometry.follower.unit, self.allowed.of_cams(0.0), _SMOOTHER
-        )
+        allowed = self.allowed.of_cams(0.0)
+        unit = self.geometry.follower.unit
+        of_program = program_findings(self.program, unit, allowed, _SMOOTHER)
         return [
-            at_most("PRESSURE_ANGLE", self.cam.steepest, steep, "deg", plate, _FLATTER),
-            at_least(
-                "CURVATURE",
-                self.cam.least_radius,
-                self.allowed.least_radius,
-                "mm",
-                plate,
-                f"least radius of the convex edge; {_FLATTER.replace('lowers', 'widens')}",
-            ),
+            *edge_findings(self.cam, allowed, "exact edge", _FLATTER),
             *(replace(each, where=replace(each.where, **_BY_WAY)) for each in of_program),
             *self._borne,
         ]

@@ -424,7 +424,8 @@ class Drawing:
                 StrokeSegment(kind=row.kind, span=row.span or 0.0, lift=lift, to=to, law=row.law)
                 for row, (lift, to) in zip(cam.segment, lifts, strict=True)
             ]
-            return stroke(stretches, math.radians(1) if swings else 1.0, 1.0)
+            unit, suffix = (math.radians(1), "_deg") if swings else (1.0, "")
+            return stroke(stretches, unit, 1.0, path, suffix)
         rows = tuple(
             row.going(*((row.lift_deg, row.to_deg) if swings else (row.lift, row.to)))
             for row in cam.segment

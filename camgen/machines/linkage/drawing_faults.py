@@ -341,6 +341,12 @@ def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:
         right = "a link that is pinned to the ground or slides on it"
         faults.append(Fault(follower, repr(cam.follower), right))
     slides = slide is not None
+    if not faults and not drawing.carries_plate(cam):
+        faults += [
+            Fault((*path, "segment", k, "span"), f"{row.span:g}", f"span_deg: {cam.cam} turns")
+            for k, row in enumerate(cam.segment)
+            if row.span is not None
+        ]
     faults += [
         *_tip_faults(drawing, path, cam),
         *_follower_faults(drawing, path, cam, slides),
@@ -356,36 +362,49 @@ def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:
     return faults
 
 
+_UNUSED = ("span_deg", "at_deg", "task", "inflection", "constant_velocity")
+_UNUSED += ("end_velocity", "end_acceleration", "end_jerk")  # of a segment over a way
+
+
 def _plate_faults(drawing: Drawing, path: Key, cam: t.Cam) -> Iterable[Fault]:
     """Of a cam that is a plate."""
-    plate = "nothing here: the cam is a plate that slides"
+    other = 'mechanism = "linear-cam" has a knife edge' if cam.shape == "knife" else "no flat face"
     if cam.shape != "roller":
-        yield Fault((*path, "shape"), repr(cam.shape), '"roller": nothing else runs on a plate')
+        yield Fault((*path, "shape"), repr(cam.shape), f'"roller" on a plate that slides: {other}')
     if cam.spring is not None:
-        yield Fault((*path, "spring"), "", f"{plate}: a [[spring]] between two pins presses on it")
+        right = "nothing here on a plate that slides: a [[spring]] between two pins presses on it"
+        yield Fault((*path, "spring"), "", right)
     if cam.closure != "force":
-        yield Fault((*path, "closure"), repr(cam.closure), '"force": a plate has one edge')
+        right = (
+            '"force" on a plate that slides; for both senses a [[slot]] holds a pin of the follower'
+        )
+        yield Fault((*path, "closure"), repr(cam.closure), right)
     if cam.base_radius is not None:
-        yield Fault((*path, "base_radius"), str(cam.base_radius), plate)
+        right = "nothing here: a plate's edge lies where its follower is drawn"
+        yield Fault((*path, "base_radius"), f"{cam.base_radius}", right)
     if cam.polydyne:
-        yield Fault((*path, "polydyne"), "true", plate)
+        yield Fault((*path, "polydyne"), "true", "false on a plate that slides")
+    spans = [row.span for row in cam.segment if row.span is not None]
     for k, row in enumerate(cam.segment):
+        for key in _UNUSED:
+            field = type(row).model_fields[key]
+            if key in row.model_fields_set and getattr(row, key) is not None:
+                right = "nothing here: segments of a plate have span, in mm, and a law"
+                yield Fault((*path, "segment", k, field.alias or key), "", right)
         if row.span is None:
             yield Fault((*path, "segment", k, "span"), "", "missing: mm of the plate's way")
-        for key in ("span_deg", "at_deg"):
-            if getattr(row, key) is not None:
-                yield Fault((*path, "segment", k, key), "", f"span, mm: {cam.cam} slides")
-    length = sum(row.span or 0.0 for row in cam.segment)
     low, high = drawing.drive.range_deg or (0.0, 0.0)
-    if low < 0 or high > length:
-        right = f"within 0 and {length:g}, the way of the cam's segments, which begin as drawn"
+    length = math.fsum(spans)
+    if len(spans) == len(cam.segment) and (low < 0 or high > length + SAME_POINT):
+        right = f"within 0 and {length:g}, the way of the segments of cam {drawing.cam_name(cam)}, which begin as drawn"
         yield Fault(("drive", "range"), f"[{low:g}, {high:g}]", right)
 
 
 def _instead_of_a_plate(drawing: Drawing, cam: t.Cam) -> str:
     """What makes the plate that was meant, and what moves its follower, with the numbers of this drawing."""
     straight = f"a straight track of {cam.cam} is a [[slot]] for the pin {cam.at}"
-    other = f'{straight}; any other edge of a plate that slides is made by mechanism = "linear-cam"'
+    drives = f'with [drive] slide = "{cam.cam}" it is a plate whose edge is made'
+    other = f'{drives}; {straight}; any other edge is made by mechanism = "linear-cam"'
     slide = drawing.slide_of(cam.cam)
     hinge = drawing.pivot(cam.follower) if cam.follower in drawing.links else None
     names = [*(slide.along if slide else ()), hinge or "", cam.at]

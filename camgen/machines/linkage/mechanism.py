@@ -926,7 +926,7 @@ class Linkage(Mechanism):
         """
         layout = self._layout
         as_it_is = Change("")
-        others = frames(self.making)
+        others = frames(self.making, layout.driven not in layout.slides)
         refused: CamgenError | None = None
         for change in (as_it_is, *others):
             try:
@@ -1055,6 +1055,7 @@ class Linkage(Mechanism):
             *figures.transmission_angles(self._moving, least),
             *(() if self.pen is None else pens.stretches(self.chain, self.pen, least)),
             *wheels.limits(self._layout.tips),
+            *wheels.plate_limits(self._layout.plates),
         ]
         return [*found, *self._pressed.findings, *self._included_limits]
 

@@ -645,7 +645,7 @@ class CamSegment(Span):
     )
     span: Annotated[float, quantity("mm", ge=1e-3, le=1e5)] | None = Field(
         default=None,
-        description="of a cam that slides, in place of span_deg: how much of its way it takes",
+        description="how much of the way of a cam that slides it takes, in place of span_deg",
     )
     lift: Length | None = Field(
         default=None, description="how far a follower slides; or to, where it ends"

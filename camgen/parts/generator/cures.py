@@ -101,12 +101,13 @@ def with_cures(
     return refused.mended("; ".join(filter(None, (guess, vain))))
 
 
-def frames(sizes: Parts) -> list[Change]:
-    """Other plates and shafts, the least change first, where the spec leaves them open."""
+def frames(sizes: Parts, turns: bool = True) -> list[Change]:
+    """Other plates and shafts, the least change first, where the spec leaves them open; turns: whether the drive has a shaft."""
     typed = sizes.model_fields_set
     if sizes.of_sheet or "plates" in typed:
         return []
-    return [_TWO_PLATES, *([] if "shaft" in typed else [_TWO_PLATES.also(_INTERRUPTED)])]
+    fixed = "shaft" in typed or not turns
+    return [_TWO_PLATES, *([] if fixed else [_TWO_PLATES.also(_INTERRUPTED)])]
 
 
 def _first(kinds: Iterable[Kind], makes: Callable[[Change], bool]) -> list[str]:
@@ -156,18 +157,19 @@ def _kinds(layout: Layout, refused: DesignError) -> Iterator[Kind]:
         return
     if s.pin in BOUGHT:
         yield Kind("pins that are printed", [Change('parts.pin = "printed"', {"pin": "printed"})])
+    turns = layout.driven not in layout.slides
     two = _TWO_PLATES
     interrupted = _INTERRUPTED
     through = Change('parts.shaft = "through"', {"shaft": "through"})
     if s.plates == 1:
-        both = [two.also(interrupted)] if s.shaft == "through" else []
+        both = [two.also(interrupted)] if s.shaft == "through" and turns else []
         yield Kind("two plates", [two, *both], True)
     else:
         yield Kind("one plate", [Change("parts.plates = 1", {"plates": 1})], True)
     if s.shaft == "interrupted":
         both = [through.also(two)] if s.plates == 1 else []
         yield Kind("a shaft that goes through", [through, *both], True)
-    elif s.plates > 1:
+    elif s.plates > 1 and turns:
         yield Kind("an interrupted shaft", [interrupted], True)
 
 

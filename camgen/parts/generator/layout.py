@@ -26,7 +26,7 @@ from camgen.parts.generator.gears import DowelledWheel
 from camgen.parts.generator.genevas import DowelledEdge
 from camgen.parts.generator.guides import COVERED, STEMS, Guide, Rails, Runner, Way, guide
 from camgen.parts.generator.slotted import SlotHole, one_by_one
-from camgen.parts.generator.wheels import NOSE, Tip, named, pivot
+from camgen.parts.generator.wheels import NOSE, Tip, named, pivot, plate_outline
 from camgen.parts.part import d_bore, hull, with_bar
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.wheels.cycloid import OutputPins
@@ -604,12 +604,8 @@ class Layout(Connections):
         """The outline of a link that is a cam, without the bars on which it slides; None of any other."""
         head = self.sizes.pin_diameter / 2 + self.sizes.head + self.fits.slide_clearance
         deep = 2 * (head + self.sizes.wall)
-        made = (
-            each.outline(self.round_hubs(link), head, deep)
-            for each in self.plates
-            if each.joint.cam == link
-        )
-        return next(made, None)
+        tips = [each for each in self.plates if each.joint.cam == link]
+        return plate_outline(tips, self.round_hubs(link), head, deep) if tips else None
 
     @cached_property
     def cover(self) -> Cover | None:

@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from itertools import groupby
+from itertools import groupby, pairwise
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -29,7 +29,15 @@ from camgen.machine.cams.followers import (
     SwingingArm,
     SwingingFace,
 )
-from camgen.machine.cams.limits import Advice, CamLimits, ExactCam, cam_findings
+from camgen.machine.cams.limits import (
+    Advice,
+    CamLimits,
+    ExactCam,
+    cam_findings,
+    edge_findings,
+    program_findings,
+    unit_of,
+)
 from camgen.machine.cams.linear import (
     LinearCam,
     PlateArm,
@@ -41,12 +49,16 @@ from camgen.machine.cams.linear import (
 from camgen.machine.cams.machine import CamTouch
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.programs import CamLaw, CarriedLaw
-from camgen.numerics import peak
+from camgen.numerics import Points, peak
 from camgen.parts.generator.sizes import Parts
+from camgen.tolerances import SAME_POINT
 
 SECOND = "_2"  # of names: the other cam of a conjugate pair, and where its roller is
 _ROUND = np.linspace(0, math.tau, 721)
 NOSE = 3.0  # radii of a knife's disc, from there to its edge
+_FLATTER = "a longer span or a smaller lift"
+_SMOOTHER = "a law that ends smoother joins them"
+_PLACES = 721  # along a plate's edge, between which its lowest one is looked for
 _INSIDE = 1e-9  # of theta, from the ends of a plate's way
 _BESIDE = 0.5  # mm, of a face beside where it is touched
 
@@ -243,36 +255,84 @@ class PlateTip:
             own=name,
         )
 
-    def outline(self, lowest: Sequence[tuple[complex, float]], ends: float, deep: float) -> Contour:
-        """The plate's edge in its link's axes, counter-clockwise: the track, so much straight on at both ends, a bottom so deep
-        below its lowest place, and below discs that it has to hold, mm."""
+    @property
+    def onward(self) -> complex:
+        """Unit vector of the ground along which its edge runs, what rolls on it to the left."""
+        return -self.cam.follower.travel
+
+    def places(self, onward: complex) -> Points:
+        """Places of its edge in a frame of the ground whose real axis is onward, (n,) mm."""
+        low, high = self.cam.range
+        theta = np.linspace(low, high, _PLACES)
+        return np.asarray(self.cam.follower.envelope(theta, self.cam.program, 0) / onward)
+
+    def top(self, ends: float) -> tuple[Piece, ...]:
+        """Its edge against onward, on the ground, so much straight on at both ends, mm."""
         cam = self.cam
-        onward = -cam.follower.travel
-        turn = cmath.exp(-1j * self.pose.angle)
-        edge = cam.edge
         low, high = cam.range
         first, last = (
             complex(cam.follower.normal(np.array([t]), cam.program)[0])
             for t in (low + _INSIDE, high - _INSIDE)
         )
-        left = start_point(edge[0])
-        right = end_point(edge[-1])
-        beyond = [left + 1j * first * ends, right - 1j * last * ends]
-        theta = np.linspace(low, high, 721)
-        track = cam.follower.envelope(theta, cam.program, 0) / onward
-        held = [((z / turn + self.pose.place) / onward).imag - radius for z, radius in lowest]
-        heights = [*track.imag, *((z / onward).imag for z in beyond)]
-        bottom = min(min(heights) - deep - (max(heights) - min(heights)), *held, math.inf)
-        under = [complex((z / onward).real, bottom) * onward for z in beyond]
-        pieces: tuple[Piece, ...] = (
-            Line(under[0], under[1]),
-            Line(under[1], beyond[1]),
-            Line(beyond[1], right),
-            *(piece.reversed() for piece in reversed(edge)),
-            Line(left, beyond[0]),
-            Line(beyond[0], under[0]),
+        left = start_point(cam.edge[0])
+        right = end_point(cam.edge[-1])
+        return (
+            Line(right - 1j * last * ends, right),
+            *(piece.reversed() for piece in reversed(cam.edge)),
+            Line(left, left + 1j * first * ends),
         )
-        return Contour(pieces).moved(turn, -self.pose.place * turn)
+
+
+def plate_outline(
+    tips: Sequence[PlateTip], held: Sequence[tuple[complex, float]], ends: float, deep: float
+) -> Contour:
+    """The edge of a plate in its link's axes, counter-clockwise: one track and a straight bottom, or a track on either side.
+
+    ends: how far tracks go straight on, mm; deep: of a straight bottom below the track's lowest place, mm; held: discs in the
+    link's axes that lie above it. DesignError where two tracks come nearer to each other than half of deep.
+    """
+    over = tips[0]
+    onward = over.onward
+    turn = cmath.exp(-1j * over.pose.angle)
+    top = over.top(ends)
+    right = start_point(top[0]) / onward
+    left = end_point(top[-1]) / onward
+    under: tuple[Piece, ...] = ()
+    if len(tips) == 1:
+        heights = [*over.places(onward).imag, right.imag, left.imag]
+        discs = (((z / turn + over.pose.place) / onward).imag - radius for z, radius in held)
+        bottom = min(min(heights) - deep - (max(heights) - min(heights)), *discs, math.inf)
+        under = _lines(
+            [left, complex(left.real, bottom), complex(right.real, bottom), right], onward
+        )
+    else:
+        _check_web(tips, deep / 2)
+        track = tips[1].top(ends)
+        first = start_point(track[0]) / onward
+        last = end_point(track[-1]) / onward
+        begin = min(left.real, first.real)
+        end = max(right.real, last.real)
+        before = [left, complex(begin, left.imag), complex(begin, first.imag), first]
+        after = [last, complex(end, last.imag), complex(end, right.imag), right]
+        under = (*_lines(before, onward), *track, *_lines(after, onward))
+    return Contour((*under, *top)).moved(turn, -over.pose.place * turn)
+
+
+def _lines(corners: Sequence[complex], onward: complex) -> tuple[Piece, ...]:
+    """Between corners in a frame of the ground whose real axis is onward."""
+    apart = ((a, b) for a, b in pairwise(corners) if abs(b - a) > SAME_POINT)
+    return tuple(Line(a * onward, b * onward) for a, b in apart)
+
+
+def _check_web(tips: Sequence[PlateTip], least: float) -> None:
+    """DesignError where less is left between two tracks than least, mm, wherever both lie along the plate."""
+    onward = tips[0].onward
+    upper, lower = (tip.places(onward) for tip in tips)
+    web = float(np.min(upper.imag)) - float(np.max(lower.imag))
+    if web < least:
+        where = f"link {tips[0].level}, between {tips[0].joint.name} and {tips[1].joint.name}"
+        remedy = "draw both followers further from each other, or make less lift"
+        raise DesignError("thickness of the plate", web, least, "mm", where, remedy)
 
 
 def pivot(machine: m.Machine, link: str) -> tuple[complex, complex]:
@@ -393,15 +453,41 @@ def plate_of(machine: m.Machine, joint: m.Cam, spec: Ridden) -> LinearCam:
 
 
 def plates(machine: m.Machine, cams: Mapping[str, Ridden]) -> list[PlateTip]:
-    """Cams that slide, and what runs on them."""
-    made = []
+    """Cams that slide, and what runs on them; DesignError of a second one on the same side of its plate."""
+    made: list[PlateTip] = []
     for name, spec in cams.items():
         joint = machine.joint(name)
         assert isinstance(joint, m.Cam)
-        if joint.over is not None:
-            cam = plate_of(machine, joint, spec)
-            made.append(PlateTip(joint, cam, machine.start_of(joint.cam), spec.at, spec))
+        if joint.over is None:
+            continue
+        cam = plate_of(machine, joint, spec)
+        plate = PlateTip(joint, cam, machine.start_of(joint.cam), spec.at, spec)
+        same = [
+            tip
+            for tip in made
+            if tip.joint.cam == joint.cam and (tip.onward / plate.onward).real > 0
+        ]
+        if same:
+            where = f"link {joint.cam}, under {same[0].joint.name} and {name}"
+            remedy = "a plate has a track on either side: draw one of the followers on the other side, or leave it out"
+            raise DesignError("tracks on one side of a plate", 2, 1, "", where, remedy)
+        made.append(plate)
     return made
+
+
+def plate_limits(tips: Iterable[PlateTip]) -> list[Finding]:
+    """What is judged of each plate's edge as designed."""
+    findings = []
+    for tip in tips:
+        name = tip.joint.name
+        assert isinstance(tip.joint.law, CarriedLaw)
+        limits = tip.ridden.limits
+        findings += edge_findings(tip.cam, limits, f"cam {name}", _FLATTER)
+        law = over_way(tip.joint.law.program, tip.cam.follower).program
+        findings += program_findings(
+            law, unit_of(tip.cam), limits, _SMOOTHER, f"program of cam {name}"
+        )
+    return findings
 
 
 def with_touches(joint: m.Cam, tips: Sequence[Tip], at: complex) -> m.Cam:
