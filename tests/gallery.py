@@ -36,6 +36,7 @@ FRAMES = {
     "geneva-table": 60,
     "bird-drum": 20,
     "pencil-cam": 14,
+    "plate-gripper": 10,
     "elliptic-wheels": 10,
     "ratchet": 20,
     "stepping-gears": 26,

@@ -161,6 +161,9 @@ def _mechanism(each: Include, host: Host) -> Mechanism:
     if isinstance(data.get("parts"), Mapping):  # the host has the stand
         data["parts"] = {key: value for key, value in data["parts"].items() if key != "stand"}
     table = "drive" if "drive" in data else "motor"
+    if isinstance(data.get(table), Mapping) and "slide" in data[table]:
+        right = "a machine that is turned by a shaft: this one's drive slides"
+        raise SpecError([Fault(("drive", "slide"), repr(data[table]["slide"]), right)])
     if isinstance(data.get(table), Mapping):
         data[table] = {**data[table], "speed_rpm": host.speed_rpm}
     return specs.validate(load(specs.choose(data, MECHANISMS)), data)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.errors import DesignError, Fault, SpecError
-from camgen.machine.model import MM, Output, unit_of
+from camgen.machine.model import MM, Cam, Output, unit_of
 from camgen.machines.sources import Source, read_mechanism
 from camgen.numerics import Floats
 from camgen.parts.motors import RPM
@@ -167,10 +167,17 @@ def _waves(spread: Spread) -> list[str]:
         return []
     least, most = spread.sizes.orders
     waves = f"{least}" if least == most else f"{least} to {most}"
-    return [
+    notes = [
         f"The form of a cam: {waves} waves a turn, all of a size, together print.form_error, {spread.sizes.form:.4g} mm. "
         "print.form_orders sets how many: more waves of the same size turn the normal more."
     ]
+    if any(
+        isinstance(joint, Cam) and joint.over is not None for joint in spread.mechanism.model.joints
+    ):
+        notes.append(
+            "Of a plate that slides a turn is one round its link's first point, and bore is how far its track is off that point."
+        )
+    return notes
 
 
 def _summary(samples: int, figures: Sequence[Figure]) -> str:

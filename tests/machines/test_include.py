@@ -194,6 +194,14 @@ def test_a_drum_or_plate_is_on_no_shaft_of_others(
     assert name in str(told.value) and said in str(told.value)
 
 
+def test_a_machine_whose_drive_slides_is_on_no_shaft(root: Path, tables: dict[str, Any]) -> None:
+    data = include(root, tables, {"spec": "thread-take-up.toml"})
+    data["include"][0]["spec"]["drive"] = {"slide": "ram", "range": [0, 20]}
+    with pytest.raises(SpecError, match="turned by a shaft") as told:
+        read_mechanism(data)
+    assert [fault.key for fault in told.value.faults] == ["include.0.spec.drive.slide"]
+
+
 def test_a_fault_inside_names_the_file(root: Path, tables: dict[str, Any]) -> None:
     data = include(root, tables, {"spec": "thread-take-up.toml"})
     data["include"][0]["spec"]["geometry"]["frame"] = -4

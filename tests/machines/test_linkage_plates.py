@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 import tomli_w
 
-from camgen.errors import SpecError
+from camgen.errors import DesignError, SpecError
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.pipeline.build import build, check
 from camgen.spec import validate
+from camgen.tolerance.report import PrintRun, tolerance
 
 PLATE: dict[str, Any] = {
     "mechanism": "linkage",
@@ -120,6 +121,22 @@ def test_an_edge_that_is_20_um_off_moves_the_rocker_by_it(
     ("cam", "key"),
     [
         ({"shape": "flat", "radius": None}, "cam.0.shape"),
+        ({"shape": "knife", "radius": None}, "cam.0.shape"),
+        ({"polydyne": True}, "cam.0.polydyne"),
+        ({"segment": [{"kind": "rise", "span": 27}]}, "cam.0.segment.0.lift_deg"),
+        ({"segment": [{"kind": "rise", "span": 27, "lift": 6}]}, "cam.0.segment.0.lift"),
+        (
+            {"segment": [{"kind": "rise", "span": 27, "lift_deg": 6, "task": "RR"}]},
+            "cam.0.segment.0.task",
+        ),
+        (
+            {"segment": [{"kind": "rise", "span": 27, "lift_deg": 6, "at_deg": 90}]},
+            "cam.0.segment.0.at_deg",
+        ),
+        (
+            {"segment": [{"kind": "rise", "span": 27, "lift_deg": 6, "law": "sinus"}]},
+            "cam.0.segment.0.law",
+        ),
         ({"closure": "groove"}, "cam.0.closure"),
         ({"base_radius": 20}, "cam.0.base_radius"),
         ({"spring": {}}, "cam.0.spring"),
@@ -133,3 +150,107 @@ def test_what_does_not_go_with_a_plate_is_told_by_its_key(cam: dict[str, Any], k
     with pytest.raises(SpecError) as caught:
         validate(Linkage, data)
     assert key in {fault.key for fault in caught.value.faults}
+
+
+def test_a_span_of_a_disc_is_told() -> None:
+    data = plate()
+    data["points"]["O"] = [30, 0]
+    data["links"]["ground"].append("O")
+    data["links"]["ram"].append("O")
+    del data["slide"]
+    data["drive"] = {"link": "ram", "speed_rpm": 15}
+    with pytest.raises(SpecError) as caught:
+        validate(Linkage, data)
+    assert "cam.0.segment.0.span" in {fault.key for fault in caught.value.faults}
+
+
+def lifter(span: float, **limits: float) -> Linkage:
+    """A head that slides square to the way of its plate, 6 mm by a cycloid."""
+    data = plate(follower="head", at="H", segment=[{"kind": "rise", "span": span, "lift": 6}])
+    data["cam"][0]["segment"][0]["law"] = "cycloidal"
+    data["points"] = {"S": [0, 0], "R": [100, 0], "P": [20, 0], "H": [60, 30]}
+    data["points"] |= {"T": [60, 50], "U": [60, 70]}
+    data["links"] = {"ground": ["S", "R", "T", "U"], "ram": ["P"], "head": ["H"]}
+    data["slide"].append({"link": "head", "along": ["T", "U"]})
+    data["output"] = [{"name": "tip", "link": "head"}]
+    data["drive"]["range"] = [0, span]
+    data["limits"] = limits
+    return validate(Linkage, data)
+
+
+def test_pressure_angle_and_radius_of_an_edge_are_judged_as_designed() -> None:
+    """tan(alpha) = s' of a slide, 2 h / L at most of a cycloid; the radius is (1 + s'^2)^1.5 / |s''| less the roller's."""
+    found = {each.code: each for each in lifter(27).limits()}
+    assert found["PRESSURE_ANGLE"].measured == pytest.approx(math.degrees(math.atan(12 / 27)))
+    u = np.linspace(0.5, 1, 200001)[1:-1]
+    slope = 6 / 27 * (1 - np.cos(math.tau * u))
+    bend = 6 / 27**2 * math.tau * np.sin(math.tau * u)
+    least = np.min((1 + slope**2) ** 1.5 / np.abs(bend)) - 4
+    assert found["CURVATURE"].measured == pytest.approx(least, rel=1e-6)
+    assert found["PRESSURE_ANGLE"].ok and found["CURVATURE"].ok
+
+
+def test_limits_of_an_edge_fail() -> None:
+    found = {
+        each.code: each for each in lifter(27, pressure_angle_deg=20, least_radius=25).limits()
+    }
+    assert not found["PRESSURE_ANGLE"].ok and not found["CURVATURE"].ok
+
+
+def pair(apart: float = 30.0) -> dict[str, Any]:
+    """A rocker on either side of the plate, mirrored."""
+    data = plate()
+    data["points"] |= {"C": [10, apart], "B": [60, apart], "D": [10, -apart], "E": [60, -apart]}
+    data["links"]["ground"].append("D")
+    data["links"]["under"] = ["D", "E"]
+    data["cam"].append({**data["cam"][0], "follower": "under", "at": "E"})
+    data["output"].append({"name": "mirrored", "link": "under"})
+    return data
+
+
+def test_a_plate_has_a_track_on_either_side(tmp_path: Path) -> None:
+    """An edge that is off moves its own follower alone."""
+    file = tmp_path / "pair.toml"
+    file.write_text(tomli_w.dumps({**pair(), "name": "pair"}), encoding="utf-8")
+    report = build(file, tmp_path, frozenset({"dxf"}))
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    rows = np.loadtxt(tmp_path / "pair/motion.csv", delimiter=",", skiprows=1)
+    for column, sense in ((rows[:, 1], 1), (rows[:, 3], -1)):
+        assert column - column[0] == pytest.approx(sense * lift(rows[:, 0]), abs=1.6e-3)
+    (drawn,) = (tmp_path / "pair").rglob("pair-ram.dxf")
+    drawing = ezdxf.readfile(drawn)
+    (outline,) = drawing.modelspace().query("LWPOLYLINE")
+    corners = outline.get_points("xyseb")
+    lowest = min(row[1] for row in corners)
+    outline.set_points(
+        [(x, y - 0.02 * (y < lowest + 2), *rest) for x, y, *rest in corners], format="xyseb"
+    )
+    drawing.saveas(drawn)
+    errors = {
+        each.message.split(":")[0]: each.ok
+        for each in check(tmp_path / "pair").findings
+        if each.code == "MOTION_ERROR"
+    }
+    assert errors == {"mirrored": False}
+
+
+def test_tracks_that_are_no_plate_are_refused() -> None:
+    data = pair(6)
+    with pytest.raises(DesignError, match="thickness of the plate") as caught:
+        validate(Linkage, data).assembly  # noqa: B018
+    assert caught.value.unit == "mm"
+    data = pair()
+    data["points"] |= {"D": [90, 30], "E": [140, 30]}
+    with pytest.raises(DesignError, match="tracks on one side of a plate"):
+        validate(Linkage, data).assembly  # noqa: B018
+
+
+def test_a_roller_without_a_wall_is_refused() -> None:
+    """What was tried in vain has no shaft: the drive slides."""
+    with pytest.raises(DesignError, match="wall of the roller"):
+        validate(Linkage, plate(radius=0.01)).assembly  # noqa: B018
+
+
+def test_what_follows_from_print_errors_is_told_of_a_plate() -> None:
+    notes = tolerance(PLATE, printing=PrintRun(samples=50, worst=0)).notes
+    assert any(note.startswith("Of a plate that slides a turn") for note in notes)

@@ -171,30 +171,40 @@ def test_a_key_of_the_other_drive_is_told_with_the_nearest_of_this_one() -> None
         assert fault.nearest == nearest
 
 
+def rocked(**tables: Any) -> Linkage:
+    """The same chain with a rocker that drives."""
+    data = {**copy.deepcopy(LIFT), **tables}
+    data["drive"] = {"link": "rocker", "speed_rpm": 15, "range_deg": [0, 5]}
+    return validate(Linkage, data)
+
+
 @pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.parametrize("along", [["S", "R"], ["R", "S"]])
-def test_a_cam_that_slides_is_told_what_makes_it(side: int, along: list[str]) -> None:
+def test_a_cam_that_slides_and_does_not_drive_is_told_what_makes_it(
+    side: int, along: list[str]
+) -> None:
     """Arm and angle of the linear cam are those of the rocker C-B, from the plate's way up, on whichever side it lies."""
     rise = [{"kind": "rise", "span_deg": 180, "lift_deg": 5}, {"kind": "return", "to_deg": 0}]
     cam = {"cam": "ram", "follower": "rocker", "at": "B", "radius": 4, "segment": rise}
     points = {**LIFT["points"], "B": [60, side * 50]}
     slide = [{"link": "ram", "along": along}]
     with pytest.raises(SpecError, match=r"a \[\[slot\]\] for the pin B") as caught:
-        lift(cam=[cam], points=points, slide=slide)
+        rocked(cam=[cam], points=points, slide=slide)
     said = str(caught.value)
     assert 'mechanism = "linear-cam"' in said and 'link = "rocker" runs' in said
+    assert '[drive] slide = "ram"' in said
     angle = math.degrees(math.acos(30 / ROCKER))
     assert f"arm = {ROCKER:.4g}, start_deg = {angle:.4g} " in said
 
 
-def test_a_cam_that_slides_below_a_follower_that_slides_is_refused() -> None:
+def test_a_cam_that_slides_below_a_follower_that_slides_is_told_the_other_mechanism() -> None:
     rise = [{"kind": "rise", "span_deg": 180, "lift": 5}, {"kind": "return", "to": 0}]
     cam = {"cam": "ram", "follower": "head", "at": "H", "radius": 4, "segment": rise}
     points = {**LIFT["points"], "H": [60, 30], "T": [60, 60]}
     links = {**LIFT["links"], "head": ["H"], "ground": ["S", "R", "C", "T"]}
     slides = [*LIFT["slide"], {"link": "head", "along": ["T", "H"]}]
     with pytest.raises(SpecError, match="linear-cam") as caught:
-        lift(cam=[cam], points=points, links=links, slide=slides)
+        rocked(cam=[cam], points=points, links=links, slide=slides)
     assert "start_deg" not in str(caught.value)
 
 

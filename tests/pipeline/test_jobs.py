@@ -118,6 +118,7 @@ MADE = [
     ("gallery/geneva-table", ("files.step=true",)),
     ("gallery/groove", ("output.step=true",)),
     ("gallery/pencil-cam", ("files.step=true",)),
+    ("gallery/plate-gripper", ()),
     ("gallery/ratchet", ("files.step=true",)),
     ("gallery/scotch-yoke", ("files.step=true",)),
     ("gallery/stepping-gears", ()),

@@ -362,8 +362,17 @@ def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:
     return faults
 
 
-_UNUSED = ("span_deg", "at_deg", "task", "inflection", "constant_velocity")
-_UNUSED += ("end_velocity", "end_acceleration", "end_jerk")  # of a segment over a way
+# of a segment, over a way without a use
+_UNUSED = (
+    "span_deg",
+    "at_deg",
+    "task",
+    "inflection",
+    "constant_velocity",
+    "end_velocity",
+    "end_acceleration",
+    "end_jerk",
+)
 
 
 def _plate_faults(drawing: Drawing, path: Key, cam: t.Cam) -> Iterable[Fault]:

@@ -1079,7 +1079,10 @@ class Linkage(Mechanism):
         theta = np.linspace(*self.cycle.range, len(_SAMPLES) + 1)
         kicks = self._drawing.kicks()
         bounces = restitution_of(self.load)
-        return lift_off(self._pulled, cams, kicks, theta, self._angle_name(True), bounces)
+        found = lift_off(self._pulled, cams, kicks, theta, self._angle_name(True), bounces)
+        unit = self.cycle.unit
+        told = [replace(each, where=replace(each.where, unit=unit)) for each in found.findings]
+        return replace(found, findings=told)
 
     def remarks(self) -> Remarks:
         """How many links are closed together on what each kind of file shows."""
