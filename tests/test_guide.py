@@ -207,3 +207,23 @@ def test_the_guide_is_shown_and_listed(run: Any) -> None:  # noqa: F811
     assert run("guide", "first-cam")[:2] == (0, guide.page("first-cam"))
     code, out, err = run("guide", "firstcam")
     assert (code, out) == (2, "") and "did you mean 'first-cam'?" in err
+
+
+_SOURCE = re.compile(r"`((?:[\w.-]+/)*[\w.-]+\.py)\b")  # a file of Python that a page names
+_FOR_MAKERS = ("house", "new-machine")  # pages of people who have the source
+
+
+def test_pages_of_users_name_no_file_that_they_do_not_have() -> None:
+    """Whoever installs camgen has no folder of its source to read in."""
+    named = {topic: _SOURCE.findall(guide.page(topic)) for topic in guide.TOPICS}
+    assert {topic for topic, files in named.items() if files} == set(_FOR_MAKERS)
+
+
+def test_every_file_that_the_makers_pages_name_is_there(root: Path) -> None:
+    """As a path from `camgen/` or from the top, or as a name in one of the folders named before it in its row."""
+    for topic in _FOR_MAKERS:
+        for line in guide.page(topic).splitlines():
+            folders = [root, root / "camgen"]
+            folders += [root / "camgen" / each for each in re.findall(r"`([\w/]+/)`", line)]
+            for name in _SOURCE.findall(line) + re.findall(r"`python ([\w/]+\.py)", line):
+                assert any((each / name).is_file() for each in folders), (topic, name)
