@@ -549,7 +549,7 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
     """The list of parts, as in its file, with mass and print time of all that is printed, what of it needs supports, faces
     between layers, and the steps of assembly."""
     from camgen.judge.parts_table import judge_list
-    from camgen.pipeline.whole_layers import between
+    from camgen.pipeline.whole_layers import between, too_thin
 
     mechanism = case.mechanism
     sides = lying_sides(mechanism, written(case) if "3mf" in kinds else {})
@@ -568,6 +568,7 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
         overhang = sum(part.count * sides[part.name].overhang for part in parts)
         figures.append(Figure("supports", overhang, "mm²"))
     layers, warnings = between(mechanism, sides)
+    warnings = (*too_thin(mechanism), *warnings)
     finding = judge_list(case.file("parts", "csv"), table)
     tables = [table, order_of_assembly(mechanism.assembly)]
     return Outcome(

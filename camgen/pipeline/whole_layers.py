@@ -55,6 +55,25 @@ def between(mechanism: Mechanism, sides: Mapping[str, Side]) -> tuple[Table, tup
     )
 
 
+def too_thin(mechanism: Mechanism) -> tuple[str, ...]:
+    """A sentence on printed parts with a stretch thinner than a layer, which comes out as thick as one, or not at all."""
+    layer = max(mechanism.print.first_layer, mechanism.print.layer or 0.0)
+    stretches = {
+        part.name: min(each.z1 - each.z0 for each in part.layers)
+        for part in printed_parts(mechanism.assembly)
+        if part.layers
+    }
+    thin = {name: height for name, height in stretches.items() if height < layer - _SAME}
+    if not thin:
+        return ()
+    named = ", ".join(f"{name} {height:g} mm" for name, height in [*thin.items()][:_TOLD])
+    more = f" and {len(thin) - _TOLD} more" if len(thin) > _TOLD else ""
+    return (
+        f"thinner than a layer of {layer:g} mm: {named}{more}; a larger parts.thickness, or finer print.first_layer and "
+        "print.layer",
+    )
+
+
 def _heights(part: Part, side: Side | None) -> Iterator[float]:
     """Heights of a part's flat faces over the bed, mm, from below; of one that lies on a side its whole height alone."""
     levels = {z for layer in (*part.layers, *part.engraved) for z in (layer.z0, layer.z1)}

@@ -10,7 +10,7 @@ import camgen
 from camgen.files.parts_list import parts_list
 from camgen.files.plates import Side, lying_side
 from camgen.parts.solids import solid
-from camgen.pipeline.whole_layers import between
+from camgen.pipeline.whole_layers import between, too_thin
 
 SPECS = Path(__file__).parents[2] / "specs"
 OVER = Side(turn=np.diag([-1.0, 1.0, -1.0]))
@@ -69,3 +69,17 @@ def test_spreaders_lie_on_their_large_face():
     for name in ("lower-spreader", "upper-spreader"):
         side = lying_side(solid(parts[name], 0.005))
         assert side.contact > 173 and side.overhang < 20 and side.name.startswith("on its side")
+
+
+def test_a_part_with_a_stretch_thinner_than_a_layer_is_named(tmp_path):
+    """The starter's cam has a hub, so that its web alone is thin."""
+    cam = camgen.load(SPECS / "disc-cam.toml")
+    assert too_thin(cam) == ()
+    thin = cam.replace({"parts.thickness": 0.1})
+    (said,) = too_thin(thin)
+    assert "cam 0.1 mm" in said and "layer of 0.2 mm" in said and "parts.thickness" in said
+    assert too_thin(cam.replace({"parts.thickness": 0.2})) == ()
+    assert too_thin(cam.replace({"parts.thickness": 0.25, "print.layer": 0.3}))
+    assert too_thin(thin.replace({"material.name": "C45"})) == ()  # not printed
+    report = camgen.build(thin, tmp_path, only="stl,3mf")
+    assert any("thinner than a layer of 0.2 mm: cam 0.1 mm" in note for note in report.warnings)
