@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +31,7 @@ from camgen.tolerance.targets import MOST, Loop, TargetYield, loops, targets
 from camgen.tolerance.timing import Timing, timings
 
 _SHARES = (0.5, 0.9, 0.95, 0.99, 0.997)  # of copies
+_MOST_COPIES = 0.95  # of copies; a finding that fewer hold is explained
 _BARS = 60
 # Figures of a yield, and of what is wanted by value.
 _YIELD = "{of} yield"
@@ -119,15 +120,12 @@ def tolerance(
     tables += _target_yields(targets(spread, few), figures) + _loops(
         loops(spread, few, printing.seed), figures
     )
+    judged: Sequence[CopiesFinding] = ()
     if printing.judged:
         progress("judging copies", 0.5)
-        tables += _findings(
-            copies_findings(
-                spread,
-                drawn_again(spread, printing.seed, range(min(printing.samples, printing.judged))),
-            ),
-            figures,
-        )
+        first = range(min(printing.samples, printing.judged))
+        judged = copies_findings(spread, drawn_again(spread, printing.seed, first))
+        tables += _findings(judged, figures)
     for k, output in enumerate(spread.outputs):
         progress(f"rolling the worst copies of {output.name}", 0.5 + 0.5 * k / len(spread.outputs))
         plots += _plots(spread, copies, output)
@@ -146,7 +144,8 @@ def tolerance(
         _histogram(f"Play of {cam}", "loosest place", least_unit(spread, name), loose, spread, name)
         for (name, cam), (loose, _, _) in copies.held.items()
     ]
-    notes = (f"{printing.samples} copies, seed {printing.seed}.", *_waves(spread), *_NOTES)
+    sampled = f"{printing.samples} copies, seed {printing.seed}."
+    notes = (sampled, *_lost(judged), *_waves(spread), *_NOTES)
     notes += (_DRUM,) if mechanism.assembly.tracks else ()
     return Report(
         mechanism.name,
@@ -159,6 +158,23 @@ def tolerance(
         notes,
         summary=_summary(printing.samples, figures),
     )
+
+
+def _lost(found: Sequence[CopiesFinding]) -> Iterator[str]:
+    """Of each finding that holds as designed and that few copies hold, why, and the limit that most copies keep to."""
+    for each in found:
+        floor = each.sign.startswith(">")
+        good = float(np.mean(each.holds))
+        kept = each.designed >= each.limit if floor else each.designed <= each.limit
+        if not kept or good >= _MOST_COPIES:
+            continue
+        keeps = float(np.nanquantile(each.values, 1 - _MOST_COPIES if floor else _MOST_COPIES))
+        yield (
+            f"{each.code} of {each.what} holds as designed, which is what a build judges; with print errors it holds in "
+            f"{100 * good:.3g} % of copies. {100 * _MOST_COPIES:g} % of copies keep to {each.sign} {keeps:.3g} {each.unit}. If that is not "
+            "enough, measure your printer (print.size_error, place_error, form_error) or change the design: camgen explain "
+            f"{each.code} SPEC names the keys."
+        )
 
 
 def _waves(spread: Spread) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from test_tolerance import SPECS, spread
 
 from camgen.machine.model import Pin
 from camgen.tolerance.findings import CopiesFinding, _of_model, copies_findings
-from camgen.tolerance.report import PrintRun, tolerance, wilson
+from camgen.tolerance.report import PrintRun, _lost, tolerance, wilson
 from camgen.tolerance.spread import Spread, drawn_again
 
 SPRUNG = ("load.mass_kg=0.3", "spring={rate=1,preload=0.1}")
@@ -134,3 +135,22 @@ def test_yields_are_in_the_report() -> None:
         str(row[0]) for row in table.rows
     }
     assert report.numbers["lift_off_yield_percent"] in (0, 25, 50, 75, 100)
+
+
+def test_a_finding_that_holds_as_designed_and_few_copies_hold_is_explained() -> None:
+    values = np.linspace(0.0, 0.02, 101)
+    ripple = CopiesFinding(
+        "SPEED_RIPPLE", "contact", "share", 0.01, "<=", 0.0, values, values <= 0.01
+    )
+    (said,) = _lost([ripple])
+    assert "SPEED_RIPPLE of contact holds as designed" in said and "in 50.5 % of copies" in said
+    assert "95 % of copies keep to <= 0.019 share" in said  # of values evenly from 0 to 0.02
+    angles = np.linspace(20.0, 40.0, 101)
+    least = CopiesFinding(
+        "TRANSMISSION_ANGLE", "joints", "deg", 30.0, ">=", 35.0, angles, angles >= 30
+    )
+    (said,) = _lost([least])
+    assert "95 % of copies keep to >= 21 deg" in said
+    assert not [*_lost([replace(ripple, designed=0.02), replace(ripple, holds=values >= 0)])]
+    notes = tolerance(SPECS / "disc-cam.toml", (), PrintRun(2_000, worst=0, judged=20)).notes
+    assert any(each.startswith("SPEED_RIPPLE of contact holds as designed") for each in notes)
