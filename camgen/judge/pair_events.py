@@ -267,13 +267,16 @@ class Turn:
         return np.abs(place)
 
     def rounds_reach(self, c: Couples) -> np.ndarray:
-        """The centres' circles about the pivot come as near to each other as D, in the squares."""
+        """Each centre may be as far from the pivot as what lies D out from the other one along its normals."""
         total, possible = _reach(c)
-        x = c.b.away[c.j]
-        nearest = np.maximum(np.abs(x - np.abs(total)) - _ROUNDING, 0.0)
-        farthest = np.where(possible, x + np.abs(total) + _ROUNDING, 0.0)
-        y = c.driver_radius
-        return np.asarray((y >= nearest[:, None] ** 2) & (y <= farthest[:, None] ** 2))
+        driven, spread = _out(c.b.take(c.j), c.b.centre[c.j], total)
+        near = np.abs(c.driver_radius - driven[:, None]) <= spread[:, None]
+        near[~possible] = False
+        row = np.flatnonzero(near.any(axis=1))
+        few = c.take(row)
+        driver, spread = _out(c.a.take(few.i), few.driver_centre.T, total[row])
+        near[row] &= (np.abs(c.b.away[few.j] ** 2 - driver) <= spread).T
+        return near
 
     def driver_lines_reach(self, c: Couples) -> np.ndarray:
         """One of both feet is on the line."""
@@ -363,6 +366,21 @@ class Turn:
             )
             events.append(_of_turn(kept, valid, sign > 0, turn, normal))
         return _both(events)
+
+
+def _out(features: Features, centre: Points, distance: Floats) -> tuple[Floats, Floats]:
+    """What lies a distance out from centres along all normals: its own distance from the pivot, squared, and by how much that
+    differs at most, mm2, each (..., n).
+
+    centre: (..., n) mm; distance: (n,) mm. Along the normal at t from the middle one it is |z|^2 + D^2 + 2 D (p cos t - q sin t).
+    """
+    half = np.minimum(features.half, np.pi)
+    cosine = np.cos(half)
+    sine = np.sin(np.minimum(half, np.pi / 2))
+    along = np.conj(centre) * (features.middle * distance)
+    square = centre.real**2 + centre.imag**2 + distance**2 + along.real * (1 + cosine)
+    spread = np.abs(along.real) * (1 - cosine) + 2 * np.abs(along.imag) * sine
+    return square, spread + _ROUNDING
 
 
 def _foot_reach(squared: Floats, begin: Floats, length: Floats) -> np.ndarray:

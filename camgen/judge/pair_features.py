@@ -14,7 +14,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 
@@ -23,6 +22,8 @@ from camgen.geometry.rings import Floats, Ints, Points, Ring
 _FLAT = 1e-7  # mm, sagitta below which an arc is a line
 # rad, turn below which two edges meet without a corner; and arcs with one tangent leave gaps of 1e-10 between their ranges
 SAME_NORMAL = 1e-9
+_FEW = 8  # groups at the top of the tree
+_SPARE = 1e-9  # mm, added to each disc against rounding
 _LONGEST_ARC = 0.35  # rad
 _LONGEST_SHARE = 0.01  # of the outline's length
 
@@ -32,7 +33,7 @@ EVERYWHERE: Heights = (-math.inf, math.inf)  # of an outline that has no thickne
 
 @dataclass(frozen=True)
 class Features:
-    """Features of one body, each (n,).
+    """Features of one body, each (n,), along one outline after the other.
 
     centre: of a round or hollow, of a line its first point, mm. radius: mm, negative of a hollow, 0 of a corner or line.
     middle: unit, the outward normal half way, and half: rad, by which the others differ from it. length: of a line, mm, else 0.
@@ -67,11 +68,6 @@ class Features:
         return self.centre + 0.5j * self.middle * self.length
 
     @cached_property
-    def normal_angle(self) -> Floats:
-        """Direction of the first normal, rad."""
-        return np.angle(self.middle) - self.half
-
-    @cached_property
     def chord(self) -> Floats:
         """Longest chord from the middle normal to another one, of unit circle."""
         return 2 * np.sin(np.minimum(self.half + SAME_NORMAL, np.pi) / 2)
@@ -85,6 +81,54 @@ class Features:
     def far(self) -> float:
         """Greatest distance from the body's origin, mm."""
         return float(np.max(np.abs(self.hub) + self.reach))
+
+    @cached_property
+    def tree(self) -> list[Groups]:
+        """The features themselves, then groups of two, of four and so on, down to a few."""
+        levels = [Groups(self.hub, self.reach, np.angle(self.middle), self.half)]
+        while len(levels[-1]) > _FEW:
+            levels.append(levels[-1].halved())
+        return levels
+
+
+@dataclass(frozen=True)
+class Groups:
+    """Features that follow each other, in groups, each (n,).
+
+    hub, reach: disc in which a group lies, mm. angle, half: range of its outward normals, from angle - half to angle + half, rad.
+    """
+
+    hub: Points
+    reach: Floats
+    angle: Floats
+    half: Floats
+
+    def __len__(self) -> int:
+        return len(self.hub)
+
+    @cached_property
+    def far(self) -> Floats:
+        """Greatest distance of each from the body's origin, mm."""
+        return np.abs(self.hub) + self.reach
+
+    def halved(self) -> Groups:
+        """Half as many, each of two: group k holds the groups 2 k and 2 k + 1, where there is such a one."""
+        first = np.arange(0, len(self), 2)
+        second = np.minimum(first + 1, len(self) - 1)
+        way = self.hub[second] - self.hub[first]
+        long = np.abs(way)
+        reach = np.maximum(self.reach[first], self.reach[second])
+        reach = np.maximum(reach, (long + self.reach[first] + self.reach[second]) / 2)
+        share = np.clip((reach - self.reach[first]) / np.where(long > 0, long, 1.0), 0.0, 1.0)
+        off = np.angle(np.exp(1j * (self.angle[second] - self.angle[first])))
+        low = np.minimum(-self.half[first], off - self.half[second])
+        high = np.maximum(self.half[first], off + self.half[second])
+        return Groups(
+            self.hub[first] + share * way,
+            reach + _SPARE,
+            self.angle[first] + (low + high) / 2,
+            (high - low) / 2,
+        )
 
 
 def features(rings: Sequence[Ring], heights: Sequence[Heights] = ()) -> Features:
@@ -129,9 +173,10 @@ def _of_ring(ring: Ring, heights: Heights) -> Features:
         zero,
         zero,
     )
-    edges = _edges(start, end, bulge, first, ring.length)
+    edges, edge = _edges(start, end, bulge, first, ring.length)
+    along = np.argsort(np.concatenate([edge, corner + 0.5]), kind="stable")
     both = [
-        np.concatenate([getattr(edges, field.name), getattr(corners, field.name)])
+        np.concatenate([getattr(edges, field.name), getattr(corners, field.name)])[along]
         for field in fields(Features)[:-2]
     ]
     count = len(both[0])
@@ -139,8 +184,10 @@ def _of_ring(ring: Ring, heights: Heights) -> Features:
     return Features(*both)
 
 
-def _edges(start: Points, end: Points, bulge: Floats, first: Points, whole: float) -> Features:
-    """Arcs and lines, divided; whole: length of the outline, mm."""
+def _edges(
+    start: Points, end: Points, bulge: Floats, first: Points, whole: float
+) -> tuple[Features, Ints]:
+    """Arcs and lines, divided, and the edge of which each is a part; whole: length of the outline, mm."""
     sweep = 4 * np.arctan(bulge)
     arc = bulge != 0
     chord = np.abs(end - start)
@@ -162,7 +209,7 @@ def _edges(start: Points, end: Points, bulge: Floats, first: Points, whole: floa
     begin = start[edge] + (end - start)[edge] * (place / parts[edge])
     hub = np.where(arc, centre + radius * middle, begin + 0.5j * middle * piece)
     zero = np.zeros(len(edge))
-    return Features(
+    parts_of_edges = Features(
         np.where(arc, centre, begin),
         radius,
         middle,
@@ -173,38 +220,4 @@ def _edges(start: Points, end: Points, bulge: Floats, first: Points, whole: floa
         zero,
         zero,
     )
-
-
-def overlapping(
-    first: tuple[Floats, Floats], second: tuple[Floats, Floats], block: tuple[Ints, Ints]
-) -> tuple[Ints, Ints]:
-    """Pairs of intervals, one of each list, that are of one block and share a value; places in both lists.
-
-    first, second: starts and widths >= 0, (n,) and (m,); block: of each, (n,) and (m,) from 0.
-    Of each pair one interval starts within the other: both searches together give all pairs, once, in n log n and their number.
-    """
-    if not len(first[0]) or not len(second[0]):
-        none = np.zeros(0, np.int64)
-        return none, none
-    low = min(float(first[0].min()), float(second[0].min()))
-    high = max(float((each[0] + each[1]).max()) for each in (first, second))
-    span = high - low + 1.0
-    key_first = block[0] * span + (first[0] - low)
-    key_second = block[1] * span + (second[0] - low)
-    i, j = _starting_within(key_first, first[1], key_second, "left")
-    n, m = _starting_within(key_second, second[1], key_first, "right")
-    return np.concatenate([i, m]), np.concatenate([j, n])
-
-
-def _starting_within(
-    low: Floats, width: Floats, others: Floats, side: Literal["left", "right"]
-) -> tuple[Ints, Ints]:
-    """Of each interval those others that start within it, at its own start only where side is "left"."""
-    order = np.argsort(others, kind="stable")
-    ranked = others[order]
-    begin = np.searchsorted(ranked, low, side)
-    end = np.maximum(np.searchsorted(ranked, low + width, "right"), begin)
-    count = end - begin
-    which = np.repeat(np.arange(len(low)), count)
-    place = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
-    return which, order[begin[which] + place]
+    return parts_of_edges, edge

@@ -21,7 +21,9 @@ import numpy as np
 
 from camgen.geometry.rings import Floats, Ints, Points
 from camgen.judge.pair_events import SAME_FOOT, Couples, Freedom, Meetings, Slide, in_range
-from camgen.judge.pair_features import Features, overlapping
+from camgen.judge.pair_features import Features, Groups
+
+Triples = tuple[Ints, Ints, Ints]  # block, group of the driver, group of the driven body
 
 _WIDE = 0.5  # rad, window beyond which normals are no sieve
 _TURN = 2 * np.pi
@@ -77,127 +79,124 @@ class Poses:
 
 
 class _Blocks:
-    """The driver as the driven body sees it at the middle of the window, in blocks of `size` poses.
+    """The driver as the driven body sees it at the middle of the window, in blocks of `size` poses, each (n,).
 
-    turn, shift: of the driver half way through each block, place = shift + turn * own place, (n,). pole: its own place that moves
-    little in the block; drift: mm, by which that is off at most, and swing: rad, by which places turn about it. half: of the window.
+    turn, shift: of the driver half way through each block, place = shift + turn * own place. pole: the driver's own place that
+    moves little in the block; drift: mm, by which that is off at most, and swing: rad, by which places turn about it.
+    angle: of the turn, rad, the middle of its range in the block. half: of the window, and lean: by how much normals may be off
+    being opposite, rad.
     """
 
-    def __init__(self, freedom: Freedom, poses: Poses, size: int, wide: bool) -> None:
-        middle = 0.0 if wide else (poses.above - poses.below) / 2
+    def __init__(self, bodies: Bodies, poses: Poses, size: int) -> None:
+        freedom = bodies.freedom
+        self.bodies = bodies
+        self.wide = bool(bodies.wide(poses)[0])
+        self.rotates = freedom.period < np.inf
+        middle = 0.0 if self.wide else (poses.above - poses.below) / 2
         phi = poses.guess + middle
         turned = np.conj(freedom.turned(phi))
-        turns = (poses.e * turned).reshape(-1, size)
-        shifts = ((poses.place - freedom.moved(phi)) * turned).reshape(-1, size)
-        self.turn = turns[:, size // 2]
-        self.shift = shifts[:, size // 2]
-        turning = turns - self.turn[:, None]
-        shifting = shifts - self.shift[:, None]
+        self.turns = (poses.e * turned).reshape(-1, size)
+        self.shifts = ((poses.place - freedom.moved(phi)) * turned).reshape(-1, size)
+        self.turn = self.turns[:, size // 2]
+        self.shift = self.shifts[:, size // 2]
+        turning = self.turns - self.turn[:, None]
+        shifting = self.shifts - self.shift[:, None]
         by = turning[:, -1] - turning[:, 0]
         turns_much = np.abs(by) > _ROUNDING
         by = np.where(turns_much, by, 1.0)
         self.pole = np.where(turns_much, -(shifting[:, -1] - shifting[:, 0]) / by, 0.0)
         self.drift = np.max(np.abs(turning * self.pole[:, None] + shifting), axis=1)
         self.swing = np.max(np.abs(turning), axis=1)
-        off = np.angle(turns * np.conj(self.turn)[:, None])
-        self.turns = turns
-        self.shifts = shifts
-        self.least_turn = off.min(axis=1)
-        self.most_turn = off.max(axis=1)
+        off = np.angle(self.turns * np.conj(self.turn)[:, None])
+        least = off.min(axis=1)
+        most = off.max(axis=1)
         half = (poses.below + poses.above) / 2
-        self.half = np.full(len(turns), np.inf) if wide else half.reshape(-1, size).max(axis=1)
+        self.half = half.reshape(-1, size).max(axis=1)
+        self.angle = np.angle(self.turn) + (least + most) / 2
+        self.lean = (most - least) / 2 + (self.half if self.rotates else 0.0) + _ROUNDING
 
-    def seen(self, place: Points) -> tuple[Points, Floats]:
-        """Own places of the driver, (m,): where they are half way, and by how much they are off that in the block, (n, m) mm."""
-        away = np.abs(place - self.pole[:, None])
-        spread = self.drift[:, None] + self.swing[:, None] * away
-        return self.shift[:, None] + self.turn[:, None] * place, spread
+    def __len__(self) -> int:
+        return len(self.turn)
+
+    def close(self, a: Groups, b: Groups, triples: Triples, growth: float) -> np.ndarray:
+        """Which of some blocks, groups of the driver and groups of the driven body may touch, places in the list.
+
+        growth: by how much the driver may come nearer to them, mm.
+        """
+        if self.wide:
+            return self._across(a, b, triples, growth)
+        block, i, j = triples
+        hub = a.hub[i]
+        apart = self.shift[block] + self.turn[block] * hub - b.hub[j]
+        room = self.swing[block] * np.abs(hub - self.pole[block]) + a.reach[i] + b.reach[j]
+        room += self.half[block] * b.far[j] if self.rotates else self.half[block]
+        room += self.drift[block] + growth
+        near = np.flatnonzero(_squared(apart) <= room**2)
+        block = block[near]
+        i = i[near]
+        j = j[near]
+        off = (a.angle[i] + self.angle[block] - b.angle[j]) / _TURN + 0.5
+        off = np.abs(off - np.rint(off)) * _TURN
+        opposite = off <= a.half[i] + b.half[j] + self.lean[block]
+        return np.asarray(near[opposite])
+
+    def _across(self, a: Groups, b: Groups, triples: Triples, growth: float) -> np.ndarray:
+        """The same in a wide window, in which the driven body goes everywhere: by the rings about the pivot, or strips along the
+        slide, in which both lie."""
+        block, i, j = triples
+        across = self.bodies.freedom.across
+        place = across(self.shifts[:, None] + self.turns[:, None] * a.hub[:, None])
+        least = place.min(axis=2) - a.reach - growth
+        most = place.max(axis=2) + a.reach + growth
+        own = across(b.hub)
+        above = own[j] + b.reach[j] >= least[block, i]
+        return np.flatnonzero(above & (own[j] - b.reach[j] <= most[block, i]))
 
 
 def partners(bodies: Bodies, poses: Poses, size: int, growth: float, gap: float) -> Couples:
     """Pairs that may touch; poses are in blocks of `size`, all of them wide or none.
 
-    growth: by how much features may come nearer, mm, the gap included.
+    growth: by how much features may come nearer, mm, the gap included. Both trees of groups are gone down together: where two
+    groups cannot touch, none of their features can.
     """
     a = bodies.a
     b = bodies.b
-    freedom = bodies.freedom
-    wide = bool(bodies.wide(poses)[0])
-    shaped = poses.place.reshape(-1, size), poses.e.reshape(-1, size)
-    blocks = _Blocks(freedom, poses, size, wide)
-    growth = growth + _ROUNDING
-    # rings about the pivot, or strips along the slide, that both can reach
-    place, spread = blocks.seen(a.hub)
-    reach = spread + (a.reach + growth)
-    across = freedom.across(place)
-    own = freedom.across(b.hub)
-    low = float(np.min(own - b.reach))
-    high = float(np.max(own + b.reach))
-    block_a, i = np.nonzero((across - reach <= high) & (across + reach >= low))
-    turns = freedom.period < np.inf
-    move = np.outer(blocks.half, np.abs(b.hub) + b.reach if turns else np.ones(len(b)))
-    if wide:
-        block_b, j = (each.ravel() for each in np.indices((len(blocks.turn), len(b))))
-    else:
-        origin, astray = blocks.seen(np.zeros(1, complex))
-        away = np.abs(b.hub - origin)
-        spare = b.reach + move + astray + growth
-        least = float(np.min(np.abs(a.hub) - a.reach))
-        block_b, j = np.nonzero((away - spare <= a.far) & (away + spare >= least))
-    if not len(i) or not len(j):
-        none = np.zeros(0, np.int64)
-        return Couples(a, b, none, none, none, shaped[0], shaped[1], gap)
-    if wide:
-        across = freedom.across(blocks.shifts[block_a] + blocks.turns[block_a] * a.hub[i][:, None])
-        room = a.reach[i] + growth
-        least_across = across.min(axis=1) - room
-        first = (least_across, across.max(axis=1) + room - least_across)
-        second = (own[j] - b.reach[j], 2 * b.reach[j])
-        m, n = overlapping(first, second, (block_a, block_b))
-    else:
-        place = place[block_a, i]
-        reach = reach[block_a, i]
-        m, n = _opposite(bodies, blocks, (block_a, i), (block_b, j))
-        room = b.reach[j] + move[block_b, j]
-        close = _squared(place[m] - b.hub[j[n]]) <= (reach[m] + room[n]) ** 2
-        m = m[close]
-        n = n[close]
-    block = block_a[m]
-    i = i[m]
-    j = j[n]
+    blocks = _Blocks(bodies, poses, size)
+    level_a = len(a.tree) - 1
+    level_b = len(b.tree) - 1
+    every = np.indices((len(blocks), len(a.tree[-1]), len(b.tree[-1])))
+    block, i, j = (each.ravel() for each in every)
+    while True:
+        triples = block, i, j
+        close = blocks.close(a.tree[level_a], b.tree[level_b], triples, growth + _ROUNDING)
+        block, i, j = (each[close] for each in triples)
+        if level_a == level_b == 0:
+            break
+        deeper = max(level_a, level_b)
+        if level_a == deeper:
+            level_a -= 1
+            i, (block, j) = _divided(i, len(a.tree[level_a]), block, j)
+        if level_b == deeper:
+            level_b -= 1
+            j, (block, i) = _divided(j, len(b.tree[level_b]), block, i)
     line = a.straight[i].astype(int) + b.straight[j]
     hollow = (a.radius[i] < 0).astype(int) + (b.radius[j] < 0)
     meet = (line + hollow <= 1) & (a.low[i] < b.high[j]) & (b.low[j] < a.high[i])
-    return Couples(a, b, i[meet], j[meet], block[meet], *shaped, gap)
+    place = poses.place.reshape(-1, size)
+    e = poses.e.reshape(-1, size)
+    return Couples(a, b, i[meet], j[meet], block[meet], place, e, gap)
+
+
+def _divided(groups: Ints, count: int, *others: Ints) -> tuple[Ints, list[Ints]]:
+    """Groups in place of which the two that each holds come, of `count` there are, and what goes along with them."""
+    halves = (2 * groups[:, None] + np.arange(2)).ravel()
+    kept = np.flatnonzero(halves < count)
+    return halves[kept], [np.repeat(each, 2)[kept] for each in others]
 
 
 def _squared(z: Points) -> Floats:
     """The square of |z|, without the root that `abs` takes."""
     return np.asarray(z.real**2 + z.imag**2)
-
-
-def _opposite(
-    bodies: Bodies, blocks: _Blocks, driver: tuple[Ints, Ints], driven: tuple[Ints, Ints]
-) -> tuple[Ints, Ints]:
-    """Pairs whose normals are opposite at some pose of their block; places in both lists."""
-    a = bodies.a
-    b = bodies.b
-    block_a, i = driver
-    block_b, j = driven
-    spare = _ROUNDING + (blocks.half if bodies.freedom.period < np.inf else 0.0)
-    low = np.angle(blocks.turn) + blocks.least_turn - spare
-    span = blocks.most_turn - blocks.least_turn + 2 * spare
-    start = (a.normal_angle[i] + np.pi + low[block_a]) % _TURN
-    own = b.normal_angle[j] % _TURN
-    width = 2 * b.half[j]
-    reach = 2 * a.half[i] + span[block_a]
-    # a turn before or after, where intervals run past a whole one
-    before = np.flatnonzero(own + width >= _TURN)
-    after = np.flatnonzero(own <= max(float((start + reach).max()) - _TURN, -1.0))
-    place = np.concatenate([np.arange(len(j)), before, after])
-    own = np.concatenate([own, own[before] - _TURN, own[after] + _TURN])
-    m, n = overlapping((start, reach), (own, width[place]), (block_a, block_b[place]))
-    return m, place[n]
 
 
 def nearing(c: Couples, poses: Poses, freedom: Freedom, growth: float) -> Ints:

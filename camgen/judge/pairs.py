@@ -119,7 +119,16 @@ class Body:
             else:
                 holes.setdefault(span, []).append(area)
         opened = (_Area(shapely.union_all(each), True, *span) for span, each in holes.items())
-        return [*solid, *opened]
+        areas = [*solid, *opened]
+        shapely.prepare([area.polygon for area in areas])
+        return areas
+
+    @cached_property
+    def corners(self) -> int:
+        """How many its areas have."""
+        import shapely
+
+        return sum(int(shapely.get_num_coordinates(area.polygon)) for area in self.areas)
 
 
 @dataclass(frozen=True)
@@ -267,7 +276,7 @@ class OutlinePair:
         size = min(_BLOCK, count)
         poses = poses.padded(-count % size)
         growth = greatest_way(self.bodies, poses) if prove else 0.0
-        growth = growth + max(0.0, -self.overlap)
+        growth = growth + abs(self.overlap)
         pairs = partners(self.bodies, poses, size, growth, -self.overlap)
         met, pose, events = touches(pairs, self.freedom)
         couples = np.vstack([np.column_stack([met.i, met.j]), np.full(2, -1)])
@@ -294,7 +303,7 @@ class OutlinePair:
     def cells(self, theta: float, near: float, window: float) -> list[tuple[float, float]]:
         """Intervals of phi between touches that may be free, nearest first; an open side is infinite."""
         poses = self.poses(np.array([theta]), np.array([near]), (window, window))
-        pairs = partners(self.bodies, poses, 1, max(0.0, -self.overlap), -self.overlap)
+        pairs = partners(self.bodies, poses, 1, abs(self.overlap), -self.overlap)
         _, _, events = touches(pairs, self.freedom)
         period = self.freedom.period
         phi = events.phi
@@ -317,12 +326,17 @@ class OutlinePair:
 
     def overlaps(self, theta: float, phi: float) -> bool:
         """Whether both overlap at a pose, by the area of what they share, but for what facets feign."""
-        place, angle = (float_or_complex[0] for float_or_complex in self.pose(np.array([theta]), 0))
-        turn = complex(np.exp(1j * angle))
-        own_turn = complex(self.freedom.turned(np.array([phi]))[0])
-        own_place = complex(self.freedom.moved(np.array([phi]))[0])
-        drivers = [area.moved(turn, complex(place)) for area in self.driver.areas]
-        driven = [area.moved(own_turn, own_place) for area in self.driven.areas]
+        (place,), (angle,) = self.pose(np.array([theta]), 0)
+        back = np.conj(self.freedom.turned(np.array([phi]))[0])
+        # the driver as the driven body sees it, or the other way round: what has fewer corners is moved
+        turn = complex(np.exp(1j * angle) * back)
+        place = complex((place - self.freedom.moved(np.array([phi]))[0]) * back)
+        drivers = self.driver.areas
+        driven = self.driven.areas
+        if self.driver.corners <= self.driven.corners:
+            drivers = [area.moved(turn, place) for area in drivers]
+        else:
+            driven = [area.moved(1 / turn, -place / turn) for area in driven]
         return any(
             _shared_width(a, b) > _NO_OVERLAP + self.overlap
             for a, b in product(drivers, driven)
@@ -347,13 +361,20 @@ def _shared_width(first: _Area, second: _Area) -> float:
     """Mean width of what two areas share, mm; 0 where they share nothing."""
     import shapely
 
-    if first.hole and second.hole:
-        shared = shapely.difference(second.polygon, first.polygon)
-    elif first.hole or second.hole:
-        solid, hole = (second, first) if first.hole else (first, second)
-        shared = shapely.difference(solid.polygon, hole.polygon)
+    inner, outer = first.polygon, second.polygon
+    if first.hole:
+        inner, outer = outer, inner
+    # most share nothing, which a prepared polygon tells soon
+    if first.hole or second.hole:
+        if shapely.covers(outer, inner):
+            return 0.0
+        shared = shapely.difference(inner, outer)
     else:
-        shared = shapely.intersection(first.polygon, second.polygon)
+        if shapely.is_prepared(outer):
+            inner, outer = outer, inner
+        if not shapely.intersects(inner, outer):
+            return 0.0
+        shared = shapely.intersection(inner, outer)
     return 2 * shared.area / shared.length if shared.area > 0 else 0.0
 
 
