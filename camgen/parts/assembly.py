@@ -503,7 +503,21 @@ def by_heights(assembly: Assembly, before: Mapping[str, int] | None = None) -> T
     mounts = [mount for mount in assembly.mounts if mount.part not in standing]
     poses = assembly.poses(np.zeros(1))
     fixing = assembly.process.fixing
-    return order(assembly.parts, mounts, poses, assembly.features, fixing, before)
+    table = order(assembly.parts, mounts, poses, assembly.features, fixing, before)
+    return table if assembly.motor.reach is None else _with_motor(table, assembly)
+
+
+def _with_motor(table: Table, assembly: Assembly) -> Table:
+    """The order with a motor under the plate as soon as that is there: later parts cover its screws."""
+    assert assembly.frame is not None, "a motor is screwed on a plate"
+    plate = assembly.frame.part
+    rows = list(zip(table.rows, table.steps, strict=True))
+    said = "Motor: under the plate, its shaft through it; screw it on now, before parts cover the screws"
+    row = 0, "motor", said, "", 1, 0.0, "as bought"
+    after = max(k for k, (each, _) in enumerate(rows) if each[1] == plate)
+    rows.insert(after + 1, (row, Step(said)))
+    numbered = [(count, *each[1:]) for count, (each, _) in enumerate(rows, 1)]
+    return replace(table, rows=numbered, steps=[step for _, step in rows])
 
 
 def _last_rows(assembly: Assembly) -> Iterator[_Row]:

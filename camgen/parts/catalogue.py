@@ -182,8 +182,8 @@ class Bought:
     standard: str
     size: str
     count: int
-    # turns the machine; holds its frame from behind; lifts a pen, which its size says how
-    role: Literal["", "drive", "mount", "lift"] = ""
+    # turns the machine; feeds its motor; holds its frame from behind; lifts a pen, which its size says how
+    role: Literal["", "drive", "supply", "mount", "lift"] = ""
 
 
 CUT = "cut of steel"

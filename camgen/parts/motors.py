@@ -49,6 +49,9 @@ class Geared:
     source: str
 
 
+# Of all models below: no drawing of their makers could be opened. Three public models of an SG90
+# have its holes 27.5, 27.9 and 28.5 mm apart [nnarain/openscad-servos, kartchnb/openscad-servo-library, mariolukas/openexposer].
+HOLES_UNKNOWN = "no drawing of its mounting holes was opened: measure yours"
 _POLOLU = "Pololu, Micro Metal Gearmotors, rev 2.0: low power, stall by extrapolation"
 GEARED = {
     row.model: row

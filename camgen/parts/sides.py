@@ -191,7 +191,7 @@ def _bought(near: Assembly, far: Assembly) -> list[Bought]:
     for each in near.bought:
         counts[replace(each, count=0)] += each.count
     for each in far.bought:
-        if each.role != "drive":
+        if each.role not in ("drive", "supply"):
             counts[replace(each, count=0)] += each.count
     return [replace(each, count=n) for each, n in counts.items() if each.role != "mount"]
 

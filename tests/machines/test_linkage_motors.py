@@ -23,6 +23,8 @@ from camgen.machines.follower_motions import FollowerMotion, table_finding, tabl
 from camgen.machines.linkage import pens
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.machines.loads.assess import assess
+from camgen.machines.sources import read_mechanism
+from camgen.parts.assembly import order_of_assembly
 from camgen.spec import validate
 
 Tables = dict[str, Any]
@@ -510,3 +512,28 @@ def test_what_is_no_program_for_grbl(tmp_path: Path, text: str, says: str) -> No
     path.write_text(text)
     with pytest.raises(FileError, match=says):
         read_grbl(path, 2)
+
+
+def test_a_motor_is_screwed_on_as_soon_as_its_plate_is_there() -> None:
+    """Its screws go through the plate from above, where links lie later; without one nothing is said of it."""
+    spec = Path(__file__).resolve().parents[2] / "specs" / "linkage.toml"
+    settings = ("parts.motor=nema-17", "motor.model=17HS19-2004S1", "parts.hand_crank=0")
+    rows = order_of_assembly(read_mechanism(spec, settings).assembly).rows
+    parts = [row[1] for row in rows]
+    assert parts.index("motor") == parts.index("ground") + 1 < parts.index("crank")
+    assert [row[0] for row in rows] == list(range(1, len(rows) + 1))
+    assert "motor" not in [row[1] for row in order_of_assembly(read_mechanism(spec).assembly).rows]
+
+
+def test_the_walker_buys_one_motor_by_its_model_and_one_holder() -> None:
+    spec = Path(__file__).resolve().parents[2] / "specs" / "gallery" / "walker.toml"
+    made = read_mechanism(spec).assembly
+    (motor,) = (each for each in made.bought if each.role == "drive")
+    assert "N20-298:1 (no drawing of its mounting holes was opened: measure yours)" in motor.size
+    (holder,) = (each for each in made.bought if each.role == "supply")
+    assert (holder.count, holder.size[:7]) == (1, "52 x 48")
+    rows = order_of_assembly(made).rows
+    motors = [row[0] for row in rows if row[1] == "motor"]
+    plate = [row[0] for row in rows if row[1] == "ground"]
+    assert motors == [plate[-1] + 1], "one for both sides, when the plate with its pins is put on"
+    assert str(rows[0][2]).startswith("Motor bar: round the motor's gearbox")

@@ -88,6 +88,7 @@ from camgen.parts.generator.stacking import first_choice, lacking, with_levels
 from camgen.parts.generator.table_stand import TableStand, on_stand
 from camgen.parts.generator.trials import tried, with_cures
 from camgen.parts.journals import journals
+from camgen.parts.motors import GEARED, HOLES_UNKNOWN
 from camgen.parts.part import Part
 from camgen.parts.sides import PREFIX as FAR
 from camgen.parts.sides import Mirror, both_sides
@@ -827,7 +828,9 @@ class Linkage(Mechanism):
         """What its drive is to do, in words."""
         drive = self.drive
         if isinstance(drive, t.Drive):
-            return turning_text(drive.speed_rpm)
+            turning = turning_text(drive.speed_rpm)
+            model = self.motor.model if self.motor else None
+            return f"{model} ({HOLES_UNKNOWN}), {turning}" if model in GEARED else turning
         low, high = drive.range
         return f"linear, {high - low:g} mm at {drive.speed:g} mm/s, on link {drive.link}"
 

@@ -193,6 +193,9 @@ class Bodies:
         screws = self.layout.cover.bought(covers) if self.layout.cover else []
         count = len(self.layout.drivers) or 1
         motors = [replace(each, count=count * each.count) for each in motors]
+        if p.battery is not None:
+            size = f"{p.battery.length:g} x {p.battery.width:g}, in the frame under the far plate"
+            motors.append(Bought("battery holder", "", size, 1, "supply"))
         held = [] if self.collar is None else self.collar.bought(self.collar.least_radius)
         screws += [replace(each, count=count * each.count) for each in held]
         behind = Bought("screw of the plate, from behind", "", screw, p.mount_screws, "mount")

@@ -250,7 +250,7 @@ def motor_bar(layout: Layout) -> Iterator[tuple[Part, Mount]]:
         (Layer(region, 0.0, s.base_thickness),),
         centres=(0j, *face.screws),
         min_wall=layout.min_wall,
-        notes=(said,),
+        notes=(HoldingNote(said),),
     )
     for link in layout.drivers:
         yield part, Mount(part.name, GROUND, layout.at(GROUND, layout.shaft_of(link)), z=z)
