@@ -12,6 +12,7 @@ from camgen.judge.slabs import Course
 AT_REST = 1e-6  # mm, a path that is no motion
 STRAIGHT = 1e-6  # mm, and share of a turn, by which a guest that slides may be off its straight way
 
+ROUNDING = 1e-6  # share of a way by which what is on it may seem to go further
 _SUDDEN = 4  # times the turns in the steps beside it, from which a step is looked into
 _HALVINGS = 24
 _REST = 0.2  # of its turn, that a step with a jump keeps as it is halved
@@ -125,6 +126,32 @@ class Motion:
             self._path_bounds[centre] = _path_bound(self.shifts + self.turns * centre)
         return self._path_bounds[centre] + reach * self._turn_bound
 
+    def keeps_to_paths(self, centre: complex) -> bool:
+        """Whether halfway between poses of the grid no point has gone further about a centre than the path, whatever its reach."""
+        if centre not in self._keeping:
+            self._keeping[centre] = _kept(
+                self.steps_halfway(centre), np.diff(self.path(centre, 0.0))
+            )
+        return self._keeping[centre] and self._turns_kept
+
+    def steps_halfway(self, centre: complex) -> Floats:
+        """From the poses before and after to each halfway between them, (2, n - 1) mm, of a point of the guest."""
+        turns, shifts = self.halfway
+        return _steps(self.shifts + self.turns * centre, shifts + turns * centre)
+
+    @functools.cached_property
+    def turns_halfway(self) -> Floats:
+        """The same of the turns."""
+        return _steps(self.turns, self.halfway[0])
+
+    @functools.cached_property
+    def _turns_kept(self) -> bool:
+        return _kept(self.turns_halfway, np.diff(self._turn_bound))
+
+    @functools.cached_property
+    def _keeping(self) -> dict[complex, bool]:
+        return {}
+
     @functools.cached_property
     def _path_bounds(self) -> dict[complex, Floats]:
         return {}
@@ -132,6 +159,15 @@ class Motion:
     @functools.cached_property
     def _turn_bound(self) -> Floats:
         return _path_bound(self.turns)
+
+
+def _steps(places: Points, halfway: Points) -> Floats:
+    return np.abs(halfway - np.stack([places[:-1], places[1:]]))
+
+
+def _kept(steps: Floats, way: Floats) -> bool:
+    """Whether no step is longer than the way of the grid's step, but for rounding."""
+    return bool(np.all(steps <= way * (1 + ROUNDING)))
 
 
 def _path_bound(places: Points) -> Floats:

@@ -48,13 +48,11 @@ from camgen.machine.print_errors import (
     waviness,
 )
 from camgen.machine.run import Run, solve
-from camgen.machines.cylinder_cam.mechanism import CylinderCam
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
 from camgen.parts import materials
 from camgen.parts.catalogue import ball_roller
 from camgen.study import Figure, Figures, Study, Table
-from camgen.tolerance.drums import DrumErrors
 from camgen.tolerances import SAME_POINT
 
 if TYPE_CHECKING:
@@ -200,7 +198,11 @@ def spread_of(mechanism: Mechanism) -> Spread:
         *mechanism.assembly.cycle.range, max(_ANGLES, _PER_WAVE * sizes.orders[1] + 1)
     )
     holes = _holes(mechanism, outputs)
-    if isinstance(mechanism, CylinderCam):
+    if mechanism.mechanism == "cylinder-cam":
+        from camgen.machines.cylinder_cam.mechanism import CylinderCam
+        from camgen.tolerance.drums import DrumErrors
+
+        assert isinstance(mechanism, CylinderCam)
         rolled = mechanism.geometry.roller
         exact = ball_roller(2 * rolled.radius, rolled.length) is not None
         key = mechanism.pieces.corner if mechanism.pieces else None
