@@ -13,9 +13,7 @@ from camgen.numerics import Floats, Points
 if TYPE_CHECKING:
     import shapely
 
-_FEW = (
-    100  # edges of a ring that are gone through one by one in less time than a tree of them takes
-)
+_FEW = 200  # edges of a ring that are gone through one by one in less time than a tree takes
 
 
 def _polygon(ring: Points) -> shapely.Polygon:
