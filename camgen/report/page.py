@@ -150,7 +150,8 @@ def _on_bench(step: Step, place: Mapping[str, int]) -> dict[str, object]:
     ]
     copies = [place[copy] for copy in step.copies]
     wire = [] if step.wire is None else step.wire.round(2).tolist()
-    return {"copies": copies, "way": step.way, "group": step.group, "mates": mates, "wire": wire}
+    said = {"copies": copies, "way": step.way, "group": step.group, "mates": mates, "wire": wire}
+    return said | ({"apart": step.apart} if step.apart else {})
 
 
 # ---- pieces of text ----

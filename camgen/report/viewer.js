@@ -545,9 +545,9 @@
       if (what === "part") put(parts[number], new THREE.Matrix4(), false);
       if (what === "plate") lying.plates[number].forEach(([k, ...m]) => put(parts[k], new THREE.Matrix4().set(...m, 0, 0, 0, 1), false));
       if (what === "step") {
-        const { coming, there, spring, springs } = onBench(lying.steps, Number(number)), some = spring.length || springs.length;
-        there.forEach(k => put(copies[k].part, standing[k], true));
-        coming.forEach(k => put(copies[k].part, standing[k], false));
+        const { coming, there, spring, springs, over } = onBench(lying.steps, Number(number)), some = spring.length || springs.length;
+        there.forEach(k => put(copies[k].part, onTable(standing[k], over), true));
+        coming.forEach(k => put(copies[k].part, onTable(standing[k], over), false));
         if (some) [spring, ...springs].forEach((wire, k) => {
           scene.add(new THREE.Mesh(tube(wire), surface({ color: variable(k ? "--plain" : "--new") })));
           ends.push(...points(wire));
@@ -576,13 +576,15 @@
   // ---- on the bench: one step of assembly after the other ----
 
   // Copies that come in a step, and those that are there, with the wires of springs: of what is built by itself its own alone.
+  // over: whether that hangs in the whole machine, so that it is shown turned over, as it lies on the bench.
   function onBench(steps, number) {
-    const { copies, group } = steps[number], run = [];
+    const { copies, group, apart } = steps[number], run = [];
     for (let k = number - 1; k >= 0 && group && steps[k].group === group && steps[k].copies.length; k--) run.unshift(...steps[k].copies);
-    if (group && copies.length) return { coming: copies, there: run, spring: [], springs: [] };
-    const coming = copies.length ? copies : run, before = steps.slice(0, number);
+    if (group && copies.length) return { coming: copies, there: run, spring: [], springs: [], over: Boolean(apart) };
+    const coming = copies.length ? copies : run, over = Boolean(apart && (copies.length || group));
+    const before = steps.slice(0, number).filter(step => !over || step.apart === apart);
     const there = [...new Set(before.flatMap(step => step.copies))].filter(k => !coming.includes(k));
-    return { coming, there, spring: steps[number].wire, springs: before.map(step => step.wire).filter(wire => wire.length) };
+    return { coming, there, spring: steps[number].wire, springs: before.map(step => step.wire).filter(wire => wire.length), over };
   }
 
   // A body about z: triangles between rings of a radius and a height each.
@@ -596,6 +598,7 @@
     return body;
   }
 
+  const onTable = (matrix, over) => over ? new THREE.Matrix4().set(1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1).multiply(matrix) : matrix;
   const points = wire => wire.map(place => new THREE.Vector3(...place));
   // The wire of a spring: rings of six corners along its line, each turned as little against the one before as can be.
   function tube(wire) {
@@ -627,8 +630,10 @@
     const scene = new THREE.Scene(), camera = eye(lain()), sun = lit(scene);
     const plain = surface(), fresh = surface(), edge = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.5 }), coming = new THREE.Group(), there = new THREE.Group();
     const wait = 700, way = 1500;  // ms, before a part moves, and until it is in
+    let hangs = false;  // whether this step's parts hang in the whole machine
+    const stand = k => onTable(standing[k], hangs);
     const corners = (numbers, more = 0) => numbers.flatMap(k => copies[k].part.ends.map(end => {
-      const place = end.clone().applyMatrix4(standing[k]);
+      const place = end.clone().applyMatrix4(stand(k));
       return place.setZ(place.z + more);
     }));
     const least = 0.03 * new THREE.Box3().setFromPoints(corners([...copies.keys()])).getSize(new THREE.Vector3()).length();
@@ -640,7 +645,7 @@
 
     function put(group, k, material) {
       const item = object(copies[k].part, material, edge);
-      item.matrix.copy(standing[k]);
+      item.matrix.copy(stand(k));
       group.add(item);
     }
     function mark(group, body, where, tone, more) {
@@ -676,7 +681,10 @@
       return shown;
     }
     function dress() {  // what is seen of this step, in the colours of the page
-      const now = onBench(steps, number), { way: sense, mates } = steps[number], comes = now.coming.length || now.spring.length;
+      const now = onBench(steps, number), comes = now.coming.length || now.spring.length;
+      hangs = now.over;
+      const sense = hangs ? -steps[number].way : steps[number].way;
+      const mates = steps[number].mates.map(({ place: [x, y, z], ...mate }) => ({ ...mate, place: hangs ? [x, -y, -z] : [x, y, z] }));
       [there, coming].forEach(group => group.clear());
       const shown = focus(now, mates), box = new THREE.Box3().setFromPoints([...corners(now.coming), ...points(now.spring)]), high = comes ? box.max.z - box.min.z : 0;
       lift = comes && now.there.length ? -sense * Math.max(1.3 * high, 0.45 * radius) : 0;
@@ -707,7 +715,7 @@
     function name(numbers, mates) {  // letters of the holes that come, and of those that they go on or through
       const words = { glue: "glue", press: "pressed, no glue", free: "no glue" };
       tags = numbers.flatMap(k => lying.parts[copies[k].part.number][1].map(([label, , at]) => ({
-        label, how: "", moves: true, at: new THREE.Vector3(...at).applyMatrix4(standing[k]),
+        label, how: "", moves: true, at: new THREE.Vector3(...at).applyMatrix4(stand(k)),
       })));
       mates.forEach(({ how, label, place, comes }) => {
         const at = new THREE.Vector3(...place);

@@ -336,3 +336,12 @@ def test_what_does_not_move_has_no_controls() -> None:
     ring = [(np.array([0, 1, 1j]), np.zeros(3))]
     pages = [player(Animation(np.zeros(2), [Body("a", [pose], ring)])) for pose in (still, away)]
     assert ['<div class="controls" hidden>' in page for page in pages] == [True, False]
+
+
+def test_what_is_built_apart_is_told_to_the_view() -> None:
+    report = solid()
+    assert report.scene is not None
+    steps = [Step("near", ["cam-1"]), Step("far", ["cam-2"], apart="far"), Step("on", apart="far")]
+    page = to_html(replace(report, scene=replace(report.scene, steps=steps)))
+    said = json.loads(script(page, "lying"))["steps"]
+    assert [step.get("apart", "") for step in said] == ["", "far", "far"]
