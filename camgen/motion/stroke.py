@@ -55,9 +55,9 @@ class Stroke(Program):
         starts = self.joints
         which = np.clip(np.searchsorted(starts, place, side="right") - 1, 0, len(self.segments) - 1)
         result = np.empty(place.shape)
-        for k, segment in enumerate(self.segments):
+        for k in np.unique(which):
             mine = which == k
-            result[mine] = segment.at(place[mine] - starts[k], order)
+            result[mine] = self.segments[k].at(place[mine] - starts[k], order)
         return result
 
     def backwards(self) -> Stroke:

@@ -345,6 +345,16 @@ def test_segments_holes_and_edges_that_leave_no_plate_are_told() -> None:
     assert caught.value.value == pytest.approx(-5)
 
 
+def test_a_hole_that_a_low_edge_leaves_no_wall_is_told() -> None:
+    """At the end of the way the edge is 5 mm high, below a hole about 10 mm; 6 mm are high enough for a hole of 4 mm about 3.5 mm."""
+    deep = [{"kind": "return", "span": 60.0, "to": -15.0, "law": "cycloidal"}]
+    with pytest.raises(DesignError, match=r"wall of the plate .* parts\.hole") as caught:
+        linear(geometry={"height": 20.0}, parts={"hole": 5.2}, segment=deep).limits()
+    assert caught.value.limit == pytest.approx(0.8)
+    low = [{"kind": "return", "span": 60.0, "to": -1.0, "law": "cycloidal"}]
+    linear(geometry={"height": 7.0}, parts={"hole": 4.0}, segment=low).limits()
+
+
 def test_a_steep_plate_fails_by_its_angle_and_radius() -> None:
     tables = {"pressure_angle_deg": 20.0, "least_radius": 40.0}
     failing = {each.code: str(each.where) for each in linear(limits=tables).limits() if not each.ok}

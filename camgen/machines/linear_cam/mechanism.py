@@ -22,6 +22,8 @@ from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, NotJudged, Where
+from camgen.geometry.distances import thinnest_wall
+from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Line, Region, circle, end_point, start_point
 from camgen.machine.cams.limits import edge_findings, program_findings
 from camgen.machine.cams.linear import WAY, LinearCam, PlateArm, PlateSlide
@@ -70,6 +72,7 @@ _UNUSED = (
     ("files", "cutter_radius", "nothing here: no path of a cutter is made along a plate"),
 )
 _SAMPLES = 1441  # of the way, in curves
+_COARSE = 0.01  # mm, by which edges may be off where it is asked whether holes lie in them
 _BY_WAY: dict[str, Any] = {"angle": "way of the plate", "unit": "mm"}  # how places are told
 
 
@@ -207,17 +210,26 @@ class LinearCamDrive(Mechanism):
         )
 
     @cached_property
+    def _region(self) -> Region:
+        """The plate's face; DesignError where a hole leaves its edge."""
+        holes = tuple(circle(place, self.making.hole / 2) for place in self._screws)
+        edges = [facet_contour(each, _COARSE) for each in (self._outline, *holes)]
+        if thinnest_wall(edges[0], edges[1:]) <= 0:
+            remedy = "the edge is too low there: a greater geometry.height, or a smaller parts.hole (0: none)"
+            least = self.allowed.min_wall
+            raise DesignError("wall of the plate", 0.0, least, "mm", "a hole for a screw", remedy)
+        return Region(self._outline, holes)
+
+    @cached_property
     def assembly(self) -> Assembly:
         """The plate."""
         p = self.making
-        holes = tuple(circle(place, p.hole / 2) for place in self._screws)
-        region = Region(self._outline, holes)
         f = self.geometry.follower
         notes = roller_note(2 * f.radius) if f.radius else ()
         part = Part(
             self.drive.slide,
             "Plate of a linear cam",
-            (Layer(region, 0.0, p.thickness),),
+            (Layer(self._region, 0.0, p.thickness),),
             notes=notes,
             centres=self._screws,
             min_wall=self.allowed.min_wall,
@@ -245,7 +257,7 @@ class LinearCamDrive(Mechanism):
 
     def limits(self) -> Sequence[Finding]:
         """PRESSURE_ANGLE and CURVATURE of the edge, and what the program does."""
-        self._outline  # noqa: B018  refuses what is no plate
+        self._region  # noqa: B018  refuses what is no plate
         allowed = self.allowed.of_cams(0.0)
         unit = self.geometry.follower.unit
         of_program = program_findings(self.program, unit, allowed, _SMOOTHER)
