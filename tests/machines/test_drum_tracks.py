@@ -261,6 +261,7 @@ def test_the_resolved_spec_makes_the_same_drum() -> None:
             "tooth.radius",
             "between the core, 12 mm, and the ends of the pins, 15.5 mm",
         ),
+        ({"pin.radius": 11.0}, "pin.radius", "more than the core, 12 mm"),
         ({"row.0.release_deg": [10.0, 9.0]}, "row.0.release_deg.1", "more than"),
         ({"row.0.release_deg": [1.0, 359.0]}, "row.0.release_deg.0", "its own width behind"),
         ({"geometry.length": 20.0}, "geometry.length", "at least 22, where high ends"),

@@ -144,7 +144,10 @@ class CamDrum(Mechanism):
         if self.pin is None or self.tooth is None:
             return
         core = self.geometry.core_radius
-        if not core < self.tooth.radius < self.pin.radius:
+        if self.pin.radius <= core:
+            right = f"more than the core, {core:g} mm"
+            yield Fault(("pin", "radius"), f"{self.pin.radius:g}", right)
+        elif not core < self.tooth.radius < self.pin.radius:
             right = (
                 f"between the core, {core:g} mm, and the ends of the pins, {self.pin.radius:g} mm"
             )
