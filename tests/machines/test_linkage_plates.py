@@ -245,10 +245,19 @@ def test_tracks_that_are_no_plate_are_refused() -> None:
         validate(Linkage, data).assembly  # noqa: B018
 
 
-def test_a_roller_without_a_wall_is_refused() -> None:
-    """What was tried in vain has no shaft: the drive slides."""
-    with pytest.raises(DesignError, match="wall of the roller"):
-        validate(Linkage, plate(radius=0.01)).assembly  # noqa: B018
+def test_a_roller_without_a_wall_is_refused_with_a_radius_that_has_one() -> None:
+    """Half of pin and play, and a wall of 0.8 mm; told to 0.01 mm."""
+    machine = validate(Linkage, plate(radius=2.0))
+    layout = machine._layout
+    least = (layout.sizes.pin_diameter + layout.fits.slide_clearance) / 2 + 0.8
+    with pytest.raises(DesignError, match="its radius at least") as caught:
+        machine.assembly  # noqa: B018
+    assert caught.value.value == pytest.approx(2.0 - least + 0.8)
+    told = float(str(caught.value).split("at least ")[1].split(",")[0])
+    assert least <= told <= least + 0.01 + 1e-9
+    assert validate(Linkage, plate(radius=told)).assembly.parts
+    with pytest.raises(DesignError, match="wall round the pin"):
+        validate(Linkage, plate(radius=told - 0.02)).assembly  # noqa: B018
 
 
 def test_what_follows_from_print_errors_is_told_of_a_plate() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import suppress
 from dataclasses import replace
 from itertools import product
@@ -156,6 +157,14 @@ def lacking(layout: Layout) -> DesignError | None:
         layout.gear_pairs  # noqa: B018
     except DesignError as error:
         return error
+    for roller in layout.rollers:
+        hole = layout.turning(roller.point) + layout.fits.slide_clearance
+        wall = roller.radius - hole / 2
+        if wall < layout.min_wall:
+            least = math.floor(100 * (hole / 2 + layout.min_wall) + 1) / 100
+            remedy = f"make its radius at least {least:g}, or the pin in it smaller"
+            where = f"roller of {roller.about}"
+            return DesignError("wall round the pin", wall, layout.min_wall, "mm", where, remedy)
     slid = next((tip for tip in layout.tips if tip.hung and tip.joint.slide is not None), None)
     if slid is not None:
         return DesignError(
