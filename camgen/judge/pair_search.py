@@ -4,10 +4,11 @@
     window     by how much the driven body may be off its guess, rad or mm, in a block
     growth     by which any feature of the driver comes nearer to the driven body until the next pose, mm at most
 
-Seen from the driven body as it moves by the guess, a driver's feature moves little: between meshing teeth it only slides. Three
-sieves follow each other: rings about the pivot in which both bodies lie, normals that are opposite at some pose, distance.
-Normals are intervals, and pairs of those that overlap are found in n log n and their number. In a wide window normals tell
-nothing, and distance from the pivot takes their place.
+Seen from the driven body as it moves by the guess, a driver's feature moves little: between meshing teeth it only slides. Features
+that follow each other along an outline are put in groups, two in each, and these again (`Features.tree`). Of both bodies the groups
+are gone down together, from a few to the features: where the discs of two groups stay apart in all poses of a block, or their
+normals are never opposite, none of their features can touch there, and they are looked at no further. In a wide window normals
+tell nothing, and distance from the pivot takes their place.
 
 Whether two features may touch on the way to the next pose is asked along the normal between them: a flank that slides along another
 one comes no nearer.

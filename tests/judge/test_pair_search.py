@@ -17,6 +17,7 @@ from camgen.judge.pairs import Body, OutlinePair, pivots_apart
 
 GAPS = [0.0, 1.5, -0.2]  # mm, between both bodies as they touch
 DISTANCE = 34.0
+EVERYWHERE = (math.inf, math.inf)
 
 
 def outline(chance: np.random.Generator, radius: float, hollow: bool) -> Ring:
@@ -120,6 +121,17 @@ def test_bounds_are_those_of_all_pairs_of_features(
         assert bool(missed[k]) == any(far)
 
 
+def beside_a_touch(
+    pair: OutlinePair, chance: np.random.Generator, step: float
+) -> tuple[Floats, Floats]:
+    """The same, the guess just before a touch at the first pose, if there is one."""
+    theta, guess = moved(pair, chance, step)
+    scale = 1.0 if pair.freedom.period < math.inf else 12.0
+    (touch,) = pair.measured(theta[:1], guess[:1], EVERYWHERE, False)[0].high
+    way = scale * 10 ** chance.uniform(-5, -2)
+    return theta, guess if math.isnan(touch) else guess + touch - guess[0] - way
+
+
 def told_near(couples: Couples, poses: Poses, freedom: Freedom) -> list[int]:
     """Places of the pairs that may come to touch before the next pose, found by halving the list."""
     if not len(nearing(couples, poses, freedom, math.inf)):
@@ -162,15 +174,10 @@ def test_a_step_is_proven_where_all_pairs_stay_apart(
 ) -> None:
     """Asked of all pairs, not of the near ones alone: what is proven holds for each of them. The guess begins beside a touch."""
     pair, chance = pair_of(seed, slides, gap)
-    theta, guess = moved(pair, chance, step)
-    scale = 12.0 if slides else 1.0
-    everywhere = (math.inf, math.inf)
-    (touch,) = pair.measured(theta[:1], guess[:1], everywhere, False)[0].high
-    if not math.isnan(touch):
-        guess = guess + touch - guess[0] - scale * 10 ** chance.uniform(-5, -2)
-    window = 0.05 * scale
+    theta, guess = beside_a_touch(pair, chance, step)
+    window = 0.05 * (12.0 if slides else 1.0)
     _, ahead, _ = pair.measured(theta, guess, (window, window))
-    poses = pair.poses(theta, guess, everywhere)
+    poses = pair.poses(theta, guess, EVERYWHERE)
     a = pair.bodies.a
     b = pair.bodies.b
     lines = np.add.outer(a.straight.astype(int), b.straight)
@@ -189,6 +196,17 @@ def test_a_step_is_proven_where_all_pairs_stay_apart(
             assert not ahead[k] or apart[0] <= gap or apart.min() > gap
             told = nearing(every.take(np.array([n])), here, pair.freedom, way)
             assert len(told) or apart[0] > way
+
+
+def test_a_touch_across_a_gap_is_told_before_it_comes() -> None:
+    """Features that are to stay a gap apart are never near by their own size alone."""
+    told = 0
+    for seed in range(12):
+        pair, chance = pair_of(seed, bool(seed % 2), 1.5)
+        theta, guess = beside_a_touch(pair, chance, 1e-2)
+        _, ahead, _ = pair.measured(theta, guess, EVERYWHERE)
+        told += np.count_nonzero(~ahead)
+    assert told >= 12
 
 
 @settings(max_examples=40, deadline=None)
