@@ -64,6 +64,14 @@ class Finding:
     floor: bool = False
     strict: bool = False
 
+    def __str__(self) -> str:
+        """As a person reads it, on one line."""
+        verdict = "holds" if self.ok else "fails"
+        compared = f"{self.measured:.4g} {self.sign} {self.limit:.4g} {self.unit}".rstrip()
+        if not self.ok:
+            compared = f"not {compared}"
+        return f"{self.code} {verdict}: {compared}; {self.where}; {self.message}".rstrip("; ")
+
     @property
     def sign(self) -> str:
         """How what is measured has to compare with the limit: "<=", ">=" or ">"."""

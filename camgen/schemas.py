@@ -165,4 +165,7 @@ def shown(value: object) -> str:
         return f"a number of about 1e{math.floor(math.log10(abs(value)))}"
     if isinstance(value, str):
         return shortened(repr(value))
-    return f"{value:.12g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return f"{value:.12g}"
+    text = str(value)  # of a machine its whole spec
+    return text if len(text) <= 60 else shortened(repr(value))

@@ -489,6 +489,10 @@ ANY_SPEC = "expected a path, a dict or a machine"
         (lambda: camgen.load(None), [f"spec: None - {ANY_SPEC}"]),
         (lambda: camgen.load(True), [f"spec: true - {ANY_SPEC}"]),
         (lambda: camgen.build(b"cam.toml", out=3), [f"spec: b'cam.toml' - {ANY_SPEC}", "out: 3"]),
+        (
+            lambda: camgen.build("out", camgen.load(DISC)),  # type: ignore[arg-type]
+            ["out: <disc-cam 'disc-cam': print() shows its spec> - expected a path"],
+        ),
         (lambda: camgen.build(DISC, only=5), ["only: 5 - expected text, a list or None"]),
         (lambda: camgen.build(DISC, jobs="2"), ["jobs: '2' - expected a whole number"]),
         (lambda: camgen.check(3.5), ["folder: 3.5 - expected a path"]),

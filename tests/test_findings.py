@@ -35,6 +35,13 @@ def test_a_place_is_told_by_what_is_known(where: Where, text: str) -> None:
     assert finding.as_dict()["where"] == text
 
 
+def test_a_finding_is_one_line_for_a_person() -> None:
+    held = at_most("MOTION_ERROR", 0.0010561, 0.00111, "mm", Where(output="s"), "rolled")
+    assert str(held) == "MOTION_ERROR holds: 0.001056 <= 0.00111 mm; s; rolled"
+    failed = at_most("LASH", 3, 2, "deg", Where("arm"), "")
+    assert str(failed) == "LASH fails: not 3 <= 2 deg; arm"
+
+
 def test_a_file_knows_its_kind() -> None:
     assert in_file(Path("a/b.STEP")).kind == "step" and in_file(Path("spec")).kind == ""
 
