@@ -72,7 +72,7 @@ def new(mechanism: str | None, file: Path | None, short: bool, source: Path | No
             ),
             err=True,
         )
-    click.echo(printable(f"next: change it, then camgen build {file}"), err=True)
+    click.echo(printable(f"next: change it, its name too, then camgen build {file}"), err=True)
 
 
 def _asked() -> tuple[str, Path]:

@@ -568,7 +568,7 @@ function draw(seen) {
   });
   addEventListener("resize", render);
   take(seen);
-  choose("move");
+  choose(moving().length ? "move" : "link");
   fit();
   render();
 }

@@ -9,6 +9,10 @@
   async function start() {
     const canvas = byId("machine");
     const context = canvas && picture(canvas);  // at first: the browser makes it ready while the library is unpacked
+    if (canvas && !context) {
+      const flat = "This browser has WebGL 2 switched off: the machine is drawn flat, and steps of assembly have no pictures.";
+      document.querySelector(".legend").append(Object.assign(document.createElement("p"), { className: "flat", textContent: flat }));
+    }
     if (!context) return;
     const library = document.createElement("script"), machine = unpacked("glb").arrayBuffer();
     library.textContent = await unpacked("three").text();

@@ -375,6 +375,22 @@ def test_it_can_be_shown(tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("settings", "size", "standard"),
+    [((), "3 m6 x 12", "ISO 2338"), (("parts.pin_diameter=3.3",), "3.3 rod x 12", "")],
+)
+def test_the_pins_of_a_groove_are_in_the_list_of_parts(
+    settings: tuple[str, ...], size: str, standard: str
+) -> None:
+    """One for each pair of holes, no longer than both plates; of rod where ISO 2338 has none so thick."""
+    given = ("parts.hub_height=0", "parts.thickness=8", "parts.back=4", *settings)
+    assembly = mechanism('geometry.closure="groove"', *given).assembly
+    (pins,) = (each for each in assembly.bought if each.name == "dowel pin")
+    back = next(part for part in assembly.parts if part.name == "back")
+    holes = back.layers[0].region.holes
+    assert (pins.size, pins.standard, pins.count) == (size, standard, len(holes) - 1)
+
+
 def test_a_groove_whose_inner_wall_is_undercut(tmp_path: Path) -> None:
     """The outer wall is not: there the roller has the clearance, and the undercut besides."""
     segments = [

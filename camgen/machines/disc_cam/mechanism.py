@@ -73,7 +73,7 @@ from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
-from camgen.parts.catalogue import CAM_FOLLOWERS
+from camgen.parts.catalogue import CAM_FOLLOWERS, DOWEL_STANDARD, Bought, dowel
 from camgen.parts.disc_cams import disc_parts, roller_note, turning_note
 from camgen.parts.generator.sizes import contour_faults
 from camgen.parts.part import Layer, Part
@@ -445,7 +445,7 @@ class DiscCamDrive(CamTables):
         return replace(
             made,
             springs=spring,
-            bought=[*screw, *to_wind(spring)],
+            bought=[*screw, *to_wind(spring), *self._dowels()],
             motor=MotorSeat(hub=hub),
             follower=FollowerFacts(wish=self._spring_wish),
             demands=self.demands(),
@@ -465,6 +465,18 @@ class DiscCamDrive(CamTables):
         return tuple(
             replace(part, notes=(turning_note(self._sense), *rolls, *part.notes)) for part in made
         )
+
+    def _dowels(self) -> Sequence[Bought]:
+        """Pins that join the plates of a groove, one through each pair of holes; of rod where none is sold in that size."""
+        if self.geometry.closure != "groove":
+            return ()
+        p = self.making
+        back = self._plates[-1]
+        through = p.back + p.thickness
+        length = dowel(p.pin_diameter, through)
+        fit = "m6" if length else "rod"
+        size = f"{p.pin_diameter:g} {fit} x {length or through:g}"
+        return (Bought("dowel pin", DOWEL_STANDARD if length else "", size, len(back.centres) - 1),)
 
     @cached_property
     def _shoe(self) -> Sequence[Part]:
