@@ -442,7 +442,8 @@ def _hole_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixin
             how = _WORDS[fixing.how(hole, copy.part, outline, shaft.part)]
             told = how and (shaft.slender or _under(hole, below)[0] > SAME_POINT)
             far = f", {_height(hole, shaft, below)}" if told else ""
-            places.append(f"{of_copy}{f'{how} on' if how else 'on'} {shaft.part.name}{far}")
+            at = "" if hole.name or shaft.part.count == 1 else _joint(hole, shaft, below)
+            places.append(f"{of_copy}{f'{how} on' if how else 'on'} {shaft.part.name}{at}{far}")
             continue
         under = [
             (each.high, other.part.name, each.name)
@@ -468,6 +469,17 @@ def _hole_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixin
         pins = [other.part.name for other in below if any(map(slot.holds, other.outlines))]
         places += [f"its slot over {pin}" for pin in pins]
     return ", ".join(dict.fromkeys(places))
+
+
+def _joint(hole: Round, pin: StandingCopy, below: Sequence[StandingCopy]) -> str:
+    """At which point of which part a pin is, of several that are alike: of the next part under a hole, or else over it."""
+    named = [
+        (each.low > hole.low, abs(each.low - hole.low), f" at {each.name} of {other.part.name}")
+        for other in below
+        for each in other.holes
+        if each.name and any(map(each.holds, pin.outlines))
+    ]
+    return min(named, default=(False, 0.0, ""))[2]
 
 
 def _height(hole: Round, shaft: StandingCopy, below: Sequence[StandingCopy]) -> str:

@@ -97,6 +97,35 @@ def test_how_high_a_shaft_holds_each(leg: Mechanism) -> None:
     assert said["crank"] == "O pressed and glued on shaft, flush with its upper end"
 
 
+def test_of_pins_that_are_alike_a_step_says_the_joint_and_the_link() -> None:
+    """A link over the left one of two pins by its point P, another over the right one by Q; then a cap on each."""
+    pin = Part("pin", "Pin", (Layer(Region(circle(0, 2)), 0, 20),), count=2)
+    hole = (Layer(Region(circle(0, 6), (circle(0, 2.1),)), 0, 4),)
+    left = Part("left", "Left", hole, points=(("P", 0j),))
+    right = Part("right", "Right", hole, points=(("Q", 0j),))
+    cap = Part("cap", "Cap", (Layer(Region(circle(0, 4), (circle(0, 2),)), 0, 3),), count=2)
+    stands = {
+        "pin": [(0j, 0.0), (30 + 0j, 0.0)],
+        "left": [(0j, 0.0)],
+        "right": [(30 + 0j, 0.0)],
+        "cap": [(0j, 17.0), (30 + 0j, 17.0)],
+    }
+    for count, at in ((2, (" at P of left", " at Q of right")), (1, ("", ""))):
+        poses = {
+            name: [PartPose(np.array([place]), np.zeros(1), False, z) for place, z in each]
+            for name, each in stands.items()
+        }
+        mounts = [
+            Mount(name, name, place, z=z) for name, each in stands.items() for place, z in each
+        ]
+        parts = (replace(pin, count=count), left, right, cap)
+        said = str(order(parts, mounts, poses, (), PLAY).rows[-1][3])
+        ends = (f"pressed and glued on pin{each}, flush with its upper end" for each in at)
+        assert said == "; ".join(dict.fromkeys(ends)), (
+            "where a pin is the only one, its name says all"
+        )
+
+
 def test_a_height_over_what_lies_there_is_said_by_the_gap() -> None:
     """A long shaft, a loose plate up to 5 mm, a ring that is fixed 0.2 mm over it, and one that lies on that ring."""
     shaft = Part("shaft", "Shaft", (Layer(Region(circle(0, 3)), 0, 60),))
@@ -355,7 +384,7 @@ def unfixed(machine: Mechanism) -> list[str]:
         said = {
             part
             for clause in re.findall(r"press[a-z ]* (?:on|into) ([^,;]*)", where)
-            for part in re.findall(r"[\w-]+", clause)
+            for part in re.findall(r"[\w-]+", clause.partition(" at ")[0])
             if part in made
         }
         wanted = {
