@@ -20,6 +20,7 @@ from camgen.geometry.rings import Ring
 from camgen.numerics import Floats, Points
 
 _ROWS = 64  # places that are looked at together
+_SPARE = 1e-6  # mm, more than rounding, by which what lies near is taken
 
 
 @dataclass(frozen=True)
@@ -104,11 +105,25 @@ def run(ring: Ring, tip: Tip, x: Floats, chord: float) -> Floats:
     sides = onward[up]
     corners = np.unique(np.concatenate([starts, starts + sides]))
     find = _of_slide if tip.pivot is None else _of_arm
-    found = [
-        np.fmax.reduce(find(tip, starts, sides, corners, x[k : k + _ROWS, None]), axis=1)
-        for k in range(0, len(x), _ROWS)
-    ]
+    middles = starts + sides / 2
+    halves = np.abs(sides) / 2
+    found = []
+    for k in range(0, len(x), _ROWS):
+        rows = x[k : k + _ROWS]
+        place = (rows.min() + rows.max()) / 2
+        reach = tip.radius + np.ptp(rows) / 2 + _SPARE
+        near = _from_way(tip, middles - place) <= reach + halves
+        some = corners[_from_way(tip, corners - place) <= reach]
+        stops = find(tip, starts[near], sides[near], some, rows[:, None])
+        found.append(np.fmax.reduce(stops, axis=1, initial=np.nan))
     return np.concatenate(found)
+
+
+def _from_way(tip: Tip, points: Points) -> Floats:
+    """Distance of points from the way of the tip's centre, mm: a circle about its axle, or its slide's line."""
+    if tip.pivot is None:
+        return np.asarray(np.abs(((points - tip.rest) * np.conj(tip.along)).imag))
+    return np.asarray(np.abs(np.abs(points - tip.pivot) - abs(tip.rest)))
 
 
 def _of_slide(tip: Tip, starts: Points, sides: Points, corners: Points, x: Floats) -> Floats:
