@@ -121,7 +121,7 @@ def test_a_machines_cam_has_up_in_its_files_and_in_its_step(tmp_path: Path) -> N
     drawing = read_dxf(next(folder.rglob("*-cam-contact.dxf")), engraving=True)
     assert len(drawing.engraved) == 3, "U, P and its eye"
     step = "Disc cam: contact: UP on its upper side; pressed and glued on shaft"
-    assert step in next(folder.rglob("report.html")).read_text()
+    assert step in next(folder.rglob("report.html")).read_text(encoding="utf-8")
 
     report, folder = built(tmp_path / "plain", up_marks=False, hole_letters=True)
     assert report.ok
@@ -129,4 +129,4 @@ def test_a_machines_cam_has_up_in_its_files_and_in_its_step(tmp_path: Path) -> N
     assert set(np.unique(plain.vertices[:, 2].round(3))) == {0.0, 4.0}
     letters = trimesh.load(next(folder.rglob("*-ground.stl")))
     assert 5 - DEPTH in letters.vertices[:, 2].round(3), "hole_letters act in this machine too"
-    assert "lies as in its drawing" in next(folder.rglob("report.html")).read_text()
+    assert "lies as in its drawing" in next(folder.rglob("report.html")).read_text(encoding="utf-8")
