@@ -24,6 +24,9 @@ from camgen.numerics import Floats
 Track = Literal["groove", "rib", "end"]
 
 _FINE = 720  # angles at which the walls' bend is looked at
+# rad, off a break: a short part of a law bends a wall there alone
+_BESIDE = np.geomspace(1e-6, 0.1, 100)
+_CLOSER = 3  # rounds in which its least area is looked for, each between the neighbours of the least before
 _LEVELS = 9  # and radii
 _MOST_ROWS = 100
 _MARGIN = 0.95  # of the tolerance that is used: the bend is taken between angles, too
@@ -135,19 +138,25 @@ class Drum:
         return tuple(wall.over(_even(), radii).z for wall in self.walls)
 
     def refuse_undercut(self) -> None:
-        """DesignError where a wall is undercut on the floor."""
-        beta = _even()
-        inner = np.full(len(beta), self.floor)
+        """DesignError where a wall is undercut on the floor: at even angles, and ever closer to where the path may not be smooth."""
+        off = np.concatenate([-_BESIDE, [0.0], _BESIDE])
+        beta = np.sort(np.concatenate([_even(), *(off - cam_angle for cam_angle in self.breaks)]))
         for wall in self.walls:
-            ratio = wall.area_ratio(beta, inner)
-            k = int(np.argmin(ratio))
-            if ratio[k] <= _LEAST_AREA:
+            where = beta
+            for _ in range(_CLOSER):
+                ratio = wall.area_ratio(where, np.full(len(where), self.floor))
+                k = int(np.argmin(ratio))
+                least = float(ratio[k])
+                at = float(where[k])
+                low, high = where[max(k - 1, 0)], where[min(k + 1, len(where) - 1)]
+                where = np.sort(np.append(np.linspace(low, high, 100), at))
+            if least <= _LEAST_AREA:
                 raise DesignError(
                     "area of the wall for that of the surface that the roller's axis sweeps",
-                    float(ratio[k]),
+                    least,
                     _LEAST_AREA,
                     "",
-                    f"the inner end of the roller, cam angle {math.degrees(-beta[k]) % 360:.4g} deg",
+                    f"the inner end of the roller, cam angle {math.degrees(-at) % 360:.4g} deg",
                     "the wall is undercut: take a smaller roller, a larger radius or a longer span",
                 )
 

@@ -108,6 +108,27 @@ def test_the_smallest_drum_is_not_undercut_at_its_floor() -> None:
         smaller.drum.edge_heights  # noqa: B018
 
 
+@pytest.mark.parametrize("share", [0.001, 0.03])
+def test_a_wall_is_undercut_nowhere_near_a_break_of_its_law(share: float) -> None:
+    """A law that gets up to speed in a thousandth of its span bends a wall in a tenth of a degree, between all even angles.
+
+    By differences of points on the walls, 1e-5 deg apart about the end of that part, not by the formula of the search.
+    """
+    machine = drum(rise={"span_deg": 120, "lambda": share})
+    walls = machine.track.drum.walls
+    r = np.array([[0.0], [1e-5]]) + machine.track.drum.floor
+    phi = -np.linspace(0, math.radians(2 * share * 120), 24001)
+    step = phi[1] - phi[0]
+    for wall in walls:
+        found = wall.points(phi, r)
+        turned = np.diff(found.beta[0]) / step
+        deeper = np.diff(found.rho, axis=0)[0, :-1] / 1e-5
+        leant = np.diff(found.beta, axis=0)[0, :-1] / 1e-5
+        widened = np.diff(found.rho[0]) / step
+        assert np.min(turned * deeper - leant * widened) > -1e-3
+    assert all(0 < part.volume < math.inf for part in machine.assembly.parts)
+
+
 def test_pressure_angles_and_areas_are_the_references() -> None:
     a = drum(geometry=SIZES)
     assert a.track.inner == 22
