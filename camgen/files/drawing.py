@@ -857,11 +857,29 @@ class _Layout:
         )
         size(complex(0, -radius), complex(0, top), scale * radius + 10 + 0j, "", depth)
         over = at + 1j * scale * top + key
-        if facts.symmetry:
-            frame = width_of([number(facts.symmetry), self.datum_letter])
-            symmetry(self.sheet, over - (frame + 4) + 4.4j, facts.symmetry, self.datum_letter)
         if facts.profile:
             datum(self.sheet, over, 1j, self._second)
+        if facts.symmetry:
+            self._symmetry(over)
+
+    def _symmetry(self, over: complex) -> None:
+        """Symmetry of a keyway: beside the datum at the middle of its width, on paper, or higher, where paper is free."""
+        import shapely
+
+        facts = self.facts
+        wide = width_of([number(facts.symmetry), self.datum_letter])
+        rises = 1j * np.arange(4.4, 4.4 + 2 * FRAME)
+        corners = np.concatenate([over - (wide + 4) + rises, over + 4 + rises])
+        corners = corners[np.argsort(corners.imag, kind="stable")]
+        x = corners.real
+        y = corners.imag
+        boxes = shapely.box(x - 0.5, y - 0.5, x + wide + 0.5, y + FRAME + 0.5)
+        high = complex(self.sheet.width - _MARGIN, self.free)
+        obstacles = Obstacles((complex(_FILING, _MARGIN), high))
+        obstacles.add(self.sheet.primitives)
+        met = obstacles.crossed(boxes) + 100 * (~obstacles.free(boxes) + ~obstacles.within(boxes))
+        corner = complex(corners[int(np.argmin(met))])
+        symmetry(self.sheet, corner, facts.symmetry, self.datum_letter)
 
     def _detail_scale(self, radius: float, high: float) -> float:
         """Scale of a bore's detail: above that of the views where there is room for that; high: the bore with it, mm."""

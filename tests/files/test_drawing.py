@@ -615,6 +615,36 @@ def test_no_text_lies_on_another(part, facts):
             assert one.intersection(other).area < 0.05, (texts[k].text, text.text)
 
 
+@pytest.mark.parametrize("bore", [12, 20])
+@pytest.mark.parametrize("closure", ["force", "groove"])
+def test_no_frame_lies_on_a_text_or_on_another_frame(root, closure, bore):
+    """A long fit stands beside a narrow keyway, where the frame of its symmetry has no room."""
+    settings = ("material.name=C45", "parts.bore_shape=keyway", "parts.hub_height=0")
+    settings += (f"parts.bore={bore}", f"geometry.closure={closure}")
+    machine = read_mechanism(root / "specs" / "disc-cam.toml", settings).resolved()
+    part = machine.assembly.parts[0]
+    facts = facts_of(machine, part)
+    layout = _Layout(part, "d", TOLERANCE, facts)
+    things = list(layout.sheet.primitives)
+    texts = {each.text: box(each) for each in things if isinstance(each, Text)}
+    cells = [_corners(each) for each in things if isinstance(each, Stroke) and each.layer == "TEXT"]
+    cells = [shapely.Polygon(each) for each in cells if len(each) == 4]
+    frames = [each for each in cells if each.bounds[3] - each.bounds[1] <= 6 + 1e-9]
+    assert any(each.contains(texts[number(facts.symmetry)]) for each in frames)
+    for cell in frames:
+        for text, taken in texts.items():
+            assert not cell.exterior.intersects(taken), text
+        for other in frames:
+            assert other is cell or cell.intersection(other).area < 0.01
+
+
+def _corners(stroke):
+    """Corners of a closed stroke of lines on paper; none of another."""
+    lines = stroke.closed and all(isinstance(piece, Line) for piece in stroke.pieces)
+    points = [start_point(piece) for piece in stroke.pieces] if lines else []
+    return [(z.real, z.imag) for z in points]
+
+
 def test_sizes_are_rounded_to_what_the_general_tolerance_means(tmp_path):
     """62.033 is 62 where it may differ by 0.3; a finer class, or none, keeps more digits."""
     off = replace(cam(), layers=tuple(_larger(layer, 1.00054) for layer in cam().layers))
