@@ -92,12 +92,12 @@ class CamTables(Template):
     def _of_sheet(cls, data: Any) -> Any:
         return sheets.filled(data)
 
-    def size_faults(self, *links: str, slides: bool = False, grooves: bool = False) -> list[Fault]:
-        """What is wrong with [parts], of a machine with these links; slides, grooves: whether it has such."""
+    def size_faults(self, *links: str) -> list[Fault]:
+        """What is wrong with [parts], of a machine with these links."""
         sizes = self.sizes
         if self.standing:
             faults = sizes.faults(("ground", *links), self.print.nozzle)
-            faults += sheets.faults(sizes, self.laser, int(slides), int(grooves))
+            faults += sheets.faults(sizes, self.laser)
         else:
             faults = sizes.misfits()
             if sizes.stand != "none":

@@ -144,6 +144,36 @@ def test_what_no_sheet_can_be(name, sizes, said):
     assert said in str(refused.value)
 
 
+@pytest.mark.parametrize(
+    "closure, faulty",
+    [
+        ("force", {"geometry.follower.motion"}),
+        ("groove", {"geometry.follower.motion", "geometry.closure"}),
+    ],
+)
+def test_a_disc_cam_is_refused_by_its_own_keys(closure, faulty):
+    """It has neither a table [[slide]] nor a [[cam]]; alone it can be cut, and with a follower that swings it is a machine."""
+    follower = {"motion": "translating", "shape": "roller", "radius": 5}
+    geometry = {"base_radius": 25, "closure": closure, "follower": follower}
+    spec = {**laser("disc-cam"), "geometry": geometry, "parts": {"make": "laser"}}
+    with pytest.raises(SpecError) as refused:
+        camgen.load(spec)
+    assert {fault.key for fault in refused.value.faults} == faulty
+    alone = {**spec, "parts": {"make": "cams", "hub_height": 0}}
+    assert camgen.load(alone).sizes.make == "cams"
+
+
+def test_a_disc_cam_with_a_swinging_follower_is_a_machine_of_sheet():
+    spec = laser("disc-cam")
+    swings = {"motion": "oscillating", "shape": "roller", "radius": 5, "pivot_distance": 60}
+    spec["geometry"] = {"base_radius": 25, "follower": {**swings, "arm": 50}}
+    spec["parts"] = {"make": "laser"}
+    machine = camgen.load(spec).resolved()
+    assert not printed_parts(machine.assembly)
+    cut = [part.name for part in machine.assembly.parts if cut_of_sheet(machine.assembly, part)]
+    assert {"ground", "follower", "cam-contact", "roller-contact"} <= set(cut)
+
+
 def test_where_else_sheet_is_had():
     spec = tomllib.loads((SPECS / "uniform-swing.toml").read_text(encoding="utf-8"))
     spec["parts"]["make"] = "laser"

@@ -65,6 +65,7 @@ from camgen.machines.disc_cam.tables import (
 )
 from camgen.machines.disc_cam.walls import CamWalls
 from camgen.machines.free_play import between
+from camgen.machines.linkage import sheets
 from camgen.machines.loads.lift_off import bounce_figures, bounce_of
 from camgen.machines.loads.tables import CamLimitsTable
 from camgen.machines.loads.weights import gravity
@@ -172,6 +173,18 @@ class DiscCamDrive(CamTables):
                 '"cams": a cam and its shoe; for a machine make the follower a link with parts.LINK.outline',
             ),
             (
+                p.make != "laser" or not slides,
+                ("geometry", "follower", "motion"),
+                f"{f.motion!r} with parts.make = 'laser'",
+                f'"oscillating", or parts.make = "cams", the cam alone: {sheets.NO_RAILS}',
+            ),
+            (
+                p.make != "laser" or g.closure != "groove",
+                ("geometry", "closure"),
+                f"{g.closure!r} with parts.make = 'laser'",
+                f'"force" or "conjugate": {sheets.NO_BACK}',
+            ),
+            (
                 self.standing or not p.hub_height or p.hub_diameter >= round_hub,
                 ("parts", "hub_diameter"),
                 p.hub_diameter,
@@ -203,7 +216,7 @@ class DiscCamDrive(CamTables):
             self._given  # noqa: B018
         except SpecError as error:
             found += error.faults
-        found += self.size_faults("follower", slides=slides, grooves=g.closure == "groove")
+        found += self.size_faults("follower")
         found += air_faults(
             ("geometry", "tip_clearance"),
             g.tip_clearance,

@@ -16,6 +16,8 @@ from camgen.spec import Laser
 _HEAD = 1.5  # mm, of the caps on pins, as tables.Parts has it
 _PIN = 4.0  # mm, diameter of the thickest dowels that are taken unasked
 _STEEL = ("dowel", "shoulder")
+NO_RAILS = "rails stand on plates, and no sheet does"
+NO_BACK = "the back plate of a groove is as thick as a level and its play, which no sheet is"
 
 
 def filled(data: Any) -> Any:
@@ -90,13 +92,13 @@ def faults(sizes: Parts, laser: Laser | None, slides: int = 0, grooves: int = 0)
             slides > 0,
             ("slide",),
             f"{slides} with parts.make = 'laser'",
-            "slots and pins in place of it, of a cam a follower that swings: rails stand on plates, and no sheet does",
+            f"slots and pins in place of it, of a cam a follower that swings: {NO_RAILS}",
         ),
         (
             grooves > 0,
             ("cam", "closure"),
             "'groove'",
-            '"force" or "conjugate": the back plate of a groove is as thick as a level and its play, which no sheet is',
+            f'"force" or "conjugate": {NO_BACK}',
         ),
     ]
     return [
