@@ -162,6 +162,7 @@ def another_kernel() -> str:
     pytest.skip("numpy's BLAS adds in one order only on this machine")
 
 
+@pytest.mark.long
 def test_files_are_the_same_whatever_the_blas_kernel(tmp_path: Path, root: Path) -> None:
     """One test for all: laws, circles and closures once went through BLAS."""
     made = []

@@ -48,6 +48,7 @@ def test_each_plot_of_the_report_is_there_once_in_both_formats(
     assert len(names) == len(plots) and "disc-cam-plot-pressure-angle" in names
 
 
+@pytest.mark.long
 def test_the_same_bytes_whatever_the_user_has_set(
     made: tuple[camgen.Report, Path], tmp_path: Path
 ) -> None:

@@ -37,6 +37,7 @@ def test_ci_runs_exactly_these_two() -> None:
     assert (ROOT / ".ci" / "run").stat().st_mode & 0o111
 
 
+@pytest.mark.long
 def test_every_other_command_works_in_its_order(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -59,6 +60,7 @@ def test_every_other_command_works_in_its_order(
         assert done.value.code == 0, f"{command}\n{capsys.readouterr()}"
 
 
+@pytest.mark.long
 def test_what_a_build_says_is_what_it_says(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

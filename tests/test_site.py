@@ -23,6 +23,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return site.write(tmp_path_factory.mktemp("site") / "guide").parent
 
 
+@pytest.mark.long
 def test_each_page_is_there_and_named_in_the_menu(made: Path) -> None:
     menu = (made / "index.html").read_text(encoding="utf-8")
     for name in (*guide.TOPICS, "notebook", "gallery", "api"):
@@ -58,6 +59,7 @@ def test_links_of_the_pages_hold_where_the_site_is_not_made() -> None:
             assert re.match("https?://", link) or (PAGES / link).exists(), (topic, link)
 
 
+@pytest.mark.long
 def test_a_dead_link_ends_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(guide, "page", lambda topic: f"# {topic}\n\n[dead](nowhere.md)\n")
     with pytest.raises(Abort):

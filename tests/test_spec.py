@@ -691,6 +691,7 @@ def test_a_real_spec_is_not_too_deep(root: Path) -> None:
     ]
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes and devices in the file system")
 def test_only_files_of_a_sane_size_are_read(tmp_path: Path) -> None:
     """A device that never ends, a pipe that nobody fills, and a file of 11 MB: refused at once."""

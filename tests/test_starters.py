@@ -242,6 +242,7 @@ def test_starter_is_valid(mechanism: str) -> None:
     validate(load(mechanism), tomllib.loads(starters.text(mechanism)))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", [*MECHANISMS, *starters.examples()])
 def test_a_short_starter_is_the_same_machine(name: str) -> None:
     """By the class of the spec: of the same record, without comments but its title."""

@@ -44,6 +44,7 @@ def found() -> tuple[dict[str, Any], Front]:
     return tomllib.loads(text), fronts[0]
 
 
+@pytest.mark.long
 def test_the_written_output_rests_and_swings(found: tuple[dict[str, Any], Front]) -> None:
     data, front = found
     (output,) = data["output"]

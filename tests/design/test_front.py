@@ -100,6 +100,7 @@ def test_the_front_is_the_same_on_several_cores(found: list[ChainDesign]) -> Non
     assert alone and all(not each.miss for each in alone)
 
 
+@pytest.mark.long
 def test_parts_of_what_misses_the_path_are_made_only_where_nothing_else_can_be_built(
     found: list[ChainDesign],
 ) -> None:
@@ -138,6 +139,7 @@ def test_a_design_that_cannot_be_built_hides_none_behind_it() -> None:
     assert numbers(losses, {0, 1, 2}) == [0, 1, 2, 3]
 
 
+@pytest.mark.long
 def test_both_ends_of_a_front_are_weighed_and_neighbours_once() -> None:
     """Of 1,001 on one line six, then six more, which are enough. The twin of what was weighed, within a hundredth, never is."""
     line = [(k, 1000 - k) for k in range(1001)]
@@ -195,6 +197,7 @@ def test_what_is_not_of_use_is_counted_by_its_reason() -> None:
     assert tally([designs[0].prototype]) == "1 design judged, 1 of use"
 
 
+@pytest.mark.long
 def test_the_page_draws_the_wanted_path_and_what_can_be_built_first(tmp_path: Path) -> None:
     cloud = [[round(z.real, 3), round(z.imag, 3)] for z in PATH[::3].tolist()]
     fronts: list[Front] = []

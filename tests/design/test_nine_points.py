@@ -150,6 +150,7 @@ def test_of_two_solutions_at_one_end_both_are_followed_again(
     assert np.min(off) < 1e-5
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("sham", [False, True])
 def test_what_the_straight_way_loses_comes_by_the_bent_one(
     sham: bool, monkeypatch: pytest.MonkeyPatch

@@ -355,6 +355,7 @@ def test_a_lift_out_of_phase_is_seen(lifted: Any, late_deg: float) -> None:
     assert [each.ok for each in limits if each.code == "PATH_ERROR"] == [False]
 
 
+@pytest.mark.long
 def test_files_with_a_lift_out_of_phase_are_seen(lifted: Any, tmp_path: Path) -> None:
     """The cam is 15 deg late in its drawings, the spec beside them is right."""
     report = camgen.build(camgen.load(out_of_phase(lifted.text, 15)), tmp_path, only="dxf")

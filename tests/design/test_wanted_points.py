@@ -50,6 +50,7 @@ def test_exact_four_bars_keep_their_lengths_at_all_points() -> None:
     np.testing.assert_allclose(bars.p, np.repeat(z[:, None], 2, axis=1), atol=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("case", REFERENCE["case"], ids=lambda case: case["name"])
 def test_least_squares_are_those_of_another_program(case: dict[str, Any]) -> None:
     z = points(case["points"])
@@ -135,6 +136,7 @@ def test_what_is_found_has_one_motor(kind: str, drive: Any, given: str) -> None:
     assert len(told.value.faults) == 1
 
 
+@pytest.mark.long
 def test_a_little_more_play_is_borne_for_an_exact_four_bar() -> None:
     hidden = [  # of a four-bar of 15.4, 51.9, 72.6 and 48.2 mm; exact ones have 1.34 mm of play, one that is 1.06 mm off has 1.07
         [3.94, -4.922, 0.0],

@@ -262,6 +262,7 @@ for part in (cam(), hub()):
 """
 
 
+@pytest.mark.long
 def test_same_bytes_in_other_processes_on_other_days(tmp_path):
     here = str(Path(__file__).resolve().parents[1] / "parts")
     sums = []

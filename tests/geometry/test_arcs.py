@@ -86,6 +86,7 @@ def test_cam_takes_the_published_number(tolerance: float, theory: float, publish
     assert len(fit_arcs(blunt_cam(), tolerance).pieces) <= published + 1  # the corner's own arc
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("tolerance", [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
 def test_cam_within_tolerance_both_ways(tolerance: float) -> None:
     """No point of the exact cam is off the arcs, none of the arcs off the cam."""

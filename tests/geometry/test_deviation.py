@@ -53,6 +53,7 @@ def test_extreme_between_samples() -> None:
     assert outline_error(Contour((ellipse,)), straight(z)) == pytest.approx(sagitta, rel=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("tolerance", [1e-1, 1e-3])
 def test_brute_force_agrees(tolerance: float) -> None:
     """Dense points of the cam against the facets, by another library; and against the arcs made of short chords."""

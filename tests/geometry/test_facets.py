@@ -220,6 +220,7 @@ def test_lines_and_arcs() -> None:
     assert len(set(slot.tolist())) == slot.size
 
 
+@pytest.mark.long
 @given(radius=st.floats(1e-3, 1e4), tolerance=st.floats(1e-4, 1e-1))
 def test_circle_from_within_and_from_outside(radius: float, tolerance: float) -> None:
     """Inscribed: vertices on the circle; circumscribed: edges touch it. Either way within the tolerance."""

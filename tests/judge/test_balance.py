@@ -78,6 +78,7 @@ MACHINES = [
 ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("which", MACHINES)
 def test_a_balanced_crank_weighs_what_is_asked_and_a_damaged_one_does_not(
     tmp_path: Path, which: tuple[str, str]

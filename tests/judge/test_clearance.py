@@ -287,6 +287,7 @@ def hull(points: list[complex]) -> np.ndarray | None:
     return np.asarray(x + 1j * y)
 
 
+@pytest.mark.long
 @settings(max_examples=40)
 @example(
     [0j, -2 + 1.125j, 2 - 1j], [0j, -2 + 1.125j, 2 - 1j], 4.0, 0.0, 0.0

@@ -60,6 +60,7 @@ def damage(path: Path, part: str, eyes: Eyes, change: Change) -> None:
         write_3mf(path, meshes, items, "key")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("kind", "spec", "part", "change", "off"),
     [
@@ -90,6 +91,7 @@ def test_moved_together(
         assert found[0].measured == pytest.approx(off, abs=1e-5)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("settings", [(), ("print.hole_compensation=0.1",)])
 def test_moved_together_in_the_assembly_alone(
     root: Path, tmp_path: Path, settings: tuple[str, ...]
@@ -106,6 +108,7 @@ def test_moved_together_in_the_assembly_alone(
     assert ("ROUND_TRIP", where) in found
 
 
+@pytest.mark.long
 def test_a_lone_hole_that_no_output_sees(tmp_path: Path) -> None:
     """The pin of a ram, moved along its way: the arm swings as ever."""
     spec = Path(__file__).resolve().parents[2] / "specs" / "quick-return.toml"

@@ -64,6 +64,7 @@ def flank(points: Points, by: float, tooth: float = 3) -> Points:
     return points * np.where(off, np.exp(1j * by / radius), 1)
 
 
+@pytest.mark.long
 def test_a_sound_pair_turns_evenly_within_its_arcs(sound: Path) -> None:
     found = meshing(sound)
     assert found.ok and 0 < found.measured < found.limit
@@ -88,6 +89,7 @@ def test_teeth_beside_the_bore_s_middle_are_told(sound: Path, tmp_path: Path) ->
     assert "the teeth of each wheel are alike" in found.message
 
 
+@pytest.mark.long
 def test_a_tooth_that_fills_its_gap_jams(sound: Path, tmp_path: Path) -> None:
     found = damaged(sound, tmp_path, lambda points: flank(points, 0.3))
     assert not found.ok

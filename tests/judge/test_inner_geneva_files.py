@@ -41,6 +41,7 @@ def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return drawn(SPEC, tmp_path_factory.mktemp("ring"))
 
 
+@pytest.mark.long
 def test_a_sound_drive_moves_as_its_closed_form(sound: Path) -> None:
     found = by_code(sound)
     assert all(each.ok for each in found.values())

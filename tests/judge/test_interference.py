@@ -486,6 +486,7 @@ def test_of_pairs_that_touch_the_deepest_is_said_or_all_that_overlap_by_more() -
     assert [(f.ok, f.measured, f.limit) for f in both] == [(True, 5, 0.3), (True, 0.0, 0.1)]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("layers", [4, 5, 15])
 @pytest.mark.parametrize("deep", [0, 1])
 def test_of_stacks_of_many_sections_the_nearest_pair_counts(layers: int, deep: int) -> None:

@@ -227,6 +227,7 @@ def test_a_sheet_that_is_more_than_plain_geometry_is_told(sheet, tmp_path, was, 
     assert re.search(r"line \d+|its end|contours on 100 x 50", told.message)
 
 
+@pytest.mark.long
 @given(st.data())
 def test_no_attribute_of_any_element_is_passed_over(sheet, tmp_path_factory, data):
     """Whatever its name: those that SVG has today are not all that a program may know."""

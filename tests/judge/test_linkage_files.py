@@ -53,10 +53,12 @@ def failing(folder: Path, *kinds: str) -> set[tuple[str, str]]:
     return {(f.code, str(f.where).split(",")[0].rsplit(".", 1)[-1]) for f in wrong(folder, *kinds)}
 
 
+@pytest.mark.long
 def test_a_sound_build_passes_and_is_the_same_when_checked_again(folder: Path) -> None:
     assert failing(folder) == set()
 
 
+@pytest.mark.long
 def test_one_kind_of_file_alone_is_judged(tmp_path: Path) -> None:
     for kind in ("dxf", "stl", "3mf"):
         report = pipeline.build(SPEC, tmp_path / kind, frozenset({kind}))
@@ -91,6 +93,7 @@ def rails(z: np.ndarray, height: np.ndarray) -> np.ndarray:
 EYE, BORE = (48, 2.0), (0, 1.2)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("part", "change", "codes"),
     [

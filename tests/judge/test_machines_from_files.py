@@ -354,6 +354,7 @@ def rocking_cam(flipped: bool = False) -> Case:
     return Case(machine, features, regions, mounts)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("flipped", [False, True])
 def test_a_cam_machine_from_its_files(kind: str, flipped: bool, tmp_path: Path) -> None:
@@ -364,6 +365,7 @@ def test_a_cam_machine_from_its_files(kind: str, flipped: bool, tmp_path: Path) 
     assert sound.numbers[f"motion_error_{kind}_mm"] < (1e-9 if kind == "dxf" else 0.003)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(
     "damage",
@@ -408,6 +410,7 @@ class More:
         )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_judged_on_the_cam_of_any_machine(kind: str, tmp_path: Path) -> None:
     """Its ripple and what its outline loses of the wanted motion; the ram's error is that from what is reachable."""

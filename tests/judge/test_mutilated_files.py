@@ -39,6 +39,7 @@ def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return drawn(SPEC, tmp_path_factory.mktemp("steps"))
 
 
+@pytest.mark.long
 def test_sound_gears_go_by_their_law(sound: Path) -> None:
     found = by_code(sound)
     assert all(each.ok for each in found.values())

@@ -41,6 +41,7 @@ def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return drawn(SPEC, tmp_path_factory.mktemp("pair"))
 
 
+@pytest.mark.long
 def test_a_sound_pair_turns_by_its_law(sound: Path) -> None:
     found = by_code(sound)
     assert all(each.ok for each in found.values())

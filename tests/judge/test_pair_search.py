@@ -92,6 +92,7 @@ def moved(pair: OutlinePair, chance: np.random.Generator, step: float) -> tuple[
     return theta, guess
 
 
+@pytest.mark.long
 @settings(max_examples=80, deadline=None)
 @given(
     st.integers(0, 2**32 - 1),

@@ -194,6 +194,7 @@ def contacts(
     yield [(outline, form) for outline, form in read if isinstance(form, SlideTip | ArmTip)]
 
 
+@pytest.mark.long
 def test_the_table_of_round_tips_and_the_engine_of_any_outline_agree(contacts: Contacts) -> None:
     """1e-12 of the cam's size: both are closed forms of the same arcs, by other routes."""
     theta = np.linspace(0, math.tau, 721)

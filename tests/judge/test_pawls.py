@@ -48,6 +48,7 @@ def judged(passes: Literal[1, -1], low_tip: int | None = None) -> Iterator[Findi
     return judge_pawl(motion, 1e-3, Where("drawn"))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("passes", [1, -1])
 def test_a_pawl_that_loses_more_than_half_a_tooth_holds(passes: Literal[1, -1]) -> None:
     assert 0.8 < PAWL.dropping / WHEEL.pitch < 1

@@ -37,6 +37,7 @@ def first_tip(points: Points) -> Points:
     return (np.abs(points) > TIP - 0.1) & (np.abs(np.angle(points)) < math.pi / 8)
 
 
+@pytest.mark.long
 def test_a_sound_one_falls_behind_each_tooth_and_holds(sound: Path) -> None:
     found = by_code(sound)
     assert all(each.ok for each in found.values())

@@ -68,6 +68,7 @@ def near(c: np.ndarray, axis: int, value: float) -> np.ndarray:
     return np.asarray(np.abs(c[..., axis] - value) < 2e-3)
 
 
+@pytest.mark.long
 def test_a_sound_build_passes(folder: Path) -> None:
     assert failing(folder, "dxf", "stl") == set()
 
@@ -246,6 +247,7 @@ def test_every_code_of_the_spec_is_among_them() -> None:
     assert all(math.isfinite(f.measured) for f in told())
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("settings", "codes"),
     [

@@ -65,6 +65,7 @@ def findings(folder: Path) -> dict[str, Finding]:
     return {each.code: each for each in result[0].findings}
 
 
+@pytest.mark.long
 def test_a_shoe_moves_as_the_program_says(sound: Path) -> None:
     error = findings(sound)["MOTION_ERROR"]
     assert error.ok

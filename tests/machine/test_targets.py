@@ -130,6 +130,7 @@ def test_a_path_as_a_whole_lies_nowhere_further_from_the_wanted_one() -> None:
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("tolerance", [1e-9, 1e-4, 0.03, 3.0])
 def test_a_path_is_near_itself_to_what_its_chords_lose(tolerance: float) -> None:
     corners = tuple((float(z.real), float(z.imag)) for z in ellipse().value)

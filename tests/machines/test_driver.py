@@ -116,6 +116,7 @@ def test_torque_on_the_cams_shaft_is_that_of_the_machine() -> None:
     assert np.max(np.abs(taken[turning])) == pytest.approx(own[8], rel=1e-3)
 
 
+@pytest.mark.long
 def test_files_of_a_cam_that_turns_unevenly(built: Callable[..., Path], tmp_path: Path) -> None:
     """Green as made; with the even drive's outline in place of its own the motion is wrong."""
     report = build(SPECS / "indexing-cam.toml", tmp_path, frozenset({"dxf"}), ["driver.offset=8"])
@@ -233,6 +234,7 @@ def test_a_shaft_too_short_for_what_lies_under_the_plate_is_told() -> None:
         _ = short.assembly
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("part", "raised"), [("", 0.0), ("driver-crank", 2.0)])
 def test_a_crank_that_meets_its_arm_is_found(
     tmp_path: Path, made: IndexingCam, part: str, raised: float

@@ -62,6 +62,7 @@ def grown(mesh: Mesh, share: float) -> Mesh:
     return Mesh(mesh.vertices * [share, share, 1], mesh.faces)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", FOLLOWERS)
 def test_no_two_bodies_meet_and_a_thicker_one_is_seen(kind: str, tmp_path: Path) -> None:
     made = machine(**FOLLOWERS[kind])
@@ -95,6 +96,7 @@ def test_a_pair_of_which_too_little_is_seen_is_not_proven(
     assert all(math.isnan(each.measured) for each in failing)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("kind", ["slide", "arm"])
 def test_random_machines_keep_apart_what_the_sweep_proves(
@@ -162,6 +164,7 @@ def test_the_roller_stands_where_the_motion_has_it(kind: str) -> None:
         assert math.atan2(drum[1, 0], drum[0, 0]) % math.tau == pytest.approx(theta)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["slide", "arm"])
 def test_the_machine_is_built_listed_and_judged(kind: str, tmp_path: Path) -> None:
     made = machine(**FOLLOWERS[kind])

@@ -85,6 +85,7 @@ def failing(found: list[Finding]) -> set[str]:
     return {each.code for each in found if not each.ok}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", FOLLOWERS)
 def test_both_pieces_together_are_the_groove_in_one(kind: str) -> None:
     """The motion and the play of one drum, whose pieces are one, rolled in each mesh: they differ by facets alone."""
@@ -192,6 +193,7 @@ def test_the_keys_play_is_told(tmp_path: Path) -> None:
     assert failing(list(outcome.findings)) == set()
 
 
+@pytest.mark.long
 def test_a_build_has_both_pieces_and_their_steps(tmp_path: Path) -> None:
     settings = [f"accuracy.chord_tolerance={TOLERANCE}", "parts.pieces=2"]
     report = pipeline.build(SPEC, tmp_path, frozenset({"stl", "3mf"}), settings)

@@ -61,6 +61,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 # ---- pins ------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("speed", [6.0, -6.0])
 def test_a_tooth_that_is_pushed_along_springs_back_when_the_pin_says(speed: float) -> None:
     """The tip goes along a line, pushed by whatever of the turned mesh is on it and not behind: after the release nothing is."""

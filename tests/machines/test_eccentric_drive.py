@@ -158,6 +158,7 @@ MACHINES: list[dict[str, Any]] = [
 ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("keys", MACHINES)
 def test_nothing_overlaps_on_the_turn(keys: dict[str, Any]) -> None:
     """Every pair of bodies in the assembly, cut with each other as solids."""

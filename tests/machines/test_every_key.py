@@ -129,6 +129,7 @@ def changed(variant: str, path: tuple[str | int, ...], *value: object) -> Any:
     return specs.validate(load(mechanism), data)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("mechanism", MECHANISMS)
 def test_what_is_no_value_is_told_by_its_path(mechanism: str) -> None:
     for path, node, asked in keys_of(mechanism):
@@ -167,6 +168,7 @@ HEAVY = (
 )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_extremes_end_well(variant: str) -> None:
     """A fault, a design that does not exist, or a machine all of whose figures are numbers, and a nan has failed; warnings are

@@ -26,6 +26,7 @@ def test_each_spec_is_an_example_that_says_what_it_is(name: str) -> None:
     assert starters.summary(name).endswith(".") and name in starters.examples()
 
 
+@pytest.mark.long
 def test_a_large_spec_builds(tmp_path: Path) -> None:
     report = build(GALLERY / f"{DRAWN}.toml", tmp_path, frozenset({"dxf"}))
     assert report.ok and report.name == DRAWN
@@ -34,6 +35,7 @@ def test_a_large_spec_builds(tmp_path: Path) -> None:
     assert all("is in the folder" in each.why for each in report.not_judged)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", [STANDING, "indexing-cam"])
 def test_standing_indexing_cams_hold_on_shafts_of_steel(name: str) -> None:
     """There and back, and by half turns: all that needs no file; printed, the same shafts break, and the key is named."""

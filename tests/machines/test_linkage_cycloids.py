@@ -235,6 +235,7 @@ def plays(x: Floats) -> Floats:
     return np.array(free)
 
 
+@pytest.mark.long
 def test_the_play_is_that_of_the_curves(sound: Path) -> None:
     """Of a disc and pins as they are drawn, and never less than 2 delta over the greatest lever of a pin, e z."""
     found = findings(sound)
@@ -270,6 +271,7 @@ def grown(by: float) -> Callable[[Points], Points]:
     return change
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("by", [-0.02, 0.02])
 @pytest.mark.parametrize("kind", ["dxf", "stl"])
 def test_a_lobe_that_is_20_um_off_is_told_with_its_number(
@@ -285,6 +287,7 @@ def test_a_lobe_that_is_20_um_off_is_told_with_its_number(
     assert "at lobe 1: " in track.message
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("holes", "by", "pin"),
     [

@@ -86,6 +86,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "plate"
 
 
+@pytest.mark.long
 def test_its_files_move_the_rocker_as_asked(built: Path) -> None:
     rows = np.loadtxt(built / "motion.csv", delimiter=",", skiprows=1)
     for column in rows.T[1:]:
@@ -93,6 +94,7 @@ def test_its_files_move_the_rocker_as_asked(built: Path) -> None:
         assert moved == pytest.approx(lift(rows[:, 0]), abs=1.6e-3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("micrometres", [20, -20])
 def test_an_edge_that_is_20_um_off_moves_the_rocker_by_it(
     built: Path, tmp_path: Path, micrometres: int
@@ -208,6 +210,7 @@ def pair(apart: float = 30.0) -> dict[str, Any]:
     return data
 
 
+@pytest.mark.long
 def test_a_plate_has_a_track_on_either_side(tmp_path: Path) -> None:
     """An edge that is off moves its own follower alone."""
     file = tmp_path / "pair.toml"

@@ -82,6 +82,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place / "threaded"
 
 
+@pytest.mark.long
 def test_a_post_that_is_off_is_found_at_the_length(folder: Path) -> None:
     """20 um of a guide's hole, in the drawing of the plate: the thread has another length, and nothing else is wrong."""
     path = folder / "threaded-ground.dxf"

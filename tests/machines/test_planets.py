@@ -131,6 +131,7 @@ def test_a_length_says_how_far_planets_are_from_the_axis() -> None:
     assert np.allclose(np.abs(np.array(pins) - points["O"]), 24.0, rtol=0, atol=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("spec", "row"),
     [
@@ -207,6 +208,7 @@ def damaged(folder: Path, to: Path, part: str, change: Callable[[Points], Points
     return [each for each in judged(copy) if not each.ok]
 
 
+@pytest.mark.long
 def test_the_set_closes_on_its_files_with_a_carrier_that_moves(sound: Path) -> None:
     every = judged(sound)
     assert sum(each.code == "GEAR_MESH" for each in every) == 2
@@ -257,6 +259,7 @@ def still_sun(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return drawn(spec, tmp_path_factory.mktemp("still"))
 
 
+@pytest.mark.long
 def test_a_sun_on_the_plate_is_judged_with_its_planets(still_sun: Path, tmp_path: Path) -> None:
     """Sound as it is; beside the axis by 10 um, or with a flank of 20 um, it is named."""
     findings = {each.code: each for each in judged(still_sun)}

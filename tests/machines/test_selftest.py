@@ -36,6 +36,7 @@ def test_all_agree(capsys: pytest.CaptureFixture[str]) -> None:
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", list(motion.LAWS))
 def test_a_damaged_law_is_seen(
     name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

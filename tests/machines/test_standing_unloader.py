@@ -124,6 +124,7 @@ WHEEL = "gear-unloader_gears-unloader"
 MATE = "gear-unloader_gears-driven_link-1"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("moved", "pairs"),
     [

@@ -421,6 +421,7 @@ def test_shipped_spec_builds_and_checks(built: Callable[..., Path], tmp_path: Pa
     assert {"MOTION_ERROR", "ROUND_TRIP"} <= {finding.code for finding in wrong(folder, "dxf")}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("override", "message"),
     [

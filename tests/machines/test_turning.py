@@ -144,6 +144,7 @@ def test_programs_backwards_keep_breaks_jumps_and_their_beginning() -> None:
         assert np.array(mirrored) == pytest.approx(np.array(jumps(made, 1)), rel=1e-6, abs=2e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name, speed, settings",
     [

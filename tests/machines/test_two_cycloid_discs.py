@@ -71,6 +71,7 @@ def test_both_discs_turn_alike_on_opposite_eccentrics(machine: Any) -> None:
     assert crank["E_2"] - crank["O"] == pytest.approx(crank["O"] - crank["E"])
 
 
+@pytest.mark.long
 def test_both_discs_keep_their_air_from_the_same_pins(machine: Any) -> None:
     """Edges and holes as they are made, over a turn, with each disc's axis opposite and its turning by lobes."""
     layout = machine.bodies.layout
@@ -192,6 +193,7 @@ def file_of(folder: Path, part: str) -> Path:
     return next(folder.rglob(f"reducer-{part}.dxf"))
 
 
+@pytest.mark.long
 def test_each_disc_is_followed_from_its_own_file(sound: Path) -> None:
     found = findings(sound)
     assert all(each.ok for each in found.values())
@@ -200,6 +202,7 @@ def test_each_disc_is_followed_from_its_own_file(sound: Path) -> None:
         assert found["PIN_TRACK", joint].measured < 0.002
 
 
+@pytest.mark.long
 def test_a_lobe_of_the_second_disc_that_is_20_um_off_is_told(folder: Path) -> None:
     """And of none but the second."""
 
@@ -215,6 +218,7 @@ def test_a_lobe_of_the_second_disc_that_is_20_um_off_is_told(folder: Path) -> No
     assert found["PIN_TRACK", "crank to disc"].ok
 
 
+@pytest.mark.long
 def test_a_hole_of_the_second_disc_that_is_off_is_told(folder: Path) -> None:
     path = file_of(folder, "disc_2")
     drawing = ezdxf.readfile(path)
@@ -241,6 +245,7 @@ def test_a_second_eccentric_that_is_off_is_told(folder: Path) -> None:
     assert not track.ok and track.measured == pytest.approx(0.04, abs=0.003)
 
 
+@pytest.mark.long
 def test_the_first_disc_in_the_second_one_s_place_jams(folder: Path) -> None:
     """It has not turned back by half a lobe."""
     turn = np.exp(1j * math.pi / LOBES)

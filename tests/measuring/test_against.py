@@ -46,6 +46,7 @@ def points(path: Path, z: Points) -> Path:
     return path
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("over", [False, True])
 def test_place_and_turn_of_points_are_found(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], over: bool
@@ -89,6 +90,7 @@ def test_a_seam_stays_where_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert numbers["deviation_min_mm"] > -0.03
 
 
+@pytest.mark.long
 def test_one_scan_and_the_known_outline_undo_the_scanner(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -103,6 +105,7 @@ def test_one_scan_and_the_known_outline_undo_the_scanner(
     assert numbers["bore_off_centre_mm"] < 0.002 and "scanner_off_mm" not in numbers
 
 
+@pytest.mark.long
 def test_two_scans_keep_what_the_print_shrank(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -128,6 +131,7 @@ def test_two_scans_keep_what_the_print_shrank(
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "more, words",
     [

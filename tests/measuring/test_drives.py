@@ -130,6 +130,7 @@ def test_a_flank_that_is_off_by_20_um_is_seen_at_its_tooth(gears: Path) -> None:
         assert not extra or "BACK_FLANK_ERROR" not in result.output
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "options, code, word",
     [

@@ -314,6 +314,7 @@ def free_by_sections(mesh: Mesh, turn: float, aside: float, level: float) -> lis
 LAWS = st.sampled_from(["cycloidal", "3-4-5", "modified-sine", "modified-trapezoid"])
 
 
+@pytest.mark.long
 @settings(max_examples=4)
 @given(
     spans=st.tuples(st.integers(85, 140), st.integers(10, 50), st.integers(85, 140)),

@@ -48,6 +48,7 @@ def moved_by(outline: Outline) -> Floats:
 # ---- one scan --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "glass", [Glass(turn_deg=1), Glass(noise=4, light=0.3, turn_deg=31, ground=70, part=220)]
 )
@@ -149,6 +150,7 @@ def several(
     return first, tuple(rest)
 
 
+@pytest.mark.long
 def test_two_scans_and_a_caliper_undo_the_scanner(tmp_path: Path) -> None:
     """One axis 0.3 % long and 1 deg of skew; the caliper reads the true cam."""
     edges, wanted = cam()
@@ -185,6 +187,7 @@ def test_scans_that_lie_alike_tell_nothing_of_the_scanner(tmp_path: Path) -> Non
     assert "scanner_across_percent" not in outline.numbers
 
 
+@pytest.mark.long
 def test_three_scans_drop_dust_and_keep_a_bump(tmp_path: Path) -> None:
     angle = np.linspace(0, 2 * np.pi, 20000, endpoint=False)
     bump = 0.2 * np.exp(-((20 * (angle - 1)) ** 2) / (2 * 0.3**2))

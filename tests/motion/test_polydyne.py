@@ -170,6 +170,7 @@ def settled(made: DiscCamDrive, turns: int) -> dict[str, np.ndarray]:
     }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rate", [0.0, 8.0, 80.0])
 def test_the_mass_does_what_was_asked_whatever_presses_and_brakes_it(rate: float) -> None:
     """Without the spring's term it would be off by rate / stiffness of the lift: 0.48 of 12 mm at 8 N/mm, 4.8 at 80."""
@@ -185,6 +186,7 @@ def test_the_mass_does_what_was_asked_whatever_presses_and_brakes_it(rate: float
     assert assess(made).study.numbers["off_wanted_contact_mm"] < 2e-4
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rpm", [600, -600])
 @pytest.mark.parametrize("on", ["false", "true"])
 def test_figures_of_vibration_are_those_of_an_integrator(on: str, rpm: int) -> None:

@@ -79,6 +79,7 @@ def test_trade_off_is_a_trade() -> None:
     assert [s.weight for s in family()] == list(WEIGHTS)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("index", [1, 3, 4, 6])
 def test_nothing_near_by_is_better(index: int) -> None:
     """Random laws round the best, closed again, at their best factor: none beats it by more than the positions' spacing."""

@@ -75,6 +75,7 @@ def test_where_nothing_exists_nothing_is_found() -> None:
         search(lambda v: ({"radius": math.nan}, []), SQUARE, [Wish("radius", 10, 0.01, "mm")])
 
 
+@pytest.mark.long
 def test_the_described_take_up_is_found_and_the_command_writes_the_same(tmp_path: Path) -> None:
     asked = (*ELSEWHERE, *DESCRIBED, "consumption=")
     start = made(*asked)
@@ -102,6 +103,7 @@ def test_the_described_take_up_is_found_and_the_command_writes_the_same(tmp_path
     )
 
 
+@pytest.mark.long
 def test_impossible_take_up_names_what_it_reached(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(synthesis, "_STARTS", 1)  # beside the spec's own: more are as much in vain
     with pytest.raises(DesignError, match="feed_range wanted is 2000 mm") as refused:

@@ -39,6 +39,7 @@ def test_least_height(part, monkeypatch):
     assert len(fine.faces) == len(rough.faces)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("spec", ["uniform-swing", "eccentric-drive", "disc-cam", "linkage"])
 def test_least_height_of_machine_parts(root, spec):
     """The collet apart: two of its circles, nearly equal, are facetted 6e-7 mm apart."""

@@ -134,6 +134,7 @@ def test_a_law_that_is_not_cut_where_it_breaks_is_refused() -> None:
         exact(bored(replace(OFFSET, breaks=())), TOLERANCE)
 
 
+@pytest.mark.long
 def test_the_file_holds_the_drum_and_a_roller_runs_in_it(groove: Path) -> None:
     part = bored(DRUMS["groove"])
     verdict = judge_exact(groove, nominal_part(part, TOLERANCE))

@@ -119,6 +119,7 @@ def test_letters_are_on_their_layer_and_the_cut_is_as_without(four_bar: tuple[Pa
         np.testing.assert_array_equal(ring.points, other.points)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind, code", [("dxf", "DXF_CLOSED"), ("stl", "ROUND_TRIP")])
 def test_a_file_without_its_letters_is_found(
     four_bar: tuple[Path, Path], tmp_path: Path, kind: str, code: str

@@ -58,6 +58,7 @@ def gaps(case: int, angles: np.ndarray, turned: float = 0.0) -> np.ndarray:
     return np.array(found)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("case", range(len(PAIRS)))
 def test_the_air_is_the_same_over_a_whole_turn(case: int) -> None:
     """Whoever pushes or holds: corner, flank, round tip or rim, half of the backlash times cos 20 deg is left, and never less."""

@@ -124,6 +124,7 @@ PAIRS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", PAIRS)
 def test_teeth_drive_by_the_law_with_the_play_of_the_closed_form(name: str) -> None:
     """At all angles free, proven in between, both bounds off the law by the play and the arcs of both edges."""

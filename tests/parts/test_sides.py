@@ -68,6 +68,7 @@ def machine() -> Linkage:
     return walker()
 
 
+@pytest.mark.long
 def test_the_far_foot_moves_a_phase_later_as_the_files_show(folder: Path) -> None:
     """motion.csv has a row every quarter degree: 90 deg are 360 rows."""
     with (folder / "motion.csv").open(encoding="utf-8") as file:

@@ -147,6 +147,7 @@ def test_check_says_what_the_build_said(made: Path) -> None:
     assert contents(made) == before
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name",
     sorted({path.stem for path in SPEC.parent.glob("*.toml")} - {"coupon", "four-leg-walker"}),

@@ -118,6 +118,7 @@ def test_a_whole_kind_that_is_lost_is_told(folder: Path, ending: str) -> None:
     assert failing(folder)
 
 
+@pytest.mark.long
 def test_all_lost_files_are_told_at_once(folder: Path) -> None:
     for name in ("motion.csv", "disc-cam-cam.stl"):
         (folder / name).unlink()

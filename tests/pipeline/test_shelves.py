@@ -97,6 +97,7 @@ def test_parts_of_a_machine_called_plate_or_sheet_are_none(tmp_path: Path) -> No
     assert [path.name for path in sheet_files(case)] == ["a-sheet-1.dxf"]
 
 
+@pytest.mark.long
 def test_the_manifest_tells_each_path_and_the_top_holds_what_is_read(shelved: Path) -> None:
     manifest = json.loads((shelved / "manifest.json").read_text(encoding="utf-8"))
     files = [path.relative_to(shelved).as_posix() for path in shelved.rglob("*") if path.is_file()]
@@ -113,6 +114,7 @@ def test_the_page_links_to_files_where_they_lie(shelved: Path) -> None:
     assert not [link for link in links if not (shelved / link).is_file()]
 
 
+@pytest.mark.long
 def test_it_is_judged_again_and_a_changed_drawing_is_named_by_its_path(
     shelved: Path, tmp_path: Path
 ) -> None:
@@ -130,6 +132,7 @@ def test_it_is_judged_again_and_a_changed_drawing_is_named_by_its_path(
         check(folder)
 
 
+@pytest.mark.long
 def test_a_stray_copy_beside_the_shelves_is_not_judged(shelved: Path, tmp_path: Path) -> None:
     """Neither where it is sound nor in place of what lies on the shelf."""
     folder = tmp_path / "many"

@@ -163,6 +163,7 @@ def test_the_first_layer_is_told_by_itself(folder):
         (folder / "spec.toml").write_text(spec, encoding="utf-8")
 
 
+@pytest.mark.long
 def test_what_is_sent_otherwise_than_it_prints(tmp_path):
     """Holes sent larger, outlines smaller, all against shrinkage, a chamfer at the foot: it prints as designed."""
     spec = tomllib.loads(SPEC.read_text(encoding="utf-8")) | {"name": "bars"}

@@ -69,6 +69,7 @@ def test_units_are_counted_faults(make: Make, tmp_path: Path) -> None:
 # ---- what was not judged ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_drawings_of_the_looper_clear_as_its_solids_do(make: Make) -> None:
     # by another route: the STL's sections are cut from triangles, a drawing is an outline
     clearly = ("geometry.p6_setback=1.5", "limits.clearance=0.3", "parts.running_gap=0.2")
@@ -96,6 +97,7 @@ def test_drawings_alone_show_that_a_needle_strikes(make: Make) -> None:
     }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name, kinds, settings, left_out",
     [
@@ -151,6 +153,7 @@ def test_what_kinds_of_files_leave_unjudged_is_named(
         assert all("is in the folder" in each.why for each in files)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name, settings",
     [
@@ -239,6 +242,7 @@ def test_what_was_not_judged_is_said_by_name_in_terminal_and_page(
     assert page.count('<tr class="open"><td class="mark"><b>NOT JUDGED</b>') == 4
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "kinds, setting, told",
     [
@@ -266,6 +270,7 @@ def test_key_that_cannot_act_on_a_file_is_told(
 # ---- what was found --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name, settings, found",
     [

@@ -110,6 +110,7 @@ def common_colours(seen: np.ndarray) -> list[np.ndarray]:
     return [colour for colour in colours[:5] if colour.min() < 250][:3]
 
 
+@pytest.mark.long
 def test_a_turn_is_sixty_frames() -> None:
     image = Image.open(io.BytesIO(film(*shown(THETA, np.zeros(120, complex)))))
     assert image.n_frames == 60 and image.info["loop"] == 0  # type: ignore[attr-defined]
@@ -162,6 +163,7 @@ def test_a_body_in_a_plane_that_stands_is_drawn_where_a_part_of_its_shape_stands
     assert (seen[0] != seen[1]).sum() < 0.02 * seen[1].sum()
 
 
+@pytest.mark.long
 def test_pictures_are_built_listed_and_checked(tmp_path: Path) -> None:
     report = camgen.build(SPECS / "disc-cam.toml", tmp_path, only="picture,animation")
     folder = tmp_path / "disc-cam"

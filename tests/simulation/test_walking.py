@@ -156,6 +156,7 @@ def test_a_film_shows_it_going_on(
     assert frames[1] - frames[0] > 0.2 * image.width
 
 
+@pytest.mark.long
 def test_a_printed_copy_walks_a_little_otherwise(machine: Any, model: Any, run: Gait) -> None:
     """Its legs stay closed on its own pins, not on the exact ones; both kinds of runs have figures of their own.
 
@@ -185,6 +186,7 @@ def test_a_printed_copy_walks_a_little_otherwise(machine: Any, model: Any, run: 
     assert alone.ok and "copies_way_per_turn_least_mm" not in alone.numbers
 
 
+@pytest.mark.long
 def test_copies_that_do_not_close_are_told(machine: Any) -> None:
     """With centres 0.2 mm off the legs come to their folds; with exact ones, and pins without play, none does."""
     rough = machine.replace({"print.place_error": 0.2})

@@ -42,6 +42,7 @@ def figures(cell: str) -> list[float]:
     return [float(word) for word in re.findall(r"[0-9.]+(?:e-?[0-9]+)?", cell)]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", STARTERS)
 def test_results_show_what_is_measured(name: str, benches: dict[str, Bench], root: Path) -> None:
     """Counts to the last one, errors to their printed digits, as far as float32 and rounding leave them."""
@@ -146,6 +147,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(benchmark_report, "measure", partial(measure, tolerances=(1e-1, 1e-2)))
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("quick")
 def test_command_prints_and_writes(
     root: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -144,6 +144,7 @@ def test_an_open_dwell_takes_the_rest_of_a_turn_that_is_changed() -> None:
     assert swept["pressure_angle_deg"][1] < swept["pressure_angle_deg"][0]
 
 
+@pytest.mark.long
 def test_the_corners_of_a_timing_chart_are_tried_under_the_keys_that_are_typed() -> None:
     """The same rise by its corner and by its span, the dwell behind it taking what is left; its level goes with that of the
     dwell, as the lifts of rise and return go together, and the level at which the turn closes stays."""
@@ -202,6 +203,7 @@ def test_a_value_that_camgen_found_is_a_key_and_stays_while_others_change(
     assert f"`geometry.base_radius`, found {base:.6g}: " in influence_text(open_, "PRESSURE_ANGLE")
 
 
+@pytest.mark.long
 def test_what_only_makes_it_worse_is_no_remedy_and_the_way_is_said() -> None:
     """Play of pins: pressed ones have none, and cannot have less; what slides has it from its clearance, so less holds."""
     mill = {
@@ -232,6 +234,7 @@ def test_what_only_makes_it_worse_is_no_remedy_and_the_way_is_said() -> None:
     assert holds == [True, False]
 
 
+@pytest.mark.long
 def test_room_on_the_bed_is_told_before_files_are_made() -> None:
     """The cam has a base circle of 24 mm: a bed of 12 mm is too narrow, one of 200 mm wide enough."""
     small = influence_text(STEEP | {"print": {"bed": [40, 12]}}, "BED_FIT")

@@ -251,6 +251,7 @@ def test_bad_counts_and_machines_without_modes() -> None:
         tolerance(SPECS / "coupon.toml")
 
 
+@pytest.mark.long
 def test_the_command_prints_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     page = tmp_path / "tolerance.html"
     arguments = ["tolerance", str(SPECS / "disc-cam.toml"), "--samples", "500", "--worst", "2"]

@@ -56,6 +56,7 @@ def test_a_speed_that_is_not_found_is_none(found: Spread) -> None:
     assert _rubbing(found.mechanism, machine, cam, THETA, 0.49 * exact) == math.inf
 
 
+@pytest.mark.long
 def test_springs_scatter_the_speed_by_half_as_much(found: Spread) -> None:
     """w^2 goes with the force: 5 % of all of it are 2.5 % of w; of rate and preload, each by itself, less."""
     errors = np.zeros((200, len(found.modes)))

@@ -76,6 +76,7 @@ def made_wrong(
     return None
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("case", CASES)
 def test_each_error_moves_the_follower_as_the_mesh_says(case: str) -> None:
     """Facets may differ, and what the walls' slope changes along the roller: one that is beside the axis meets them at its ends,
@@ -104,6 +105,7 @@ def test_each_error_moves_the_follower_as_the_mesh_says(case: str) -> None:
     assert np.abs(found.modes[bore]).max() > 0.2 * unit
 
 
+@pytest.mark.long
 def test_a_ring_that_is_off_its_seat_or_its_key_moves_one_wall() -> None:
     """Both pieces put together, the ring higher by OFF, or turned as its flat is off by OFF at its ends."""
     made = drum(follower={"offset": 3.0}).replace({"parts.pieces": 2})

@@ -126,6 +126,7 @@ def test_how_sure_a_yield_is(good: int, count: int) -> None:
     assert wilson(np.arange(count) < good) == pytest.approx((100 * low, 100 * high), abs=1e-4)
 
 
+@pytest.mark.long
 def test_yields_are_in_the_report() -> None:
     report = tolerance(SPECS / "disc-cam.toml", SPRUNG, PrintRun(200, 1, 0, judged=4))
     (table,) = [

@@ -128,6 +128,7 @@ CASES = [
 ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("cam", CASES)
 def test_the_judge_runs_the_tip_in_any_frame(cam: LinearCam) -> None:
     way = np.linspace(0, 80, 161)

@@ -68,6 +68,7 @@ KINDS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", KINDS)
 def test_variants_in_a_crowd_say_what_each_says_by_itself(kind: str) -> None:
     settings, vary = KINDS[kind]

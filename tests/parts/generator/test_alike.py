@@ -25,6 +25,7 @@ def size(part: Part) -> object:
     return layers, part.process
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", MACHINES)
 def test_pins_spacers_and_caps_of_one_size_are_copies_of_one_part(name: str) -> None:
     machine = read_mechanism(SPECS / f"{name}.toml")

@@ -66,6 +66,7 @@ def shifted(
     }
 
 
+@pytest.mark.long
 def test_a_follower_has_its_play_under_a_cover_in_the_file(tmp_path: Path) -> None:
     """Heights in the written assembly: 0.2 mm under the follower and 0.2 over it; the cover is on the rails; four screws M3."""
     report = build(
@@ -135,6 +136,7 @@ def test_a_runner_over_others_has_a_saddle(tmp_path: Path) -> None:
     assert shifted(tmp_path / "x.3mf", machine, "none") == set()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("by", "lower", "pair"),
     [

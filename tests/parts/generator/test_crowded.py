@@ -172,6 +172,7 @@ def test_a_link_that_may_is_bent_where_straight_ones_find_no_levels() -> None:
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("tables", "told"),
     [
@@ -242,6 +243,7 @@ def test_a_drag_link_stands_between_posts_beyond_all_that_turns(tmp_path: Path) 
         )
 
 
+@pytest.mark.long
 def test_cures_that_are_told_mend(tmp_path: Path) -> None:
     told = refusal(CROSSED).remedy.partition(";")[0].removeprefix("mended by ").split(", or by ")
     assert told[0] == "leaving [layers] out" and told[1].startswith("parts.rocker.bow = ")

@@ -75,6 +75,7 @@ def test_disc_strap_and_keeper_have_their_sizes() -> None:
     }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "more", [{}, {"can": CAN, "shaft_flat": 0.0, "shaft_diameter": 3.0}, {"plates": 2}]
 )

@@ -53,6 +53,7 @@ def stacks(machine: Linkage) -> list[list[tuple[float, float]]]:
     return found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("spec", "sets"),
     [
@@ -90,6 +91,7 @@ def test_levels_of_one_height_for_links_of_two_collide(
     assert "INTERFERENCE" in {finding.code for finding in report.findings if not finding.ok}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("sets", [["bow=10"], ["bow=-8", "width=5"]])
 def test_links_bent_and_slim_are_built(root: Path, tmp_path: Path, sets: list[str]) -> None:
     machine = green(

@@ -40,6 +40,7 @@ def with_parts(root: Path, **parts: Any) -> Linkage:
     return validate(Linkage, {**read(root / "specs" / "linkage.toml"), "parts": parts})
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("diameter", [5.0, 8.0])
 def test_shoulder_screws_are_those_of_the_standard(
     root: Path, tmp_path: Path, diameter: float

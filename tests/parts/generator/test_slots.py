@@ -327,6 +327,7 @@ def mends(error: DesignError) -> list[str]:
     return [] if said is None else said[1].split(", or by ")
 
 
+@pytest.mark.long
 @settings(max_examples=12)
 @given(small_machines())
 def test_every_small_machine_of_slots_and_slides_has_parts_or_is_refused_in_words(

@@ -114,6 +114,7 @@ def test_a_shaft_of_steel_has_crank_pins_of_steel() -> None:
         )
 
 
+@pytest.mark.long
 def test_shaft_ends_in_webs_that_pins_join(folder: Path) -> None:
     machine = validate(Linkage, read(folder / "spec.toml"))
     layout, parts = machine.bodies.layout, {part.name: part for part in machine.assembly.parts}
@@ -223,6 +224,7 @@ def test_the_far_end_of_a_shaft_off_its_axis_is_a_misfit(folder: Path, tmp_path:
     ).endswith(", O")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("what", ["post", "plates"])
 def test_a_post_elsewhere_and_plates_that_are_swapped_are_found(
     single: Path, tmp_path: Path, what: str
