@@ -44,7 +44,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if not config.getoption("share"):
         return
     share, count = map(int, config.getoption("share").split("/"))
-    kept, left = [], []
+    kept = []
+    left = []
     for item in items:
         own = not item.get_closest_marker("long") or crc32(item.nodeid.encode()) % count == share
         (kept if own else left).append(item)

@@ -148,7 +148,8 @@ class Drum:
                 k = int(np.argmin(ratio))
                 least = float(ratio[k])
                 at = float(where[k])
-                low, high = where[max(k - 1, 0)], where[min(k + 1, len(where) - 1)]
+                low = where[max(k - 1, 0)]
+                high = where[min(k + 1, len(where) - 1)]
                 where = np.sort(np.append(np.linspace(low, high, 100), at))
             if least <= _LEAST_AREA:
                 raise DesignError(

@@ -361,7 +361,8 @@ def _shared_width(first: _Area, second: _Area) -> float:
     """Mean width of what two areas share, mm; 0 where they share nothing."""
     import shapely
 
-    inner, outer = first.polygon, second.polygon
+    inner = first.polygon
+    outer = second.polygon
     if first.hole:
         inner, outer = outer, inner
     # most share nothing, which a prepared polygon tells soon
@@ -661,7 +662,8 @@ class PairMotion:
         low = np.minimum(samples.low[after - 1], samples.low[after])
         high = np.maximum(samples.high[after - 1], samples.high[after])
         spare = _SPARE * (high - low)
-        below, above = guess - low + spare, high - guess + spare
+        below = guess - low + spare
+        above = high - guess + spare
         known = np.isfinite(spare)
         return (
             np.where(known, below, self._most_play),

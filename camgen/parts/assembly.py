@@ -513,7 +513,8 @@ def _with_motor(table: Table, assembly: Assembly) -> Table:
     plate = assembly.frame.part
     rows = list(zip(table.rows, table.steps, strict=True))
     said = "Motor: under the plate, its shaft through it; screw it on now, before parts cover the screws"
-    row = 0, "motor", said, "", 1, 0.0, "as bought"
+    count = sum(each.count for each in assembly.bought if each.role == "drive") or 1
+    row = 0, "motor", said, "", count, 0.0, "as bought"
     after = max(k for k, (each, _) in enumerate(rows) if each[1] == plate)
     rows.insert(after + 1, (row, Step(said)))
     numbered = [(count, *each[1:]) for count, (each, _) in enumerate(rows, 1)]

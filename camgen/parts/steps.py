@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from camgen.machine.features import Mount, PartPose, PinEyes, SlideFaces
+from camgen.machine.model import GROUND
 from camgen.parts.part import HoldingNote, Part
 from camgen.parts.standing import Round, Slot, StandingCopy, standing_copies
 from camgen.study import Mate, Step, Table
@@ -33,6 +34,7 @@ class Fixing:
 
     play: float  # greatest of a hole that is tight, mm
     rings: frozenset[str] = frozenset()  # names of ball bearings, which are pressed and not glued
+    driven: frozenset[str] = frozenset()  # names of parts in which the shaft of a motor ends
 
     def how(
         self, hole: Round | Slot, holder: Part, outline: Round, held: Part
@@ -45,7 +47,8 @@ class Fixing:
         return "press" if held.name in self.rings else "glue"
 
 
-_LATER = "loose; a later step fixes it"
+_FIXED = "loose; a later step fixes it"
+_JOINED = "loose; a later step joins it"
 _HOLE = "{hole}"  # in words, for a hole's letter
 _WORDS = {"glue": "pressed and glued", "press": "pressed", "free": ""}
 
@@ -78,7 +81,7 @@ def order(
     poses: of each part's copies, at one angle; pairs: what joints are measured on; before: copies that are numbered already, by
     part.
     """
-    fixing = _with_rings(fixing, pairs)
+    fixing = _with_joints(fixing, pairs)
     copies = standing_copies(parts, mounts, poses, before)
     rows = list[tuple[object, ...]]()
     steps = list[Step]()
@@ -98,8 +101,13 @@ def order(
             loose.append(laying)
         else:
             where = _places(laying.copies, bench if alone else there, fixing)
+            if not alone:
+                where = _on_motor(laying.copies, fixing, where)
             others = [copy for copy in copies if copy not in there and copy not in bench]
-            where = where or ("on the bench" if alone else _fixed_by(others, laying.copies, fixing))
+            if not where and alone:
+                where = "on the bench"
+            elif not where and there:  # what comes first lies as it is
+                where = _fixed_by(others, laying.copies, fixing)
         lies = "turned over" if laying.turned_over else "as drawn"
         row: tuple[object, ...]
         row = (part.name, _holding_notes(part), where, len(laying.copies), laying.z, lies)
@@ -192,10 +200,13 @@ def _push_up(laying: _Laying, stops: Mapping[str, _Stop]) -> tuple[object, ...]:
 
 
 def _fixed_by(later: Iterable[StandingCopy], copies: Sequence[StandingCopy], fixing: Fixing) -> str:
-    """What is said of copies that nothing holds yet: whether one of those that come later goes on or in them."""
+    """What is said of copies that nothing holds yet: whether one that comes later is fixed on them, or goes on or in them."""
     own = {copy.name for copy in copies}
     others = (copy for copy in later if copy.name not in own)
-    return _LATER if any(_mates([copy], copies, fixing) for copy in others) else ""
+    mates = [mate for copy in others for mate in _mates([copy], copies, fixing)]
+    if any(mate.how != "free" and not mate.comes for mate in mates):
+        return _FIXED
+    return _JOINED if mates else ""
 
 
 def _put_in(
@@ -213,15 +224,25 @@ def _put_in(
         where if name == first.part.name else f"{name} {where}" for name, where in words if where
     )
     later = (copy for copy in copies if copy not in there)
-    where = "; ".join(dict.fromkeys(said)) or _fixed_by(later, cluster, fixing)
+    where = _on_motor(cluster, fixing, "; ".join(dict.fromkeys(said)))
+    where = where or _fixed_by(later, cluster, fixing)
     what = f"{first.part.title} with {', '.join(others)}: put them in"
     return (first.part.name, what, where, "", first.mount.z, "as drawn")
 
 
-def _with_rings(fixing: Fixing, pairs: Sequence[object]) -> Fixing:
-    """The fixing that knows the ball bearings of joints."""
+def _on_motor(copies: Sequence[StandingCopy], fixing: Fixing, where: str) -> str:
+    """Where copies go, with the motor's shaft if one of them is fixed on that."""
+    turned = any(copy.part.name in fixing.driven and copy.mount.body != GROUND for copy in copies)
+    return ", ".join(filter(None, ("pushed on the motor's shaft" if turned else "", where)))
+
+
+def _with_joints(fixing: Fixing, pairs: Sequence[object]) -> Fixing:
+    """The fixing that knows the ball bearings of joints, and what is on the shaft of a motor, which no part is."""
     eyes = [each for each in pairs if isinstance(each, PinEyes)]
-    return replace(fixing, rings=frozenset(ring.part for each in eyes for ring in each.rings))
+    driving = (each for each in eyes if each.pin is not None and each.pin.part is None)
+    driven = {eye.part for each in driving for eye in (each.a, each.b) if eye.part is not None}
+    rings = frozenset(ring.part for each in eyes for ring in each.rings)
+    return replace(fixing, rings=rings, driven=frozenset(driven))
 
 
 def _title(row: Sequence[object], count: int = 1) -> str:
@@ -316,7 +337,7 @@ def mated(
 
     A copy that comes twice is loose at first: its place is fixed when it comes again.
     """
-    fixing = _with_rings(fixing, pairs)
+    fixing = _with_joints(fixing, pairs)
     slides = [each for each in pairs if isinstance(each, SlideFaces)]
     built = defaultdict[str, list[StandingCopy]](list)  # by what is built apart
     bench = list[StandingCopy]()  # the sub-assembly
@@ -423,7 +444,7 @@ def _where(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) ->
     held = (mate.comes and mate.how != "free" for mate in _mates([copy], below, fixing))
     if not copy.holes or any(held):  # a pin, a shaft, a ball bearing
         words, letter = _pin_words(copy, below, fixing)
-        return words or (_LATER if copy.outlines else ""), letter
+        return words or (_JOINED if copy.outlines else ""), letter
     return _hole_words(copy, below, fixing), ""
 
 

@@ -330,7 +330,8 @@ def _sheets(report: Report) -> str:
 
 def _on_sheet(height: float, most: float, name: str, low: complex, across: float, up: float) -> str:
     """The name of a part in its middle, along its longer side, at most so high, mm; height: of the sheet."""
-    long, short = max(across, up), min(across, up)
+    long = max(across, up)
+    short = min(across, up)
     size = min(most, 1.4 * long / max(len(name), 1), 0.5 * short)
     turn = " rotate(-90)" if up > across else ""
     x = low.real + across / 2

@@ -635,3 +635,36 @@ def test_a_pin_that_hangs_is_fixed_when_its_plate_comes() -> None:
     assert f"C pressed and glued on {pin}" in rows["second-plate"][2]
     notes = " ".join(load(BAR).study().notes)
     assert "Its pin C stands head down, under what turns on it" in notes
+
+
+@pytest.mark.parametrize(
+    ("spec", "changes", "driven", "motors"),
+    [
+        ("disc-cam.toml", {"parts.make": "printed", "parts.motor": "nema-17"}, {"cam-contact"}, 1),
+        ("gallery/five-bar.toml", {}, {"left", "right"}, 2),
+        ("gallery/walker.toml", {}, {"crank"}, 1),
+    ],
+)
+def test_what_a_motor_turns_is_put_on_its_shaft(
+    spec: str, changes: dict[str, object], driven: set[str], motors: int
+) -> None:
+    """A part whose hole is as wide as the shaft, and no other one; how many motors the table has."""
+    machine = load(Path(__file__).parents[2] / "specs" / spec)
+    if changes:
+        machine = machine.replace({"parts.hub_height": None, **changes})
+    rows = order_of_assembly(machine.assembly).rows
+    assert {row[1] for row in rows if "on the motor's shaft" in str(row[3])} == driven
+    assert [row[4] for row in rows if row[1] == "motor"] == [motors]
+    first = next(row for row in rows if row[1] in ("ground", "motor-bar"))
+    assert "later step" not in str(first[3]), "what comes first lies as it is"
+
+
+def test_only_what_a_later_part_holds_is_fixed_by_it() -> None:
+    """A rod that a pin joins is not held by that; a pin over which a cap is glued is."""
+    rod = [
+        row[3] for row in order_of_assembly(built("quick-return").assembly).rows if row[1] == "rod"
+    ]
+    assert rod == ["loose; a later step joins it"]
+    leg = load(Path(__file__).parents[2] / "specs/gallery/walker.toml")
+    rows = [row for row in order_of_assembly(leg.assembly).rows if row[1] == "pin-2"]
+    assert "loose; a later step fixes it" in {row[3] for row in rows}
