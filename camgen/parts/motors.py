@@ -143,3 +143,22 @@ def of_model(model: str | None, crank: float) -> Motor | None:
         said = f"rated torque of {model}, up to {servo.fastest_rpm:g} rpm"
         return Motor(servo.rated, said=said, fastest=servo.fastest_rpm * RPM)
     return None
+
+
+def without_seat(model: str | None, diameter: float) -> tuple[str, ...]:
+    """A sentence on a motor of the catalogue that a machine turns without, as its parts have no place for it; none on a hand, or
+    an industrial servo, which a coupling joins.
+
+    diameter: of the shaft that is made in its place, mm.
+    """
+    if model in STEPPERS:
+        frame = STEPPERS[model].frame
+        remedy = f'parts.motor = "{frame}" makes one, for its shaft of {SHAFTS[frame][0]:g} mm'
+    elif model in GEARED:
+        remedy = "parts.can, with its sizes, makes one"
+    else:
+        return ()
+    return (
+        f'motor.model = "{model}": the parts have no place for this motor. {remedy}; else couple it to the machine\'s shaft of '
+        f"{diameter:g} mm, below the plate",
+    )

@@ -23,7 +23,7 @@ from camgen.geometry.outlines import Floats
 from camgen.judge.copies import judge_copies, judge_exact_copies
 from camgen.judge.round_trip import judge_solid
 from camgen.machines.mechanism import Mechanism
-from camgen.parts import materials
+from camgen.parts import materials, motors
 from camgen.parts.assembly import (
     Assembly,
     Cycle,
@@ -568,7 +568,7 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
         overhang = sum(part.count * sides[part.name].overhang for part in parts)
         figures.append(Figure("supports", overhang, "mm²"))
     layers, warnings = between(mechanism, sides)
-    warnings = (*too_thin(mechanism), *warnings)
+    warnings = (*motor_without_seat(mechanism), *too_thin(mechanism), *warnings)
     finding = judge_list(case.file("parts", "csv"), table)
     tables = [table, order_of_assembly(mechanism.assembly)]
     return Outcome(
@@ -577,6 +577,15 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
         tables=[*tables, *([layers] if layers.rows else [])],
         warnings=warnings,
     )
+
+
+def motor_without_seat(mechanism: Mechanism) -> tuple[str, ...]:
+    """A sentence on the motor of a machine whose parts have no place for it."""
+    made = mechanism.assembly
+    motor = getattr(mechanism, "motor", None)
+    if motor is None or made.shaft is None or made.motor.crank:
+        return ()
+    return motors.without_seat(getattr(motor, "model", None), made.shaft.diameter)
 
 
 def bear_loads(case: Case, kinds: Sequence[str]) -> Outcome:

@@ -17,6 +17,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
 from camgen.parts.catalogue import CAM_FOLLOWERS, MOTOR_FACES
 from camgen.parts.motors import GEARED, HAND_CRANK, SERVOS, SHAFTS, STEPPERS
+from camgen.pipeline.judging import motor_without_seat
 from camgen.pipeline.making import parts_table
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -111,3 +112,32 @@ def test_a_cam_follower_is_in_the_list_of_parts_where_the_roller_is_not_made() -
     whole = made("disc-cam", *CAM, "load.cam_follower=KR16", "parts.make=machine")
     names = [[row[1] for row in parts_table(each).rows] for each in (alone, whole)]
     assert "cam follower" in names[0] and "cam follower" not in names[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "key"),
+    [
+        ("linkage", (), 'parts.motor = "nema-17" makes one, for its shaft of 5 mm'),
+        ("linkage", ("parts.motor=nema-17",), None),
+        ("linkage", ("parts.hand_crank=40",), None),
+        ("linkage", ("motor.model=N20-100:1",), "parts.can, with its sizes, makes one"),
+        ("quick-return", (), None),
+        ("stitch-head", (), None),
+        ("disc-cam", ("parts.hub_height=", "parts.make=printed"), 'parts.motor = "nema-17"'),
+        ("disc-cam", (), None),
+        ("gallery/beak", (), None),
+    ],
+)
+def test_a_motor_for_which_the_parts_have_no_place_is_told(
+    name: str, settings: tuple[str, ...], key: str | None
+) -> None:
+    """One of the catalogue, over the shaft of a machine; a hand and an industrial servo are joined to the shaft by their users."""
+    said = motor_without_seat(made(name, *settings))
+    assert bool(said) == (key is not None)
+    for sentence in said:
+        assert str(key) in sentence and "shaft of 6 mm, below the plate" in sentence
+
+
+def test_a_drive_that_is_joined_to_the_shaft_has_its_model_in_the_list() -> None:
+    (drive,) = (each for each in made("linkage").assembly.bought if each.role == "drive")
+    assert drive.size.startswith("42STH48-2004AC, 60 rpm, for a shaft of 6")

@@ -830,7 +830,9 @@ class Linkage(Mechanism):
         if isinstance(drive, t.Drive):
             turning = turning_text(drive.speed_rpm)
             model = self.motor.model if self.motor else None
-            return f"{model} ({HOLES_UNKNOWN}), {turning}" if model in GEARED else turning
+            if model is None or model.lower() == self.making.motor or self.making.hand_crank:
+                return turning
+            return ", ".join((f"{model} ({HOLES_UNKNOWN})" if model in GEARED else model, turning))
         low, high = drive.range
         return f"linear, {high - low:g} mm at {drive.speed:g} mm/s, on link {drive.link}"
 
