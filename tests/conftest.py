@@ -7,6 +7,7 @@ import hashlib
 import os
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from zlib import crc32
 
@@ -35,22 +36,34 @@ ROOT = Path(__file__).resolve().parent.parent
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
-        "--share", metavar="K/N", help="of the tests marked long only those of share K, 0 to N - 1"
+        "--share", metavar="K/N", help="of what is long only share K, 0 to N - 1, of N"
     )
 
 
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Keeps all short tests, and of the long ones a share, by a hash of their names: N shares together are all."""
+def _in_share(config: pytest.Config, name: str) -> bool:
+    """Whether a name, by its hash, is of the share that is asked for: N shares together are all names."""
     if not config.getoption("share"):
-        return
+        return True
     share, count = map(int, config.getoption("share").split("/"))
+    return crc32(name.encode()) % count == share
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Keeps all short tests, and the long ones of a share of the files: what a file builds is built in one share."""
     kept = []
     left = []
     for item in items:
-        own = not item.get_closest_marker("long") or crc32(item.nodeid.encode()) % count == share
+        own = not item.get_closest_marker("long") or _in_share(config, item.nodeid.split("::")[0])
         (kept if own else left).append(item)
     items[:] = kept
-    config.hook.pytest_deselected(items=left)
+    if left:
+        config.hook.pytest_deselected(items=left)
+
+
+@pytest.fixture(scope="session")
+def in_share(pytestconfig: pytest.Config) -> Callable[[str], bool]:
+    """Whether a name is of the share that `--share` asks for; without it each one is."""
+    return partial(_in_share, pytestconfig)
 
 
 @pytest.fixture

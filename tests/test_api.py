@@ -42,6 +42,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Report, Path]:
     return camgen.build(DISC, out, only="dxf"), out / "disc-cam"
 
 
+@pytest.mark.long
 def test_path_dict_and_mechanism_are_one_spec(made: tuple[Report, Path], tmp_path: Path) -> None:
     report, folder = made
     assert camgen.load(DISC) == camgen.load(str(DISC)) == camgen.load(tables())
@@ -52,6 +53,7 @@ def test_path_dict_and_mechanism_are_one_spec(made: tuple[Report, Path], tmp_pat
         ).read_bytes()
 
 
+@pytest.mark.long
 def test_report_is_what_the_command_line_writes(
     made: tuple[Report, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -328,6 +330,7 @@ def test_a_refused_design_says_so_as_of_a_spec() -> None:
         machine.solve([0.0])
 
 
+@pytest.mark.long
 def test_a_run_as_columns_and_as_a_frame() -> None:
     run = camgen.load(LINKAGE).solve(np.radians([0, 90, 180]))
     assert list(run.outputs) == ["pen", "swing"]
@@ -397,6 +400,7 @@ def test_a_sweep_is_the_commands_table(tmp_path: Path, capsys: pytest.CaptureFix
     assert swept._repr_html_().count("<tr>") == 5
 
 
+@pytest.mark.long
 def test_a_sweep_of_a_linkage_has_its_transmission_angle_and_play(tmp_path: Path) -> None:
     ground, crank, rocker = 70.0, 20.0, 50.0
     couplers = [55.0, 60.0]

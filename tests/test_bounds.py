@@ -157,6 +157,7 @@ VALUES: st.SearchStrategy[Any] = st.recursive(
 )
 
 
+@pytest.mark.long
 @example({",": [{"": [0]}]})
 @example({'a"=': [{"'#": 1}]})
 @given(st.dictionaries(TEXT, VALUES, max_size=6))

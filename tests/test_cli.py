@@ -300,6 +300,7 @@ def test_json_of_a_wrong_spec_lists_its_faults(run: Run, tmp_path: Path, starter
     assert set(found["faults"][0]) == {"path", "value", "expected", "nearest", "line"}
 
 
+@pytest.mark.long
 def test_json_is_the_text_of_report_json(run: Run, tmp_path: Path, starter: Path) -> None:
     code, out, err = run("build", starter, "--only", "dxf", "--json", "-o", tmp_path)
     assert (code, err) == (0, "")
@@ -401,6 +402,7 @@ def test_set_reaches_the_resolved_spec_and_check_agrees(
 # ---- new, list, schema, version --------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_edited_spec_of_a_result_is_kept_and_told(run: Run, tmp_path: Path, root: Path) -> None:
     build = ("build", str(root / "specs" / "disc-cam.toml"), "--only", "dxf", "-o", str(tmp_path))
     assert "kept" not in run(*build)[1]
@@ -543,6 +545,7 @@ def test_reader_that_closes_the_pipe() -> None:
     assert process.wait() == 141
 
 
+@pytest.mark.long
 def test_stdout_that_is_full_or_closed() -> None:
     with open("/dev/full", "w", encoding="utf-8") as full:
         done = subprocess.run(
@@ -607,6 +610,7 @@ def test_interrupted_build_leaves_the_earlier_result(
     )
 
 
+@pytest.mark.long
 def test_a_signal_that_the_shell_ignores_ends_nothing(tmp_path: Path) -> None:
     process = subprocess.Popen(
         [sys.executable, "-c", SLOW, str(tmp_path), "0.5"],
@@ -620,6 +624,7 @@ def test_a_signal_that_the_shell_ignores_ends_nothing(tmp_path: Path) -> None:
     assert "that was all" in process.communicate()[1] and process.returncode == FileError.exit_code
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("more, shown", [((), True), (("--quiet",), False)])
 def test_step_is_named_from_the_start_on_a_terminal(
     tmp_path: Path, more: tuple[str, ...], shown: bool
@@ -669,6 +674,7 @@ def test_a_console_of_ascii_alone(tmp_path: Path, words: list[str], code: int) -
     assert done.stderr if code else done.stdout
 
 
+@pytest.mark.long
 def test_a_console_without_utf_8_and_a_path_with_spaces(tmp_path: Path) -> None:
     folder = tmp_path / "my cams \u03b8"
     folder.mkdir()

@@ -33,6 +33,7 @@ def words(svg: bytes) -> set[str]:
     return {"".join(each.itertext()) for each in ElementTree.fromstring(svg).iter(f"{SVG}text")}
 
 
+@pytest.mark.long
 def test_each_plot_of_the_report_is_there_once_in_both_formats(
     made: tuple[camgen.Report, Path],
 ) -> None:
@@ -63,6 +64,7 @@ def test_the_same_bytes_whatever_the_user_has_set(
     assert not any(b"<dc:date>" in data for data in ours.values())
 
 
+@pytest.mark.long
 def test_of_a_folder_the_plot_that_was_changed_is_told_alone(
     made: tuple[camgen.Report, Path], tmp_path: Path
 ) -> None:

@@ -29,12 +29,19 @@ def _kept(tests: list[_Test], share: str | None) -> list[Any]:
     return list(kept)
 
 
-def test_five_shares_hold_each_long_test_once_and_each_short_one_always() -> None:
-    tests = [_Test(f"tests/test_{k:03}.py::test", k % 3 == 0) for k in range(300)]
-    shares = [_kept(tests, f"{k}/5") for k in range(5)]
+def test_eight_shares_hold_each_long_test_once_and_each_short_one_always() -> None:
+    tests = [
+        _Test(f"tests/test_{k:03}.py::test_{name}", k % 3 == 0) for k in range(300) for name in "ab"
+    ]
+    shares = [_kept(tests, f"{k}/8") for k in range(8)]
     for test in tests:
-        assert sum(test in share for share in shares) == (1 if test.long else 5)
-    assert all(10 < sum(test.long for test in share) < 30 for share in shares)
+        assert sum(test in share for share in shares) == (1 if test.long else 8)
+    assert all(10 < sum(test.long for test in share) < 50 for share in shares)
+
+
+def test_the_long_tests_of_a_file_are_of_one_share() -> None:
+    tests = [_Test(f"tests/test_one.py::test_{k:02}", True) for k in range(20)]
+    assert sorted(len(_kept(tests, f"{k}/8")) for k in range(8)) == [0] * 7 + [20]
 
 
 def test_without_a_share_all_are_kept() -> None:

@@ -33,6 +33,7 @@ def test_each_page_is_there_and_named_in_the_menu(made: Path) -> None:
         )
 
 
+@pytest.mark.long
 def test_nothing_is_fetched_from_elsewhere(made: Path) -> None:
     text = "".join(page.read_text(encoding="utf-8") for page in made.glob("*.html"))
     sources = re.findall(r'<(?:script|img|link|iframe)\b[^>]*?(?:src|href)="([^"]+)"', text)
@@ -40,6 +41,7 @@ def test_nothing_is_fetched_from_elsewhere(made: Path) -> None:
     assert not [each for each in sources if re.match(r"(https?:)?//", each)]
 
 
+@pytest.mark.long
 def test_the_reference_has_all_public_names(made: Path) -> None:
     text = (made / "api.html").read_text(encoding="utf-8")
     shown = {each.rpartition(".")[2] for each in re.findall(r'<h3 id="([\w.]+)"', text)}
@@ -47,6 +49,7 @@ def test_the_reference_has_all_public_names(made: Path) -> None:
     assert "Search for what a spec" in text  # camgen.design, not the wing of its name
 
 
+@pytest.mark.long
 def test_the_gallery_shows_each_picture(made: Path) -> None:
     text = (made / "gallery.html").read_text(encoding="utf-8")
     pictures = set(re.findall(r'src="(gallery-[\w-]+\.svg)"', text))

@@ -60,6 +60,7 @@ def test_the_written_output_rests_and_swings(found: tuple[dict[str, Any], Front]
         assert dwell.ok == holds
 
 
+@pytest.mark.long
 def test_what_no_six_bar_does_is_told() -> None:
     wish = {"dwell": {"span_deg": 240, "swing_deg": 150}, "longest": 50}
     with pytest.raises(DesignError, match="none of .* six-bars for a dwell of 240 deg") as told:

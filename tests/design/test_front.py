@@ -131,6 +131,7 @@ def numbers(losses: Sequence[tuple[float, float]], refused: Container[int] = ())
     return [next(k for k, one in enumerate(each) if one is design) for design in looked]
 
 
+@pytest.mark.long
 def test_a_design_that_cannot_be_built_hides_none_behind_it() -> None:
     """The first one beats all; the second and third one beat each other in one thing each; the fourth is beaten by both."""
     losses = [(1, 1), (2, 3), (3, 2), (4, 4)]
@@ -149,6 +150,7 @@ def test_both_ends_of_a_front_are_weighed_and_neighbours_once() -> None:
     assert numbers(others) == [0, 1, 2, 3, 4, 6]
 
 
+@pytest.mark.long
 def test_with_enough_of_use_only_nearer_ones_are_weighed() -> None:
     """Of 21 on a line the first four cannot be built: what is left between them is tried, and nothing else."""
     line = [(5 * k, 100 - 5 * k) for k in range(21)]

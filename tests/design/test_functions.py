@@ -119,6 +119,7 @@ def test_what_no_four_bar_transmits_is_told() -> None:
         search(FunctionWish(function=((0, 0), (20, 100), (40, 0)), transmission_deg=80))
 
 
+@pytest.mark.long
 def test_without_a_tolerance_a_useless_four_bar_is_none() -> None:
     hardly: dict[str, Any] = {
         "function": [[0, 0], [20, 100], [40, 0]],

@@ -71,6 +71,7 @@ def test_least_acceleration_within_the_tolerance(name: str, tolerance: float, pe
     assert 0.97 * tolerance < apart(pen, LINES[name]) < 1.01 * tolerance
 
 
+@pytest.mark.long
 def test_a_square_is_met_where_the_pen_stops() -> None:
     """At rest in every corner, straight between them; four runs from rest to rest of 30 mm in what the rests leave of a turn."""
     side = 30
@@ -82,6 +83,7 @@ def test_a_square_is_met_where_the_pen_stops() -> None:
     assert np.sum(np.abs(pen - np.roll(pen, 1)) < 1e-9) > 4
 
 
+@pytest.mark.long
 def test_only_bends_are_rounded_where_the_pen_stops() -> None:
     """A half round and its chord: sharp where they meet, within the tolerance between."""
     half = 10 * np.exp(1j * np.linspace(0, math.pi, 60))
@@ -96,6 +98,7 @@ def drop() -> np.ndarray:
     return np.append(0j, 20 + 8 * np.exp(1j * np.linspace(lean - math.pi, math.pi - lean, 200)))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("line", [drop(), np.concatenate([drop(), -0.6 * drop()])])
 def test_a_loop_comes_back_to_the_corner_where_it_began(line: np.ndarray) -> None:
     """One loop, and two of unlike sizes through one place."""
@@ -104,11 +107,13 @@ def test_a_loop_comes_back_to_the_corner_where_it_began(line: np.ndarray) -> Non
     assert 0.01 < apart(pen, line) < 0.101
 
 
+@pytest.mark.long
 def test_a_line_without_corners_has_no_stops() -> None:
     line = 10 * np.exp(2j * math.pi * np.arange(90) / 90)
     assert np.array_equal(pen_motion(line, 0.05, "stop"), pen_motion(line, 0.05))
 
 
+@pytest.mark.long
 def test_an_open_line_is_drawn_there_and_back() -> None:
     """All of its corners are reached, also where it turns back and its curvature has no bound."""
     line = closed_line(np.array([18j, -10 - 14j, 17 + 5j]))
@@ -118,6 +123,7 @@ def test_an_open_line_is_drawn_there_and_back() -> None:
     assert peak_acceleration(pen) < 2e3
 
 
+@pytest.mark.long
 def test_a_circle_is_drawn_evenly() -> None:
     """Its acceleration is r, mm/rad^2, everywhere: the least there is."""
     circle = 10 * np.exp(2j * math.pi * np.arange(720) / 720)
@@ -152,6 +158,7 @@ def still(places: np.ndarray, at: complex) -> float:
     return float(np.ptp(edges, axis=1).max()) / len(places)
 
 
+@pytest.mark.long
 def test_the_pen_rests_where_lines_begin_and_end() -> None:
     """For as long as it is asked to, in the ends themselves; the middles of the rests are told."""
     motion = strokes_motion(UPRIGHTS, 0.1, "round", LIFTING)
@@ -164,6 +171,7 @@ def test_the_pen_rests_where_lines_begin_and_end() -> None:
     assert -motion.ends[0, 0] == pytest.approx(motion.ends[0, 1], abs=1e-3)
 
 
+@pytest.mark.long
 def test_ways_take_the_times_of_the_least_acceleration() -> None:
     """From rest to rest by the square root of the way, whether drawn or lifted: 20 and 10 mm."""
     ends = strokes_motion(UPRIGHTS, 0.1, "round", LIFTING).ends / math.tau
@@ -174,6 +182,7 @@ def test_ways_take_the_times_of_the_least_acceleration() -> None:
     assert LIFTING.rest < rest < LIFTING.rest + 0.04
 
 
+@pytest.mark.long
 def test_a_lift_that_takes_long_makes_the_way_slow() -> None:
     motion = strokes_motion(UPRIGHTS, 0.1, "round", Lifting(0.02, 0.25, 0.1))
     ends = motion.ends / math.tau
@@ -181,6 +190,7 @@ def test_a_lift_that_takes_long_makes_the_way_slow() -> None:
     assert apart(motion.places, np.concatenate(UPRIGHTS)) < 0.1
 
 
+@pytest.mark.long
 def test_corners_of_lines_are_met_where_the_pen_stops() -> None:
     bent = [np.array([0, 20j, 5 + 20j]), np.array([20, 20 + 20j])]
     motion = strokes_motion(bent, 0.1, "stop", LIFTING)
@@ -262,6 +272,7 @@ def test_no_line(wanted: dict[str, Any], says: str) -> None:
         camgen.design({**BASE, "wanted": wanted})
 
 
+@pytest.mark.long
 def test_too_large() -> None:
     with pytest.raises(DesignError, match="draw a line of"):
         camgen.design({**BASE, "wanted": {"drawing": TRIANGLE, "width": 300}})
@@ -310,6 +321,7 @@ def path_errors(report: Any) -> dict[str, Any]:
     return {each.where.kind: each for each in report.findings if each.code == "PATH_ERROR"}
 
 
+@pytest.mark.long
 def test_a_wrong_cam_is_seen(found: Any) -> None:
     """One row of a cam's table off by half a degree."""
     wrong = tomllib.loads(found.text)
@@ -349,6 +361,7 @@ def out_of_phase(text: str, late_deg: float) -> dict[str, Any]:
     return wrong
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("late_deg", [-15.0, 15.0])
 def test_a_lift_out_of_phase_is_seen(lifted: Any, late_deg: float) -> None:
     limits = camgen.load(out_of_phase(lifted.text, late_deg)).limits()
@@ -364,6 +377,7 @@ def test_files_with_a_lift_out_of_phase_are_seen(lifted: Any, tmp_path: Path) ->
     assert errors[""].ok and not errors["dxf"].ok
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "key, value, says",
     [("lift", "pen", "output.0.lines.lift"), ("up", 25.5, "output.0.lines.up")],

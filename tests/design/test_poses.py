@@ -178,6 +178,7 @@ def found() -> tuple[dict[str, Any], Front]:
     return tomllib.loads(text), fronts[0]
 
 
+@pytest.mark.long
 def test_the_written_machine_comes_to_the_poses(found: tuple[dict[str, Any], Front]) -> None:
     data, front = found
     judged = [
@@ -194,6 +195,7 @@ def test_the_written_machine_comes_to_the_poses(found: tuple[dict[str, Any], Fro
     assert angles == sorted(angles, reverse=True) and angles[0] > 70
 
 
+@pytest.mark.long
 def test_a_pose_that_is_off_is_told(found: tuple[dict[str, Any], Front]) -> None:
     data, _ = found
     place, angle = data["output"]

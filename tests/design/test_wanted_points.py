@@ -91,6 +91,7 @@ def timed() -> dict[str, Any]:
     return tomllib.loads(design({**TABLES, "wanted": {"points": rows, "turns": True}}))
 
 
+@pytest.mark.long
 def test_the_written_machine_passes_the_points_when_it_is_wanted(timed: dict[str, Any]) -> None:
     (place,) = timed["output"]
     assert place["points"]["theta_deg"] == [0, 40, 90, 150, 230]
@@ -102,6 +103,7 @@ def test_the_written_machine_passes_the_points_when_it_is_wanted(timed: dict[str
     assert not error.ok and 0.3 < error.measured < 3
 
 
+@pytest.mark.long
 def test_points_that_no_four_bar_passes_are_told_with_the_nearest() -> None:
     rows = [[0, 0, 0], [50, 0, 10], [0, 50, 20], [50, 50, 30], [-20, 10, 40], [5, 20, 50]]
     with pytest.raises(

@@ -261,6 +261,7 @@ def assert_section_is_that_of_the_body(
     assert drawn_faces.bounds[::2] == pytest.approx(wanted.bounds[::2], abs=FACETS), name
 
 
+@pytest.mark.long
 def test_the_volume_of_a_crossed_body_follows_from_its_views(tmp_path: Path) -> None:
     """Outlines along z and from above that begin at the same x are those of one layer; rounded edges take under 0.5 %."""
     for part in pipeline.read_mechanism(SPECS / "chain-stitch-looper.toml", []).assembly.parts:
@@ -319,6 +320,7 @@ def test_what_lies_behind_material_is_dashed(tmp_path: Path) -> None:
     )  # the layer below the upper one, and its bore from the left and from above
 
 
+@pytest.mark.long
 def test_bores_are_dashed_in_the_view_from_the_left(sheets: list[Drawn]) -> None:
     """Each hole along z between two dashed lines at its least and greatest y, and of a blind one its end."""
     for sheet in sheets:
@@ -341,6 +343,7 @@ def test_bores_are_dashed_in_the_view_from_the_left(sheets: list[Drawn]) -> None
 # ---- words ------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_notes_end_before_the_title_block_in_librecad(sheets: list[Drawn]) -> None:
     for sheet in sheets:
         left = sheet.high.real - 170 / sheet.scale
@@ -362,6 +365,7 @@ def text_box(text: ezdxf.entities.Text) -> shapely.Polygon:
     )
 
 
+@pytest.mark.long
 def test_no_text_leaves_the_frame_or_runs_into_the_title_block(sheets: list[Drawn]) -> None:
     """What stands in the block stays in its own cell, all else outside it; a number or table never runs into another text."""
     for sheet in sheets:
@@ -383,6 +387,7 @@ def test_no_text_leaves_the_frame_or_runs_into_the_title_block(sheets: list[Draw
                 assert box.intersection(its).area < 0.02 * box.area, (sheet.part.name, name, other)
 
 
+@pytest.mark.long
 def test_title_block_says_what_a_workshop_asks(sheets: list[Drawn]) -> None:
     for sheet in sheets:
         texts = [text.dxf.text for text in sheet.texts]
@@ -415,6 +420,7 @@ def test_title_block_says_what_a_workshop_asks(sheets: list[Drawn]) -> None:
         assert z.real.max() < large.dxf.center.x - large.dxf.radius
 
 
+@pytest.mark.long
 def test_a_disc_is_told_by_its_diameter(sheets: list[Drawn]) -> None:
     for sheet in sheets:
         outers = [layer.region.outer for layer in sheet.part.layers]
@@ -429,6 +435,7 @@ def test_a_disc_is_told_by_its_diameter(sheets: list[Drawn]) -> None:
             assert across == pytest.approx(2 * disc[1], abs=0.05), sheet.part.name
 
 
+@pytest.mark.long
 def test_radii_of_a_cam_are_those_of_its_outline(sheets: list[Drawn]) -> None:
     for sheet in sheets:
         curve = next(
@@ -468,6 +475,7 @@ def test_no_note_is_too_long(word: str, tmp_path: Path) -> None:
     assert found and all(e.dxf.insert.x + cad_width(e.dxf.text, e.dxf.height) < left for e in found)
 
 
+@pytest.mark.long
 def test_each_label_is_beside_its_own_hole_or_points_at_it(sheets: list[Drawn]) -> None:
     for sheet in sheets:
         each_label_has_its_hole(sheet)

@@ -170,6 +170,7 @@ def test_an_assembly(tmp_path):
     )
 
 
+@pytest.mark.long
 def test_a_build_with_exact_solids_is_proved_by_them(tmp_path, root):
     spec = root / "specs" / "disc-cam.toml"
     report = build(spec, tmp_path, frozenset({"step"}))
@@ -194,6 +195,7 @@ def test_a_build_with_exact_solids_is_proved_by_them(tmp_path, root):
     assert not check(report.folder).ok
 
 
+@pytest.mark.long
 def test_a_whole_build_makes_them_where_the_spec_asks(tmp_path, root):
     settings = ("output.step=true", "print.hole_compensation=0.05")
     report = build(root / "specs" / "disc-cam.toml", tmp_path, frozenset(KINDS), settings)
@@ -210,6 +212,7 @@ def test_a_whole_build_makes_them_where_the_spec_asks(tmp_path, root):
     assert not list(drawings.folder.glob("*.step"))  # --only means what it says
 
 
+@pytest.mark.long
 def test_parts_without_one_are_named(tmp_path, root):
     report = build(root / "specs" / "chain-stitch-looper.toml", tmp_path, frozenset({"step"}))
     told = " ".join(each.why for each in report.not_judged if each.code == "ROUND_TRIP")

@@ -156,6 +156,7 @@ def test_a_body_that_is_flat_is_named(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.long
 def test_fits_without_air_may_touch(tmp_path: Path) -> None:
     """With hardly any clearance in the spec, joints touch; a part 1 mm off is still found."""
     tight = "print.slide_clearance=0.02"

@@ -409,6 +409,7 @@ def test_strikes_are_as_deep_as_the_source_has_them(
     )
 
 
+@pytest.mark.long
 def test_curves_agree_with_the_least_distance(
     made: dict[str, tuple[ChainStitchLooper, Path]],
 ) -> None:

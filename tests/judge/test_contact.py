@@ -143,6 +143,7 @@ def test_pivots_near_and_far(distance_to_pivot: float) -> None:
     assert np.max(np.abs(off), initial=0) < EXACT
 
 
+@pytest.mark.long
 def test_mixed_arcs_and_edges_with_a_fillet_the_tip_just_fits() -> None:
     """Outline with convex and concave arcs: the same motion as a finely facetted one, to the facets' tolerance."""
     # A rounded notch of radius 3 between two edges, on a disc-like outline.
@@ -436,6 +437,7 @@ def test_a_swinging_face_on_noisy_polygons(
     )
 
 
+@pytest.mark.long
 @settings(max_examples=60, deadline=None)
 @given(
     seed=st.integers(0, 10**6),

@@ -269,6 +269,7 @@ def test_a_wrong_chamfer_is_told(damage: Damage, tmp_path: Path) -> None:
     assert "ROUND_TRIP" in failing("foot", "cam", "stl", made, tmp_path)
 
 
+@pytest.mark.long
 def test_a_chamfer_that_is_hardly_one_is_told(tmp_path: Path) -> None:
     """Its steps stand at the right heights, and no check but that of contours sees them."""
     whole = sent("foot", "cam")

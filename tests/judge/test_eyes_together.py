@@ -127,6 +127,7 @@ def test_a_lone_hole_that_no_output_sees(tmp_path: Path) -> None:
     }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["dxf", "stl", "3mf"])
 def test_the_bore_of_a_cam_is_the_motions(
     built: Callable[..., Path], tmp_path: Path, kind: str

@@ -71,6 +71,7 @@ def test_a_sound_pair_turns_evenly_within_its_arcs(sound: Path) -> None:
     assert found.limit == pytest.approx(4 * 0.001, rel=1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("by", [-0.02, 0.02])
 def test_a_flank_that_is_off_is_seen_as_much_and_named(
     sound: Path, tmp_path: Path, by: float
@@ -82,6 +83,7 @@ def test_a_flank_that_is_off_is_seen_as_much_and_named(
     assert "unlike the others is at 30.0 deg of gear-pair-crank" in found.message
 
 
+@pytest.mark.long
 def test_teeth_beside_the_bore_s_middle_are_told(sound: Path, tmp_path: Path) -> None:
     """By 10 um: twice that from peak to peak, along a normal that leans by the pressure angle."""
     found = damaged(sound, tmp_path, lambda points: points + 0.01)
@@ -97,6 +99,7 @@ def test_a_tooth_that_fills_its_gap_jams(sound: Path, tmp_path: Path) -> None:
     assert "unlike the others is at 30.0 deg of gear-pair-crank" in found.message
 
 
+@pytest.mark.long
 def test_a_tooth_that_is_missing_is_named(sound: Path, tmp_path: Path) -> None:
     """Its neighbours carry on, and the wheels fall back between them."""
 
@@ -110,6 +113,7 @@ def test_a_tooth_that_is_missing_is_named(sound: Path, tmp_path: Path) -> None:
     assert "unlike the others is at 50.0 deg of gear-pair-crank" in found.message
 
 
+@pytest.mark.long
 def test_facets_of_a_sound_pair_fit(tmp_path: Path) -> None:
     """Facets lie inside by as much as they may on all four flanks: play grows, and the fit holds."""
     gear = {"a": "crank", "b": "drum", "ratio": "-12/30", "name": "pair"}
@@ -124,12 +128,14 @@ def ring(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return drawn(INNER, tmp_path_factory.mktemp("inner"))
 
 
+@pytest.mark.long
 def test_a_sound_ring_turns_evenly_within_its_arcs(ring: Path) -> None:
     found = meshing(ring)
     assert found.ok and 0 < found.measured < found.limit
     assert found.limit == pytest.approx(4 * 0.001, rel=1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("by", [-0.02, 0.02])
 def test_a_ring_s_flank_that_is_off_is_seen_and_named(
     ring: Path, tmp_path: Path, by: float
@@ -142,6 +148,7 @@ def test_a_ring_s_flank_that_is_off_is_seen_and_named(
     assert "unlike the others is at 35.0 deg of gear-pair-drum" in found.message
 
 
+@pytest.mark.long
 def test_a_ring_beside_its_axis_is_told(ring: Path, tmp_path: Path) -> None:
     """By 10 um: twice that from peak to peak."""
     found = damaged(ring, tmp_path, lambda points: points + 0.01j, RING)
@@ -149,6 +156,7 @@ def test_a_ring_beside_its_axis_is_told(ring: Path, tmp_path: Path) -> None:
     assert "the teeth of each wheel are alike" in found.message
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("wheel", "at"), [(PINION, "30.0"), (RING, "55.0")])
 def test_a_tooth_that_is_missing_in_a_ring_is_named(
     ring: Path, tmp_path: Path, wheel: str, at: str

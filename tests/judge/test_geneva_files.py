@@ -43,6 +43,7 @@ def test_a_sound_drive_moves_as_its_closed_form(sound: Path) -> None:
     assert found["MOTION_ERROR"].measured < 1e-3
 
 
+@pytest.mark.long
 def test_a_slot_too_wide_is_told_by_its_air_and_named(sound: Path, tmp_path: Path) -> None:
     """Both walls of one slot by 10 um each: each body answers for half of the 20."""
 
@@ -59,6 +60,7 @@ def test_a_slot_too_wide_is_told_by_its_air_and_named(sound: Path, tmp_path: Pat
     assert gap.where.joint == "geneva" and "roller-geneva and geneva-geneva" in gap.message
 
 
+@pytest.mark.long
 def test_a_roller_too_thin_is_told_by_its_air_and_named(sound: Path, tmp_path: Path) -> None:
     """By 20 um in diameter: the crank's edges and the wheel's each answer for half."""
     shutil.copytree(sound, tmp_path / "table")
@@ -72,6 +74,7 @@ def test_a_roller_too_thin_is_told_by_its_air_and_named(sound: Path, tmp_path: P
     assert "roller-geneva" in gap.message
 
 
+@pytest.mark.long
 def test_a_wheel_that_is_turned_is_off_by_as_much(sound: Path, tmp_path: Path) -> None:
     by = math.radians(0.02)
     found = damaged(sound, tmp_path, WHEEL, lambda points: points * np.exp(1j * by))
@@ -79,6 +82,7 @@ def test_a_wheel_that_is_turned_is_off_by_as_much(sound: Path, tmp_path: Path) -
     assert found["MOTION_ERROR"].measured == pytest.approx(0.02, rel=0.01)
 
 
+@pytest.mark.long
 def test_a_lock_too_large_jams_and_is_named(sound: Path, tmp_path: Path) -> None:
     found = damaged(sound, tmp_path, LOCK, lambda points: points * 1.01)
     assert not found["CONTACT"].ok and found["CONTACT"].measured < 90

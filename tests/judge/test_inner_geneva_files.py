@@ -50,6 +50,7 @@ def test_a_sound_drive_moves_as_its_closed_form(sound: Path) -> None:
     assert found["MOTION_ERROR"].measured < 1e-3
 
 
+@pytest.mark.long
 def test_a_roller_too_thin_is_told_by_its_air_and_named(sound: Path, tmp_path: Path) -> None:
     """By 20 um in diameter: the crank's edges and the wheel's each answer for half."""
     shutil.copytree(sound, tmp_path / "ring")
@@ -63,6 +64,7 @@ def test_a_roller_too_thin_is_told_by_its_air_and_named(sound: Path, tmp_path: P
     assert "roller-geneva" in gap.message
 
 
+@pytest.mark.long
 def test_a_slot_too_wide_is_told_by_its_air_and_named(sound: Path, tmp_path: Path) -> None:
     """Both walls of one slot by 10 um each."""
 
@@ -77,6 +79,7 @@ def test_a_slot_too_wide_is_told_by_its_air_and_named(sound: Path, tmp_path: Pat
     assert "roller-geneva and geneva-geneva" in gap.message
 
 
+@pytest.mark.long
 def test_a_crescent_too_small_holds_the_wheel_less(sound: Path, tmp_path: Path) -> None:
     """By 20 um in radius where it holds the wheel, and named."""
 
@@ -90,6 +93,7 @@ def test_a_crescent_too_small_holds_the_wheel_less(sound: Path, tmp_path: Path) 
     assert "lock-geneva and geneva-geneva" in gap.message
 
 
+@pytest.mark.long
 def test_a_wheel_that_is_turned_is_off_by_as_much(sound: Path, tmp_path: Path) -> None:
     by = math.radians(0.02)
     found = damaged(sound, tmp_path, WHEEL, lambda points: points * np.exp(1j * by))
@@ -97,6 +101,7 @@ def test_a_wheel_that_is_turned_is_off_by_as_much(sound: Path, tmp_path: Path) -
     assert found["MOTION_ERROR"].measured == pytest.approx(0.02, rel=0.01)
 
 
+@pytest.mark.long
 def test_a_crescent_too_large_jams_and_is_named(sound: Path, tmp_path: Path) -> None:
     found = damaged(sound, tmp_path, LOCK, lambda points: points * 1.01)
     assert not found["CONTACT"].ok and found["CONTACT"].measured < 90

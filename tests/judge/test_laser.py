@@ -135,6 +135,7 @@ def test_a_beam_stays_away_from_a_corner_by_what_its_disc_leaves(count):
     assert _round_corner(corners[::-1], 0.1) == 0
 
 
+@pytest.mark.long
 def test_damage_is_told(tmp_path):
     files, laid, meant, _ = written(tmp_path, plate())
     dxf, svg = files
@@ -364,6 +365,7 @@ def test_a_linkage_of_sheet_moves_as_asked(tmp_path, root):
         judged(again.folder, "dxf")
 
 
+@pytest.mark.long
 def test_what_cannot_be_cut_is_refused_before_anything_is_written(tmp_path, root):
     spec = root / "specs" / "linkage.toml"
     with pytest.raises(
@@ -434,6 +436,7 @@ def test_a_sheet_that_says_more_than_camgen_wrote_is_not_shown(tmp_path):
         sheet_picture(path)
 
 
+@pytest.mark.long
 def test_a_build_shows_what_it_cuts(tmp_path):
     settings = ["parts.hub_height=0", "laser.thickness=6", "parts.thickness=6"]
     spec = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"

@@ -191,6 +191,7 @@ def test_stl(folder: Path, part: str, change: Change, codes: set[str]) -> None:
     assert failing(folder, "stl") == {(code, "stl") for code in codes}
 
 
+@pytest.mark.long
 def test_stl_with_a_shifted_guide(folder: Path) -> None:
     """Both rails 50 um aside: the pins fit, the slider runs beside the shaft's line."""
     edit_stl(folder, "ground", lambda z, h: np.where(rails(z, h), z + 0.05j, z))
@@ -224,6 +225,7 @@ def lost(drawing: ezdxf.document.Drawing) -> None:
     drawing.modelspace().delete_entity(circle_of(drawing, 1.6))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("part", "edit", "codes"),
     [
@@ -294,6 +296,7 @@ def test_a_roller_on_the_eccentric_moves_as_the_four_bar(
     assert np.max(np.abs(rolled - four_bar(diameter / 2 + tip + 1e-3)[0]) * lever) > 5e-4
 
 
+@pytest.mark.long
 def test_a_tight_hole_is_not_mended_by_a_wide_one(folder: Path) -> None:
     """The disc's bore 0.2 mm wider and the collar's seat 0.2 mm narrower: the sum of both plays is as meant."""
     for part, radius, by in (("disc", 1.0, 0.1), ("ground", 3.0, -0.1)):
@@ -304,6 +307,7 @@ def test_a_tight_hole_is_not_mended_by_a_wide_one(folder: Path) -> None:
     assert ("PIN_GAP", "dxf") in failing(folder, "dxf")
 
 
+@pytest.mark.long
 def test_a_shaft_hole_that_is_no_joint_stays_in_its_place(
     built: Callable[..., Path], tmp_path: Path
 ) -> None:

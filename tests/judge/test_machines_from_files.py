@@ -382,6 +382,7 @@ def test_a_damaged_cam_machine(kind: str, damage: dict[str, object], tmp_path: P
     assert verdict.numbers[f"motion_error_{kind}_mm"] > 0.005
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_follower_that_misses_its_cam_is_told(kind: str, tmp_path: Path) -> None:
     """A disc so small that the arm's tip, never nearer to the shaft than 5 mm, loses it."""

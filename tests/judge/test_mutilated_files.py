@@ -47,6 +47,7 @@ def test_sound_gears_go_by_their_law(sound: Path) -> None:
     assert found["PIN_GAP"].measured < 1.5e-3
 
 
+@pytest.mark.long
 def test_a_rim_that_is_too_small_is_told_by_its_play(sound: Path, tmp_path: Path) -> None:
     """By 50 um all along: the wheel has as much more on both sides while it stands, half of it for each wheel."""
 
@@ -61,6 +62,7 @@ def test_a_rim_that_is_too_small_is_told_by_its_play(sound: Path, tmp_path: Path
     assert "wheel-mesh-crank and wheel-mesh-wheel" in gap.message
 
 
+@pytest.mark.long
 def test_a_rim_that_is_too_large_jams(sound: Path, tmp_path: Path) -> None:
     def larger(points: Points) -> Points:
         rim = np.abs(np.abs(points) - PAIR.lock) < 1e-3
@@ -69,6 +71,7 @@ def test_a_rim_that_is_too_large_jams(sound: Path, tmp_path: Path) -> None:
     assert not damaged(sound, tmp_path, DRIVER, larger)["CONTACT"].ok
 
 
+@pytest.mark.long
 def test_a_tooth_that_is_left_out_is_told(sound: Path, tmp_path: Path) -> None:
     """The middle one of the driver's five."""
     middle = math.pi  # the drive is opposite to the middle of a rest
@@ -83,6 +86,7 @@ def test_a_tooth_that_is_left_out_is_told(sound: Path, tmp_path: Path) -> None:
     assert not found["PIN_GAP"].ok and found["PIN_GAP"].measured > 10 * found["PIN_GAP"].limit
 
 
+@pytest.mark.long
 def test_a_last_tooth_that_is_too_low_leaves_the_wheel_short_of_its_station(
     sound: Path, tmp_path: Path
 ) -> None:
@@ -104,6 +108,7 @@ def test_a_last_tooth_that_is_too_low_leaves_the_wheel_short_of_its_station(
     assert not gap.ok and gap.measured > 0.05
 
 
+@pytest.mark.long
 def test_a_wheel_that_is_turned_is_off_by_as_much(sound: Path, tmp_path: Path) -> None:
     found = damaged(sound, tmp_path, WHEEL, lambda z: z * np.exp(1j * math.radians(0.05)))
     assert not found["MOTION_ERROR"].ok

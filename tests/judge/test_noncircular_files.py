@@ -50,6 +50,7 @@ def test_a_sound_pair_turns_by_its_law(sound: Path) -> None:
     assert found["PIN_GAP"].measured < 5e-4
 
 
+@pytest.mark.long
 def test_a_flank_that_stands_out_is_told_by_its_play(sound: Path, tmp_path: Path) -> None:
     """By 20 um across Ox: each wheel answers for half of 20 um cos 20 deg."""
 
@@ -65,6 +66,7 @@ def test_a_flank_that_stands_out_is_told_by_its_play(sound: Path, tmp_path: Path
     assert "wheel-mesh-crank and wheel-mesh-wheel" in gap.message
 
 
+@pytest.mark.long
 def test_a_missing_tooth_is_told_by_its_play(sound: Path, tmp_path: Path) -> None:
     def without(points: Points) -> Points:
         tooth = np.abs(np.angle(points)) < NEAR
@@ -76,6 +78,7 @@ def test_a_missing_tooth_is_told_by_its_play(sound: Path, tmp_path: Path) -> Non
     assert "wheel-mesh-crank and wheel-mesh-wheel" in gap.message
 
 
+@pytest.mark.long
 def test_a_wheel_off_its_centre_is_told_by_its_play(sound: Path, tmp_path: Path) -> None:
     """By 10 um: where it stands away from its mate both flanks have 2 sin 20 deg of that more, half of it for each wheel."""
     found = damaged(sound, tmp_path, DRIVEN, lambda points: points + 0.01)
@@ -84,6 +87,7 @@ def test_a_wheel_off_its_centre_is_told_by_its_play(sound: Path, tmp_path: Path)
     assert gap.measured == pytest.approx(0.01 * math.sin(math.radians(20)), rel=0.15)
 
 
+@pytest.mark.long
 def test_a_wheel_that_is_turned_is_off_by_as_much(sound: Path, tmp_path: Path) -> None:
     by = math.radians(0.02)
     found = damaged(sound, tmp_path, DRIVEN, lambda points: points * np.exp(1j * by))
@@ -91,6 +95,7 @@ def test_a_wheel_that_is_turned_is_off_by_as_much(sound: Path, tmp_path: Path) -
     assert found["MOTION_ERROR"].measured == pytest.approx(0.02, abs=ARCS)
 
 
+@pytest.mark.long
 def test_wheels_that_are_too_large_jam_and_are_named(sound: Path, tmp_path: Path) -> None:
     found = damaged(sound, tmp_path, DRIVEN, lambda points: points * 1.02)
     assert not found["CONTACT"].ok and found["CONTACT"].measured < 90

@@ -216,6 +216,7 @@ def test_long_steps_of_gears_are_proven_by_halving_them_alone(
     assert not coarse.samples.proven[1:].all()
 
 
+@pytest.mark.long
 def test_a_wheel_that_jams_is_free_nowhere_there() -> None:
     motion, _ = meshed(Wheel(2, 12), Wheel(2, 30), -0.5)
     assert not motion.samples.free.any()

@@ -46,6 +46,7 @@ def test_a_sound_one_falls_behind_each_tooth_and_holds(sound: Path) -> None:
     assert found["PAWL_HOLDS"].measured == pytest.approx(math.tan(math.radians(38)), abs=1e-4)
 
 
+@pytest.mark.long
 def test_a_tip_20_um_off_is_refused_with_its_tooth(sound: Path, tmp_path: Path) -> None:
     def lower(points: Points) -> Points:
         return points * (1 - 0.02 / TIP * first_tip(points))
@@ -66,6 +67,7 @@ def _next(points: Points, change: Callable[[Points], Points]) -> Points:
     return change(points * back) / back
 
 
+@pytest.mark.long
 def test_a_burr_of_50_um_on_a_tip_is_refused(sound: Path, tmp_path: Path) -> None:
     found = damaged(
         sound, tmp_path, WHEEL, lambda points: points * (1 + 0.05 / TIP * first_tip(points))
@@ -75,6 +77,7 @@ def test_a_burr_of_50_um_on_a_tip_is_refused(sound: Path, tmp_path: Path) -> Non
     assert "there they overlap at tooth" in error.message
 
 
+@pytest.mark.long
 def test_a_missing_tooth_is_missed(sound: Path, tmp_path: Path) -> None:
     found = damaged(
         sound,
@@ -89,6 +92,7 @@ def test_a_missing_tooth_is_missed(sound: Path, tmp_path: Path) -> None:
     assert f"apart at tooth {tooth}" in found["MOTION_ERROR"].message
 
 
+@pytest.mark.long
 def test_a_pawl_50_um_shorter_is_off_at_all_teeth(sound: Path, tmp_path: Path) -> None:
     def shorter(points: Points) -> Points:
         end = np.abs(points) > 15
@@ -99,6 +103,7 @@ def test_a_pawl_50_um_shorter_is_off_at_all_teeth(sound: Path, tmp_path: Path) -
     assert "all others: the pawl is off" in error.message and "pawl-stop" in error.message
 
 
+@pytest.mark.long
 def test_a_face_that_leans_the_wrong_way_does_not_hold(sound: Path, tmp_path: Path) -> None:
     """Its tip 2.6 mm ahead of its root: it throws the pawl out, and only the tooth behind it locks."""
 
@@ -110,6 +115,7 @@ def test_a_face_that_leans_the_wrong_way_does_not_hold(sound: Path, tmp_path: Pa
     assert "does not hold the pawl" in holds.message
 
 
+@pytest.mark.long
 def test_a_wheel_that_turns_clockwise_is_the_mirror_image(
     sound: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:

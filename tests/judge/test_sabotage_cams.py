@@ -256,6 +256,7 @@ def test_limits(copy: Copy, kind: str, key: str, value: object, code: str, files
     assert failing(folder) == {(code, file) for file in files}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("kind", "limits"),
     [
@@ -296,6 +297,7 @@ def limit(folder: Path, key: str, value: object) -> None:
     spec.write_text(text)
 
 
+@pytest.mark.long
 def test_an_undercut_in_the_file(copy: Copy) -> None:
     """The design's undercut, and what each file loses by it."""
     folder = copy("undercut")

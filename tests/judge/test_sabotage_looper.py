@@ -78,6 +78,7 @@ def test_a_sound_build_passes(folder: Path) -> None:
 SPREADERS = ("lower-spreader", "upper-spreader")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name, by", [("lower-spreader", -0.05), ("upper-spreader", 0.05)])
 def test_a_nose_of_another_length_is_found(name: str, by: float, folder: Path) -> None:
     """Only what is before the seat is stretched: no needle is near it."""
@@ -91,6 +92,7 @@ def test_a_nose_of_another_length_is_found(name: str, by: float, folder: Path) -
     assert failing(folder, "stl") == {("ROUND_TRIP", f"x-{name}.stl")}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("by", [-0.02, 0.02])
 def test_a_nose_nearer_to_the_needles_is_found(by: float, folder: Path) -> None:
     """The flat wall of the nose, moved across: no upright section half way up shows it."""
@@ -110,6 +112,7 @@ def _middle(folder: Path) -> float:
     return float(mechanism.bodies.upper.layers[0].z1)  # type: ignore[attr-defined]
 
 
+@pytest.mark.long
 def test_sharp_edges_instead_of_round_ones_are_found(folder: Path) -> None:
     sharp = pipeline.read_mechanism(SPEC, (*SETTINGS, "parts.edge_radius=0.05")).resolved()
     part = next(part for part in sharp.assembly.parts if part.name == "upper-spreader")
@@ -119,12 +122,14 @@ def test_sharp_edges_instead_of_round_ones_are_found(folder: Path) -> None:
     assert failing(folder, "stl") == {("ROUND_TRIP", "x-upper-spreader.stl")}
 
 
+@pytest.mark.long
 def test_twins_swapped_are_found(folder: Path) -> None:
     one, two = (folder / f"x-{name}.stl" for name in SPREADERS)
     one.rename(folder / "kept"), two.rename(one), (folder / "kept").rename(two)
     assert {code for code, _ in failing(folder, "stl")} == {"ROUND_TRIP", "CLEARANCE"}
 
 
+@pytest.mark.long
 def test_a_hole_in_the_mesh_is_found(folder: Path) -> None:
     path = folder / "x-upper-spreader.stl"
     data = path.read_bytes()
@@ -133,6 +138,7 @@ def test_a_hole_in_the_mesh_is_found(folder: Path) -> None:
     assert codes == {"WATERTIGHT"}
 
 
+@pytest.mark.long
 def test_a_thicker_shank_is_found_by_its_volume(folder: Path) -> None:
     def thicker(c: np.ndarray) -> np.ndarray:
         c[..., 2] = np.where(c[..., 2] > 5.5, c[..., 2] + 0.3, c[..., 2])
@@ -142,6 +148,7 @@ def test_a_thicker_shank_is_found_by_its_volume(folder: Path) -> None:
     assert ("VOLUME", "x-upper-spreader.stl") in failing(folder, "stl")
 
 
+@pytest.mark.long
 def test_a_thin_wall_round_the_clamp_hole_is_found(folder: Path) -> None:
     mechanism = mechanism_of(folder)
     hole = complex(mechanism.bodies.upper.centres[0])  # type: ignore[attr-defined]
@@ -160,6 +167,7 @@ def test_a_thin_wall_round_the_clamp_hole_is_found(folder: Path) -> None:
     } <= failing(folder, "stl")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("by", "found"), [(1.48, False), (1.52, True)])
 def test_a_front_that_reaches_a_needle_strikes(by: float, found: bool, folder: Path) -> None:
     """P6 stands 1.5 mm along the stroke behind the needle's way: moved by less it is a wrong part that still clears."""
@@ -176,6 +184,7 @@ def test_a_front_that_reaches_a_needle_strikes(by: float, found: bool, folder: P
     assert (("CLEARANCE", "N2/P2") in failing(folder, "stl")) is found
 
 
+@pytest.mark.long
 def test_a_drawing_out_of_shape_is_found(folder: Path) -> None:
     path = folder / "x-side-outline.dxf"
     drawing = ezdxf.readfile(path)
@@ -187,6 +196,7 @@ def test_a_drawing_out_of_shape_is_found(folder: Path) -> None:
     assert failing(folder, "dxf") == {("ROUND_TRIP", "x-side-outline.dxf")}
 
 
+@pytest.mark.long
 def test_an_open_drawing_and_inches_are_found(folder: Path) -> None:
     for name, change in (("side-outline", "open"), ("top-outline", "inches")):
         path = folder / f"x-{name}.dxf"
@@ -202,6 +212,7 @@ def test_an_open_drawing_and_inches_are_found(folder: Path) -> None:
     }
 
 
+@pytest.mark.long
 def test_a_file_that_breaks_off_is_told(folder: Path) -> None:
     path = folder / "x-needle-1.stl"
     path.write_bytes(path.read_bytes()[:-1000])

@@ -72,12 +72,14 @@ def test_a_shoe_moves_as_the_program_says(sound: Path) -> None:
     assert error.measured < 0.003  # deg: 2 um on an arm of 40 mm
 
 
+@pytest.mark.long
 def test_the_resolved_spec_needs_no_drawing(sound: Path) -> None:
     text = (sound / "spec.toml").read_text(encoding="utf-8")
     assert 'drawn_in = "finger.dxf"' in text
     assert "contours" in text
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("file", ["finger-cam.dxf", "finger-shoe.dxf"])
 def test_a_bump_of_20_um_is_told(sound: Path, tmp_path: Path, file: str) -> None:
     shutil.copytree(sound, tmp_path / "finger")
@@ -88,6 +90,7 @@ def test_a_bump_of_20_um_is_told(sound: Path, tmp_path: Path, file: str) -> None
     assert 0.01 < found.measured < 0.05
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("changed", "key"),
     [
@@ -103,11 +106,13 @@ def test_what_an_outline_has_no_use_for_is_a_fault(spec: Path, changed: str, key
     assert key in str(refused.value)
 
 
+@pytest.mark.long
 def test_a_shape_without_its_drawing_is_a_fault(spec: Path) -> None:
     with pytest.raises(SpecError, match="geometry.follower.outline"):
         read_mechanism(spec, ["geometry.follower.outline=", "geometry.follower.shape=outline"])
 
 
+@pytest.mark.long
 def test_the_smallest_cam_for_a_finger_keeps_to_the_limits(spec: Path) -> None:
     """The next smaller one does not, unless its shaft needs the room."""
     smallest = read_mechanism(spec, ["geometry.base_radius="])

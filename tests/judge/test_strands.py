@@ -140,6 +140,7 @@ def test_only_what_is_in_its_heights_counts_sideways(tmp_path: Path) -> None:
     assert clear.measured == pytest.approx(7 - 2 - 1.5, abs=2 * FINE) and clear.ok
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("centre, start", [(0j, 0.0), (0j, 0.7), (5 - 3j, -2.0)])
 def test_the_nearest_is_told_with_its_angle(tmp_path: Path, centre: complex, start: float) -> None:
     """A block that goes round 20 mm from its axle, past a thread 26 mm from that: a corner of it comes nearest, turned to it."""

@@ -495,6 +495,7 @@ def test_a_file_changed_by_someone_else_is_not_overwritten_and_nothing_is_lost(
     assert (tmp_path / "bar.toml").read_text(encoding="utf-8") == mine
 
 
+@pytest.mark.long
 def test_a_build_of_what_is_drawn(tmp_path: Path) -> None:
     drawn = board(tmp_path)
     page = client(drawn)
@@ -525,6 +526,7 @@ def test_the_gallery_has_pictures_of_linkages_that_stand_alone() -> None:
     assert card.count("<polyline") == 4 and "Hoeken" in card and "nan" not in card
 
 
+@pytest.mark.long
 def test_no_tile_of_the_gallery_is_empty_and_its_pictures_are_served(tmp_path: Path) -> None:
     """A linkage without rods, such as two wheels, has the gallery's own picture."""
     texts = {n: starters.text(n) for n in starters.examples()}

@@ -243,6 +243,7 @@ def test_a_spec_changed_by_someone_else_is_not_overwritten(page: TestClient, spe
     ).endswith("# mine\n")
 
 
+@pytest.mark.long
 def test_a_full_build_is_made_and_served(page: TestClient, spec: Path, tmp_path: Path) -> None:
     assert page.get("/out/report.html").status_code == 404
     built = asked(page, "/build", geometry__base_radius="26")
@@ -377,6 +378,7 @@ def test_files_that_are_none_of_a_spec_are_not_looked_at(spec: Path) -> None:
     assert live.states_of(files_of(spec)) == before and set(before) == {spec}
 
 
+@pytest.mark.long
 def test_a_file_that_the_spec_names_sets_off_a_build_and_no_other_one(tmp_path: Path) -> None:
     """The table of an included spec's law, which comes later, and a file beside it that nothing names."""
     (spec := tmp_path / "whole.toml").write_text(

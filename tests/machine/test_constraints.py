@@ -72,6 +72,7 @@ def test_a_ring_of_slides_by_both_routes() -> None:
     )
 
 
+@pytest.mark.long
 @settings(max_examples=25, deadline=None)
 @given(closing_four_bars(), st.sampled_from([1, -1]))
 def test_random_four_bars_by_both_routes(lengths: tuple[float, ...], branch: int) -> None:

@@ -155,6 +155,7 @@ def test_records_travel() -> None:
         )
 
 
+@pytest.mark.long
 def test_judged_and_made_outputs_agree() -> None:
     theta = np.linspace(0.1, 3.8, 30)
     for name, make in CHAINS.items():

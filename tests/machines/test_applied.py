@@ -228,6 +228,7 @@ def test_a_machine_that_locks_is_told() -> None:
         )
 
 
+@pytest.mark.long
 def test_a_machine_that_locks_says_which_friction_it_bears() -> None:
     held = {"output": "ram", "value": -20.0, "acts": "along"}
 

@@ -118,6 +118,7 @@ def test_the_table_of_an_indexing_cam_turns_by_half_and_rests(tmp_path: Path) ->
     assert np.max(np.abs(link - link[0] + 6 * (swing - swing[0]))) < 1e-3
 
 
+@pytest.mark.long
 def test_gears_that_cannot_be_and_a_follower_that_no_spring_holds_are_told() -> None:
     data = read(SPECS / "indexing-cam.toml")
     data["parts"]["make"] = "printed"
@@ -354,6 +355,7 @@ def test_a_motor_that_does_not_fit_is_told(sizes: dict[str, Any], said: str) -> 
         drive(parts=sizes)
 
 
+@pytest.mark.long
 def test_the_report_names_the_spring(sound: Path) -> None:
     report = json.loads((sound / "report.json").read_text(encoding="utf-8"))
     assert report["numbers"]["least_contact_force_n"] > 0

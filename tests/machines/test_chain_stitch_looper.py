@@ -479,6 +479,7 @@ def test_timing_tolerance_is_where_the_files_strike(
     assert told >= 2
 
 
+@pytest.mark.long
 def test_timing_tolerance_is_where_a_loop_is_missed() -> None:
     numbers = starter({}).study().numbers
     lead = numbers["designed_lead_to_missed_loop_deg"]
@@ -590,6 +591,7 @@ def test_search_gives_a_spec_that_builds_and_clears(tmp_path: Path) -> None:
     assert again.design.spreader_stroke <= 40
 
 
+@pytest.mark.long
 def test_search_needs_no_table() -> None:
     plain, asked = machine().designed(), machine({"wanted.spreader_stroke": 40}).designed()
     assert plain.geometry == asked.geometry and plain.wanted is None
@@ -635,6 +637,7 @@ def test_search_is_for_laws_in_step() -> None:
         machine({"wanted.nose_length": 16, "timing.lag_deg": 3}).designed()
 
 
+@pytest.mark.long
 def test_spreaders_lie_on_their_undersides(tmp_path: Path) -> None:
     """173 mm^2 on the bed: the shank's 22 x 6 mm and more; as drawn 49 carry it and 119 overhang."""
     changes = [

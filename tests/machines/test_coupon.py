@@ -214,6 +214,7 @@ def test_sizes_above_their_table_are_told_where_they_belong() -> None:
         coupon(measured={"pin 3": 3.1, "disc": 40.1})
 
 
+@pytest.mark.long
 def test_it_is_built_and_proven_like_any_part(tmp_path: Path) -> None:
     spec = tmp_path / "mine.toml"
     sizes = printed_by(coupon(), 0.003, 0.14, 0.09, 0.01)

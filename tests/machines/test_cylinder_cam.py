@@ -219,6 +219,7 @@ def test_a_development_touches_the_roller_all_the_way(
     assert [each.ok for each in judge_developments(other)] == [False]
 
 
+@pytest.mark.long
 def test_a_smaller_cutter_leaves_what_the_reference_says(tmp_path: Path) -> None:
     """With a slide beside the axis a cutter of 3 mm in place of 5 takes 5.4 um too much at the roller's inner end."""
     sizes = {**SIZES, "roller": {"radius": 5.0, "length": 8.0, "end_clearance": 0.001}}

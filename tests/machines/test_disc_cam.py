@@ -172,6 +172,7 @@ def test_the_flat_faced_harmonic_cam_comes_back_as_a_circle(tmp_path: Path, offs
     assert report.numbers["curvature_radius_min_mm"] == pytest.approx(2.5 * INCH, rel=1e-9)
 
 
+@pytest.mark.long
 def test_nortons_roller_cam(norton: Callable[[str], Any]) -> None:
     """Prime radius 1.75094 in, base 1.25094 in, least pitch radius of curvature 1.39411 in; from the STL, too."""
     drive, report, shape = norton("roller")
@@ -204,6 +205,7 @@ def test_nortons_roller_cam(norton: Callable[[str], Any]) -> None:
     assert speeds == pytest.approx([8.000, 100.53], rel=1e-4)  # in/s, in/s^2 at one turn a second
 
 
+@pytest.mark.long
 def test_nortons_flat_faced_cam(norton: Callable[[str], Any]) -> None:
     """Base 1.89263 in for a least radius of curvature of 0.25 in, face width 2.54648 in (8/pi); from the STL, too."""
     drive, report, shape = norton("flat")
@@ -356,6 +358,7 @@ def test_the_nearest_side_by_arithmetic_is_that_of_the_outline(kind: str) -> Non
         )
 
 
+@pytest.mark.long
 def test_it_can_be_shown(tmp_path: Path) -> None:
     """The report's page, drawing and 3MF of two walls; acceleration and the coloured profile are among the plots."""
     report = built(tmp_path, *KINDS["groove"], only=frozenset(pipeline.KINDS))
@@ -391,6 +394,7 @@ def test_the_pins_of_a_groove_are_in_the_list_of_parts(
     assert (pins.size, pins.standard, pins.count) == (size, standard, len(holes) - 1)
 
 
+@pytest.mark.long
 def test_a_groove_whose_inner_wall_is_undercut(tmp_path: Path) -> None:
     """The outer wall is not: there the roller has the clearance, and the undercut besides."""
     segments = [
@@ -552,6 +556,7 @@ def shift_bore(path: Path) -> None:
     drawing.saveas(path)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["offset roller", "flat", "swinging flat", "swinging roller"])
 @pytest.mark.parametrize("damage", [shrink_dxf, shift_bore])
 def test_a_damaged_drawing_moves_wrongly(

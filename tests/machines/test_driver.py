@@ -77,6 +77,7 @@ def test_the_link_moves_as_by_the_even_drive(rpm: float) -> None:
     assert swings[0] == pytest.approx(swings[1])
 
 
+@pytest.mark.long
 def test_cams_become_smaller_and_the_range_wider_at_the_same_acceleration() -> None:
     """What the source says of the uneven drive. The peak acceleration is the law's, 6.1501 by the corrected card, in each row:
     6.1501 * 180 deg / (2/3 s)^2. Sizes and ratios found are those at which specs made of them reach the 45 deg."""
@@ -99,6 +100,7 @@ def test_cams_become_smaller_and_the_range_wider_at_the_same_acceleration() -> N
         assert all(row[k] < even[k] for k in (3, 4, 5, 7, 8))
 
 
+@pytest.mark.long
 def test_torque_on_the_cams_shaft_is_that_of_the_machine() -> None:
     """Power: what the drive of the model gives at its crank, which turns twice as fast, is what the cam's shaft takes."""
     made = design(driver={"offset": 8.0})

@@ -133,6 +133,7 @@ def test_pieces_are_sound_and_no_face_of_them_hangs() -> None:
     assert ((lean < -0.9) & (whole.vertices[whole.faces][:, :, 2].min(axis=1) > 1)).any()
 
 
+@pytest.mark.long
 def test_wrong_pieces_are_seen(tmp_path: Path) -> None:
     made = drum()
     assert failing(verdicts(tmp_path, made)) == set()
@@ -159,6 +160,7 @@ def test_a_ring_that_sits_too_high_or_too_deep_is_seen(way: float, tmp_path: Pat
     assert error == pytest.approx(0.025, abs=TOLERANCE)
 
 
+@pytest.mark.long
 def test_a_thick_core_and_a_seat_that_is_gone_are_seen(tmp_path: Path) -> None:
     def thicker(mesh: Mesh) -> Mesh:
         """The core, as far as it is round, 0.3 mm wider: the ring has 0.1 mm of play on a side."""

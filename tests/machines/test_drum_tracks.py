@@ -102,6 +102,7 @@ def test_a_pin_that_is_off_is_off_in_time(row: Mapping[str, float]) -> None:
     assert 1e3 * machine.study().numbers["release_shift_s"] == pytest.approx(row["ms"], abs=0.01)
 
 
+@pytest.mark.long
 def test_pins_that_come_before_the_tooth_rests_are_refused() -> None:
     """A tooth is free from one release to the next pin, which meets it a hold before its own release."""
     hold = drum().study().numbers["pin_hold_deg"]
@@ -116,6 +117,7 @@ def test_pins_that_come_before_the_tooth_rests_are_refused() -> None:
 # ---- tracks ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_each_follower_rests_on_its_section_where_its_program_wants_it() -> None:
     """A roller as high as the highest of all circles about the section's points lets it, a flat face as the highest point."""
     machine = drum()
@@ -226,6 +228,7 @@ def test_what_a_printer_takes_is_taken_back_before_pins_are_judged(tmp_path: Pat
     assert sum(each.code == "RELEASE_ANGLE" for each in report.findings) == 2
 
 
+@pytest.mark.long
 def test_a_pin_that_hardly_reaches_over_its_tooth_is_seen(tmp_path: Path) -> None:
     report = build(SPEC, tmp_path, frozenset({"stl"}), overrides=["pin.radius=15.202"])
     assert report.ok

@@ -220,6 +220,7 @@ def test_the_papers_disc_has_no_wall() -> None:
     assert design(geometry__eccentric_diameter=6.6).assembly.parts
 
 
+@pytest.mark.long
 @settings(max_examples=30)
 @given(st.floats(0.1, 5), st.floats(0.5, 8), st.floats(0.4, 3))
 def test_the_diameter_that_is_said_to_work_works(
@@ -410,6 +411,7 @@ def test_play_is_judged_by_the_designers_limit(limit: float, tmp_path: Path) -> 
     assert lash.limit == pytest.approx(min(limit, 1.5), abs=1e-6)
 
 
+@pytest.mark.long
 def test_play_as_large_as_the_stroke_fails(tmp_path: Path) -> None:
     report = pipeline.build(
         SPEC,

@@ -63,6 +63,7 @@ def test_standing_indexing_cams_hold_on_shafts_of_steel(name: str) -> None:
     assert all('parts.shaft_made = "steel"' in finding.message for finding in pins)
 
 
+@pytest.mark.long
 def test_the_walker_has_legs_at_both_sides_a_motor_and_batteries() -> None:
     """Eight feet, each with its sole; one motor, whose shaft reaches its web, turns all of them."""
     machine = load(tomllib.loads(starters.text(WALKER)))
@@ -76,6 +77,7 @@ def test_the_walker_has_legs_at_both_sides_a_motor_and_batteries() -> None:
     assert sum(each.count for each in machine.assembly.bought if each.role == "drive") == 1
 
 
+@pytest.mark.long
 def test_the_walkers_plates_stay_off_the_floor() -> None:
     """At each angle the lowest sole of either side reaches at least 5 mm below the lowest edge of all plates."""
     machine = load(tomllib.loads(starters.text(WALKER)))

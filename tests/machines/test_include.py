@@ -63,6 +63,7 @@ def test_machine_joined_moves_as_by_itself(root: Path, name: str) -> None:
         )
 
 
+@pytest.mark.long
 def test_take_up_included_keeps_its_figures(root: Path, tables: dict[str, Any]) -> None:
     """Its numbers and limits are those of its own spec, its parts have its names, and it stands above the host."""
     own = read_mechanism(root / "specs" / "thread-take-up.toml").resolved()
@@ -495,6 +496,7 @@ def test_what_cannot_be_mounted_is_told(
     ] and said in told.value.faults[0].expected
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("at", "z", "said"),
     [
@@ -516,6 +518,7 @@ def test_a_height_at_which_no_frame_can_stand_is_told(
     ).assembly
 
 
+@pytest.mark.long
 def test_a_linkage_on_another_ones_second_plate(root: Path) -> None:
     """Posts pass by the collar that hangs under its frame; where a screw of it meets a pin of the plate, keys move it."""
     starter = read(root / "specs" / "linkage.toml")

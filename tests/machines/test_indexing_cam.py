@@ -210,6 +210,7 @@ def test_what_is_not_balanced_is_left(balance: float) -> None:
     assert numbers["residual_share_percent"] == pytest.approx(100 * abs(1 - balance), rel=1e-5)
 
 
+@pytest.mark.long
 def test_another_speed_leaves_the_difference_of_squares() -> None:
     cam = design(load__friction_n_m=0.0)
     table = next(t for t in cam.study().tables if "other speeds" in t.title)
@@ -347,6 +348,7 @@ def test_files_move_as_asked(built: Callable[..., Path]) -> None:
     )
 
 
+@pytest.mark.long
 def test_swapped_cams_do_not_move_as_asked(built: Callable[..., Path], tmp_path: Path) -> None:
     shutil.copytree(built("indexing-cam"), tmp_path / "indexing-cam")
     one, other = (
@@ -369,6 +371,7 @@ def test_the_resolved_spec_is_the_spec() -> None:
     assert table.rows[0][1] < table.rows[1][1] and table.rows[0][2] > table.rows[1][2]  # type: ignore[operator]
 
 
+@pytest.mark.long
 def test_the_law_for_a_spring_becomes_a_spec() -> None:
     """For the spring of MR-13 and a large weight MR-13 comes back, nearly; with a small one its peak is lower."""
     peaks = []
@@ -451,6 +454,7 @@ def test_a_law_that_runs_backwards_is_refused() -> None:
     assert faults(synthesis={"weights": [1.0]}, unloader={"torque": "none"}) == ["synthesis"]
 
 
+@pytest.mark.long
 def test_a_law_from_a_file(tmp_path: Path) -> None:
     """The cycloidal law as a table beside the spec; the resolved spec holds its points and needs no other file."""
     u = np.linspace(0, 1, 201)

@@ -202,6 +202,7 @@ def test_masses_are_those_of_the_solids_and_torque_makes_the_energy(
     assert np.max(np.abs(forces.drives["drive"][5:-5] - torque)) < 1e-3 * np.max(np.abs(torque))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("part", "near"),
     [("coupler", 60 + 0j), ("rocker", 50 + 0j), ("crank", 20 + 0j), ("ground", 70 + 0j)],
@@ -222,6 +223,7 @@ def test_two_links_swapped_are_found(built: Callable[..., Path], tmp_path: Path)
     assert {"PIN_GAP", "ROUND_TRIP"} <= {finding.code for finding in wrong(folder, "dxf")}
 
 
+@pytest.mark.long
 def test_links_on_one_level_meet(root: Path, tmp_path: Path) -> None:
     report = build(
         root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), ["layers.crank=1"]

@@ -337,6 +337,7 @@ def test_a_face_that_is_touched_at_its_hinge_and_a_face_in_a_groove_are_refused(
         made(tmp_path, cam_ram(shape="knife", radius=None, closure="groove"), "dxf")
 
 
+@pytest.mark.long
 def test_a_face_that_is_off_is_found(tmp_path: Path) -> None:
     folder = made(tmp_path, cam_ram(shape="flat", radius=None), "dxf")
     bent(folder / "own-ram.dxf", 20j, lambda z: z - 0.03j if z.imag < 1 else z)
@@ -373,6 +374,7 @@ def test_a_bar_between_two_rollers_is_refused(tmp_path: Path) -> None:
         made(tmp_path, cam_ram(closure="conjugate"), "dxf")
 
 
+@pytest.mark.long
 def test_steel_dowels_in_place_of_printed_pins(root: Path, tmp_path: Path) -> None:
     """Lengths of ISO 2338: above 8 mm they step by 2."""
     report = build(
@@ -409,6 +411,7 @@ def bent(file: Path, near: complex, change: Callable[[complex], complex]) -> Non
     document.saveas(file)
 
 
+@pytest.mark.long
 def test_a_slot_turned_by_a_fifth_of_a_degree_is_found(tmp_path: Path) -> None:
     folder = made(tmp_path, YOKE, "dxf")
     turn = complex(math.cos(math.radians(0.2)), math.sin(math.radians(0.2)))
@@ -429,6 +432,7 @@ def test_a_wheel_with_turned_teeth_and_a_thin_one_are_found(tmp_path: Path) -> N
     assert "PIN_GAP" in failing(folder)
 
 
+@pytest.mark.long
 def test_a_mirrored_cam_is_found(tmp_path: Path) -> None:
     folder = made(tmp_path, cam_rocker(), "dxf")
     bent(folder / "own-cam-crank_on_rocker.dxf", 100 + 0j, lambda z: z.conjugate())

@@ -167,6 +167,7 @@ def test_a_pin_is_pressed_by_the_load_over_its_lever() -> None:
     )
 
 
+@pytest.mark.long
 def test_an_offset_moves_the_air_from_the_flanks(tmp_path: Path) -> None:
     """The drive holds with the gaps of its own disc, and a disc cut without the offset is told with what it is off at a lobe's top."""
     offset = SPEC | {"cycloid": [ROW | {"output": None, "output_pins": 6, "offset": 0.05}]}
@@ -313,6 +314,7 @@ def test_pins_that_are_10_um_off_are_told(
     assert pin is None or f"pin {pin} at lobe" in track.message
 
 
+@pytest.mark.long
 def test_an_output_pin_that_is_20_um_thin_is_told(folder: Path) -> None:
     """All of them are made from one file; half of that is off on either side."""
     path = folder / "reducer-output-pin-disc.dxf"
@@ -325,6 +327,7 @@ def test_an_output_pin_that_is_20_um_thin_is_told(folder: Path) -> None:
     assert "in its hole" in track.message
 
 
+@pytest.mark.long
 def test_a_pin_that_is_missing_is_told(folder: Path) -> None:
     drawing = ezdxf.readfile(folder / GROUND)
     drawing.modelspace().delete_entity(ring_of(drawing)[2])

@@ -62,6 +62,7 @@ def test_a_dwell_of_the_drive_is_one_of_the_output(four_bar: dict[str, Any]) -> 
     assert not next(f for f in driven(four_bar).limits() if f.code == "DWELL").ok
 
 
+@pytest.mark.long
 def test_a_stepped_crank_from_its_files(four_bar: dict[str, Any], tmp_path: Path) -> None:
     four_bar["drive"]["segment"] = STEPPED
     file = tmp_path / "stepped.toml"

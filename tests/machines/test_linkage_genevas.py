@@ -115,6 +115,7 @@ def test_what_presses_in_an_inner_slot_is_the_wheel_s_inertia_over_its_lever() -
     assert told is not None and float(told[1]) == pytest.approx(force[rate != 0].max(), rel=1e-3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("changes", "words"),
     [

@@ -239,6 +239,7 @@ def arms(pen: np.ndarray) -> dict[str, np.ndarray]:
     return {"left": np.unwrap(np.angle(a - O)), "right": np.unwrap(np.angle(b - C))}
 
 
+@pytest.mark.long
 def test_both_motors_turn_as_two_circles_say(drawn: Linkage) -> None:
     run = drawn.run(THETA)
     wanted = arms(np.asarray(run["pen"]))
@@ -248,6 +249,7 @@ def test_both_motors_turn_as_two_circles_say(drawn: Linkage) -> None:
     assert np.abs(run["pen"][-1] - run["pen"][0]) < 1e-9
 
 
+@pytest.mark.long
 def test_the_pen_is_on_its_line_and_all_of_the_line_is_drawn(drawn: Linkage) -> None:
     import shapely
 
@@ -525,6 +527,7 @@ def test_a_motor_is_screwed_on_as_soon_as_its_plate_is_there() -> None:
     assert "motor" not in [row[1] for row in order_of_assembly(read_mechanism(spec).assembly).rows]
 
 
+@pytest.mark.long
 def test_the_walker_buys_one_motor_by_its_model_and_one_holder() -> None:
     spec = Path(__file__).resolve().parents[2] / "specs" / "gallery" / "walker.toml"
     made = read_mechanism(spec).assembly

@@ -51,6 +51,7 @@ def test_a_shaft_passes_a_disc_of_the_ground() -> None:
     assert made.journals["C"].length == pytest.approx(4)
 
 
+@pytest.mark.long
 def test_without_it_no_crank_can_turn_about_the_other_ones_shaft() -> None:
     with pytest.raises(DesignError, match="cannot pass on any level"):
         _ = validate(Linkage, DRAG).assembly.parts

@@ -24,6 +24,7 @@ def report(tmp_path_factory):
     return camgen.build(laser("linkage"), tmp_path_factory.mktemp("sheets"), only="dxf")
 
 
+@pytest.mark.long
 def test_a_four_bar_of_one_sheet(report):
     """Nothing is left to print: its links, ring and caps lie on the sheet, which is judged as cut."""
     assert report.ok, [finding for finding in report.findings if not finding.ok]
@@ -46,6 +47,7 @@ def test_a_four_bar_of_one_sheet(report):
     assert report.numbers["mass_g"] == report.numbers["print_time_h"] == 0
 
 
+@pytest.mark.long
 def test_the_resolved_spec_says_what_the_sheet_decided(report):
     spec = tomllib.loads((report.folder / "spec.toml").read_text(encoding="utf-8"))
     parts = spec["parts"]
@@ -58,6 +60,7 @@ def test_the_resolved_spec_says_what_the_sheet_decided(report):
     assert camgen.load(spec).making == camgen.load(laser("linkage")).making
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("thickness", [3.0, 5.0])
 def test_all_of_a_walker_is_of_the_sheet(thickness):
     """Rings fill the empty levels, one a level, and dowels reach through all."""

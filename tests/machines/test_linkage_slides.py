@@ -85,6 +85,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "lift"
 
 
+@pytest.mark.long
 def test_its_files_move_as_it_does(built: Path) -> None:
     header = (built / "motion.csv").read_text(encoding="utf-8").splitlines()[0]
     assert header == "theta_mm,tip_deg,tip_deg_dxf,tip_deg_3mf"
@@ -96,6 +97,7 @@ def test_its_files_move_as_it_does(built: Path) -> None:
     assert "linear, 27 mm at 15 mm/s" in (built / "lift-parts.csv").read_text(encoding="utf-8")
 
 
+@pytest.mark.long
 def test_a_damaged_file_is_told_by_its_place_in_mm(built: Path, tmp_path: Path) -> None:
     import shutil
 

@@ -69,6 +69,7 @@ def test_free_length_and_preload_say_the_same(four_bar: dict[str, Any]) -> None:
     assert validate(Linkage, four_bar).sprung[0].forces()[0] == pytest.approx(2.0, abs=1e-9)
 
 
+@pytest.mark.long
 def test_a_machine_with_a_spring_is_built_and_holds(
     four_bar: dict[str, Any], tmp_path: Path
 ) -> None:
@@ -202,6 +203,7 @@ def pecker(post: tuple[float, float] | None) -> Linkage:
     return validate(Linkage, {**PECKER, "cam": [flap, {**peck, "spring": spring}]})
 
 
+@pytest.mark.long
 def test_a_return_spring_that_crosses_the_shaft_is_moved_by_the_key_that_the_message_names() -> (
     None
 ):

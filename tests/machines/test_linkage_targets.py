@@ -89,6 +89,7 @@ def test_hoekens_line_is_nearly_straight_over_half_a_turn() -> None:
     assert straight.ok and not curved.ok and curved.measured > 5
 
 
+@pytest.mark.long
 def test_targets_from_files_and_their_damage(root: Path, tmp_path: Path) -> None:
     """The swing's 47.7 deg follow from the lengths; the rocker's hole 0.3 mm nearer makes it wider."""
     from tests.machines.test_linkage import shifted_hole

@@ -97,6 +97,7 @@ def test_a_post_that_is_off_is_found_at_the_length(folder: Path) -> None:
     assert {(f.code, f.where.output) for f in wrong(folder, "dxf")} == {("MOTION_ERROR", "feed")}
 
 
+@pytest.mark.long
 def test_plain_posts_hold_no_thread(tmp_path: Path) -> None:
     """It may slip down to the heads of the pins, too."""
     tables = {**BAR, "parts": {"thread_posts": {"groove": 0, "diameters": {"P": 3}}}}

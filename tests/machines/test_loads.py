@@ -151,6 +151,7 @@ def test_a_hand_turns_a_crank() -> None:
     assert not fast.ok and fast.limit == 0
 
 
+@pytest.mark.long
 def test_drive_torque_holds_and_fails() -> None:
     needed = numbers("uniform-swing", *MOVED)["drive_torque_n_m"]
     for share, ok in ((1.01, True), (0.99, False)):
@@ -344,6 +345,7 @@ def test_pins_of_the_needle_machine_by_hand() -> None:
     assert 0.9 < bent <= 1  # MPa, of a pin that is no thicker than it has to be
 
 
+@pytest.mark.long
 def test_a_printed_pin_is_not_taken_for_steel_in_silence() -> None:
     """The stitch head's crank shaft is turned of steel; printed it holds by the spec's word alone; other pins bear enough."""
     assert not judged("stitch-head").warnings
@@ -577,6 +579,7 @@ def test_weight_of_a_follower_presses_or_lifts(deg: float | None, pull: float) -
     assert study.numbers["peak_torque_n_m"] == pytest.approx(np.max(np.abs(torque)), rel=1e-3)
 
 
+@pytest.mark.long
 def test_a_spring_of_the_bench_bears_the_weight() -> None:
     """1.5 times what lifts, 2 * 9.81 + 2 N; inwards weight helps and the least spring is enough."""
     asked = ("load.mass_kg=2", "load.resistance=2", "motor.speed_rpm=10", "parts.make='printed'")

@@ -271,6 +271,7 @@ def test_its_files_are_judged_alike(spec: Tables, tmp_path: Path) -> None:
     assert {"SPEED_RIPPLE", "MOTION_ERROR"} <= {row[0] for row in found[0]}
 
 
+@pytest.mark.long
 def test_an_undercut_that_is_accepted_is_accepted_by_both(tmp_path: Path) -> None:
     """The files give what the undercut leaves of the motion, and are held to that: a face on the corner of a cam."""
     spec = disc_spec({**FLAT, "face_width": 45.0}, base=7.5, lift=20)

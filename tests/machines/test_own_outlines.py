@@ -146,6 +146,7 @@ def test_an_outline_beside_its_holes_says_what_may_be_wrong(here: Path) -> None:
     assert "y points up" in str(refused.value)
 
 
+@pytest.mark.long
 def test_levels_give_way_to_what_the_outline_sweeps(here: Path) -> None:
     band = camgen.load(spec() | {"parts": {}, "layers": {"crank": 1, "rocker": 1}})
     assert band.assembly.parts

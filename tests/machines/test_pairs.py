@@ -45,6 +45,7 @@ def test_air_is_play_of_twice_its_size(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.long
 def test_preload_is_no_play_and_no_fault(tmp_path: Path) -> None:
     """Of a roller straight above its shaft the pressure angle is 0 in the dwells: there both tips give way by 0.05 mm each."""
     report = made(tmp_path, *PAIR, "geometry.tip_clearance=-0.05")

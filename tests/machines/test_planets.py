@@ -219,6 +219,7 @@ def test_the_set_closes_on_its_files_with_a_carrier_that_moves(sound: Path) -> N
     assert 0.3 < findings["LASH"].measured < 0.7
 
 
+@pytest.mark.long
 def test_a_planet_s_flank_that_is_off_shows_in_both_meshes(sound: Path, tmp_path: Path) -> None:
     """By 20 um of tooth 4, whose middle is at 80 deg of the part: against the sun and in the ring."""
 
@@ -234,6 +235,7 @@ def test_a_planet_s_flank_that_is_off_shows_in_both_meshes(sound: Path, tmp_path
     assert meshes and all("is at 80.0 deg of gear-planet" in each.message for each in meshes)
 
 
+@pytest.mark.long
 def test_a_ring_beside_the_axis_is_told(sound: Path, tmp_path: Path) -> None:
     failed = damaged(sound, tmp_path, "gear-planet-ring", lambda points: points + 0.01)
     (mesh,) = [each for each in failed if each.code == "GEAR_MESH"]
@@ -241,6 +243,7 @@ def test_a_ring_beside_the_axis_is_told(sound: Path, tmp_path: Path) -> None:
     assert mesh.measured == pytest.approx(0.02, rel=0.25)
 
 
+@pytest.mark.long
 def test_a_tooth_of_the_sun_that_is_missing_is_named(sound: Path, tmp_path: Path) -> None:
     def broken(points: Points) -> Points:
         radius = np.abs(points)

@@ -287,6 +287,7 @@ def test_a_wheel_out_of_place_is_found(
     assert (pair in failed) if pair else not failed
 
 
+@pytest.mark.long
 def test_files_of_cams_alone(tmp_path: Path) -> None:
     """What the outlines give, as figures; a cam for another swing is found."""
     path = SPECS / "indexing-cam.toml"

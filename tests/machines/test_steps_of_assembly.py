@@ -637,6 +637,7 @@ def test_a_pin_that_hangs_is_fixed_when_its_plate_comes() -> None:
     assert "Its pin C stands head down, under what turns on it" in notes
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("spec", "changes", "driven", "motors"),
     [
@@ -659,6 +660,7 @@ def test_what_a_motor_turns_is_put_on_its_shaft(
     assert "later step" not in str(first[3]), "what comes first lies as it is"
 
 
+@pytest.mark.long
 def test_only_what_a_later_part_holds_is_fixed_by_it() -> None:
     """A rod that a pin joins is not held by that; a pin over which a cap is glued is."""
     rod = [

@@ -303,6 +303,7 @@ def test_equal_points_need_no_compromise() -> None:
 ROOM = Room(40.0, 16.0, 4.0)
 
 
+@pytest.mark.long
 def test_search_beats_chance_and_another_search() -> None:
     best = best_clearance(example(), BOUNDS, ROOM)
     worst = min(clearances(best))

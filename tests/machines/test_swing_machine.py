@@ -130,6 +130,7 @@ def test_the_spring_that_force_closure_asks_for_is_listed() -> None:
     assert not [row for row in making.parts_table(machine()).rows if "spring" in str(row[1])]
 
 
+@pytest.mark.long
 def test_parts_list(made: Path) -> None:
     with open(made / f"{NAME}-parts.csv", encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
@@ -250,6 +251,7 @@ def test_the_twin_frame_is_the_mirror_image_in_the_line_of_centres() -> None:
         assert here == pytest.approx(60 + np.exp(1j * swing) * z, abs=1e-12)
 
 
+@pytest.mark.long
 def test_each_kind_of_file_is_judged(made: Path) -> None:
     findings = json.loads((made / "report.json").read_text())["findings"]
     codes = Counter(f["code"] for f in findings)
@@ -258,6 +260,7 @@ def test_each_kind_of_file_is_judged(made: Path) -> None:
     )  # once for each kind of file
 
 
+@pytest.mark.long
 def test_no_figure_of_the_source_stands_beside_another_machine(made: Path) -> None:
     """The source gives no lengths, so its measured canvas is never this spec's, and its slips are not this spec's either."""
     report = json.loads((made / "report.json").read_text())
@@ -269,6 +272,7 @@ def test_no_figure_of_the_source_stands_beside_another_machine(made: Path) -> No
     )
 
 
+@pytest.mark.long
 def test_canvas_is_that_of_constant_speed(made: Path) -> None:
     """Constant speed gives an even canvas on a round collector; on a flat one cos^2 of up to 15 deg keeps within 10 %."""
     numbers = json.loads((made / "report.json").read_text())["numbers"]
@@ -338,6 +342,7 @@ def swept(path: Path, mechanism: Mechanism) -> list[str]:
     ]
 
 
+@pytest.mark.long
 def test_bodies_in_the_way_are_found(tmp_path: Path) -> None:
     whole, path = machine(*COARSE), tmp_path / "x.3mf"
     assembled(path, whole)
@@ -348,6 +353,7 @@ def test_bodies_in_the_way_are_found(tmp_path: Path) -> None:
     assert any("collet-1" in said and "frame-1" not in said for said in failed)
 
 
+@pytest.mark.long
 def test_an_axle_that_meets_the_end_of_its_slot(tmp_path: Path) -> None:
     whole, path = machine(*COARSE), tmp_path / "x.3mf"
     short = {part.name: part for part in machine("geometry.swing_deg=25", *COARSE).assembly.parts}
@@ -373,12 +379,14 @@ def edited(folder: Path, part: str, change: Any) -> None:
     path.write_bytes(data[:84] + triangles.tobytes())
 
 
+@pytest.mark.long
 def test_a_frame_whose_tip_is_drawn_back(folder: Path) -> None:
     """0.06 mm away from the cam nothing overlaps, but the contact no longer drives the frame as asked."""
     edited(folder, "frame", lambda z: np.where(abs(z - complex(-60, -30)) < 3.05, z - 0.06j, z))
     assert ("TIP_MOTION", f"{NAME}-frame.stl") in failing(folder, "stl")
 
 
+@pytest.mark.long
 def test_a_roller_whose_hole_is_off(tmp_path: Path) -> None:
     """The roller is judged about the hole that is in the file."""
     assert pipeline.build(
@@ -390,6 +398,7 @@ def test_a_roller_whose_hole_is_off(tmp_path: Path) -> None:
     assert ("TIP_MOTION", f"{NAME}-frame.stl") in failing(tmp_path / NAME, "stl")
 
 
+@pytest.mark.long
 def test_a_plate_that_lost_its_copies(folder: Path) -> None:
     package = read_3mf(folder / f"{NAME}-plate.3mf")
     items = [
@@ -401,6 +410,7 @@ def test_a_plate_that_lost_its_copies(folder: Path) -> None:
     assert [(f.code, str(f.where)) for f in findings if not f.ok] == [("BED_FIT", "1 plate")]
 
 
+@pytest.mark.long
 def test_a_part_larger_than_the_bed(tmp_path: Path) -> None:
     report = pipeline.build(
         SPEC, tmp_path, frozenset({"3mf"}), ["print.bed=[90,60]", *FORCED, *COARSE]
@@ -479,6 +489,7 @@ def test_lift_off() -> None:
     assert lift_off(*blend, f"spring.preload={needed * 1.02}") == [True]
 
 
+@pytest.mark.long
 def test_finding_and_figures_of_lift_off_say_the_same() -> None:
     """A sharp reversal: no spring is enough, so none is named. Else force, angle and the preload that is needed."""
     force = ("geometry.closure='force'", "nozzle.inertia_kg_m2=0.001")

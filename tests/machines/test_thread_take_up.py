@@ -127,6 +127,7 @@ def test_spread_grows_with_the_frame(frame: float) -> None:
     assert high - low == EXACT(CITED["spread"][f"{frame:g}"], abs=1e-3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("key", ["peaks_low_centres", "peaks_centroid"])
 def test_peak_reactions_of_the_printed_lengths(key: str) -> None:
     table = next(t for t in made().study().tables if t.title.startswith("Peak reactions"))
@@ -295,6 +296,7 @@ def test_turned_and_mirrored_take_ups_feed_alike(
 # Consumption of thread
 
 
+@pytest.mark.long
 def test_excess_over_a_consumption_table() -> None:
     t = made().take_up
     angles = [22.0, 120.0, 200.0, 266.0]
@@ -619,6 +621,7 @@ def test_lash_is_judged_by_the_designers_limit(play: float, limit: float, tmp_pa
     )
 
 
+@pytest.mark.long
 def test_links_a_hundred_times_as_long_close_on_their_files(tmp_path: Path) -> None:
     lengths = {
         "input_crank": 3e3,
@@ -651,11 +654,13 @@ def test_a_printed_shaft_is_told() -> None:
     assert steel.ok and steel.measured == found.measured
 
 
+@pytest.mark.long
 def test_thick_pins_are_not_taken_for_their_heads(tmp_path: Path) -> None:
     report = pipeline.build(SHIPPED, tmp_path, frozenset({"stl"}), ["parts.pin_diameter=8"])
     assert "PIN_GAP" not in {f.code for f in report.findings if not f.ok}
 
 
+@pytest.mark.long
 def test_the_frame_has_the_greatest_influence() -> None:
     """As the source says: spreads of w3/w1 with its printed lengths, by another's closure; of 1 mm the frame's counts most."""
     study = made("geometry.coupler=30", "geometry.output_crank=19", "consumption=").study()

@@ -48,6 +48,7 @@ OFFSET = "geometry.follower={motion='translating', shape='roller', radius=5, off
 MIRRORED = "geometry.follower={motion='translating', shape='roller', radius=5, offset=-6}"
 
 
+@pytest.mark.long
 def test_clockwise_cam_is_the_mirror_image_of_the_mirrored_machine(tmp_path: Path) -> None:
     """Mirrored in Oy a machine turns the other way, its slide on the other side: both files, point by point."""
     settings = ("limits.least_radius=0", "limits.pressure_angle_deg=60")
@@ -189,6 +190,7 @@ def test_time_runs_backwards_in_a_clockwise_linkage() -> None:
     assert w * back.motion(w * t, 1) == pytest.approx(speeds, abs=1e-3 * np.max(np.abs(speeds)))
 
 
+@pytest.mark.long
 def test_thread_is_let_down_where_it_was_pulled_up() -> None:
     there, back = (
         machine("thread-take-up", f"motor.speed_rpm={rpm}").study().numbers for rpm in (5000, -5000)

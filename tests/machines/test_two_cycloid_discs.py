@@ -232,6 +232,7 @@ def test_a_hole_of_the_second_disc_that_is_off_is_told(folder: Path) -> None:
     assert found["PIN_TRACK", "disc to flange"].ok
 
 
+@pytest.mark.long
 def test_a_second_eccentric_that_is_off_is_told(folder: Path) -> None:
     """Its rim 40 um further out: the disc that turns on it is as far off its pins."""
     path = file_of(folder, "eccentric-disc_2")

@@ -40,6 +40,7 @@ def test_all_that_is_wrong_with_feet_is_told_at_once() -> None:
         walker(FEET, "walk.friction=[0]")
 
 
+@pytest.mark.long
 def test_a_slow_walk_is_that_of_an_independent_prototype() -> None:
     """Each published value by its last digit."""
     table = tomllib.loads((SPEC.parents[1] / "tests/reference/slow_walk.toml").read_text("utf-8"))
@@ -54,6 +55,7 @@ def test_a_slow_walk_is_that_of_an_independent_prototype() -> None:
     assert ratio == pytest.approx(1.0 / 0.3)
 
 
+@pytest.mark.long
 def test_freight_beyond_its_feet_makes_it_fall() -> None:
     study = walker(FEET, "walk.payload_g=1000", "walk.payload_at=[400, 0]").study()
     assert "walk_falls_at_deg" in study.numbers and "walk_way_mm" not in study.numbers

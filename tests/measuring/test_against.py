@@ -74,6 +74,7 @@ def test_place_and_turn_of_points_are_found(
     )
 
 
+@pytest.mark.long
 def test_a_wall_that_swelled_is_told_with_its_remedy(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -82,6 +83,7 @@ def test_a_wall_that_swelled_is_told_with_its_remedy(
     assert "profile_compensation = 0.050" in report["notes"][0]
 
 
+@pytest.mark.long
 def test_a_seam_stays_where_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     z = outline()
     z[100:104] *= 1 + 0.2 / np.abs(z[100:104])

@@ -62,6 +62,7 @@ def rows(file: Path) -> dict[str, np.ndarray]:
     return {key: np.array([float(row[key]) for row in table]) for key in table[0]}
 
 
+@pytest.mark.long
 def test_a_groove_of_anyone_is_followed(groove: Mesh, tmp_path: Path) -> None:
     """On an axis along x, beside the origin: the frame of the file is the maker's."""
     moved = Mesh(groove.vertices[:, [2, 0, 1]] + [0, 7, -3], groove.faces)
@@ -113,6 +114,7 @@ def test_a_groove_that_is_too_narrow_fails_at_its_place(tmp_path: Path) -> None:
     assert fit["limit"] == pytest.approx(-2 * TOLERANCE)
 
 
+@pytest.mark.long
 def test_a_groove_with_clearance_has_the_reference_s_play() -> None:
     """A groove for 5.02 with a roller of 5: 0.04 to 0.04 / cos(alpha) and what facets add."""
     wide = mesh_of(replace(A, roller=replace(A.roller, radius=5.02)), 1e-3)

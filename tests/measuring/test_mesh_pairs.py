@@ -86,6 +86,7 @@ def threemf(path: Path, triangles: Floats) -> None:
             archive.writestr(name, f'<?xml version="1.0" encoding="UTF-8"?>{content}')
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("write", [stl, threemf])
 def test_gears_in_meshes_are_judged_and_a_flank_off_by_20_um_is_seen(
     tmp_path: Path, write: Callable[[Path, Floats], None]

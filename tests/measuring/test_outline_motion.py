@@ -429,6 +429,7 @@ def test_both_walls_of_a_groove_and_its_lash(
         read_outline(path, contour=5)
 
 
+@pytest.mark.long
 def test_our_own_groove_on_an_arm(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Walls of a disc cam's two plates; lash as the build judged it."""
     spec = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"

@@ -57,6 +57,7 @@ def test_motion_from_one_scan_at_true_scale(tmp_path: Path, glass: Glass) -> Non
     assert apart(moved(saved(tmp_path / "cam.png", edges, glass)), wanted) < 0.012
 
 
+@pytest.mark.long
 def test_a_scanner_that_is_wrong_is_seen_to_be(tmp_path: Path) -> None:
     edges, wanted = cam()
     assert (
@@ -83,6 +84,7 @@ def test_outline_and_holes_of_a_disc(tmp_path: Path, ending: str) -> None:
     }
 
 
+@pytest.mark.long
 def test_deep_and_coloured_pictures(tmp_path: Path) -> None:
     grey = np.asarray(Image.open(saved(tmp_path / "disc.png", DISC, COARSE)))
     Image.fromarray(grey.astype(np.uint16) * 257).save(tmp_path / "deep.tiff")
@@ -93,6 +95,7 @@ def test_deep_and_coloured_pictures(tmp_path: Path) -> None:
         assert found.outer == pytest.approx(wanted.outer, abs=1e-9), name
 
 
+@pytest.mark.long
 def test_a_bump_at_the_seam_stays(tmp_path: Path) -> None:
     """0.2 mm high, 1 mm wide."""
     angle = np.linspace(0, 2 * np.pi, 20000, endpoint=False)
@@ -178,6 +181,7 @@ def test_two_scans_and_a_caliper_undo_the_scanner(tmp_path: Path) -> None:
     assert "scanner_off_mm" not in known.numbers
 
 
+@pytest.mark.long
 def test_scans_that_lie_alike_tell_nothing_of_the_scanner(tmp_path: Path) -> None:
     first, others = several(
         tmp_path, *(Glass(dpi=150, turn_deg=turn, **SKEW) for turn in (0, 3, 180))
@@ -211,6 +215,7 @@ def test_three_scans_drop_dust_and_keep_a_bump(tmp_path: Path) -> None:
     assert errors[0] > 0.04 > 0.02 > errors[1]
 
 
+@pytest.mark.long
 def test_another_part_or_its_other_face_is_told(tmp_path: Path) -> None:
     edges = cam()[0]
     first = saved(tmp_path / "a.png", edges, COARSE)

@@ -27,6 +27,7 @@ def thin(ring: Ring, off: float) -> Ring:
     return Ring(ring.points * np.exp(-1j * off * tip / np.abs(ring.points)), ring.bulges)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("ring", [WHEEL.ring(), WHEEL.ring(24, arcs=False)])
 def test_a_thin_tip_that_moves_nothing_is_named(ring: Ring) -> None:
     """By 15 um along the circle, less the flank's lean: the pair turns as evenly as before."""

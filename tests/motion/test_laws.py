@@ -305,6 +305,7 @@ def test_share_of_constant_velocity_out_of_range(share: float) -> None:
         modified_sine(share)
 
 
+@pytest.mark.long
 @given(st.floats(0, 0.99))
 def test_constant_velocity_is_constant(share: float) -> None:
     law = modified_sine(share)

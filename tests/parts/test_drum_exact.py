@@ -162,6 +162,7 @@ def damaged(sound: Path, folder: Path, pattern: str, put: str) -> Path:
     return path
 
 
+@pytest.mark.long
 def test_a_pole_that_is_moved_moves_the_roller(groove: Path, tmp_path: Path) -> None:
     """In the middle of a wall: the body stays closed, so the roller alone finds it."""
     text = groove.read_text(encoding="ascii")

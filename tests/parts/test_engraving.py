@@ -109,6 +109,7 @@ def four_bar(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     return root / "made" / made.name, root / "plain" / plain.name
 
 
+@pytest.mark.long
 def test_letters_are_on_their_layer_and_the_cut_is_as_without(four_bar: tuple[Path, Path]) -> None:
     made, plain = (
         read_dxf(next(folder.rglob("*-coupler.dxf")), engraving=True) for folder in four_bar

@@ -97,6 +97,7 @@ def test_a_material_that_is_not_printed_has_no_print_error_of_its_own() -> None:
     assert sizes_of(known).offset == 0.005
 
 
+@pytest.mark.long
 def test_nothing_of_a_cut_cam_speaks_of_printers(tmp_path: Path) -> None:
     build(CAM, tmp_path, frozenset(KINDS), ("material.name=C45",))
     folder = tmp_path / "disc-cam"

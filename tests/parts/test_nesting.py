@@ -23,6 +23,7 @@ def bars(count):
     return rings
 
 
+@pytest.mark.long
 def test_gap_edge_and_density():
     rings, sheet, gap = bars(40), (150.0, 120.0), 2.0
     spots = nest(rings, sheet, gap)

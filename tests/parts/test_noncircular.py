@@ -152,6 +152,7 @@ def test_module_and_play_are_those_that_ncgears_states_of_its_pair() -> None:
     assert np.allclose([play.min(), play.max()], known["play_deg"], atol=1e-9)
 
 
+@pytest.mark.long
 def test_equal_ellipses_with_an_odd_number_of_teeth_are_one_part() -> None:
     """The driven wheel is the driver turned by half a turn and mirrored."""
     pair = PAIRS["ellipses"]
@@ -160,6 +161,7 @@ def test_equal_ellipses_with_an_odd_number_of_teeth_are_one_part() -> None:
     assert abs(image.centroid - pair.driven.centroid) < 1e-6
 
 
+@pytest.mark.long
 @settings(max_examples=8, deadline=None)
 @given(
     st.tuples(*[st.floats(-0.03, 0.03)] * 4),

@@ -82,6 +82,7 @@ def test_the_far_foot_moves_a_phase_later_as_the_files_show(folder: Path) -> Non
         np.testing.assert_allclose(far, np.roll(near, -360), atol=1e-4)
 
 
+@pytest.mark.long
 @settings(max_examples=3, deadline=None)
 @given(phase=st.floats(-math.tau, math.tau), theta=st.floats(0, math.tau))
 @example(phase=0.0, theta=1.0)
@@ -177,6 +178,7 @@ def test_each_side_is_put_together_alone_and_then_joined(machine: Linkage) -> No
     )
 
 
+@pytest.mark.long
 def test_a_hole_of_the_far_side_that_is_elsewhere_is_found(folder: Path, tmp_path: Path) -> None:
     """Of the rocker's pin, by 0.1 mm: the far foot goes elsewhere, and that joint fits no more."""
     shutil.copytree(folder, tmp_path / "sides")

@@ -111,6 +111,7 @@ def built(folder: Path, **files: bool) -> tuple[camgen.Report, Path]:
     return report, folder / "disc-cam"
 
 
+@pytest.mark.long
 def test_a_machines_cam_has_up_in_its_files_and_in_its_step(tmp_path: Path) -> None:
     report, folder = built(tmp_path / "marked", engrave=True)
     assert report.ok

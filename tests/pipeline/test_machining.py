@@ -39,6 +39,7 @@ def made(tmp_path_factory):
     return build(ROOT / "specs" / "disc-cam.toml", tmp_path_factory.mktemp("made"), DXF, SETTINGS)
 
 
+@pytest.mark.long
 def test_a_profile_against_other_formulas(made):
     """Curvature by differences along the contacts; the pressure angle by tan = s' / (prime radius + s), no offset [Norton]."""
     assert made.ok
@@ -66,6 +67,7 @@ def test_a_profile_against_other_formulas(made):
     assert np.abs(z) == pytest.approx(radius, abs=1e-8)
 
 
+@pytest.mark.long
 def test_files_are_the_same_again_and_judged_again(made, tmp_path, root):
     again = build(root / "specs" / "disc-cam.toml", tmp_path, DXF, SETTINGS)
     names = [
@@ -95,6 +97,7 @@ def test_files_are_the_same_again_and_judged_again(made, tmp_path, root):
     assert {f.code for f in wrong(again.folder, "dxf")} == {"CUTTER", "ROUND_TRIP"}
 
 
+@pytest.mark.long
 def test_the_path_is_lines_and_arcs_that_are_exact(made):
     """Every arc of the path is the cutter's radius wider than the cam's own: its centres are the cam's."""
     table = rows(made.folder / "disc-cam-cam-path.csv")
@@ -163,6 +166,7 @@ def test_a_cutter_too_large_for_a_fillet_is_told(tmp_path):
     assert findings[-1].measured > 1 and "at x 0.000, y -2.000 mm" in said  # the deepest place
 
 
+@pytest.mark.long
 def test_both_walls_of_a_groove(tmp_path):
     """The outer wall stands 0.2 mm off a roller of 5 mm on a base circle of 25; a cutter of 3 mm runs 3 mm within it."""
     from conftest import ROOT
@@ -420,6 +424,7 @@ def test_a_cell_that_is_no_number_is_refused(case, cell):
             failing(case, path, head, table)
 
 
+@pytest.mark.long
 def test_a_path_in_inches_or_with_a_second_line_is_told(made, tmp_path):
     shutil.copytree(made.folder, tmp_path / "disc-cam")
     case = Case(read_mechanism(tmp_path / "disc-cam" / "spec.toml"), tmp_path / "disc-cam")

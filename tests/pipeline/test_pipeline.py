@@ -260,6 +260,7 @@ def test_the_pictures_in_the_readme_are_of_today(name: str) -> None:
     assert gallery.alike(gallery.path(name).read_text(encoding="utf-8"), gallery.picture(name))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", gallery.SOLID)
 def test_the_pictures_in_space_are_of_today(name: str) -> None:
     kept = gallery.path(name, "png").read_bytes()

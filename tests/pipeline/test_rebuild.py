@@ -110,6 +110,7 @@ def test_every_file_that_is_lost_is_told(sound: Path, folder: Path) -> None:
     assert len(list(names(sound))) > 15 and quiet == []
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("ending", ["stl", "dxf", "step", "html"])
 def test_a_whole_kind_that_is_lost_is_told(folder: Path, ending: str) -> None:
     for path in folder.glob(f"*.{ending}"):
@@ -131,6 +132,7 @@ def test_all_lost_files_are_told_at_once(folder: Path) -> None:
     assert failing(folder) == set()
 
 
+@pytest.mark.long
 def test_a_file_of_no_such_build_is_told(folder: Path) -> None:
     (folder / "disc-cam-lever.csv").write_text("1\n", encoding="utf-8")
     assert failing(folder) == set()  # somebody's own
@@ -327,6 +329,7 @@ def test_a_drawing_that_is_damaged_is_told(
     assert failing(folder) >= codes
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("file", ["disc-cam-cam.3mf", "disc-cam-assembly.3mf"])
 def test_a_package_that_is_damaged_is_told(folder: Path, file: str) -> None:
     path = folder / file
@@ -371,12 +374,14 @@ OTHERS = [
 ]
 
 
+@pytest.mark.long
 def test_a_folder_of_another_version_holds_where_every_byte_is_the_same(folder: Path) -> None:
     mended(folder, camgen="0.0", kinds=7)
     report = judged(folder)
     assert report.ok and not report.not_judged
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("about", OTHERS, ids=str)
 def test_of_a_folder_of_other_versions_what_is_left_is_named(
     folder: Path, about: dict[str, object]
@@ -394,6 +399,7 @@ def test_of_a_folder_of_other_versions_what_is_left_is_named(
     )
 
 
+@pytest.mark.long
 def test_what_a_shop_reads_is_read_back_whoever_built_it(folder: Path) -> None:
     """Nothing is made anew to be compared, and a drawing, a list of parts and the machine in motion fail by what they hold."""
     for file, damage in (
@@ -418,6 +424,7 @@ def last_digits(text: str, more: float) -> str:
     return re.sub(r"(?<![\d.])\d+\.\d{6,}", edit, text)
 
 
+@pytest.mark.long
 def test_last_digits_are_another_processor_s(folder: Path) -> None:
     """By numpy's functions they differ from one to the next: seen up to 3e-10 mm in drawings, 1e-10 in motion.csv."""
     for name in ("motion.csv", "disc-cam-cam-profile.csv", "disc-cam-cam-drawing.dxf"):
@@ -445,6 +452,7 @@ def test_numbers_that_are_the_same_are_so_by_a_billionth(
     assert not rebuild._same(anew + " ", anew) and not rebuild._same("y" + anew, anew)
 
 
+@pytest.mark.long
 def test_a_part_that_was_changed_and_holds_makes_the_report_another_one_s(folder: Path) -> None:
     """It is judged as it is now; what the build said of it is named, not failed."""
     path = folder / "disc-cam-cam.dxf"
@@ -462,6 +470,7 @@ def test_a_part_that_was_changed_and_holds_makes_the_report_another_one_s(folder
     assert failing(folder) == {"REBUILD"}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("again", [False, True])
 def test_reports_that_follow_from_what_fails_are_not_told_again(folder: Path, again: bool) -> None:
     """A list of parts with one more: the reports of the build said that all holds, which is no second fault."""

@@ -107,6 +107,7 @@ def test_the_manifest_tells_each_path_and_the_top_holds_what_is_read(shelved: Pa
     assert not any(shelf(name) for name in top)
 
 
+@pytest.mark.long
 def test_the_page_links_to_files_where_they_lie(shelved: Path) -> None:
     page = (shelved / "report.html").read_text(encoding="utf-8")
     links = {unquote(link) for link in re.findall(r'<a href="([^"#:]+)"', page)}
@@ -144,6 +145,7 @@ def test_a_stray_copy_beside_the_shelves_is_not_judged(shelved: Path, tmp_path: 
     assert not check(folder).ok
 
 
+@pytest.mark.long
 def test_another_part_in_place_of_one_on_its_shelf_fails(shelved: Path, tmp_path: Path) -> None:
     folder = tmp_path / "many"
     shutil.copytree(shelved, folder)
@@ -151,6 +153,7 @@ def test_another_part_in_place_of_one_on_its_shelf_fails(shelved: Path, tmp_path
     assert not check(folder).ok
 
 
+@pytest.mark.long
 def test_motion_finds_a_file_by_the_name_that_it_has_in_a_flat_folder(
     shelved: Path, tmp_path: Path
 ) -> None:

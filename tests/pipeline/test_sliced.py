@@ -38,6 +38,7 @@ def failing(report):
     return {finding.code for finding in report.findings if not finding.ok}
 
 
+@pytest.mark.long
 def test_parts_are_found_wherever_they_lie(folder):
     report = check_gcode(folder, [laid(folder, MOVING)])
     assert not failing(report) and report.numbers["motion_error_pen_gcode_mm"] < 2e-3
@@ -57,6 +58,7 @@ def test_parts_are_found_wherever_they_lie(folder):
     assert any("shaft: not on the plate" in each.why for each in report.not_judged)
 
 
+@pytest.mark.long
 def test_a_part_that_lies_turned_over(folder):
     """Its mirror image is laid; it is known where the folder's plates lay it so, and its holes are where they belong."""
     path = laid(folder, ["coupler"], mirrored=["coupler"])
@@ -96,6 +98,7 @@ def drilled(flat, at, diameter):
     )
 
 
+@pytest.mark.long
 def test_each_is_seen_to_fail(folder):
     """The rocker's hole 0.05 mm too far out in all layers, and in one of them 0.1 mm too tight: a pin feels all of them."""
 
@@ -122,6 +125,7 @@ def test_holes_that_are_lost_and_outlines_that_grow(folder):
         assert any(each.code == "MOTION_ERROR" for each in report.not_judged)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("height", [f";HEIGHT:{LAYER}", ""])
 def test_layers_that_are_missing(folder, height):
     """Two layers out of the middle, and the last one cut off: nothing holds them up, or the part is too low."""

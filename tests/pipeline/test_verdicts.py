@@ -40,6 +40,7 @@ def make(tmp_path: Path) -> Make:
     return call
 
 
+@pytest.mark.long
 def test_wall_is_shown_with_the_limit_that_was_written(make: Make) -> None:
     # 6.6 mm is the least disc: 6.6 / 2 - 1.5 - 2 / 2 = 0.8 mm of wall
     report = make(
@@ -56,6 +57,7 @@ def test_wall_is_shown_with_the_limit_that_was_written(make: Make) -> None:
     )  # two contours, each 0.01 mm off at most
 
 
+@pytest.mark.long
 def test_units_are_counted_faults(make: Make, tmp_path: Path) -> None:
     assert {
         (f.measured, f.limit) for f in make("disc-cam", "dxf").findings if f.code == "DXF_UNITS"
@@ -86,6 +88,7 @@ def test_drawings_of_the_looper_clear_as_its_solids_do(make: Make) -> None:
     assert {f.limit for f in clear} <= {0.0, 0.1, 0.2, 0.3}
 
 
+@pytest.mark.long
 def test_drawings_alone_show_that_a_needle_strikes(make: Make) -> None:
     report = make("chain-stitch-looper", "dxf", "timing.lag_deg=6", *BARE)
     assert not report.ok and {f.code for f in report.findings if not f.ok} == {"CLEARANCE"}
@@ -190,6 +193,7 @@ def test_what_a_broken_file_leaves_unjudged_is_named(make: Make, tmp_path: Path)
     assert {"MOTION_ERROR", "VOLUME", "ROUND_TRIP"} <= {each.code for each in report.not_judged}
 
 
+@pytest.mark.long
 def test_a_file_that_was_changed_is_told_as_judged_or_not(make: Make, tmp_path: Path) -> None:
     """The drawing of a chain is an SVG like a sheet for the laser, but unlike that it is not judged."""
     assert not make("linkage", "dxf").remarks
@@ -208,6 +212,7 @@ def test_a_file_that_was_changed_is_told_as_judged_or_not(make: Make, tmp_path: 
     assert told.code == "MANIFEST" and "linkage-chain.svg" in told.message
 
 
+@pytest.mark.long
 def test_a_smaller_build_says_what_goes_with_the_larger_one(make: Make) -> None:
     make("disc-cam", "dxf,stl")
     (said,) = make("disc-cam", "dxf").remarks
@@ -215,6 +220,7 @@ def test_a_smaller_build_says_what_goes_with_the_larger_one(make: Make) -> None:
     assert not make("disc-cam", "dxf").remarks
 
 
+@pytest.mark.long
 def test_what_was_not_judged_is_said_by_name_in_terminal_and_page(
     make: Make, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -71,6 +71,7 @@ def test_spreaders_lie_on_their_large_face():
         assert side.contact > 173 and side.overhang < 20 and side.name.startswith("on its side")
 
 
+@pytest.mark.long
 def test_a_part_with_a_stretch_thinner_than_a_layer_is_named(tmp_path):
     """The starter's cam has a hub, so that its web alone is thin."""
     cam = camgen.load(SPECS / "disc-cam.toml")

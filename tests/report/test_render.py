@@ -121,6 +121,7 @@ def test_a_turn_is_sixty_frames() -> None:
     assert np.mean(np.abs(quarter - start)) < 1.0
 
 
+@pytest.mark.long
 def test_what_does_not_move_is_one_picture_and_what_cannot_go_is_left_out() -> None:
     still = shown(np.zeros(120), np.zeros(120, complex))
     assert Image.open(io.BytesIO(film(*still))).n_frames == 1  # type: ignore[attr-defined]
@@ -130,6 +131,7 @@ def test_what_does_not_move_is_one_picture_and_what_cannot_go_is_left_out() -> N
     assert np.asarray(image.convert("RGB")).min() > 250
 
 
+@pytest.mark.long
 def test_behind_a_ghost_things_are_seen() -> None:
     shapes, tracks, animation = shown(np.zeros(120), np.zeros(120, complex))
     rests = [PartPose(np.zeros(120, complex), np.zeros(120))]

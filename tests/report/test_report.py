@@ -397,6 +397,7 @@ def test_gallery_picture_stands_alone_and_holds_the_mechanism() -> None:
     assert len(root.findall(f".//{SVG}use")) == 3
 
 
+@pytest.mark.long
 def test_same_report_same_bytes() -> None:
     code = (
         "import sys; sys.path[:0] = ['tests/report']\n"

@@ -50,6 +50,7 @@ def run(machine: Any, model: Any) -> Gait:
     return walking.walk(machine, model, 0.6, 2)
 
 
+@pytest.mark.long
 def test_it_goes_as_the_prototype(run: Gait) -> None:
     """Within 2 %, the prototype's own spread over steps and stiffness of contacts."""
     there = REFERENCE["at_0_6"]
@@ -101,11 +102,13 @@ def judged(machine: Any, model: Any, gaits: list[Gait]) -> dict[str, bool]:
     return {each.code: each.ok for each in report.findings}
 
 
+@pytest.mark.long
 def test_all_holds(machine: Any, model: Any, run: Gait) -> None:
     found = judged(machine, model, [run])
     assert found == dict.fromkeys(["BRANCH", "FALLS", "STALLS", "WALKS", "SLIPS"], True)
 
 
+@pytest.mark.long
 def test_each_verdict_is_seen_to_fail(machine: Any, model: Any, run: Gait) -> None:
     """One run of two is spoilt: it decides."""
     spoilt = {
@@ -121,6 +124,7 @@ def test_each_verdict_is_seen_to_fail(machine: Any, model: Any, run: Gait) -> No
         assert (len(found) == 1) is (code == "BRANCH")
 
 
+@pytest.mark.long
 def test_a_frame_that_leans_falls(run: Gait) -> None:
     turn = math.radians(46)
     over = np.array(
@@ -130,6 +134,7 @@ def test_a_frame_that_leans_falls(run: Gait) -> None:
     assert leaning.falls and np.degrees(leaning.roll.min()) == pytest.approx(-46, abs=0.1)
 
 
+@pytest.mark.long
 def test_a_turn_to_the_side_is_no_loss_of_way(run: Gait) -> None:
     """All seen from a world that is turned by 40 deg."""
     turn = math.radians(40)
@@ -141,6 +146,7 @@ def test_a_turn_to_the_side_is_no_loss_of_way(run: Gait) -> None:
     np.testing.assert_allclose(other.heading - run.heading, turn)
 
 
+@pytest.mark.long
 def test_a_film_shows_it_going_on(
     machine: Any, model: Any, run: Gait, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -197,6 +203,7 @@ def test_copies_that_do_not_close_are_told(machine: Any) -> None:
     assert walking._copies(fine, walking.Prints(2, 1)).drawn == 2
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("closes", "drawn"), [([False, True], 1), ([False] * 20 + [True], 2)])
 def test_pins_of_a_copy_give_way(
     machine: Any, monkeypatch: pytest.MonkeyPatch, closes: list[bool], drawn: int
@@ -211,6 +218,7 @@ def test_pins_of_a_copy_give_way(
     assert bores[0] == bores[1] and seen[0] != seen[1]
 
 
+@pytest.mark.long
 def test_the_page_shows_the_film_by_itself(machine: Any, model: Any, run: Gait) -> None:
     report = walking.judged(machine, model, [run], 120.0)
     assert "data:image/gif" not in to_html(report)
@@ -218,6 +226,7 @@ def test_the_page_shows_the_film_by_itself(machine: Any, model: Any, run: Gait) 
     assert 'src="data:image/gif;base64,R0lGODlh"' in page and "img-src data:" in page
 
 
+@pytest.mark.long
 def test_counts_of_copies_that_are_none_are_refused(machine: Any, tmp_path: Path) -> None:
     with pytest.raises(SpecError, match=r"--copies: 101.*\n.*--seed: -1"):
         walking.simulate(machine, tmp_path, prints=walking.Prints(101, -1))
@@ -228,6 +237,7 @@ def test_what_does_not_walk_is_told(tmp_path: Path) -> None:
         walking.simulate(ROOT / "specs" / "linkage.toml", tmp_path)
 
 
+@pytest.mark.long
 def test_without_the_engine_the_extra_is_named(
     machine: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -57,6 +57,7 @@ def test_results_show_what_is_measured(name: str, benches: dict[str, Bench], roo
             assert figures(a) == pytest.approx(figures(b), rel=0.11, abs=1e-9), (there, here)
 
 
+@pytest.mark.long
 def test_counts_and_errors_of_the_swing_cam(benches: dict[str, Bench]) -> None:
     """Published least numbers (tip 3, without the corner's arc of 71.8 deg) plus that arc; errors just within the tolerance."""
     bench = benches["uniform-swing"]
@@ -80,6 +81,7 @@ def test_counts_and_errors_of_the_swing_cam(benches: dict[str, Bench]) -> None:
         assert not row.faults
 
 
+@pytest.mark.long
 def test_looper_is_exact_but_for_float32(benches: dict[str, Bench]) -> None:
     """Lines and arcs need no fitting; distances of spreaders and needles are off by the rounding of numbers near 30 mm."""
     for row in benches["chain-stitch-looper"].rows:
@@ -194,6 +196,7 @@ def test_exit_codes(root: Path, tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert "Traceback" not in errors and "pivot_distance" in errors
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("quick")
 def test_a_damaged_file_is_told(
     root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

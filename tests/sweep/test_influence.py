@@ -62,6 +62,7 @@ def test_each_length_of_a_four_bar_moves_its_transmission_angle_as_the_law_of_co
     assert list(changes.values()) == sorted(changes.values(), reverse=True)
 
 
+@pytest.mark.long
 def test_of_a_limit_that_fails_the_nearest_values_that_keep_it_are_found() -> None:
     found = influence(STEEP, "PRESSURE_ANGLE")
     steep = camgen.load(STEEP)
@@ -85,6 +86,7 @@ def one_number(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweep_influence, "_numbers", lambda tables: one)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("one_number")
 def test_a_key_that_is_not_set_is_named_where_it_would_set_the_limit() -> None:
     found = influence(SPECS / "linkage.toml", "LASH")

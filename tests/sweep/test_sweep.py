@@ -178,6 +178,7 @@ def test_bore_and_hub_that_leave_no_wall_are_told_without_files(
     assert all(row["fails"] == "MIN_WALL" for row in found if row["verdict"] == "fails")
 
 
+@pytest.mark.long
 def test_built_variants_are_those_of_build(tmp_path: Path) -> None:
     small = ("parts.thickness=4",)
     asked = task_of(
@@ -613,6 +614,7 @@ def test_what_a_sweep_says_of_play_and_walls_is_what_the_files_say(
         assert 0 < 2 * made["clearance_band_dxf_deg"] - lash.measured < 2e-3 * lash.measured
 
 
+@pytest.mark.long
 def test_free_play_of_pins_is_that_of_the_files(tmp_path: Path) -> None:
     drive = read_mechanism(SPEC.parent / "eccentric-drive.toml", ["limits.lash=0.3"])
     (told,) = (finding for finding in drive.forecast() if finding.code == "LASH")

@@ -168,6 +168,7 @@ def test_copies_of_a_drum_are_told_with_their_budget_and_yield() -> None:
     assert 0.5 * whole / 3 < float(errors.rows[0][2]) < 1.5 * whole / 3  # type: ignore[arg-type]
 
 
+@pytest.mark.long
 def test_a_bought_roller_has_no_error_and_a_wider_groove_jams_less() -> None:
     printed = {mode.kind for mode in spread_of(drum()).modes}
     small = drum(roller={"radius": 5.0, "length": 4.0})

@@ -67,6 +67,7 @@ def test_an_outline_that_stands_out_presses_its_spring() -> None:
     assert own.measured == pytest.approx(lift_off.designed, abs=1e-6)
 
 
+@pytest.mark.long
 def test_a_copy_that_nothing_presses_is_not_held() -> None:
     """By hand: without preload the spring pulls with 0 N through the low dwell, with 0.1 N of it by so much."""
     for preload, holds in ((0.0, False), (0.1, True)):
@@ -138,6 +139,7 @@ def test_yields_are_in_the_report() -> None:
     assert report.numbers["lift_off_yield_percent"] in (0, 25, 50, 75, 100)
 
 
+@pytest.mark.long
 def test_a_finding_that_holds_as_designed_and_few_copies_hold_is_explained() -> None:
     values = np.linspace(0.0, 0.02, 101)
     ripple = CopiesFinding(

@@ -39,6 +39,7 @@ def test_polylines_that_cross_themselves() -> None:
     assert not _crosses(np.exp(0.9j * t)) and not _crosses(t + 1j * np.sin(t))
 
 
+@pytest.mark.long
 def test_the_small_loop_of_a_take_up_lives_by_its_play() -> None:
     shares, exact = [], ("print.size_error=0", "print.slide_clearance=0.001")
     for settings in (exact, ("print.size_error=0.067",), ("print.size_error=0.3",)):

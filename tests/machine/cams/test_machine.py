@@ -242,6 +242,7 @@ def test_either_wall_of_a_groove_bears() -> None:
     np.testing.assert_allclose((one + other) / 2, cam.pitch(THETA), atol=1e-12)
 
 
+@pytest.mark.long
 @settings(deadline=None, max_examples=40)
 @given(st.floats(0, 20), st.floats(1, 15))
 def test_springs_just_keep_contact(preload: float, speed: float) -> None:

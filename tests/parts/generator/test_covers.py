@@ -120,6 +120,7 @@ def test_each_screw_meets_a_core_hole_and_no_rail_is_left_out() -> None:
     assert low + lowest + mounts["follower"].at.imag >= max(ends) - 1e-9
 
 
+@pytest.mark.long
 def test_a_runner_over_others_has_a_saddle(tmp_path: Path) -> None:
     """On level 2 of a plate of 5: levels are 4.2 apart, so its underside is at 9.4 and the saddle ends 0.2 lower."""
     tables = {**YOKE, "layers": {"yoke": 2}}

@@ -224,6 +224,7 @@ def test_what_was_tried_in_vain_is_no_guess(monkeypatch: pytest.MonkeyPatch) -> 
     assert "smaller" not in guess
 
 
+@pytest.mark.long
 def test_a_drag_link_stands_between_posts_beyond_all_that_turns(tmp_path: Path) -> None:
     """On the shafts of both cranks none of the four bars passes; from the files: all findings hold, no body meets another."""
     tables = spec(DRAG, parts={"plates": 2})

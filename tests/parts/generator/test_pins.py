@@ -59,6 +59,7 @@ def test_shoulder_screws_are_those_of_the_standard(
         assert part.layers[1].z1 - part.layers[1].z0 in (10, 12, 16, 20, 25, 30)
 
 
+@pytest.mark.long
 def test_bearings_turn_in_all_links_but_one_of_each_joint(root: Path, tmp_path: Path) -> None:
     """MR85 is 5 x 8 x 2.5: ISO 15."""
     machine = made(root, tmp_path, "parts.pin=bearing")
@@ -161,6 +162,7 @@ def test_a_bearing_for_the_shaft(root: Path, tmp_path: Path) -> None:
     assert mount.body == "ground" and mount.at == 0
 
 
+@pytest.mark.long
 def test_a_seat_that_is_too_wide_and_rings_that_are_not_counted_are_found(
     root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -238,6 +240,7 @@ def test_pins_and_cranks_that_cannot_be(
         _ = with_parts(root, **parts).assembly
 
 
+@pytest.mark.long
 def test_a_hand_crank_turns_with_the_shaft(root: Path, tmp_path: Path) -> None:
     """Its knob goes round the shaft with the crank, in the list, in the assembly and in place of a bought drive."""
     machine = made(root, tmp_path, "parts.hand_crank=40")

@@ -155,6 +155,7 @@ def test_a_slot_through_the_hole_of_a_motor_is_refused_or_in_the_other_plate() -
     assert not slots_of(far, "ground") and slots_of(far, "second-plate")
 
 
+@pytest.mark.long
 def test_a_slot_of_the_ground_that_lies_aside_is_found(tmp_path: Path) -> None:
     """In the drawing, by 0.05 mm across: P does so too."""
     (tmp_path / "own.toml").write_text(tomli_w.dumps(SLIDER), encoding="utf-8")

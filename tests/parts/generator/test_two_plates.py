@@ -147,6 +147,7 @@ def test_shaft_ends_in_webs_that_pins_join(folder: Path) -> None:
         )
 
 
+@pytest.mark.long
 def test_posts_pass_by_all_links(folder: Path) -> None:
     """Nearest to the links' middle lines, as lines through their points, on ten times as many angles."""
     machine = validate(Linkage, read(folder / "spec.toml"))
@@ -190,6 +191,7 @@ def failing(folder: Path, kind: str) -> dict[str, str]:
     return {finding.code: str(finding.where) for finding in wrong(folder, kind)}
 
 
+@pytest.mark.long
 def test_a_web_whose_flat_is_turned_is_found(folder: Path, tmp_path: Path) -> None:
     """By 2 deg: the rod's pin is off by 30 mm x 2 deg, so is the rocker; the shaft's far end is off the axis."""
     shutil.copytree(folder, tmp_path / "two")
@@ -209,6 +211,7 @@ def test_webs_follow_each_others_flats() -> None:
     assert mount.place(-15 + 0j) == pytest.approx(15.1 - 30 * np.exp(-1j * math.radians(2)))
 
 
+@pytest.mark.long
 def test_the_far_end_of_a_shaft_off_its_axis_is_a_misfit(folder: Path, tmp_path: Path) -> None:
     shutil.copytree(folder, tmp_path / "two")
     path = tmp_path / "two" / "two-second-plate.dxf"
