@@ -54,6 +54,11 @@ def text(name: str) -> str:
     return next(folder().rglob(f"{name}.toml")).read_text(encoding="utf-8")
 
 
+def named(text: str, name: str) -> str:
+    """The same spec under another name."""
+    return re.sub(r'^name = "[^"]*"', f'name = "{name}"', text, count=1, flags=re.MULTILINE)
+
+
 _WIDE = 110  # characters of a line
 
 

@@ -441,7 +441,8 @@ def test_new_prints_and_writes_the_starter(
         and str(schema) in err
         and f"camgen build {file}" in err
     )
-    assert file.read_text(encoding="utf-8") == text
+    assert file.read_text(encoding="utf-8") == starters.named(text, "mine")
+    assert tomllib.loads(file.read_text(encoding="utf-8")) == tomllib.loads(text) | {"name": "mine"}
     assert schema.read_text(encoding="utf-8") == run("schema", mechanism)[1]
     schema.write_text("mine")
     assert (
@@ -461,10 +462,34 @@ def test_new_alone_lists_and_asks(
     monkeypatch.setattr("sys.stdin", io.StringIO(f"valve\n{file}\n"))
     code, out, err = run("new")
     assert (code, out) == (0, "") and "disc-cam " in err and "file [my-valve.toml]" in err
-    assert file.read_text(encoding="utf-8").endswith(starters.text("valve"))
+    assert file.read_text(encoding="utf-8").endswith(starters.named(starters.text("valve"), "mine"))
     monkeypatch.setattr("sys.stdin", io.StringIO("valv\n"))
     code, _, err = run("new")
     assert code == 2 and "did you mean 'valve'?" in err
+
+
+@pytest.mark.parametrize(
+    ("file", "name"),
+    [("My Cam_2.toml", "my-cam-2"), ("Nocken-Größe.toml", "nocken-gr-e"), ("con.toml", "disc-cam")],
+)
+def test_new_names_the_machine_by_its_file(run: Run, tmp_path: Path, file: str, name: str) -> None:
+    assert run("new", "--short", "disc-cam", tmp_path / file)[0] == 0
+    assert tomllib.loads((tmp_path / file).read_text(encoding="utf-8"))["name"] == name
+
+
+def test_a_result_of_another_spec_of_the_same_name_is_told(run: Run, tmp_path: Path) -> None:
+    """Whose result is replaced: that of another file is told, an earlier one of the same file is not."""
+    a, b, out = tmp_path / "a.toml", tmp_path / "b.toml", tmp_path / "out"
+    text = starters.text("disc-cam")
+    a.write_text(text, "utf-8")
+    b.write_text(text.replace("lift = 12", "lift = 11"), "utf-8")
+    build = ("build", "--only", "dxf", "-o", out)
+    assert "the name" not in run(*build, a)[1]
+    said = run(*build, b)[1]
+    assert f"was that of {a} and is replaced: both specs have the name 'disc-cam'" in said
+    assert "the name" not in run(*build, b)[1]
+    b.write_text(text.replace("lift = 12", "lift = 10"), "utf-8")
+    assert "the name" not in run(*build, b)[1]
 
 
 def test_new_short_writes_few_lines(run: Run, tmp_path: Path) -> None:

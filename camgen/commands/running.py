@@ -39,9 +39,12 @@ def known(what: str, name: str, names: Collection[str], lister: str) -> str:
     return name
 
 
-def spec_name(file: Path) -> str:
-    """A name for a spec, after a file's."""
-    return "-".join(re.findall(r"[a-z0-9]+", file.stem.lower()))[:60].strip("-") or "linkage"
+def spec_name(file: Path, other: str) -> str:
+    """A name for a spec, after a file's; the other one where that gives none, or a device's of Windows."""
+    from camgen.spec import DEVICES
+
+    name = "-".join(re.findall(r"[a-z0-9]+", file.stem.lower()))[:60].strip("-")
+    return other if re.fullmatch(DEVICES, name or "nul") else name
 
 
 def show(markdown: str) -> None:

@@ -27,6 +27,8 @@ from camgen.errors import Fault, SpecError, printable
 def new(mechanism: str | None, file: Path | None, short: bool, source: Path | None) -> None:
     """Write a starter spec of a MECHANISM, or an example, to FILE, or print it. It has comments and builds as it is.
 
+    Its name, that of the output folder, is FILE's: my-cam.toml gives out/my-cam.
+
     Without a MECHANISM it lists all mechanisms and asks.
 
     With --from it reads a linkage ("linkage" or "machine") from a file of another program: PMKS lines,
@@ -46,6 +48,8 @@ def new(mechanism: str | None, file: Path | None, short: bool, source: Path | No
     kind = starters.kind(known("MECHANISM", mechanism, specs_known(), "camgen list"))
     if source is None:
         text = starters.short(mechanism) if short else starters.text(mechanism)
+        if file is not None:
+            text = starters.named(text, spec_name(file, mechanism))
     elif short:
         alone = "nothing here: a file of another program has no comments"
         raise SpecError([Fault((), "", alone, source="--short")], "command line")
@@ -55,7 +59,7 @@ def new(mechanism: str | None, file: Path | None, short: bool, source: Path | No
     else:
         from camgen.machines.linkage.bridges import read_chain, spec_text
 
-        text = spec_text(read_chain(source), spec_name(file or source), source.name)
+        text = spec_text(read_chain(source), spec_name(file or source, "linkage"), source.name)
     text = f"#:schema ./{starters.schema_name(kind)}\n{text}"
     hand_over(text, file)
     if file is None:
@@ -72,7 +76,7 @@ def new(mechanism: str | None, file: Path | None, short: bool, source: Path | No
             ),
             err=True,
         )
-    click.echo(printable(f"next: change it, its name too, then camgen build {file}"), err=True)
+    click.echo(printable(f"next: change it, then camgen build {file}"), err=True)
 
 
 def _asked() -> tuple[str, Path]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from os import PathLike
 from pathlib import Path
 
 from camgen import spec as specs
@@ -25,6 +26,7 @@ from camgen.machines.sources import read_mechanism as read_mechanism
 from camgen.pipeline.case import Case, cores
 from camgen.pipeline.judging import judge, read_parts
 from camgen.pipeline.making import make_parts, put_together
+from camgen.pipeline.namesakes import namesake
 from camgen.pipeline.rebuild import Rebuild, judged_files, kinds_of, packages_of, system
 from camgen.pipeline.summary import Summary, report_files, scene_of, write_report, write_texts
 from camgen.progress import Progress, silent
@@ -62,6 +64,11 @@ def build(
     if said := long_run(mechanism.remarks().links, len(only & FORMATS.keys())):
         progress(f"note: {said}")
     hints = mechanism.hints
+    other = (
+        namesake(Path(spec), mechanism, out / mechanism.name)
+        if isinstance(spec, str | PathLike)
+        else ""
+    )
     mechanism = mechanism.resolved()
     if only >= frozenset(KINDS) and mechanism.files.step:
         only |= {"step"}
@@ -92,6 +99,11 @@ def build(
         count = f"{len(staged.gone)} more file{'' if len(staged.gone) == 1 else 's'} ({gone})"
         remarks.append(
             f"the earlier {staged.target} had {count}, gone with it: a build without --only makes all"
+        )
+    if other:
+        remarks.append(
+            f"the earlier {staged.target} was that of {other} and is replaced: both specs have the name "
+            f"{mechanism.name!r}; change name in one of them"
         )
     return replace(report, remarks=remarks, folder=staged.target)
 
