@@ -232,9 +232,7 @@ def test_a_key_in_the_other_spelling_is_built_and_noted(run: Any, tmp_path: Any)
         tmp_path,
     )
     assert code == 0 and "files.centre_marks is read as center_marks" in out + err
-    assert "center_marks = true" in (tmp_path / "disc-cam" / "spec.toml").read_text(
-        encoding="utf-8"
-    )
+    assert "center_marks = true" in (tmp_path / "a" / "spec.toml").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)

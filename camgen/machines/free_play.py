@@ -17,11 +17,23 @@ from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Demand
 from camgen.machine.model import Cam, Machine, unit_of
 from camgen.machine.run import Run
-from camgen.machine.targets import Course, breadth, rectangle, stroke
+from camgen.machine.targets import (
+    Course,
+    Dwell,
+    Function,
+    Lines,
+    Straight,
+    Through,
+    Trace,
+    breadth,
+    rectangle,
+    stroke,
+)
 from camgen.numerics import Floats
 
 _STILL = 1e-9  # mm or rad, of an output that does not move
 _LASH = 0.25  # of an output's stroke, or of a path's smaller side: the play that is accepted unless the spec says otherwise
+_KEYS = ("limits.lash", "limits.lash_deg")
 _LINE = 0.05  # of a path's length, below which its ways there and back are one
 ANGLES = 721  # at which it is looked at: the play turns so slowly that half a degree loses less than a file's facets add
 
@@ -59,11 +71,11 @@ def accepted(course: Course, lash: float | None, lash_deg: float | None) -> tupl
     ways there and back are nearer than a twentieth of its length is a line, straight or an arc, which has one side.
     """
     given = lash
-    key = "limits.lash"
+    key, key_deg = _KEYS
     scale = 1.0
     if course.unit == "deg":
         given = lash_deg
-        key = "limits.lash_deg"
+        key = key_deg
         scale = math.radians(1)
     if given is not None:
         return scale * given, key
@@ -86,6 +98,36 @@ def limit_of(lash: float, value: Any, key: str = "limits.lash") -> tuple[float, 
     if lash < half or half <= _STILL:  # an output that stands still has no stroke that bounds it
         return lash, f"the limit is {key}"
     return half, "the limit is half of the stroke"
+
+
+def beyond_targets(findings: Sequence[Finding], demands: Sequence[Demand]) -> list[str]:
+    """Sentences on outputs whose play alone takes them farther than their targets allow, where the spec sets no limit of play.
+
+    Targets are judged in the middle of the play; half of it is on either side.
+    """
+    sentences = []
+    for demand in demands:
+        own = (demand.output, "")  # a single output is not named
+        plays = [each for each in findings if each.code == "LASH" and each.where.output in own]
+        worst = max(plays, key=lambda each: each.measured, default=None)
+        asked = [
+            (2 * each.tolerance, each.tolerance, each.code)
+            for each in demand.targets
+            if isinstance(each, Through | Trace | Lines | Function | Straight)
+        ]
+        asked += [
+            (each.band, each.band, each.code) for each in demand.targets if isinstance(each, Dwell)
+        ]
+        if worst is None or not asked or demand.lash_of in _KEYS:
+            continue
+        most, written, code = min(asked)
+        if worst.measured > most:
+            sentences.append(
+                f"{demand.output}: {code} is judged in the middle of the free play, which is "
+                f"{worst.measured / 2:.3g} {worst.unit} either way, more than the {written:g} asked; "
+                f"{_KEYS[worst.unit == 'deg']} says what play you accept, a smaller print.slide_clearance gives less"
+            )
+    return sentences
 
 
 def between(cams: Sequence[DiscCam[Any]], air: float, lash: float) -> list[Finding]:

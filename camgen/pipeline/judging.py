@@ -22,6 +22,7 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats
 from camgen.judge.copies import judge_copies, judge_exact_copies
 from camgen.judge.round_trip import judge_solid
+from camgen.machines.free_play import beyond_targets
 from camgen.machines.mechanism import Mechanism
 from camgen.parts import materials, motors
 from camgen.parts.assembly import (
@@ -142,7 +143,11 @@ def judge(
             *(left for each in outcomes for left in each.not_judged),
             *_merged(parts),
         ),
-        (*unheard(mechanism, files), *(warning for each in outcomes for warning in each.warnings)),
+        (
+            *unheard(mechanism, files),
+            *(warning for each in outcomes for warning in each.warnings),
+            *beyond_targets(findings, mechanism.assembly.demands),
+        ),
     )
     return report, columns
 

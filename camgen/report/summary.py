@@ -28,16 +28,30 @@ _KINDS = ("dxf", "stl", "3mf", "step", "glb", "svg", "png", "gif", "pdf")
 # What is shown beside the stroke, the weightiest first: what it is called, code of its findings, else quantity of a figure.
 _OTHERS = (
     ("Off the path", "PATH_ERROR", ""),
+    ("Straightness", "STRAIGHTNESS", ""),
+    ("Dwell", "DWELL", ""),
     ("Free play", "LASH", ""),
     ("Pressure angle", "PRESSURE_ANGLE", ""),
     ("Transmission angle", "TRANSMISSION_ANGLE", ""),
+    ("", "", ""),  # what of _STRENGTH is used most
     ("Torque needed", "DRIVE_TORQUE", "drive torque"),
     ("Force needed", "", "drive force"),
     ("Motion error", "MOTION_ERROR", ""),
-    ("Least gap", "INTERFERENCE", ""),
+    ("Contact pressure", "HERTZ", ""),
     ("Mass", "", "mass"),
     ("Time to print", "", "print time"),
+    ("Least gap", "INTERFERENCE", ""),
 )
+# What breaks or wears first: before torque and error where more than half of its limit is used.
+_STRENGTH = {
+    "HERTZ": "Contact pressure",
+    "PIN_STRESS": "Stress of a pin",
+    "SHAFT_STRESS": "Stress of the shaft",
+    "SPRING_STRESS": "Stress of the spring",
+    "TOOTH_STRESS": "Stress of a tooth",
+    "PV": "Pressure times speed",
+}
+_MUCH = 0.5
 _ERRORS = ("MOTION_ERROR", "PATH_ERROR")
 
 
@@ -125,18 +139,31 @@ def _figures(report: Report) -> Iterator[Headline]:
         same = (each for each in designed if each.quantity == _ALONG and each.of == stroke.of)
         along = next((each.value for each in same), None)
         yield Headline(words.name(stroke), stroke.value, stroke.unit, along=along)
+    judged = {
+        each.code: _worst([f for f in report.findings if f.code == each.code])
+        for each in report.findings
+    }
+    strained = _strained([each for each in judged.values() if each is not None])
     for name, code, quantity in _OTHERS:
         figure = next((each for each in designed if each.quantity == quantity), None)
         if quantity and not (figure and figure.value > _NOTHING):
             continue  # such as the torque of a cam on which nothing is known to press
-        judged = [each for each in report.findings if each.code == code]
-        worst = _worst(judged)
-        if worst is not None:
-            several = len({each.where.output for each in judged if each.where.output}) > 1
-            of = f" of {worst.where.output}" if several else ""
-            yield Headline(f"{name}{of}", worst.measured, worst.unit, worst)
-        elif figure is not None:
+        worst = judged.get(code) if code else strained
+        if worst is not None and (not code or worst is not strained):
+            outputs = {f.where.output for f in report.findings if f.code == worst.code} - {""}
+            of = f" of {worst.where.output}" if len(outputs) > 1 else ""
+            yield Headline(
+                f"{name or _STRENGTH[worst.code]}{of}", worst.measured, worst.unit, worst
+            )
+        elif worst is None and figure is not None:
             yield Headline(name, figure.value, figure.unit)
+
+
+def _strained(findings: Sequence[Finding]) -> Finding | None:
+    """Of findings on strength the one that uses most of its limit, where that is more than half, or fails."""
+    used = [(share_used(each) or 0.0, each) for each in findings if each.code in _STRENGTH]
+    share, most = max(used, key=lambda pair: pair[0], default=(0.0, None))
+    return most if share > _MUCH else None
 
 
 def _worst(findings: Sequence[Finding]) -> Finding | None:

@@ -12,7 +12,7 @@ import tomli_w
 from judged import wrong
 
 from camgen.errors import DesignError, SpecError
-from camgen.findings import Finding
+from camgen.findings import Finding, Where, at_most
 from camgen.machine import targets
 from camgen.machine.targets import extent
 from camgen.machines import free_play
@@ -222,6 +222,41 @@ def test_the_play_of_a_path_is_borne_to_a_quarter_of_its_smaller_side() -> None:
     assert (
         asked.lash == pytest.approx(20 / 4, rel=1e-6) and "length" in asked.lash_of
     )  # a line has one side: twice the crank
+
+
+@pytest.mark.parametrize(
+    ("wish", "code", "play", "told"),
+    [
+        ({"straightness": {"length": 10, "tolerance": 0.5}}, "STRAIGHTNESS", 3.0, True),
+        ({"straightness": {"length": 10, "tolerance": 0.5}}, "STRAIGHTNESS", 0.9, False),
+        ({"points": {"at": [[20, 40]], "tolerance": 0.1}}, "PATH_ERROR", 0.3, True),
+        ({"stroke": {"value": 40, "tolerance": 0.5}}, "", 3.0, False),
+        ({}, "", 3.0, False),
+    ],
+)
+def test_play_that_is_more_than_a_target_is_told(
+    wish: dict[str, Any], code: str, play: float, told: bool
+) -> None:
+    """Unless the spec says what play is accepted; a stroke is a difference, in which play counts otherwise."""
+    output = [{"name": "pen", "point": "P", **wish}]
+    demands = validate(Linkage, spec(**HOEKEN, output=output)).assembly.demands
+    lash = at_most("LASH", play, 5.0, "mm", Where(kind="dxf"), "")
+    said = free_play.beyond_targets([lash], demands)
+    assert bool(said) == told and all(
+        text.startswith(f"pen: {code} is judged")
+        and f"{play / 2:g} mm either way" in text
+        and "limits.lash" in text
+        for text in said
+    )
+    accepting = validate(Linkage, spec(**HOEKEN, output=output, limits={"lash": 5.0}))
+    assert not free_play.beyond_targets([lash], accepting.assembly.demands)
+
+
+def test_a_four_bar_with_much_play_tells_it_beside_its_straightness(tmp_path: Path) -> None:
+    wish = {"straightness": {"length": 10, "tolerance": 0.1}}
+    tables = spec(**HOEKEN, output=[{"name": "pen", "point": "P", **wish}])
+    report = build(tables, tmp_path, frozenset({"dxf"}))
+    assert any("pen: STRAIGHTNESS is judged in the middle" in text for text in report.warnings)
 
 
 @pytest.mark.parametrize(

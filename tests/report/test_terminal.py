@@ -259,3 +259,32 @@ def test_a_stand_that_takes_most_of_the_printing_is_told(
     report = Report("m", "linkage", [], Figures(figures), folder=tmp_path)
     (step,) = [each for each in summary(report).steps if each.verb == "print"]
     assert step.rest == told
+
+
+def headlines(*found: Finding) -> list[str]:
+    """Names of the figures that stand first."""
+    figures = Figures([Figure("stroke", 12.0, "mm"), Figure("drive torque", 3.0, "N m")])
+    return [each.name for each in summary(Report("m", "disc-cam", found, figures)).figures]
+
+
+def test_what_is_strained_stands_before_torque_and_error() -> None:
+    """Contact pressure of a steel cam, not a gap of 103 mm; of a printed one, which bears little, after them."""
+    always = (
+        at_least("INTERFERENCE", 103.1, 0, "mm", Where(), ""),
+        at_most("MOTION_ERROR", 1e-3, 2e-3, "mm", Where("dxf"), ""),
+        at_most("PIN_STRESS", 10.0, 100.0, "MPa", Where(), ""),
+    )
+    steel = at_most("HERTZ", 430.0, 559.0, "MPa", Where(), "")
+    assert headlines(*always, steel) == [
+        "Stroke",
+        "Contact pressure",
+        "Torque needed",
+        "Motion error",
+        "Least gap",
+    ]
+    calm = replace(steel, measured=20.0)
+    assert headlines(*always, calm)[1:4] == ["Torque needed", "Motion error", "Contact pressure"]
+    pin = replace(always[2], measured=99.0)
+    assert headlines(*always[:2], pin, steel)[1] == "Stress of a pin"
+    asked = at_most("STRAIGHTNESS", 0.4, 0.5, "mm", Where(), "")
+    assert headlines(*always, asked)[1] == "Straightness"
