@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from camgen.findings import Finding, NotJudged
+from camgen.machine.forces import Forces
 from camgen.machine.model import Machine
-from camgen.machine.run import solve
+from camgen.machine.run import Run, solve
 from camgen.machines import pairs
 from camgen.machines.loads import bearing, counterweights, drive, follower
 from camgen.machines.loads.applied import jumps
@@ -21,7 +23,9 @@ from camgen.machines.loads.rubbing import locking_friction, with_friction
 from camgen.machines.loads.running import running
 from camgen.machines.loads.tables import Drives
 from camgen.machines.loads.weights import Masses, with_masses
-from camgen.numerics import peak
+from camgen.numerics import Floats, peak
+from camgen.parts.assembly import Assembly
+from camgen.parts.springs import WIRES
 from camgen.study import Figure, Figures, Study, Table, together
 
 if TYPE_CHECKING:
@@ -53,111 +57,174 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
     if not model.drives:
         return Assessment()
     assembly = mechanism.assembly
-    load = mechanism.load
-    masses = with_masses(model, assembly.solids, load)
-    machine = masses.machine
+    masses = with_masses(model, assembly.solids, mechanism.load)
     motor = getattr(mechanism, "motor", None)
     motor = motor if isinstance(motor, Drives) else None
     reach = drive.reach(motor, assembly.motor)
-    if not (math.isfinite(machine.speed) and machine.speed):
-        why = "nothing says how fast the machine turns"
-        asked = drive.motor_of(motor, assembly.motor.crank) is not None
-        codes = (*(("DRIVE_TORQUE",) if asked else ()), "PV", "PIN_STRESS")
-        speedless = [NotJudged(code, why, "motor.speed_rpm") for code in codes]
+    speed = masses.machine.speed
+    if not (math.isfinite(speed) and speed):
         study = Study(tables=[_mass_table(masses)])
-        left_out = (*assembly.unjudged, *reach.not_judged, *speedless)
+        left_out = (*assembly.unjudged, *reach.not_judged, *_speedless(motor, assembly))
         return Assessment(reach.findings, study, left_out)
-    theta = np.linspace(*assembly.cycle.range, _MANY if len(machine.bodies) <= _BODIES else _FEW)
-    journals = assembly.journals
-    run = solve(with_friction(machine, journals, load, mechanism.material.name), theta)
-    forces = run.forces()
-    # friction may spare a pin, and may be less than its table says
-    smooth = solve(machine, theta).forces()
-    on_edges = bearing.edge_forces(run, forces, assembly)
-    on_pins = replace(
-        forces,
-        reactions=_worse(smooth.reactions, forces.reactions),
-        normals=_worse(smooth.normals, forces.normals),
-        pressing={**forces.pressing, **on_edges},
-    )
-    pins = bearing.plain_bearings(run, on_pins, journals, assembly.limits_of, load)
-    posts = bearing.bent_posts(on_pins, assembly.posts, assembly.limits_of, not machine.loads)
-    cams = bearing.contacts(run, forces, assembly, load)
-    gears = bearing.gears(run, forces, assembly)
-    edges = bearing.edges(run, on_edges, assembly)
-    lives = {each.code for check in (pins, cams) for each in check.findings}
-    lives |= {each.code for check in (pins, cams) for each in check.not_judged}
-    asked = any(assembly.limits_of(joint.name).bearing_life is not None for joint in machine.joints)
-    if asked and "BEARING_LIFE" not in lives:
-        why = "no ball bearing of the machine is loaded"
-        cams.not_judged.append(NotJudged("BEARING_LIFE", why, "a ball bearing"))
-    torque = drive.torque(
-        run,
-        forces,
-        motor,
-        assembly.cycle.label,
-        assembly.motor.crank,
-        lambda: locking_friction(machine, journals, load, mechanism.material.name, theta),
-    )
-    runs = running(
-        run, motor, assembly.material_limits.drive, assembly.cycle.name, assembly.motor.crank
-    )
-    hub = drive.hub_slip(
-        assembly.motor.hub,
-        Figures(torque.figures).get("drive_torque_n_m", 0.0),
-        mechanism.material.name,
-    )
-    elastic = follower.elastic(run, load, assembly.limits_of)
-    rates = follower.motion_limits(run, assembly.limits_of)
-    springs = follower.springs(assembly.springs, machine.speed)
-    facts = assembly.follower
-    notes, not_judged = pairs.remarks(forces, machine, assembly.outlines, facts.arm_stiffness)
-    if facts.wish is not None and not assembly.springs:
-        from camgen.parts.springs import WIRES
-
-        rate, least, _ = facts.wish
-        why = f"no wire up to {WIRES[-1]:g} mm can be wound to pull {least:.4g} N and {rate:.4g} N/mm more without yielding"
-        needs = "another spring.preload or spring.rate, or a spring of another kind"
-        not_judged.append(NotJudged("SPRING_STRESS", why, needs))
-    tips = LoadCheck(not_judged=not_judged)
-    checks = (
-        reach,
-        tips,
-        pins,
-        posts,
-        cams,
-        gears,
-        edges,
-        torque,
-        runs,
-        hub,
-        elastic,
-        rates,
-        springs,
-    )
-    figures = [Figure("shaking force", peak(forces.shaking), "N")]
-    for name, reaction in forces.reactions.items():
-        figures.append(Figure("reaction {joint}", peak(reaction), "N", joint=name))
-    figures += follower.balance(run, forces)
-    if facts.arm_stiffness:
-        figures.append(Figure("follower arm stiffness", facts.arm_stiffness, "N m/rad"))
-    for check in checks:
-        figures += check.figures
-    study = Study(
-        Figures(each for each in figures if math.isfinite(each.value)),
-        [*torque.plots, *runs.plots, *cams.plots, *elastic.plots],
-        [_mass_table(masses), *pins.tables, *elastic.tables],
-        notes=[*notes, *gears.notes, *runs.notes, *jumps(machine)],
-    )
-    if assembly.balances:
-        counterweight = getattr(mechanism, "counterweight", None)
-        study = together([study, counterweights.study(assembly, counterweight, machine)])
+    at_work = _AtWork(mechanism, masses, motor)
+    checks = [reach, *at_work.checks()]
     return Assessment(
         [finding for check in checks for finding in check.findings],
-        study,
+        at_work.study(checks),
         [*assembly.unjudged, *(each for check in checks for each in check.not_judged)],
-        overstated([*pins.pins, *posts.pins]),
+        overstated([pin for check in checks for pin in check.pins]),
     )
+
+
+def _speedless(motor: Drives | None, assembly: Assembly) -> list[NotJudged]:
+    """What stays open of a machine of which nothing says how fast it turns."""
+    asked = drive.motor_of(motor, assembly.motor.crank) is not None
+    codes = (*(("DRIVE_TORQUE",) if asked else ()), "PV", "PIN_STRESS")
+    why = "nothing says how fast the machine turns"
+    return [NotJudged(code, why, "motor.speed_rpm") for code in codes]
+
+
+@dataclass(frozen=True)
+class _AtWork:
+    """A machine with masses that turns at its speed, and what its joints, contacts, drive and springs bear."""
+
+    mechanism: Mechanism
+    masses: Masses
+    motor: Drives | None
+
+    @property
+    def assembly(self) -> Assembly:
+        return self.mechanism.assembly
+
+    @property
+    def machine(self) -> Machine:
+        return self.masses.machine
+
+    @cached_property
+    def theta(self) -> Floats:
+        """rad, over one cycle."""
+        count = _MANY if len(self.machine.bodies) <= _BODIES else _FEW
+        return np.linspace(*self.assembly.cycle.range, count)
+
+    @cached_property
+    def run(self) -> Run:
+        """With friction in its joints."""
+        own = self.mechanism.material.name
+        rough = with_friction(self.machine, self.assembly.journals, self.mechanism.load, own)
+        return solve(rough, self.theta)
+
+    @cached_property
+    def forces(self) -> Forces:
+        return self.run.forces()
+
+    @cached_property
+    def remarks(self) -> tuple[list[str], list[NotJudged]]:
+        """Of pairs that pass each other: notes, and what is not judged."""
+        stiffness = self.assembly.follower.arm_stiffness
+        return pairs.remarks(self.forces, self.machine, self.assembly.outlines, stiffness)
+
+    def checks(self) -> list[LoadCheck]:
+        """All that is judged of it, in the order in which a person reads it."""
+        run = self.run
+        load = self.mechanism.load
+        limits_of = self.assembly.limits_of
+        on_edges = bearing.edge_forces(run, self.forces, self.assembly)
+        on_pins = self._on_pins(on_edges)
+        posts = self.assembly.posts
+        bearings = [
+            bearing.plain_bearings(run, on_pins, self.assembly.journals, limits_of, load),
+            bearing.bent_posts(on_pins, posts, limits_of, not self.machine.loads),
+            bearing.contacts(run, self.forces, self.assembly, load),
+            bearing.gears(run, self.forces, self.assembly),
+            bearing.edges(run, on_edges, self.assembly),
+        ]
+        return [
+            LoadCheck(not_judged=[*self.remarks[1], *self._unwound()]),
+            *bearings,
+            LoadCheck(not_judged=self._lifeless(bearings)),
+            *self._driven(),
+            follower.elastic(run, load, limits_of),
+            follower.motion_limits(run, limits_of),
+            follower.springs(self.assembly.springs, self.machine.speed),
+        ]
+
+    def study(self, checks: Sequence[LoadCheck]) -> Study:
+        """Figures, plots, tables and notes of it and its checks."""
+        figures = [Figure("shaking force", peak(self.forces.shaking), "N")]
+        for name, reaction in self.forces.reactions.items():
+            figures.append(Figure("reaction {joint}", peak(reaction), "N", joint=name))
+        figures += follower.balance(self.run, self.forces)
+        stiffness = self.assembly.follower.arm_stiffness
+        if stiffness:
+            figures.append(Figure("follower arm stiffness", stiffness, "N m/rad"))
+        figures += [figure for check in checks for figure in check.figures]
+        study = Study(
+            Figures(each for each in figures if math.isfinite(each.value)),
+            [plot for check in checks for plot in check.plots],
+            [_mass_table(self.masses), *(table for check in checks for table in check.tables)],
+            notes=[
+                *self.remarks[0],
+                *(note for check in checks for note in check.notes),
+                *jumps(self.machine),
+            ],
+        )
+        if self.assembly.balances:
+            counterweight = getattr(self.mechanism, "counterweight", None)
+            balanced = counterweights.study(self.assembly, counterweight, self.machine)
+            study = together([study, balanced])
+        return study
+
+    def _on_pins(self, on_edges: Mapping[str, Loads]) -> Forces:
+        """What pins and slides bear at most: friction may spare a pin, and may be less than its table says."""
+        smooth = solve(self.machine, self.theta).forces()
+        return replace(
+            self.forces,
+            reactions=_worse(smooth.reactions, self.forces.reactions),
+            normals=_worse(smooth.normals, self.forces.normals),
+            pressing={**self.forces.pressing, **on_edges},
+        )
+
+    def _driven(self) -> list[LoadCheck]:
+        """Torque of the drive, how evenly the machine runs, and whether a hub holds on its shaft."""
+        seat = self.assembly.motor
+        cycle = self.assembly.cycle
+        own = self.mechanism.material
+        journals = self.assembly.journals
+
+        def locking() -> str:
+            return locking_friction(
+                self.machine, journals, self.mechanism.load, own.name, self.theta
+            )
+
+        torque = drive.torque(self.run, self.forces, self.motor, cycle.label, seat.crank, locking)
+        asked = self.assembly.material_limits.drive
+        needed = Figures(torque.figures).get("drive_torque_n_m", 0.0)
+        return [
+            torque,
+            running(self.run, self.motor, asked, cycle.name, seat.crank),
+            drive.hub_slip(seat.hub, needed, own.name),
+        ]
+
+    def _lifeless(self, bearings: Sequence[LoadCheck]) -> list[NotJudged]:
+        """A bearing's life that is asked of a machine in which no ball bearing is loaded."""
+        told = {finding.code for check in bearings for finding in check.findings}
+        told |= {each.code for check in bearings for each in check.not_judged}
+        joints = self.machine.joints
+        lives = (self.assembly.limits_of(joint.name).bearing_life for joint in joints)
+        if "BEARING_LIFE" in told or all(life is None for life in lives):
+            return []
+        why = "no ball bearing of the machine is loaded"
+        return [NotJudged("BEARING_LIFE", why, "a ball bearing")]
+
+    def _unwound(self) -> list[NotJudged]:
+        """The return spring that a cam wishes for and that no wire can be."""
+        wish = self.assembly.follower.wish
+        if wish is None or self.assembly.springs:
+            return []
+        rate, least, _ = wish
+        why = f"no wire up to {WIRES[-1]:g} mm can be wound to pull {least:.4g} N and {rate:.4g} N/mm more without yielding"
+        needs = "another spring.preload or spring.rate, or a spring of another kind"
+        return [NotJudged("SPRING_STRESS", why, needs)]
 
 
 def _worse(smooth: Mapping[str, Loads], rough: Mapping[str, Loads]) -> dict[str, Loads]:
