@@ -116,26 +116,43 @@ class DiscCamDrive(CamTables):
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
         g = self.geometry
+        slides = not g.follower.swings
+        sprung = g.closure == "force"
+        found = [*self._follower_faults(), *self._closure_faults(), *self._size_faults()]
+        try:
+            self._given  # noqa: B018
+        except SpecError as error:
+            found += error.faults
+        found += self.size_faults("follower")
+        tip = None if g.follower.shape == "flat" else g.follower.radius or 0.0
+        found += air_faults(("geometry", "tip_clearance"), g.tip_clearance, g.closure, tip)
+        found += load_faults(self.load, self.spring, slides, sprung, self.standing)
+        if not found and self.load is not None and self.load.polydyne:
+            alone = self.standing and sprung
+            found += polydyne_faults(self.load, self.spring, self._given, alone)
+        found += still_faults(("segment",), [table.kind for table in self.segment])
+        return [*found, *self._cam_follower_faults()]
+
+    def _follower_faults(self) -> Iterator[Fault]:
+        """Keys of geometry.follower that its motion and shape need and that are missing, or that mean nothing there."""
         f = self.geometry.follower
-        p = self.making
-        round_hub = 2 * (p.reach + self.allowed.min_wall) if not p.misfits() else 0.0
         slides = not f.swings
         flat = f.shape == "flat"
-        roller = f.shape == "roller"
-        drawn_shoe = f.shape == "outline"
-        found = []
+        drawn = f.shape == "outline"
+        pointed = not flat and not drawn
+        # key, whether it belongs here, whether it is needed then, what it is
         for key, belongs, needed, what in (
-            ("radius", roller, True, "the radius of a roller"),
+            ("radius", f.shape == "roller", True, "the radius of a roller"),
             ("offset", slides, False, "the offset of a translating follower"),
             ("pivot_distance", not slides, True, "where an oscillating follower has its pivot"),
             (
                 "arm",
-                not slides and not flat and not drawn_shoe,
+                not slides and pointed,
                 True,
                 "the arm of an oscillating roller or knife edge",
             ),
-            ("outline", drawn_shoe and f.contours is None, True, "an SVG or DXF beside the spec"),
-            ("contours", drawn_shoe, False, 'a follower of shape "outline" has one'),
+            ("outline", drawn and f.contours is None, True, "an SVG or DXF beside the spec"),
+            ("contours", drawn, False, 'a follower of shape "outline" has one'),
             (
                 "face_offset",
                 flat and not slides,
@@ -148,88 +165,55 @@ class DiscCamDrive(CamTables):
             typed = "outline" if key == "contours" and f.drawn_in else key  # what was read from it
             place = ("geometry", "follower", typed)
             if belongs and needed and value is None:
-                found.append(Fault(place, "", f"missing: {what}"))
+                yield Fault(place, "", f"missing: {what}")
             elif not belongs and value:
                 shown = f"{value:g}" if isinstance(value, float) else ""
-                found.append(Fault(place, shown, f"nothing here: {what}"))
-        found += contour_faults(("geometry", "follower", "contours"), f.contours or ())
-        checks = [
-            (
-                g.closure != "groove" or roller,
-                ("geometry", "closure"),
-                g.closure,
-                "force or conjugate: only rollers run in grooves",
-            ),
-            (
-                g.closure == "force" or not drawn_shoe,
-                ("geometry", "closure"),
-                g.closure,
-                "force: a follower with an outline of your own has one cam",
-            ),
-            (
-                not self.standing or not drawn_shoe,
-                ("parts", "make"),
-                p.make,
-                '"cams": a cam and its shoe; for a machine make the follower a link with parts.LINK.outline',
-            ),
-            (
-                p.make != "laser" or not slides,
-                ("geometry", "follower", "motion"),
-                f"{f.motion!r} with parts.make = 'laser'",
-                f'"oscillating", or parts.make = "cams", the cam alone: {sheets.NO_RAILS}',
-            ),
-            (
-                p.make != "laser" or g.closure != "groove",
-                ("geometry", "closure"),
-                f"{g.closure!r} with parts.make = 'laser'",
-                f'"force" or "conjugate": {sheets.NO_BACK}',
-            ),
-            (
-                self.standing or not p.hub_height or p.hub_diameter >= round_hub,
-                ("parts", "hub_diameter"),
-                p.hub_diameter,
-                f"at least {round_hub:g} mm: the bore and limits.min_wall round it",
-            ),
-            (
-                self.standing or not p.hub_height or g.closure != "groove",
-                ("parts", "hub_height"),
-                p.hub_height,
-                "0: a groove's plates have no hub",
-            ),
-            (
-                self.standing or p.pin_diameter < p.rim,
-                ("parts", "pin_diameter"),
-                p.pin_diameter,
-                f"less than the rim, {p.rim:g} mm",
-            ),
-            (
-                self.allowed.min_wall >= self.print.nozzle,
-                ("limits", "min_wall"),
-                self.allowed.min_wall,
-                f"at least the nozzle, {self.print.nozzle:g} mm",
-            ),
-        ]
-        for fine, path, value, expected in checks:
-            shown = value if isinstance(value, str) else f"{value:g}"
-            found += [] if fine else [Fault(path, shown, expected)]
-        try:
-            self._given  # noqa: B018
-        except SpecError as error:
-            found += error.faults
-        found += self.size_faults("follower")
-        found += air_faults(
-            ("geometry", "tip_clearance"),
-            g.tip_clearance,
-            g.closure,
-            None if flat else f.radius or 0.0,
-        )
-        found += load_faults(self.load, self.spring, slides, g.closure == "force", self.standing)
-        if not found and self.load is not None and self.load.polydyne:
-            found += polydyne_faults(
-                self.load, self.spring, self._given, self.standing and g.closure == "force"
-            )
-        found += still_faults(("segment",), [table.kind for table in self.segment])
-        return [*found, *self._cam_follower_faults()]
+                yield Fault(place, shown, f"nothing here: {what}")
+        yield from contour_faults(("geometry", "follower", "contours"), f.contours or ())
+
+    def _closure_faults(self) -> Iterator[Fault]:
+        """Closures and kinds of making that do not go with the follower or with each other."""
+        f = self.geometry.follower
+        closure = self.geometry.closure
+        make = self.making.make
+        place = ("geometry", "closure")
+        if closure == "groove" and f.shape != "roller":
+            yield Fault(place, closure, "force or conjugate: only rollers run in grooves")
+        if f.shape == "outline" and closure != "force":
+            right = "force: a follower with an outline of your own has one cam"
+            yield Fault(place, closure, right)
+        if f.shape == "outline" and self.standing:
+            right = '"cams": a cam and its shoe; for a machine make the follower a link with parts.LINK.outline'
+            yield Fault(("parts", "make"), make, right)
+        if make != "laser":
+            return
+        beside = "with parts.make = 'laser'"
+        if not f.swings:
+            right = f'"oscillating", or parts.make = "cams", the cam alone: {sheets.NO_RAILS}'
+            yield Fault(("geometry", "follower", "motion"), f"{f.motion!r} {beside}", right)
+        if closure == "groove":
+            right = f'"force" or "conjugate": {sheets.NO_BACK}'
+            yield Fault(place, f"{closure!r} {beside}", right)
+
+    def _size_faults(self) -> Iterator[Fault]:
+        """Sizes of hub, pin and wall that leave no material, or that no nozzle makes."""
+        p = self.making
+        wall = self.allowed.min_wall
+        if not self.standing:
+            # a bore that is wrong by itself asks for no hub
+            round_hub = 0.0 if p.misfits() else 2 * (p.reach + wall)
+            if p.hub_height and p.hub_diameter < round_hub:
+                right = f"at least {round_hub:g} mm: the bore and limits.min_wall round it"
+                yield Fault(("parts", "hub_diameter"), f"{p.hub_diameter:g}", right)
+            if p.hub_height and self.geometry.closure == "groove":
+                right = "0: a groove's plates have no hub"
+                yield Fault(("parts", "hub_height"), f"{p.hub_height:g}", right)
+            if p.pin_diameter >= p.rim:
+                right = f"less than the rim, {p.rim:g} mm"
+                yield Fault(("parts", "pin_diameter"), f"{p.pin_diameter:g}", right)
+        if wall < self.print.nozzle:
+            right = f"at least the nozzle, {self.print.nozzle:g} mm"
+            yield Fault(("limits", "min_wall"), f"{wall:g}", right)
 
     def _cam_follower_faults(self) -> Iterator[Fault]:
         """A bought cam follower of another size than the roller for which the cam is made."""

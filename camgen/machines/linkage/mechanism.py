@@ -258,20 +258,36 @@ class Linkage(Mechanism):
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
-        links = self._drawing.links
-        moving = [link for link in links if link != m.GROUND]
-        found = [
-            fault
-            for k, row in enumerate(self.planets)
-            for fault in planets.faults(("planets", k), row, self.points, self.links)
+        return [
+            *self._table_faults(),
+            *self._layer_faults(),
+            *self._making_faults(),
+            *self._thread_faults(),
+            *self._side_faults(),
+            *self._drive_faults(),
         ]
-        found += drawing_faults(self._drawing)
+
+    def _table_faults(self) -> Iterator[Fault]:
+        """Of bodies, joints, gears, springs and outputs, before anything is made of them."""
+        for k, row in enumerate(self.planets):
+            yield from planets.faults(("planets", k), row, self.points, self.links)
+        yield from drawing_faults(self._drawing)
         if not self.wanted:
             right = (
                 "missing: [[output]] with a name and a point or link: its path or angle is judged"
             )
-            found.append(Fault(("output",), "", right))
-        turning = [
+            yield Fault(("output",), "", right)
+        yield from ratchets.faults(self._drawing, self.springs)
+        links = self._drawing.links
+        joints = self._drawing.names_of_joints()
+        yield from coils.faults(self.springs, links, self._turning, [*links, *joints])
+        on_shafts = self.freewheels, self.links, self.gears, self.drive, self.making
+        yield from freewheels.faults(*on_shafts)
+
+    @property
+    def _turning(self) -> list[str]:
+        """What may turn all round: drives, cams, gears and what else has teeth or slots."""
+        return [
             *(each.link for each in self.drives),
             *(cam.cam for cam in self.cams),
             *(name for gear in self.gears for name in (gear.a, gear.b)),
@@ -281,78 +297,72 @@ class Linkage(Mechanism):
             *(name for each in self.ratchets for name in (each.a, each.b)),
             *(name for row in self.cycloids for name in (row.crank, row.output) if name),
         ]
-        found += ratchets.faults(self._drawing, self.springs)
-        found += coils.faults(
-            self.springs, links, turning, [*links, *self._drawing.names_of_joints()]
-        )
-        webbed = webs.further(links, self.drive.link, self._slotted, self.making)
-        returns = [*self._drawing.returns.values()]
-        lying = [*moving, *webbed, *self._drawing.levels_of_joints(), *coils.names(self.springs)]
-        lying += [title for title, *_ in returns]
+
+    def _layer_faults(self) -> Iterator[Fault]:
+        """Names in [layers] of nothing that lies on a level, and where a counterweight may lie."""
+        links = self._drawing.links
+        lying = [link for link in links if link != m.GROUND]
+        lying += webs.further(links, self.drive.link, self._slotted, self.making)
+        lying += [*self._drawing.levels_of_joints(), *coils.names(self.springs)]
+        lying += [title for title, *_ in self._drawing.returns.values()]
         if self.counterweight is not None:
-            found += weight_faults(self.counterweight, self.drive, self.masses, lying)
-            found += under_faults(self.counterweight, self.making) if self._under else ()
+            yield from weight_faults(self.counterweight, self.drive, self.masses, lying)
+            if self._under:
+                yield from under_faults(self.counterweight, self.making)
             lying.append(NAME)
-        found += [
-            unknown(("layers", name), name, lying) for name in self.layers if name not in lying
-        ]
-        found += [
-            Fault(("layers", name), "0", "1 or more: 0, under the plate, is for a counterweight")
-            for name, level in self.layers.items()
-            if not level and name != NAME
-        ]
-        found += self.making.faults(links, self.print.nozzle, self.allowed.min_wall)
-        turning_on = self.freewheels, self.links, self.gears, self.drive, self.making
-        found += freewheels.faults(*turning_on)
-        found += sheets.faults(
-            self.making,
-            self.laser,
-            len(self.slides),
-            sum(c.closure == "groove" for c in self.cams),
-        )
-        if (
-            self.making.shaft == "interrupted"
-            and self.drive.link in self.links
-            and m.GROUND in self.links
+        for name, level in self.layers.items():
+            if name not in lying:
+                yield unknown(("layers", name), name, lying)
+            if not level and name != NAME:
+                right = "1 or more: 0, under the plate, is for a counterweight"
+                yield Fault(("layers", name), "0", right)
+
+    def _making_faults(self) -> Iterator[Fault]:
+        """Of [parts] and [laser]: shapes, sheets, shafts, pins and eccentrics of this machine."""
+        making = self.making
+        yield from making.faults(self._drawing.links, self.print.nozzle, self.allowed.min_wall)
+        grooves = sum(cam.closure == "groove" for cam in self.cams)
+        yield from sheets.faults(making, self.laser, len(self.slides), grooves)
+        drive = self.drive.link
+        if making.shaft == "interrupted" and {drive, m.GROUND} <= self.links.keys():
+            yield from webs.faults(self.links, self.points, drive, self._slotted)
+        hung = {point for _, *both in self._drawing.returns.values() for point in both}
+        for key, named, points in (
+            ("pins", making.pins, {*self._drawing.points, *hung}),
+            ("discs", making.discs or (), self.points),
         ):
-            found += webs.faults(self.links, self.points, self.drive.link, self._slotted)
-        points = {*self._drawing.points, *(point for _, *both in returns for point in both)}
-        found += [
-            unknown(("parts", "pins", name), name, points)
-            for name in self.making.pins
-            if name not in points
-        ]
-        found += [
-            unknown(("parts", "discs", name), name, self.points)
-            for name in self.making.discs or ()
-            if name not in self.points
-        ]
-        found += self._eccentric_faults()
+            for name in named:
+                if name not in points:
+                    yield unknown(("parts", key, name), name, points)
+        yield from self._eccentric_faults()
+
+    def _thread_faults(self) -> Iterator[Fault]:
+        """Of the posts that a thread runs round."""
         threaded = [point for each in self.wanted for point in each.thread or ()]
+        posts = self.making.thread_post_sizes
         if threaded and self.making.thread_posts is None:
-            posts = self.making.thread_post_sizes
-            found += posts.faults(self.print.nozzle, self.making.head)
-        found += [
-            Fault(("parts", "thread_posts", "diameters", name), "", "a point of a thread")
-            for name in self.making.thread_post_sizes.diameters
-            if name not in threaded
-        ]
-        found += self._side_faults()
-        found += () if self.walk is None else self.walk.faults(self.wanted)
-        found += motors.faults(self._drawing, self.making, self._of_one_motor)
+            yield from posts.faults(self.print.nozzle, self.making.head)
+        for name in posts.diameters:
+            if name not in threaded:
+                path = ("parts", "thread_posts", "diameters", name)
+                yield Fault(path, "", "a point of a thread")
+
+    def _drive_faults(self) -> Iterator[Fault]:
+        """Of motors, their programs and pens, of a walk, and of what is included."""
+        if self.walk is not None:
+            yield from self.walk.faults(self.wanted)
+        yield from motors.faults(self._drawing, self.making, self._of_one_motor)
         if self.pen is None:
-            found += motors.program_faults(self._drawing.drives)
+            yield from motors.program_faults(self._drawing.drives)
         else:
-            found += pens.faults(self.pen, self._drawing)
-        if self.includes and self.drive.segments:
+            yield from pens.faults(self.pen, self._drawing)
+        if not self.includes:
+            return
+        if self.drive.segments:
             right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
-            found.append(
-                Fault(("drive", "segment"), counted(len(self.drive.segments), "segment"), right)
-            )
-        return [
-            *found,
-            *(inc.faults(self.includes, self._host) if self.includes else ()),
-        ]
+            found = counted(len(self.drive.segments), "segment")
+            yield Fault(("drive", "segment"), found, right)
+        yield from inc.faults(self.includes, self._host)
 
     @property
     def _of_one_motor(self) -> Mapping[str, bool]:
