@@ -177,11 +177,12 @@ class _Approach:
         distance = float(shapely.distance(self.home, placed)) - self.pad
         return max(distance, 0.0) - self.allowed - self.facets
 
-    def slides_clear(self, distance: float) -> bool:
-        """Whether the guest only slides, and all that it sweeps on its straight way stays so far from the home."""
+    def slides_clear(self, gap: float) -> bool:
+        """Whether the guest only slides, and all that it sweeps on its straight way leaves such a gap to the home."""
         import shapely
 
         ends = self.motion.straight
+        distance = gap + self.allowed + self.facets + self.pad - STRAIGHT
         if ends is None or not 0 < distance < math.inf:
             return False
         turn = self.motion.turns[0]
@@ -298,12 +299,13 @@ def _search(approach: _Approach, best: _Best, accuracy: _Accuracy, most: float) 
     while len(middle):
         if len(middle) > most:
             return False
+        least = best.gap
         rivals = []
         for low in range(0, len(middle), chunk):
             rivals.append(_lowered(approach, best, accuracy, middle[low : low + chunk], half))
             if best.gap <= -approach.allowed:
                 return True
-        if span < AT_REST:
+        if span < AT_REST or (best.gap < least and approach.slides_clear(best.gap)):
             break
         middle = np.concatenate(rivals)
         half = half / 2
@@ -353,9 +355,7 @@ def _settle(approach: _Approach, best: _Best, accuracy: _Accuracy) -> None:
     """Lower `best` to the least gap of an approach, by way of a simpler guest or pieces of it where that is less work."""
     if approach.empty or best.gap <= -approach.allowed:
         return
-    if approach.slides_clear(
-        best.gap + approach.allowed + approach.facets + approach.pad - STRAIGHT
-    ):
+    if approach.slides_clear(best.gap):
         return
     if _search(approach, best, accuracy, _MANY if approach.divisible else math.inf):
         return
