@@ -182,7 +182,7 @@ class _Approach:
         import shapely
 
         ends = self.motion.straight
-        distance = gap + self.allowed + self.facets + self.pad - STRAIGHT
+        distance = gap + self.allowed + self.facets + self.pad + STRAIGHT
         if ends is None or not 0 < distance < math.inf:
             return False
         turn = self.motion.turns[0]
@@ -305,7 +305,7 @@ def _search(approach: _Approach, best: _Best, accuracy: _Accuracy, most: float) 
             rivals.append(_lowered(approach, best, accuracy, middle[low : low + chunk], half))
             if best.gap <= -approach.allowed:
                 return True
-        if span < AT_REST or (best.gap < least and approach.slides_clear(best.gap)):
+        if span < AT_REST or (best.gap < least and approach.slides_clear(best.gap - accuracy.spare(best.gap))):
             break
         middle = np.concatenate(rivals)
         half = half / 2
@@ -355,7 +355,7 @@ def _settle(approach: _Approach, best: _Best, accuracy: _Accuracy) -> None:
     """Lower `best` to the least gap of an approach, by way of a simpler guest or pieces of it where that is less work."""
     if approach.empty or best.gap <= -approach.allowed:
         return
-    if approach.slides_clear(best.gap):
+    if approach.slides_clear(best.gap - accuracy.spare(best.gap)):
         return
     if _search(approach, best, accuracy, _MANY if approach.divisible else math.inf):
         return
