@@ -16,7 +16,8 @@ centre counts. A distance of sets is 1-Lipschitz in the places of their points, 
 of path of half length l is at least g - l all over it, and one seen at the grid's angle next to the middle, which costs
 no pose, at least as much less what that is off. Stretches are halved until that suffices: whatever is dropped is proven,
 however thin the bodies are. Poses half a step from those of the grid that contradict the path are refused.
-A guest that only slides on a straight line needs no stretches where all that it sweeps is farther than the least gap so far.
+A guest that only slides on a straight line needs no more of them once all that it sweeps leaves the least gap so far, less what
+is to spare.
 Bodies that may touch are first shrunk by half of the allowed overlap each: while the shrunk ones stay apart no circle
 larger than the allowed overlap fits into the overlap of the true ones, so the same bound serves.
 """
@@ -305,7 +306,9 @@ def _search(approach: _Approach, best: _Best, accuracy: _Accuracy, most: float) 
             rivals.append(_lowered(approach, best, accuracy, middle[low : low + chunk], half))
             if best.gap <= -approach.allowed:
                 return True
-        if span < AT_REST or (best.gap < least and approach.slides_clear(best.gap - accuracy.spare(best.gap))):
+        if span < AT_REST or (
+            best.gap < least and approach.slides_clear(best.gap - accuracy.spare(best.gap))
+        ):
             break
         middle = np.concatenate(rivals)
         half = half / 2
