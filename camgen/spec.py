@@ -312,7 +312,7 @@ class Files(Record):
     )
     up_marks: bool = Field(
         default=True,
-        description="false: no UP engraved on the upper side of a machine's cam or wheel that fits upside down too",
+        description="false: no UP engraved on the upper side of a machine's cam or wheel that also fits upside down",
     )
     step: bool | None = Field(
         default=None, description="true: a whole build makes exact solids as well (STEP)"

@@ -321,7 +321,7 @@ class KeyWish(Wish):
         {}, description="figures that must lie between a least and a greatest value"
     )
     effort: Annotated[int, Field(ge=1, le=50)] = Field(
-        1, description="how many designs are tried: sixty for each key times this, and a simplex's"
+        1, description="how many designs are tried: some ninety for each key, times this"
     )
     seed: Annotated[int, Field(ge=0, le=10**6)] = Field(
         0, description="another one begins from other values"

@@ -23,7 +23,7 @@ Air = Annotated[  # nothing stiff gives way by more
     float,
     quantity(
         "mm",
-        "air at each tip of a conjugate pair, in the middle of its play; below 0: preload",
+        "clearance at each tip of a conjugate pair, in the middle of its play; below 0: preload",
         ge=-0.5,
         le=10,
     ),

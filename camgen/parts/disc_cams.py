@@ -117,7 +117,7 @@ class ShaftHole(ShaftBore):
     thickness: Thickness = Field(
         default=6.0,
         description="thickness of the cam, without its hub; in a machine that of links, cams and "
-        "followers, 4;\na disc cam of metal: at least 0.6 bores and the width of its bought roller, a rule of the house",
+        "followers, 4;\na disc cam of metal: at least 0.6 times the bore and the width of its bought roller, camgen's own rule",
     )
 
 
@@ -126,12 +126,12 @@ class CamParts(ShaftHole):
 
     hub_diameter: Length = Field(
         default=16.0,
-        description="diameter of the hub on top of the cam; a disc cam of metal: 1.8 bores, a rule of the house",
+        description="diameter of the hub on top of the cam; a disc cam of metal: 1.8 times the bore, camgen's own rule",
     )
     hub_height: Annotated[float, quantity("mm", ge=0, le=1000, examples=[6.0])] = Field(
         default=0.0,
         description="height of the hub on top of the cam; 0: none, as in a groove;\na disc cam of metal with a keyway: so "
-        "high that the bore is as long as it is wide, a rule of the house",
+        "high that the bore is as long as it is wide, camgen's own rule",
     )
     set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = Field(
         default="none",

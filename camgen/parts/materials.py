@@ -145,7 +145,7 @@ _CUT = (
         1460.0,
         "of gears, case hardened (DIN 3990:1987, as a public gear program has it)",
         metal=True,
-        # the depth is a rule of the house: under a roller of 40 mm at that pressure the shear is greatest at 0.4
+        # the depth is camgen's own rule: under a roller of 40 mm at that pressure the shear is greatest at 0.4
         treatment="case hardened and tempered, 60+4 HRC, CHD 0.8+0.4",
     ),
     Material(

@@ -41,7 +41,7 @@ _IN_METAL = Facts(
     roughness_elsewhere=3.2,
     edges="broken 0.2 to 0.4",
 )
-# Chamfer of a bore by the diameter up to which it is usual, mm: a rule of the house.
+# Chamfer of a bore by the diameter up to which it is usual, mm: camgen's own rule.
 _CHAMFERS = ((10.0, 0.5), (40.0, 1.0), (math.inf, 1.5))
 _FINE = 1e-3  # mm, chord tolerance of an outline on which a track has to lie
 

@@ -93,7 +93,7 @@ def _judged(
         )
         columns[f"{name}_{kind}"] = wanted.scale * ran
         errors.append((kind.upper(), wanted.x, wanted.scale * (ran - wanted.s)))
-    label = "way of the plate, mm"
+    label = "travel of the plate, mm"
     title = "Error of the follower, run along the files' edges"
     plots = [Plot(title, label, wanted.unit, errors)] if errors else []
     return Outcome(findings, plots=plots, columns=columns)
@@ -118,7 +118,7 @@ def _findings(
     x = wanted.x
     lost = np.isnan(ran)
     share = 100 * float(np.mean(~lost))
-    yield at_least("CONTACT", share, 100, "percent", where, "of the way the tip meets the edge")
+    yield at_least("CONTACT", share, 100, "percent", where, "of the travel the tip meets the edge")
     if lost.any():
         there = _at(where, x, int(np.flatnonzero(lost)[0]))
         yield at_most("MOTION_ERROR", math.nan, 0, wanted.unit, there, "nothing stops the tip")
@@ -133,13 +133,13 @@ def _findings(
     )
     lever = (1.0 if tip.pivot is None else abs(tip.rest)) * math.cos(float(np.max(pressure)))
     k = int(np.argmax(np.abs(error)))
-    places = f"{len(x)} places of the way"
+    places = f"{len(x)} places of the travel"
     scale = wanted.scale
     limit = scale * tolerance / lever
     yield at_most("MOTION_ERROR", scale * peak(error), limit, wanted.unit, _at(where, x, k), places)
     fastest = peak(wanted.slope)
     ripple = peak((error[span:] - error[:-span]) / run_over) / fastest if fastest else 0.0
-    message = f"of the follower's greatest speed, {mean} of the way"
+    message = f"of the follower's greatest speed, {mean} of the travel"
     yield at_most("SPEED_RIPPLE", ripple, wanted.ripple, "1", where, message)
     k = int(np.argmax(pressure))
     steep = math.degrees(float(pressure[k]))

@@ -112,7 +112,7 @@ def test_a_damaged_file_is_told_by_its_place_in_mm(built: Path, tmp_path: Path) 
     drawing.saveas(rod)
     failing = {f.code: str(f.where) for f in check(folder).findings if not f.ok}
     assert "MOTION_ERROR" in failing
-    assert "way of the drive" in failing["MOTION_ERROR"] and " mm" in failing["MOTION_ERROR"]
+    assert "travel of the drive" in failing["MOTION_ERROR"] and " mm" in failing["MOTION_ERROR"]
 
 
 def test_figures_are_of_a_force() -> None:

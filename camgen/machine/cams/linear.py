@@ -133,7 +133,7 @@ class LinearCam:
     @staticmethod
     def _place(theta: float) -> str:
         """In words; of a program from its end to its beginning theta is 0 or less."""
-        return f"{abs(WAY * theta):.4g} mm of the way"
+        return f"{abs(WAY * theta):.4g} mm of the travel"
 
     def _check(self) -> None:
         jump = next((each for each in self.program.discontinuities(1) if each.order <= 1), None)
@@ -170,7 +170,7 @@ def seen_from_left(cam: LinearCam) -> LinearCam:
     off = follower.leaves * follower.velocity(cam.program.segments[0].start, 0).item()
     across = (off * np.conj(1j * -follower.travel)).real
     if abs(across) <= _ALONG * abs(off):
-        remedy = "draw the follower so that it moves across the plate's way"
+        remedy = "draw the follower so that it moves across the plate's travel"
         raise DesignError("pressure angle as drawn", 90, 90, "deg", "", remedy)
     if across > 0:
         return cam

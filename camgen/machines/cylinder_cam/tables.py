@@ -17,7 +17,7 @@ class DrumFollower(MovingFollower):
     motion: Literal["translating", "oscillating"] = Field(
         default="translating",
         description='"translating": on a slide along the drum\'s axis; "oscillating": on an arm whose '
-        "axle is square to that axis",
+        "pivot's axis is perpendicular to that axis",
     )
     offset: Coordinate = Field(
         default=0.0,
@@ -25,26 +25,26 @@ class DrumFollower(MovingFollower):
         "as the drum is seen from above (below 0: clockwise)",
     )
     arm: Length | None = Field(
-        default=None, description="oscillating: distance from the axle to the roller's axis"
+        default=None, description="oscillating: distance from the pivot to the roller's axis"
     )
     pivot: Length | None = Field(
         default=None,
-        description="oscillating: how far the axle lies beside the drum's axis; left out: where the roller "
+        description="oscillating: how far the pivot lies beside the drum's axis; left out: where the roller "
         "stays nearest to it",
     )
     height: Length | None = Field(
         default=None,
         description="translating: height of the roller's axis at displacement 0; oscillating: height of the "
-        "axle; of a rib of\nthe middle of both rollers; from the drum's lower end; left out: the track is in the middle",
+        "pivot; for a rib of the middle of both rollers; from the drum's lower end; left out: the track is in the middle",
     )
     guide: Length | None = Field(
         default=None,
-        description="distance from the drum's axis at which the slide or the arm's axle bears, for the figures of "
+        description="distance from the drum's axis at which the slide or the arm's pivot bears, for the figures of "
         "moments; left out: geometry.radius",
     )
     start_deg: Annotated[float, quantity("deg", ge=-80, le=80)] | None = Field(
         default=None,
-        description="oscillating: angle of the arm at displacement 0, from square to the drum's axis; left "
+        description="oscillating: angle of the arm at displacement 0, from perpendicular to the drum's axis; left "
         "out: it swings as far down as up",
     )
 
@@ -60,7 +60,7 @@ class DrumRollerTable(Record):
     )
     end_clearance: Length = Field(
         default=0.5,
-        description="air between the roller's inner end and the floor, and how far its outer end lies "
+        description="gap between the roller's inner end and the floor, and how far its outer end lies "
         "inside the drum",
     )
 
@@ -81,7 +81,7 @@ class DrumGeometry(Record):
     radius: Length | None = Field(
         default=None,
         description="outer radius of the drum; left out: the smallest that keeps to "
-        "limits.pressure_angle_deg at the roller's inner end,\nand holds its bore",
+        "limits.pressure_angle_deg at the roller's inner end, and holds its bore",
     )
     length: Length | None = Field(
         default=None,

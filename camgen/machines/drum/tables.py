@@ -36,7 +36,7 @@ class TrackTable(Record):
     follower: TrackFollower = Field(description="what rides on it")
     base_radius: Length | None = Field(
         default=None,
-        description="radius of the circle that touches the track from within; left out: the smallest that keeps to\n"
+        description="radius of the circle that touches the track from within; left out: the smallest that keeps to "
         "[limits] and stands out of the core",
     )
     segment: Annotated[tuple[SegmentTable, ...], Field(min_length=1, max_length=100), WholeTurn] = (

@@ -94,7 +94,7 @@ class IndexingCam(CamTables):
     )
     freewheel: t.Freewheels | None = Field(
         default=None,
-        description="the table turns on instead of forth and back: the follower's wheel takes it along by "
+        description="the table turns on instead of to and fro: the follower's wheel takes it along by "
         "a one-way clutch as it swings out, a second clutch in the plate holds it; 180 deg "
         "each turn of the cam",
     )

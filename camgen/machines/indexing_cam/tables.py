@@ -82,7 +82,7 @@ class IndexingGeometry(Record):
             )
             found.append(Fault(("geometry", "dwell_deg"), f"{self.dwell_deg:g}", right))
         if f.roller_radius >= f.arm:
-            right = f"less than the arm, {f.arm:g} mm: the roller would cover the arm's own axle"
+            right = f"less than the arm, {f.arm:g} mm: the roller would cover the arm's own pivot"
             where = ("geometry", "follower", "roller_radius")
             found.append(Fault(where, f"{f.roller_radius:g}", right))
         path = ("geometry", "tip_clearance")
@@ -155,7 +155,7 @@ class LoadTable(Weight):
         description="moment of inertia of the driven link with the table"
     )
     follower_inertia_kg_m2: Annotated[NotNegative, quantity("kg m^2")] = Field(
-        default=0.0, description="moment of inertia of the follower about its axle"
+        default=0.0, description="moment of inertia of the follower about its pivot"
     )
     friction_n_m: Annotated[NotNegative, quantity("N m")] = Field(
         default=0.0, description="friction torque at the driven link"
@@ -165,7 +165,7 @@ class LoadTable(Weight):
     )
     closing_n_m: Annotated[NotNegative, quantity("N m")] = Field(
         default=0.0,
-        description='torque of the closing spring at the follower\'s axle, with closure "force"',
+        description='torque of the closing spring at the follower\'s pivot, with closure "force"',
     )
 
 

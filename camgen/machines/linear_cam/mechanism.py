@@ -81,7 +81,7 @@ class LinearCamDrive(Mechanism):
 
     geometry: PlateGeometry
     segment: Annotated[tuple[StrokeSegment, ...], Field(min_length=1, max_length=100)] = Field(
-        description="segments of the motion: one after another they make the way"
+        description="segments of the motion: one after another they make the plate's travel"
     )
     drive: PlateDrive = Field(
         default=PlateDrive.model_construct(), description="what moves the plate"
@@ -236,7 +236,7 @@ class LinearCamDrive(Mechanism):
         )
         made = self._assembly([part], [Mount(self.drive.slide, "cam")])
         low, high = self.cam.range
-        cycle = Cycle(low, high, name="way of the plate", to_and_fro=True, unit="mm")
+        cycle = Cycle(low, high, name="travel of the plate", to_and_fro=True, unit="mm")
         return replace(made, cycle=cycle, edges=(self._plate_edge,))
 
     @property
@@ -380,7 +380,7 @@ class LinearCamDrive(Mechanism):
         way = WAY * theta
         names = ("Displacement", "Velocity", "Acceleration")
         units = (unit, f"{unit}/s", f"{unit}/s^2")
-        label = "way of the plate, mm"
+        label = "travel of the plate, mm"
         rows = [scale * self._speed**k * self.program(theta, k) for k in range(3)]
         curves = [
             Plot(name, label, text, [("wanted", way, row)])
@@ -411,8 +411,8 @@ class LinearCamDrive(Mechanism):
         place = f"at displacement 0 the centre of its tip stands {over}"
         if isinstance(follower, PlateArm):
             pivot = follower.pivot
-            place = f"its axle stands at x = {pivot.real:.4g}, y = {pivot.imag:.4g} mm; {place}"
+            place = f"its pivot is at x = {pivot.real:.4g}, y = {pivot.imag:.4g} mm; {place}"
         return [
             f"The plate is what is made. Bring its slide, the follower with its guide, and what presses it on the edge: {place}.",
-            "The plate goes along -x from way 0, where the follower stands at x = 0 of its files.",
+            "The plate goes along -x from travel 0, where the follower stands at x = 0 of its files.",
         ]

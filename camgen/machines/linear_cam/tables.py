@@ -17,8 +17,8 @@ class PlateFollower(MovingFollower):
 
     motion: Literal["translating", "oscillating"] = Field(
         default="translating",
-        description='"translating": on a slide square to the plate\'s way; "oscillating": on an arm whose '
-        "axle is on the left",
+        description='"translating": on a slide perpendicular to the plate\'s travel; "oscillating": on an arm whose '
+        "pivot is on the left",
     )
     shape: Literal["roller", "knife"] = Field(
         default="roller", description='"roller" (with its radius) or "knife"'
@@ -26,11 +26,11 @@ class PlateFollower(MovingFollower):
     radius: Length | None = Field(default=None, description="radius of the roller")
     arm: Length | None = Field(
         default=None,
-        description="oscillating: distance from the axle to the roller's centre, or the edge",
+        description="oscillating: distance from the pivot to the roller's centre, or the edge",
     )
     start_deg: Annotated[float, quantity("deg", ge=-80, le=80)] = Field(
         default=0.0,
-        description="oscillating: angle of the arm at displacement 0, from the plate's way, upwards above 0",
+        description="oscillating: angle of the arm at displacement 0, from the plate's travel, upwards above 0",
     )
 
 
@@ -58,11 +58,11 @@ class PlateParts(Record):
 
     thickness: Thickness = Field(default=5.0, description="thickness of the plate")
     ends: Length = Field(
-        default=8.0, description="how far the plate goes on beyond both ends of the way"
+        default=8.0, description="how far the plate extends beyond both ends of its travel"
     )
     hole: Annotated[float, quantity("mm", ge=0, le=1000)] = Field(
         default=4.5,
-        description="diameter of the two holes for screws, below both ends of the way; 0: none",
+        description="diameter of the two holes for screws, below both ends of its travel; 0: none",
     )
 
 

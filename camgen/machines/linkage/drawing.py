@@ -723,7 +723,7 @@ class Drawing:
         outward = (spoke.conjugate() * way).real
         if abs(outward) <= 1e-6 * abs(spoke) * abs(way):
             off = (
-                f"the way of {cam.cam}"
+                f"the travel of {cam.cam}"
                 if carrier
                 else f"the line from {self.pivot(cam.cam)} to {cam.at}"
             )

@@ -401,11 +401,11 @@ def _plate_faults(drawing: Drawing, path: Key, cam: t.Cam) -> Iterable[Fault]:
                 right = "nothing here: segments of a plate have span, in mm, and a law"
                 yield Fault((*path, "segment", k, field.alias or key), "", right)
         if row.span is None:
-            yield Fault((*path, "segment", k, "span"), "", "missing: mm of the plate's way")
+            yield Fault((*path, "segment", k, "span"), "", "missing: mm of the plate's travel")
     low, high = drawing.drive.range_deg or (0.0, 0.0)
     length = math.fsum(spans)
     if len(spans) == len(cam.segment) and (low < 0 or high > length + SAME_POINT):
-        right = f"within 0 and {length:g}, the way of the segments of cam {drawing.cam_name(cam)}, which begin as drawn"
+        right = f"within 0 and {length:g}, the travel of the segments of cam {drawing.cam_name(cam)}, which begin as drawn"
         yield Fault(("drive", "range"), f"[{low:g}, {high:g}]", right)
 
 

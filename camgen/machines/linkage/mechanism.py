@@ -702,7 +702,7 @@ class Linkage(Mechanism):
     def _angle_name(self, cams: bool) -> str:
         """What theta is called; cams: whether any are made."""
         if isinstance(self.drive, t.SlidingDrive):
-            return "way of the drive"
+            return "travel of the drive"
         if self.drive.range_deg is not None or self._programmed:
             return "drive angle"
         return "cam angle" if cams else "crank angle"

@@ -366,7 +366,7 @@ class Geneva(Record):
     )
     clearance: Annotated[float, quantity("mm", gt=0, le=2)] | None = Field(
         default=None,
-        description="air of the roller in a slot, and of the disc in the wheel, on either side; half of print.slide_clearance unless given",
+        description="gap of the roller in a slot, and of the disc in the wheel, on either side; half of print.slide_clearance unless given",
     )
     name: Name | None = Field(
         default=None, description="name of the joint; both links unless given"
@@ -461,11 +461,11 @@ class Cycloid(Record):
     )
     clearance: Annotated[float, quantity("mm", gt=0, le=2)] | None = Field(
         default=None,
-        description="air of the disc beside each pin, and of an output pin in its hole; half of print.slide_clearance unless given",
+        description="gap between the disc and each pin, and round an output pin in its hole; half of print.slide_clearance unless given",
     )
     offset: Annotated[float, quantity("mm", ge=-2, le=2)] = Field(
         default=0.0,
-        description="how much smaller the circle of pins is for which the disc is cut: more air at the top of its lobes and in its hollows, less on the flanks that drive",
+        description="how much smaller the circle of pins is for which the disc is cut: a larger gap at the top of its lobes and in its hollows, less on the flanks that drive",
     )
     output: Name | None = Field(
         default=None,
@@ -534,7 +534,7 @@ class Mutilated(Record):
 class Ratchet(Record):
     """A ratchet: the wheel of link a turns one way past the pawl of link b, which falls behind each tooth and holds it the other way."""
 
-    a: Name = Field(description="the wheel: a link that turns on the ground, one way alone")
+    a: Name = Field(description="the wheel: a link that turns on the ground, one way only")
     b: Name = Field(
         description="the pawl: another link that turns on the ground; a [[spring]] draws it to the wheel"
     )
@@ -645,7 +645,7 @@ class CamSegment(Span):
     )
     span: Annotated[float, quantity("mm", ge=1e-3, le=1e5)] | None = Field(
         default=None,
-        description="how much of the way of a cam that slides it takes, in place of span_deg",
+        description="how much of the travel of a cam that slides it takes, in place of span_deg",
     )
     lift: Length | None = Field(
         default=None, description="how far a follower slides; or to, where it ends"
@@ -713,7 +713,7 @@ class Cam(Record):
     base_radius: Length | Literal["least"] | None = Field(
         default=None,
         description='radius on which the follower stands at theta = 0; "least": the smallest that '
-        "keeps to\n[limits]; left out: as drawn",
+        "keeps to [limits]; left out: as drawn",
     )
     damping: Annotated[float, quantity("N s/mm or N m s/rad", ge=0, le=1e6)] = Field(
         default=0.0, description="damping of the follower, in proportion to its speed"
@@ -873,7 +873,7 @@ class Walk(Record):
     """How a machine stands and walks on a floor; with parts.sides = 2 the far side's feet do so too."""
 
     feet: Annotated[tuple[Name, ...], Field(min_length=2, max_length=50)] = Field(
-        description="outputs of points that tread on the floor"
+        description="outputs of points that stand on the floor"
     )
     payload_g: Annotated[float, quantity("g", ge=0, le=1e6)] = Field(
         default=0.0,
@@ -887,7 +887,7 @@ class Walk(Record):
         tuple[Annotated[float, quantity("1", gt=0, le=3)], ...], Field(min_length=1, max_length=9)
     ] = Field(
         default=(0.3, 0.6, 1.0),
-        description="friction coefficients of feet on the floor: results are told as a range over them",
+        description="friction coefficients of feet on the floor: the report has the range over them",
     )
 
     def faults(self, wanted: Sequence[Wanted]) -> Iterator[Fault]:

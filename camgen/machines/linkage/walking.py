@@ -18,8 +18,8 @@ from camgen.study import Figure, Figures, Plot, Study
 
 _ANGLES = 1441
 _SAID = (
-    "Walk: so slow that inertia does nothing, in the plane, on points as feet. With equal friction of all feet the way does not "
-    "depend on it; the range is that of feet which differ within walk.friction. The way is a lower estimate. "
+    "Walk: so slow that inertia does nothing, in the plane, on points as feet. With equal friction of all feet the distance does not "
+    "depend on it; the range is that of feet which differ within walk.friction. The distance is a lower estimate. "
     "The drive's torque is that of legs in the air; on the floor it takes more: camgen simulate has it."
 )
 

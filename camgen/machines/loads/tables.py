@@ -121,7 +121,7 @@ class Weight(Record):
     )
     restitution: Annotated[float, quantity("1", ge=0, lt=1)] = Field(
         default=0.3,
-        description="speed of a follower after a knock on its cam over that before it; where LIFT_OFF fails, it moves "
+        description="share of its speed with which a follower springs back from its cam; where LIFT_OFF fails, it changes "
         "what comes after the first hop",
     )
     spring_error: Annotated[float, quantity("1", ge=0, le=0.5)] = Field(

@@ -101,7 +101,7 @@ def test_a_constant_slope_is_a_straight_edge(side: int, direction: float) -> Non
 
 def test_a_follower_along_the_plate_is_refused() -> None:
     cam = plate(1, 0.0)
-    with pytest.raises(DesignError, match="across the plate's way"):
+    with pytest.raises(DesignError, match="across the plate's travel"):
         seen_from_left(replace(cam, follower=replace(cam.follower, along=1 + 0j)))
 
 
