@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Any, Self, TypeVar
+from typing import Any, Self, TextIO, TypeVar
 
 E = TypeVar("E", bound="CamgenError")
 
@@ -21,6 +21,34 @@ def printable(text: str, keep: str = "") -> str:
     return "".join(
         c if c.isprintable() or c in keep else c.encode("unicode_escape").decode() for c in text
     )
+
+
+def wrapped(text: str, width: int) -> str:
+    """The text with lines of at most so many letters, broken at blanks alone: further lines of a sentence are set in by four."""
+    from textwrap import fill
+
+    lines = []
+    for line in text.split("\n"):
+        indent = " " * (len(line) - len(line.lstrip()))
+        lines.append(
+            fill(
+                line,
+                width,
+                subsequent_indent=f"{indent}    ",
+                break_long_words=False,
+                break_on_hyphens=False,
+            )
+            if len(line) > width
+            else line
+        )
+    return "\n".join(lines)
+
+
+def for_terminal(text: str, stream: TextIO) -> str:
+    """The text as a stream shows it: on a terminal wrapped at its width, else as it is."""
+    from shutil import get_terminal_size
+
+    return wrapped(text, get_terminal_size().columns) if stream.isatty() else text
 
 
 class CamgenError(Exception):

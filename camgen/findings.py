@@ -92,11 +92,13 @@ class Finding:
 
 @dataclass(frozen=True)
 class NotJudged:
-    """A code that was left out: why, as a sentence; needs: what would let it be judged, in a few words."""
+    """A code that was left out: why, as a sentence; needs: what would let it be judged, in a few words; absent: whether that is
+    kinds of files which are not there."""
 
     code: str
     why: str
     needs: str
+    absent: bool = False
 
     def as_dict(self) -> dict[str, object]:
         """The same as report.json lists it."""

@@ -18,6 +18,7 @@ from camgen.errors import (
     FileError,
     SpecError,
     explained,
+    for_terminal,
     printable,
 )
 
@@ -163,7 +164,7 @@ def each(
 def complain(error: CamgenError, source: Path | None = None) -> None:
     """Print a user's error on stderr, with the spec's name where the error does not say it by itself."""
     named = f"{source}: " if source is not None and isinstance(error, DesignError) else ""
-    click.echo(printable(f"error: {named}{error}", keep="\n"), err=True)
+    click.echo(for_terminal(printable(f"error: {named}{error}", keep="\n"), sys.stderr), err=True)
 
 
 def _failure_record(path: Path, error: CamgenError) -> dict[str, Any]:

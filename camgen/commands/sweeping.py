@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
+from shutil import get_terminal_size
 from typing import Any
 
 import click
@@ -112,11 +114,14 @@ def sweep(
     )
     jobs = jobs or os.cpu_count() or 1
     local = sweeps.Processes(jobs) if jobs > 1 else sweeps.here
+
+    def unit(key: str) -> str:
+        return unit_at(task.data, key)
+
     with Bar() as progress:
         engine = local if workers == "local" else sweeps.Cluster(workers)
-        swept = sweeps.sweep(
-            task, table, engine, jobs, progress, lambda key: unit_at(task.data, key)
-        )
-    for line in swept.lines(table):
+        swept = sweeps.sweep(task, table, engine, jobs, progress, unit)
+    width = {"width": get_terminal_size().columns} if sys.stdout.isatty() else {}
+    for line in swept.lines(table, unit=unit, **width):
         click.echo(printable(line))
     raise click.exceptions.Exit(0 if swept.verdicts.keys() & {sweeps.HOLDS, sweeps.LIMITS} else 1)

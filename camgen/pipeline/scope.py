@@ -129,7 +129,7 @@ def not_judged(
             absent = "no drawing or solid of a part is in the folder"
         for code in stage.codes:
             if not stage.runs(kinds):
-                reasons.setdefault(code, NotJudged(code, absent, needs))
+                reasons.setdefault(code, NotJudged(code, absent, needs, absent=True))
             elif failing and code not in codes:
                 why = f"no {needs} could be judged so far, because of the failures above; it judges {stage.what}"
                 reasons.setdefault(code, NotJudged(code, why, "a file without the faults above"))

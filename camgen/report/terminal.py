@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from camgen.errors import printable
+from camgen.errors import for_terminal, printable
+from camgen.findings import left_out
 from camgen.report.words import NOISE, sentence
 
 if TYPE_CHECKING:
@@ -80,7 +81,12 @@ def _troubles(first: Summary) -> Iterator[str]:
     if codes:
         means = "it means" if len(codes) == 1 else "they mean"
         yield f"what {means} and what helps: camgen explain {' '.join(codes)}"
-    for codes_open, why in _reasons(first.not_judged):
+    absent = [each for each in first.not_judged if each.absent]
+    if len({each.why for each in absent}) > 1:
+        yield f"{_OPEN}: {left_out(absent)}: no such files are in the folder"
+    else:
+        absent = []
+    for codes_open, why in _reasons([each for each in first.not_judged if each not in absent]):
         yield f"{_OPEN}: {codes_open}: {why}"
 
 
@@ -98,8 +104,8 @@ def _reasons(not_judged: Sequence[NotJudged]) -> Iterator[tuple[str, str]]:
 
 
 def _say(text: str, colour: str | None = None, **style: bool) -> None:
-    """Print a line of any text."""
-    _print(click.style(printable(text), colour, **style))
+    """Print a line of any text, on a terminal wrapped at its width."""
+    _print(click.style(for_terminal(printable(text), sys.stdout), colour, **style))
 
 
 def _print(line: str) -> None:
@@ -281,7 +287,7 @@ class Bar:
         said = printable(text)
         if text.startswith("note: "):  # stays on the screen
             if self._shown:
-                self._line.console.print(said, soft_wrap=True)
+                self._line.console.print(said)
             elif sys.stderr is not None:
                 print(said, file=sys.stderr, flush=True)
         elif self._shown:

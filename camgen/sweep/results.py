@@ -20,6 +20,7 @@ from camgen.numerics import Floats
 from camgen.spec import unknown
 from camgen.study import Plot, data_frame
 from camgen.sweep.run import HOLDS, LIMITS, Engine, Processes, SweepResult, Task, here, judged
+from camgen.sweep.shown import row_lines, text_of
 from camgen.sweep.tables import Row, writer_of
 
 if TYPE_CHECKING:
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 _SHOWN = 12  # rows of a table that is printed
-_FIRST = 6  # of its columns, beside the keys, that say something
-_WIDE = 40  # letters of a cell of it
 _COLOURS = 24  # series of a plot that can be told apart
 
 
@@ -118,7 +117,7 @@ class SweepTable:
                 fault = Fault((), repr(name), "a column of numbers", source="column")
                 raise SpecError([fault], "table")
         others = [key for key in self.keys if key != x]
-        values = [tuple(_text(row[key]) for key in others) for row in self.rows]
+        values = [tuple(text_of(row[key]) for key in others) for row in self.rows]
         if len(set(values)) > _COLOURS:
             others = []
             values = [()] * len(self.rows)
@@ -145,21 +144,15 @@ class SweepTable:
 
     def _cells(self, columns: Sequence[str], count: int) -> list[list[str]]:
         """Head and first rows as text."""
-        cells = [[_text(row.get(name)) for name in columns] for row in self.rows[:count]]
+        cells = [[text_of(row.get(name)) for name in columns] for row in self.rows[:count]]
         return [list(columns), *cells]
 
     def __repr__(self) -> str:
         """The verdicts, and the first rows."""
-        told = [name for name in self.columns if any(row.get(name) != "" for row in self.rows)]
-        columns = told[: _FIRST + len(self.keys)]
-        cells = [
-            [text if len(text) <= _WIDE else f"{text[: _WIDE - 3]}..." for text in line]
-            for line in self._cells(columns, _SHOWN)
-        ]
-        widths = [max(len(line[k]) for line in cells) for k in range(len(columns))]
-        lines = ["  ".join(map(str.ljust, line, widths)).rstrip() for line in cells]
-        more = len(self.rows) - _SHOWN
-        return "\n".join([self._summary, *lines, *([f"... and {more} more"] if more > 0 else [])])
+        more = max(len(self.rows) - _SHOWN, 0)
+        rows = self.rows[:_SHOWN]
+        lines = row_lines(rows, self.keys, self.task.keep, more=more) if rows else []
+        return "\n".join([self._summary, *lines])
 
     def _repr_html_(self) -> str:
         """For a notebook: the verdicts, and the first rows with all columns."""
@@ -183,10 +176,6 @@ def swept(task: Task, jobs: int = 1) -> SweepTable:
 
 def _line(tag: str, cells: Sequence[str]) -> str:
     return f"<tr>{''.join(f'<{tag}>{escape(cell)}</{tag}>' for cell in cells)}</tr>"
-
-
-def _text(cell: object) -> str:
-    return "" if cell is None else f"{cell:.6g}" if isinstance(cell, float) else str(cell)
 
 
 def _beaten(k: int, others: Floats, worth: Floats) -> bool:

@@ -33,6 +33,7 @@ from camgen.errors import (
     SpecError,
     counted,
     dotted,
+    wrapped,
 )
 from camgen.extras import install_line
 from camgen.findings import Finding
@@ -44,6 +45,7 @@ from camgen.report.sweep_page import SweepPage, shown_step, write_page
 from camgen.spec import unknown
 from camgen.study import Figure, Figures
 from camgen.sweep.journal import Journal
+from camgen.sweep.shown import WIDE, row_lines
 from camgen.sweep.tables import Row, writer_of
 from camgen.sweep.variants import Variants
 from camgen.workers import end_with_parent
@@ -68,6 +70,7 @@ _WORDS = {
     WRONG: "wrong, no valid spec",
 }
 _REASONS = 5  # that are told, the most frequent
+_SHOWN = 20  # rows that are told
 
 
 Chunk = Sequence[int]
@@ -282,6 +285,9 @@ class SweepResult:
     before: int  # rows that the journal had
     columns: Sequence[str]
     strange: int = 0  # lines of the journal that were not as this sweep wrote them
+    first: Sequence[Row] = ()  # rows of the first variants
+    keys: Sequence[str] = ()  # that were varied
+    keep: Sequence[str] = ()  # figures that were chosen
 
     @property
     def summary(self) -> str:
@@ -293,20 +299,29 @@ class SweepResult:
         ]
         return f"{self.count} variant{'s' if self.count > 1 else ''}: {', '.join(parts)}."
 
-    def lines(self, table: Path) -> list[str]:
-        """What a person is told at the end."""
+    def lines(
+        self, table: Path, width: int = WIDE, unit: Callable[[str], str] = lambda key: ""
+    ) -> list[str]:
+        """What a person is told at the end: the rows, of many the first ones and the reasons; width: in letters, unit: of a key."""
         more = f"  and {self.further} more reason{'s' if self.further > 1 else ''}, in the table"
         again = f", {self.before} of them done before" if self.before else ""
-        rows = f"{self.count} row{'s' if self.count > 1 else ''}{again}"
+        done = f"{self.count} row{'s' if self.count > 1 else ''}{again}"
         place = (
-            f"{rows}, {self.seconds:.1f} s: {table} and {table.with_suffix('.html').name} beside it"
+            f"{done}, {self.seconds:.1f} s: {table} and {table.with_suffix('.html').name} beside it"
         )
         anew = f"{counted(self.strange, 'line')} of the journal not as this sweep wrote them: those variants are judged again"
-        reasons = [f"  {n} x {reason}" for reason, n in self.reasons]
+        reasons = [
+            line
+            for reason, n in self.reasons
+            for line in wrapped(f"  {n} x {reason}", width).splitlines()
+        ]
+        reasons += [more] if self.further else []
+        others = self.count - len(self.first)
+        rows = [row | {"reason": ""} for row in self.first] if others else self.first
         return [
             self.summary,
-            *reasons,
-            *([more] if self.further else []),
+            *(reasons if others else []),
+            *row_lines(rows, self.keys, self.keep, width, unit, others),
             *([anew] if self.strange else []),
             place,
         ]
@@ -339,6 +354,7 @@ def sweep(
             units={key: unit(key) for key in keys},
         )
         count = result.count
+        result = replace(result, first=list(islice(rows(), _SHOWN)), keys=keys, keep=task.keep)
         write_page(table.with_suffix(".html"), page, rows(shown_step(count)), count)
     return result
 

@@ -175,6 +175,20 @@ def test_table_keeps_verdict_code_measured_and_limit(
     assert "…" not in table  # nothing is cut: a place takes two lines
 
 
+@pytest.mark.parametrize("width", [120, 60, 40])
+def test_sentences_are_wrapped_at_the_width_of_a_terminal(
+    width: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """At blanks: a word is never cut; a file or a pipe has them as they are."""
+    long = (replace(FINDINGS[2], message="walls-and-bridges " * 20),)
+    whole = shown(long, capsys)
+    monkeypatch.setenv("COLUMNS", str(width))
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
+    text = re.sub(r"\x1b\[[0-9;]*m", "", shown(long, capsys))
+    assert text.split() == whole.split() and max(map(len, whole.splitlines())) > 300
+    assert all(len(line) <= width or " " not in line.strip() for line in text.splitlines())
+
+
 @pytest.mark.parametrize(
     ("plates", "said"),
     [((), ""), ((2,), ", and plate-2"), ((2, 3, 4, 5, 6, 7, 8, 9, 10), ", and plate-2 to -10")],

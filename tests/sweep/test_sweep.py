@@ -31,6 +31,7 @@ from camgen.starters import unit_at
 from camgen.sweep import run as sweeps
 from camgen.sweep.journal import Journal
 from camgen.sweep.run import Cluster, Processes, Task, here, sweep, task_of
+from camgen.sweep.shown import row_lines
 from camgen.sweep.variants import variants
 
 SPEC = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"
@@ -372,7 +373,41 @@ def test_command_writes_the_table_and_says_what_it_came_to(tmp_path: Path) -> No
     ran = CliRunner().invoke(cli, ["sweep", str(SPEC), *asked])
     assert ran.exit_code == 0, ran.output
     assert "2 variants: 1 hold their limits (no file made), 1 fail." in ran.output
-    assert "1 x PRESSURE_ANGLE" in ran.output and str(table) in ran.output
+    head, small, large, place = ran.output.splitlines()[1:]
+    assert head.split() == ["base_radius,", "mm", "verdict", "stroke_mm", "why"]
+    assert small.split() == ["9", "fails", "12", "PRESSURE_ANGLE"]
+    assert large.split() == ["20", "limits", "hold", "12"] and str(table) in place
+    assert small.index("fails") == head.index("verdict") == large.index("limits")
+
+
+def test_rows_of_a_sweep_are_told_with_their_reasons_below(tmp_path: Path) -> None:
+    """Equal reasons once, wrapped at words and never cut; of many variants the first 20, and how often each reason was."""
+    arguments = ["sweep", str(SPEC), "-o", str(tmp_path / "t.csv"), "--vary"]
+    few = CliRunner().invoke(cli, [*arguments, "geometry.base_radius=4,5,30"]).output
+    rows = few.splitlines()
+    assert [row.split()[-1] for row in rows[2:4]] == ["(1)", "(2)"]
+    note = few[few.index("(1) parts.hub") :].partition("(2)")[0]
+    assert "only 4 mm from it" in " ".join(note.split()) and note.rstrip().endswith("larger")
+    assert max(map(len, rows)) <= 120
+    many = CliRunner().invoke(cli, [*arguments, "geometry.base_radius=4:30:27"]).output
+    assert " x parts.hub_diameter reaches" in many and "... and 7 more\n" in many
+    verdicts = ("refused", "fails", "limits")
+    assert sum(row.split()[1:2] in [[each] for each in verdicts] for row in many.splitlines()) == 20
+
+
+def test_what_a_sweep_tells_is_as_wide_as_asked() -> None:
+    """Figures give way first, those that say least; what varies comes before what does not."""
+    rows = [
+        {"variant": k, "a.b": 1.0 + k, "verdict": "fails", "fails": "HERTZ", "reason": ""}
+        | {"stroke_mm": 12.0, "pressure_angle_deg": 20.0 + k, "mass_g": 5.0 * k}
+        for k in range(2)
+    ]
+    wide, *_ = row_lines(rows, ["a.b"], width=120)
+    assert wide.split() == "b verdict pressure_angle_deg mass_g stroke_mm why".split()
+    narrow, *others = row_lines(rows, ["a.b"], width=45)
+    assert narrow.split() == "b verdict pressure_angle_deg why".split() and len(narrow) <= 45
+    assert all(line.endswith("HERTZ") for line in others)
+    assert row_lines(rows, ["a.b"], ["mass_g"], width=9)[0].split()[2] == "mass_g"
 
 
 def test_command_fails_where_no_variant_holds(tmp_path: Path) -> None:
