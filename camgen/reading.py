@@ -343,12 +343,17 @@ _COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)\s*(?:#.*)?$")
 _UNQUOTED = re.compile(r"""=\s*(?:["'](?=[^"'#]*(?:#|$)))?([A-Za-z][\w .-]*?)["']?\s*(?:#.*)?$""")
 _WITH_UNIT = re.compile(r"=\s*([+-]?[\d.]+)\s*([a-zA-Z°]+)\s*(?:#.*)?$")
 _ROUND = re.compile(r"=\s*\(([^()]*)\)")
+_COLON = re.compile(r"""([\w-]+(?:\.[\w-]+)*|"[^"]*")\s*:\s*(.*?)\s*(?:#.*)?$""")
 _CURLY = re.compile("[\u201c\u201d\u201e\u2018\u2019]")
 _TWICE = re.compile(r"Cannot declare \(.*\) twice")
 
 
-def _syntax_in_words(line: str, reason: str, above: str) -> str:
-    """What a line that is no TOML should be: usual mistakes by their cure, others by tomllib's reason; above: the lines over it."""
+def _slip(line: str, reason: str) -> str:
+    """What a line should be in which one thing is written as elsewhere; "" where none is seen."""
+    if (pair := _COLON.match(line)) and reason.startswith("Expected '='"):
+        return f"= in place of the colon: {pair[1]} = {pair[2] or '...'}"
+    if line.startswith("{"):
+        return 'TOML, not JSON: mechanism = "...", one key a line'
     if number := _COMMA.search(line):
         return f"a decimal point, not a comma: {number[1]}.{number[2]}"
     if number := _WITH_UNIT.search(line):
@@ -359,6 +364,13 @@ def _syntax_in_words(line: str, reason: str, above: str) -> str:
         return 'straight quotes: "..."'
     if (word := _UNQUOTED.search(line)) and word[1] not in ("true", "false", "inf", "nan"):
         return f'quotes round text: "{word[1]}"'
+    return ""
+
+
+def _syntax_in_words(line: str, reason: str, above: str) -> str:
+    """What a line that is no TOML should be: usual mistakes by their cure, others by tomllib's reason; above: the lines over it."""
+    if slip := _slip(line, reason):
+        return slip
     name = line.partition("]")[0].strip("[ ")
     if reason == "Cannot overwrite a value" and line.startswith("[["):
         return f"[[{name}]] at each row of a list: above it stands otherwise, such as [{name}]"

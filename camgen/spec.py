@@ -572,7 +572,8 @@ def unknown(path: Key, value: object, known: Iterable[str], kind: str = "") -> F
     given = "" if value is None else shown(value)
     meant = likely(kind, value, names)
     if len(meant) > 1:
-        return Fault(path, given, one_of(meant))
+        others = ", ".join(shown(name) for name in names if name not in meant)
+        return Fault(path, given, f"{one_of(meant)}{f'; or of {others}' if others else ''}")
     if new := example(kind, value):
         return Fault(path, given, f"'linkage': camgen new {new} FILE writes such a one")
     texts = [each for each in names if isinstance(each, str)]  # a literal may be a number

@@ -90,6 +90,12 @@ def test_explain_shows_entries_and_names_the_nearest(run: Any) -> None:  # noqa:
     assert code == 2 and "did you mean 'TRANSMISSION_ANGLE'?" in err
     code, out, err = run("build", "none.toml", "--only", "pdf")
     assert code == 2 and "Drawings, in PDF too, come with dxf." in err
+    code, out, err = run("build", "none.toml", "--only", "dfx,stp")
+    assert code == 2 and "Did you mean dxf, step?" in err
+    code, out, err = run("explain", "a.toml", "LASH", "b.toml")
+    assert code == 2 and "one SPEC at a time, not a.toml and b.toml" in err
+    code, out, err = run("explain", str(ROOT / "specs" / "none.toml"), "LASH")  # in any order
+    assert code == 4 and "none.toml" in err
 
 
 ROOT = PACKAGE.parent

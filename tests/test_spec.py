@@ -31,7 +31,7 @@ from camgen.motion.segments import NAMES
 from camgen.reading import lines, read
 from camgen.schemas import keys_of, step_below
 from camgen.settings import override
-from camgen.spec import Length, Record, Spec, choose, dump, schema, unknown, validate
+from camgen.spec import Length, Material, Record, Spec, choose, dump, schema, unknown, validate
 from camgen.vocabulary import _EXAMPLES, _LIKELY
 
 TOP = Path(__file__).parents[1]
@@ -238,6 +238,9 @@ def test_syntax_fault_has_line_and_column(
     "line, cure",
     [
         ("width = 12,5  # mm", "a decimal point, not a comma: 12.5"),
+        ("width: 12.5  # mm", "= in place of the colon: width = 12.5"),
+        ('"A-B": 25', '= in place of the colon: "A-B" = 25'),
+        ('{"mechanism": "disc-cam"}', 'TOML, not JSON: mechanism = "...", one key a line'),
         ("width = 25 mm", "a number without a unit: 25"),
         ("side = left", 'quotes round text: "left"'),
         (
@@ -855,6 +858,13 @@ def test_a_word_that_people_use_is_told_by_the_names_here(key, word, meant):
         read_mechanism(TOP / "specs/disc-cam.toml", [f'{key}="{word}"'])
     told = {dotted(fault.path): str(fault) for fault in caught.value.faults}
     assert meant in told[key]
+    if meant.startswith("one of"):  # all others are named behind those
+        known = {
+            "law": NAMES,
+            "name": get_args(Material.model_fields["name"].annotation),
+            "model": get_args(Model),
+        }
+        assert all(f"'{name}'" in told[key] for name in known[key.rpartition(".")[2]])
 
 
 def test_each_name_and_example_of_a_word_exists():

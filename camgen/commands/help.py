@@ -52,8 +52,11 @@ def explain(codes: Sequence[str], settings: Sequence[str]) -> None:
     With a SPEC (a file that ends in .toml) explain it for this machine too: how near the value is to its limit, which key sets
     the limit, and how much each key changes the value. camgen tries each key, which takes some seconds.
     """
-    spec = codes[-1] if codes and codes[-1].endswith(".toml") else None
-    names = codes if spec is None else codes[:-1]
+    files = [each for each in codes if each.endswith(".toml")]
+    if len(files) > 1:
+        raise click.UsageError(f"one SPEC at a time, not {' and '.join(files)}")
+    spec = files[0] if files else None
+    names = [each for each in codes if each != spec]
     if spec is not None and not names:
         raise click.UsageError("a CODE before the SPEC, such as PRESSURE_ANGLE")
     if settings and spec is None:

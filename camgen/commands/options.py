@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -98,7 +99,9 @@ def kinds_of(
             if {"pdf", "drawing", "drawings"} & kinds
             else ""
         )
+        near = [each for kind in unknown for each in get_close_matches(kind.lower(), ANY_KIND, 1)]
+        meant = f" Did you mean {', '.join(dict.fromkeys(near))}?" if near and not drawn else ""
         raise click.BadParameter(
-            f"{', '.join(map(repr, unknown))}: a list of {', '.join(ANY_KIND)} was expected.{drawn}"
+            f"{', '.join(map(repr, unknown))}: a list of {', '.join(ANY_KIND)} was expected.{meant}{drawn}"
         )
     return kinds
