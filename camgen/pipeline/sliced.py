@@ -26,7 +26,16 @@ from camgen.findings import Finding, NotJudged, Where, at_most, in_file
 from camgen.geometry.rings import Floats, Shape
 from camgen.judge.measured import Sections, measure
 from camgen.judge.motion import MOTION_ERROR
-from camgen.judge.sliced import Copy, PrintModel, bodies, copy_of, envelope, outwards, shapes_of
+from camgen.judge.sliced import (
+    Copy,
+    Layer,
+    PrintModel,
+    bodies,
+    copy_of,
+    envelope,
+    outwards,
+    shapes_of,
+)
 from camgen.judge.sliced_copies import judge_sliced_copies
 from camgen.machine.features import CamOutline, Eye, eyes, parts_of
 from camgen.machines.sources import read_mechanism
@@ -232,22 +241,79 @@ def _tilt(turn: Floats) -> tuple[Floats, float]:
     return _OVER if over else np.eye(3), math.atan2(spun[1, 0], spun[0, 0])
 
 
+@dataclass(frozen=True)
+class _LaidLayer:
+    """A layer's contours against the section of the part that was meant."""
+
+    height: float  # mm, of the part
+    outside: Floats  # mm, how far each point of its outlines lies out of the material
+    inside: Floats  # of its holes
+    fault: str  # "" where it has as many contours as were meant
+
+    @classmethod
+    def of(
+        cls, copy: Copy, layer: Layer, section: Sequence[Shape], meant: Sequence[Shape]
+    ) -> _LaidLayer:
+        count, wanted = (sum(1 + len(each.holes) for each in shapes) for shapes in (section, meant))
+        over = f"{layer.middle:.2f} mm over the bed"
+        fault = "" if count == wanted else f"{count} contours instead of {wanted} at {over}"
+        return cls(copy.height(layer), *outwards(section, meant), fault)
+
+    @property
+    def row(self) -> tuple[float, float, float]:
+        """Height, and how far outlines and holes lie out of the material, mean, mm."""
+        holes = float(self.inside.mean()) if len(self.inside) else 0.0
+        return self.height, float(self.outside.mean()), holes
+
+    @property
+    def off(self) -> float:
+        """mm, of the point that is the farthest off; inf where contours are missing or too many."""
+        if self.fault:
+            return math.inf
+        return max(float(np.abs(each).max(initial=0.0)) for each in (self.outside, self.inside))
+
+
 def _add(printed: _Print, copy: Copy, part: Part, fit: Compensation, where: Where) -> None:
     """Put a copy's layers with what is known of its part, and judge their contours."""
-    spans = list(dict.fromkeys((layer.z0, layer.z1) for layer in part.layers))
-    pocket = min(
-        (layer.z0 for layer in part.engraved), default=math.inf
-    )  # from there on engravings are cut into it
-    low = part.layers[0].z0 + (fit.foot_of(part) if fit.foot else 0.0)
+    where = replace(where, part=part.name)
+    laid = _laid(printed, copy, part, fit) if part.prismatic else []
+    first = _first_layer(copy)
+    if fit.foot:
+        remark = (
+            f"its edge lies {first[0]:+.3f} mm out of the solid as it was sent, which is drawn in for the elephant's "
+            "foot already: is the slicer's own compensation on?"
+        )
+        printed.findings.append(at_most("FIRST_LAYER", abs(first[0]), _FOOT, "mm", where, remark))
+    heights = copy.known.solid.vertices @ copy.known.turn[2]
+    head = (part.name, len(copy.layers), copy.layers[-1].top, float(np.ptp(heights)), *first)
+    if not laid:
+        printed.rows.append((*head, "", "", "", "", ""))
+        return
+    table = np.array([layer.row for layer in laid])
+    height, outline, holes = table.T
+    worst = int(np.argmax(np.abs(outline)))
+    means = float(outline.mean()), float(holes.mean()), float(outline.std())
+    printed.rows.append((*head, *means, float(outline[worst]), float(height[worst])))
     bead = max(
         float(wall.widths.max())
         for layer in copy.layers[len(copy.layers) > 1 :]
         for wall in layer.walls
     )
-    worst = 0.0
-    fault = ""
-    rows = []
-    for z0, z1 in spans if part.prismatic else ():
+    remark = next(
+        (layer.fault for layer in laid if layer.fault),
+        f"contours of {len(laid)} of {len(copy.layers)} layers; a bead {bead:g} mm wide rounds corners by less",
+    )
+    off = max(layer.off for layer in laid)
+    printed.findings.append(at_most("ROUND_TRIP", off, bead / 2, "mm", where, remark))
+
+
+def _laid(printed: _Print, copy: Copy, part: Part, fit: Compensation) -> list[_LaidLayer]:
+    """The layers of a copy, but for its first one and its foot, of which the section is known; their shapes go with the print."""
+    # from there on engravings are cut into it
+    pocket = min((layer.z0 for layer in part.engraved), default=math.inf)
+    low = part.layers[0].z0 + (fit.foot_of(part) if fit.foot else 0.0)
+    laid = []
+    for z0, z1 in dict.fromkeys((layer.z0, layer.z1) for layer in part.layers):
         meant = tuple(
             facetted(layer.region, 1e-3)
             for layer in part.layers
@@ -261,71 +327,12 @@ def _add(printed: _Print, copy: Copy, part: Part, fit: Compensation, where: Wher
         shapes = [shapes_of(copy, layer, fit.hole, fit.profile, fit.shrinkage) for layer in layers]
         if z0 <= copy.height(copy.layers[0]) < z1:
             printed.first = shapes_of(copy, copy.layers[0])
-        for layer, section in zip(layers, shapes, strict=True):
-            outside, inside = outwards(section, meant)
-            rows.append(
-                (
-                    copy.height(layer),
-                    float(outside.mean()),
-                    float(inside.mean()) if len(inside) else 0.0,
-                )
-            )
-            count, wanted = (
-                sum(1 + len(shape.holes) for shape in each) for each in (section, meant)
-            )
-            off = max(float(np.abs(each).max(initial=0.0)) for each in (outside, inside))
-            if count != wanted:
-                off = math.inf
-                fault = (
-                    fault
-                    or f"{count} contours instead of {wanted} at {layer.middle:.2f} mm over the bed"
-                )
-            worst = max(worst, off)
+        pairs = [*zip(layers, shapes, strict=True)]
+        laid += [_LaidLayer.of(copy, layer, section, meant) for layer, section in pairs]
         if shapes:
             printed.sections.append(envelope(shapes))
-            printed.slabs.append(
-                [
-                    (copy.height(layer), section)
-                    for layer, section in zip(layers, shapes, strict=True)
-                ]
-            )
-    first = _first_layer(copy)
-    if fit.foot:
-        printed.findings.append(
-            at_most(
-                "FIRST_LAYER",
-                abs(first[0]),
-                _FOOT,
-                "mm",
-                replace(where, part=part.name),
-                f"its edge lies {first[0]:+.3f} mm out of the solid as it was sent, which is drawn in for the elephant's "
-                "foot already: is the slicer's own compensation on?",
-            )
-        )
-    heights = copy.known.solid.vertices @ copy.known.turn[2]
-    head = (part.name, len(copy.layers), copy.layers[-1].top, float(np.ptp(heights)), *first)
-    if not rows:
-        printed.rows.append((*head, "", "", "", "", ""))
-        return
-    table = np.array(rows)
-    worst_row = int(np.argmax(np.abs(table[:, 1])))
-    printed.rows.append(
-        (
-            *head,
-            float(table[:, 1].mean()),
-            float(table[:, 2].mean()),
-            float(table[:, 1].std()),
-            float(table[worst_row, 1]),
-            float(table[worst_row, 0]),
-        )
-    )
-    remark = (
-        fault
-        or f"contours of {len(rows)} of {len(copy.layers)} layers; a bead {bead:g} mm wide rounds corners by less"
-    )
-    printed.findings.append(
-        at_most("ROUND_TRIP", worst, bead / 2, "mm", replace(where, part=part.name), remark)
-    )
+            printed.slabs.append([(copy.height(layer), section) for layer, section in pairs])
+    return laid
 
 
 def _first_layer(copy: Copy) -> tuple[float, float]:

@@ -60,6 +60,69 @@ class BallLoad:
     name: str = "ball bearing"
 
 
+@dataclass(frozen=True)
+class _PlainBearing:
+    """A plain bearing at work, with the pin that runs in it."""
+
+    journal: Journal
+    pin: PinLoad
+    slides: strength.Sliding
+
+    @property
+    def row(self) -> tuple[object, ...]:
+        """In the order of `_PLAIN_HEADS`."""
+        return (
+            self.pin.name,
+            self.journal.diameter,
+            self.journal.length,
+            self.pin.force,
+            float(np.max(self.slides.pressure)),
+            float(np.max(self.slides.speed)),
+            self.slides.pv,
+            self.slides.pv / materials.PV_MOST,
+            self.slides.power,
+            self.pin.bending,
+            self.pin.shear,
+        )
+
+    def judge(self, check: LoadCheck, limit: float | None, friction: float) -> None:
+        """PV; limit: MPa m/s, that the spec gives."""
+        usual = materials.PV_MOST
+        hole = self.journal.hole
+        if limit is None and not materials.of(hole).printed:
+            why = f"{self.slides.pv:.3g} MPa m/s in {self.journal.joint}; the limit of {hole} depends on oil and on its shaft"
+            check.not_judged.append(NotJudged("PV", why, "limits.pv_mpa_m_s"))
+            return
+        remark = f"{self.slides.power:.2g} W of heat at a friction of {friction:g}"
+        remark += (
+            f"; limits.pv_mpa_m_s; a plastic made for bearings bears {usual:g} dry"
+            if limit
+            else f"; no limit is published for prints of {hole}: this one is that of a bearing plastic, dry on steel (iglidur "
+            "P210). A lower speed, less mass or a longer pin lowers it. With oil the limit is five times as high, with a metal bush higher "
+            "still: set limits.pv_mpa_m_s"
+        )
+        size = f"{self.journal.diameter:g} x {self.journal.length:.4g} mm"
+        where = Where(f"pin {self.journal.joint}, {size}", joint=self.journal.joint)
+        check.findings.append(
+            at_most("PV", self.slides.pv, limit or usual, "MPa m/s", where, remark)
+        )
+
+
+_PLAIN_HEADS = (
+    "pin",
+    "diameter, mm",
+    "length, mm",
+    "force, N",
+    "pressure, MPa",
+    "sliding, m/s",
+    "p v, MPa m/s",
+    f"over {materials.PV_MOST:g}",
+    "heat, W",
+    "bent, MPa",
+    "sheared, MPa",
+)
+
+
 def plain_bearings(
     run: Run,
     forces: Forces,
@@ -72,20 +135,9 @@ def plain_bearings(
     limits: what the spec says of a joint; load: of its friction.
     """
     check = LoadCheck()
-    speed = run.machine.speed
-    usual = materials.PV_MOST
-    rows: list[tuple[object, ...]] = []
-    plain: list[tuple[Journal, strength.Sliding]] = []
+    plain: list[_PlainBearing] = []
     for name, journal in journals.items():
-        joint = run.machine.joint(name)
-        assert isinstance(joint, Pin | Slot)
-        if isinstance(joint, Pin):
-            force = _finite(np.abs(forces.reactions[name]))
-            turning = speed * (_rate(run, joint.a.body) - _rate(run, joint.b.body))
-        else:
-            normal = forces.normals[name]
-            force = _finite(np.abs(normal)) * math.hypot(1.0, joint.friction)
-            turning = speed * rubbing_in_slot(run, joint, normal, journal.diameter / 2)
+        force, turning = _rubbing(run, forces, name, journal)
         pin = PinLoad(name, journal, float(np.max(force)), limits(name), not run.machine.loads)
         if pin.force > STILL:
             check.pins.append(pin)
@@ -96,61 +148,36 @@ def plain_bearings(
             continue
         friction = circle(1.0, coefficient(journal, load))
         slides = strength.sliding(force, turning, journal.diameter, journal.length, friction)
-        plain.append((journal, slides))
-        rows.append(
-            (
-                name,
-                journal.diameter,
-                journal.length,
-                pin.force,
-                float(np.max(slides.pressure)),
-                float(np.max(slides.speed)),
-                slides.pv,
-                slides.pv / usual,
-                slides.power,
-                pin.bending,
-                pin.shear,
-            )
-        )
+        plain.append(_PlainBearing(journal, pin, slides))
     if journals:
         heat = mean_torque(run.theta, _finite(forces.rubs))
         check.figures.append(Figure("friction heat", heat, "W"))
     if not plain:
         return check
-    worst, slides = max(plain, key=lambda each: each[1].pv / (limits(each[0].joint).pv or usual))
-    limit = limits(worst.joint).pv
-    if limit is None and not materials.of(worst.hole).printed:
-        why = f"{slides.pv:.3g} MPa m/s in {worst.joint}; the limit of {worst.hole} depends on oil and on its shaft"
-        check.not_judged.append(NotJudged("PV", why, "limits.pv_mpa_m_s"))
-    remark = f"{slides.power:.2g} W of heat at a friction of {coefficient(worst, load):g}"
-    remark += (
-        f"; limits.pv_mpa_m_s; a plastic made for bearings bears {usual:g} dry"
-        if limit
-        else f"; no limit is published for prints of {worst.hole}: this one is that of a bearing plastic, dry on steel (iglidur "
-        "P210). A lower speed, less mass or a longer pin lowers it. With oil the limit is five times as high, with a metal bush higher "
-        "still: set limits.pv_mpa_m_s"
-    )
-    size = f"{worst.diameter:g} x {worst.length:.4g} mm"
-    where = Where(f"pin {worst.joint}, {size}", joint=worst.joint)
-    if limit or materials.of(worst.hole).printed:
-        check.findings.append(at_most("PV", slides.pv, limit or usual, "MPa m/s", where, remark))
-    heads = (
-        "pin",
-        "diameter, mm",
-        "length, mm",
-        "force, N",
-        "pressure, MPa",
-        "sliding, m/s",
-        "p v, MPa m/s",
-        f"over {usual:g}",
-        "heat, W",
-        "bent, MPa",
-        "sheared, MPa",
-    )
-    rows.sort(key=lambda row: -float(str(row[6])))
-    check.tables.append(Table("Plain bearings and pins, the hardest worked first", heads, rows))
-    check.figures.append(Figure("pv max", max(slides.pv for _, slides in plain), "MPa m/s"))
+
+    def share(each: _PlainBearing) -> float:
+        return each.slides.pv / (limits(each.journal.joint).pv or materials.PV_MOST)
+
+    worst = max(plain, key=share)
+    worst.judge(check, limits(worst.journal.joint).pv, coefficient(worst.journal, load))
+    plain.sort(key=lambda each: -each.slides.pv)
+    title = "Plain bearings and pins, the hardest worked first"
+    check.tables.append(Table(title, _PLAIN_HEADS, [each.row for each in plain]))
+    check.figures.append(Figure("pv max", plain[0].slides.pv, "MPa m/s"))
     return check
+
+
+def _rubbing(run: Run, forces: Forces, name: str, journal: Journal) -> tuple[Floats, Floats]:
+    """Force in a pin or slot, N, and how fast what is in it turns there, rad/s, (n,) each."""
+    joint = run.machine.joint(name)
+    assert isinstance(joint, Pin | Slot)
+    speed = run.machine.speed
+    if isinstance(joint, Pin):
+        turning = speed * (_rate(run, joint.a.body) - _rate(run, joint.b.body))
+        return _finite(np.abs(forces.reactions[name])), turning
+    normal = forces.normals[name]
+    force = _finite(np.abs(normal)) * math.hypot(1.0, joint.friction)
+    return force, speed * rubbing_in_slot(run, joint, normal, journal.diameter / 2)
 
 
 def bent_posts(
