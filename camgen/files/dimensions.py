@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.outlines import Arc, Contour, Line, Piece, end_point, extent, start_point
+from camgen.parts.keyways import keyed
 from camgen.parts.part import Part
 from camgen.tolerances import SAME_POINT
 
@@ -193,16 +194,6 @@ def number(value: float, decimals: int = 3) -> str:
     """A length as on a drawing: at most so many digits after the point, no idle zeros."""
     text = f"{value:z.{decimals}f}"
     return text.rstrip("0").rstrip(".") if "." in text else text
-
-
-def keyed(contour: Contour) -> tuple[float, float] | None:
-    """Radius of a bore about the origin with a keyway at its top, and the keyway's width, mm; None of any other hole."""
-    arcs = [piece for piece in contour.pieces if isinstance(piece, Arc)]
-    walls = [piece for piece in contour.pieces if isinstance(piece, Line)]
-    if len(arcs) != 1 or len(walls) != 3 or abs(arcs[0].centre) > SAME_POINT:
-        return None
-    ends = [end for wall in walls for end in (start_point(wall), end_point(wall))]
-    return arcs[0].radius, max(end.real for end in ends) - min(end.real for end in ends)
 
 
 def nearest_and_farthest(contour: Contour) -> tuple[complex, complex]:

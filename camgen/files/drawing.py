@@ -28,7 +28,6 @@ from camgen.files.dimensions import (
     free,
     hole_of,
     holes_of,
-    keyed,
     layer_rows,
     nearest_and_farthest,
     number,
@@ -52,7 +51,7 @@ from camgen.files.symbols import (
 from camgen.files.title_block import WIDTH, Facts, title_block
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.outlines import Contour, Floats, extent, rectangle
-from camgen.parts.keyways import keyway
+from camgen.parts.keyways import keyed, keyway
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
 

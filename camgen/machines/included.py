@@ -131,7 +131,8 @@ def _bought(own: Assembly, mounted: bool, turned: bool) -> Sequence[Bought]:
     if own.shaft is None or turned:
         return bought
     size = "turns its shaft with the machine's; not made"
-    return [Bought("coupling or toothed belt 1 : 1", "", size, 1), *bought]
+    joins = "between its shaft and the machine's"
+    return [Bought("coupling or toothed belt 1 : 1", "", size, 1, how=joins), *bought]
 
 
 def _resolved(each: Include, host: Host) -> Mechanism:

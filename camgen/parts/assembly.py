@@ -338,7 +338,14 @@ def renamed(assembly: Assembly, module: Module) -> Assembly:
         strands=[_strand(each, module) for each in assembly.strands],
         balances=[_balance(each, module) for each in assembly.balances],
         coils=[each.renamed(module) for each in assembly.coils],
-        bought=[replace(each, name=f"{each.name}, {module.prefix}") for each in assembly.bought],
+        bought=[
+            replace(
+                each,
+                name=f"{each.name}, {module.prefix}",
+                at=tuple((module.part(part), count) for part, count in each.at),
+            )
+            for each in assembly.bought
+        ],
         included_limits={
             module.name(joint.name): assembly.limits_of(joint.name)
             for joint in assembly.machine.joints
@@ -460,20 +467,55 @@ def order_of_assembly(assembly: Assembly) -> Table:
         fixing = assembly.process.fixing
         return replace(table, steps=mated(table.steps, copies, assembly.features, fixing))
     table = by_heights(assembly)
-    lifting = [each for each in assembly.bought if each.role == "lift"]
-    if not assembly.board and not lifting:
-        return table
     rows: list[_Row] = [
         (tuple(row), step) for row, step in zip(table.rows, table.steps, strict=True)
     ]
     for coil in assembly.coils:
         rows = _with_spring(rows, coil, assembly.courses(np.zeros(1)))
-    for each in lifting:
-        row = (0, each.name, each.size, "", each.count, 0.0, "as bought")
-        rows.append((row, Step(f"{each.name}: {each.size}")))
+    rows += further_rows(assembly)
     rows += _last_rows(assembly) if assembly.board else []
-    numbered = tuple((count, *row[1:]) for count, (row, _) in enumerate(rows, 1))
-    return replace(table, rows=numbered, steps=tuple(step for _, step in rows))
+    return numbered(table, rows)
+
+
+def numbered(table: Table, rows: Sequence[_Row]) -> Table:
+    """The table with these rows, counted from 1."""
+    counted = tuple((count, *row[1:]) for count, (row, _) in enumerate(rows, 1))
+    return replace(table, rows=counted, steps=tuple(step for _, step in rows))
+
+
+def further_rows(assembly: Assembly) -> Iterator[_Row]:
+    """Steps of what is bought and goes in with none of the parts: what feeds a motor, or what carries a cam alone."""
+    with_last = {"drive", "mount"} if assembly.board else set[str]()
+    if assembly.motor.reach is not None:
+        with_last |= {"drive"}
+    for each in assembly.bought:
+        if not each.at and each.role not in {"drive screw", "spring", *with_last}:
+            yield _bought_row(each)
+
+
+def coupled(assembly: Assembly) -> list[Bought]:
+    """What turns its shaft and has no place in it."""
+    if assembly.motor.reach is not None:
+        return []
+    return [each for each in assembly.bought if each.role == "drive"]
+
+
+def _bought_row(each: Bought) -> _Row:
+    """A step of what is bought."""
+    row = (0, each.name, each.size, each.how, each.count, 0.0, "as bought")
+    many = f"{each.count} × " if each.count > 1 else ""
+    return row, Step(f"{many}{each.name}, {each.size}{f'; {each.how}' if each.how else ''}")
+
+
+def with_things(row: _Row, things: Sequence[Bought], column: int = 3) -> _Row:
+    """A row, with what is put in at it in one of its columns and in its step's title."""
+    if not things:
+        return row
+    cells, step = row
+    said = f"with {', '.join(each.text for each in things)}"
+    text = "; ".join(filter(None, (str(cells[column]), said)))
+    cells = (*cells[:column], text, *cells[column + 1 :])
+    return cells, replace(step, title=f"{step.title}; {said}")
 
 
 def _with_spring(rows: Sequence[_Row], coil: Coil, poses: Mapping[str, Pose]) -> list[_Row]:
@@ -504,31 +546,46 @@ def by_heights(assembly: Assembly, before: Mapping[str, int] | None = None) -> T
     poses = assembly.poses(np.zeros(1))
     fixing = assembly.process.fixing
     table = order(assembly.parts, mounts, poses, assembly.features, fixing, before)
-    return table if assembly.motor.reach is None else _with_motor(table, assembly)
+    rows: list[_Row] = []
+    there = set[str]()
+    for cells, step in zip(table.rows, table.steps, strict=True):
+        coming = len({*step.copies} - there)  # what was loose comes again
+        there |= {*step.copies}
+        things = [
+            replace(each, count=count * coming)
+            for each in assembly.bought
+            for part, count in each.at
+            if part == cells[1] and coming
+        ]
+        rows.append(with_things((tuple(cells), step), things))
+    if assembly.motor.reach is not None:
+        rows = _with_motor(rows, assembly)
+    return numbered(table, rows)
 
 
-def _with_motor(table: Table, assembly: Assembly) -> Table:
-    """The order with a motor under the plate as soon as that is there: later parts cover its screws."""
+def _with_motor(rows: Sequence[_Row], assembly: Assembly) -> list[_Row]:
+    """Rows with a motor under the plate as soon as that is there: later parts cover its screws."""
     assert assembly.frame is not None, "a motor is screwed on a plate"
     plate = assembly.frame.part
-    rows = list(zip(table.rows, table.steps, strict=True))
     said = "Motor: under the plate, its shaft through it; screw it on now, before parts cover the screws"
     count = sum(each.count for each in assembly.bought if each.role == "drive") or 1
-    row = 0, "motor", said, "", count, 0.0, "as bought"
-    after = max(k for k, (each, _) in enumerate(rows) if each[1] == plate)
-    rows.insert(after + 1, (row, Step(said)))
-    numbered = [(count, *each[1:]) for count, (each, _) in enumerate(rows, 1)]
-    return replace(table, rows=numbered, steps=[step for _, step in rows])
+    screws = [each for each in assembly.bought if each.role == "drive screw"]
+    motor = with_things(((0, "motor", said, "", count, 0.0, "as bought"), Step(said)), screws)
+    after = 1 + max(k for k, (each, _) in enumerate(rows) if each[1] == plate)
+    return [*rows[:after], motor, *rows[after:]]
 
 
 def _last_rows(assembly: Assembly) -> Iterator[_Row]:
     """What the machine is put on at the end."""
+    screws = [each for each in assembly.bought if each.role == "mount"]
+    last = (
+        (0, "table" if assembly.support else "board", assembly.board, "", 1, 0.0, "as yours"),
+        Step(assembly.board),
+    )
     if assembly.support is None:
-        yield (0, "board", assembly.board, "", 1, 0.0, "as yours"), Step(assembly.board)
+        yield with_things(last, [*screws, *coupled(assembly)])
         return
-    for each in (each for each in assembly.bought if each.role == "mount"):
-        row = 0, each.name, each.size, "", each.count, 0.0, "as bought"
-        yield row, Step(f"{each.count} × {each.name}: {each.size}")
+    yield from map(_bought_row, screws)
     for name, where in assembly.support.steps:
         mounts = [mount for mount in assembly.mounts if mount.part == name]
         copies = [f"{name}-{k + 1}" for k in range(len(mounts))]
@@ -536,4 +593,4 @@ def _last_rows(assembly: Assembly) -> Iterator[_Row]:
         title = assembly.by_name[name].title
         row = 0, name, title, where, len(mounts), low, "upright"
         yield row, Step(f"{title}; {where}", copies)
-    yield (0, "table", assembly.board, "", 1, 0.0, "as yours"), Step(assembly.board)
+    yield with_things(last, coupled(assembly))

@@ -182,8 +182,17 @@ class Bought:
     standard: str
     size: str
     count: int
-    # turns the machine; feeds its motor; holds its frame from behind; lifts a pen, which its size says how
-    role: Literal["", "drive", "supply", "mount", "lift"] = ""
+    # turns the machine; fixes what does; feeds its motor; holds its frame from behind; hangs between two of its points
+    role: Literal["", "drive", "drive screw", "supply", "mount", "spring"] = ""
+    at: tuple[
+        tuple[str, int], ...
+    ] = ()  # parts with which it is put in, and how many with each copy
+    how: str = ""  # where else it goes
+
+    @property
+    def text(self) -> str:
+        """How many of what, for a step of assembly."""
+        return f"{self.count} × {self.name} ({self.size})"
 
 
 CUT = "cut of steel"
@@ -451,8 +460,12 @@ def fixed_motor(name: str, face: MotorFace, shaft: str, grip: float) -> list[Bou
     size = f"{screw.thread} x {length:g}, {held}"
     return [
         Bought(name, face.standard, f"{face.title}, {shaft}", 1, "drive"),
-        Bought("screw of the motor", screw.standard, size, count),
-        *([nut("nut of the motor", screw.thread, count)] if face.plain else []),
+        Bought("screw of the motor", screw.standard, size, count, "drive screw"),
+        *(
+            [replace(nut("nut of the motor", screw.thread, count), role="drive screw")]
+            if face.plain
+            else []
+        ),
     ]
 
 
@@ -463,3 +476,15 @@ def fastener(name: str, thread: str, through: float, count: int) -> Bought:
     if not length:
         return Bought(name, "DIN 976-1", f"{thread} x {math.ceil(through + 2 * screw.nut)}", count)
     return Bought(name, screw.standard, f"{thread} x {length:g}", count)
+
+
+def shaft_and_bearings(bore: float, length: float) -> list[Bought]:
+    """A shaft for a drum with a bore and a length, mm, and the bearings in which it turns, if there are some of its size."""
+    through = "through the drum, fast in its bore"
+    found = [Bought("shaft", "", f"{bore:g}, at least {length:.4g} long", 1, how=through)]
+    bearing = narrowest(bore)
+    if bearing is not None:
+        size = f"{bearing.name}, {bearing.size}"
+        ends = "on both ends of the shaft, in a frame of yours"
+        found.append(Bought("bearing of the shaft", bearing.standard, size, 2, how=ends))
+    return found

@@ -7,7 +7,13 @@ which has no tolerance of t2.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+from camgen.geometry.outlines import Arc, Contour, Line, end_point, start_point
 from camgen.parts.catalogue import Bought
+from camgen.parts.part import Part
+from camgen.tolerances import SAME_POINT
 
 # Width and height of the key, depth t2 of the hub's keyway, and what t2 may be deeper, 0 where the source has none; by the bores
 # up to which they are, mm.
@@ -41,6 +47,32 @@ def keyway(bore: float) -> tuple[float, float, float] | None:
     """Width and depth t2 of a hub's keyway, and by what it may be deeper, mm; None of a bore that has none in the table."""
     row = _row(bore)
     return None if row is None else (row[1], row[3], row[4])
+
+
+def keyed(contour: Contour) -> tuple[float, float] | None:
+    """Radius of a bore about the origin with a keyway at its top, and the keyway's width, mm; None of any other hole."""
+    arcs = [piece for piece in contour.pieces if isinstance(piece, Arc)]
+    walls = [piece for piece in contour.pieces if isinstance(piece, Line)]
+    if len(arcs) != 1 or len(walls) != 3 or abs(arcs[0].centre) > SAME_POINT:
+        return None
+    ends = [end for wall in walls for end in (start_point(wall), end_point(wall))]
+    return arcs[0].radius, max(end.real for end in ends) - min(end.real for end in ends)
+
+
+def parallel_keys(parts: Iterable[Part]) -> Iterator[Bought]:
+    """The parallel keys in the keyways of parts' bores, those of one size together."""
+    holders: dict[Bought, list[Part]] = {}
+    for part in parts:
+        for hole in part.region.holes:
+            found = keyed(hole)
+            if found is not None:
+                radius, width = found
+                top = max(start_point(piece).imag for piece in hole.pieces)
+                key = parallel_key(2 * radius, width, top - radius, part.thickness, 0)
+                holders.setdefault(key, []).append(part)
+    for key, held in holders.items():
+        at = tuple((part.name, 1) for part in held)
+        yield replace(key, count=sum(part.count for part in held), at=at)
 
 
 def parallel_key(bore: float, width: float, depth: float, length: float, count: int) -> Bought:

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Arc, Contour, Line, Piece, Region, circle, rectangle
@@ -71,14 +71,14 @@ class SetScrewHub:
         """Of the screw over the hub's underside."""
         return self.thin + self.screw.flats / math.sqrt(3) + _ROOM / 2
 
-    def bought(self, radius: float) -> list[Bought]:
-        """Screw and nut, of a hub of a radius; the screw ends within the hub where such a length is sold."""
+    def bought(self, radius: float, part: str) -> list[Bought]:
+        """Screw and nut, of a part's hub of a radius; the screw ends within the hub where such a length is sold."""
         way = radius - (self.bore / 2 - self.flat)
         length = max((each for each in _LENGTHS if each <= way), default=_LENGTHS[0])
         name = "set screw of the hub"
         return [
-            Bought(name, "ISO 4029", f"{self.thread} x {length:g}", 1),
-            nut("nut of the set screw", self.thread, 1),
+            Bought(name, "ISO 4029", f"{self.thread} x {length:g}", 1, at=((part, 1),)),
+            replace(nut("nut of the set screw", self.thread, 1), at=((part, 1),)),
         ]
 
     def force(self, bears: float) -> float:

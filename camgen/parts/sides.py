@@ -17,7 +17,16 @@ from camgen.geometry.outlines import Arc, Contour, Region, end_point, start_poin
 from camgen.machine.features import Eye, Faces, Feature, Flat, Mount, OwnTip, StandIn, mapped
 from camgen.machine.joining import Module
 from camgen.machine.model import Machine
-from camgen.parts.assembly import Assembly, by_heights, joined, renamed
+from camgen.parts.assembly import (
+    Assembly,
+    by_heights,
+    coupled,
+    further_rows,
+    joined,
+    numbered,
+    renamed,
+    with_things,
+)
 from camgen.parts.catalogue import Bought
 from camgen.parts.part import Layer, Part
 from camgen.study import Later, Step, Table
@@ -155,6 +164,11 @@ def both_sides(near: Assembly, far: Assembly, mirror: Mirror, machine: Machine) 
     turned = frozenset(part.name for part in further if _turns_over(part))
     mounts = [mount for mount in far.mounts if mount.part != mirror.shaft]
     alone = renamed(replace(far, parts=further, mounts=mounts), module)
+    things = [
+        replace(each, name=thing.name)
+        for each, thing in zip(alone.bought, far.bought, strict=True)
+        if thing.role != "mount"
+    ]
     own = [each for each in images if each.name not in of_both]
     features = renamed(replace(far, features=_features(far.features, turned)), module).features
     there = replace(
@@ -176,7 +190,7 @@ def both_sides(near: Assembly, far: Assembly, mirror: Mirror, machine: Machine) 
     copies = Counter(mount.part for mount in there.mounts)
     parts = [replace(part, count=part.count + copies[part.name]) for part in near.parts]
     whole = joined(replace(near, parts=parts), [there], machine)
-    order = Later(lambda: [_order(near, alone, mirror)])
+    order = Later(lambda: [_order(near, replace(alone, bought=things), mirror)])
     return replace(whole, bought=_bought(near, far), board="", work=order)
 
 
@@ -203,19 +217,19 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror) -> Table:
         before[mount.part] += 1
     first = by_heights(near)
     second = by_heights(far, before)
-    rows = [row[1:] for row in (*first.rows, *second.rows)]
     last = (
+        0,
         "both sides",
         f"Second plate on {'spacers' if mirror.gap else 'second plate'}, glued: the shaft of both sides goes on into the far side",
-        f"pressed and glued on {mirror.shaft}, its flat in line: turn the far side's crank until it goes on",
+        f"pressed and glued on {mirror.shaft}, its flat in line: turn the far side's crank until it goes on. Then "
+        "move all slowly through its whole motion: no joint may be stiff",
         1,
         0.0,
         "far side turned over",
     )
-    numbered = [(count, *row) for count, row in enumerate((*rows, last), 1)]
-    steps = [
-        *first.steps,
-        *(replace(step, way=1 if step.way < 0 else -1, apart=PREFIX) for step in second.steps),
-        Step(f"{last[1]}; {last[2]}", apart=PREFIX),
-    ]
-    return replace(first, title="Assembly, side by side", rows=numbered, steps=steps)
+    rows = [(tuple(row), step) for row, step in zip(first.rows, first.steps, strict=True)]
+    for row, step in zip(second.rows, second.steps, strict=True):
+        rows.append((tuple(row), replace(step, way=1 if step.way < 0 else -1, apart=PREFIX)))
+    joining = (last, Step(f"{last[2]}; {last[3]}", apart=PREFIX))
+    rows += [with_things(joining, coupled(near)), *further_rows(near)]
+    return numbered(replace(first, title="Assembly, side by side"), rows)

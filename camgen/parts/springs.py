@@ -26,6 +26,9 @@ _INDEX = (4.0, 20.0)  # of D / d
 _WIDER = (1.0, 1.25, 1.6, 2.0, 2.5)  # than its eyes need
 
 
+_BESIDE = "between your frame and your follower"
+
+
 @dataclass(frozen=True)
 class ExtensionSpring:
     """Wire, outside diameter and free length between the insides of its eyes, mm; coils; rate N/mm; no initial tension."""
@@ -92,7 +95,7 @@ class ExtensionSpring:
             f"{self.rate:.4g} N/mm, {self.force(shortest):.4g} N at {shortest:.4g} "
             f"and {self.force(longest):.4g} N at {longest:.4g}"
         )
-        return Bought("extension spring", "EN 13906-2", size, 1)
+        return Bought("extension spring", "EN 13906-2", size, 1, "spring")
 
 
 def extension_spring(
@@ -178,5 +181,7 @@ def wished(wish: tuple[float, float, float] | None) -> dict[str, WorkingSpring]:
 def to_wind(springs: Mapping[str, WorkingSpring]) -> list[Bought]:
     """Lines in the list of parts of those that are no part."""
     return [
-        replace(spring.bought, name=name) for name, spring in springs.items() if not spring.made
+        replace(spring.bought, name=name, role="", how=_BESIDE)
+        for name, spring in springs.items()
+        if not spring.made
     ]

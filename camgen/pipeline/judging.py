@@ -29,7 +29,6 @@ from camgen.parts.assembly import (
     Assembly,
     Cycle,
     bodies_in_motion,
-    order_of_assembly,
     printed_parts,
 )
 from camgen.parts.part import Part
@@ -42,6 +41,7 @@ from camgen.pipeline.making import (
     compensation,
     lying_sides,
     parts_table,
+    steps_of_assembly,
     written,
 )
 from camgen.pipeline.reading import Read, budget_of, judge_motion, judge_part, judge_rows, moved_by
@@ -575,7 +575,7 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
     layers, warnings = between(mechanism, sides)
     warnings = (*motor_without_seat(mechanism), *too_thin(mechanism), *warnings)
     finding = judge_list(case.file("parts", "csv"), table)
-    tables = [table, order_of_assembly(mechanism.assembly)]
+    tables = [table, steps_of_assembly(mechanism)]
     return Outcome(
         [finding],
         Figures(figures),

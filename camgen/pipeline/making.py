@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext, suppress
+from dataclasses import replace
 from itertools import repeat
 from pathlib import Path
 from types import MappingProxyType
@@ -15,15 +16,14 @@ import numpy as np
 from camgen import spec as specs
 from camgen.errors import DesignError
 from camgen.files.formats import EXACT, FORMATS, Job, write_part
-from camgen.geometry.outlines import start_point
 from camgen.machine.features import PartPose
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
 from camgen.parts import materials
-from camgen.parts.assembly import cut_of_sheet, printed_parts
+from camgen.parts.assembly import cut_of_sheet, order_of_assembly, printed_parts
 from camgen.parts.catalogue import CAM_FOLLOWERS, TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
-from camgen.parts.keyways import parallel_key
+from camgen.parts.keyways import parallel_keys
 from camgen.parts.part import Part
 from camgen.pipeline.case import Case
 from camgen.pipeline.drawings import timing_facts, timing_of
@@ -221,6 +221,22 @@ def assembly_copies(mechanism: Mechanism) -> list[PartCopy]:
     ]
 
 
+def bought_things(mechanism: Mechanism) -> list[Bought]:
+    """What is bought for a machine, beside its parts: keys in keyways and the rollers that its load names too."""
+    assembly = mechanism.assembly
+    things = [*assembly.bought, *parallel_keys(assembly.parts)]
+    rollers = [cam.roller for cam in assembly.outlines.values()]
+    if mechanism.load is not None and mechanism.load.cam_follower and not any(rollers):
+        rolls = CAM_FOLLOWERS[mechanism.load.cam_follower].bought(len(rollers))
+        things.append(replace(rolls, how="in your follower, its ring on the cam"))
+    return things
+
+
+def steps_of_assembly(mechanism: Mechanism) -> Table:
+    """In which order a machine goes together, with all that is bought for it."""
+    return order_of_assembly(replace(mechanism.assembly, bought=bought_things(mechanism)))
+
+
 def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyType({})) -> Table:
     """The list of parts: what is printed, with material, mass and time of all copies, then what is cut, turned or bought.
 
@@ -264,15 +280,11 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
             mass = volume * density * 1e-3
         what += same.get(part.name, "")
         rows.append((how, part.name, what, part.count, volume or "", mass, *blank[1:]))
-    things = list(mechanism.assembly.bought)
-    rollers = [cam.roller for cam in mechanism.assembly.outlines.values()]
-    if mechanism.load is not None and mechanism.load.cam_follower and not any(rollers):
-        things.append(CAM_FOLLOWERS[mechanism.load.cam_follower].bought(len(rollers)))
+    things = bought_things(mechanism)
     if any("glued" in note for part in parts for note in part.notes) and "glue" not in {
         thing.name for thing in things
     }:
         things.append(Bought("glue", "", "for all that is glued", 1))
-    things += _keys(parts)
     for thing in things:
         size = ", ".join(text for text in (thing.size, thing.standard) if text)
         rows.append(("bought", thing.name, size, thing.count, "", *blank))
@@ -302,19 +314,6 @@ def _same(parts: Sequence[Part]) -> Mapping[str, str]:
         if name != part.name and part.process != "bought":
             said[part.name] = f"; same as {name}"
     return said
-
-
-def _keys(parts: Sequence[Part]) -> Iterator[Bought]:
-    """The parallel keys in the keyways of parts' bores."""
-    from camgen.files.dimensions import keyed
-
-    for part in parts:
-        for hole in part.region.holes:
-            found = keyed(hole)
-            if found is not None:
-                radius, width = found
-                top = max(start_point(piece).imag for piece in hole.pieces)
-                yield parallel_key(2 * radius, width, top - radius, part.thickness, part.count)
 
 
 def _lying(side: Side | None) -> tuple[object, ...]:

@@ -18,8 +18,9 @@ from camgen.machine.model import Cam, Output, Path, Pose, unit_of
 from camgen.machine.run import solve
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats, Points
-from camgen.parts.assembly import Assembly, order_of_assembly
+from camgen.parts.assembly import Assembly
 from camgen.parts.coils import spring_sketches
+from camgen.pipeline.making import steps_of_assembly
 from camgen.report.animation import Animation, Body
 from camgen.report.colours import part_colour
 from camgen.study import HoleLabel, Plate, Scene, Sketch
@@ -155,7 +156,7 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
     assembly = mechanism.assembly
     shapes, tracks = solids(mechanism, _FRAMES_3D)
     order = [copy for track in tracks for copy, _, _ in track.copies]
-    table = order_of_assembly(assembly)
+    table = steps_of_assembly(mechanism)
     made = glb(mechanism.name, shapes, tracks, assembly.cycle.turns, assembly.down)
     return Scene(
         made,

@@ -27,6 +27,7 @@ from camgen.parts.catalogue import SCREWS
 from camgen.parts.generator.layout import Layout
 from camgen.parts.part import Layer, Part
 from camgen.parts.steps import Fixing, order
+from camgen.pipeline.making import parts_table, steps_of_assembly
 from camgen.study import Mate
 
 PLAY = Fixing(0.1)
@@ -254,6 +255,23 @@ MORE = {
     "laser": {**started("four-bar", make="laser"), "laser": {"thickness": 3}},
     "cam on a bench": started("disc-cam", make="machine"),
     "groove on a bench": started("groove", make="machine"),
+}
+BOUGHT = {  # of these only what is bought is looked at
+    "set screw on a motor": started("linkage", motor="nema-17", base_thickness=6, set_screw="M3"),
+    "two sides": {
+        **WHITWORTH,
+        "points": {**WHITWORTH["points"], "C": [60, 0], "E": [-40, 0], "D": [70, 0]},
+        "parts": {"plates": 2, "shaft": "interrupted", "sides": 2, "side_gap": 20},
+    },
+    "steel disc cam": {
+        **started("disc-cam", bore=20, bore_shape="keyway", hub_height=0),
+        "material": {"name": "C45"},
+        "load": {"cam_follower": "KR16", "mass_kg": 1},
+        "geometry": {
+            "base_radius": 40,
+            "follower": {"motion": "translating", "shape": "roller", "radius": 8},
+        },
+    },
     "indexing cams on a bench": started("indexing-cam", make="machine"),
 }
 SPECS = sorted(
@@ -268,7 +286,7 @@ MACHINES = [*(path.stem for path in SPECS), *MORE]
 @cache
 def built(name: str) -> Mechanism:
     path = next((path for path in SPECS if path.stem == name), None)
-    return load(MORE[name]) if path is None else read_mechanism(path, [])
+    return load((MORE | BOUGHT)[name]) if path is None else read_mechanism(path, [])
 
 
 @dataclass(frozen=True)
@@ -670,3 +688,60 @@ def test_only_what_a_later_part_holds_is_fixed_by_it() -> None:
     leg = load(Path(__file__).parents[2] / "specs/gallery/walker.toml")
     rows = [row for row in order_of_assembly(leg.assembly).rows if row[1] == "pin-2"]
     assert "loose; a later step fixes it" in {row[3] for row in rows}
+
+
+def left_out(machine: Mechanism) -> list[str]:
+    """Lines of what is bought in the list of parts, of which the steps put in another number than the list has."""
+    table = steps_of_assembly(machine)
+    cells = [" ".join(map(str, row)) for row in table.rows]
+    coming = Counter(part_of(copy) for copy in {each for s in table.steps for each in s.copies})
+    found = []
+    for how, name, what, count, *_ in parts_table(machine).rows:
+        if how != "bought":
+            continue
+        size = re.split(", (?:ISO|DIN|EN|NEMA ICS) ", str(what))[0]
+        put = coming[str(name)] if str(name) in machine.assembly.by_name else 0
+        if not put and name == "glue":
+            put = int(any("glued" in each for each in cells))
+        if not put:
+            # with a part, or in its own step
+            text = re.escape(f" × {name} ({size}")
+            put = sum(int(n) for each in cells for n in re.findall(rf"(\d+){text}", each))
+            own = [row for row in table.rows if row[1] == {"drive": "motor"}.get(name, name)]
+            put = put or sum(int(row[-3]) if len(row) > 3 else 1 for row in own)
+        if not put and str(name).startswith("extension spring"):
+            put = sum(row[1] == "extension spring" for row in table.rows)
+        if put != count:
+            found.append(f"{name}: {put} of {count}")
+    return found
+
+
+@pytest.mark.parametrize("name", [*MACHINES, *BOUGHT])
+def test_all_that_is_bought_is_put_in_by_some_step(name: str) -> None:
+    assert not left_out(built(name))
+
+
+def test_a_step_that_forgets_what_is_bought_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a walker's sides one step without its screws, one without the motor, one with a pin less."""
+    walker = built("walker")
+    whole = steps_of_assembly(walker)
+    (holder,) = (k for k, row in enumerate(whole.rows) if row[1] == "battery holder")
+    (plate,) = (k for k, row in enumerate(whole.rows) if row[1] == "far-second-plate")
+    (motor,) = (k for k, row in enumerate(whole.rows) if row[1] == "motor")
+    damaged = {
+        holder: ["battery holder: 0 of 1"],
+        plate: ["screw of a post: 12 of 16"],
+        motor: ["drive: 0 of 1", "screw of the motor: 0 of 2", "nut of the motor: 0 of 2"],
+    }
+    for missing, said in damaged.items():
+        rows = [row for k, row in enumerate(whole.rows) if k != missing]
+        short = replace(whole, rows=rows)
+        monkeypatch.setattr(MODULE, "steps_of_assembly", lambda _: short)  # noqa: B023
+        assert left_out(walker) == said
+    pins = next(
+        k for k, step in enumerate(whole.steps) if part_of([*step.copies, "-"][0]) == "pin-5"
+    )
+    steps = [step for k, step in enumerate(whole.steps) if k != pins]
+    monkeypatch.setattr(MODULE, "steps_of_assembly", lambda _: replace(whole, steps=steps))
+    (pin,) = left_out(walker)
+    assert pin.startswith("pin-5: ") and pin.endswith(" of 20")

@@ -62,7 +62,13 @@ from camgen.motion.segments import SegmentTable, WholeTurn, program
 from camgen.numerics import Floats
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly
-from camgen.parts.catalogue import BEARINGS, DOWELS, Bought, ball_roller, narrowest
+from camgen.parts.catalogue import (
+    BEARINGS,
+    DOWELS,
+    Bought,
+    ball_roller,
+    shaft_and_bearings,
+)
 from camgen.parts.disc_cams import turning_note
 from camgen.parts.part import Part, drum_part
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study, Upright
@@ -380,12 +386,8 @@ class CylinderCam(Mechanism):
             rolls = Bought("roller", "", f"{size}, no ball bearing of the list is so wide", count)
         else:
             rolls = Bought("roller", ball.standard, f"{ball.name}, {ball.size}", count)
-        bearing = narrowest(bore)
-        found = [rolls, Bought("shaft", "", f"{bore:g}, at least {self.track.length:.4g} long", 1)]
-        if bearing is not None:
-            size = f"{bearing.name}, {bearing.size}"
-            found.append(Bought("bearing of the shaft", bearing.standard, size, 2))
-        return found
+        rolls = replace(rolls, how="on your follower, in the track")
+        return [*shaft_and_bearings(bore, self.track.length), rolls]
 
     # ---- checks and figures -----------------------------------------------------------------------------------------
 

@@ -438,7 +438,8 @@ class DiscCamDrive(CamTables):
         made = self._assembly(parts, self._beside(), self._outlines())
         spring = wished(self._spring_wish)
         hub = self.making.hub(self.allowed.min_wall)
-        screw = [] if hub is None else hub.bought(self.making.hub_diameter / 2)
+        name = self._plates[0].name
+        screw = [] if hub is None else hub.bought(self.making.hub_diameter / 2, name)
         return replace(
             made,
             springs=spring,
@@ -468,12 +469,14 @@ class DiscCamDrive(CamTables):
         if self.geometry.closure != "groove":
             return ()
         p = self.making
-        back = self._plates[-1]
+        walls = self._plates[:-1]
         through = p.back + p.thickness
         length = dowel(p.pin_diameter, through)
         fit = "m6" if length else "rod"
         size = f"{p.pin_diameter:g} {fit} x {length or through:g}"
-        return (Bought("dowel pin", DOWEL_STANDARD if length else "", size, len(back.centres) - 1),)
+        at = tuple((part.name, len(part.centres) - 1) for part in walls)
+        count = sum(each for _, each in at)
+        return (Bought("dowel pin", DOWEL_STANDARD if length else "", size, count, at=at),)
 
     @cached_property
     def _shoe(self) -> Sequence[Part]:

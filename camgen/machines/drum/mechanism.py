@@ -43,7 +43,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly
-from camgen.parts.catalogue import Bought, narrowest
+from camgen.parts.catalogue import Bought, shaft_and_bearings
 from camgen.parts.disc_cams import turning_note
 from camgen.parts.part import Layer, Part
 from camgen.schemas import shown
@@ -347,13 +347,7 @@ class CamDrum(Mechanism):
 
     def _bought(self) -> list[Bought]:
         """What turns; followers and comb are the person's own."""
-        bore = self.making.bore
-        bearing = narrowest(bore)
-        found = [Bought("shaft", "", f"{bore:g}, at least {self.length:.4g} long", 1)]
-        if bearing is not None:
-            size = f"{bearing.name}, {bearing.size}"
-            found.append(Bought("bearing of the shaft", bearing.standard, size, 2))
-        return found
+        return shaft_and_bearings(self.making.bore, self.length)
 
     # ---- checks and figures -----------------------------------------------------------------------------------------
 

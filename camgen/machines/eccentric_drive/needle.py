@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -145,7 +145,8 @@ class Needle:
         placed = [(self._clamp(), Mount(CLAMP, SLIDER, place, z=self._top))]
         holes = dict[str, Contour]()
         tube = list[tuple[complex, float]]()
-        screws = [fastener("screw of the wire clamp", s.screw, s.slider_thickness + s.thickness, 2)]
+        clamp = fastener("screw of the wire clamp", s.screw, s.slider_thickness + s.thickness, 2)
+        screws = [replace(clamp, at=((CLAMP, 2),))]
         straight = ""
         stand_ins: tuple[StandIn, ...] = ()
         if s.tube_length:
@@ -155,17 +156,23 @@ class Needle:
             ends = (middle - 1j * self._tube_screws, middle + 1j * self._tube_screws)
             tube = [(z, self._screw.clearance) for z in ends]
             holes = {"window": self._window}
-            screws.append(fastener("screw of the needle's tube", s.screw, self._height, 2))
+            held = fastener("screw of the needle's tube", s.screw, self._height, 2)
+            screws.append(replace(held, at=((TUBE, 2),)))
             straight = f", straight over {self.wire:.4g}"
             stand_ins = (self._stand_in(),)
         mounting = f"{s.screw} x {s.base_thickness:g} and what carries it"
+        wire = f"steel, diameter {s.wire_diameter:g}{straight}"
+        usb = "USB, 5 V, 1 A or more: a charger or a power bank"
         bought = (
             *screws,
-            nut("nut", s.screw, 2 * len(screws)),
-            Bought("screw for mounting", self._screw.standard, mounting, 4),
-            Bought("needle's wire", "", f"steel, diameter {s.wire_diameter:g}{straight}", 1),
-            Bought("supply", "", "USB, 5 V, 1 A or more: a charger or a power bank", 1),
-            Bought("switch", "", "rocker switch, round, 20 mm", 1),
+            replace(
+                nut("nut", s.screw, 2 * len(screws)),
+                at=tuple(pair for each in screws for pair in each.at),
+            ),
+            Bought("screw for mounting", self._screw.standard, mounting, 4, "mount"),
+            Bought("needle's wire", "", wire, 1, at=((CLAMP, 1),)),
+            Bought("supply", "", usb, 1, "supply", how="to the motor"),
+            Bought("switch", "", "rocker switch, round, 20 mm", 1, how="in a wire of the motor"),
         )
         return Fitting(
             (*self._corners, *tube),

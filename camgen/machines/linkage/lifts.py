@@ -26,11 +26,11 @@ def bought(linkage: LinkageMotion) -> Iterator[Bought]:
             first, *_, last = lift.thread
             moving = next((p for p in (first, last) if not _stands(linkage, p)), last)
             other = first if moving == last else last
-            yield Bought("sleeve", "", f"tube 2 x 1 mm, from post {other} to the pen", 1, "lift")
+            yield Bought("sleeve", "", f"tube 2 x 1 mm, from post {other} to the pen", 1)
             tie = f"0.5 mm, tied to post {moving}, over post {other}, through the sleeve to the pen"
             free = f"slack by {slack:.3g} mm as the pen is down"
-            yield Bought("thread", "", f"{tie}; {free}", 1, "lift")
-        yield Bought("pen with a spring", "", size, 1, "lift")
+            yield Bought("thread", "", f"{tie}; {free}", 1)
+        yield Bought("pen with a spring", "", size, 1)
 
 
 def _stands(linkage: LinkageMotion, point: str) -> bool:

@@ -69,6 +69,9 @@ def steps(machine: SwingMachine) -> Table:
     """In which order the machine goes together: from the base up, each part laid on from above, one operation a step."""
     m = machine
     sizes = machine.sizes
+    things = {each.name: each for each in bought(machine)}
+    motor = ", ".join(each.text for each in things.values() if each.role.startswith("drive"))
+    nuts = things["nut of the nozzle"].text
     # height, part as its files name it, how, what of the parts is laid
     layers: list[tuple[float, str, str, tuple[str, ...]]] = [
         (
@@ -89,7 +92,7 @@ def steps(machine: SwingMachine) -> Table:
         (
             m.foot,
             "nut of the nozzle",
-            f"both in the pockets of the frame{'' if sizes.pair else ', below'}",
+            f"{nuts} in the pockets of the frame{'' if sizes.pair else ', below'}",
             (),
         )
     )
@@ -118,7 +121,7 @@ def steps(machine: SwingMachine) -> Table:
     flush = f"pressed on until the axles end flush, which leaves them {m.play:g} mm of end float"
     layers.append((top + 1e-3, "frame" if not sizes.pair else "both frames", flush, ()))
     rows: list[tuple[str, str, tuple[str, ...]]] = [
-        ("base", "on the motor, its screws' heads in the pockets", ("base",)),
+        ("base", f"on the motor: {motor}, heads in the pockets", ("base",)),
         (
             "axle",
             "from below, one through the hole, one through the arc slot; a tape holds both",
@@ -128,7 +131,8 @@ def steps(machine: SwingMachine) -> Table:
     ]
     if m.base_plate.mounts:
         free = f"{sizes.frame.flange_thickness + m.play:g} mm free below for the axles"
-        said = f"screwed on your stand, {free}, before the frames cover the screws"
+        screws = things["screw of the base"].text
+        said = f"screwed on your stand with {screws}, {free}, before the frames cover the screws"
         rows.append(("base", said, ("stand-rail",)))
     rows += [(what, how, laid) for _, what, how, laid in sorted(layers, key=lambda each: each[0])]
     if sizes.plain:
@@ -139,7 +143,7 @@ def steps(machine: SwingMachine) -> Table:
     rows.append(
         (
             "nozzle-foot",
-            "your nozzle, on the frames, its screws from above into the nuts",
+            f"your nozzle, on the frames, with {things['screw of the nozzle'].text} from above into the nuts",
             ("nozzle-foot",),
         )
     )

@@ -279,13 +279,17 @@ class Beneath:
 
     def _bought(self) -> list[Bought]:
         """Drive of the crank, screws of the posts."""
+
+        def named(each: Bought) -> tuple[tuple[str, int], ...]:
+            return tuple((self.name(part), count) for part, count in each.at)
+
         drive = self.bodies.bought(turning_text(self._speed * 60 / math.tau))
         screw = SCREWS[_THREAD]
         grip = -self._low
         size = f"{_THREAD} x {screw.length(grip, self.whole.sizes.base_thickness):g}"
         return [
-            *(each for each in drive if each.role != "mount"),
-            Bought("screw of a post", screw.standard, size, _POSTS),
+            *(replace(each, at=named(each)) for each in drive if each.role != "mount"),
+            Bought("screw of a post", screw.standard, size, _POSTS, at=(("post", 1),)),
         ]
 
     def added(self, made: Assembly) -> Assembly:

@@ -181,22 +181,28 @@ class Bodies:
         shaft = p.shaft_text
         motors = []
         if not self.layout.drivers:
-            motors.append(Bought("drive", "", turning, 1, "drive"))
+            along = f"on link {self.layout.driven}, along its slide"
+            motors.append(Bought("drive", "", turning, 1, "drive", how=along))
         elif not p.hand_crank:
-            motors.append(Bought("drive", "", f"{turning}, for a {shaft}", 1, "drive"))
+            lower = "on the shaft's lower end"
+            motors.append(Bought("drive", "", f"{turning}, for a {shaft}", 1, "drive", how=lower))
         if face is not None:
             if p.shaft_flat and not face.flat:
                 shaft += " (that of your motor is to be looked up: shaft_flat)"
             said = f"{turning}, {shaft}, at least {self.shaft_reach:.4g} long from its face"
             motors = fixed_motor("drive", face, said, p.base_thickness - p.pocket)
-        covers = len(self.of_role("cover"))
-        screws = self.layout.cover.bought(covers) if self.layout.cover else []
+        screws = self.layout.cover.bought(self.of_role("cover")) if self.layout.cover else []
         count = len(self.layout.drivers) or 1
         motors = [replace(each, count=count * each.count) for each in motors]
         if p.battery is not None:
-            size = f"{p.battery.length:g} x {p.battery.width:g}, in the frame under the far plate"
-            motors.append(Bought("battery holder", "", size, 1, "supply"))
-        held = [] if self.collar is None else self.collar.bought(self.collar.least_radius)
+            size = f"{p.battery.length:g} x {p.battery.width:g}, with its batteries, a switch and wires to the motor"
+            place = "in the frame under the far plate; its wires to the motor, over the switch"
+            motors.append(Bought("battery holder", "", size, 1, "supply", how=place))
+        held = (
+            []
+            if self.collar is None
+            else self.collar.bought(self.collar.least_radius, "shaft-collar")
+        )
         screws += [replace(each, count=count * each.count) for each in held]
         behind = Bought("screw of the plate, from behind", "", screw, p.mount_screws, "mount")
         return [

@@ -13,11 +13,12 @@ from dataclasses import dataclass
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Region, circle
+from camgen.machine.features import Mount
 from camgen.parts.catalogue import CORE_HOLES, HEAD_ROOM, SCREWS, Bought, Screw
 from camgen.parts.generator.changes import Change, Unmade
 from camgen.parts.generator.sizes import SUNK, Parts
 from camgen.parts.hardware import plate
-from camgen.parts.part import HoldingNote, Layer, Part, hull
+from camgen.parts.part import Layer, Part, hull
 from camgen.spec import Print
 
 _THREADS = ("M3", "M2.5", "M2")  # the first that the rails hold
@@ -74,14 +75,16 @@ class Cover:
             (low, high),
             centres=tuple(own),
             min_wall=min_wall,
-            notes=(HoldingNote(f"held on its rails by {screws}, heads sunk"),),
+            notes=(f"held on its rails by {screws}, heads sunk",),
             role="cover",
         )
 
-    def bought(self, covers: int) -> list[Bought]:
-        """The screws of so many covers."""
+    def bought(self, covers: Sequence[Mount]) -> list[Bought]:
+        """The screws of covers, heads sunk."""
         size = f"{self.screw.thread} x {self.length:g}, into core holes of {self.core:g}"
-        return [Bought("screw of a cover", self.screw.standard, size, 4 * covers)] if covers else []
+        at = tuple((name, 4) for name in dict.fromkeys(each.part for each in covers))
+        name = "screw of a cover"
+        return [Bought(name, self.screw.standard, size, 4 * len(covers), at=at)] if covers else []
 
 
 def cover(sizes: Parts, fits: Print, min_wall: float) -> Cover | None:

@@ -418,14 +418,17 @@ def bought(layout: Layout) -> list[Bought]:
         return []
     length = screw.length(s.base_thickness - _depth(s), (layout.ceiling - s.base_thickness) / 2)
     size = f"{screw.thread} x {length:g}, into core holes of {s.mount_diameter:g}"
-    stands = sum(len(stand.places) for stand in layout.stands if stand.merged is None)
-    screws = Bought(
-        "screw of a post", screw.standard, size, 2 * len(layout.second.columns) + stands
-    )
+    further = {f"post-{each.name}": each for each in layout.stands if each.merged is None}
+    stands = sum(len(each.places) for each in further.values())
+    columns = len(layout.second.columns)
+    on_posts = tuple((name, 1) for name in further)
+    at = (("post", 1), (SECOND, columns), *on_posts)
+    count = 2 * columns + stands
+    screws = Bought("screw of a post", screw.standard, size, count, at=at)
     if not stands:
         return [screws]
     stud = "stud of a post, half of it in the frame on it"
-    return [screws, Bought(stud, "ISO 4026", f"{screw.thread} x 8", stands)]
+    return [screws, Bought(stud, "ISO 4026", f"{screw.thread} x 8", stands, at=on_posts)]
 
 
 def steps(layout: Layout) -> list[str]:
