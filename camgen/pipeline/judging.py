@@ -41,12 +41,12 @@ from camgen.pipeline.making import (
     compensation,
     lying_sides,
     parts_table,
-    steps_of_assembly,
     written,
 )
 from camgen.pipeline.reading import Read, budget_of, judge_motion, judge_part, judge_rows, moved_by
 from camgen.pipeline.scope import ANY, READ, Outcome, Stage, machined, not_judged, of_parts, unheard
 from camgen.pipeline.servo import servo_files
+from camgen.pipeline.shopping import steps_of_assembly
 from camgen.pipeline.summary import plates_of
 from camgen.progress import Progress
 from camgen.report.report import Report

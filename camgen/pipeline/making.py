@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext, suppress
-from dataclasses import replace
 from itertools import repeat
 from pathlib import Path
 from types import MappingProxyType
@@ -20,14 +19,14 @@ from camgen.machine.features import PartPose
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
 from camgen.parts import materials
-from camgen.parts.assembly import cut_of_sheet, order_of_assembly, printed_parts
-from camgen.parts.catalogue import CAM_FOLLOWERS, TURNED, Bought
+from camgen.parts.assembly import cut_of_sheet, printed_parts
+from camgen.parts.catalogue import TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
-from camgen.parts.keyways import parallel_keys
 from camgen.parts.part import Part
 from camgen.pipeline.case import Case
 from camgen.pipeline.drawings import timing_facts, timing_of
 from camgen.pipeline.scope import machined
+from camgen.pipeline.shopping import bought_things
 from camgen.pipeline.summary import draw_part
 from camgen.progress import Progress
 from camgen.study import Table
@@ -219,22 +218,6 @@ def assembly_copies(mechanism: Mechanism) -> list[PartCopy]:
         for part in mechanism.assembly.parts
         for k, pose in enumerate(poses[part.name])
     ]
-
-
-def bought_things(mechanism: Mechanism) -> list[Bought]:
-    """What is bought for a machine, beside its parts: keys in keyways and the rollers that its load names too."""
-    assembly = mechanism.assembly
-    things = [*assembly.bought, *parallel_keys(assembly.parts)]
-    rollers = [cam.roller for cam in assembly.outlines.values()]
-    if mechanism.load is not None and mechanism.load.cam_follower and not any(rollers):
-        rolls = CAM_FOLLOWERS[mechanism.load.cam_follower].bought(len(rollers))
-        things.append(replace(rolls, how="in your follower, its ring on the cam"))
-    return things
-
-
-def steps_of_assembly(mechanism: Mechanism) -> Table:
-    """In which order a machine goes together, with all that is bought for it."""
-    return order_of_assembly(replace(mechanism.assembly, bought=bought_things(mechanism)))
 
 
 def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyType({})) -> Table:

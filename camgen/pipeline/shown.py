@@ -20,7 +20,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats, Points
 from camgen.parts.assembly import Assembly
 from camgen.parts.coils import spring_sketches
-from camgen.pipeline.making import steps_of_assembly
+from camgen.pipeline.shopping import steps_of_assembly
 from camgen.report.animation import Animation, Body
 from camgen.report.colours import part_colour
 from camgen.study import HoleLabel, Plate, Scene, Sketch

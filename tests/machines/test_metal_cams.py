@@ -104,5 +104,5 @@ def test_the_list_of_parts_has_the_key_of_each_keyway() -> None:
 
     text = "6 x 6, at most 20 long, as its bore, DIN 6885"
     assert keys() == [("bought", "parallel key", text, 1)]
-    assert len(keys("geometry.closure=conjugate")) == 2
+    assert keys("geometry.closure=conjugate") == [("bought", "parallel key", text, 2)]
     assert keys("parts.bore_shape=plain") == []

@@ -27,7 +27,8 @@ from camgen.parts.catalogue import SCREWS
 from camgen.parts.generator.layout import Layout
 from camgen.parts.part import Layer, Part
 from camgen.parts.steps import Fixing, order
-from camgen.pipeline.making import parts_table, steps_of_assembly
+from camgen.pipeline.making import parts_table
+from camgen.pipeline.shopping import steps_of_assembly
 from camgen.study import Mate
 
 PLAY = Fixing(0.1)

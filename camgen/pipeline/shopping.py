@@ -1,0 +1,27 @@
+"""What is bought for a machine, and the steps that put it in."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from camgen.machines.mechanism import Mechanism
+from camgen.parts.assembly import order_of_assembly
+from camgen.parts.catalogue import CAM_FOLLOWERS, Bought
+from camgen.parts.keyways import parallel_keys
+from camgen.study import Table
+
+
+def bought_things(mechanism: Mechanism) -> list[Bought]:
+    """What is bought for a machine, beside its parts: keys in keyways and the rollers that its load names too."""
+    assembly = mechanism.assembly
+    things = [*assembly.bought, *parallel_keys(assembly.parts)]
+    rollers = [cam.roller for cam in assembly.outlines.values()]
+    if mechanism.load is not None and mechanism.load.cam_follower and not any(rollers):
+        rolls = CAM_FOLLOWERS[mechanism.load.cam_follower].bought(len(rollers))
+        things.append(replace(rolls, how="in your follower, its ring on the cam"))
+    return things
+
+
+def steps_of_assembly(mechanism: Mechanism) -> Table:
+    """In which order a machine goes together, with all that is bought for it."""
+    return order_of_assembly(replace(mechanism.assembly, bought=bought_things(mechanism)))
