@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -20,7 +20,7 @@ from camgen.judge.measured import Files, Sections, read
 from camgen.judge.meshes import judge_mesh
 from camgen.judge.pawls import judge_pawl
 from camgen.judge.pin_tracks import TrackedPins, judge_tracks
-from camgen.judge.proof import Proof, with_laws
+from camgen.judge.proof import Proof, strokes, with_laws
 from camgen.machine.features import CamOutline, Demand, judged_outputs, parts_of
 from camgen.machine.model import GROUND, Cam, Clutch, Output, bodies_of, unit_of
 from camgen.numerics import Floats
@@ -277,12 +277,14 @@ class _OutputResult:
     @cached_property
     def measured_stroke(self) -> float:
         """Difference of the extremes as the files give it."""
-        return _stroke(self.theta, self.moved.value, self.measured)
+        return self.proof.strokes(self.theta)[self.output.name]
 
     @cached_property
     def nominal_stroke(self) -> float:
         """The same as it is wanted."""
-        return _stroke(self.theta, self.nominal(self.theta)[0], self.nominal)
+        name = self.output.name
+        wanted = {name: self.nominal(self.theta)[0]}
+        return strokes(self.theta, wanted, lambda _, theta: self.nominal(theta))[name]
 
     @property
     def lash(self) -> tuple[float, str]:
@@ -411,31 +413,3 @@ def _fit(fits: Mapping[str, Fit], limit: float, where: Where) -> Finding:
         f"play {fit.play:z.4f} mm, {fit.nominal:z.4f} mm wanted; worst of {len(fits)} joints, from each "
         f"hole's diameter and its centres at several heights{named_parts}",
     )
-
-
-def _stroke(theta: Floats, output: Any, both: Callable[[Floats], tuple[Any, Any]]) -> float:
-    """Difference of the output's extremes: from the judged angles, then by the secant of the slope. Of a path the larger
-    side of its box, from the judged angles alone."""
-    if np.iscomplexobj(output):
-        return float(max(np.ptp(output.real), np.ptp(output.imag)))
-    ends = []
-    for sign in (1, -1):
-        k = int(np.argmax(sign * output))
-        a = theta[k - 1] if k else theta[0] - (theta[1] - theta[0])
-        b = theta[(k + 1) % len(theta)]
-        b = b if b > theta[k] else 2 * theta[k] - a
-        t = np.array([a, b])
-        value, slope = both(t)
-        best = max(float(np.max(sign * value)), float(sign * output[k]))
-        for _ in range(8):
-            if slope[1] == slope[0]:
-                break
-            new = t[1] - slope[1] * (t[1] - t[0]) / (slope[1] - slope[0])
-            if not a <= new <= b:  # on facets, or at the last digits
-                break
-            v, s = both(np.array([new]))
-            best = max(best, float(sign * v[0]))
-            t = np.array([t[1], new])
-            slope = np.array([slope[1], s[0]])
-        ends.append(sign * best)
-    return ends[0] - ends[1]

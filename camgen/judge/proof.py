@@ -7,7 +7,7 @@ how far a displacement in each joint moves each output. It knows nothing of loop
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -24,6 +24,7 @@ from camgen.machine.model import Cam, Law, Machine
 from camgen.numerics import Floats
 
 _KNOWN = 721  # angles at which the machine as meant is closed, from which all others start: half a degree of a turn apart
+_SECANTS = 8  # steps towards an output's extreme
 _CELLS = 4_000_000  # of what is worked out at a time, 32 MB
 _PER_POSE = 40  # cells at each angle for each number of the poses
 
@@ -118,6 +119,7 @@ class Proof:
         self._system = Constraints(measured.machine)
         self._seen: dict[bytes, Mapping[str, Response]] = {}
         self._closed: tuple[bytes, Sequence[LoopClosure]] = (b"", ())
+        self._strokes: dict[bytes, Mapping[str, float]] = {}
 
     def nominal(self, output: str, theta: Floats) -> tuple[Any, Any]:
         """The output and its slope by the joints as they are meant, (n,)."""
@@ -159,6 +161,16 @@ class Proof:
             moved = self._seen[theta.tobytes()][output]
             return moved.value, moved.slope
         return _all_angles(self._system, output, self._closed_at(theta))
+
+    def strokes(self, theta: Floats) -> Mapping[str, float]:
+        """Difference of each output's extremes, from the judged angles on, (n,)."""
+        key = theta.tobytes()
+        if key not in self._strokes:
+            values = {
+                each.name: self.moved(each.name, theta).value for each in self.machine.outputs
+            }
+            self._strokes[key] = strokes(theta, values, self.outcome)
+        return self._strokes[key]
 
     def _closed_at(self, theta: Floats) -> Sequence[LoopClosure]:
         """The machine closed, part after part; at the angles that were asked for last, as one output after the other does."""
@@ -207,6 +219,62 @@ def with_laws(machine: Machine, laws: Laws) -> Machine:
         for joint in machine.joints
     )
     return replace(machine, joints=tuple(joints))
+
+
+def strokes(
+    theta: Floats,
+    outputs: Mapping[str, Any],
+    both: Callable[[str, Floats], tuple[Any, Any]],
+) -> dict[str, float]:
+    """Difference of each output's extremes: from its values at theta, (n,) each, then by the secant of its slope. Of a path
+    the larger side of its box, from these values alone.
+
+    both: value and slope of an output at angles, (m,). All outputs go on together, so that the machine is closed for all of
+    them at once, not for each.
+    """
+    paths = {name: value for name, value in outputs.items() if np.iscomplexobj(value)}
+    found = {name: float(max(np.ptp(z.real), np.ptp(z.imag))) for name, z in paths.items()}
+    names = [name for name in outputs if name not in paths]
+    if not names:
+        return found
+    senses = np.tile([1.0, -1.0], len(names))  # of each extreme: the largest, then the least
+    sought = [name for name in names for _ in (0, 1)]
+    values = np.array([outputs[name] for name in sought])
+    k = np.argmax(senses[:, None] * values, axis=1)
+    before = np.where(k > 0, theta[k - 1], theta[0] - (theta[1] - theta[0]))
+    after = theta[(k + 1) % len(theta)]
+    after = np.where(after > theta[k], after, 2 * theta[k] - before)
+
+    def at(angles: Floats) -> tuple[Floats, Floats]:
+        """Of each extreme the value, by its sense, and the slope."""
+        told = {name: both(name, angles) for name in names}
+        value, slope = (
+            np.array([told[name][part][row] for row, name in enumerate(sought)]) for part in (0, 1)
+        )
+        return senses * value, slope
+
+    old = before
+    new = after
+    old_value, old_slope = at(old)
+    new_value, new_slope = at(new)
+    best = np.maximum(np.maximum(old_value, new_value), senses * values[np.arange(len(k)), k])
+    going = np.ones(len(k), bool)
+    for _ in range(_SECANTS):
+        with np.errstate(all="ignore"):
+            angles = new - new_slope * (new - old) / (new_slope - old_slope)
+            # Elsewhere it is on facets, or at the last digits.
+            going &= (new_slope != old_slope) & (before <= angles) & (angles <= after)
+        if not going.any():
+            break
+        angles = np.where(going, angles, new)
+        value, slope = at(angles)
+        best = np.where(going, np.fmax(best, value), best)
+        old = new
+        old_slope = new_slope
+        new = angles
+        new_slope = slope
+    ends = senses * best
+    return found | dict(zip(names, (ends[::2] - ends[1::2]).tolist(), strict=True))
 
 
 def _parts(system: Constraints, theta: Floats) -> Sequence[Floats]:
