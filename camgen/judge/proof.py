@@ -76,7 +76,7 @@ class _NominalMotion:
         return np.asarray(np.interp(sense * candidates, sense * course, self._known.theta))
 
     def outcome(self, output: str, theta: Floats, laws: Laws = ()) -> tuple[Any, Any]:
-        """An output and its slope, (n,); those at many angles are kept for the other kinds of files."""
+        """An output and its slope, (n,); they are kept for the other outputs, and the other kinds of files."""
         key = (theta.tobytes(), laws)
         if key in self._seen:
             return self._seen[key][output]
@@ -84,8 +84,6 @@ class _NominalMotion:
             self._systems[laws] = Constraints(with_laws(self.system.machine, laws))
         system = self._systems[laws]
         closed = [close(system, part, self.near(part), 1) for part in _parts(system, theta)]
-        if len(theta) <= _KNOWN:
-            return _all_angles(system, output, closed)
         self._seen[key] = {
             each.name: _all_angles(system, each.name, closed) for each in system.machine.outputs
         }
