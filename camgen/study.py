@@ -107,7 +107,7 @@ class Plot:
     levels: Sequence[tuple[str, float]] = ()
     sources: Mapping[str, tuple[str, str]] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def ends(self) -> tuple[float, float] | None:
         """Least and greatest x of all that is shown, None where there is nothing."""
         found = [
