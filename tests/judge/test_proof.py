@@ -16,8 +16,7 @@ from camgen.judge import proof as module
 from camgen.judge.contact import contact
 from camgen.judge.contact_tips import ArmTip
 from camgen.judge.joints import Closable, RollingLaw
-from camgen.judge.motion import _stroke
-from camgen.judge.proof import Proof, _NominalMotion, with_laws
+from camgen.judge.proof import Proof, _NominalMotion, strokes, with_laws
 from camgen.judge.targets import judge_targets
 from camgen.machine import (
     GROUND,
@@ -172,24 +171,33 @@ def test_corners_are_where_the_tip_passes_a_vertex() -> None:
 def test_a_stroke_reaches_between_the_judged_angles(
     late: float, size: float, count: int, second: float
 ) -> None:
-    """Extremes of a wave with a second harmonic wherever they fall: at the ends of the turn as well; by a million samples."""
+    """Extremes of a wave with a second harmonic wherever they fall: at the ends of the turn as well; by a million samples.
 
-    def both(theta: Floats) -> tuple[Any, Any]:
+    A second output, sought together with it, has its own elsewhere; a third stands still.
+    """
+    sizes = {"wave": size, "other": -2 * size, "still": 0.0}
+
+    def both(name: str, theta: Floats) -> tuple[Any, Any]:
+        at = theta - late - (0.7 if name == "other" else 0.0)
         return (
-            size * (np.cos(theta - late) + second * np.sin(2 * theta)),
-            size * (-np.sin(theta - late) + 2 * second * np.cos(2 * theta)),
+            sizes[name] * (np.cos(at) + second * np.sin(2 * theta)),
+            sizes[name] * (-np.sin(at) + 2 * second * np.cos(2 * theta)),
         )
 
     theta = (np.arange(count) + 0.3) * (math.tau / count)
-    fine = both(np.linspace(0, math.tau, 200_001))[0]
-    assert _stroke(theta, both(theta)[0], both) == pytest.approx(float(np.ptp(fine)), rel=1e-8)
+    found = strokes(theta, {name: both(name, theta)[0] for name in sizes}, both)
+    for name in sizes:
+        fine = both(name, np.linspace(0, math.tau, 200_001))[0]
+        assert found[name] == pytest.approx(float(np.ptp(fine)), rel=1e-8, abs=0)
 
 
 @pytest.mark.parametrize("width, height", [(3, 8), (5, 2)])
 def test_a_paths_stroke_is_the_larger_side_of_its_box(width: float, height: float) -> None:
     theta = np.linspace(0, math.tau, 361)
     path = width * np.cos(theta) + 1j * height * np.sin(theta)
-    assert _stroke(theta, path, lambda t: (t, t)) == pytest.approx(2 * max(width, height))
+    wave = np.cos(theta)
+    found = strokes(theta, {"path": path, "wave": wave}, lambda _, t: (np.cos(t), -np.sin(t)))
+    assert found == pytest.approx({"path": 2 * max(width, height), "wave": 2.0})
 
 
 @pytest.mark.parametrize("reach", [math.tau, 2.0])
