@@ -444,14 +444,14 @@ class Constraints:
         solution = np.swapaxes(
             solved(self._order_back, transposed(slopes), np.swapaxes(right, 1, 2)), 1, 2
         )
-        held = solution.any(axis=0)  # not what belongs to a machine beside it
+        held = np.asarray(solution.any(axis=0))  # not what belongs to a machine beside it
         shares = []
         first = 0
         for gradient in gradients:
             some = slice(first, first + gradient.shape[1])
             first = some.stop
             rows = solution[:, some]
-            moving = held[some].any(axis=0)
+            moving = np.asarray(held[some].any(axis=0))
             share = {}
             for each in self.conditions:
                 own = self.rows[each.name]
