@@ -121,7 +121,7 @@ def explanation(
         return Explanation(known[name])
     from camgen.sweep.influence import influence_text
 
-    return Explanation(f"{known[name]}\n{influence_text(spec, name, settings)}")
+    return Explanation(f"{known[name]}\n{influence_text(spec, name, settings, known[name])}")
 
 
 def in_short(entry: str) -> str:

@@ -7,6 +7,7 @@ where the measured value stays; else it acts on the machine, and the secant meth
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -23,8 +24,10 @@ from camgen.settings import setting_of
 
 _STEP = 0.02  # by which a number is changed, as a share of it
 _STEP_AT_ZERO = 0.1  # the same of a 0, in its unit
+_TRIED = (1.0, 10.0, 0.1)  # of a key that is not set, in its unit
+_NAMED = re.compile(r"\b[a-z_]+(?:\.[a-z0-9_]+)+\b")  # a key in a sentence
 _FELT = 1e-4  # least change of a margin that counts, as a share of limit and measured value
-_MOST = 6  # keys that are told
+_MOST = 6  # keys that are told, beside those that advice names
 _LONGEST = 12  # numbers of a list that are changed; longer lists are tables of points
 _SECANTS = 8
 _WIDEST = 4.0  # how far a value is looked for, as a share of the one that is
@@ -43,7 +46,7 @@ class KeyEffect:
     """What a number of the spec does to a finding, or several of one list that go together, such as a rise and its return."""
 
     keys: Sequence[str]  # as for `--set`
-    value: float  # as it is
+    value: float  # as it is; nan of a key that is not set, which advice names
     found: bool  # whether camgen found it, as the spec leaves it open
     tried: float
     measured: float  # of the finding, where the key has the value tried
@@ -59,11 +62,13 @@ class Influence:
     nearest: Finding | None
     limit_keys: Sequence[str]
     effects: Sequence[KeyEffect]  # the strongest first
+    idle: Sequence[str] = ()  # keys that the finding's message names and that do not move it alone
 
 
-def influence(spec: Source, code: str, settings: Sequence[str] = ()) -> Influence:
+def influence(spec: Source, code: str, settings: Sequence[str] = (), advice: str = "") -> Influence:
     """What a finding says of this spec before files are made, and which keys move it; settings: as of `--set`.
 
+    advice: what helps in general; keys that it or the finding's message names are tried where they are not set, too.
     SpecError for the spec, DesignError where no such mechanism exists.
     """
     mechanism = read_mechanism(spec, settings)
@@ -80,7 +85,9 @@ def influence(spec: Source, code: str, settings: Sequence[str] = ()) -> Influenc
     trial = _Trial(mechanism, template, judge, number, findings[number])
     limit_keys: list[str] = []
     effects = []
-    for keys, value, tried, found in trial.changes():
+    named = trial.named(findings[number].message)
+    advised = [*named, *trial.named(advice)]
+    for keys, value, tried, found in (*trial.changes(), *trial.unset(advised)):
         if trial.only_worsens(keys, value, tried, found):
             continue
         if trial.felt(found.measured - trial.finding.measured):
@@ -100,9 +107,12 @@ def influence(spec: Source, code: str, settings: Sequence[str] = ()) -> Influenc
             found.limit,
             trial.last(keys, value, tried),
         )
-        for _, keys, value, tried, found in effects[:_MOST]
+        for k, (_, keys, value, tried, found) in enumerate(effects)
+        if k < _MOST or not set(advised).isdisjoint(keys)
     ]
-    return Influence(findings, trial.finding, limit_keys, told)
+    acting = {key for each in told for key in each.keys} | {*limit_keys}
+    idle = [key for key in named if key not in acting]
+    return Influence(findings, trial.finding, limit_keys, told, idle)
 
 
 @dataclass(frozen=True)
@@ -171,6 +181,15 @@ def _levels_of(path: Key, rows: Sequence[Mapping[str, Any]]) -> list[_Level]:
             levels[-1].paths.append((*path, k, key))
     *before, last = levels
     return [*before, replace(last, closing=last.value == 0)]
+
+
+def _node(schema: Mapping[str, Any], key: str) -> dict[str, Any] | None:
+    """A key's node in a schema; None where there is none."""
+    root = dict(schema)
+    node: dict[str, Any] | None = root
+    for step in key.split("."):
+        node = step_below(node, int(step) if step.isdigit() else step, root)
+    return node
 
 
 def _nearby(value: float) -> tuple[float, float]:
@@ -251,6 +270,23 @@ class _Trial:
             if change is not None:
                 yield keys, value, *change
 
+    def named(self, text: str) -> list[str]:
+        """Keys of numbers that a text names in full, such as spring.preload."""
+        schema = type(self.mechanism).model_json_schema(by_alias=True)
+        keys = dict.fromkeys(_NAMED.findall(text))
+        return [key for key in keys if unit_of(_node(schema, key) or {}) is not None]
+
+    def unset(self, keys: Sequence[str]) -> Iterator[tuple[Sequence[str], float, float, Finding]]:
+        """The same as `changes` of keys that are not set, without limits, by the first of some values that is not refused."""
+        known = {dotted(path) for path in self.numbers}
+        for key in dict.fromkeys(keys):
+            if key in known or key.startswith("limits."):
+                continue
+            tries = ((tried, self([key], tried)) for tried in _TRIED)
+            change = next((each for each in tries if each[1] is not None), None)
+            if change is not None and change[1] is not None:
+                yield [key], math.nan, change[0], change[1]
+
     def _changed(self, keys: Sequence[str], value: float) -> tuple[float, Finding] | None:
         """A value near that of the keys, and the finding then; None where both ways are refused."""
         for tried in _nearby(value):
@@ -295,7 +331,7 @@ class _Trial:
 
     def last(self, keys: Sequence[str], value: float, tried: float) -> float | None:
         """The value of the keys, to three digits, at which the finding just holds; None where it is at its limit already."""
-        if not self.felt(self.margin):
+        if not self.felt(self.margin) or math.isnan(value):
             return None
         margins = [(value, self.margin)]
         at = tried
@@ -328,9 +364,9 @@ def _rounded(value: float, way: float) -> float:
     return float(f"{whole * digit:.{_DIGITS}g}")
 
 
-def influence_text(spec: Source, code: str, settings: Sequence[str] = ()) -> str:
+def influence_text(spec: Source, code: str, settings: Sequence[str] = (), advice: str = "") -> str:
     """The same as Markdown, to stand behind what is said of the code."""
-    found = influence(spec, code, settings)
+    found = influence(spec, code, settings, advice)
     lines = [f"### {code} in {_title(spec)}"]
     if not found.findings:
         lines.append(
@@ -355,6 +391,11 @@ def influence_text(spec: Source, code: str, settings: Sequence[str] = ()) -> str
         lines += [f"  - {_effect_text(each, found.nearest)}" for each in found.effects]
     elif found.nearest is not None:
         lines.append("- A change of 2 % of any number of the spec leaves it as it is.")
+    if found.idle:
+        keys = " and ".join(f"`{key}`" for key in found.idle)
+        lines.append(
+            f"- {keys}, which the message names: a small change alone does nothing, or is refused"
+        )
     return "\n".join(lines) + "\n"
 
 
@@ -368,8 +409,9 @@ def _title(spec: Source) -> str:
 def _effect_text(effect: KeyEffect, finding: Finding) -> str:
     keys = " and ".join(f"`{key}`" for key in effect.keys)
     result = _number(effect.measured, finding)
-    state = "found" if effect.found else "now"
-    text = f"{keys}, {state} {effect.value:.6g}: {effect.tried:.6g} gives {result}"
+    now = f"{'found' if effect.found else 'now'} {effect.value:.6g}"
+    state = "not set" if math.isnan(effect.value) else now
+    text = f"{keys}, {state}: {effect.tried:.6g} gives {result}"
     if effect.limit != finding.limit:
         text += f" against {_number(effect.limit, finding)}"
     if effect.last is None:

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
+import re
+import tomllib
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +14,9 @@ import pytest
 from test_cli import run as run  # noqa: F401  a fixture
 
 import camgen
-from camgen.errors import SpecError
+from camgen import starters
+from camgen.errors import SpecError, dotted
+from camgen.machines import MECHANISMS
 from camgen.sweep import influence as sweep_influence
 from camgen.sweep.influence import influence, influence_text
 
@@ -92,6 +98,71 @@ def test_a_key_that_is_not_set_is_named_where_it_would_set_the_limit() -> None:
     found = influence(SPECS / "linkage.toml", "LASH")
     assert len(found.findings) == 2 and found.limit_keys == ["limits.lash"]
     assert [each.keys for each in found.effects] == [["print.press_clearance"]]
+
+
+ADVISED = re.compile(r"\b[a-z_]+(?:\.[a-z_0-9]+)+\b")
+
+
+def advised(message: str, machine: Any) -> set[str]:
+    """Keys that a message names in full and that this machine's schema has as numbers."""
+    schema = json.loads(starters.schema_text(type(machine), machine.mechanism))
+
+    def known(key: str) -> bool:
+        tables = [schema]
+        for step in key.split("."):
+            below = [table.get("properties", {}).get(step) for table in tables]
+            tables = []
+            for node in filter(None, below):
+                options = [node, *node.get("anyOf", ())]
+                named = [each["$ref"].rpartition("/")[2] for each in options if "$ref" in each]
+                tables += [*options, *(schema["$defs"][name] for name in named)]
+        return any(table.get("type") in ("number", "integer") for table in tables)
+
+    return {key for key in ADVISED.findall(message) if known(key)}
+
+
+KNOCKING = {
+    **STEEP,
+    "motor": {"speed_rpm": 600},
+    "load": {"mass_kg": 1.0, "resistance": 1.0},
+    "geometry": {**STEEP["geometry"], "base_radius": 40},
+}
+
+
+@pytest.mark.parametrize("name", [*MECHANISMS, "dial-table", "groove", "knocking"])
+def test_every_key_that_a_message_names_is_told(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As one that changes the finding, that sets its limit, or that does neither alone; of all findings before files."""
+    machine = camgen.load(KNOCKING if name == "knocking" else tomllib.loads(starters.text(name)))
+    named = dict[str, set[str]]()
+    for each in machine.forecast():
+        named.setdefault(each.code, set()).update(advised(each.message, machine))
+    numbers = sweep_influence._numbers
+    for code, keys in named.items():
+        if not keys or code == "BED_FIT":
+            continue
+        few = partial(numbers_of, numbers, keys)  # each takes its time
+        monkeypatch.setattr(sweep_influence, "_numbers", few)
+        found = influence(machine, code)
+        told = {key for each in found.effects for key in each.keys}
+        told |= {*found.limit_keys, *found.idle}
+        assert found.nearest is not None
+        assert advised(found.nearest.message, machine) <= told, (code, told)
+
+
+def numbers_of(numbers: Any, keys: set[str], tables: Any, path: Any = ()) -> Any:
+    return [each for each in numbers(tables, path) if dotted(each[0]) in keys]
+
+
+def test_a_key_that_is_not_set_is_tried_where_advice_names_it() -> None:
+    found = influence(KNOCKING, "LIFT_OFF")
+    (preload,) = (each for each in found.effects if each.keys == ["spring.preload"])
+    assert found.nearest is not None and not found.nearest.ok and math.isnan(preload.value)
+    sprung = camgen.load(KNOCKING).replace({"spring.preload": preload.tried})
+    (judged,) = sprung.limits_of("LIFT_OFF") or [
+        f for f in sprung.forecast() if f.code == "LIFT_OFF"
+    ]
+    assert preload.measured == judged.measured > found.nearest.measured
+    assert "`spring.preload`, not set: 1 gives" in influence_text(KNOCKING, "LIFT_OFF")
 
 
 def test_what_is_judged_on_files_alone_says_so() -> None:
