@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import cache, wraps
 from numbers import Integral, Real
 from os import PathLike
@@ -54,20 +55,34 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         ]
         if faults:
             owner = "camgen" if function.__qualname__ == function.__name__ else "machine"
-            raise SpecError(faults, f"{owner}.{function.__name__}")
+            called = f"{owner}.{function.__name__}"
+            order = _order(function)
+            if faults[-1].path[0] in order:  # perhaps swapped
+                right = f"{faults[-1].expected}: {called}({', '.join(order)})"
+                faults[-1] = replace(faults[-1], expected=right)
+            raise SpecError(faults, called)
         with file_errors():
             try:
                 return function(*args, **kwargs)
             except SpecError as error:
                 if error.source != COMMAND_LINE:
                     raise
-                called = error.faults
-        raise SpecError(called, f"camgen.{function.__name__}")
+                found = error.faults
+        raise SpecError(found, f"camgen.{function.__name__}")
 
     return call
 
 
 _signature = cache(inspect.signature)
+
+
+def _order(function: Callable[P, R]) -> list[str]:
+    """The first arguments of a call that may be swapped: those that have to be given, or one and the next; else none."""
+    parameters = _signature(function).parameters.values()
+    placed = [each for each in parameters if each.kind is each.POSITIONAL_OR_KEYWORD]
+    names = [each.name for each in placed if each.name != "self"]
+    needed = sum(each.default is each.empty for each in placed if each.name != "self")
+    return names[: max(needed, 2)] if len(names) > 1 else []
 
 
 @cache

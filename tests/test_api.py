@@ -400,6 +400,21 @@ def test_a_sweep_is_the_commands_table(tmp_path: Path, capsys: pytest.CaptureFix
     assert swept._repr_html_().count("<tr>") == 5
 
 
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("lengths.A-Q", "there is no point Q; the points are O, C, A, B, P"),
+        ("lengths.O-B", "O and B are on none together"),
+        ("lengths.AB", 'two points of one link, such as "A-B"'),
+        ("geometry.base_radius", "unknown key"),
+    ],
+)
+def test_a_sweep_refuses_a_key_that_the_spec_cannot_have(key: str, said: str) -> None:
+    """Whatever its value is; a value that is wrong is a row."""
+    with pytest.raises(camgen.SpecError, match=said):
+        camgen.sweep(LINKAGE, {key: [10, 20]})
+
+
 @pytest.mark.long
 def test_a_sweep_of_a_linkage_has_its_transmission_angle_and_play(tmp_path: Path) -> None:
     ground, crank, rocker = 70.0, 20.0, 50.0
@@ -495,7 +510,9 @@ ANY_SPEC = "expected a path, a dict or a machine"
         (lambda: camgen.build(b"cam.toml", out=3), [f"spec: b'cam.toml' - {ANY_SPEC}", "out: 3"]),
         (
             lambda: camgen.build("out", camgen.load(DISC)),  # type: ignore[arg-type]
-            ["out: <disc-cam 'disc-cam': print() shows its spec> - expected a path"],
+            [
+                "out: <disc-cam 'disc-cam': print() shows its spec> - expected a path: camgen.build(spec, out)"
+            ],
         ),
         (lambda: camgen.build(DISC, only=5), ["only: 5 - expected text, a list or None"]),
         (lambda: camgen.build(DISC, jobs="2"), ["jobs: '2' - expected a whole number"]),
@@ -508,6 +525,10 @@ ANY_SPEC = "expected a path, a dict or a machine"
         ),
         (lambda: camgen.sweep(5, {}), [f"spec: 5 - {ANY_SPEC}"]),
         (lambda: camgen.sweep(DISC, ["motor.speed_rpm"]), ["vary: ", "expected a dict"]),
+        (
+            lambda: camgen.explain(str(DISC), "LASH"),
+            ["law of 'camgen list', and the spec behind it"],
+        ),
         (lambda: camgen.design(DISC, say="loud"), ["say: 'loud' - expected a function"]),
         (lambda: camgen.tolerance([]), [f"spec: [] - {ANY_SPEC}"]),
         (lambda: camgen.tolerance(DISC, seed=1.5), ["seed: 1.5 - expected a whole number"]),

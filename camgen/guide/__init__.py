@@ -113,9 +113,9 @@ def explanation(
             fault = replace(fault, nearest=beginnings[near])
         if not fault.nearest:
             fault = unknown(("CODE",), code, laws())
-        fault = replace(
-            fault, expected="a finding that 'camgen explain' lists, or a law of 'camgen list'"
-        )
+        right = "a finding that 'camgen explain' lists, or a law of 'camgen list'"
+        right += ", and the spec behind it" * code.endswith(".toml")
+        fault = replace(fault, expected=right)
         raise SpecError([fault], "command line")
     if spec is None:
         return Explanation(known[name])

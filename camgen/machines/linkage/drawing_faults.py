@@ -95,11 +95,12 @@ def _length_faults(drawing: Drawing) -> Iterable[Fault]:
         path = ("lengths", key)
         names = t.pair(key)
         if names is None:
-            yield Fault(path, "", 'two points of one link, such as "A-B"')
+            yield Fault(path, "", 'two points of one link, such as "A-B"', unknown=True)
             continue
         lost = [point for point in names if point not in drawing.points]
         if lost:
-            yield from (unknown(path, point, drawing.points) for point in lost)
+            said = f"there is no point {' and no '.join(lost)}; the points are {', '.join(drawing.points)}"
+            yield Fault(path, "", said, unknown=True)
             continue
         pair = frozenset(names)
         a, b = names
@@ -110,6 +111,7 @@ def _length_faults(drawing: Drawing) -> Iterable[Fault]:
                 path,
                 "",
                 f"a length between two points of one link: {a} and {b} are on none together",
+                unknown=True,
             )
         elif pair in seen:
             yield Fault(path, "", f"given twice: also as {seen[pair]}")
