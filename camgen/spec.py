@@ -385,7 +385,8 @@ class Drawing(Record):
     )
     position: Annotated[float, quantity("mm", ge=0, le=5)] = Field(
         default=0.2,
-        description="diameter within which the axes of holes must lie (ISO 1101); 0: not shown",
+        description="diameter within which the axes of holes must lie (ISO 1101); of dowels that carry a track in metal at most "
+        "profile; 0: not shown",
     )
     profile_step_deg: Annotated[float, quantity("deg", ge=5, le=90)] = Field(
         default=10.0, description="step of a cam's table of radii on the drawings"

@@ -317,6 +317,8 @@ def ball_roller(diameter: float, width: float) -> Bearing | None:
 
 
 DOWEL_STANDARD = "ISO 2338"
+# Of hardened steel, m6, 1 to 20 mm thick [ISO 8734:1997, scope: scribd.com/document/429524111]; in lengths of ISO 2338.
+HARD_DOWEL_STANDARD = "ISO 8734"
 # Diameter -> shortest and longest, mm.
 DOWELS = {
     1.0: (4, 10),

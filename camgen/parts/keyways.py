@@ -7,7 +7,7 @@ which has no tolerance of t2.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from camgen.geometry.outlines import Arc, Contour, Line, end_point, start_point
@@ -59,16 +59,18 @@ def keyed(contour: Contour) -> tuple[float, float] | None:
     return arcs[0].radius, max(end.real for end in ends) - min(end.real for end in ends)
 
 
-def parallel_keys(parts: Iterable[Part]) -> Iterator[Bought]:
-    """The parallel keys in the keyways of parts' bores, those of one size together."""
+def parallel_keys(parts: Sequence[Part], through: bool) -> Iterator[Bought]:
+    """The parallel keys in the keyways of parts' bores, those of one size together; through: one goes through all of them."""
     holders: dict[Bought, list[Part]] = {}
-    for part in parts:
+    with_keyways = [part for part in parts if any(map(keyed, part.region.holes))]
+    whole = sum(part.thickness for part in with_keyways) if through else 0.0
+    for part in with_keyways[:1] if through else with_keyways:
         for hole in part.region.holes:
             found = keyed(hole)
             if found is not None:
                 radius, width = found
                 top = max(start_point(piece).imag for piece in hole.pieces)
-                key = parallel_key(2 * radius, width, top - radius, part.thickness, 0)
+                key = parallel_key(2 * radius, width, top - radius, whole or part.thickness, 0)
                 holders.setdefault(key, []).append(part)
     for key, held in holders.items():
         at = tuple((part.name, 1) for part in held)

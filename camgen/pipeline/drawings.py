@@ -58,6 +58,8 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     usual = _IN_METAL if cut else Facts()
     names = [each.name for each in mechanism.assembly.parts]
     bore_fit = sheet.bore_fit or ("H7" if metal else "")
+    profile = sheet.profile or usual.profile
+    dowelled = cut and mechanism.assembly.dowel and profile
     return Facts(
         machine=_machine(mechanism),
         material="as the sheet"
@@ -77,11 +79,12 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         date=sheet.date or "",
         fits=tuple(_fits(mechanism, part, sheet.seat_fit or bore_fit)),
         profile_step_deg=sheet.profile_step_deg if part.name in _cams(mechanism) else None,
-        position=sheet.position,
+        # dowels carry a track: they lie no farther off than the track may
+        position=min(sheet.position, profile) if dowelled else sheet.position,
         bore_fit=bore_fit,
         key_fit=sheet.key_fit or ("JS9" if metal else ""),
         track=tuple(_track(mechanism, part, sheet.profile_step_deg)),
-        profile=sheet.profile or usual.profile,
+        profile=profile,
         roughness=sheet.roughness or usual.roughness,
         bore_roughness=sheet.bore_roughness or usual.bore_roughness,
         roughness_elsewhere=sheet.roughness_elsewhere or usual.roughness_elsewhere,
@@ -195,11 +198,16 @@ def _fits(mechanism: Mechanism, part: Part, seat: str) -> Iterator[Fit]:
         "slide": mechanism.print.slide_clearance,
     }
     poses, outlines = _standing_still(mechanism.assembly)
+    dowel = mechanism.assembly.dowel
     shafts = [shaft for other, rounds in outlines.items() if other != part.name for shaft in rounds]
     holes = set[tuple[complex, float]]()
     for layer in part.layers:
         for place, radius in filter(None, map(round_of, layer.region.holes)):
             if (place, radius) in holes:
+                continue
+            if seat and dowel and abs(2 * radius - dowel) < SAME_POINT and abs(place) > SAME_POINT:
+                holes.add((place, radius))
+                yield Fit(place, dowel, f"{in_limits(seat, dowel)}, dowel m6")
                 continue
             inside = list(_nominal_diameters(mechanism, part.name, place))
             for pose in poses[part.name]:

@@ -14,7 +14,7 @@ from camgen.study import Table
 def bought_things(mechanism: Mechanism) -> list[Bought]:
     """What is bought for a machine, beside its parts: keys in keyways and the rollers that its load names too."""
     assembly = mechanism.assembly
-    things = [*assembly.bought, *parallel_keys(assembly.parts)]
+    things = [*assembly.bought, *parallel_keys(assembly.parts, bool(assembly.dowel))]
     rollers = [cam.roller for cam in assembly.outlines.values()]
     if mechanism.load is not None and mechanism.load.cam_follower and not any(rollers):
         rolls = CAM_FOLLOWERS[mechanism.load.cam_follower].bought(len(rollers))

@@ -62,6 +62,46 @@ def test_a_groove_in_metal_is_milled_to_its_roller() -> None:
     assert (own.print.slide_clearance, printed.print.slide_clearance) == (0.02, 0.2)
 
 
+def test_a_groove_in_metal_is_joined_as_exactly_as_its_track() -> None:
+    """Walls of 12 on a back of half of that; dowels of 6 in H7, where they lie no farther off than the track's zone is wide; one
+    key through wall and back. A base circle of 26 has room for dowels of (26 - 0.7 x 20) / 2 = 6, one of 23 for 4."""
+    groove = (*KEYED, "geometry.closure=groove", "material.name=16MnCr5", "drawing.profile=0.02")
+    made: Any = read_mechanism(STARTER, groove)
+    sizes = made.making
+    assert (sizes.thickness, sizes.back, sizes.pin_diameter, sizes.rim) == (12, 6, 6, 15)
+    rows = {row[1]: row[2:4] for row in parts_table(made).rows}
+    assert rows["dowel pin"] == ("6 m6 x 18, ISO 8734", 6)
+    assert rows["parallel key"] == ("6 x 6, at most 18 long, as its bore, DIN 6885", 1)
+    for part in made.assembly.parts:
+        facts = facts_of(made, part)
+        dowels = [fit for fit in facts.fits if "dowel" in fit.words]
+        assert [fit.diameter for fit in dowels] == [6] * (len(part.centres) - 1)
+        assert {fit.words for fit in dowels} == {"H7 (+0.012/0), dowel m6"}  # ISO 286, 3 to 6
+        assert facts.position == facts.profile == 0.02
+    coarse: Any = read_mechanism(STARTER, [*groove, "drawing.position=0.01"])
+    assert facts_of(coarse, coarse.assembly.parts[0]).position == 0.01
+    printed: Any = read_mechanism(STARTER, [*groove, "material.name=PLA"])
+    facts = facts_of(printed, printed.assembly.parts[0])
+    assert facts.position == 0.2 and not any("dowel" in fit.words for fit in facts.fits)
+    assert (printed.making.back, printed.making.pin_diameter, printed.making.rim) == (3, 3, 8)
+    own: Any = read_mechanism(STARTER, [*groove, "parts.pin_diameter=8", "parts.rim=22"])
+    assert (own.making.pin_diameter, own.making.rim, own.making.back) == (8, 22, 6)
+    for base, pin in (("26", 6), ("23", 4)):
+        near: Any = read_mechanism(STARTER, [*groove, f"geometry.base_radius={base}"])
+        assert near.making.pin_diameter == pin
+
+
+def test_a_thin_back_that_is_hardened_is_told() -> None:
+    def told(*settings: str) -> list[str]:
+        groove = (*KEYED, "geometry.closure=groove", "material.name=16MnCr5", *settings)
+        notes = read_mechanism(STARTER, groove).study().notes
+        return [note for note in notes if "parts.back" in note]
+
+    (said,) = told("parts.back=3")
+    assert "3 mm is thin" in said and "case hardened" in said and "6 mm" in said
+    assert not told() and not told("parts.back=3", "material.name=PLA")
+
+
 def test_what_is_found_stays_as_it_is_written_out() -> None:
     made: Any = read_mechanism(STARTER, [*KEYED, "material.name=16MnCr5"])
     assert made.resolved().making.hub_height == 8

@@ -54,7 +54,7 @@ from camgen.machines.cam_loads import (
 from camgen.machines.cam_tables import CamTables
 from camgen.machines.disc_cam.curves import plots, segments_table
 from camgen.machines.disc_cam.followers import drawn, standing_on
-from camgen.machines.disc_cam.metal import filled
+from camgen.machines.disc_cam.metal import filled, thin_back
 from camgen.machines.disc_cam.tables import (
     DiscCamGeometry,
     DiscCamLimits,
@@ -74,7 +74,7 @@ from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
-from camgen.parts.catalogue import CAM_FOLLOWERS, DOWEL_STANDARD, Bought, dowel
+from camgen.parts.catalogue import CAM_FOLLOWERS, DOWEL_STANDARD, HARD_DOWEL_STANDARD, Bought, dowel
 from camgen.parts.disc_cams import disc_parts, roller_note, turning_note
 from camgen.parts.generator.sizes import contour_faults
 from camgen.parts.part import Layer, Part
@@ -445,6 +445,7 @@ class DiscCamDrive(CamTables):
             springs=spring,
             bought=[*screw, *to_wind(spring), *self._dowels()],
             motor=MotorSeat(hub=hub),
+            dowel=self.making.pin_diameter if self.geometry.closure == "groove" else 0.0,
             follower=FollowerFacts(wish=self._spring_wish),
             demands=self.demands(),
         )
@@ -476,7 +477,9 @@ class DiscCamDrive(CamTables):
         size = f"{p.pin_diameter:g} {fit} x {length or through:g}"
         at = tuple((part.name, len(part.centres) - 1) for part in walls)
         count = sum(each for _, each in at)
-        return (Bought("dowel pin", DOWEL_STANDARD if length else "", size, count, at=at),)
+        hard = materials.of(self.material.name).metal
+        standard = HARD_DOWEL_STANDARD if hard else DOWEL_STANDARD
+        return (Bought("dowel pin", standard if length else "", size, count, at=at),)
 
     @cached_property
     def _shoe(self) -> Sequence[Part]:
@@ -716,6 +719,7 @@ class DiscCamDrive(CamTables):
             notes.append(
                 "You hold the follower on the cam: with [load] and [spring], LIFT_OFF and HERTZ judge how."
             )
+        notes += thin_back(self.making, self.material.name) if self.assembly.dowel else []
         if self.allowed.continuous < 0:
             notes.append("Whether the motion jumps is not judged: limits.continuous = -1.")
         return notes

@@ -7,19 +7,23 @@ from collections.abc import Mapping
 from typing import Any
 
 from camgen.parts import materials
-from camgen.parts.catalogue import CAM_FOLLOWERS
+from camgen.parts.catalogue import CAM_FOLLOWERS, DOWELS
 from camgen.parts.disc_cams import CamParts
 
 _FACE = 0.6  # of the bore: least thickness
 _HUB = 1.8  # of the bore: diameter
 _GROOVE = 0.05  # mm, by which a milled groove is wider than its roller
+_BACK = 0.5  # of the thickness: back plate of a groove; its dowels at least
+_RIM = 2.5  # dowels: width of a groove's rim
+_BESIDE = 0.7  # of a bore: from its axis to the wall beside its keyway
 
 
 def filled(data: Any) -> Any:
     """A spec's tables with these sizes; as they are where nothing is cut of metal or a whole machine is made.
 
     Thickness: as the roller of the catalogue, at least 0.6 bores. With a keyway a hub of 1.8 bores, so high that the key is as
-    long as the bore is wide; none in a groove, or where the base circle has no room for it.
+    long as the bore is wide; none in a groove, or where the base circle has no room for it. A groove has a back of half the
+    thickness, dowels as thick at least, as far as the base circle has room for them, and a rim of 2.5 dowels.
     """
     if not isinstance(data, Mapping):
         return data
@@ -43,8 +47,38 @@ def filled(data: Any) -> Any:
     if keyed and not grooved and not _too_small(geometry, parts.get("hub_diameter", hub)):
         given = parts.get("thickness", thickness)
         sizes["hub_height"] = max(0.0, bore - given) if isinstance(given, int | float) else 0.0
+    if grooved:
+        given = parts.get("thickness", thickness)
+        sizes |= _grooved(given, geometry.get("base_radius"), bore)
+        pin = parts.get("pin_diameter", sizes["pin_diameter"])
+        if isinstance(pin, int | float):
+            sizes["rim"] = max(sizes["rim"], float(math.ceil(_RIM * pin)))
     made = {**data, "parts": {**sizes, **parts}}
     return {**made, "print": {"slide_clearance": _GROOVE, **fits}} if grooved else made
+
+
+def _grooved(thickness: Any, base: Any, bore: float) -> dict[str, float]:
+    """Back, dowels and rim of a groove with walls of a thickness, mm."""
+    usual = {key: CamParts.model_fields[key].default for key in ("back", "pin_diameter", "rim")}
+    if not isinstance(thickness, int | float):
+        return usual
+    back = max(usual["back"], float(math.ceil(_BACK * thickness)))
+    room = (base - _BESIDE * bore) / 2 if isinstance(base, int | float) else math.inf
+    sold = [each for each in DOWELS if usual["pin_diameter"] <= each <= room]
+    pin = next((each for each in sold if each >= _BACK * thickness), max(sold, default=0.0))
+    return {**usual, "back": back, "pin_diameter": pin or usual["pin_diameter"]}
+
+
+def thin_back(sizes: CamParts, material: str) -> list[str]:
+    """A sentence on a groove's back that is hardened and too thin."""
+    usual = math.ceil(_BACK * sizes.thickness)
+    treatment = materials.of(material).treatment
+    if sizes.back >= usual or not treatment:
+        return []
+    return [
+        f"parts.back = {sizes.back:g} mm is thin for a plate of {material}, {treatment.partition(',')[0]}, which warps: "
+        f"{usual:g} mm, half of parts.thickness, is usual."
+    ]
 
 
 def _ring(geometry: Mapping[str, Any], load: Mapping[str, Any]) -> float:
