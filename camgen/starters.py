@@ -55,8 +55,13 @@ def text(name: str) -> str:
 
 
 def named(text: str, name: str) -> str:
-    """The same spec under another name."""
-    return re.sub(r'^name = "[^"]*"', f'name = "{name}"', text, count=1, flags=re.MULTILINE)
+    """The same spec under another name; a comment behind it stays in its column."""
+
+    def line(found: re.Match[str]) -> str:
+        own = f'name = "{name}"'
+        return own.ljust(len(found[0]) - 1) + " " if found[1] else own
+
+    return re.sub(r'^name = "[^"]*"( +(?=#))?', line, text, count=1, flags=re.MULTILINE)
 
 
 _WIDE = 110  # characters of a line

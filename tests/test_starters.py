@@ -261,3 +261,16 @@ def test_the_shortest_way_to_a_cam_has_some_fifteen_lines() -> None:
 @pytest.mark.parametrize("name", [*MECHANISMS, *starters.examples()])
 def test_the_title_in_lists_is_whole_sentences(name: str) -> None:
     assert starters.summary(name).endswith(".")
+
+
+@pytest.mark.parametrize("name", ["c", "a-cam-with-a-longer-name"])
+def test_another_name_leaves_the_comment_in_its_column(name: str) -> None:
+    text = 'mechanism = "valve"    # kind\nname = "valve"         # folder\n[part]\nname = "x"\n'
+    renamed = starters.named(text, name)
+    kind, own, *rest = renamed.splitlines()
+    assert own.startswith(f'name = "{name}"') and rest == ["[part]", 'name = "x"']
+    assert len(name) > 5 or own.index("#") == kind.index("#")
+
+
+def test_a_name_that_fills_its_column_keeps_a_space_before_its_comment() -> None:
+    assert starters.named('name = "a"  # folder', "abcde") == 'name = "abcde" # folder'
