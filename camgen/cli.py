@@ -44,6 +44,14 @@ for _command in COMMANDS:
     cli.add_command(_command)
 
 
+def _refuse_one_hyphen(arguments: Sequence[str]) -> None:
+    """UsageError for a long option behind one hyphen, which would be read as a short one and its value."""
+    known = {name for each in COMMANDS for option in each.params for name in option.opts}
+    for word in arguments:
+        if len(word) > 2 and word[0] == "-" != word[1] and f"-{word.partition('=')[0]}" in known:
+            raise click.UsageError(f"{word}: two hyphens, -{word}")
+
+
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run the command line and exit; a user's mistake ends in a message and its exit code, never in a traceback.
 
@@ -93,9 +101,9 @@ def _run(arguments: Sequence[str] | None) -> int:
         gc.set_threshold(_COLLECTED, 5, 5)
     try:
         # Not cli.main, which turns a closed pipe into exit code 1: here that means a finding that fails.
-        with cli.make_context(
-            "camgen", list(sys.argv[1:] if arguments is None else arguments)
-        ) as context:
+        words = list(sys.argv[1:] if arguments is None else arguments)
+        _refuse_one_hyphen(words)
+        with cli.make_context("camgen", words) as context:
             cli.invoke(context)
     except click.exceptions.Exit as done:
         return done.exit_code

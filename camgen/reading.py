@@ -93,12 +93,11 @@ def read(path: Path) -> Data:
 def _meant(path: Path) -> str:
     """The spec beside it whose name is nearest; "" where none is near."""
     try:
-        beside = sorted(each.name for each in path.parent.glob("*.toml"))
+        beside = {each.stem: each.name for each in sorted(path.parent.glob("*.toml"))}
     except (OSError, ValueError):
         return ""
-    name = path.name if path.suffix else f"{path.name}.toml"
-    near = get_close_matches(name, beside, 1)
-    return str(path.with_name(near[0])) if near else ""
+    near = get_close_matches(path.name.removesuffix(".toml"), beside, 1)
+    return str(path.with_name(beside[near[0]])) if near else ""
 
 
 def counted(text: str) -> tuple[int, int]:

@@ -66,9 +66,13 @@ def override(data: Data, setting: str) -> Data:
     """
     keys, text = split_setting(setting)
     if not all(keys):
-        raise SpecError(
-            [Fault((), shown(setting), "KEY=VALUE, such as geometry.swing_deg=24", source="--set")]
-        )
+        key, _, value = setting.partition(":")
+        known = re.fullmatch(r"\s*[\w-]+(\.[\w-]+)+\s*", key)
+        such = f"{key.strip()}={value.strip() or '24'}" if known else "geometry.swing_deg=24"
+        raise SpecError([Fault((), shown(setting), f"KEY=VALUE, such as {such}", source="--set")])
+    if places := [key for key in keys if re.fullmatch(r"[\w-]+\[\d+\]", key)]:
+        right = f"the place of a row behind a dot: {places[0].replace('[', '.').rstrip(']')}"
+        raise SpecError([Fault((), shown(setting), right, source="--set")])
     return _assigned(data, keys, None if not text.strip() else _value(text))
 
 
@@ -180,13 +184,15 @@ def _key(holder: Any, keys: Sequence[str], depth: int) -> Any:
             if holder
             else "no item"
         )
+        first = f"; {where}.0.{shortened(name)} is that of the first"
+        row = len(holder) > 1 and depth == len(keys) and not name.lstrip("-").isdecimal()
         moved = keys[: depth - 1] == ["output"] and not name.isdecimal()  # as a linkage has them
         raise SpecError(
             [
                 Fault(
                     tuple(keys),
                     "",
-                    f"{where} has {has}: there is no {shortened(name)}",
+                    f"{where} has {has}: there is no {shortened(name)}{first * row}",
                     f"files.{name}" if moved else None,
                     source="--set",
                 )

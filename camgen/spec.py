@@ -44,7 +44,7 @@ from camgen.schemas import (
     tables_of,
     unit_of,
 )
-from camgen.vocabulary import OldWords, Wording, example, kind_of, likely, wording
+from camgen.vocabulary import OldWords, Wording, example, kind_of, likely, likely_key, wording
 
 _WIDE = 110  # characters of a line of TOML
 # Tables whose keys no other key depends on: a wrong value of one hides no other fault.
@@ -776,12 +776,14 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
         no_such = item["type"] == "extra_forbidden" or misspelt
         if no_such:  # a union's other tables may know it
             keys = [each for each in keys if each != path[-1]]
-            close = get_close_matches(str(path[-1]), keys, 1) or _in_another(path, root)
+            close = get_close_matches(str(path[-1]), keys, 1) or likely_key(str(path[-1]), keys)
+            close = close or _in_another(path, root)
             nearest = next(iter(close or _longer(str(path[-1]), keys)), None)
             expected = f"{UNKNOWN}; known here: {', '.join(keys)}"
-            if path[-1] == "diameter" and "radius" in keys and isinstance(value, int | float):
+            radius = re.sub("diameter$", "radius", str(path[-1]))
+            if radius != path[-1] and radius in keys and isinstance(value, int | float):
                 nearest = None
-                expected = f"{UNKNOWN}; write radius = {value / 2:g}, which is half of it"
+                expected = f"{UNKNOWN}; write {radius} = {value / 2:g}, which is half of it"
         elif key:
             held = members_of(_locate(item["loc"][:-2], data, root)[1] or {}, root)
             expected = next(
@@ -859,6 +861,10 @@ def _longer(name: str, keys: Sequence[str]) -> list[str]:
 
 
 _NUMBER = re.compile(r"([+-]?\d+(?:[.,]\d+)?)\s*(\S*)")
+_FIGURE = re.compile(r"[+-]?\d+(?:\.\d+)?")
+_LISTED = re.compile(
+    r"[\[(]?\s*[+-]?[\d.]+(?:\s*[,; x]\s*[+-]?[\d.]+)+\s*[\])]?"
+)  # numbers as a text
 _FIT = re.compile(r"[A-Za-z]{1,2}\d{1,2}")  # of ISO 286, such as H7
 # What a number is in and how people write that, with the size of each.
 _UNITS: dict[str, tuple[str, dict[str, float]]] = {
@@ -895,6 +901,8 @@ def _meant(path: Sequence[str | int], value: object, node: Data) -> str:
         a, b, c = map(str, value)
         if f"{a}{b}{c}".lstrip("-").isdigit() and b.isdigit():
             return f"two numbers, with decimal points: write [{a}.{b}, {c}] or [{a}, {b}.{c}]"
+    if isinstance(value, str) and node.get("type") == "array" and _LISTED.fullmatch(value):
+        return f"a list without quotes: write [{', '.join(_FIGURE.findall(value))}]"
     unit = unit_of(node)
     found = _NUMBER.fullmatch(value.strip()) if isinstance(value, str) and unit else None
     if found is None or unit is None:

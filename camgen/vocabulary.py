@@ -6,7 +6,7 @@ What else people call a value is not taken, for it may mean several: a fault nam
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from camgen.errors import Fault, Key, dotted
@@ -134,6 +134,22 @@ _LIKELY: dict[str, dict[str, tuple[str, ...]]] = {
         **dict.fromkeys(("music-box", "pin-drum", "automaton", "camshaft"), ("drum",)),
     },
 }
+# What people call a key, and what it may be called here.
+_KEYS: dict[str, tuple[str, ...]] = {
+    **dict.fromkeys(("type", "motion_type"), ("kind",)),
+    **dict.fromkeys(("angle", "duration", "degrees", "deg", "length_deg"), ("span_deg",)),
+    **dict.fromkeys(("stroke", "rise", "height", "amplitude", "travel"), ("lift", "stroke")),
+    **dict.fromkeys(("profile", "curve", "function", "motion_law"), ("law",)),
+    **dict.fromkeys(("start", "start_deg", "from_deg"), ("at_deg",)),
+    **dict.fromkeys(("mass", "weight", "weight_g"), ("mass_kg", "mass_g")),
+    **dict.fromkeys(("force", "force_n", "load"), ("resistance",)),
+    **dict.fromkeys(("torque", "torque_nm"), ("torque_n_m",)),
+    **dict.fromkeys(("rpm", "speed", "n"), ("speed_rpm",)),
+    **dict.fromkeys(("k", "stiffness", "spring_rate"), ("rate",)),
+    **dict.fromkeys(("body", "bodies"), ("link", "links")),
+    **dict.fromkeys(("joint", "joints"), ("points",)),
+    **dict.fromkeys(("tolerance", "accuracy"), ("chord_tolerance",)),
+}
 # Machines that are no mechanism but an example of one: their words, and which example.
 _EXAMPLES: dict[str, str] = {
     **dict.fromkeys(("four-bar", "fourbar", "4-bar", "crank-rocker"), "four-bar"),
@@ -154,6 +170,11 @@ def likely(kind: str, value: object, known: Sequence[str]) -> tuple[str, ...]:
     """Names that a person may mean by another word, the likeliest first; kind: of the value; known: those that it may have."""
     words = _LIKELY.get(kind, {})
     return tuple(name for name in words.get(_plain(value), ()) if name in known)
+
+
+def likely_key(name: str, known: Collection[str]) -> list[str]:
+    """The key that a person may mean by another word, if one is known."""
+    return [key for key in _KEYS.get(name.lower(), ()) if key in known][:1]
 
 
 def example(kind: str, value: object) -> str:

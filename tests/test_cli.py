@@ -311,6 +311,46 @@ def test_json_is_the_text_of_report_json(run: Run, tmp_path: Path, starter: Path
 
 
 @pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("build disc-cam", "camgen new disc-cam my-disc-cam.toml writes one"),
+        ("build a.toml --only dxf stl", "kinds stand together, as in --only dxf,stl"),
+        ("build a.toml -only dxf", "two hyphens, --only"),
+        ("build aa.toml", "did you mean a.toml?"),
+        ("build a.toml --set geometry.base_radius:30", "such as geometry.base_radius=30"),
+        ("build a.toml --set geometry.base_radius", "such as geometry.base_radius=24"),
+        ("build a.toml --set nonsense", "such as geometry.swing_deg=24"),
+        ("build a.toml --set segment[0].lift=8", "a row behind a dot: segment.0"),
+        ("build a.toml --set segment.lift=8", "segment.0.lift is that of the first"),
+        ("check a.toml", "camgen build a.toml makes one"),
+        ("sweep disc-cam --vary a=1,2", "camgen new disc-cam my-disc-cam.toml writes one"),
+        ("sweep a.toml --vary geometry.base_radius=20-30", "20:30:N, N values from 20 to 30"),
+        ("sweep a.toml --vary geometry.base_radius=2.5..30", "2.5:30:N, N values"),
+        ("motion a.dxf", "such as translating,radius=5"),
+    ],
+)
+def test_a_command_typed_in_haste_is_told_as_it_should_be(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: str, said: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a.toml").write_text(starters.text("disc-cam"), "utf-8")
+    code, out, err = run(*words.split())
+    assert code in (2, 4) and out == "" and said in err
+    assert [path.name for path in tmp_path.iterdir()] == ["a.toml"]  # nothing is made
+
+
+def test_check_names_the_folder_that_is_meant(run: Run, tmp_path: Path) -> None:
+    folder = tmp_path / "out" / "disc-cam"
+    spec = starters.folder() / "disc-cam.toml"
+    assert run("build", spec, "--only", "dxf", "-o", folder.parent)[0] == 0
+    for wrong in (folder.parent, folder / "report.json"):
+        code, _, err = run("check", wrong)
+        assert code == 4 and f"did you mean {folder}?" in err
+    code, _, err = run("check", spec.parent)
+    assert code == 4 and "did you mean" not in err
+
+
+@pytest.mark.parametrize(
     "text, code, words",
     [
         ("", 2, "empty"),

@@ -32,7 +32,7 @@ from camgen.reading import lines, read
 from camgen.schemas import keys_of, step_below
 from camgen.settings import override
 from camgen.spec import Length, Material, Record, Spec, choose, dump, schema, unknown, validate
-from camgen.vocabulary import _EXAMPLES, _LIKELY
+from camgen.vocabulary import _EXAMPLES, _KEYS, _LIKELY
 
 TOP = Path(__file__).parents[1]
 
@@ -826,6 +826,12 @@ def test_what_should_be_a_table_is_told_as_one(tables: dict[str, Any], said: str
         ("base_radius=20", "did you mean 'geometry.base_radius'?"),
         ("motor.rpm=20", "did you mean 'speed_rpm'?"),
         ("geometry.follower.diameter=16", "write radius = 8, which is half of it"),
+        ("geometry.base_diameter=50", "write base_radius = 25, which is half of it"),
+        ("segment.0.type=rise", "unknown key; did you mean 'kind'?"),
+        ("segment.0.angle=100", "unknown key; did you mean 'span_deg'?"),
+        ("segment.0.stroke=12", "unknown key; did you mean 'lift'?"),
+        ("load.force_n=3", "unknown key; did you mean 'resistance'?"),
+        ('print.bed="220 x 200"', "a list without quotes: write [220, 200]"),
         ('parts.bore="20 H7"', "a number without a fit: write 20; drawing.bore_fit has the fit"),
         ("segment.0.lift=-12", 'kind = "return" with lift = 12 goes back'),
         ('name="My Cam"', 'write "my-cam"'),
@@ -865,6 +871,17 @@ def test_a_word_that_people_use_is_told_by_the_names_here(key, word, meant):
             "model": get_args(Model),
         }
         assert all(f"'{name}'" in told[key] for name in known[key.rpartition(".")[2]])
+
+
+def test_each_key_of_a_word_is_one_of_a_mechanism():
+    tables = [each.keys() for kind in MECHANISMS for each in tables_in(schema(load(kind), kind))]
+    for word, keys in _KEYS.items():
+        assert all(any(key in table for table in tables) for key in keys), word
+
+
+def tables_in(root):
+    """The properties of each table of a schema."""
+    return [each["properties"] for each in (root, *root["$defs"].values()) if "properties" in each]
 
 
 def test_each_name_and_example_of_a_word_exists():

@@ -20,7 +20,7 @@ from camgen.commands.options import (
     set_option,
     verbose_option,
 )
-from camgen.commands.running import each, refuse_one_name_twice
+from camgen.commands.running import each, refuse_one_name_twice, refuse_words
 from camgen.errors import Fault, SpecError
 
 if TYPE_CHECKING:
@@ -54,6 +54,8 @@ def build(
     **shown: bool,
 ) -> None:
     """Make the parts of each SPEC, read the files back and check them; writes OUT/<name>/."""
+
+    refuse_words(specs)
 
     def work() -> Work:
         from camgen.pipeline import build as pipeline

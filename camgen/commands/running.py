@@ -84,6 +84,23 @@ def _taken(file: Path) -> FileError:
     return FileError(file, "exists already and is left as it is; choose another name")
 
 
+def refuse_words(specs: Sequence[Path]) -> None:
+    """SpecError where a word stands for a spec's file that means something else: a starter, or a kind of files."""
+    from camgen.commands.options import ANY_KIND, specs_known
+
+    for spec in specs:
+        if spec.exists():
+            continue
+        name = str(spec)
+        if name in ANY_KIND:
+            right = f"a spec's file; kinds stand together, as in --only dxf,{name}"
+        elif name in specs_known():
+            right = f"a spec's file: camgen new {name} my-{name}.toml writes one"
+        else:
+            continue
+        raise SpecError([Fault(("SPEC",), repr(name), right)], "command line")
+
+
 def refuse_one_name_twice(specs: Sequence[Path], settings: Sequence[str]) -> None:
     """SpecError where two specs would write the same folder; specs that cannot be read are told when their turn comes."""
     from camgen.pipeline import build as pipeline

@@ -11,6 +11,7 @@ from typing import Any
 import click
 
 from camgen.commands.options import SWEEP_CODES, kinds_of, set_option
+from camgen.commands.running import refuse_words
 from camgen.errors import printable
 
 
@@ -96,6 +97,7 @@ def sweep(
     from camgen.sweep import run as sweeps
     from camgen.sweep.variants import variants
 
+    refuse_words([spec])
     table = out or Path("out") / f"{spec.stem}-sweep.csv"
     folder = table.with_suffix("").with_name(f"{table.stem}-files")
     task = sweeps.task_of(

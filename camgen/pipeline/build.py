@@ -112,7 +112,10 @@ def check(folder: Path, progress: Progress = silent, jobs: int | None = 1) -> Re
     """Judge the files of an earlier build again, from the files and the spec.toml beside them, and hold all others against those
     that are made anew; writes nothing."""
     if folder.exists() and not (folder / SPEC).is_file():
-        raise FileError(folder, f"is not the folder of a build, as out/<name> is: it has no {SPEC}")
+        raise FileError(
+            folder,
+            f"is not the folder of a build, as out/<name> is: it has no {SPEC}{_meant(folder)}",
+        )
     case = Case(read_mechanism(folder / SPEC), folder)
     manifest = read_manifest(folder)
     names = list(manifest["files"])
@@ -145,6 +148,17 @@ def check(folder: Path, progress: Progress = silent, jobs: int | None = 1) -> Re
         not_judged=[*report.not_judged, *rebuilt.not_judged],
         remarks=[*remarks, *rebuilt.notes],
     )
+
+
+def _meant(path: Path) -> str:
+    """What a person may mean by a path that is no folder of a build."""
+    if path.suffix == ".toml" and path.is_file():
+        return f"; camgen build {path} makes one"
+    if path.is_file():
+        found = [each for each in list(path.parents)[:2] if (each / MANIFEST).is_file()]
+    else:
+        found = sorted(each.parent for each in path.glob(f"*/{MANIFEST}"))
+    return f"; did you mean {found[0]}?" if found else ""
 
 
 def long_run(links: int, kinds: int) -> str:

@@ -19,6 +19,7 @@ from camgen.settings import setting_of, split_setting
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _RANGE = re.compile(rf"\s*({_NUMBER}):({_NUMBER})(?::(\d{{1,16}}))?\s*")
+_ENDS = re.compile(r"(\d+(?:\.\d+)?)\s*(?:-|\.\.+|to)\s*(\d+(?:\.\d+)?)")  # as people write a range
 _LIKE_RANGE = re.compile(r"""[^,:"'\[{]*(:[^,:"'\[{]*){1,2}""")
 _LARGE = 1e15  # beyond it a number is typed with an exponent
 
@@ -92,6 +93,8 @@ def axis(text: str, words: Wording = OPTIONS) -> Axis:
     match = _RANGE.fullmatch(values)
     if not match:
         options = _split(values)
+        if ends := _ENDS.fullmatch(values):
+            raise refused(f"{ends[1]}:{ends[2]}:N, N values from {ends[1]} to {ends[2]}")
         if _LIKE_RANGE.fullmatch(values):
             raise refused(f"A and B finite numbers, N a whole one; {words.form}")
         if not all(options):
