@@ -96,7 +96,7 @@ def _meant(path: Path) -> str:
         beside = {each.stem: each.name for each in sorted(path.parent.glob("*.toml"))}
     except (OSError, ValueError):
         return ""
-    near = get_close_matches(path.name.removesuffix(".toml"), beside, 1)
+    near = get_close_matches(path.stem, beside, 1)
     return str(path.with_name(beside[near[0]])) if near else ""
 
 
