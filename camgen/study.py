@@ -134,7 +134,9 @@ class Mate:
     """
 
     how: Literal["glue", "press", "free"]
-    label: str  # of the hole, as its drawing names it, or ""
+    label: (
+        str  # of the hole, as its drawing names it; of one without a name that of the joint; or ""
+    )
     place: tuple[float, float, float]  # middle of what both have in common, mm
     diameter: float = 0.0  # mm, of what goes through; 0 of faces that slide
     height: float = 0.0  # mm, of what both have in common

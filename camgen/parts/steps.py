@@ -47,8 +47,6 @@ class Fixing:
         return "press" if held.name in self.rings else "glue"
 
 
-_FIXED = "loose; a later step fixes it"
-_JOINED = "loose; a later step joins it"
 _HOLE = "{hole}"  # in words, for a hole's letter
 _WORDS = {"glue": "pressed and glued", "press": "pressed", "free": ""}
 
@@ -89,7 +87,10 @@ def order(
     bench = list[StandingCopy]()  # the sub-assembly that is being built
     stops = _stops(copies, fixing)
     loose = list[_Laying]()  # on their shafts, whose stops are not there yet
-    for laying in _layings(copies, pairs, fixing):
+    layings = _layings(copies, pairs, fixing)
+    for number, laying in enumerate(layings, 1):
+        after = (copy for each in layings[number:] for copy in each.copies)
+        later = [copy for copy in after if copy.name not in stops]
         cluster = laying.cluster
         part = laying.copies[0].part
         begun = any(copy in there for copy in cluster)
@@ -103,11 +104,10 @@ def order(
             where = _places(laying.copies, bench if alone else there, fixing)
             if not alone:
                 where = _on_motor(laying.copies, fixing, where)
-            others = [copy for copy in copies if copy not in there and copy not in bench]
             if not where and alone:
                 where = "on the bench"
-            elif not where and there:  # what comes first lies as it is
-                where = _fixed_by(others, laying.copies, fixing)
+            elif not where and (there or not laying.copies[0].holes):
+                where = _fixed_by(later, laying.copies, fixing)  # a plate that comes first lies
         lies = "turned over" if laying.turned_over else "as drawn"
         row: tuple[object, ...]
         row = (part.name, _holding_notes(part), where, len(laying.copies), laying.z, lies)
@@ -116,7 +116,7 @@ def order(
         steps.append(Step(_title(row, len(names)), names, group=group))
         (bench if alone else there).extend(laying.copies)
         if bench and len(bench) == len(cluster):
-            row = _put_in(cluster, there, copies, fixing)
+            row = _put_in(cluster, there, later, fixing)
             rows.append((len(rows) + 1, *row))
             steps.append(Step(_title(row), group=group))
             there += bench
@@ -200,19 +200,22 @@ def _push_up(laying: _Laying, stops: Mapping[str, _Stop]) -> tuple[object, ...]:
 
 
 def _fixed_by(later: Iterable[StandingCopy], copies: Sequence[StandingCopy], fixing: Fixing) -> str:
-    """What is said of copies that nothing holds yet: whether one that comes later is fixed on them, or goes on or in them."""
-    own = {copy.name for copy in copies}
-    others = (copy for copy in later if copy.name not in own)
-    mates = [mate for copy in others for mate in _mates([copy], copies, fixing)]
-    if any(mate.how != "free" and not mate.comes for mate in mates):
-        return _FIXED
-    return _JOINED if mates else ""
+    """What is said of copies that nothing holds yet: which part that comes later is fixed on them, or goes on or in them; later: in
+    the order of their steps."""
+    joins = ""
+    for copy in later:
+        mates = _mates([copy], copies, fixing)
+        if any(mate.how != "free" and not mate.comes for mate in mates):
+            return f"loose until {joins}{' and ' if joins else ''}{copy.part.name} is glued on it"
+        if mates and not joins:
+            joins = f"{copy.part.name} joins it"
+    return f"loose until {joins}" if joins else ""
 
 
 def _put_in(
     cluster: Sequence[StandingCopy],
     there: Sequence[StandingCopy],
-    copies: Sequence[StandingCopy],
+    later: Sequence[StandingCopy],
     fixing: Fixing,
 ) -> tuple[object, ...]:
     """The row of a sub-assembly that is built; the first of its copies names it."""
@@ -223,9 +226,9 @@ def _put_in(
     said = (
         where if name == first.part.name else f"{name} {where}" for name, where in words if where
     )
-    later = (copy for copy in copies if copy not in there)
     where = _on_motor(cluster, fixing, "; ".join(dict.fromkeys(said)))
-    where = where or _fixed_by(later, cluster, fixing)
+    if first.mount.body != GROUND:  # a plate lies as it is
+        where = where or _fixed_by(later, cluster, fixing)
     what = f"{first.part.title} with {', '.join(others)}: put them in"
     return (first.part.name, what, where, "", first.mount.z, "as drawn")
 
@@ -360,10 +363,23 @@ def mated(
             mates = [*_mates(coming, there, fixing), *_sliding(coming, there, slides)]
             there += [copy for copy in coming if copy not in there]
             bench = [] if step.group else bench
+        mates = [mate if mate.label else _of_joint(mate, [*there, *coming]) for mate in mates]
         if named & again:
             mates = [replace(mate, how="free") for mate in mates]
         found.append(replace(step, copies=names, mates=mates))
     return found
+
+
+def _of_joint(mate: Mate, copies: Iterable[StandingCopy]) -> Mate:
+    """Where a hole has no name, such as a cap's: with that of the joint, by the next hole on its axis that has one."""
+    x, y, z = mate.place
+    beside = [
+        (abs((hole.low + hole.high) / 2 - z), hole.name)
+        for copy in copies
+        for hole in copy.holes
+        if hole.name and abs(hole.at - complex(x, y)) < SAME_POINT
+    ]
+    return replace(mate, label=min(beside, default=(0.0, ""))[1])
 
 
 def _mates(
@@ -426,11 +442,14 @@ def _sliding(
 def _places(copies: Iterable[StandingCopy], below: Sequence[StandingCopy], fixing: Fixing) -> str:
     """Where copies go; those that differ in their hole's letter alone together."""
     letters: dict[str, list[str]] = {}
+    loose = False
     for copy in copies:
         words, letter = _where(copy, below, fixing)
         if words:
             letters.setdefault(words, []).append(letter)
-    return "; ".join(_lettered(words, each) for words, each in letters.items())
+        loose = loose or not words
+    said = [_lettered(words, each) for words, each in letters.items()]
+    return "; ".join([*said, *(["all else loose"] if said and loose else [])])
 
 
 def _lettered(words: str, letters: Iterable[str]) -> str:
@@ -443,8 +462,7 @@ def _where(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) ->
     """Where a copy goes, by what lies there before it, with _HOLE for its hole's letter, and that letter; "" where nothing says."""
     held = (mate.comes and mate.how != "free" for mate in _mates([copy], below, fixing))
     if not copy.holes or any(held):  # a pin, a shaft, a ball bearing
-        words, letter = _pin_words(copy, below, fixing)
-        return words or (_JOINED if copy.outlines else ""), letter
+        return _pin_words(copy, below, fixing)
     return _hole_words(copy, below, fixing), ""
 
 

@@ -724,7 +724,8 @@
       mates.forEach(({ how, label, place, comes }) => {
         const at = new THREE.Vector3(...place);
         const same = comes ? null : tags.find(tag => !tag.how && Math.hypot(tag.at.x - at.x, tag.at.y - at.y) < 0.01);
-        if (same) same.how = how; else tags.push({ label, how, moves: !comes, at });
+        if (same) Object.assign(same, { how, label: label || same.label });  // by the joint where the hole has no name
+        else tags.push({ label, how, moves: !comes, at });
       });
       if (tags.length > 40) tags = tags.filter(tag => tag.how);
       marks.replaceChildren(...tags.map(({ label, how }) => {
