@@ -1,4 +1,4 @@
-"""The list of parts to print: material, mass and time of all copies, by plain rules."""
+"""The parts list to print: material, mass and time of all copies, by plain rules."""
 
 from __future__ import annotations
 

@@ -75,7 +75,7 @@ def read_stl(path: str | Path, normals: bool = False) -> Mesh:
         change = "cut short" if len(data) < 84 + 50 * count else "too long"
         raise FileError(
             path,
-            f"{change}: {len(data)} bytes, but a header of {count} triangles asks for {84 + 50 * count}",
+            f"{change}: {len(data)} bytes, but a header of {count} triangles needs {84 + 50 * count}",
         )
     if not np.isfinite(corners).all():
         raise FileError(path, "a vertex is not finite")

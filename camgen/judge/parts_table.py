@@ -1,4 +1,4 @@
-"""The judge of a list of parts: every row that a shop or a buyer reads, against what the machine needs."""
+"""The judge of a parts list: every row that a shop or a buyer reads, against what the machine needs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from camgen.errors import FileError, counted
 from camgen.findings import Finding, at_most, in_file
 from camgen.study import Table
 
-_SIZE = Bound("a list of parts", 10_000_000, most=20_000)
+_SIZE = Bound("a parts list", 10_000_000, most=20_000)
 _SHARE = 0.005  # by which a number of three digits may be off
 
 
@@ -24,7 +24,7 @@ def judge_list(path: Path, table: Table) -> Finding:
             rows = list(csv.reader(file, strict=True))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise FileError(
-            path, f"cannot be read as a list of parts: {getattr(error, 'strerror', None) or error}"
+            path, f"cannot be read as a parts list: {getattr(error, 'strerror', None) or error}"
         ) from None
     wanted_rows: list[Sequence[object]] = [table.columns, *table.rows]
     lines = [(k, *pair) for k, pair in enumerate(zip_longest(rows, wanted_rows, fillvalue=()), 1)]

@@ -1,4 +1,4 @@
-"""Copies on sliced plates against the list of parts: what is sliced is what a person prints."""
+"""Copies on sliced plates against the parts list: what is sliced is what a person prints."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def judge_sliced_copies(
 ) -> tuple[Finding, list[NotJudged]]:
     """ROUND_TRIP of how often each part is laid, by its name.
 
-    wanted: the list of parts; plates: what each plate of the folder holds, by its file. A plate of which more than half is laid
+    wanted: the parts list; plates: what each plate of the folder holds, by its file. A plate of which more than half is laid
     counts as sliced, and must be there as a whole. Of the others, such as a part that is printed anew, nothing is asked.
     """
     rest = copies.copy()
@@ -30,7 +30,7 @@ def judge_sliced_copies(
             others.append(name)
     missing = sliced - copies
     surplus = copies - needed
-    remarks = [f"too few for the list of parts: {_listed(missing)}"] if missing else []
+    remarks = [f"too few for the parts list: {_listed(missing)}"] if missing else []
     remarks += [f"too many, as if sliced twice: {_listed(surplus)}"] if surplus else []
     finding = at_most(
         "ROUND_TRIP",

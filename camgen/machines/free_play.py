@@ -143,7 +143,7 @@ def between(cams: Sequence[DiscCam[Any]], air: float, lash: float) -> list[Findi
     unit, scale = unit_of_lift(cams[0])
     limit, reason = limit_of(lash, cams[0].program(theta))
     where = Where("follower", theta=float(theta[worst]), digits=1)
-    remark = f"by {air:g} mm of air at each contact; {reason}"
+    remark = f"by {air:g} mm of clearance at each contact; {reason}"
     return [at_most("LASH", scale * float(play[worst]), scale * limit, unit, where, remark)]
 
 

@@ -164,9 +164,7 @@ def _notes(rolled: Rolled, table: RollerTable, harmonics: int, unit: str) -> Ite
         yield unit
     place = "height of the roller's axis along the drum's axis, as the file counts it"
     if table.arm is not None:
-        place = (
-            "angle of the arm, from the plane square to the drum's axis, positive along the axis"
-        )
+        place = "angle of the arm, from the plane perpendicular to the drum's axis, positive along the axis"
     if table.track == "rib":
         place = "height of the middle of both rollers along the drum's axis, as the file counts it"
     yield f"The drum turns counter-clockwise about its axis. The follower's place is the {place}."

@@ -77,7 +77,7 @@ def recover(ring: Ring, follower: FollowerTable, harmonics: int = HARMONICS) -> 
             "distance of the shaft (0, 0) from the outline", near, 0.0, "mm", "its outside", remedy
         )
     if follower.motion == "oscillating" and not follower.inside and abs(follower.axle) < near:
-        remedy = "the outline runs round the follower's axle: move the pivot out"
+        remedy = "the outline runs round the follower's pivot: move the pivot out"
         raise DesignError(
             "distance of the pivot from the shaft",
             abs(follower.axle),

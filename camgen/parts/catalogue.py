@@ -117,7 +117,7 @@ class CamFollower:
     exponent: ClassVar[float] = 10 / 3  # of its life
 
     def bought(self, count: int) -> Bought:
-        """Its line in the list of parts."""
+        """Its line in the parts list."""
         size = f"{self.name}: ring {self.outside:g} x {self.width:g}, stud {self.stud:g} x {self.length:g} in a hole H7, {self.thread}"
         return Bought("cam follower", "ISO 7063", size, count)
 
@@ -144,7 +144,7 @@ class MotorFace:
 
     @property
     def title(self) -> str:
-        """What it is, as a list of parts says it."""
+        """What it is, as a parts list says it."""
         if self.width:
             return f"gearbox {2 * self.half:g} x {self.width:g}, {self.length:g} long, collar {self.boss:g}"
         if self.length:
@@ -170,7 +170,7 @@ class MotorFace:
 
 
 def turning_text(rpm: float) -> str:
-    """A speed for the list of parts; one below 0 is clockwise."""
+    """A speed for the parts list; one below 0 is clockwise."""
     return f"{abs(rpm):g} rpm{' clockwise' if rpm < 0 else ''}"
 
 

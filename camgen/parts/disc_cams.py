@@ -164,7 +164,7 @@ class CamParts(ShaftHole):
         faults = super().misfits()
         hub = self.hub(0.8)
         if hub is not None and self.bore_shape == "keyway":
-            expected = 'nothing here: it would stand square to the key; parts.bore_shape = "d-flat" or "plain" has a set screw'
+            expected = 'nothing here: it would be perpendicular to the key; parts.bore_shape = "d-flat" or "plain" has a set screw'
             faults.append(Fault(("parts", "set_screw"), repr(self.set_screw), expected))
         elif hub is not None and self.hub_height < hub.height:
             expected = f"at least {hub.height:.4g} mm: its nut stands in it"

@@ -32,7 +32,7 @@ class Journal:
     shaft: str  # plastic or "steel"
     hole: str  # likewise
     ball: Bearing | None = None  # on the pin; None of a plain bearing
-    part: str = ""  # what the pin or shaft is in the list of parts
+    part: str = ""  # what the pin or shaft is in the parts list
     slot: bool = False  # whether it is the walls of a slot
     role: Role = ""  # of the pin or shaft
 
@@ -69,7 +69,7 @@ class Post:
     lever: float  # mm
     material: str
     pull: float = 0.0  # of a spring, N
-    part: str = ""  # what it is in the list of parts
+    part: str = ""  # what it is in the parts list
     role: Role = ""
 
 

@@ -80,7 +80,7 @@ class Part:
     side_profile: Region | None = None
     # of a part with a side profile, those that are rounded, none meeting another's arc
     edges: tuple[Edge, ...] = ()
-    process: str = "printed"  # how, for the list of parts
+    process: str = "printed"  # how, for the parts list
     points: tuple[tuple[str, complex], ...] = ()  # of the spec, mm, which a drawing calls by name
     role: Role = ""  # what it is in a machine, where a machine has many of its kind
     drum: Drum | None = None  # what its track leaves of the layers, which are its blank

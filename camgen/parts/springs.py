@@ -83,7 +83,7 @@ class ExtensionSpring:
         return (self.free - self.body) / 2
 
     def bought(self, shortest: float, longest: float) -> Bought:
-        """Its line in the list of parts, with its forces at both ends of its way, mm."""
+        """Its line in the parts list, with its forces at both ends of its way, mm."""
         legs = (
             ""
             if self.leg <= 1.01 * (self.outside - 2 * self.wire)
@@ -150,7 +150,7 @@ class WorkingSpring:
 
     @property
     def bought(self) -> Bought:
-        """Its line in the list of parts."""
+        """Its line in the parts list."""
         return self.spring.bought(self.shortest, self.longest)
 
 
@@ -179,7 +179,7 @@ def wished(wish: tuple[float, float, float] | None) -> dict[str, WorkingSpring]:
 
 
 def to_wind(springs: Mapping[str, WorkingSpring]) -> list[Bought]:
-    """Lines in the list of parts of those that are no part."""
+    """Lines in the parts list of those that are no part."""
     return [
         replace(spring.bought, name=name, role="", how=_BESIDE)
         for name, spring in springs.items()

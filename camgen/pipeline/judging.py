@@ -551,7 +551,7 @@ def judge_animation(case: Case, kinds: Sequence[str]) -> Outcome:
 
 
 def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
-    """The list of parts, as in its file, with mass and print time of all that is printed, what of it needs supports, faces
+    """The parts list, as in its file, with mass and print time of all that is printed, what of it needs supports, faces
     between layers, and the steps of assembly."""
     from camgen.judge.parts_table import judge_list
     from camgen.pipeline.whole_layers import between, too_thin

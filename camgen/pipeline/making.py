@@ -1,4 +1,4 @@
-"""From a mechanism to its files: drawings, solids, the assembly, plates ready to print, and the list of parts."""
+"""From a mechanism to its files: drawings, solids, the assembly, plates ready to print, and the parts list."""
 
 from __future__ import annotations
 
@@ -221,7 +221,7 @@ def assembly_copies(mechanism: Mechanism) -> list[PartCopy]:
 
 
 def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyType({})) -> Table:
-    """The list of parts: what is printed, with material, mass and time of all copies, then what is cut, turned or bought.
+    """The parts list: what is printed, with material, mass and time of all copies, then what is cut, turned or bought.
 
     sides: on which printed parts lie on the bed, where their solids are known. Of a material that is not printed nothing is said
     of printing.
@@ -305,7 +305,7 @@ def _lying(side: Side | None) -> tuple[object, ...]:
 
 
 def write_parts_list(path: Path, mechanism: Mechanism, sides: Mapping[str, Side]) -> None:
-    """Write the list of parts as CSV, its estimates to three digits."""
+    """Write the parts list as CSV, its estimates to three digits."""
     import csv
 
     table = parts_table(mechanism, sides)

@@ -279,7 +279,7 @@ def test_how_far_a_print_stands_out_of_what_is_meant() -> None:
     assert [len(each) for each in outwards([Shape(larger.outer, ())], [meant])][1] == 0
 
 
-# ---- the list of parts ------------------------------------------------------------------------------------------------------
+# ---- the parts list ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -287,12 +287,12 @@ def test_how_far_a_print_stands_out_of_what_is_meant() -> None:
     [
         ({"a": 2, "b": 1, "c": 4}, 0, "7 copies on the plates that are sliced", ""),
         ({"a": 2, "b": 1}, 0, "3 copies on the plates that are sliced", "4 of c"),
-        ({"a": 2}, 1, "too few for the list of parts: 1 of b", "4 of c"),
+        ({"a": 2}, 1, "too few for the parts list: 1 of b", "4 of c"),
         ({"a": 4, "b": 2, "c": 4}, 3, "too many, as if sliced twice: 2 of a, 1 of b", ""),
         (
             {"a": 3, "c": 3},
             3,
-            "too few for the list of parts: 1 of b, 1 of c; too many, as if sliced twice: 1 of a",
+            "too few for the parts list: 1 of b, 1 of c; too many, as if sliced twice: 1 of a",
             "",
         ),
         (

@@ -1,4 +1,4 @@
-"""The judge of a list of parts: rows as a buyer reads them, each cell damaged by itself."""
+"""The judge of a parts list: rows as a buyer reads them, each cell damaged by itself."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def test_rows_lost_doubled_or_longer_are_told(tmp_path: Path, rows: list[list[st
 @pytest.mark.parametrize("data", [b"\xff\xfe", b'no,"part\n'])
 def test_what_is_no_table_is_refused(tmp_path: Path, data: bytes) -> None:
     (tmp_path / "parts.csv").write_bytes(data)
-    with pytest.raises(FileError, match="cannot be read as a list of parts"):
+    with pytest.raises(FileError, match="cannot be read as a parts list"):
         judge_list(tmp_path / "parts.csv", TABLE)
     with pytest.raises(FileError, match="No such file"):
         judge_list(tmp_path / "none.csv", TABLE)

@@ -401,7 +401,7 @@ def test_of_a_folder_of_other_versions_what_is_left_is_named(
 
 @pytest.mark.long
 def test_what_a_shop_reads_is_read_back_whoever_built_it(folder: Path) -> None:
-    """Nothing is made anew to be compared, and a drawing, a list of parts and the machine in motion fail by what they hold."""
+    """Nothing is made anew to be compared, and a drawing, a parts list and the machine in motion fail by what they hold."""
     for file, damage in (
         ("disc-cam-cam-drawing.dxf", dxf(larger, folder)),
         ("disc-cam-parts.csv", replaced(",1,", ",2,")),
@@ -473,7 +473,7 @@ def test_a_part_that_was_changed_and_holds_makes_the_report_another_one_s(folder
 @pytest.mark.long
 @pytest.mark.parametrize("again", [False, True])
 def test_reports_that_follow_from_what_fails_are_not_told_again(folder: Path, again: bool) -> None:
-    """A list of parts with one more: the reports of the build said that all holds, which is no second fault."""
+    """A parts list with one more: the reports of the build said that all holds, which is no second fault."""
     path = folder / "disc-cam-parts.csv"
     path.write_bytes(path.read_bytes().replace(b",1,", b",2,", 1))
     if again:

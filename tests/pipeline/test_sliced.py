@@ -254,25 +254,25 @@ PLATES = {"plate": Counter({"cam": 1, "pin": 2}), "plate-2": Counter({"pin": 2, 
         (
             {"cam": 1, "pin": 3, "link": 3},
             1,
-            "too few for the list of parts: 1 of pin",
+            "too few for the parts list: 1 of pin",
             None,
         ),  # one is not printed
         ({"cam": 1, "pin": 5, "link": 3}, 1, "sliced twice: 1 of pin", None),
         (
             {"cam": 1, "pin": 5, "link": 2},
             2,
-            "list of parts: 1 of link; too many, as if sliced twice: 1 of pin",
+            "parts list: 1 of link; too many, as if sliced twice: 1 of pin",
             None,
         ),
         (
             {"pin": 4, "link": 3},
             1,
-            "list of parts: 1 of cam",
+            "parts list: 1 of cam",
             None,
         ),  # forgotten on its own plate, of which two thirds are there
         ({"cam": 1, "pin": 2}, 0, "", "plate-2"),  # one plate alone
         ({"pin": 2, "link": 3}, 0, "", "plate"),
-        ({"pin": 1, "link": 3}, 1, "too few for the list of parts: 1 of pin", "plate"),
+        ({"pin": 1, "link": 3}, 1, "too few for the parts list: 1 of pin", "plate"),
         ({"link": 1}, 0, "", "plate, plate-2"),  # one link is printed anew
     ],
 )

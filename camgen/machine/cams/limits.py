@@ -203,7 +203,7 @@ def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) 
         axle = abs(cam.follower.pivot)
         reach = float(np.max(np.abs(facet_contour(cam.outline, chord_tolerance))))
         message = (
-            f"the cam reaches {reach:.2f} mm from its shaft, the follower's axle is at {axle:g} mm"
+            f"the cam reaches {reach:.2f} mm from its shaft, the follower's pivot is at {axle:g} mm"
         )
         findings.append(
             at_least(
@@ -211,7 +211,7 @@ def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) 
                 axle - reach,
                 0.0,
                 "mm",
-                Where(f"{where} and the follower's axle"),
+                Where(f"{where} and the follower's pivot"),
                 message,
             )
         )

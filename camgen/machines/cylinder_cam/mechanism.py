@@ -645,7 +645,7 @@ class CylinderCam(Mechanism):
         if self.geometry.track == "rib":
             place = f"the middle between both rollers is {where} at displacement 0"
         if self.geometry.follower.swings:
-            place = f"the arm's axle is {track.pivot:.4g} mm beside the drum's axis, {where}; at displacement 0 the arm stands at {math.degrees(track.start):.4g} deg"
+            place = f"the arm's pivot is {track.pivot:.4g} mm beside the drum's axis, {where}; at displacement 0 the arm stands at {math.degrees(track.start):.4g} deg"
         if self.making.make == "printed":
             return [
                 "theta is counter-clockwise as seen from above; at 0 the follower stands at +x."

@@ -195,7 +195,7 @@ class EccentricDrive(Template):
             refuse_gap("P", needed - g.rod, worst, [*turns, *(180 - turn for turn in turns)])
         if g.rod - needed <= SAME_POINT:
             at = f"crank angle {worst:g} deg"
-            said = "these lengths make a change point: the rod stands square to the guide, the slider can stall; use a longer rod"
+            said = "these lengths make a change point: the rod is perpendicular to the guide, the slider can stall; use a longer rod"
             raise DesignError("geometry.rod", g.rod, needed, "mm", at, said)
 
     @cached_property

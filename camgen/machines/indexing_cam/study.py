@@ -156,7 +156,7 @@ class IndexingStudy:
                     if self.spring and order == 2
                     else "an impact at each"
                     if order == 1
-                    else "a knock at each: choose a law that starts with acceleration 0"
+                    else "the acceleration jumps at each: choose a law that starts with acceleration 0"
                 )
             )
             found.append(

@@ -183,7 +183,7 @@ class UnloaderTable(Record):
     torque: Literal["law", "crank", "table", "none"] = Field(
         default="law",
         description='"crank": a spring on a cord from a crank pin, geared to the link; "table" or "none"\n'
-        '"law": the ideal, what the law asks of the inertia, which no spring does',
+        '"law": the ideal, the torque that balances the inertia of its motion, which no spring has',
     )
     balance: Annotated[float, quantity("1", gt=0, le=2)] | None = Field(
         default=None, description='share of the inertia torque, with "law"'

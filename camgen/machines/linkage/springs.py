@@ -38,7 +38,7 @@ class MountedSpring:
     spring: ExtensionSpring
     shortest: float  # mm, between its points
     longest: float  # mm
-    note: str = ""  # of its line in the list of parts
+    note: str = ""  # of its line in the parts list
     key: str = ""  # that says where its end on the ground is; "" of one between points of the spec
 
     @property
@@ -63,7 +63,7 @@ class MountedSpring:
         return WorkingSpring(self.spring, *self.way(pin), on_cam=on_cam, name=name)
 
     def bought(self, pin: float) -> Bought:
-        """Its line in the list of parts; pin: diameter, mm."""
+        """Its line in the parts list; pin: diameter, mm."""
         found = self.mounted(pin, False).bought
         name = found.name if self.name == RETURN else f"{found.name}, {self.name}"
         return replace(found, name=name, size=found.size + self.note)

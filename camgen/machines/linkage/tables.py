@@ -515,7 +515,7 @@ class Mutilated(Record):
         description="teeth of a, if it had them all round, and of b; the distance of both shafts gives their size"
     )
     stations: Annotated[int, quantity("1", ge=1, le=50)] = Field(
-        description="stations of b in a turn, over which its teeth divide; it goes on by one in each turn of a"
+        description="stations of b in a turn, over which its teeth divide; it turns by one in each turn of a"
     )
     backlash: Annotated[float, quantity("mm", gt=0, le=5)] | None = Field(
         default=None,

@@ -20,7 +20,7 @@ _ANGLES = 1441
 _SAID = (
     "Walk: so slow that inertia does nothing, in the plane, on points as feet. With equal friction of all feet the distance does not "
     "depend on it; the range is that of feet which differ within walk.friction. The distance is a lower estimate. "
-    "The drive's torque is that of legs in the air; on the floor it takes more: camgen simulate has it."
+    "The drive's torque is that of legs in the air; on the floor it is more: see camgen simulate."
 )
 
 
@@ -46,7 +46,7 @@ def study(
     places = np.stack([np.asarray(run[name], complex) for name in feet])
     if not mass or not np.all(np.isfinite(places)):
         return Study(
-            notes=["The walk is not told: no mass of the machine is known, or it does not close."]
+            notes=["No walk is given: no mass of the machine is known, or it does not close."]
         )
     found = slow_walk(up * places, up * moment / mass, up * shaft)
     if not isinstance(found, SlowWalk):

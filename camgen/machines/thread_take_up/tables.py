@@ -88,7 +88,7 @@ class TakeUpParts(Record):
         description="diameter of the frame's holes for screws from behind: core hole of M3",
     )
     stand: Literal["none", "board", "box"] = Field(
-        default="none", description="what the frame is screwed on, as of any linkage"
+        default="none", description="what the frame is screwed on, as for any linkage"
     )
     finger_diameter: Length = Field(default=2.0, description="diameter of the finger with the eye")
     guide_diameter: Length = Field(default=2.0, description="diameter of the guides")

@@ -194,7 +194,7 @@ def _notes(cam: DiscCam) -> list[str]:
         notes.append(
             f"The tip's path is tilted by {tilt:.1f} deg against the radius, which helps the rise and harms the return; "
             "the conjugate pair does not change that. Remedies: a smaller swing, another arm_offset / pivot_distance, or "
-            "a disc cam with its pivot placed so that the arm is square to the cam's radius in mid position."
+            "a disc cam with its pivot placed so that the arm is perpendicular to the cam's radius in mid position."
         )
     return notes
 

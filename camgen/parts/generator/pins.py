@@ -109,7 +109,7 @@ def _refuse_threads(layout: Layout) -> None:
 
 
 def _made_of(layout: Layout, point: str) -> str:
-    """How a pin with a head is made, for the list of parts."""
+    """How a pin with a head is made, for the parts list."""
     return TURNED if layout.kind(point) == "turned" else "printed"
 
 

@@ -347,7 +347,7 @@ class Parts(Record):
 
     @property
     def shafts_made(self) -> str:
-        """How shafts are made, for the list of parts."""
+        """How shafts are made, for the parts list."""
         return TURNED if self.shaft_made == "steel" else "printed"
 
     @property
@@ -405,7 +405,7 @@ class Parts(Record):
 
     @property
     def shaft_text(self) -> str:
-        """The shaft that drives, for the list of parts."""
+        """The shaft that drives, for the parts list."""
         if not self.shaft_flat:
             return f"round shaft of {self.shaft_diameter:g}"
         return f"shaft of {self.shaft_diameter:g} with a flat {self.shaft_flat:g} deep"

@@ -50,7 +50,7 @@ class CycloidDisc:
                 most,
                 "mm",
                 "",
-                "draw the eccentric's point farther from the shaft: it is to be more than the air round the pins",
+                "draw the eccentric's point farther from the shaft: it must be more than the clearance round the pins",
             )
         share = self.eccentricity * self.pins / self.cut_radius
         if not share < 1:
@@ -69,7 +69,7 @@ class CycloidDisc:
             )
         if not self.cut < self.largest_pin:
             raise DesignError(
-                "radius of a pin with its air",
+                "radius of a pin with its clearance",
                 self.cut,
                 self.largest_pin,
                 "mm",
@@ -87,7 +87,7 @@ class CycloidDisc:
             )
         if self.offset and not self.least_gap > SAME_POINT:
             raise DesignError(
-                "least air of a lobe beside a pin",
+                "least clearance of a lobe beside a pin",
                 self.least_gap,
                 SAME_POINT,
                 "mm",

@@ -1,4 +1,4 @@
-"""Parts that are made alike are one part, or the list of parts says which other one they are like."""
+"""Parts that are made alike are one part, or the parts list says which other one they are like."""
 
 from __future__ import annotations
 
