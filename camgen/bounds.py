@@ -35,7 +35,7 @@ def bounded(path: Path, bound: Bound) -> int:
         if stat.S_ISDIR(status.st_mode):
             raise FileError(path, f"is a folder, {bound.what} was expected")
         if not stat.S_ISREG(status.st_mode):
-            raise FileError(path, f"is no file but a pipe or a device, {bound.what} was expected")
+            raise FileError(path, f"is a pipe or a device; {bound.what} was expected")
         after = f": {bound.remedy}" if bound.remedy else ""
         if status.st_size > bound.most_bytes:
             most = f"at most {bound.most_bytes / 1e6:.0f} MB are read"

@@ -72,7 +72,7 @@ def test_only_plain_files(tmp_path: Path) -> None:
             bounded(path, WORDS)
     if hasattr(os, "mkfifo"):
         os.mkfifo(tmp_path / "pipe")
-        with pytest.raises(FileError, match="is no file but a pipe or a device"):
+        with pytest.raises(FileError, match="is a pipe or a device"):
             bounded(tmp_path / "pipe", WORDS)
 
 
@@ -256,7 +256,7 @@ def test_a_list_of_parts_has_a_bound(tmp_path: Path, monkeypatch: pytest.MonkeyP
     refused(
         lambda path: parts_table.judge_list(path, wanted),
         tmp_path / "a.csv",
-        "has 30 lines; at most 29 are read of a list",
+        "has 30 lines; at most 29 are read of a parts list",
     )
     assert (
         parts_table.judge_list(written(tmp_path / "a.csv", b"1,2\n" * 29), wanted).measured == 1

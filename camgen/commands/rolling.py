@@ -203,24 +203,24 @@ def motion(
       flipped=true   the outline is turned over about Oy first; turned_deg=A: then turned by A
     \b
     oscillating:
-      pivot=X/Y      axle of the arm, seen from the shaft, mm
-      arm            length from axle to tip centre, mm
-      at_deg         direction of the arm (axle to tip; flat: of the face's normal, away from the
+      pivot=X/Y      pivot of the arm, seen from the shaft, mm
+      arm            length from pivot to tip centre, mm
+      at_deg         direction of the arm (pivot to tip; flat: of the face's normal, away from the
                      shaft) from which its angle is counted
       leaves=+1|-1   instead of at_deg: sense that takes it away from the shaft, +1 is ccw;
                      the angle then counts from the innermost position
       face_offset    flat, instead of arm: how far the face lies ahead of the pivot, mm  [0]
     \b
     translating:
-      direction_deg  way out of the follower, ccw from Ox  [90]
-      offset         of the tip's line from the shaft, positive to the right of the way out  [0]
-      at             distance of tip centre or face from the shaft from which its way is counted;
+      direction_deg  direction in which the follower moves out, ccw from Ox  [90]
+      offset         of the tip's line from the shaft, positive to the right of that direction  [0]
+      at             distance of tip centre or face from the shaft from which its travel is counted;
                      otherwise it counts from the innermost position
 
     A mesh is one part: STL, 3MF, OBJ, PLY, OFF or GLB. OBJ, PLY, OFF and STL name no unit and are taken as mm with z up; a GLB
     is in metres with y up.
 
-    A scan (PNG, JPEG, TIFF; with the extra "scan") shows one part on an even ground; its bore is the shaft. Points are
+    A scan (PNG, JPEG, TIFF; with the extra "scan") shows one part on a plain background; its bore is the shaft. Points are
     a CSV with columns x,y in order or angle,radius, mm and degrees.
 
     Writes OUT/<file>-motion/ with report.html, report.json and motion.csv: displacement, speed,
@@ -240,12 +240,12 @@ def motion(
       inner          distance of the roller's inner end from the drum's axis, mm
       cone_deg       half angle of a conical roller, positive where it grows outwards  [0]
       track          groove, end (on the wall below it, by a spring) or rib (two rollers)  [groove]
-      distance       of both rollers' axes on a rib, mm
+      distance       of the two rollers' axes on a rib, mm
       axis=x|y|z     the drum's axis in FILE  [z];   centre=X/Y: where it passes (x: Y/Z, y: Z/X)  [0/0]
       at_deg         where the roller stands, ccw from the first axis of centre  [0]
       offset         of a slide's roller beside the radial line, mm, positive ccw  [0]
-      arm, pivot=Y/Z instead: length of an arm, its axle beside the radial line and along the axis
-      height         roughly where the roller's axis is, of several tracks
+      arm, pivot=Y/Z instead: length of an arm, its pivot beside the radial line and along the axis
+      height         roughly where the roller's axis is, if there are several tracks
       tolerance      of the mesh's facets, mm, which GROOVE_FIT allows for  [0.001]
 
     \b

@@ -94,7 +94,7 @@ class Front:
         ]
         titles = {
             "holds": "Can be built",
-            "fails": "Can be built, but keeps not all that is wanted",
+            "fails": "Can be built, but misses a wanted value",
             "refused": "Cannot be built",
         }
         return [

@@ -88,8 +88,8 @@ def offer(request: Request) -> Offer:
         designs,
         Aim(wish.lash, wish.useful_play, "deg", error_counts, best_in, wish.further),
         f"Four-bars for the function of {request.data.get('name')}",
-        "each is nearer to the function than all of better transmission, or transmits better than all nearer. Design 1 is "
-        "01.toml, and so on. Those that can be built stand first.",
+        "each is nearer to the function than all that transmit better. Design 1 is "
+        "01.toml, and so on. Those that can be built come first.",
         {
             "worst_error_deg": "at most {:.4g} deg off at the pairs",
             "transmission_deg": "transmission angle {:.4g} deg and more",

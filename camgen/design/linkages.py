@@ -115,8 +115,8 @@ def offer(request: Request) -> Offer:
         designs,
         Aim(wish.lash, play, "mm", True, "has the shortest bars", wish.further),
         f"Linkages for the path of {request.data.get('name')}",
-        "each of use is nearer to the path in the mean than all of use with less bar. Design 1 is 01.toml, "
-        "and so on. Those that can be built stand first: by their greatest "
+        "each is nearer to the path on average than all with shorter links. Design 1 is 01.toml, "
+        "and so on. Those that can be built come first: by their greatest "
         f"distance from the path those whose play is of use, {play:.4g} mm at most.",
         {
             "worst_distance_mm": "at most {:.3g} mm from the path",

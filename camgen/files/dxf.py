@@ -345,5 +345,5 @@ def _elsewhere(drawing: Any) -> Iterator[DrawingFault]:
             yield DrawingFault(
                 "entity",
                 len(block),
-                f"{block.name} holds {len(block)} entities, and the modelspace alone is cut",
+                f"{block.name} holds {len(block)} entities, only the modelspace is cut",
             )

@@ -37,7 +37,7 @@ def judge_balance(path: Path, machine: SweptMachine, balance: Balance) -> Findin
             moment_of_crank += balance.density[item.name] * (moment - volume * pivot) / turn
     remark = (
         f"{abs(moment_of_crank):.5g} g mm at {math.degrees(cmath.phase(moment_of_crank)):z.2f} deg in the crank's axes, {abs(balance.moment):.5g} at "
-        f"{math.degrees(cmath.phase(balance.moment)):z.2f} wanted; build anew, or make what turns with the crank as drawn"
+        f"{math.degrees(cmath.phase(balance.moment)):z.2f} wanted; build again, or make what turns with the crank as drawn"
     )
     off = abs(moment_of_crank - balance.moment)
     where = replace(

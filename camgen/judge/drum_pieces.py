@@ -126,8 +126,8 @@ def pieces_findings(
     """INTERFERENCE of both, PIN_GAP of seat and key; corner: lever of the key, press: its diametral clearance, mm."""
     facets = 2 * tolerance
     low, high = pieces.key_turn(facets + max(0.0, -press / 2))
-    seat = "the ring does not sit on the drum's shoulder; lowered on it, its wall goes along"
-    key = "the key holds the ring turned by so much, at its corners, from where it is meant to be"
+    seat = "how far the ring is off the drum's shoulder; its wall is off with it"
+    key = "how far the key holds the ring off its angle, at the key's corners"
     return [
         at_most(
             "INTERFERENCE",
@@ -135,7 +135,7 @@ def pieces_findings(
             facets + max(0.0, -press / 2),
             "mm",
             where,
-            "how deep drum and ring are in each other as they stand",
+            "overlap of drum and ring as assembled",
         ),
         at_most("PIN_GAP", abs(pieces.seat_gap), facets, "mm", where, seat),
         at_most("PIN_GAP", abs(low + high) / 2 * corner, facets, "mm", where, key),

@@ -107,9 +107,7 @@ class FollowerTable(Checked):
                 []
                 if self.leaves
                 else [
-                    Fault(
-                        ("leaves",), "", "missing: +1 or -1, or at_deg, to tell the side of the arm"
-                    )
+                    Fault(("leaves",), "", "missing: +1 or -1, or at_deg, for the side of the arm")
                 ]
             )
         if self._side == 0:
@@ -250,7 +248,7 @@ def pair_faults(first: FollowerTable, second: FollowerTable) -> Sequence[Fault]:
             Fault(
                 ("inside",),
                 "true",
-                "false for one of both: a groove has an inner wall, too",
+                "false for one of the two: a groove also has an inner wall",
                 source="--second-follower",
             )
         )

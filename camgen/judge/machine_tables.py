@@ -308,7 +308,7 @@ class _Rows:
             off,
             limit,
             "mm",
-            "against the place that x and y tell, to the last digit",
+            "against the place that x and y give, to the last digit",
         )
 
     def follower(self) -> list[Finding]:
@@ -359,7 +359,7 @@ class _Rows:
         point = self.place + rolled.radius * self.spoke
         pressure = np.degrees(np.abs(np.angle(self.spoke * np.conj(rolled.way(point)))))
         corner = np.degrees(np.arctan2(self.near, max(rolled.radius, self.off)))
-        remark = "the angle between the row's normal and the follower's way"
+        remark = "the angle between the row's normal and the follower's direction"
         return self._worst(
             "pressure_angle_deg",
             np.abs(pressure - angle),
@@ -523,7 +523,7 @@ def judge_path(
 def _same_path(table: Where, pieces: Sequence[Step], ring: Ring) -> list[Finding]:
     """ROUND_TRIP of a path's table, column by column, and of its contour against the ring in the DXF."""
     faults = [k + 1 for k, piece in enumerate(pieces) if not piece.named]
-    remark = "line, arc ccw or arc cw, as the other cells of the row tell" + (
+    remark = "line, arc ccw or arc cw, as the other cells of the row say" + (
         f"; not row {faults[0]}" if faults else ""
     )
     kinds = at_most("ROUND_TRIP", len(faults), 0, "rows", replace(table, thing="piece"), remark)

@@ -80,7 +80,7 @@ def polydyne_faults(
     if load.stiffness is None:
         found.append(Fault(("load", "stiffness"), "", "missing: load.polydyne corrects for it"))
     if sprung and not (spring and spring.rate):
-        right = "above 0 with load.polydyne: it corrects for the spring of the machine, which is else found by the cam"
+        right = "above 0 with load.polydyne: it corrects for the spring of the machine, which otherwise follows from the cam"
         found.append(Fault(("spring", "rate"), "0", right))
     if not load.mass_kg and not load.inertia_kg_m2:
         found.append(

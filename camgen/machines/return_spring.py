@@ -169,8 +169,8 @@ class ReturnSpring:
             stroke = float(np.ptp(self._s))
             keys = f"preload = {first:.5g} {pull}, rate = ({last:.5g} R ({longest:.5g} - L) - preload) / {stroke:.5g}"
         return (
-            f"or of a shop, R N/mm and L mm free inside its eyes: {pull} at least {least:.4g} N, and it may be stretched to "
-            f"{longest:.4g}; put it into [spring] beside a [load], of a linkage into [cam.spring], and build again: {keys}"
+            f"or from a shop, R N/mm and L mm free inside its eyes: {pull} at least {least:.4g} N, and it may be stretched to "
+            f"{longest:.4g}; put it into [spring] beside a [load], in a linkage into [cam.spring], and build again: {keys}"
         )
 
     def closing(self, spring: ExtensionSpring) -> float:

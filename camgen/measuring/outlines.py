@@ -245,7 +245,7 @@ def _from_gcode(path: Path, hints: Hints, contour: int | None) -> Outline:
 def _from_scan(path: Path, contour: int | None, scanning: Scanning) -> Outline:
     scan = scanned(path, scanning)
     ring, finding = _picked(path, scan.rings, contour)
-    remark = "the least grey levels, of 255, by which the part stands off its ground"
+    remark = "the least grey levels, of 255, by which the part differs from its background"
     contrast = at_least("CONTRAST", scan.contrast, LEAST_CONTRAST, "levels", in_file(path), remark)
     return Outline(ring, (finding, contrast), f"{finding.message}; {scan.remark}", scan.numbers)
 

@@ -90,7 +90,7 @@ class Scanned:
 
 
 def read_scan(path: Path, dpi: float | None = None) -> Scan:
-    """Edges in a picture of one part on an even ground.
+    """Edges in a picture of one part on a plain background.
 
     FileError where it cannot be read, is too large, has little contrast, no part, two, or one that its frame cuts off.
     """
@@ -124,7 +124,8 @@ def read_scan(path: Path, dpi: float | None = None) -> Scan:
     )
     if not rings:
         raise FileError(
-            path, "shows no closed edge: lay the part on an even ground, all of it in the picture"
+            path,
+            "shows no closed edge: lay the part on a plain background, all of it in the picture",
         )
     outer = rings[0]
     within = [ring for ring in rings[1:] if outer.encloses(complex(ring.points[0]))]
@@ -219,7 +220,7 @@ def _levelled(path: Path, grey: Any) -> tuple[Any, tuple[int, int], float]:
         ]
         if min(int(mask.sum()) for mask in inner) < 30:
             raise FileError(
-                path, "shows no part: grey levels of two kinds, part and ground, were expected"
+                path, "shows no part: grey levels of two kinds, part and background, were expected"
             )
         fields = np.array(
             [_field(x[mask] / columns, y[mask] / rows, small[mask]) for mask in inner]
@@ -227,7 +228,7 @@ def _levelled(path: Path, grey: Any) -> tuple[Any, tuple[int, int], float]:
         ground, body = (_powers(x / columns, y / rows) @ field for field in fields)
         part = np.abs(small - body) < np.abs(small - ground)
     contrast = float(np.min(np.abs(body - ground)[part]))
-    remark = f"the part stands off its ground by {contrast:.0f} of 255 grey levels"
+    remark = f"the part differs from its background by {contrast:.0f} of 255 grey levels"
     if contrast < LEAST_CONTRAST:
         raise FileError(
             path,

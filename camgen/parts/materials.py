@@ -67,7 +67,7 @@ def _print(
         density,
         f"{source}; {_GUIDE}",
         YIELDS * _STRONGEST,
-        f"no limit is published for prints of {name}: beyond this the strongest printed plastic flows (PC, "
+        f"no limit is published for prints of {name}: beyond this the strongest printed plastic yields (PC, "
         f"{_STRONGEST:g} MPa in its plane, {YIELDS:g} times that in a line contact)",
         spread,
     )
@@ -75,7 +75,7 @@ def _print(
 
 def _flows(strength: float) -> str:
     """Where a limit comes from that is no fatigue limit."""
-    return f"it flows there: {YIELDS:g} times its yield stress of {strength:g} MPa; no fatigue limit was found"
+    return f"it yields there: {YIELDS:g} times its yield stress of {strength:g} MPa; no fatigue limit was found"
 
 
 _PRINTS = (

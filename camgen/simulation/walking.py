@@ -34,16 +34,15 @@ _STRIDE = 0.1  # share of the longest stroke of a foot by which a turn has to br
 _CODES = ("FALLS", "STALLS", "WALKS", "SLIPS")
 _NOTES = (
     "Simulated by MuJoCo: rigid bodies with the masses of the solids and of walk.payload_g, hard feet on an even floor. Pins "
-    "rub by their reactions, with load.friction; bending is left out. Legs go through each other and through the frame: the sweep of a build judges that.",
-    "The first turn gets the machine going and does not count. A range is that over walk.friction. Nobody knows the friction of a "
-    "floor well: expect the way to be right within 15 %.",
+    "have the friction of load.friction; bending is left out. Legs go through each other and through the frame: the sweep of a build judges that.",
+    "The first turn gets the machine going and does not count. A range is that over walk.friction. The friction of a "
+    "floor is never known well: expect the distance to be right within 15 %.",
 )
 
 
 _COPIES = (
-    "Of a copy each pin is off by the errors of the print and by half of its clearance, in one direction for all of the run; where it "
-    "does not close so, other directions are tried, for pins give way. It walks at the middle friction; a run that is void says "
-    "nothing and does not count."
+    "In a copy each pin is off by the errors of the print and by half of its clearance, in one direction for the whole run; if it "
+    "does not close so, other directions are tried. It walks at the middle friction; a run to be discarded does not count."
 )
 _MOST = 100  # copies
 _DRAWN = 10  # for each that is wanted, where some do not close
@@ -229,7 +228,7 @@ def judged(mechanism: Mechanism, model: mjcf.Model, gaits: Sequence[Gait], strid
     if branch.ok:
         findings, not_judged = _verdicts([each for each in gaits if not each.void], stride)
     else:
-        said = "a leg has left its branch: the run is void, it says nothing of the machine"
+        said = "a leg has left its branch: discard the run, it says nothing about the machine"
         branch = replace(branch, message=said)
         findings = []
         not_judged = [NotJudged(code, said, "BRANCH to hold") for code in _CODES]

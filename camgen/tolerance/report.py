@@ -52,8 +52,8 @@ _NOTES = (
 )
 
 
-_DRUM = "Of a drum all is first order: its worst copies are not rolled. The follower counts as in the middle between both walls."
-_FREE = "Air at each tip, mm, without jamming: tip_clearance of a pair, half of print.slide_clearance of a groove"
+_DRUM = "For a drum all is first order: its worst copies are not rolled. The follower counts as in the middle between both walls."
+_FREE = "Clearance at each tip, mm, without jamming: tip_clearance of a pair, half of print.slide_clearance of a groove"
 _TIMED = (
     "Bodies follow laws of the shaft, as designed: print errors of their gears and guides count as play.",
     "inf: 60 deg and more.",
@@ -191,7 +191,7 @@ def _waves(spread: Spread) -> list[str]:
         isinstance(joint, Cam) and joint.over is not None for joint in spread.mechanism.model.joints
     ):
         notes.append(
-            "Of a plate that slides a turn is one round its link's first point, and bore is how far its track is off that point."
+            "For a plate that slides a turn is one round its link's first point, and bore is how far its track is off that point."
         )
     return notes
 
@@ -397,7 +397,7 @@ def _timings(found: Sequence[Timing], figures: list[Figure]) -> list[Table]:
     return (
         [
             Table(
-                "Timing: by how much the first of two bodies may be off until they strike",
+                "Timing: by how much the first of two bodies may be off before they strike",
                 heads,
                 rows,
             )

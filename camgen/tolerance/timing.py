@@ -1,4 +1,4 @@
-"""How far the timing of bodies that pass each other may be off until they strike: a looper's spreader against its needles.
+"""How far the timing of bodies that pass each other may be off before they strike: a looper's spreader against its needles.
 
 Of each pair one body is moved earlier or later by an angle of the shaft, the other stays; both as designed, at the heights at
 which their files are compared. Play lets both come nearer: of each guide half its clearance.

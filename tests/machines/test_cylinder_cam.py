@@ -328,7 +328,7 @@ def test_a_groove_turns_its_roller_round() -> None:
     heavy = {"load": {"mass_kg": 2.0, "resistance": 2.0}, "motor": {"speed_rpm": 200.0}}
     study = drum(geometry=LONG, **heavy).study()
     assert study.numbers["roller_reversals"] == 4
-    assert any("turns round 4 times a turn" in note for note in study.notes)
+    assert any("reverses 4 times per turn" in note for note in study.notes)
     rib = drum(geometry={"track": "rib", "distance": 16.0}, **heavy).study()
     assert "roller_reversals" not in rib.numbers.keys()
 

@@ -142,7 +142,7 @@ def test_a_follower_that_carries_more_has_no_constant_inertia() -> None:
     data["links"] |= {"rod": ["T", "D"], "lever": ["D", "E"]}
     data["links"]["ground"] = ["O", "C", "E"]
     assert faults(data) == [
-        "cam.0.spring.rate: 0 - expected above 0 with polydyne: it corrects for the spring, which is else found by the cam",
+        "cam.0.spring.rate: 0 - expected above 0 with polydyne: it corrects for the spring, which otherwise follows from the cam",
         "cam.0.polydyne: true - expected false: more than rocker moves with this cam, so its inertia is not constant",
     ]
 

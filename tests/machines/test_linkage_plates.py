@@ -265,4 +265,4 @@ def test_a_roller_without_a_wall_is_refused_with_a_radius_that_has_one() -> None
 
 def test_what_follows_from_print_errors_is_told_of_a_plate() -> None:
     notes = tolerance(PLATE, printing=PrintRun(samples=50, worst=0)).notes
-    assert any(note.startswith("Of a plate that slides a turn") for note in notes)
+    assert any(note.startswith("For a plate that slides a turn") for note in notes)

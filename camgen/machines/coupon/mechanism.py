@@ -244,7 +244,7 @@ class Coupon(Mechanism):
         ]
         if self.calibration.rows:
             name, measured, fit, rest = max(self.calibration.rows, key=lambda row: abs(row[3]))
-            remark = f"measured {measured:.4g} mm, {fit:.4g} by the values found; measure it again, or print it for itself"
+            remark = f"measured {measured:.4g} mm, {fit:.4g} by the values found; measure it again, or print it by itself"
             limit = self.allowed.departure
             findings.append(at_most("CALIBRATION_FIT", abs(rest), limit, "mm", Where(name), remark))
         return findings

@@ -557,8 +557,8 @@ class CylinderCam(Mechanism):
             borne += self._roller.reversal_figures(spins)
             if len(spins):
                 notes.append(
-                    f"The force turns round {len(spins)} times a turn: the roller meets the other wall, which turns its spin "
-                    "round. A rib, an end cam, or a roller for each wall on one stud avoids that."
+                    f"The force reverses {len(spins)} times per turn: the roller then meets the other wall, which reverses its spin. "
+                    "A rib or an end cam avoids that."
                 )
         return replace(study, numbers=study.numbers | Figures(borne), notes=notes)
 

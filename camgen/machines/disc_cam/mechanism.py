@@ -721,7 +721,7 @@ class DiscCamDrive(CamTables):
             )
         notes += thin_back(self.making, self.material.name) if self.assembly.dowel else []
         if self.allowed.continuous < 0:
-            notes.append("Whether the motion jumps is not judged: limits.continuous = -1.")
+            notes.append("Jumps of the motion are not judged: limits.continuous = -1.")
         return notes
 
     def _sketch(self) -> Sketch:

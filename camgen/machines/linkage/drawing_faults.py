@@ -52,7 +52,7 @@ def _link_faults(drawing: Drawing) -> Iterable[Fault]:
     seen: dict[str, str] = {}
     for name in drawing.links:
         if seen.setdefault(name.lower(), name) != name:
-            right = f"another name: {seen[name.lower()]} differs in its capitals alone, and so would their files"
+            right = f"another name: {seen[name.lower()]} differs only in capitals, and so would their files"
             yield Fault(("links", name), "", right)
         if name.lower() in _TAKEN:
             right = f"another name: files of its part would be taken for {_TAKEN[name.lower()]}"
@@ -490,7 +490,7 @@ def _polydyne_faults(drawing: Drawing, path: Key, cam: t.Cam) -> Iterable[Fault]
         right = f"mass_g of what slides, or inertia_kg_m2 of what swings: what moves behind the stiffness of cam {drawing.cam_name(cam)}"
         yield Fault(("masses", cam.follower), "", right)
     if cam.spring is not None and not cam.spring.rate:
-        right = "above 0 with polydyne: it corrects for the spring, which is else found by the cam"
+        right = "above 0 with polydyne: it corrects for the spring, which otherwise follows from the cam"
         yield Fault((*path, "spring", "rate"), "0", right)
     polydyne = (*path, "polydyne")
     if drawing.turns_of(cam.cam) is None or drawing.drive.segments or drawing.drive.range_deg:

@@ -45,7 +45,9 @@ def elastic(run: Run, load: Weight | None, limits_of: Callable[[str], MaterialLi
     cams = [joint for joint in run.machine.joints if isinstance(joint, Cam)]
     unknown = LoadCheck()
     if any(limits_of(cam.name).motion.frequency_ratio for cam in cams):
-        why = "a follower's own frequency is known of a machine with one cam, by stiffness and mass"
+        why = (
+            "a follower's own frequency is known for a machine with one cam, by stiffness and mass"
+        )
         unknown.not_judged.append(
             NotJudged("FOLLOWER_FREQUENCY", why, "load.stiffness and a mass of the follower")
         )
