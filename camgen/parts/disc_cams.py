@@ -49,6 +49,11 @@ OLD_BORES: OldWords = {
 }
 
 
+# Places of a groove's pins about its axis, deg: its walls go on the back at one angle only, the outer one not turned over either.
+_INNER_PINS = (0.0, 165.0)
+_OUTER_PINS = (45.0, 135.0, 225.0, 305.0)
+
+
 class ShaftBore(Record):
     """A cam's bore, and what keeps it from turning on its shaft."""
 
@@ -273,6 +278,11 @@ def _cam(
     return Part(name, title, tuple(layers), 1, (), centres, sizes.notes(), sizes.bore, min_wall)
 
 
+def _pin(sizes: CamParts, distance: float, angle: float) -> Contour:
+    """The hole of a pin of a groove's plates at a distance from the axis, mm, and an angle, deg."""
+    return circle(cmath.rect(distance, math.radians(angle)), sizes.pin_diameter / 2)
+
+
 def _plates(
     sizes: CamParts, outline: Contour, wall: Contour, groove: tuple[float, float], min_wall: float
 ) -> tuple[Part, ...]:
@@ -280,9 +290,8 @@ def _plates(
     bore = sizes.hole()
     beside = pins_beside(sizes, min_wall)
     radius = float(np.max(np.abs(facet_contour(wall, LAYOUT)))) + sizes.rim
-    inner = [circle(complex(side * beside), sizes.pin_diameter / 2) for side in (1, -1)]
-    corners = [cmath.rect(radius - sizes.rim / 2, math.radians(45 + 90 * k)) for k in range(4)]
-    outer = [circle(corner, sizes.pin_diameter / 2) for corner in corners]
+    inner = [_pin(sizes, beside, angle) for angle in _INNER_PINS]
+    outer = [_pin(sizes, radius - sizes.rim / 2, angle) for angle in _OUTER_PINS]
     notes = (
         *sizes.notes(),
         f"with the inner wall a groove {groove[0]:g} wide, for a roller of {groove[1]:g}",

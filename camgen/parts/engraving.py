@@ -19,8 +19,10 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Points, Region, polygon
+from camgen.machine.features import Feature
 from camgen.parts.part import HoldingNote, Layer, Part
 from camgen.parts.standing import discs
+from camgen.parts.turning_over import fit_turned_over
 from camgen.tolerances import SAME_POINT
 
 DEPTH = 0.4  # mm, of letters: two usual layers of a print
@@ -82,10 +84,14 @@ def with_upper_side(part: Part, mark: bool) -> Part:
             layers = [Layer(region, face.z1 - DEPTH, face.z1) for region in _regions(free.taken[0])]
             note = HoldingNote("UP on its upper side")
             return replace(part, engraved=(*part.engraved, *layers), notes=(*part.notes, note))
-    note = HoldingNote(
-        "lies as in its drawing: it fits turned over as well, and moves wrongly then"
-    )
+    note = HoldingNote("this side up as in its drawing; turned over it fits too, and moves wrongly")
     return replace(part, notes=(*part.notes, note))
+
+
+def with_upper_sides(parts: Sequence[Part], features: Sequence[Feature]) -> list[Part]:
+    """Parts of which those that fit turned over as well, and move wrongly then, say which side is up."""
+    reversible = set(fit_turned_over(parts, features))
+    return [with_upper_side(part, False) if part.name in reversible else part for part in parts]
 
 
 @dataclass

@@ -16,6 +16,8 @@ from camgen import starters
 from camgen.files.dxf import read_dxf
 from camgen.geometry.outlines import Contour, Region, circle, polygon
 from camgen.machine.features import CamOutline, Eye
+from camgen.machines.sources import read_mechanism
+from camgen.parts.assembly import order_of_assembly
 from camgen.parts.engraving import DEPTH, with_upper_side
 from camgen.parts.part import Layer, Part, d_bore
 from camgen.parts.turning_over import fit_turned_over
@@ -99,7 +101,7 @@ def test_without_room_or_leave_a_note_names_the_drawing(part: Part, mark: bool) 
     plain = with_upper_side(part, mark)
     assert not plain.engraved
     assert plain.notes == (
-        "lies as in its drawing: it fits turned over as well, and moves wrongly then",
+        "this side up as in its drawing; turned over it fits too, and moves wrongly",
     )
 
 
@@ -130,4 +132,43 @@ def test_a_machines_cam_has_up_in_its_files_and_in_its_step(tmp_path: Path) -> N
     assert set(np.unique(plain.vertices[:, 2].round(3))) == {0.0, 4.0}
     letters = trimesh.load(next(folder.rglob("*-ground.stl")))
     assert 5 - DEPTH in letters.vertices[:, 2].round(3), "hole_letters act in this machine too"
-    assert "lies as in its drawing" in next(folder.rglob("report.html")).read_text(encoding="utf-8")
+    assert "this side up as in its drawing" in next(folder.rglob("report.html")).read_text(
+        encoding="utf-8"
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "told"),
+    [
+        ("disc-cam", (), set()),  # its rise and return are alike
+        ("gallery/valve", (), {"cam"}),
+        ("indexing-cam", (), {"cam", "return-cam"}),
+        ("gallery/groove", (), {"inner"}),
+    ],
+)
+def test_a_cam_alone_says_which_side_is_up_where_it_matters(
+    name: str, settings: tuple[str, ...], told: set[str]
+) -> None:
+    made = read_mechanism(starters.folder() / f"{name}.toml", settings).assembly
+    assert {p.name for p in made.parts if any("this side up" in n for n in p.notes)} == told
+    said = {row[1] for row in order_of_assembly(made).rows if "this side up" in str(row[2])}
+    assert said == told
+
+
+def test_walls_of_a_groove_go_on_their_back_in_one_way() -> None:
+    """The pins of the outer wall, turned or mirrored about the axis, meet the back's in one place only; those of the inner one
+    turned."""
+    parts = read_mechanism(starters.folder() / "gallery/groove.toml").assembly.by_name
+    for name, mirrors in (("outer", (False, True)), ("inner", (False,))):
+        pins = np.array(parts[name].centres[1:])
+        ways = [
+            turn
+            for mirror in mirrors
+            for turn in range(360)
+            if max(
+                np.min(abs(pin * np.exp(1j * np.radians(turn)) - pins))
+                for pin in (pins.conjugate() if mirror else pins)
+            )
+            < 0.1
+        ]
+        assert ways == [0]

@@ -76,6 +76,7 @@ from camgen.parts import materials
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
 from camgen.parts.catalogue import CAM_FOLLOWERS, DOWEL_STANDARD, HARD_DOWEL_STANDARD, Bought, dowel
 from camgen.parts.disc_cams import disc_parts, roller_note, turning_note
+from camgen.parts.engraving import with_upper_sides
 from camgen.parts.generator.sizes import contour_faults
 from camgen.parts.part import Layer, Part
 from camgen.parts.springs import to_wind, wished
@@ -434,8 +435,9 @@ class DiscCamDrive(CamTables):
 
     def _bare(self) -> Assembly:
         """The cams alone."""
-        parts = [*self._plates, *self._shoe]
-        made = self._assembly(parts, self._beside(), self._outlines())
+        outlines = self._outlines()
+        parts = [*with_upper_sides(self._plates, outlines), *self._shoe]
+        made = self._assembly(parts, self._beside(), outlines)
         spring = wished(self._spring_wish)
         hub = self.making.hub(self.allowed.min_wall)
         name = self._plates[0].name

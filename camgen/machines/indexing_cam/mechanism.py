@@ -59,6 +59,7 @@ from camgen.motion.spring_law import trade_off
 from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import CLUTCHES
 from camgen.parts.disc_cams import holes_in, roller_note, turning_note
+from camgen.parts.engraving import with_upper_sides
 from camgen.parts.generator.beneath import room
 from camgen.parts.part import Layer, Part, windows
 from camgen.spec import validate
@@ -542,7 +543,7 @@ class IndexingCam(CamTables):
         outlines = [cam_outline(cam, name, limits, bore) for name, cam in self.cams.items()]
         beside = self.making.thickness + self.print.slide_clearance
         mounts = [Mount(name, "cam", z=0.0 if name == "cam" else beside) for name in self.cams]
-        made = self._assembly(self._cams(), mounts, outlines)
+        made = self._assembly(with_upper_sides(self._cams(), outlines), mounts, outlines)
         cycle = replace(made.cycle, turns=self.linkage.turns)
         return replace(made, demands=self.demands(), cycle=cycle)
 
