@@ -307,6 +307,13 @@ def test_a_pawl_locks_where_its_end_lies_in_the_root() -> None:
     assert pawl.draw > 0
 
 
+def test_the_way_back_is_to_the_next_drop_and_from_the_last_to_the_first_of_the_next_turn() -> None:
+    drops = [Jump(1.0, 0.2, 0.1), Jump(2.5, 0.2, 0.1), Jump(4.5, 0.2, 0.1)]
+    found = [Lock(0.25, 0.0), Lock(0.5, 0.0), Lock(0.125, 0.0)]
+    back = [1.5 + 0.25, 2.0 + 0.5, math.tau - 3.5 + 0.125]
+    assert ways_back(drops, found) == pytest.approx(back)
+
+
 @pytest.mark.long
 def test_a_tooth_that_throws_the_pawl_out_loses_a_whole_tooth() -> None:
     """Of one tooth the root lies before the tip, so that its face is a ramp down which the pawl slides."""
