@@ -332,7 +332,7 @@ class Map:
             name = re.match(r"\w+", mutant.text)
             used = [
                 k
-                for k, text in enumerate(self.texts[mutant.file], 1)
+                for k, text in enumerate(self.texts.get(mutant.file, ()), 1)
                 if name and re.search(rf"\b{name[0]}\b", text)
             ]
             own = {test for line in used for test in lines.get(line, ())}
