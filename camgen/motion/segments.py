@@ -75,6 +75,7 @@ _NEEDED = {
     "table": ("points", "file"),
 }  # one of them
 _FULL_TURN_SLACK = 1e-9  # deg, of rounding in a sum of spans
+_RADIANS = 0.05  # rad, within which spans that were typed in radians make a turn
 _LEAST_SPAN = 1e-3  # deg
 
 Terms = Annotated[tuple[Annotated[float, quantity("1")], ...], Field(max_length=50)]
@@ -530,6 +531,8 @@ def _span_faults(tables: Sequence[SegmentTable], path: Key) -> list[Fault]:
     if not free and not abs(total - 360) <= _FULL_TURN_SLACK:
         much = f"{abs(total - 360):g} deg too {'much' if total > 360 else 'little'}"
         right = f"span_deg of all segments that make 360 ({much})"
+        if abs(total - math.tau) < _RADIANS:
+            right = "degrees, which make 360: these make a turn in rad, of which one is 57.296 deg"
         return [Fault(path, f"the spans make {total:.12g} deg", right)]
     moving = [k for k in free if tables[k].kind != "dwell"]
     alone = "missing: only one dwell may leave it out; it takes the rest of the turn"

@@ -172,6 +172,15 @@ def test_a_dwell_without_a_span_takes_the_rest() -> None:
             "450 deg | span_deg of all segments that make 360 (90 deg too much)",
         ),
         (
+            (
+                RISE.replace("90", "1.57"),
+                DWELL.replace("90", "1.571"),
+                BACK.replace("180", "3.142"),
+            ),
+            "segment",
+            "6.283 deg | degrees, which make 360: these make a turn in rad",
+        ),
+        (
             (RISE, DWELL, BACK.replace("to = 0", "lift = 8")),
             "segment.2",
             "ends at 2 | a last segment that ends at 0",
