@@ -343,6 +343,8 @@ _UNQUOTED = re.compile(r"""=\s*(?:["'](?=[^"'#]*(?:#|$)))?([A-Za-z][\w .-]*?)["'
 _WITH_UNIT = re.compile(r"=\s*([+-]?[\d.]+)\s*([a-zA-Z°]+)\s*(?:#.*)?$")
 _ROUND = re.compile(r"=\s*\(([^()]*)\)")
 _COLON = re.compile(r"""([\w-]+(?:\.[\w-]+)*|"[^"]*")\s*:\s*(.*?)\s*(?:#.*)?$""")
+_TEXTS = re.compile(r"""=\s*((?:"\w+"\s*,\s*)+"\w+")\s*(?:#.*)?$""")  # "D", "E"
+_BARE_LIST = re.compile(r"=\s*\[((?:\s*[A-Za-z]\w*\s*,?)+)\]\s*(?:#.*)?$")  # [D, E]
 _CURLY = re.compile("[\u201c\u201d\u201e\u2018\u2019]")
 _TWICE = re.compile(r"Cannot declare \(.*\) twice")
 
@@ -359,6 +361,9 @@ def _slip(line: str, reason: str) -> str:
         return f"a number without a unit: {number[1]}"
     if items := _ROUND.search(line):
         return f"square brackets round a list: [{items[1]}]"
+    if (texts := _TEXTS.search(line)) or (texts := _BARE_LIST.search(line)):
+        items = ", ".join(f'"{each}"' for each in re.findall(r"\w+", texts[1]))
+        return f"a list of texts in brackets, each in quotes: [{items}]"
     if _CURLY.search(line):
         return 'straight quotes: "..."'
     if (word := _UNQUOTED.search(line)) and word[1] not in ("true", "false", "inf", "nan"):

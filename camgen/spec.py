@@ -812,7 +812,7 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
             nearest = alike.nearest
             own = item["type"] == "value_error" or item["type"] not in get_args(ErrorType)
             expected = expected if nearest or own else alike.expected
-        meant = "" if node is None or no_such or key else _meant(path, value, node)
+        meant = "" if node is None or no_such or key else _meant(path, value, node, root)
         expected = meant or expected
         if (
             item["type"] == "too_short"
@@ -865,6 +865,7 @@ _FIGURE = re.compile(r"[+-]?\d+(?:\.\d+)?")
 _LISTED = re.compile(
     r"[\[(]?\s*[+-]?[\d.]+(?:\s*[,; x]\s*[+-]?[\d.]+)+\s*[\])]?"
 )  # numbers as a text
+_WORDS = re.compile(r"[A-Za-z]\w*(?:\s*[-,; ]\s*[A-Za-z]\w*)+")  # such as two points
 _FIT = re.compile(r"[A-Za-z]{1,2}\d{1,2}")  # of ISO 286, such as H7
 # What a number is in and how people write that, with the size of each.
 _UNITS: dict[str, tuple[str, dict[str, float]]] = {
@@ -884,7 +885,33 @@ def _scalar(node: Data) -> bool:
     return not kinds & {"object", None}
 
 
-def _meant(path: Sequence[str | int], value: object, node: Data) -> str:
+def _meant_list(value: object, node: Data) -> str:
+    """What to write in place of a list that is a text, of a text in a list, or of decimal commas in one; or "" """
+    if isinstance(value, list) and len(node.get("prefixItems", ())) + 1 == len(value) == 3:
+        a, b, c = map(str, value)
+        if f"{a}{b}{c}".lstrip("-").isdigit() and b.isdigit():
+            return f"two numbers, with decimal points: write [{a}.{b}, {c}] or [{a}, {b}.{c}]"
+    if isinstance(value, list) and node.get("type") == "string" and list(map(type, value)) == [str]:
+        return f'text, no list: write "{value[0]}"'
+    if not isinstance(value, str) or node.get("type") != "array":
+        return ""
+    if _LISTED.fullmatch(value):
+        return f"a list without quotes: write [{', '.join(_FIGURE.findall(value))}]"
+    words = ", ".join(f'"{each}"' for each in re.findall(r"\w+", value))
+    return f"a list: write [{words}]" if _WORDS.fullmatch(value) else ""
+
+
+def _meant_table(value: object, node: Data, root: Data) -> str:
+    """What to write in place of a number that is to be a table, in which it has a key; or "" """
+    for member in members_of(node, root) if isinstance(value, int | float) else ():
+        needed = member.get("required", ())
+        if "value" in needed and not isinstance(value, bool):
+            keys = (f"{key} = {value:g}" if key == "value" else f"{key} = ..." for key in needed)
+            return f"a table: write {{ {', '.join(keys)} }}"
+    return ""
+
+
+def _meant(path: Sequence[str | int], value: object, node: Data, root: Data) -> str:
     """What to write in place of a number that is a text, perhaps with its unit, or of a table that is to be a list; or "" """
     if isinstance(value, dict) and "array" in {
         each.get("type") for each in (node, *node.get("anyOf", ()))
@@ -897,12 +924,8 @@ def _meant(path: Sequence[str | int], value: object, node: Data) -> str:
         return f'{in_words(node, node)}: write "{plain}"' if plain not in ("", value) else ""
     if path[-1] in ("lift", "lift_deg") and isinstance(value, int | float) and value < 0:
         return f'a number above 0: kind = "return" with {path[-1]} = {-value:g} goes back'
-    if isinstance(value, list) and len(node.get("prefixItems", ())) + 1 == len(value) == 3:
-        a, b, c = map(str, value)
-        if f"{a}{b}{c}".lstrip("-").isdigit() and b.isdigit():
-            return f"two numbers, with decimal points: write [{a}.{b}, {c}] or [{a}, {b}.{c}]"
-    if isinstance(value, str) and node.get("type") == "array" and _LISTED.fullmatch(value):
-        return f"a list without quotes: write [{', '.join(_FIGURE.findall(value))}]"
+    if said := _meant_list(value, node) or _meant_table(value, node, root):
+        return said
     unit = unit_of(node)
     found = _NUMBER.fullmatch(value.strip()) if isinstance(value, str) and unit else None
     if found is None or unit is None:

@@ -239,6 +239,8 @@ def test_syntax_fault_has_line_and_column(
     [
         ("width = 12,5  # mm", "a decimal point, not a comma: 12.5"),
         ("width: 12.5  # mm", "= in place of the colon: width = 12.5"),
+        ('side = "D", "E"', 'a list of texts in brackets, each in quotes: ["D", "E"]'),
+        ("side = [D, E1]", 'a list of texts in brackets, each in quotes: ["D", "E1"]'),
         ('"A-B": 25', '= in place of the colon: "A-B" = 25'),
         ('{"mechanism": "disc-cam"}', 'TOML, not JSON: mechanism = "...", one key a line'),
         ("width = 25 mm", "a number without a unit: 25"),
@@ -871,6 +873,20 @@ def test_a_word_that_people_use_is_told_by_the_names_here(key, word, meant):
             "model": get_args(Model),
         }
         assert all(f"'{name}'" in told[key] for name in known[key.rpartition(".")[2]])
+
+
+@pytest.mark.parametrize(
+    ("setting", "said"),
+    [
+        ('slot.0.pin=["A"]', 'text, no list: write "A"'),
+        ('slide.0.along="R-T"', 'a list: write ["R", "T"]'),
+        ('links.arm="D, E"', 'a list: write ["D", "E"]'),
+        ("output.0.stroke=80", "a table: write { value = 80, tolerance = ... }"),
+    ],
+)
+def test_a_list_or_table_that_is_meant_is_told_of_a_linkage(setting: str, said: str) -> None:
+    with pytest.raises(SpecError, match=re.escape(said)):
+        read_mechanism(override(read(TOP / "specs" / "quick-return.toml"), setting))
 
 
 def test_each_key_of_a_word_is_one_of_a_mechanism():
