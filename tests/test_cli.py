@@ -326,7 +326,7 @@ def test_json_is_the_text_of_report_json(run: Run, tmp_path: Path, starter: Path
         ("sweep disc-cam --vary a=1,2", "camgen new disc-cam my-disc-cam.toml writes one"),
         ("sweep a.toml --vary geometry.base_radius=20-30", "20:30:N, N values from 20 to 30"),
         ("sweep a.toml --vary geometry.base_radius=2.5..30", "2.5:30:N, N values"),
-        ("motion a.dxf", "such as translating,radius=5"),
+        ("motion a.dxf", "such as --follower translating,radius=5"),
     ],
 )
 def test_a_command_typed_in_haste_is_told_as_it_should_be(

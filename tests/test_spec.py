@@ -704,8 +704,8 @@ def test_only_files_of_a_sane_size_are_read(tmp_path: Path) -> None:
     with open(tmp_path / "large.toml", "wb") as file:
         file.truncate(11_000_000)
     for path, said in (
-        (Path("/dev/zero"), "no file"),
-        (tmp_path / "pipe", "no file"),
+        (Path("/dev/zero"), "is a pipe or a device"),
+        (tmp_path / "pipe", "is a pipe or a device"),
         (tmp_path / "large.toml", "10 MB"),
     ):
         code = "import sys\nfrom camgen.cli import main\nmain(['build', *sys.argv[1:]])"

@@ -293,7 +293,7 @@ def _refuse_mixed(options: dict[str, Any], file: Path) -> None:
         from camgen.measuring.outlines import ENDINGS
 
         if file.suffix.lower() in {*ENDINGS} - {".csv"}:  # a CSV may be a cam table
-            said = f"give --follower (such as translating,radius=5), --roller or --drives: {file.name} is an outline"
+            said = f"give --follower, --roller or --drives: {file.name} is an outline; such as --follower translating,radius=5"
             raise click.UsageError(said)
         others = (*_OF_DRIVES, "second_follower", "second")
         reader = "a cam table: give --follower for an outline"
