@@ -362,8 +362,8 @@ def _slip(line: str, reason: str) -> str:
     if items := _ROUND.search(line):
         return f"square brackets round a list: [{items[1]}]"
     if (texts := _TEXTS.search(line)) or (texts := _BARE_LIST.search(line)):
-        items = ", ".join(f'"{each}"' for each in re.findall(r"\w+", texts[1]))
-        return f"a list of texts in brackets, each in quotes: [{items}]"
+        quoted = ", ".join(f'"{each}"' for each in re.findall(r"\w+", texts[1]))
+        return f"a list of texts in brackets, each in quotes: [{quoted}]"
     if _CURLY.search(line):
         return 'straight quotes: "..."'
     if (word := _UNQUOTED.search(line)) and word[1] not in ("true", "false", "inf", "nan"):
