@@ -504,8 +504,9 @@ def coupled(assembly: Assembly) -> list[Bought]:
 def _bought_row(each: Bought) -> _Row:
     """A step of what is bought."""
     row = (0, each.name, each.size, each.how, each.count, 0.0, "as bought")
-    many = f"{each.count} × " if each.count > 1 else ""
-    return row, Step(f"{many}{each.name}, {each.size}{f'; {each.how}' if each.how else ''}")
+    many = f"{each.count} × {each.name}"
+    name = many if each.count > 1 else each.name[:1].upper() + each.name[1:]
+    return row, Step(f"{name}, {each.size}{f'; {each.how}' if each.how else ''}")
 
 
 def with_things(row: _Row, things: Sequence[Bought], column: int = 3) -> _Row:
