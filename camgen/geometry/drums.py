@@ -19,6 +19,7 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.drum_walls import DrumRoller, DrumWall, RollerPath, WallPoints
+from camgen.geometry.mesh import MOST_TRIANGLES
 from camgen.numerics import Floats
 
 Track = Literal["groove", "rib", "end"]
@@ -28,8 +29,10 @@ _FINE = 720  # angles at which the walls' bend is looked at
 _BESIDE = np.geomspace(1e-6, 0.1, 100)
 _CLOSER = 3  # rounds in which its least area is looked for, each between the neighbours of the least before
 _LEVELS = 9  # and radii
-_MOST_ROWS = 100
+_MOST_ROWS = 1000
+_COARSER = 1.1  # from one tolerance that is tried to the next, where one is too fine
 _MARGIN = 0.95  # of the tolerance that is used: the bend is taken between angles, too
+_MOST = 0.9 * MOST_TRIANGLES  # of its walls and outside: its ends and its bore have more
 _LEAST_AREA = 0.0
 # angles and radii of moments: walls are smooth in either but for jumps of a law's higher derivatives
 _EVEN = 1440
@@ -80,7 +83,8 @@ class Drum:
     def rings(self, tolerance: float) -> Floats:
         """Its surface from the rim of its lower end to that of its upper one, (m, n, 3) mm: n points counter-clockwise on each ring.
 
-        Facets between neighbours stand off the walls by at most `tolerance`. DesignError as of `span`.
+        Facets between neighbours stand off the walls by at most `tolerance`. DesignError as of `span`, and where they were
+        more than a file may have.
         """
         self.span  # noqa: B018  refuses what is no drum
         beta, rows = self._grid(tolerance)
@@ -198,13 +202,28 @@ class Drum:
 
     def _grid(self, tolerance: float) -> tuple[Floats, int]:
         """Angles, and the number of rows from floor to outside, that need the fewest triangles."""
+        found = self._fewest(tolerance)
+        if found is None or found[0] > _MOST:
+            raise self._too_fine(tolerance)
+        _, density, rows = found
+        filled = np.concatenate([[0.0], np.cumsum(density)]) * math.tau / _FINE
+        count = max(math.ceil(filled[-1]), 12)
+        shares = np.arange(count) / count * filled[-1]
+        return np.interp(shares, filled, np.linspace(0, math.tau, _FINE + 1)), rows
+
+    @cached_property
+    def _bend(self) -> tuple[Floats, Floats, Floats]:
+        """Of its walls and outside at even angles: along the turn / 8, the twist / 4 and along the radius / 8, (n,) each."""
         beta = _even()
         rho = np.linspace(self.floor, self.outside, _LEVELS)[:, None]
         bends = [_bends(wall.over(beta, rho)) for wall in self.walls]
         along, twist, deep = (np.max([each[k] for each in bends], axis=(0, 1)) for k in range(3))
         along = _widened(np.maximum(along, self.outside)) / 8
-        twist = _widened(twist) / 4
-        deep = _widened(deep) / 8
+        return along, _widened(twist) / 4, _widened(deep) / 8
+
+    def _fewest(self, tolerance: float) -> tuple[float, Floats, int] | None:
+        """Triangles, angles for each rad, (n,), and rows; None where no number of rows is enough."""
+        along, twist, deep = self._bend
         best: tuple[float, Floats, int] | None = None
         for rows in range(1, _MOST_ROWS):
             step = (self.outside - self.floor) / rows
@@ -214,16 +233,28 @@ class Drum:
             half = twist * step / 2
             angle = left / (half + np.sqrt(half**2 + along * left))
             count = np.sum(1 / angle) * math.tau / _FINE
-            cost = count * (len(self.walls) * rows + 4)
-            if best is not None and cost > best[0]:
+            triangles = 2 * count * (len(self.walls) * rows + 4)
+            if best is not None and triangles > best[0]:
                 break
-            best = (cost, 1 / angle, rows)
-        assert best is not None, "rows enough for any tolerance that is asked for"
-        _, density, rows = best
-        filled = np.concatenate([[0.0], np.cumsum(density)]) * math.tau / _FINE
-        count = max(math.ceil(filled[-1]), 12)
-        shares = np.arange(count) / count * filled[-1]
-        return np.interp(shares, filled, np.linspace(0, math.tau, _FINE + 1)), rows
+            best = (triangles, 1 / angle, rows)
+        return best
+
+    def _too_fine(self, tolerance: float) -> DesignError:
+        """Of facets for a tolerance, that are more than a file may have; the remedy is a tolerance that has been tried."""
+        least = tolerance
+        found = None
+        while found is None or found[0] > _MOST:
+            least *= _COARSER
+            found = self._fewest(least)
+        least = _rounded_up(least)
+        return DesignError(
+            "accuracy.chord_tolerance",
+            tolerance,
+            least,
+            "mm",
+            f"the walls of the drum, whose mesh may have {MOST_TRIANGLES:,} triangles",
+            "a larger accuracy.chord_tolerance, or a smaller drum",
+        )
 
     def _outline(self, beta: Floats, rho: Floats, heights: list[Floats]) -> list[Floats]:
         """Radius and height of each point of the outline, (2, m) at the angles, material on its left seen with z up."""
@@ -253,6 +284,12 @@ class Drum:
             for radius, z in zip(rho[::-1], heights[1][::-1], strict=True)
         ]
         return [*bottom, *lower, *upper, *end]
+
+
+def _rounded_up(value: float) -> float:
+    """To two digits."""
+    step = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return math.ceil(value / step) * step
 
 
 def _bends(wall: WallPoints) -> Floats:

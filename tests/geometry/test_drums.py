@@ -207,3 +207,14 @@ def test_a_track_that_leaves_the_drum_is_refused(height: float) -> None:
 def test_a_smaller_tolerance_takes_more_triangles() -> None:
     coarse, fine = (mesh_of(replace(A, roller=DrumRoller(5, 26)), t) for t in (0.1, 0.01))
     assert 2 * len(coarse.faces) < len(fine.faces) < 7000
+
+
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-7])
+def test_a_tolerance_that_no_file_holds_is_refused_with_one_that_does(tolerance: float) -> None:
+    """The limit is that of the files' reader, 2,000,000 triangles; what is advised takes most of them, and no more."""
+    with pytest.raises(DesignError, match="accuracy.chord_tolerance") as refused:
+        A.rings(tolerance)
+    least = refused.value.limit
+    assert least > tolerance
+    rings = A.rings(least)
+    assert 1.4e6 < 2 * rings.shape[0] * rings.shape[1] < 2e6
