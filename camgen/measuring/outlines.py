@@ -109,6 +109,7 @@ def read_outline(path: Path, hints: Hints = AS_IT_IS, contour: int | None = None
         if kind == ".gcode":
             outline = _from_gcode(path, hints, contour)
         elif kind == ".csv":
+            _refuse_rank(path, 1, contour)
             ring, off, remark = read_points(path, content, hints.probe)
             figures = Figures([Figure(WALL_OFF, off, "mm", "points")])
             outline = Outline(ring, (), remark, figures)
@@ -123,16 +124,20 @@ def read_outline(path: Path, hints: Hints = AS_IT_IS, contour: int | None = None
         raise FileError(path, f"takes {error}") from None
 
 
+def _refuse_rank(path: Path, count: int, contour: int | None) -> None:
+    """FileError where a file of so many closed contours has none of that rank by size."""
+    if contour is not None and contour > count:
+        found = counted(count, "closed contour")
+        raise FileError(path, f"holds {found}: there is no contour={contour}")
+
+
 def _picked(path: Path, rings: Sequence[Ring], contour: int | None) -> tuple[Ring, Finding]:
     """The contour of that rank by size, and CONTOUR: how many others could be meant where no rank is asked for.
 
     A bore or keyway within a cam is small and holds no contour itself; a frame or a sheet's border holds a cam with its bore.
     """
     rank = contour or 1
-    if rank > len(rings):
-        raise FileError(
-            path, f"holds {counted(len(rings), 'closed contour')}: there is no contour={rank}"
-        )
+    _refuse_rank(path, len(rings), rank)
     ordered = sorted(rings, key=lambda ring: -abs(ring.area))
     outline = ordered[rank - 1]
     which = "the largest" if rank == 1 else f"number {rank} by size"

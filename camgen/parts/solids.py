@@ -9,6 +9,8 @@ A prism keeps the rings' vertices as they are. Only a stack of layers passes thr
 
 from __future__ import annotations
 
+import math
+from collections import defaultdict
 from collections.abc import Sequence
 from typing import Any
 
@@ -283,19 +285,31 @@ def _canonical(vertices: Floats, faces: Faces) -> Mesh:
 def _upright(plan: Points, reference: Points) -> Points:
     """Plan points (x + iy) as float32 numbers, those that differ by rounding alone made equal.
 
-    Points of the rings stay as they are; a crossing of two rings, computed once for each height, takes the first value.
+    Points of the rings, the reference, which grow, stay as they are; a crossing of two rings, computed once for each height, takes the
+    first value.
     """
     new = np.flatnonzero(~among(plan, reference))
     same = 4 * FLOAT32_ROUNDING * max(1.0, float(np.max(np.abs(plan))))
     result = plan.copy()
-    new_points: list[complex] = []
-    for k in new:
-        near = [z for z in new_points if abs(z - plan[k]) <= same]
-        if not near:
-            closest = reference[np.argmin(np.abs(reference - plan[k]))]
-            near = [closest if abs(closest - plan[k]) <= same else complex(np.complex64(plan[k]))]
-            new_points += near
-        result[k] = near[0]
+    low = np.searchsorted(reference.real, plan[new].real - same)
+    high = np.searchsorted(reference.real, plan[new].real + same, side="right")
+    # new points by the square in which they lie, so that each is compared with its neighbours alone
+    squares: defaultdict[tuple[int, int], list[tuple[int, complex]]] = defaultdict(list)
+    for k, first, last in zip(new, low, high, strict=True):
+        z = complex(plan[k])
+        column = math.floor(z.real / same)
+        row = math.floor(z.imag / same)
+        beside = (squares.get((column + i, row + j), ()) for i in (-1, 0, 1) for j in (-1, 0, 1))
+        near = [each for square in beside for each in square if abs(each[1] - z) <= same]
+        if near:
+            result[k] = min(near)[1]
+            continue
+        closest = min(reference[first:last], key=lambda each: abs(each - z), default=math.inf)
+        value = complex(closest) if abs(closest - z) <= same else complex(np.complex64(z))
+        squares[math.floor(value.real / same), math.floor(value.imag / same)].append(
+            (int(k), value)
+        )
+        result[k] = value
     return result + 0
 
 

@@ -133,6 +133,13 @@ def test_a_small_rounding_is_no_corner() -> None:
     assert "sharp" not in said
 
 
+def test_points_are_one_contour(tmp_path: Path) -> None:
+    path = places(tmp_path / "p.csv")
+    assert read_outline(path, contour=1).ring is not None
+    with pytest.raises(FileError, match="holds 1 closed contour: there is no contour=7"):
+        read_outline(path, contour=7)
+
+
 def test_few_points_say_what_they_miss(tmp_path: Path) -> None:
     """An ellipse by 48 points: what is stated is no less than what the curve is really off."""
     turn = np.linspace(0, 2 * np.pi, 48, endpoint=False)

@@ -14,7 +14,7 @@ from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Contour, Region, Smooth, circle, kidney, polygon
 from camgen.parts.caps import triangles
 from camgen.parts.part import Layer, Part, keyed_bore
-from camgen.parts.solids import _check, rings, solid
+from camgen.parts.solids import _check, _upright, rings, solid
 
 TOLERANCE = 1e-3
 
@@ -249,3 +249,33 @@ def test_points_that_float32_makes_one_are_kept_once():
     corners = [0, 20 + 7j, 20 + 7.00000001j, 20 + 20j, 20j]
     (ring,) = rings(Region(polygon(corners)), 1e-3)
     assert sorted(ring.tolist(), key=lambda z: (z.real, z.imag)) == [0, 20j, 20 + 7j, 20 + 20j]
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=30)
+def test_points_that_differ_by_rounding_take_the_first_of_them(seed):
+    """Held against the definition, each point against each."""
+    chance = np.random.default_rng(seed)
+
+    def points(count, size):
+        return size * (chance.normal(size=count) + 1j * chance.normal(size=count))
+
+    known = points(20, 30.0)
+    known = np.unique(known.astype(np.complex64).astype(complex))
+    crossings = points(20, 30.0)
+    off = [z + points(20, 10.0 ** chance.uniform(-7, -4)) for z in (known, crossings, crossings)]
+    plan = chance.permutation(np.concatenate([known, crossings, *off]))
+    same = 4 * 2.0**-24 * max(1.0, np.abs(plan).max())
+    first = []
+    expected = []
+    for z in plan:
+        near = [each for each in first if abs(each - z) <= same]
+        if z in known:
+            expected.append(z)
+        elif near:
+            expected.append(near[0])
+        else:
+            closest = known[np.argmin(np.abs(known - z))]
+            first.append(closest if abs(closest - z) <= same else complex(np.complex64(z)))
+            expected.append(first[-1])
+    assert np.array_equal(_upright(plan, known), expected)
