@@ -175,7 +175,10 @@ class _Layout:
         self.facts = facts
         self.outer = fit_arcs(part.region.outer, tolerance)
         self.holes = [fit_arcs(hole, tolerance) for hole in part.region.holes]
-        self.named = holes_of(part.region.holes, part.points)
+        inside = facts.profile_step_deg and not part.points
+        self.tracks = [hole for hole in part.region.holes if inside and free(hole)]
+        lettered = [hole for hole in part.region.holes if hole not in self.tracks]
+        self.named = holes_of(lettered, part.points)
         self.rims = dict(zip(map(hole_of, part.region.holes), self.holes, strict=True))
         self.standing = standing_of(part, [name for name, _ in self.named])
         self.rims |= {
@@ -226,6 +229,9 @@ class _Layout:
         self.disc = self._disc()
         self.rim_letter = self._rim_letter()
         self.datum_letter = self.datum_letter or self.rim_letter
+        self.angle_hole = self._angle_hole()
+        angled = self.facts.profile and (self.key or self.angle_hole)
+        self.angle_letter = self._second if angled else ""
         self.letter = next(
             (c for c in "S Z W V U T R Q".split() if c not in {label for label, _ in self.named}),
             "S-S",
@@ -241,6 +247,7 @@ class _Layout:
         self._third()
         self._surface()
         self._run_out()
+        self._angle_datum()
         self._labels()
         self._table()
         self._bore_detail()
@@ -293,6 +300,15 @@ class _Layout:
         track = self.facts.profile and any(map(free, self.part.region.holes))
         centred = self.disc is not None and abs(self.low + self.high) < SAME_POINT
         return self._second if centred and not self.datum_letter and (track or self.placed) else ""
+
+    def _angle_hole(self) -> Hole | None:
+        """The dowel's hole that is the datum of a track's angle, of a part without a keyway."""
+        contours = (self.part.region.outer, *self.part.region.holes)
+        if self.key or not (self.facts.profile and self.datum_letter and any(map(free, contours))):
+            return None
+        dowel = self.facts.dowel
+        holes = (hole for _, hole in self.named if hole.radius and abs(hole.place) > SAME_POINT)
+        return next((hole for hole in holes if abs(2 * hole.radius - dowel) < SAME_POINT), None)
 
     def paper(self, z: complex) -> complex:
         """A point of the part on the paper."""
@@ -418,6 +434,23 @@ class _Layout:
             self.sheet.arrow(end + 5 * view, view)
             aside = 1.2j if view.imag else complex(-2.8, -1.75)
             self.sheet.text(end + aside, self.letter, 3.5, "centre")
+
+    def _angle_datum(self) -> None:
+        """The datum of a track's angle: at the edge of its hole, where paper is free."""
+        hole = self.angle_hole
+        if hole is None:
+            return
+        import shapely
+
+        ways = np.exp(0.25j * math.pi * np.arange(8))
+        tips = self.paper(hole.place) + self.scale * hole.radius * ways
+        ends = tips + 7.5 * ways  # middles of the letter's box
+        boxes = shapely.box(ends.real - 3, ends.imag - 3, ends.real + 3, ends.imag + 3)
+        obstacles = Obstacles()
+        obstacles.add(self.sheet.primitives)
+        met = obstacles.crossed(boxes) + 100 * ~obstacles.free(boxes) + ~obstacles.off_axes(boxes)
+        k = int(np.argmin(met))
+        datum(self.sheet, complex(tips[k]), complex(ways[k]), self.angle_letter)
 
     def _labels(self) -> None:
         """Names of holes and of what stands on the part, where paper is free, some with leaders."""
@@ -657,6 +690,7 @@ class _Layout:
             (label, number(at.real, digits), number(at.imag, digits), self._shape(h))
             for label, h, at in places
         ]
+        rows += [("", "", "", hole_of(track).shape) for track in self.tracks]
         names = {k: name for k, (name, _) in self.standing.items()}
         holes = [hole for _, hole in self.named]
         return rows + layer_rows(
@@ -751,8 +785,7 @@ class _Layout:
         facts = self.facts
         if self.over == _ABOVE:
             return
-        datums = [self.datum_letter] if self.datum_letter else []
-        datums += [self._second] if self.key else []
+        datums = [letter for letter in (self.datum_letter, self.angle_letter) if letter]
         sheet = self.sheet
         middle = (self.low.real + self.high.real) / 2
         start = self.paper(complex(middle, self.high.imag)) + 4 + 1j * (self.over - _OVER)
@@ -800,7 +833,7 @@ class _Layout:
 
     @property
     def _second(self) -> str:
-        """Letter of the datum that a keyway or a rim is: one that names no hole."""
+        """Letter of the datum that a keyway, a dowel's hole or a rim is: one that names no hole."""
         names = {label[:1] for label, _ in self.named}
         taken = {*names, self.datum_letter, "I", "O"}
         return next(letter for letter in ascii_uppercase if letter not in taken)
@@ -857,7 +890,7 @@ class _Layout:
         size(complex(0, -radius), complex(0, top), scale * radius + 10 + 0j, "", depth)
         over = at + 1j * scale * top + key
         if facts.profile:
-            datum(self.sheet, over, 1j, self._second)
+            datum(self.sheet, over, 1j, self.angle_letter)
         if facts.symmetry:
             self._symmetry(over)
 
@@ -955,6 +988,10 @@ class _Layout:
             self.sheet.text(complex(_FILING + 3, _MARGIN + 3 + 4.5 * i), line, 2.5, room=_NOTES)
         if self.placed:
             corner = complex(_FILING + 3.5, _MARGIN + 4 + 4.5 * len(self.notes))
-            origin = self.zero_is.partition("hole ")[2] or self.rim_letter
-            end = position(self.sheet, corner, self.facts.position, origin)
+            origin = self.zero_is.partition("hole ")[2] or self.datum_letter
+            keyed_too = origin == self.datum_letter and self.key
+            datums = [
+                letter for letter in (origin, self.angle_letter if keyed_too else "") if letter
+            ]
+            end = position(self.sheet, corner, self.facts.position, datums)
             self.sheet.text(end + 2 + 1.8j, "round holes; X and Y are exact", room=58)

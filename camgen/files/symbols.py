@@ -38,13 +38,13 @@ def width_of(cells: Sequence[str]) -> float:
     return _LEAST + sum(max(_LEAST, Text(0j, text, _HEIGHT).room + 3) for text in cells)
 
 
-def position(sheet: Sheet, corner: complex, diameter: float, datum: str) -> complex:
-    """Tolerance of position; datum: "" is none. [ISO 1101]"""
+def position(sheet: Sheet, corner: complex, diameter: float, datums: Sequence[str]) -> complex:
+    """Tolerance of position: the diameter of its zone, mm. [ISO 1101]"""
     middle = corner + _LEAST / 2 + 3j
     sheet.arc(middle, 1.4, 0.0, math.tau, "TEXT")
     for way in (1, 1j):
         sheet.line(middle - 2.2 * way, middle + 2.2 * way, layer="TEXT")
-    return frame(sheet, corner, [f"Ø{number(diameter)}", *([datum] if datum else [])])
+    return frame(sheet, corner, [f"Ø{number(diameter)}", *datums])
 
 
 def line_profile(sheet: Sheet, corner: complex, width: float, datums: Sequence[str]) -> complex:

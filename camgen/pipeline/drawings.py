@@ -81,6 +81,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         profile_step_deg=sheet.profile_step_deg if part.name in _cams(mechanism) else None,
         # dowels carry a track: they lie no farther off than the track may
         position=min(sheet.position, profile) if dowelled else sheet.position,
+        dowel=mechanism.assembly.dowel,
         bore_fit=bore_fit,
         key_fit=sheet.key_fit or ("JS9" if metal else ""),
         track=tuple(_track(mechanism, part, sheet.profile_step_deg)),

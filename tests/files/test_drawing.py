@@ -558,7 +558,7 @@ def test_the_rim_of_a_plate_without_a_bore_is_its_datum(tmp_path):
     pins = tuple(circle(cmath.rect(50, math.radians(45 + 90 * k)), 1.5) for k in range(4))
     layer = Layer(Region(circle(0, 60), (track, *pins)), 0, 6)
     part = Part("outer", "Groove cam, outer wall", (layer,))
-    layout = _Layout(part, "d", TOLERANCE, replace(SHOP, position=0.1))
+    layout = _Layout(part, "d", TOLERANCE, replace(SHOP, position=0.1, revision=""))
     assert layout.rim_letter and layout.rim_letter == layout.datum_letter
     assert layout.rim_letter not in {label[:1] for label, _ in layout.named}
     words = [each for each in layout.sheet.primitives if isinstance(each, Text)]
@@ -570,6 +570,48 @@ def test_the_rim_of_a_plate_without_a_bore_is_its_datum(tmp_path):
         layer, region=Region(polygon([-60 - 60j, 60 - 60j, 60 + 60j, -60 + 60j]), (track, *pins))
     )
     assert not _Layout(replace(part, layers=(square,)), "s", TOLERANCE, SHOP).rim_letter
+
+
+def _frames(layout, first):
+    """What stands to the right of a text, in one line with it and close by: the cells of its frame, from the left."""
+    words = [each for each in layout.sheet.primitives if isinstance(each, Text)]
+    (start,) = (each.at for each in words if each.text == first)
+    line = [each for each in words if abs(each.at.imag - start.imag) < 1e-6]
+    right = sorted((each.at.real, each.text) for each in line if each.at.real > start.real)
+    return [text for x, text in right if x < start.real + 25 and len(text) == 1]
+
+
+@pytest.mark.parametrize("bore", ["plain", "keyway"])
+def test_a_dowel_or_a_keyway_holds_the_angle_of_a_groove_s_track(root, bore):
+    """An axis alone leaves a track free to turn [ISO 5459]; its dowels refer to the same axis; a track is no hole."""
+    settings = ("material.name=C45", "parts.hub_height=0", "geometry.closure=groove")
+    machine = read_mechanism(
+        root / "specs" / "disc-cam.toml", [*settings, f"parts.bore_shape={bore}"]
+    ).resolved()
+    for part in machine.assembly.parts:
+        layout = _Layout(part, "d", TOLERANCE, facts_of(machine, part))
+        names = dict(layout.named)
+        assert all(hole.radius for hole in names.values())
+        position = _frames(layout, "Ø0.05")
+        if part.name == "back":
+            assert position == (["A", "C"] if bore == "keyway" else ["A"])
+            assert layout.angle_hole is None
+            continue
+        axis, angle = _frames(layout, "0.05")
+        assert position[0] == axis != angle
+        assert not {angle} & {name[:1] for name in names}
+        words = [each for each in layout.sheet.primitives if isinstance(each, Text)]
+        letters = [each.at for each in words if each.text == angle]
+        if bore == "keyway" and part.name == "inner":
+            assert layout.angle_hole is None and position == [axis, angle]
+            continue
+        first = next(hole for name, hole in layout.named if name.endswith("1"))
+        edge = layout.scale * first.radius
+        assert min(abs(at - layout.paper(first.place)) for at in letters) < edge + 10
+        own = ("A", "B1", "B2") if part.name == "inner" else ("A1", "A2", "A3", "A4")
+        assert tuple(names) == own
+        tracks = [row for row in layout.rows if row[3].lower().startswith("profile by dxf")]
+        assert [row[:3] for row in tracks] == [("", "", "")]
 
 
 def test_frames_and_the_circle_of_a_whole_outline_are_drawn():
