@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import stat
 from dataclasses import dataclass
+from difflib import get_close_matches
+from glob import escape
 from pathlib import Path
 
 from camgen.errors import FileError
@@ -55,10 +57,30 @@ def bounded(path: Path, bound: Bound) -> int:
                     f"has {count:,} {bound.things}; at most {bound.most:,} are read of {bound.what}{after}",
                 )
         return status.st_size
+    except FileNotFoundError as error:
+        meant = _meant(Path(path))
+        said = f"there is no such file; did you mean {meant}?" if meant else error.strerror
+        raise FileError(path, f"cannot be read: {said}") from None
     except (OSError, ValueError) as error:  # ValueError: a zero byte in the path
         raise FileError(
             path, f"cannot be read: {getattr(error, 'strerror', None) or error}"
         ) from None
+
+
+def _meant(path: Path) -> str:
+    """The file of that name in a folder beside it, else the one beside it whose name is nearest; "" where there is none.
+
+    Only files of the same kind, by their ending; specs where it has none.
+    """
+    name = path if path.suffix else path.with_suffix(".toml")
+    try:
+        below = sorted(path.parent.glob(f"*/{escape(name.name)}"))
+        beside = {each.stem: each for each in sorted(path.parent.glob(f"*{escape(name.suffix)}"))}
+    except (OSError, ValueError):
+        return ""
+    near = [beside[stem] for stem in get_close_matches(path.stem, beside, 1)]
+    same = [each for each in near if each.stem == path.stem]
+    return str([*same, *below, *near][0]) if near or below else ""
 
 
 def read_bytes(path: Path, bound: Bound) -> bytes:

@@ -103,6 +103,8 @@ def _run(arguments: Sequence[str] | None) -> int:
         # Not cli.main, which turns a closed pipe into exit code 1: here that means a finding that fails.
         words = list(sys.argv[1:] if arguments is None else arguments)
         _refuse_one_hyphen(words)
+        if words and words[0].endswith(".toml"):
+            raise click.UsageError(f"a command comes first: camgen build {words[0]}")
         with cli.make_context("camgen", words) as context:
             cli.invoke(context)
     except click.exceptions.Exit as done:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any, Literal
 
 from camgen.bounds import Bound, read_bytes
-from camgen.errors import Fault, FileError, Key, SpecError
+from camgen.errors import Fault, Key, SpecError
 from camgen.schemas import shortened
 
 Data = dict[str, Any]
@@ -47,13 +45,7 @@ def read(path: Path) -> Data:
     FileError where it cannot be read; SpecError with line and column where it is empty, not UTF-8 or not TOML, or nested
     deeper than any spec, and where it holds more than any.
     """
-    try:
-        raw = read_bytes(path, SPEC_FILE)
-    except FileError:
-        if not os.path.exists(path) and (meant := _meant(Path(path))):
-            said = f"cannot be read: there is no such file; did you mean {meant}?"
-            raise FileError(path, said) from None
-        raise
+    raw = read_bytes(path, SPEC_FILE)
     if _WIDE.match(raw):
         right = "UTF-8: save it with that encoding"
         raise SpecError([Fault((), "the file is UTF-16", right, source=_place(""))], str(path))
@@ -88,16 +80,6 @@ def read(path: Path) -> Data:
             [Fault((), "the file is empty", expected, source="line 1, column 1")], str(path)
         )
     return tables(data, str(path))
-
-
-def _meant(path: Path) -> str:
-    """The spec beside it whose name is nearest; "" where none is near."""
-    try:
-        beside = {each.stem: each.name for each in sorted(path.parent.glob("*.toml"))}
-    except (OSError, ValueError):
-        return ""
-    near = get_close_matches(path.stem, beside, 1)
-    return str(path.with_name(beside[near[0]])) if near else ""
 
 
 def counted(text: str) -> tuple[int, int]:

@@ -302,6 +302,11 @@ def test_a_spec_that_is_not_there_is_looked_for_beside(tmp_path: Path) -> None:
             read(tmp_path / name)
     with pytest.raises(FileError, match="cannot be read: No such file"):
         read(tmp_path / "walker.toml")
+    (tmp_path / "gallery").mkdir()
+    (tmp_path / "gallery" / "walker.toml").write_text("a = 1")
+    (tmp_path / "walking.toml").write_text("a = 1")
+    with pytest.raises(FileError, match=r"did you mean .*gallery.walker\.toml\?"):
+        read(tmp_path / "walker.toml")
     with pytest.raises(FileError, match="cannot be read"):
         read(tmp_path / f"{'walker' * 50}.toml")
 

@@ -94,7 +94,11 @@ def guide_(topic: str | None, html: str | None, reports: bool) -> None:
             nl=False,
         )
     else:
-        show(guide.in_terminal(known("TOPIC", topic, guide.TOPICS, "camgen guide")))
+        show(
+            guide.in_terminal(
+                known("TOPIC", topic, guide.TOPICS, "camgen guide", guide.holding(topic))
+            )
+        )
 
 
 @click.command()

@@ -28,15 +28,19 @@ if TYPE_CHECKING:
     Work = Callable[..., Report]
 
 
-def known(what: str, name: str, names: Collection[str], lister: str) -> str:
-    """The name; SpecError with the nearest one where there is none like it; lister: the command that lists them."""
+def known(
+    what: str, name: str, names: Collection[str], lister: str, holders: Sequence[str] = ()
+) -> str:
+    """The name; SpecError with the nearest one where there is none like it; lister: the command that lists them; holders: those
+    in which the name is found."""
     from camgen.spec import unknown
 
     if name not in names:
-        raise SpecError(
-            [replace(unknown((what,), name, names), expected=f"one that '{lister}' lists")],
-            "command line",
+        found = (
+            f"; {', '.join(holders)} say{'s' * (len(holders) == 1)} more of it" if holders else ""
         )
+        right = f"one that '{lister}' lists{found}"
+        raise SpecError([replace(unknown((what,), name, names), expected=right)], "command line")
     return name
 
 

@@ -48,6 +48,13 @@ def page(topic: str) -> str:
     return (_PAGES / f"{topic}.md").read_text(encoding="utf-8")
 
 
+def holding(word: str) -> list[str]:
+    """Topics of the three pages that hold a word most often, not within another one; capitals and small letters are the same."""
+    form = re.compile(rf"\b{re.escape(word)}\b", re.IGNORECASE)
+    counts = {topic: len(form.findall(page(topic))) for topic in TOPICS}
+    return sorted(filter(counts.get, TOPICS), key=lambda topic: -counts[topic])[:3]
+
+
 def in_terminal(topic: str) -> str:
     """The same where no picture can be seen: each says in words what it shows, and where its file is."""
     return re.sub(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
 
@@ -111,7 +112,11 @@ def build(
 def check(folder: Path, progress: Progress = silent, jobs: int | None = 1) -> Report:
     """Judge the files of an earlier build again, from the files and the spec.toml beside them, and hold all others against those
     that are made anew; writes nothing."""
-    if folder.exists() and not (folder / SPEC).is_file():
+    if not folder.exists():
+        raise FileError(
+            folder, f"there is no such folder: camgen build SPEC makes one{_meant(folder)}"
+        )
+    if not (folder / SPEC).is_file():
         raise FileError(
             folder,
             f"is not the folder of a build, as out/<name> is: it has no {SPEC}{_meant(folder)}",
@@ -156,8 +161,11 @@ def _meant(path: Path) -> str:
         return f"; camgen build {path} makes one"
     if path.is_file():
         found = [each for each in list(path.parents)[:2] if (each / MANIFEST).is_file()]
-    else:
+    elif path.exists():
         found = sorted(each.parent for each in path.glob(f"*/{MANIFEST}"))
+    else:
+        builds = {each.parent.name: each.parent for each in path.parent.glob(f"*/{MANIFEST}")}
+        found = [builds[name] for name in get_close_matches(path.name, sorted(builds), 1)]
     return f"; did you mean {found[0]}?" if found else ""
 
 

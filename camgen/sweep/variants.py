@@ -94,7 +94,9 @@ def axis(text: str, words: Wording = OPTIONS) -> Axis:
     if not match:
         options = _split(values)
         if ends := _ENDS.fullmatch(values):
-            raise refused(f"{ends[1]}:{ends[2]}:N, N values from {ends[1]} to {ends[2]}")
+            raise refused(
+                f"{ends[1]}:{ends[2]}:N, N values from {ends[1]} to {ends[2]}, such as {ends[1]}:{ends[2]}:5"
+            )
         if _LIKE_RANGE.fullmatch(values):
             raise refused(f"A and B finite numbers, N a whole one; {words.form}")
         if not all(options):

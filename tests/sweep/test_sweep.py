@@ -116,6 +116,9 @@ def test_ends_of_a_range_are_what_was_typed() -> None:
         (["a=:"], {}, "finite numbers"),
         (["a=1::3"], {}, "finite numbers"),
         (["a=1:2:3.5"], {}, "whole"),
+        (["a=12..32"], {}, "such as 12:32:5"),
+        (["a=12-32"], {}, "such as 12:32:5"),
+        (["a=0.5 to 2"], {}, "such as 0.5:2:5"),
     ],
 )
 def test_what_is_no_sweep_is_told(vary: list[str], further: dict[str, object], said: str) -> None:
