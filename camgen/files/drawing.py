@@ -31,6 +31,7 @@ from camgen.files.dimensions import (
     layer_rows,
     nearest_and_farthest,
     number,
+    round_of,
     standing_of,
     zero_of,
 )
@@ -206,7 +207,8 @@ class _Layout:
         )
         self.key = next(filter(None, map(keyed, part.region.holes)), None)
         self.bored = self._bored()
-        self.turns = free(part.region.outer) and part.bore is not None
+        drum = part.drum is not None and bool(facts.heights)
+        self.turns = (free(part.region.outer) or drum) and part.bore is not None
         self.chamfer = facts.bore_chamfer if self.turns else 0.0
         upright = _across_keyway(part, tolerance) if self.key else None
         section = None if upright else views.section(part, tolerance)
@@ -224,13 +226,14 @@ class _Layout:
             (label for label, hole in self.named if hole.radius and abs(hole.place) < SAME_POINT),
             "",
         )
+        self.walled = bool(facts.heights and facts.profile) and not self.placed
         self.notes = self._notes(tolerance)
         self.low, self.high = extent([self.outer, *self.above, *self.hidden])
         self.disc = self._disc()
         self.rim_letter = self._rim_letter()
         self.datum_letter = self.datum_letter or self.rim_letter
         self.angle_hole = self._angle_hole()
-        angled = self.facts.profile and (self.key or self.angle_hole)
+        angled = self.facts.profile and (self.key or self.angle_hole or self._flat)
         self.angle_letter = self._second if angled else ""
         self.letter = next(
             (c for c in "S Z W V U T R Q".split() if c not in {label for label, _ in self.named}),
@@ -252,6 +255,7 @@ class _Layout:
         self._table()
         self._bore_detail()
         self._note_lines()
+        self._wall_frame()
         facts = replace(facts, number=facts.number or f"{stem}-drawing")
         corner = complex(width - _MARGIN, _MARGIN)
         title_block(self.sheet, corner, part, facts, self.scale, self.size_name)
@@ -277,8 +281,9 @@ class _Layout:
     def _bored(self) -> Contour | None:
         """The bore that gets a detail: one with a keyway, or a round one to which a cam's track refers."""
         holes = self.part.region.holes
-        datum = self.facts.profile and self.part.bore and free(self.part.region.outer)
-        circles = [(hole, as_circle(hole)) for hole in holes] if datum else []
+        tracked = free(self.part.region.outer) or self.facts.heights
+        datum = self.facts.profile and self.part.bore and tracked
+        circles = [(hole, round_of(hole)) for hole in holes] if datum else []
         round_ones = [hole for hole, disc in circles if disc and abs(disc[0]) < SAME_POINT]
         return next(iter([hole for hole in holes if keyed(hole)] + round_ones), None)
 
@@ -301,6 +306,13 @@ class _Layout:
         centred = self.disc is not None and abs(self.low + self.high) < SAME_POINT
         return self._second if centred and not self.datum_letter and (track or self.placed) else ""
 
+    @property
+    def _flat(self) -> bool:
+        """Whether the bore with a detail has a flat above, which holds its angle."""
+        if self.bored is None or self.key:
+            return False
+        return extent([self.bored])[1].imag < hole_of(self.bored).radius - SAME_POINT
+
     def _angle_hole(self) -> Hole | None:
         """The dowel's hole that is the datum of a track's angle, of a part without a keyway."""
         contours = (self.part.region.outer, *self.part.region.holes)
@@ -322,7 +334,10 @@ class _Layout:
     def _room(self, size: str) -> tuple[float, float]:
         """Width and height that both views and their dimensions may take, mm."""
         width, height = _SIZES[size]
-        foot = max(self.facts.height, 3.0 + 4.5 * len(self.notes) + (9.0 if self.placed else 0.0))
+        foot = max(
+            self.facts.height,
+            3.0 + 4.5 * len(self.notes) + (9.0 if self.placed or self.walled else 0.0),
+        )
         return width - _FILING - _MARGIN - sum(_TABLE_WIDTHS), height - 2 * _MARGIN - foot
 
     def _choose(self) -> tuple[str, float]:
@@ -346,7 +361,7 @@ class _Layout:
         long = (1 + len(self.rows) + self._polar_rows()) * _ROW > _SIZES["A4"][
             1
         ] - 2 * _MARGIN - self.facts.height - (_DETAIL_HEIGHT if self.bored else 0.0)
-        tables = self.polar or self.bored
+        tables = self.polar or self.facts.heights or self.bored
         return ("A3", a3) if (a4 < 1 and a3 > a4) or (long and tables) else ("A4", a4)
 
     def _datum(self) -> complex:
@@ -712,7 +727,7 @@ class _Layout:
         top = self.sheet.height - _MARGIN
         detail = _DETAIL_HEIGHT if self.bored else 0.0
         room = int((top - _MARGIN - self.facts.height - detail) / _ROW) - 1
-        polar = self.polar if self._polar_rows() < room else []
+        polar = (self.polar or self.facts.heights) if self._polar_rows() < room else []
         rows = self.rows
         room = room - (self._polar_rows() if polar else 0)
         if len(rows) > room:
@@ -738,7 +753,9 @@ class _Layout:
         title = f"{exact} about the origin, by the angle from X, ccw"
         heads: tuple[str, ...] = ("Angle", "Radius")
         columns: tuple[float, ...] = (15.0, 19.0)
-        radii: list[tuple[str, ...]] = [(f"{angle:g}°", f"{radius:.3f}") for angle, radius in polar]
+        radii: list[tuple[str, ...]] = [
+            (f"{angle:g}°", f"{radius:.3f}") for angle, radius in self.polar
+        ]
         if self.facts.track:
             exact = "Theoretically exact track" if self.facts.profile else "Track by cam angle"
             title = f"{exact}: where the follower touches, from X, ccw"
@@ -748,6 +765,14 @@ class _Layout:
                 (f"{angle:g}°", f"{math.degrees(cmath.phase(z)) % 360:.2f}°", f"{abs(z):.3f}")
                 for angle, z in self.facts.track
             ]
+        drum = self.part.drum
+        if self.facts.heights:
+            exact = "Exact axis" if self.facts.profile else "Axis"
+            of = "both rollers' middle" if drum and drum.track == "rib" else "the roller"
+            title = f"{exact} of {of}: angle from X, ccw, and height"
+            heads = ("Drum", "At", "Z")
+            columns = (14.0, 18.5, 18.5)
+            radii = [(f"{a:g}°", f"{at:.2f}°", f"{z:.3f}") for a, at, z in self.facts.heights]
         self.sheet.text(complex(self.table_x + 1.5, top + 1.3), title, room=sum(_TABLE_WIDTHS) - 3)
         count = self._polar_rows() - 2
         beside = round(sum(_TABLE_WIDTHS) / sum(columns))
@@ -757,8 +782,10 @@ class _Layout:
 
     def _polar_rows(self) -> int:
         """Rows that a cam's table takes, with its title and head."""
-        beside = _TRIPLES if self.facts.track else _COLUMNS
-        return -(-max(len(self.polar), len(self.facts.track)) // beside) + 2 if self.polar else 0
+        facts = self.facts
+        beside = _TRIPLES if facts.track or facts.heights else _COLUMNS
+        count = max(len(self.polar), len(facts.track)) if self.polar else len(facts.heights)
+        return -(-count // beside) + 2 if count else 0
 
     def _grid(
         self,
@@ -873,6 +900,11 @@ class _Layout:
             self._bore_surface(at + cmath.rect(scale * radius, math.radians(197)))
         if facts.profile:
             datum(self.sheet, at + bore, -1j, self.datum_letter)
+        if self._flat:
+            right = scale * radius + 10 + 0j
+            size(complex(0, -radius), complex(0, top), right, "", "")
+            if facts.profile:
+                datum(self.sheet, at + 1j * scale * top, 1j, self.angle_letter)
         if self.key is None:
             return
         half = self.key[1] / 2
@@ -960,7 +992,9 @@ class _Layout:
             low, high = number(part.drawn.z0), number(part.drawn.z1)
             lines.append(f"Drawn thick: the layer z {low} to {high}; all outlines: {self.stem}.stl")
         else:
-            lines.append(f"The blank is drawn; its track: {self.stem}-developed.dxf")
+            path = f", the cutter's path: {self.stem}-path.csv" if self.facts.cutter else ""
+            lines.append(f"The blank is drawn; its track: {self.stem}-developed.dxf{path}")
+            lines += self._track_notes()
         if self.turns:
             lines.append("+ : positive sense of turning (ccw)")
         facts = self.facts
@@ -970,7 +1004,7 @@ class _Layout:
             other = [
                 name
                 for name, own in (
-                    ("track", facts.roughness and self.polar),
+                    ("track", facts.roughness and (self.polar or facts.heights)),
                     ("bore", facts.bore_roughness and self.bored),
                 )
                 if own
@@ -981,6 +1015,33 @@ class _Layout:
         lines += [facts.heat_treatment] if facts.heat_treatment else []
         lines += part.notes
         return [line for note in lines for line in _wrapped(note[:1].upper() + note[1:])]
+
+    def _track_notes(self) -> list[str]:
+        """Sizes of a drum's track. Each wall of a groove may be off by half its zone, so the width by the whole of it."""
+        drum = self.part.drum
+        if drum is None:
+            return []
+        deep = number(drum.outside - drum.floor)
+        floor = f"on Ø{number(2 * drum.floor)}"
+        if drum.track != "groove":
+            return [f"Wall of the track {deep} high {floor}"]
+        off = f" ±{number(self.facts.profile)}" if self.facts.profile else ""
+        where = f" on Ø{number(2 * drum.roller.middle)}" if drum.roller.slope else ""
+        return [
+            f"Groove {number(2 * drum.roller.radius)}{off} wide{where}, {deep} deep, floor {floor}"
+        ]
+
+    def _wall_frame(self) -> None:
+        """Tolerance and roughness of a drum's walls, over the notes, as no view shows them."""
+        facts = self.facts
+        if not self.walled:
+            return
+        corner = complex(_FILING + 3.5, _MARGIN + 4 + 4.5 * len(self.notes))
+        datums = [letter for letter in (self.datum_letter, self.angle_letter) if letter]
+        end = line_profile(self.sheet, corner, facts.profile, datums)
+        said = "walls of the track"
+        said += f", Ra {facts.roughness:g}" if facts.roughness else ""
+        self.sheet.text(end + 2 + 1.8j, said, room=58)
 
     def _note_lines(self) -> None:
         """Notes at the lower left, beside the title block, upwards."""

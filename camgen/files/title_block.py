@@ -44,6 +44,9 @@ class Facts:
     key_fit: str = ""  # of a keyway's width
     # by cam angle, deg, where its follower touches the track: complex mm, in the sense in which it turns
     track: Sequence[tuple[float, complex]] = ()
+    # by the angle by which a drum has turned, deg, where its roller's axis is: angle from X, deg, and height, mm
+    heights: Sequence[tuple[float, float, float]] = ()
+    cutter: bool = False  # whether a file has the path of a cutter along a drum's track
     profile: float = 0.0  # width of the zone of a cam's track, mm
     roughness: float = 0.0  # Ra of the track, micrometres
     bore_roughness: float = 0.0

@@ -85,6 +85,9 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         bore_fit=bore_fit,
         key_fit=sheet.key_fit or ("JS9" if metal else ""),
         track=tuple(_track(mechanism, part, sheet.profile_step_deg)),
+        heights=tuple(_heights(mechanism, part, sheet.profile_step_deg)),
+        cutter=part.name in mechanism.assembly.whole_drums
+        and mechanism.files.cutter_radius is not None,
         profile=profile,
         roughness=sheet.roughness or usual.roughness,
         bore_roughness=sheet.bore_roughness or usual.bore_roughness,
@@ -183,6 +186,19 @@ def _track(mechanism: Mechanism, part: Part, step: float) -> Iterator[tuple[floa
     rim = facet_contour(part.region.outer, _FINE)
     if max(abs(_off(z, rim)) for z in own) < 10 * _FINE:
         yield from zip(turned.tolist(), own.tolist(), strict=True)
+
+
+def _heights(mechanism: Mechanism, part: Part, step: float) -> Iterator[tuple[float, float, float]]:
+    """Where the axis of a drum's roller is, on the cylinder half way along the roller, by the angle by which the drum has turned: deg,
+    deg from X counter-clockwise, mm over its lower end; of a rib the middle between both rollers; nothing of another part."""
+    drum = part.drum
+    if drum is None or part.name not in mechanism.assembly.whole_drums:
+        return
+    turned = np.arange(0.0, 360.0, step)
+    phi = -np.radians(turned) * mechanism.assembly.cycle.sense
+    aside = np.arctan2(drum.path.beside(phi, 0), drum.roller.middle)
+    at = np.mod(np.round(np.degrees(phi + aside), 6), 360.0)
+    yield from zip(turned.tolist(), at.tolist(), drum.path.height(phi, 0).tolist(), strict=True)
 
 
 def _off(z: complex, rim: Points) -> float:

@@ -614,6 +614,47 @@ def test_a_dowel_or_a_keyway_holds_the_angle_of_a_groove_s_track(root, bore):
         assert [row[:3] for row in tracks] == [("", "", "")]
 
 
+@pytest.mark.parametrize("speed", [30, -30])
+def test_a_metal_drum_s_drawing_has_its_track_and_the_datum_of_its_angle(root, tmp_path, speed):
+    """A cycloidal rise of 15 over 120 deg is half done at 60 deg. The roller of 10 x 6 has 0.2 of play, and 0.5 at either end. The
+    drum's point at the follower goes back as it turns. Each wall may be off by half of 0.04, so the width by 0.04."""
+    settings = [
+        "material.name=16MnCr5",
+        "drawing.profile=0.04",
+        "print.slide_clearance=0.2",
+        "files.cutter_radius=4",
+        f"motor.speed_rpm={speed}",
+    ]
+    machine = read_mechanism(root / "specs" / "cylinder-cam.toml", settings).resolved()
+    (part,) = machine.assembly.parts
+    facts = facts_of(machine, part)
+    rows = {turned: (at, high) for turned, at, high in facts.heights}
+    assert len(rows) == 36 and rows[0.0][0] == pytest.approx(0.0)
+    assert rows[60.0][0] == pytest.approx(300.0 if speed > 0 else 60.0)
+    assert rows[60.0][1] - rows[0.0][1] == pytest.approx(7.5)
+    assert rows[150.0][1] - rows[0.0][1] == pytest.approx(15.0)
+    layout = _Layout(part, "d", TOLERANCE, facts)
+    assert _frames(layout, "0.04") == ["A", "B"]
+    texts = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, facts)[0])
+    assert {"walls of the track, Ra 0.8", "B", "Ra 1.6"} <= set(texts)
+    told = " ".join(layout.notes)
+    assert "Groove 10.2 ±0.04 wide, 7 deep, floor on Ø" in told
+    assert "its track: d-developed.dxf, the cutter's path: d-path.csv" in told
+    k = texts.index("60%%d")
+    at, high = rows[60.0]
+    assert texts[k + 1 : k + 3] == [f"{at:.2f}%%d", f"{high:.3f}"]
+
+
+def test_a_printed_drum_has_no_tolerance_of_its_walls(root):
+    machine = read_mechanism(root / "specs" / "cylinder-cam.toml").resolved()
+    (part,) = machine.assembly.parts
+    layout = _Layout(part, "d", TOLERANCE, facts_of(machine, part))
+    told = " ".join(layout.notes)
+    assert "Groove 10.2 wide" in told and "path.csv" not in told
+    words = [each.text for each in layout.sheet.primitives if isinstance(each, Text)]
+    assert not [text for text in words if text.startswith(("walls of", "Ra "))]
+
+
 def test_frames_and_the_circle_of_a_whole_outline_are_drawn():
     """The circle at the bend of the track's leader; the run-out's arrow on the face at z = 0, its frame on free paper."""
     layout = _Layout(keyed_cam_with_hub(), "d", TOLERANCE, SHOP)
