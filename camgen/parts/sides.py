@@ -11,7 +11,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 from camgen.geometry.outlines import Arc, Contour, Region, end_point, start_point
 from camgen.machine.features import Eye, Faces, Feature, Flat, Mount, OwnTip, StandIn, mapped
@@ -228,8 +228,14 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror) -> Table:
         "far side turned over",
     )
     rows = [(tuple(row), step) for row, step in zip(first.rows, first.steps, strict=True)]
+    of_near = 0  # how many steps of the near side have gone by
     for row, step in zip(second.rows, second.steps, strict=True):
-        rows.append((tuple(row), replace(step, way=1 if step.way < 0 else -1, apart=PREFIX)))
+        said = step.title.replace(f"{PREFIX}-", "")
+        alike = [k for k, each in enumerate(first.steps) if k >= of_near and each.title == said]
+        of_near = 1 + alike[0] if alike else of_near
+        title = f"Far side{f', as step {of_near}' if alike else ''}: {step.title}"
+        way: Literal[-1, 1] = 1 if step.way < 0 else -1
+        rows.append((tuple(row), replace(step, title=title, way=way, apart=PREFIX)))
     joining = (last, Step(f"{last[2]}; {last[3]}", apart=PREFIX))
     rows += [with_things(joining, coupled(near)), *further_rows(near)]
     return numbered(replace(first, title="Assembly, side by side"), rows)

@@ -48,7 +48,31 @@ class Fixing:
 
 
 _HOLE = "{hole}"  # in words, for a hole's letter
+_WHAT = "{what}"  # in what is done, for what it is done with
 _WORDS = {"glue": "pressed and glued", "press": "pressed", "free": ""}
+_DOINGS = {"glue": f"press and glue {_WHAT}", "press": f"press {_WHAT}", "free": f"put {_WHAT}"}
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where something goes, "on pin-1", and what is done, "put {what} on pin-1"; both "" where nothing says."""
+
+    where: str = ""
+    done: str = ""
+
+    def lettered(self, letters: Iterable[str]) -> _Place:
+        """With the letters of the holes of one part."""
+        *most, last = dict.fromkeys(letters)
+        said = " and ".join(filter(None, (", ".join(most), last)))
+        return _Place(self.where.replace(_HOLE, said), self.done.replace(_HOLE, said))
+
+
+def _in_place(where: str) -> _Place:
+    """A place of which what is done is said by where it is."""
+    return _Place(where, f"put {_WHAT} in place, {where}")
+
+
+_ON_BENCH = _Place("on the bench", f"lay {_WHAT} on the bench")
 
 
 # level, first part of the sub-assembly, its name, part, whether turned over, underside
@@ -98,34 +122,43 @@ def order(
         group = cluster[0].part.name if alone else ""
         if all(copy.name in stops for copy in laying.copies):
             shafts = dict.fromkeys(stops[copy.name].shaft.part.name for copy in laying.copies)
-            where = f"loose on {', '.join(shafts)}"
+            on = f"on {', '.join(shafts)}"
+            places = [_Place(f"loose {on}", f"put {_WHAT} loosely {on}")]
             loose.append(laying)
         else:
-            where = _places(laying.copies, bench if alone else there, fixing)
+            places = _places(laying.copies, bench if alone else there, fixing)
             if not alone:
-                where = _on_motor(laying.copies, fixing, where)
-            if not where and alone:
-                where = "on the bench"
-            elif not where and (there or not laying.copies[0].holes):
-                where = _fixed_by(later, laying.copies, fixing)  # a plate that comes first lies
+                places = _on_motor(laying.copies, fixing, places)
+            if not places and alone:
+                places = [_ON_BENCH]
+            elif not places and (there or not laying.copies[0].holes):
+                places = _fixed_by(later, laying.copies, fixing)  # a plate that comes first lies
         lies = "turned over" if laying.turned_over else "as drawn"
         row: tuple[object, ...]
-        row = (part.name, _holding_notes(part), where, len(laying.copies), laying.z, lies)
+        row = (
+            part.name,
+            _holding_notes(part),
+            _where_all(places),
+            len(laying.copies),
+            laying.z,
+            lies,
+        )
         rows.append((len(rows) + 1, *row))
         names = [copy.name for copy in laying.copies]
-        steps.append(Step(_title(row, len(names)), names, group=group))
+        title = _title(part, places, len(names), laying.turned_over, first=not there)
+        steps.append(Step(title, names, group=group))
         (bench if alone else there).extend(laying.copies)
         if bench and len(bench) == len(cluster):
-            row = _put_in(cluster, there, later, fixing)
+            row, title = _put_in(cluster, there, later, fixing)
             rows.append((len(rows) + 1, *row))
-            steps.append(Step(_title(row), group=group))
+            steps.append(Step(title, group=group))
             there += bench
             bench = []
         for each in [each for each in loose if _held(each, stops, there, fixing)]:
             loose.remove(each)
-            row = _push_up(each, stops)
+            row, title = _push_up(each, stops)
             rows.append((len(rows) + 1, *row))
-            steps.append(Step(_title(row), [copy.name for copy in each.copies], way=1))
+            steps.append(Step(title, [copy.name for copy in each.copies], way=1))
     title = "Assembly from the bottom up, by height"
     return Table(title, COLUMNS, rows, mated(steps, copies, pairs, fixing))
 
@@ -138,10 +171,11 @@ class _Stop:
     name: str  # of the part over it, in which the shaft turns
     gap: float  # mm, between both
 
-    def words(self) -> str:
+    def place(self) -> _Place:
         """Where the part is glued."""
         near = f"{self.gap:.2g} mm under" if self.gap > SAME_POINT else "against"
-        return f"pressed and glued on {self.shaft.part.name}, {near} {self.name}"
+        at = f"on {self.shaft.part.name}, {near} {self.name}"
+        return _Place(f"{_WORDS['glue']} {at}", f"{_DOINGS['glue']} {at}")
 
 
 def _stops(copies: Sequence[StandingCopy], fixing: Fixing) -> dict[str, _Stop]:
@@ -192,24 +226,37 @@ def _held(
     )
 
 
-def _push_up(laying: _Laying, stops: Mapping[str, _Stop]) -> tuple[object, ...]:
-    """The row of what was loose on its shaft and is glued under its stop."""
+def _push_up(laying: _Laying, stops: Mapping[str, _Stop]) -> tuple[tuple[object, ...], str]:
+    """The row and the title of what was loose on its shaft and is glued under its stop."""
     part = laying.copies[0].part
-    where = "; ".join(dict.fromkeys(stops[copy.name].words() for copy in laying.copies))
-    return (part.name, f"{part.title}: push it up", where, "", laying.z, "as drawn")
+    count = len(laying.copies)
+    places = list(dict.fromkeys(stops[copy.name].place() for copy in laying.copies))
+    row = (part.name, f"{part.title}: push it up", _where_all(places), "", laying.z, "as drawn")
+    return row, f"{_counted(part, count)}: push {_it(count)} up; {_done_all(places, count)}"
 
 
-def _fixed_by(later: Iterable[StandingCopy], copies: Sequence[StandingCopy], fixing: Fixing) -> str:
+def _fixed_by(
+    later: Iterable[StandingCopy], copies: Sequence[StandingCopy], fixing: Fixing
+) -> list[_Place]:
     """What is said of copies that nothing holds yet: which part that comes later is fixed on them, or goes on or in them; later: in
     the order of their steps."""
     joins = ""
     for copy in later:
         mates = _mates([copy], copies, fixing)
+        by = _by(mates, copy, copies)
         if any(mate.how != "free" and not mate.comes for mate in mates):
-            return f"loose until {joins}{' and ' if joins else ''}{copy.part.name} is glued on it"
+            joins += " and " if joins else ""
+            return [_in_place(f"loose until {joins}{copy.part.name} is glued on it{by}")]
         if mates and not joins:
-            joins = f"{copy.part.name} joins it"
-    return f"loose until {joins}" if joins else ""
+            joins = f"{copy.part.name} joins it{by}"
+    return [_in_place(f"loose until {joins}")] if joins else []
+
+
+def _by(mates: Iterable[Mate], copy: StandingCopy, copies: Iterable[StandingCopy]) -> str:
+    """By which holes a copy goes on copies, in words; "" where they have no letters but the names of what goes through."""
+    letters = {name for name, _ in copy.part.points} - {each.part.name for each in copies}
+    named = dict.fromkeys(mate.label for mate in mates if mate.label in letters)
+    return f" by {' and '.join(named)}" if named else ""
 
 
 def _put_in(
@@ -217,26 +264,42 @@ def _put_in(
     there: Sequence[StandingCopy],
     later: Sequence[StandingCopy],
     fixing: Fixing,
-) -> tuple[object, ...]:
-    """The row of a sub-assembly that is built; the first of its copies names it."""
+) -> tuple[tuple[object, ...], str]:
+    """The row and the title of a sub-assembly that is built; the first of its copies names it."""
     first = cluster[0]
-    others = dict.fromkeys(copy.part.name for copy in cluster[1:])
-    met = [copy for copy in cluster if _mates([copy], there, fixing)]
-    words = [(copy.part.name, _places([copy], there, fixing)) for copy in met]
-    said = (
-        where if name == first.part.name else f"{name} {where}" for name, where in words if where
-    )
-    where = _on_motor(cluster, fixing, "; ".join(dict.fromkeys(said)))
-    if first.mount.body != GROUND:  # a plate lies as it is
-        where = where or _fixed_by(later, cluster, fixing)
-    what = f"{first.part.title} with {', '.join(others)}: put them in"
-    return (first.part.name, what, where, "", first.mount.z, "as drawn")
+    names = [copy.part.name for copy in cluster]
+    own = first.part.name
+    others = list(dict.fromkeys(name for name in names if name != own)) or [own]
+    places = list[_Place]()
+    for copy in cluster:
+        if not _mates([copy], there, fixing):
+            continue
+        found = _places([copy], there, fixing)
+        if copy.part.name != own:
+            found = [_in_place(f"{copy.part.name} {each.where}") for each in found]
+        places += [each for each in found if each not in places]
+    if len(places) > 1:
+        places = [_in_place(_where_all(places))]
+    places = _on_motor(cluster, fixing, places)
+    if not places and there and (first.mount.body != GROUND or not first.holes):
+        places = _fixed_by(later, cluster, fixing)  # a plate lies as it is
+    places = places or [_ON_BENCH]
+    what = f"{first.part.title} with {', '.join(others)}"
+    row = (own, what, _where_all(places), "", first.mount.z, "as drawn")
+    together = " and ".join(filter(None, (", ".join(others[:-1]), others[-1])))
+    counted = _counted(first.part, names.count(own))
+    return row, f"{counted} together with {together}: {_done_all(places, len(cluster))}"
 
 
-def _on_motor(copies: Sequence[StandingCopy], fixing: Fixing, where: str) -> str:
+def _on_motor(
+    copies: Sequence[StandingCopy], fixing: Fixing, places: Sequence[_Place]
+) -> list[_Place]:
     """Where copies go, with the motor's shaft if one of them is fixed on that."""
-    turned = any(copy.part.name in fixing.driven and copy.mount.body != GROUND for copy in copies)
-    return ", ".join(filter(None, ("pushed on the motor's shaft" if turned else "", where)))
+    if not any(copy.part.name in fixing.driven and copy.mount.body != GROUND for copy in copies):
+        return [*places]
+    shaft = "on the motor's shaft"
+    where = ", ".join(filter(None, (shaft, _where_all(places))))
+    return [_Place(f"pushed {where}", f"push {_WHAT} {where}")]
 
 
 def _with_joints(fixing: Fixing, pairs: Sequence[object]) -> Fixing:
@@ -248,10 +311,37 @@ def _with_joints(fixing: Fixing, pairs: Sequence[object]) -> Fixing:
     return replace(fixing, rings=rings, driven=frozenset(driven))
 
 
-def _title(row: Sequence[object], count: int = 1) -> str:
-    """What a step says above its picture."""
-    what = f"{f'{count} × ' if count > 1 else ''}{row[1]}"
-    return f"{what}; {row[2]}" if row[2] else what
+def _title(part: Part, places: Sequence[_Place], count: int, turned_over: bool, first: bool) -> str:
+    """What a step says above its picture: what is done with how many copies of a part; first: nothing is there yet."""
+    notes = "; ".join(note for note in part.notes if isinstance(note, HoldingNote))
+    named = f"{_counted(part, count)}{', turned over' if turned_over else ''}"
+    if notes and not places:
+        return f"{named}: {notes}"
+    if first and not places:
+        places = [_ON_BENCH]
+    return "; ".join(filter(None, (f"{named}: {_done_all(places, count)}", notes)))
+
+
+def _counted(part: Part, count: int) -> str:
+    """What a part is, with how many there are of it where there is more than one."""
+    return f"{count} × {part.title}" if count > 1 else part.title
+
+
+def _where_all(places: Iterable[_Place]) -> str:
+    """Where copies go."""
+    return "; ".join(each.where for each in places)
+
+
+def _done_all(places: Sequence[_Place], count: int) -> str:
+    """What is done with so many copies: with each by itself where each has its own place."""
+    one = "one" if len(places) == count > 1 else _it(count)
+    done = [each.done.replace(_WHAT, one) for each in places]
+    return "; ".join(done) or f"put {_it(count)} in place"
+
+
+def _it(count: int) -> str:
+    """The pronoun for so many copies."""
+    return "it" if count == 1 else "them"
 
 
 def _layings(
@@ -439,36 +529,35 @@ def _sliding(
 # ---- in words --------------------------------------------------------------------------------------------------------
 
 
-def _places(copies: Iterable[StandingCopy], below: Sequence[StandingCopy], fixing: Fixing) -> str:
+def _places(
+    copies: Iterable[StandingCopy], below: Sequence[StandingCopy], fixing: Fixing
+) -> list[_Place]:
     """Where copies go; those that differ in their hole's letter alone together."""
-    letters: dict[str, list[str]] = {}
+    letters: dict[_Place, list[str]] = {}
     loose = False
     for copy in copies:
-        words, letter = _where(copy, below, fixing)
-        if words:
-            letters.setdefault(words, []).append(letter)
-        loose = loose or not words
-    said = [_lettered(words, each) for words, each in letters.items()]
-    return "; ".join([*said, *(["all else loose"] if said and loose else [])])
+        place, letter = _where(copy, below, fixing)
+        if place.where:
+            letters.setdefault(place, []).append(letter)
+        loose = loose or not place.where
+    said = [place.lettered(each) for place, each in letters.items()]
+    rest = _Place("all else loose", "put all else in place; nothing holds it yet")
+    return [*said, *([rest] if said and loose else [])]
 
 
-def _lettered(words: str, letters: Iterable[str]) -> str:
-    """Where something goes, with the letters of the holes of one part."""
-    *most, last = dict.fromkeys(letters)
-    return words.replace(_HOLE, " and ".join(filter(None, (", ".join(most), last))))
-
-
-def _where(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> tuple[str, str]:
-    """Where a copy goes, by what lies there before it, with _HOLE for its hole's letter, and that letter; "" where nothing says."""
+def _where(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> tuple[_Place, str]:
+    """Where a copy goes, by what lies there before it, with _HOLE for its hole's letter, and that letter."""
     held = (mate.comes and mate.how != "free" for mate in _mates([copy], below, fixing))
     if not copy.holes or any(held):  # a pin, a shaft, a ball bearing
         return _pin_words(copy, below, fixing)
     return _hole_words(copy, below, fixing), ""
 
 
-def _hole_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> str:
+def _hole_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> _Place:
     """On or over what the holes and slots of a copy go."""
-    places = []
+    places = list[str]()
+    doings = list[str]()  # of the same, where the hole has no letter
+    shafts = 0
     for hole in copy.holes:
         shaft, outline = next(
             ((other, each) for other in below for each in other.outlines if hole.holds(each)),
@@ -478,11 +567,15 @@ def _hole_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixin
             f"{hole.name} " if hole.name and (shaft is None or hole.name != shaft.part.name) else ""
         )
         if shaft is not None and outline is not None:
-            how = _WORDS[fixing.how(hole, copy.part, outline, shaft.part)]
+            shafts += 1
+            fit = fixing.how(hole, copy.part, outline, shaft.part)
+            how = _WORDS[fit]
             told = how and (shaft.slender or _under(hole, below)[0] > SAME_POINT)
             far = f", {_height(hole, shaft, below)}" if told else ""
             at = "" if hole.name or shaft.part.count == 1 else _joint(hole, shaft, below)
-            places.append(f"{of_copy}{f'{how} on' if how else 'on'} {shaft.part.name}{at}{far}")
+            on = f"on {shaft.part.name}{at}{far}"
+            places.append(f"{of_copy}{f'{how} ' if how else ''}{on}")
+            doings.append("" if of_copy else f"{_DOINGS[fit]} {on}")
             continue
         under = [
             (each.high, other.part.name, each.name)
@@ -490,24 +583,32 @@ def _hole_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixin
             for each in other.holes
             if hole.in_line(each)
         ]
-        if under:
-            _, name, point = max(under)
-            places.append(
-                f"{of_copy}over {f'{point} of ' if point and point != hole.name else ''}{name}"
-            )
-            continue
         slots = [
             (slot.high, other.part.name)
             for other in below
             for slot in other.slots
             if slot.in_line(hole)
         ]
-        if slots:
-            places.append(f"{of_copy}over the slot of {max(slots)[1]}")
+        over = ""
+        if under:
+            _, name, point = max(under)
+            over = f"over {f'{point} of ' if point and point != hole.name else ''}{name}"
+        elif slots:
+            over = f"over the slot of {max(slots)[1]}"
+        if over:
+            places.append(f"{of_copy}{over}")
+            doings.append("" if of_copy else f"put {_WHAT} {over}")
     for slot in copy.slots:
         pins = [other.part.name for other in below if any(map(slot.holds, other.outlines))]
         places += [f"its slot over {pin}" for pin in pins]
-    return ", ".join(dict.fromkeys(places))
+        doings += ["" for _ in pins]
+    where = ", ".join(dict.fromkeys(places))
+    if not places:
+        return _Place()
+    if len({*places}) == 1 and doings[0]:
+        return _Place(where, doings[0])
+    at_once = "over all ends at once: " if shafts > 2 else ""
+    return _Place(where, f"put {_WHAT} in place, {at_once}{where}")
 
 
 def _joint(hole: Round, pin: StandingCopy, below: Sequence[StandingCopy]) -> str:
@@ -552,7 +653,7 @@ def _under(hole: Round, below: Sequence[StandingCopy]) -> tuple[float, str]:
 
 def _pin_words(
     copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing
-) -> tuple[str, str]:
+) -> tuple[_Place, str]:
     """Through what a pin or a shaft goes that lies there, from above, and where it is fixed; _HOLE for the hole's letter, and that."""
     round_holes = [
         (hole, other, outline)
@@ -563,16 +664,23 @@ def _pin_words(
     ]
     letter = next((hole.name for hole, _, _ in round_holes if hole.name), "")
     point = f"{_HOLE} of " if letter else ""
-    words: dict[str, list[str]] = {}
+    words: dict[Literal["glue", "press", "free"], list[str]] = {}
     for hole, other, outline in round_holes:
-        fit = _WORDS[fixing.how(hole, other.part, outline, copy.part)]
-        names = words.setdefault(f"{fit} into" if fit else "through", [])
+        names = words.setdefault(fixing.how(hole, other.part, outline, copy.part), [])
         names += [other.part.name] if other.part.name not in names else []
     ways: list[str] = []
-    for how, names in sorted(words.items(), key=lambda each: each[0] != "through"):
-        ways.append(
-            f"{how} {point if not ways else ''}{' and '.join(filter(None, (', '.join(names[:-1]), names[-1])))}"
-        )
+    beginning = ""  # of the first of them
+    doing = f"put {_WHAT} "  # instead of it, in what is done
+    for how, names in sorted(words.items(), key=lambda each: each[0] != "free"):
+        fit = f"{_WORDS[how]} " if _WORDS[how] else ""
+        into = "into " if fit else "through "
+        through = " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+        if not ways:
+            doing = f"{_DOINGS[how]} " if fit else f"push {_WHAT} "
+            beginning = fit
+            ways.append(f"{into}{point}{through}")
+        else:
+            ways.append(f"{fit}{into}{through}")
     slots = dict.fromkeys(
         other.part.name
         for other in reversed(below)
@@ -595,4 +703,5 @@ def _pin_words(
         foot = min((each.low for each in copy.outlines), default=0.0)
         gaps = [(hole.low - other.mount.z, hole.low - foot) for hole, other in fixed]
     ways += [side] if any(max(map(abs, gap)) < SAME_POINT for gap in gaps) else []
-    return ", ".join([*ways, *(f"in the slot of {name}" for name in slots)]), letter
+    said = ", ".join([*ways, *(f"in the slot of {name}" for name in slots)])
+    return (_Place(f"{beginning}{said}", f"{doing}{said}") if said else _Place()), letter

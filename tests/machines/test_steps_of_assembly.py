@@ -4,6 +4,7 @@ with camgen: what a step names is there by then, what is fixed is fixed on somet
 from __future__ import annotations
 
 import cmath
+import itertools
 import re
 import sys
 from collections import Counter, defaultdict
@@ -219,9 +220,9 @@ WHITWORTH = {
 def test_pins_of_one_link_are_said_once_with_the_letters_of_their_holes() -> None:
     leg = read_mechanism(Path(__file__).parents[2] / "specs" / "walking-leg.toml")
     titles = [step.title for step in order_of_assembly(leg.assembly).steps]
-    into = "pressed and glued into B and D of shoulder, flush with its underside"
-    assert f"2 × Pin 3; {into}" in titles
-    assert "Link shoulder with pin-3: put them in; C on pin-1" in titles
+    into = "press and glue them into B and D of shoulder, flush with its underside"
+    assert f"2 × Pin 3: {into}" in titles
+    assert "Link shoulder together with pin-3: put them in place, C on pin-1" in titles
 
 
 def started(name: str, **parts: Any) -> dict[str, Any]:
@@ -693,11 +694,15 @@ def test_only_what_a_later_part_holds_is_fixed_by_it() -> None:
     assert rod == ["loose until pin-2 joins it"]
     leg = load(Path(__file__).parents[2] / "specs/gallery/walker.toml")
     rows = [row for row in order_of_assembly(leg.assembly).rows if row[1] == "pin-2"]
-    assert rows and not any("loose" in str(row[3]) for row in rows)
+    own = [str(row[3]) for row in rows if row[2] == "Pin 2"]
+    assert own and not any("loose" in where for where in own)
+    hung = {str(row[3]) for row in rows if row[2] == "Pin 2 with cap-1"}
+    ends = ("second-plate", "far-second-plate")
+    assert hung == {f"loose until low3 joins it by B and {end} is glued on it by B" for end in ends}
     (leg4, _) = (
         row[3] for row in order_of_assembly(leg.assembly).rows if "leg4 with" in str(row[2])
     )
-    assert leg4 == "loose until conn4 joins it and cap-2 is glued on it"
+    assert leg4 == "loose until conn4 joins it by D4 and cap-2 is glued on it"
 
 
 @pytest.mark.long
@@ -774,3 +779,34 @@ def test_a_step_that_forgets_what_is_bought_is_found(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(MODULE, "steps_of_assembly", lambda _: replace(whole, steps=steps))
     (pin,) = left_out(walker)
     assert pin.startswith("pin-5: ") and pin.endswith(" of 20")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", MACHINES)
+def test_a_step_says_what_is_done_and_none_says_what_the_last_one_did(name: str) -> None:
+    titles = [step.title for step in order_of_assembly(built(name).assembly).steps]
+    assert not vague(titles)
+
+
+def vague(titles: list[str]) -> list[str]:
+    """Steps that leave something loose without what it is on or what holds it, that repeat the last one, or that are another
+    one of which they say that it is alike."""
+    loose = [title for title in titles if re.search(r"\bloose(ly)?\b(?! until \S| on \S)", title)]
+    again = [title for last, title in itertools.pairwise(titles) if last == title]
+    unlike = []
+    for title in titles:
+        alike = re.match(r"Far side, as step (\d+): (.*)", title)
+        if alike and titles[int(alike[1]) - 1] != alike[2].replace("far-", ""):
+            unlike.append(title)
+    return loose + again + unlike
+
+
+def test_a_vague_step_is_found() -> None:
+    good = ["Pin: put it in place, loose until cap is glued on it", "Ring: put it loosely on pin"]
+    assert not vague(good)
+    bad = ["Pin: put it in place; loose; a later step fixes it", "Ring: put it loosely"]
+    for title in bad:
+        assert vague([good[0], title]) == [title]
+    assert vague([good[0], good[0]]) == [good[0]]
+    assert vague([good[0], "Far side, as step 1: Ring"]) == ["Far side, as step 1: Ring"]
+    assert not vague([good[0], f"Far side, as step 1: {good[0]}"])
