@@ -565,3 +565,9 @@ def test_steps_of_a_drum_machine_give_a_height_to_what_lies_level_alone() -> Non
     assert below == 0 and set(above) == {above[0]} and above[0] > drum["underside at z, mm"]  # type: ignore[operator]
     aside = next(row for row in rows if row["part"] == "carriage")
     assert aside["where"] == f"on the table beside the machine; step {drum['step']} puts it in"
+    titles = [step.title for step in table.steps]
+    plates = [title for title in titles if title.startswith("End plate, the ")]
+    assert [title.split()[3] for title in plates] == ["lower", "upper", "upper"]
+    assert ", with the carriage; lowered" in titles[drum["step"] - 1]  # type: ignore[operator,index]
+    (rods,) = (title for title in titles if "Rod;" in title)
+    assert rods == "4 × Rod; glued into the plate, flush below"

@@ -525,5 +525,8 @@ class Bench:
             z: object = round(mount.z, 3) if level and place not in (_ASIDE, _FIRST) else ""
             lies = ("turned over" if mount.flipped else "as drawn") if level else "on its side"
             rows.append((number, name, title, where, len(own), z, lies))
-            steps.append(Step(f"{title}; {where}", which))
+            many = f"{len(own)} × {title}" if len(own) > 1 else title
+            plate = {"end-plate-1": ", the lower one", "end-plate-2": ", the upper one"}
+            also = f", with the {held}" if number == taken else plate.get(own[0], "")
+            steps.append(Step(f"{many}{also}; {where}", which))
         return Table("Assembly of the machine, from the lower plate up", COLUMNS, rows, steps)
