@@ -24,6 +24,7 @@ _COUNT = 5  # of figures
 _NOTHING = (
     1e-6  # of a torque in N m, a mass in g or a time in h: less is none that a person speaks of
 )
+_LEAST_TORQUE = 1e-4  # N m, a gram on an arm of 10 mm: less comes of no load
 _KINDS = ("dxf", "stl", "3mf", "step", "glb", "svg", "png", "gif", "pdf")
 # What is shown beside the stroke, the weightiest first: what it is called, code of its findings, else quantity of a figure.
 _OTHERS = (
@@ -148,7 +149,11 @@ def _figures(report: Report) -> Iterator[Headline]:
         figure = next((each for each in designed if each.quantity == quantity), None)
         if quantity and not (figure and figure.value > _NOTHING):
             continue  # such as the torque of a cam on which nothing is known to press
+        if figure and figure.unit == "N m" and figure.value < _LEAST_TORQUE:
+            continue  # what moves parts of no weight
         worst = judged.get(code) if code else strained
+        if worst is not None and worst.code == "LASH" and worst.ok and not worst.measured:
+            continue  # a force holds the joints to one side
         if worst is not None and (not code or worst is not strained):
             outputs = {f.where.output for f in report.findings if f.code == worst.code} - {""}
             of = f" of {worst.where.output}" if len(outputs) > 1 else ""

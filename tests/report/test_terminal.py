@@ -275,10 +275,24 @@ def test_a_stand_that_takes_most_of_the_printing_is_told(
     assert step.rest == told
 
 
-def headlines(*found: Finding) -> list[str]:
+def headlines(*found: Finding, torque: float = 3.0) -> list[str]:
     """Names of the figures that stand first."""
-    figures = Figures([Figure("stroke", 12.0, "mm"), Figure("drive torque", 3.0, "N m")])
+    figures = Figures([Figure("stroke", 12.0, "mm"), Figure("drive torque", torque, "N m")])
     return [each.name for each in summary(Report("m", "disc-cam", found, figures)).figures]
+
+
+def test_a_torque_of_no_load_and_a_play_of_zero_give_way_to_the_next_figure() -> None:
+    """A gram on an arm of 10 mm is 9.8e-5 N m."""
+    gap = at_least("INTERFERENCE", 103.1, 0, "mm", Where(), "")
+    play = at_most("LASH", 0.0, 5.0, "deg", Where(), "")
+    assert headlines(play, gap, torque=4.7e-6) == ["Stroke", "Least gap"]
+    felt = replace(play, measured=0.2)
+    assert headlines(felt, gap, torque=2e-4) == [
+        "Stroke",
+        "Free play",
+        "Torque needed",
+        "Least gap",
+    ]
 
 
 def test_what_is_strained_stands_before_torque_and_error() -> None:

@@ -58,7 +58,7 @@ def lift_off(
         effort = cam.leaves * forces.contacts[cam.name]
         force = forces.pressing.get(cam.name, effort)
         if not np.any(np.abs(still.contacts[cam.name]) > STILL):
-            why = f"no spring, weight or load acts on the follower of {cam.name}"
+            why = f"no spring, weight or load acts on the follower of {cam.name} ([cam.spring] gives it a spring)"
             check.not_judged.append(NotJudged("LIFT_OFF", why, _NEEDS))
             continue
         unit = "N" if cam.slide else "N m"
@@ -115,7 +115,9 @@ def with_hops(finding: Finding, bounce: Bounce | None, slides: bool) -> Finding:
         return finding
     hop = bounce.highest
     rpm = bounce.lift_off * 60 / math.tau
-    lost = f"contact is lost from {rpm:.4g} rpm" if rpm else "nothing holds it at any speed"
+    lost = (
+        f"contact is lost from {rpm:.4g} rpm" if rpm else "as it is, nothing holds it at any speed"
+    )
     left = f"it leaves at {math.degrees(hop.leaves) % 360:.1f} deg"
     if not math.isfinite(hop.lands):
         return replace(finding, message=f"{finding.message}; {lost}; {left} and does not come back")
