@@ -91,6 +91,11 @@ _LIKELY: dict[str, dict[str, tuple[str, ...]]] = {
     "material": {
         **dict.fromkeys(("steel", "stahl", "mild-steel", "iron", "metal", "s235"), _STEELS),
         **dict.fromkeys(("aluminum", "alu", "al", "6061"), ("aluminium",)),
+        # numbers of EN 10027-2, as the sources of the materials have them
+        "1.0503": ("C45",),
+        "1.7225": ("42CrMo4",),
+        "1.7131": ("16MnCr5",),
+        "1.4301": ("stainless",),
         **dict.fromkeys(("wood", "birch", "mdf"), ("plywood",)),
         **dict.fromkeys(("delrin", "acetal"), ("POM",)),
         **dict.fromkeys(("plexiglass", "plexiglas", "pmma"), ("acrylic",)),
@@ -189,5 +194,7 @@ def kind_of(path: Sequence[str | int]) -> str:
 
 
 def _plain(value: object) -> str:
-    """A word in small letters, with single hyphens."""
+    """A word in small letters, with single hyphens; a material's number as it is written, with four decimals."""
+    if isinstance(value, float):
+        return f"{value:.4f}"
     return re.sub(r"[\s_-]+", "-", value.strip().lower()) if isinstance(value, str) else ""

@@ -858,6 +858,8 @@ def test_what_is_meant_is_told_of_a_machine(setting: str, said: str) -> None:
         ("segment.0.law", "sine", "one of 'cycloidal', 'modified-sine', 'simple-harmonic'"),
         ("segment.0.law", "SHM", "did you mean 'simple-harmonic'"),
         ("segment.2.kind", "fall", "did you mean 'return'"),
+        ("material.name", "1.7131", "did you mean '16MnCr5'?"),
+        ("material.name", "1.0503", "did you mean 'C45'?"),
         ("material.name", "mild steel", "one of 'C45', '42CrMo4', '16MnCr5', 'stainless'"),
         ("material.name", "aluminum", "did you mean 'aluminium'"),
         ("motor.model", "NEMA 17", "one of '17HS19-2004S1', '17HS24'"),
