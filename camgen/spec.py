@@ -807,11 +807,11 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
         elif item["type"] == "value_error":
             expected = str(item["ctx"]["error"])
         names = [name for each in members_of(node or {}, root) for name in each.get("enum", ())]
-        if names and isinstance(value, str) and not (no_such or key):
+        if names and isinstance(value, str | float) and not (no_such or key):
             alike = unknown(tuple(path), value, names)
             nearest = alike.nearest
             own = item["type"] == "value_error" or item["type"] not in get_args(ErrorType)
-            expected = expected if nearest or own else alike.expected
+            expected = expected if nearest or own or isinstance(value, float) else alike.expected
         meant = "" if node is None or no_such or key else _meant(path, value, node, root)
         expected = meant or expected
         if (

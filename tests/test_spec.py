@@ -852,6 +852,11 @@ def test_what_is_meant_is_told_of_a_machine(setting: str, said: str) -> None:
     assert said in str(caught.value)
 
 
+def test_the_number_of_a_steel_without_quotes_is_told_as_with_them():
+    with pytest.raises(SpecError, match="did you mean '16MnCr5'"):
+        read_mechanism(TOP / "specs/disc-cam.toml", ["material.name=1.7131"])
+
+
 @pytest.mark.parametrize(
     "key, word, meant",
     [
