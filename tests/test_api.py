@@ -118,7 +118,7 @@ WRONG = [
     (lambda out: camgen.build(DISC, out, only="dxf", jobs=-3), camgen.SpecError, "jobs: -3"),
     (lambda out: camgen.build(DISC, out, only="dxf", jobs="2"), camgen.SpecError, "jobs: '2'"),  # type: ignore[arg-type]
     (lambda out: camgen.build(DISC, out / "file" / "x", only="dxf"), camgen.FileError, "file"),
-    (lambda out: camgen.check(out / "none"), camgen.FileError, "spec.toml"),
+    (lambda out: camgen.check(out / "none"), camgen.FileError, "no such folder"),
     (
         lambda out: camgen.motion(out / "none.dxf", "translating,radius=5"),
         camgen.FileError,

@@ -276,7 +276,7 @@ def test_the_air_of_a_lobe_is_more_where_a_smaller_circle_of_pins_leaves_it() ->
     assert disc.gap([0.0, math.pi]) == pytest.approx([0.07, 0.07], abs=1e-12)
     lean = math.asin(1.5 * 11 / 40)
     assert disc.least_gap == pytest.approx(0.05 + 0.02 * math.cos(lean), abs=2e-5)
-    with pytest.raises(DesignError, match="air of a lobe.*more clearance"):
+    with pytest.raises(DesignError, match="clearance of a lobe.*more clearance"):
         CycloidDisc(11, 40.0, 3.0, 1.5, 0.05, -0.05)
 
 

@@ -18,6 +18,7 @@ import pytest
 
 from camgen.parts.assembly import order_of_assembly
 from camgen.pipeline import build as pipeline
+from camgen.pipeline.making import parts_table
 
 TOP = Path(__file__).resolve().parents[2]
 SPEC = TOP / "specs" / "uniform-swing.toml"
@@ -168,13 +169,14 @@ def test_every_machine_has_steps_of_assembly_for_all_that_stands_in_it(name: str
     ]
     rows = [row for row, _ in first]
     boarded = {"linkage", "eccentric-drive", "thread-take-up"}
-    # the builder's board, beside a motor
-    none = [
-        step
+    alone = [
+        row[1]
         for row, step in zip(steps.rows, steps.steps, strict=True)
-        if not step.copies and not step.group and row[1] != "motor"
+        if not step.copies and not step.group
     ]
-    assert len(none) == (machine.mechanism in boarded)
+    assert alone.count("board") == (machine.mechanism in boarded)  # the builder's own
+    bought = {row[1] for row in parts_table(machine).rows if row[0] == "bought"}
+    assert {*alone} <= {"board", "motor", *bought}
     for _, part, _, _, count, z, lies in rows:
         told[part] += count
         assert (z, lies == "turned over") in [
