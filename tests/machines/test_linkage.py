@@ -352,7 +352,7 @@ def many(e: dict[str, Any]) -> None:
         (lambda e: e["parts"].update(rokcer={"thickness": 3}), SpecError, "parts.rokcer"),
         (lambda e: e["lengths"].update({"O-A": 40}), DesignError, "change point"),
         (many, SpecError, "at most 60"),
-        (lambda e: e["links"].update(ROCKER=["C", "B"]), SpecError, "capitals alone"),
+        (lambda e: e["links"].update(ROCKER=["C", "B"]), SpecError, "only in capitals"),
         (lambda e: e["links"].update(Assembly=["C", "B"]), SpecError, "taken for the assembly"),
         (lambda e: e["links"].update(drawing=["C", "B"]), SpecError, "taken for a dimensioned"),
         (lambda e: e["links"].update(timing=["C", "B"]), SpecError, "taken for the timing"),
