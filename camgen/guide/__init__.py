@@ -128,7 +128,7 @@ def explanation(
         return Explanation(known[name])
     from camgen.sweep.influence import influence_text
 
-    return Explanation(f"{known[name]}\n{influence_text(spec, name, settings, known[name])}")
+    return Explanation(f"{known[name]}\n{influence_text(spec, name, settings)}")
 
 
 def in_short(entry: str) -> str:

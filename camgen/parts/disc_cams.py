@@ -146,15 +146,15 @@ class CamParts(ShaftHole):
     pin_diameter: Length = Field(
         default=3.0,
         description="groove: diameter of the pins that join its plates; in a machine that of all pins, 5;\n"
-        "of metal dowels at least half as thick as its walls, a rule of the house",
+        "of metal dowels at least half as thick as its walls, camgen's own rule",
     )
     rim: Length = Field(
         default=8.0,
-        description="groove: width of the rim outside its outer wall; of metal at least 2.5 pins, a rule of the house",
+        description="groove: width of the rim outside its outer wall; of metal at least 2.5 pins, camgen's own rule",
     )
     back: Thickness = Field(
         default=3.0,
-        description="groove: thickness of the back plate; of metal half that of its walls, a rule of the house",
+        description="groove: thickness of the back plate; of metal half that of its walls, camgen's own rule",
     )
 
     def hub(self, min_wall: float) -> SetScrewHub | None:

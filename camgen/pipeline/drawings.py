@@ -31,7 +31,7 @@ from camgen.parts.standing import Round, standing
 from camgen.tolerances import SAME_POINT
 
 _SAMPLES = 1441  # of a turn
-# What a part of metal has unless its spec says other: rules of the house, for a milled cam and a reamed bore.
+# What a part of metal has unless its spec says other: camgen's own rules, for a milled cam and a reamed bore.
 _IN_METAL = Facts(
     profile=0.05,
     roughness=0.8,

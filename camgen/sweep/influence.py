@@ -7,7 +7,6 @@ where the measured value stays; else it acts on the machine, and the secant meth
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -24,10 +23,56 @@ from camgen.settings import setting_of
 
 _STEP = 0.02  # by which a number is changed, as a share of it
 _STEP_AT_ZERO = 0.1  # the same of a 0, in its unit
-_TRIED = (1.0, 10.0, 0.1)  # of a key that is not set, in its unit
-_NAMED = re.compile(r"\b[a-z_]+(?:\.[a-z0-9_]+)+\b")  # a key in a sentence
+_TRIED = (1.0, 10.0, 0.1, 30.0, 100.0)  # of a key that is not set, in its unit
+# Keys that a finding's message or the guide's entry names as what helps, by its code; *: of each row of a list. A spec may leave
+# them open, so they are tried where it does, and told however little they do.
+_HELPING = {
+    "BLADE_LENGTH": ("geometry.blade_length",),
+    "CLUTCH_TORQUE": ("parts.shaft_diameter",),
+    "CURVATURE": (
+        "geometry.base_radius",
+        "geometry.radius",
+        "geometry.reversal_blend_deg",
+        "geometry.tip_radius",
+        "cam.*.base_radius",
+    ),
+    "FACE_WIDTH": ("geometry.follower.face_width",),
+    "FEED": ("geometry.feed_deg",),
+    "FORCE_CLOSURE": ("load.friction_n_m",),
+    "LASH": ("limits.lash", "limits.lash_deg", "geometry.follower.arm"),
+    "LIFT_OFF": ("spring.preload", "spring.rate", "load.gravity_deg"),
+    "MIN_WALL": (
+        "geometry.core_radius",
+        "geometry.length",
+        "geometry.radius",
+        "parts.pin_diameter",
+        "parts.rim",
+        "parts.wall",
+    ),
+    "NEEDLE_GUIDED": ("parts.tube_length", "parts.wire_length"),
+    "NEEDLE_REACH": ("parts.wire_length",),
+    "PIN_SPACING": ("motor.speed_rpm", "tooth.return_ms"),
+    "PRESSURE_ANGLE": (
+        "geometry.base_radius",
+        "geometry.radius",
+        "geometry.arm_offset",
+        "geometry.follower.offset",
+        "geometry.swing_deg",
+        "cam.*.base_radius",
+    ),
+    "SCREW_GRIP": ("base.thickness",),
+    "SIDE_GAP": ("parts.side_gap", "accuracy.chord_tolerance"),
+    "STROKE": ("geometry.eccentricity",),
+    "UNDERCUT": (
+        "geometry.base_radius",
+        "geometry.reversal_blend_deg",
+        "geometry.tip_radius",
+        "cam.*.base_radius",
+    ),
+    "VELOCITY_RATIO": ("geometry.velocity_ratio",),
+}
 _FELT = 1e-4  # least change of a margin that counts, as a share of limit and measured value
-_MOST = 6  # keys that are told, beside those that advice names
+_MOST = 6  # keys that are told, beside those that help
 _LONGEST = 12  # numbers of a list that are changed; longer lists are tables of points
 _SECANTS = 8
 _WIDEST = 4.0  # how far a value is looked for, as a share of the one that is
@@ -46,7 +91,7 @@ class KeyEffect:
     """What a number of the spec does to a finding, or several of one list that go together, such as a rise and its return."""
 
     keys: Sequence[str]  # as for `--set`
-    value: float  # as it is; nan of a key that is not set, which advice names
+    value: float  # as it is; nan of a key that is not set, which may help
     found: bool  # whether camgen found it, as the spec leaves it open
     tried: float
     measured: float  # of the finding, where the key has the value tried
@@ -62,13 +107,15 @@ class Influence:
     nearest: Finding | None
     limit_keys: Sequence[str]
     effects: Sequence[KeyEffect]  # the strongest first
-    idle: Sequence[str] = ()  # keys that the finding's message names and that do not move it alone
+    idle: Sequence[
+        str
+    ] = ()  # keys that help in other machines, or with others, and do not move it alone
 
 
-def influence(spec: Source, code: str, settings: Sequence[str] = (), advice: str = "") -> Influence:
+def influence(spec: Source, code: str, settings: Sequence[str] = ()) -> Influence:
     """What a finding says of this spec before files are made, and which keys move it; settings: as of `--set`.
 
-    advice: what helps in general; keys that it or the finding's message names are tried where they are not set, too.
+    Keys that help in general are tried where they are not set, too.
     SpecError for the spec, DesignError where no such mechanism exists.
     """
     mechanism = read_mechanism(spec, settings)
@@ -77,17 +124,16 @@ def influence(spec: Source, code: str, settings: Sequence[str] = (), advice: str
         tables = mechanism.settled_tables()
     judge = _judge(mechanism, code)
     findings = judge(mechanism)
-    known = [k for k, each in enumerate(findings) if math.isfinite(_margin(each))]
-    if not known or (code == _BED and all(each.ok for each in findings)):
+    judged = [k for k, each in enumerate(findings) if math.isfinite(_margin(each))]
+    if not judged or (code == _BED and all(each.ok for each in findings)):
         return Influence(findings, None, (), ())
-    number = min(known, key=lambda k: _margin(findings[k]) / (abs(findings[k].limit) or 1.0))
+    number = min(judged, key=lambda k: _margin(findings[k]) / (abs(findings[k].limit) or 1.0))
     template = Template(tables, "spec", Path())
     trial = _Trial(mechanism, template, judge, number, findings[number])
     limit_keys: list[str] = []
     effects = []
-    named = trial.named(findings[number].message)
-    advised = [*named, *trial.named(advice)]
-    for keys, value, tried, found in (*trial.changes(), *trial.unset(advised)):
+    helping = trial.helping
+    for keys, value, tried, found in (*trial.changes(), *trial.unset()):
         if trial.only_worsens(keys, value, tried, found):
             continue
         if trial.felt(found.measured - trial.finding.measured):
@@ -108,10 +154,11 @@ def influence(spec: Source, code: str, settings: Sequence[str] = (), advice: str
             trial.last(keys, value, tried),
         )
         for k, (_, keys, value, tried, found) in enumerate(effects)
-        if k < _MOST or not set(advised).isdisjoint(keys)
+        if k < _MOST or not set(helping).isdisjoint(keys)
     ]
     acting = {key for each in told for key in each.keys} | {*limit_keys}
-    idle = [key for key in named if key not in acting]
+    known = {dotted(path) for path in trial.numbers}
+    idle = [key for key in helping if key in known and key not in acting]
     return Influence(findings, trial.finding, limit_keys, told, idle)
 
 
@@ -270,22 +317,35 @@ class _Trial:
             if change is not None:
                 yield keys, value, *change
 
-    def named(self, text: str) -> list[str]:
-        """Keys of numbers that a text names in full, such as spring.preload."""
+    @cached_property
+    def helping(self) -> Sequence[str]:
+        """Keys of this machine that help in general, set or not."""
         schema = type(self.mechanism).model_json_schema(by_alias=True)
-        keys = dict.fromkeys(_NAMED.findall(text))
-        return [key for key in keys if unit_of(_node(schema, key) or {}) is not None]
+        found = list[str]()
+        for key in _HELPING.get(self.finding.code, ()):
+            table, every, rest = key.partition(".*.")
+            rows = len(self.keys.get(table, ())) if every else 0
+            found += [f"{table}.{row}.{rest}" for row in range(rows)] if every else [key]
+        return [key for key in found if unit_of(_node(schema, key) or {}) is not None]
 
-    def unset(self, keys: Sequence[str]) -> Iterator[tuple[Sequence[str], float, float, Finding]]:
-        """The same as `changes` of keys that are not set, without limits, by the first of some values that is not refused."""
+    def unset(self) -> Iterator[tuple[Sequence[str], float, float, Finding]]:
+        """The same as `changes` of helping keys that are not set, without limits: by the first of some values that helps, else by
+        the first that is not refused. They are tried in the spec as it is typed: what camgen found may not go with them."""
         known = {dotted(path) for path in self.numbers}
-        for key in dict.fromkeys(keys):
+        typed = replace(self, template=Template(self.mechanism.source_tables, "spec", Path()))
+        for key in self.helping:
             if key in known or key.startswith("limits."):
                 continue
-            tries = ((tried, self([key], tried)) for tried in _TRIED)
-            change = next((each for each in tries if each[1] is not None), None)
-            if change is not None and change[1] is not None:
-                yield [key], math.nan, change[0], change[1]
+            possible = []
+            for tried in _TRIED:
+                found = typed([key], tried)
+                if found is not None:
+                    possible.append((tried, found))
+                    if _margin(found) > self.margin:
+                        break
+            if possible:
+                better = _margin(possible[-1][1]) > self.margin
+                yield [key], math.nan, *possible[-1 if better else 0]
 
     def _changed(self, keys: Sequence[str], value: float) -> tuple[float, Finding] | None:
         """A value near that of the keys, and the finding then; None where both ways are refused."""
@@ -364,9 +424,9 @@ def _rounded(value: float, way: float) -> float:
     return float(f"{whole * digit:.{_DIGITS}g}")
 
 
-def influence_text(spec: Source, code: str, settings: Sequence[str] = (), advice: str = "") -> str:
+def influence_text(spec: Source, code: str, settings: Sequence[str] = ()) -> str:
     """The same as Markdown, to stand behind what is said of the code."""
-    found = influence(spec, code, settings, advice)
+    found = influence(spec, code, settings)
     lines = [f"### {code} in {_title(spec)}"]
     if not found.findings:
         lines.append(
@@ -393,9 +453,7 @@ def influence_text(spec: Source, code: str, settings: Sequence[str] = (), advice
         lines.append("- A change of 2 % of any number of the spec leaves it as it is.")
     if found.idle:
         keys = " and ".join(f"`{key}`" for key in found.idle)
-        lines.append(
-            f"- {keys}, which the message names: a small change alone does nothing, or is refused"
-        )
+        lines.append(f"- {keys}: a small change alone does nothing here, or is refused")
     return "\n".join(lines) + "\n"
 
 

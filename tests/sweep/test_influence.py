@@ -165,6 +165,27 @@ def test_a_key_that_is_not_set_is_tried_where_advice_names_it() -> None:
     assert "`spring.preload`, not set: 1 gives" in influence_text(KNOCKING, "LIFT_OFF")
 
 
+@pytest.mark.long
+def test_a_cam_of_a_linkage_that_has_no_base_radius_is_tried_with_one() -> None:
+    """A larger circle makes it less steep."""
+    linkage = {
+        "mechanism": "linkage",
+        "name": "one-cam",
+        "points": {"O": [0, 0], "D": [60, 0], "E": [15, 15]},
+        "links": {"ground": ["O", "D"], "crank": ["O"], "arm": ["D", "E"]},
+        "drive": {"link": "crank"},
+        "output": [{"name": "swing", "link": "arm"}],
+    }
+    rise = {"kind": "rise", "span_deg": 90, "lift_deg": 20}
+    back = {"kind": "return", "span_deg": 90, "to_deg": 0}
+    cam = {"cam": "crank", "follower": "arm", "at": "E", "radius": 4}
+    linkage["cam"] = [cam | {"segment": [rise, back, {"kind": "dwell"}]}]
+    found = influence(linkage, "PRESSURE_ANGLE")
+    assert found.nearest is not None
+    (radius,) = (each for each in found.effects if each.keys == ["cam.0.base_radius"])
+    assert math.isnan(radius.value) and radius.measured < found.nearest.measured
+
+
 def test_what_is_judged_on_files_alone_says_so() -> None:
     found = influence(SPECS / "disc-cam.toml", "MOTION_ERROR")
     assert (found.findings, found.nearest, found.effects) == ([], None, ())

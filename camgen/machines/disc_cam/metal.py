@@ -1,4 +1,4 @@
-"""Sizes of a metal cam that its spec leaves open, as rules of the house: no standard has them."""
+"""Sizes of a metal cam that its spec leaves open, by camgen's own rules: no standard has them."""
 
 from __future__ import annotations
 
