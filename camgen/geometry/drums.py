@@ -16,6 +16,7 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from camgen.errors import DesignError
 from camgen.geometry.drum_walls import DrumRoller, DrumWall, RollerPath, WallPoints
@@ -30,6 +31,8 @@ _BESIDE = np.geomspace(1e-6, 0.1, 100)
 _CLOSER = 3  # rounds in which its least area is looked for, each between the neighbours of the least before
 _LEVELS = 9  # and radii
 _MOST_ROWS = 1000
+_LEAST_COLUMNS = 120  # for a whole turn, at any place: facets are then finer than the 60 harmonics of a turn that speeds have
+_ONE_CYLINDER = 1e-5  # of the outside: radii of rings that rounding to float32 alone has made two
 _COARSER = 1.1  # from one tolerance that is tried to the next, where one is too fine
 _MARGIN = 0.95  # of the tolerance that is used: the bend is taken between angles, too
 _MOST = 0.9 * MOST_TRIANGLES  # of its walls and outside: its ends and its bore have more
@@ -97,6 +100,28 @@ class Drum:
                 for radius, z in self._outline(beta, rho, heights)
             ]
         )
+
+    def rising(self, rims: Floats) -> NDArray[np.bool_]:
+        """Which cells between neighbouring points of its rings, (m, n, 3) mm, are cut from below on the left to above on the right, (m - 1, n).
+
+        It is the diagonal whose middle is nearer to the wall: both facets stand off less. On cylinders it makes no difference.
+        """
+        place = rims[..., 0] + 1j * rims[..., 1]
+        rising = np.ones(place[1:].shape, bool)
+        radii = np.abs(place[:, 0])
+        rows = np.flatnonzero(np.abs(np.diff(radii)) > _ONE_CYLINDER * self.outside)
+        low, high = (np.stack([place[k], rims[k, :, 2]]) for k in (rows, rows + 1))
+        low_next, high_next = (np.roll(each, -1, axis=2) for each in (low, high))
+        turn = np.angle(low[0] + high_next[0] + low_next[0] + high[0])
+        radius = np.clip(np.abs(low[0] + high_next[0]) / 2, self.floor, self.outside)
+        walls = [wall.over(turn.real, radius.real) for wall in self.walls]
+        off = []
+        for ends in (low + high_next, low_next + high):
+            beside = np.angle(ends[0] * np.exp(-1j * turn))
+            heights = [wall.z + beside * wall.along for wall in walls]
+            off.append(np.min([np.abs(ends[1].real / 2 - z) for z in heights], axis=0))
+        rising[rows] = off[0] <= off[1]
+        return rising
 
     @cached_property
     def blank(self) -> tuple[tuple[float, float, float], ...]:
@@ -213,13 +238,20 @@ class Drum:
 
     @cached_property
     def _bend(self) -> tuple[Floats, Floats, Floats]:
-        """Of its walls and outside at even angles: along the turn / 8, the twist / 4 and along the radius / 8, (n,) each."""
+        """At even angles and radii of its walls, and of its outside: along the turn / 8, the twist / 4 and along the radius / 8.
+
+        Each (m, n): a row for each wall and radius and one for the outside, which is bent along the turn alone.
+        """
         beta = _even()
         rho = np.linspace(self.floor, self.outside, _LEVELS)[:, None]
-        bends = [_bends(wall.over(beta, rho)) for wall in self.walls]
-        along, twist, deep = (np.max([each[k] for each in bends], axis=(0, 1)) for k in range(3))
-        along = _widened(np.maximum(along, self.outside)) / 8
-        return along, _widened(twist) / 4, _widened(deep) / 8
+        bends = [_widened(_bends(wall.over(beta, rho))) for wall in self.walls]
+        along, twist, deep = np.concatenate(bends, axis=1)
+        outside = np.full((1, _FINE), self.outside)
+        return (
+            np.concatenate([along, outside]) / 8,
+            np.concatenate([twist, 0 * outside]) / 4,
+            np.concatenate([deep, 0 * outside]) / 8,
+        )
 
     def _fewest(self, tolerance: float) -> tuple[float, Floats, int] | None:
         """Triangles, angles for each rad, (n,), and rows; None where no number of rows is enough."""
@@ -230,13 +262,14 @@ class Drum:
             left = _MARGIN * tolerance - deep * step**2
             if np.min(left) <= 0:
                 continue
-            half = twist * step / 2
-            angle = left / (half + np.sqrt(half**2 + along * left))
-            count = np.sum(1 / angle) * math.tau / _FINE
+            across = twist * step / (_MARGIN * tolerance)
+            density = np.max(np.maximum(np.sqrt(along / left), across), axis=0)
+            density = np.maximum(density, _LEAST_COLUMNS / math.tau)
+            count = np.sum(density) * math.tau / _FINE
             triangles = 2 * count * (len(self.walls) * rows + 4)
             if best is not None and triangles > best[0]:
                 break
-            best = (triangles, 1 / angle, rows)
+            best = (triangles, density, rows)
         return best
 
     def _too_fine(self, tolerance: float) -> DesignError:
@@ -318,5 +351,7 @@ def _even() -> Floats:
 
 
 def _widened(values: Floats) -> Floats:
-    """The largest of each value and its two neighbours on either side, round the turn."""
-    return np.asarray(np.max([np.roll(values, k) for k in (-2, -1, 0, 1, 2)], axis=0))
+    """The largest of each value and its neighbours, two on either side round the turn and one along the radius, (k, m, n)."""
+    turned = np.max([np.roll(values, k, axis=2) for k in (-2, -1, 0, 1, 2)], axis=0)
+    beside = np.pad(turned, ((0, 0), (1, 1), (0, 0)), mode="edge")
+    return np.asarray(np.maximum(turned, np.maximum(beside[:, :-2], beside[:, 2:])))

@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from camgen.errors import DesignError
 from camgen.geometry.arcs import as_circle
@@ -112,11 +113,12 @@ def _drum(part: Part, drum: Drum, tolerance: float) -> Mesh:
     """A drum's rings, with a key on its upper end, its ends with the holes of its layers, and the walls of these."""
     rims = drum.rings(tolerance).astype(np.float32).astype(float) + 0.0
     count = rims.shape[1]
+    rising = drum.rising(rims)
     made = _Rings([*rims])
     faces = []
     for k in range(len(rims) - 1):
         low, high = (np.arange(count) + row * count for row in (k, k + 1))
-        faces += _strip(low, high)
+        faces += _strip(low, high, rising[k])
     holes = rings(part.layers[0].region, tolerance)[1:]
     bottom = np.arange(count)
     top = bottom + (len(rims) - 1) * count
@@ -162,11 +164,16 @@ class _Rings:
         return np.asarray(index[cap[:, ::side]])
 
 
-def _strip(low: Faces, high: Faces) -> list[Faces]:
-    """Triangles between two rings of as many points, of material on the left of the lower one."""
+def _strip(low: Faces, high: Faces, rising: NDArray[np.bool_] | bool = True) -> list[Faces]:
+    """Triangles between two rings of as many points, of material on the left of the lower one.
+
+    rising: whether a cell is cut from its first point below to its second above, or the other way, (n,).
+    """
+    low_next = np.roll(low, -1)
+    high_next = np.roll(high, -1)
     return [
-        np.column_stack([low, np.roll(low, -1), np.roll(high, -1)]),
-        np.column_stack([low, np.roll(high, -1), high]),
+        np.column_stack([low, low_next, np.where(rising, high_next, high)]),
+        np.column_stack([np.where(rising, low, low_next), high_next, high]),
     ]
 
 

@@ -82,8 +82,8 @@ def test_each_error_moves_the_follower_as_the_mesh_says(case: str) -> None:
     """Facets may differ, and what the walls' slope changes along the roller: one that is beside the axis meets them at its ends,
     by OFF times half that change."""
     made = drum(**CASES[case])
-    mesh = solid(made.assembly.parts[0], 0.005)
-    table = roller_table(made.assembly.tracks[0], 0.005)
+    mesh = solid(made.assembly.parts[0], 0.004)
+    table = roller_table(made.assembly.tracks[0], 0.004)
     exact = roll(mesh, table, 60)
     modes, found = DrumErrors(made.track, exact.theta, SIZES, False).sensitivity()
     unit = 1 / (table.arm or 1.0)
