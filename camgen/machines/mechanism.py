@@ -59,6 +59,7 @@ class Remarks:
 
     printed: Sequence[str] = ()  # lines, by a build
     unused: Sequence[str] = ()  # keys that were set and say nothing of this machine, dotted
+    warnings: Sequence[str] = ()  # that a report begins with
     links: int = 0  # that are closed together on what each kind of file shows: many take long
 
 

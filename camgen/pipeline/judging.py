@@ -573,7 +573,12 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
         overhang = sum(part.count * sides[part.name].overhang for part in parts)
         figures.append(Figure("supports", overhang, "mm²"))
     layers, warnings = between(mechanism, sides)
-    warnings = (*motor_without_seat(mechanism), *too_thin(mechanism), *warnings)
+    warnings = (
+        *mechanism.remarks().warnings,
+        *motor_without_seat(mechanism),
+        *too_thin(mechanism),
+        *warnings,
+    )
     finding = judge_list(case.file("parts", "csv"), table)
     tables = [table, steps_of_assembly(mechanism)]
     return Outcome(

@@ -119,6 +119,50 @@ def test_the_drawing_may_have_another_origin(here: Path) -> None:
     assert outer.centroid == pytest.approx(complex(*shapely.Polygon(CORNERS).centroid.coords[0]))
 
 
+def nodding(**cam: Any) -> dict[str, Any]:
+    """A cam's follower with an outline, in the coordinates of its points."""
+    lift = {"span_deg": 180, "lift_deg": 20}
+    back = {"span_deg": 180, "to_deg": 0}
+    segments = [{"kind": "rise", **lift}, {"kind": "return", **back}]
+    return spec() | {
+        "points": {"O": [40, 0], "C": [70, 0], "B": [55, 48]},
+        "links": {"ground": ["O", "C"], "shaft": ["O"], "rocker": ["C", "B"]},
+        "drive": {"link": "shaft", "speed_rpm": 60},
+        "cam": [{"cam": "shaft", "follower": "rocker", "at": "B", "radius": 5, "segment": segments, **cam}],
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("base", [None, 30, 60])
+def test_an_outline_turns_with_the_link_that_a_base_radius_turns(
+    here: Path, base: float | None
+) -> None:
+    machine = camgen.load(nodding() if base is None else nodding(base_radius=base))
+    part = next(p for p in machine.assembly.parts if p.name == "rocker")
+    outer = part.layers[0].region.outer
+    centre = complex(*shapely.Polygon(CORNERS).centroid.coords[0])
+    pivot, tip = 70 + 0j, 55 + 48j
+    assert outer.centroid == pytest.approx((centre - pivot) / (tip - pivot) * abs(tip - pivot))
+
+
+def test_a_note_tells_how_far_a_base_radius_turns_a_link_from_where_it_is_drawn(
+    here: Path,
+) -> None:
+    machine = camgen.load(nodding(base_radius=30))
+    turn = math.degrees(machine.model.start_of("rocker").angle - math.atan2(48, -15))
+    assert turn > 10
+    (said,) = machine.remarks().warnings
+    assert said == (
+        f"rocker stands {turn:.3g} deg counter-clockwise from where it is drawn: cam.0.base_radius = 30 turns it; it "
+        "stands as drawn without base_radius"
+    )
+    report = camgen.build(nodding(base_radius=30), here / "out", only=["dxf"])
+    assert said in report.warnings
+    assert not camgen.load(nodding()).remarks().warnings
+    # base radius as drawn: from the shaft to the roller's centre, less its radius
+    as_drawn = abs(55 + 48j - 40) - 5
+    assert not camgen.load(nodding(base_radius=as_drawn)).remarks().warnings
+
+
 @pytest.mark.parametrize(
     "edge, wall",
     [("L 74 6 L 74 -20", 1.4), ("L 60 6 L 60 -20", -12.6)],

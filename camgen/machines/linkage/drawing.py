@@ -47,6 +47,7 @@ from camgen.parts.wheels.ratchet import PawlLaw, RatchetWheel, pawl_of
 
 GROUND = m.GROUND
 RETURN = "return_spring"
+_LEAST_SHIFT = 1.0  # mm or deg, of a follower from where it is drawn, that is told
 
 
 @dataclass(frozen=True)
@@ -571,17 +572,18 @@ class Drawing:
             radii[name] = base
         return radii
 
-    @property
-    def rough(self) -> m.Machine:
-        """The model not yet closed, each follower that says its base radius on that; DesignError where it cannot stand there."""
-        machine = self._open
+    @cached_property
+    def shifts(self) -> dict[str, float]:
+        """How far each base radius moves its cam's follower from where it is drawn, by the cam's joint, mm or rad,
+        counter-clockwise; DesignError where the follower cannot stand there."""
+        shifts = {}
         for cam in self.cams:
             name = self.cam_name(cam)
             if name not in self.bases:
                 continue
-            joint, follower = self._follower(cam)
+            _, follower = self._follower(cam)
             try:
-                ahead = follower.on_base(self.bases[name]).ahead_of(follower)
+                shifts[name] = follower.on_base(self.bases[name]).ahead_of(follower)
             except ValueError as error:
                 remedy = "use another base_radius, or draw the follower elsewhere"
                 raise DesignError(
@@ -592,8 +594,40 @@ class Drawing:
                     f"cam {name}",
                     remedy,
                 ).saying(f"cam {name}: {error}") from None
-            machine = _moved(machine, joint, ahead)
+        return shifts
+
+    @property
+    def drawn_poses(self) -> Mapping[str, m.Pose]:
+        """Where links stand by [points] alone."""
+        return self._open.start
+
+    @property
+    def rough(self) -> m.Machine:
+        """The model not yet closed, each follower that says its base radius on that; DesignError where it cannot stand there."""
+        machine = self._open
+        for name, shift in self.shifts.items():
+            joint = self._open.joint(name)
+            assert isinstance(joint, m.Cam)
+            machine = _moved(machine, joint, shift)
         return machine
+
+    def shifted(self) -> list[str]:
+        """What to know of each follower that a base radius moves from where it is drawn, by 1 deg or 1 mm and more."""
+        sentences = []
+        for k, (name, cam) in enumerate(self.named_cams.items()):
+            shift = self.shifts.get(name, 0.0)
+            slides = self.slide_of(cam.follower) is not None
+            size = abs(shift) if slides else math.degrees(abs(shift))
+            if size < _LEAST_SHIFT:
+                continue
+            way = "" if slides else " clockwise" if shift < 0 else " counter-clockwise"
+            amount = f"{size:.3g} {'mm' if slides else 'deg'}"
+            verb = "moves" if slides else "turns"
+            sentences.append(
+                f"{cam.follower} stands {amount}{way} from where it is drawn: cam.{k}.base_radius = {self.bases[name]:.4g} "
+                f"{verb} it; it stands as drawn without base_radius"
+            )
+        return sentences
 
     def released(self, machine: m.Machine) -> m.Machine:
         """The machine with its freewheels; what they turn on is held still by drives of their names until then."""

@@ -1010,6 +1010,7 @@ class Linkage(Mechanism):
             further=tuple(each.link for each in self.drives[1:]),
             keep_outs=inc.clearings(self.includes, lambda: self._host),
             fitting=self.additions.fitting,
+            drawn_poses=self._drawing.drawn_poses,
         )
 
     @property
@@ -1100,8 +1101,8 @@ class Linkage(Mechanism):
         return replace(found, findings=told)
 
     def remarks(self) -> Remarks:
-        """How many links are closed together on what each kind of file shows."""
-        return Remarks(links=len(self._drawing.links))
+        """Followers that stand elsewhere than drawn, and how many links are closed together on what each kind of file shows."""
+        return Remarks(links=len(self._drawing.links), warnings=self._drawing.shifted())
 
     def study(self) -> Study:
         """Outputs, curves and paths, the class of a four-bar; those of what is included; all outputs over one turn."""

@@ -547,7 +547,7 @@ class Layout(Connections):
         ):
             remedy = "leave it out: it is for a link that has pins, no rails, straps or faces"
             raise DesignError(f"parts.{link}.outline", 1, 0, "", f"link {link}", remedy)
-        pose = self.machine.start_of(link)
+        pose = self.drawn_poses.get(link, self.machine.start_of(link))
         turn = cmath.exp(-1j * pose.angle)
         shift = (complex(*shape.outline_at) - pose.place) * turn
         rings = [np.array(rows) for rows in shape.contours]
