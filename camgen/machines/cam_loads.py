@@ -154,6 +154,8 @@ def lift_off(
     units = _spring_units(slides)
     stiffer = f" or a spring.rate above {rate:.4g} {units[1]}" if math.isfinite(rate) else ""
     kept = f"a spring.preload above {preload:.4g} {units[0]}{stiffer} keeps it; {lower} lowers that"
+    if not load.preload and not load.rate:
+        kept = f"no spring presses it on: spring.preload and spring.rate are 0; {kept}"
     return with_hops(found.keeps_contact(jumps if found.kick else kept), bounce, slides)
 
 

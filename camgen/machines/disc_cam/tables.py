@@ -172,8 +172,8 @@ class SpringTable(Record):
 
     rate: Annotated[float, quantity("N/mm or N m/rad", ge=0, le=1e6)] = Field(
         default=0.0,
-        description="rate of the return spring; a machine without [spring] gets one that keeps the "
-        "follower on the cam",
+        description="rate of the return spring; 0 with preload 0: a machine gets a spring that keeps the "
+        "follower on the cam, cams made alone have none",
     )
     preload: Annotated[float, quantity("N or N m", ge=0, le=1e6)] = Field(
         default=0.0, description="force or torque of the spring where the follower is lowest"

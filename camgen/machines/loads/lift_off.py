@@ -115,9 +115,9 @@ def with_hops(finding: Finding, bounce: Bounce | None, slides: bool) -> Finding:
         return finding
     hop = bounce.highest
     rpm = bounce.lift_off * 60 / math.tau
-    lost = (
-        f"contact is lost from {rpm:.4g} rpm" if rpm else "as it is, nothing holds it at any speed"
-    )
+    lost = f"contact is lost from {rpm:.4g} rpm"
+    if not rpm:
+        lost = "as it is now, contact is lost at any speed"
     left = f"it leaves at {math.degrees(hop.leaves) % 360:.1f} deg"
     if not math.isfinite(hop.lands):
         return replace(finding, message=f"{finding.message}; {lost}; {left} and does not come back")

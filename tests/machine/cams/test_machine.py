@@ -264,6 +264,20 @@ def test_springs_just_keep_contact(preload: float, speed: float) -> None:
     assert low >= -1e-9 and (tight == 0 or low == pytest.approx(0, abs=1e-9))
 
 
+@pytest.mark.parametrize("make, sprung", [("cams", False), ("printed", True)])
+def test_an_empty_spring_is_found_for_a_machine_and_none_of_a_cam_alone(
+    make: str, sprung: bool
+) -> None:
+    """A machine finds its spring; of a cam alone LIFT_OFF says that none presses, without saying that nothing could hold it."""
+    light = {"motor": {"speed_rpm": 60}, "load": {"mass_kg": 0.1}, "parts": {"make": make}}
+    made = published({"shape": "flat"}, spring={}, **light)
+    (finding,) = [f for f in made.limits() if f.code == "LIFT_OFF"]
+    assert finding.ok == sprung
+    if not sprung:
+        assert "spring.preload and spring.rate are 0; a spring.preload above" in finding.message
+        assert "as it is now, contact is lost at any speed" in finding.message
+
+
 def test_a_follower_that_nothing_presses_through_a_dwell_is_not_held() -> None:
     """A spring without preload pulls with nothing where it is shortest: the force is 0 N there, and the first knock lifts it."""
     slow = {"motor": {"speed_rpm": 6}, "load": {"mass_kg": 0.1}}
