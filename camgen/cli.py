@@ -20,7 +20,7 @@ from camgen._version import __version__
 from camgen.commands import COMMANDS
 from camgen.commands.options import EXIT_CODES
 from camgen.commands.running import complain
-from camgen.errors import CamgenError, FileError, explained, printable
+from camgen.errors import INTERRUPTED, CamgenError, FileError, explained, printable
 
 _COMPLETE = (
     "_CAMGEN_COMPLETE"  # set by the shell that asks for completions: bash_source, zsh_complete, ...
@@ -29,7 +29,6 @@ _COMPLETE = (
 _ENVIRONMENT = {"OPENBLAS_NUM_THREADS": "1", "PYDANTIC_DISABLE_PLUGINS": "__all__"}
 _COLLECTED = 200_000  # objects made and not yet freed, after which garbage is collected
 INTERNAL = 70
-INTERRUPTED = 130
 PIPE_CLOSED = 141
 TERMINATED = 143
 

@@ -12,6 +12,8 @@ from typing import Any, Self, TextIO, TypeVar
 
 E = TypeVar("E", bound="CamgenError")
 
+INTERRUPTED = 130  # exit code after Ctrl-C
+
 
 def printable(text: str, keep: str = "") -> str:
     """The text with what does not print written as an escape, as `repr` does: nothing in it steers a terminal.

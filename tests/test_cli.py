@@ -236,6 +236,29 @@ def test_interrupt_is_130(run: Run, results: dict[str, Any]) -> None:
     assert run("build", "a")[0] == 130
 
 
+IMPATIENT = """
+import sys
+from importlib import import_module
+class Impatient:
+    def find_spec(self, name, *_):
+        if name == "click":
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Impatient())
+module, name = sys.argv[1].split(":")
+sys.exit(getattr(import_module(module), name)())
+"""
+
+
+def test_interrupt_while_the_command_line_is_imported_is_130_too() -> None:
+    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
+    entry = project["scripts"]["camgen"]
+    done = subprocess.run(
+        [sys.executable, "-c", IMPATIENT, entry], capture_output=True, text=True, check=False
+    )
+    said = "interrupted\n"
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", said)
+
+
 @pytest.mark.parametrize(
     "arguments",
     [
