@@ -26,7 +26,8 @@ from camgen.spec import validate
 from camgen.study import Study, together
 
 if TYPE_CHECKING:
-    from camgen.machines.linkage.mechanism import Additions, Linkage
+    from camgen.machines.linkage.mechanism import Linkage
+    from camgen.machines.linkage.spec import Additions
     from camgen.parts.generator.connections import Fitting
     from camgen.parts.generator.layout import Layout
 
@@ -61,7 +62,7 @@ class Template(Mechanism):
 
     def additions(self) -> Additions:
         """What is said of the linkage beside its tables."""
-        from camgen.machines.linkage.mechanism import Additions
+        from camgen.machines.linkage.spec import Additions
 
         return Additions(self.fitting)
 
@@ -81,7 +82,7 @@ class Template(Mechanism):
         base = {"mechanism": "linkage", "name": self.name, **shared, **more, **load}
         linkage = validate(Linkage, {**base, **self.tables()})
         vars(linkage)["additions"] = self.additions()
-        vars(linkage).pop("_drawing", None)  # validated without them
+        vars(linkage).pop("diagram", None)  # validated without them
         return linkage
 
     def _unloaded(self) -> Machine:

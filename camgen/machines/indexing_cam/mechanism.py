@@ -66,7 +66,7 @@ from camgen.spec import validate
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study, Table, figures_in
 
 if TYPE_CHECKING:
-    from camgen.machines.linkage.mechanism import Additions
+    from camgen.machines.linkage.spec import Additions
 
 FOLLOWER = "follower"
 WHEEL = "drive_wheel"
@@ -345,7 +345,7 @@ class IndexingCam(CamTables):
 
     def additions(self) -> Additions:
         """What loads the link; with a chain the cams' program behind it, and the law of its crank."""
-        from camgen.machines.linkage.mechanism import Additions
+        from camgen.machines.linkage.spec import Additions
 
         found = Additions(loads=self._loads, advice=_ADVICE)
         if self.two_cranks is None:

@@ -54,7 +54,7 @@ def traces(
     theta: (n,) rad; points, lengths: in place of those of the spec, mm. The branch is that of the drawn places.
     Raises DesignError where the joints hold too much or too little, or the pen of two motors is out of reach.
     """
-    drawing = linkage._drawing
+    drawing = linkage.diagram
     if points is not None:
         drawing = replace(drawing, points=points)
     if lengths is not None:
@@ -109,7 +109,7 @@ def apexes(linkage: Linkage) -> list[Apex] | None:
 def _is_plain(linkage: Linkage, name: str) -> bool:
     """Whether a link is as it is drawn, or its lengths alone say what it is."""
     points = linkage.links[name]
-    given = len(linkage._drawing.lengths_of(points))
+    given = len(linkage.diagram.lengths_of(points))
     return not given or len(points) == 2 or len(points) == 3 == given
 
 
@@ -157,7 +157,7 @@ class CamShape:
 
 def cam_shapes(linkage: Linkage) -> list[CamShape]:
     """The cams to be seen; none of those that cannot be made as they are drawn."""
-    drawing = linkage._drawing
+    drawing = linkage.diagram
     shapes = []
     for cam in linkage.cams:
         with suppress(DesignError, ValueError):
