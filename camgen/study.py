@@ -193,6 +193,7 @@ class Sketch:
     """What is drawn but not made: strokes (polylines, complex mm) and circles (centre, radius) on a body of the model.
 
     course: of what changes its shape, such as a thread: theta, (n,) rad -> one polyline on the ground, (n, k) complex mm.
+    swell: how far each point of a course lies over the height of the line, (k,) mm, as of a coil round a rod.
     z: height at which it lies, mm; None: as high as the parts of its `level`, a body of the model, of its own where none is named.
     upright: of a body whose plane stands, such as the follower of a drum; it is drawn in three dimensions alone.
     """
@@ -202,6 +203,7 @@ class Sketch:
     circles: Sequence[tuple[complex, float]] = ()
     body: str = "ground"
     course: Callable[[Floats], Points] | None = None
+    swell: Floats | None = None
     z: float | None = None
     level: str = ""
     upright: Upright | None = None

@@ -1,10 +1,13 @@
-"""Extension springs of round wire, cold coiled: EN 13906-2; patented drawn wire EN 10270-1 SH.
+"""Springs of round wire, cold coiled: extension springs, EN 13906-2, and compression springs, EN 13906-1; patented drawn wire
+EN 10270-1 SH.
 
 surge    the lowest at which its coils swing by themselves, sqrt(rate / mass) / 2: half a wave along the coils, both ends held
 rate     G d^4 / (8 D^3 n)
 stress   k 8 F D / (pi d^3), k = (w + 0.5) / (w - 0.75) by Bergstraesser, w = D / d; at most 0.45 of the wire's tensile
          strength
 legs     where its closed coils and hooks are shorter than its free length, straight wire from the coils to either eye
+solid    of a compression spring with closed, ground ends: (n + 2) d; it is never pressed so far by 15 % of its greatest stretch
+         [Shigley, Mechanical Engineering Design, eq. 10-17, table 10-1]
 """
 
 from __future__ import annotations
@@ -24,14 +27,16 @@ _SHARE = 0.45  # of the tensile strength
 _LEAST_COILS = 3.0
 _INDEX = (4.0, 20.0)  # of D / d
 _WIDER = (1.0, 1.25, 1.6, 2.0, 2.5)  # than its eyes need
+_LONGER = 1.5  # than the shortest that does as well
+_RESERVE = 0.15  # of a compression spring's greatest stretch, that it is off its solid length
 
 
 _BESIDE = "between your frame and your follower"
 
 
 @dataclass(frozen=True)
-class ExtensionSpring:
-    """Wire, outside diameter and free length between the insides of its eyes, mm; coils; rate N/mm; no initial tension."""
+class HelicalSpring:
+    """Wire, outside diameter and free length, mm; coils that give way; rate N/mm; no initial tension."""
 
     wire: float
     outside: float
@@ -39,20 +44,24 @@ class ExtensionSpring:
     free: float
     rate: float
 
+    @property
+    def mean(self) -> float:
+        """Diameter of the wire's middle line, mm."""
+        return self.outside - self.wire
+
     def force(self, length: Any) -> Any:
-        """N at lengths between the insides of its eyes, mm."""
-        return self.rate * (length - self.free)
+        """N at lengths, mm."""
+        raise NotImplementedError
 
     def stress(self, length: float) -> float:
         """Of the wire, N/mm^2."""
-        mean = self.outside - self.wire
-        index = mean / self.wire
+        index = self.mean / self.wire
         return float(
             (index + 0.5)
             / (index - 0.75)
             * 8
             * self.force(length)
-            * mean
+            * self.mean
             / (math.pi * self.wire**3)
         )
 
@@ -64,9 +73,16 @@ class ExtensionSpring:
     @property
     def surge(self) -> float:
         """Frequency of its own coils, Hz."""
-        mean = self.outside - self.wire
-        mass = math.pi**2 * self.wire**2 * mean * self.coils / 4 * STEEL.density * 1e-6  # kg
+        mass = math.pi**2 * self.wire**2 * self.mean * self.coils / 4 * STEEL.density * 1e-6  # kg
         return math.sqrt(1e3 * self.rate / mass) / 2
+
+
+class ExtensionSpring(HelicalSpring):
+    """Its lengths are between the insides of its eyes."""
+
+    def force(self, length: Any) -> Any:
+        """N at lengths between the insides of its eyes, mm."""
+        return self.rate * (length - self.free)
 
     def least_free(self, hook: float = 0.0) -> float:
         """Free length of its closed coils and two eyes, round or with hooks that are longer, mm."""
@@ -137,21 +153,78 @@ def pulling(
     return None
 
 
+class CompressionSpring(HelicalSpring):
+    """With closed and ground ends."""
+
+    def force(self, length: Any) -> Any:
+        """N at lengths, mm."""
+        return self.rate * (self.free - length)
+
+    @property
+    def inside(self) -> float:
+        """Inside diameter, mm."""
+        return self.outside - 2 * self.wire
+
+    @property
+    def solid(self) -> float:
+        """Length at which its coils touch, mm."""
+        return (self.coils + 2) * self.wire
+
+    def bought(self, shortest: float, longest: float) -> Bought:
+        """Its line in the parts list, with its forces at both ends of its way, mm."""
+        size = (
+            f"wire {self.wire:g}, inside diameter {self.inside:.3g}, {self.coils:.3g} coils and a closed, ground one at each end, "
+            f"free length {self.free:.4g}, {self.rate:.4g} N/mm, {self.force(longest):.4g} N at {longest:.4g} "
+            f"and {self.force(shortest):.4g} N at {shortest:.4g}, solid length {self.solid:.4g}"
+        )
+        return Bought("compression spring", "EN 13906-1", size, 1, "spring")
+
+
+def compression_spring(
+    rate: float, force: float, travel: float, inside: float, outside: float
+) -> WorkingSpring | None:
+    """The slimmest spring of a rate, N/mm, that presses with a force, N, where it is longest, whose wire bears being pressed solid
+    and that is hardly longer than others; inside, outside: its least and greatest diameters; mm. None where none can be."""
+    stretch = force / rate + travel
+    widest = (outside - inside) / 2
+    found = []  # slim ones first
+    for room in (0.0, 0.25, 0.5, 1.0):  # shares of the gap, by which it is wider than it needs be
+        for wire in WIRES:
+            mean = inside + wire + 2 * room * (widest - wire)
+            coils = _SHEAR * wire**4 / (8 * mean**3 * rate)
+            windable = coils >= _LEAST_COILS and _INDEX[0] <= mean / wire <= _INDEX[1]
+            if wire > widest or not windable:
+                continue
+            spring = CompressionSpring(wire, mean + wire, coils, 0.0, rate)
+            shortest = spring.solid + _RESERVE * stretch
+            spring = replace(spring, free=shortest + stretch)
+            if spring.stress(spring.solid) <= spring.strength:
+                found.append(WorkingSpring(spring, shortest, shortest + travel))
+    least = min((each.shortest for each in found), default=0.0)
+    return next((each for each in found if each.shortest <= _LONGER * least), None)
+
+
 @dataclass(frozen=True)
 class WorkingSpring:
     """A spring where it works."""
 
-    spring: ExtensionSpring
-    shortest: float  # inside its eyes, mm
+    spring: ExtensionSpring | CompressionSpring
+    shortest: float  # mm, of one with eyes inside them
     longest: float
     made: bool = True  # whether it hangs in the machine; else it is only proposed
     on_cam: bool = True  # whether it keeps a follower on its cam
     name: str = "spring"  # in its figures
+    count: int = 1
+
+    @property
+    def tightest(self) -> float:
+        """Length at which its wire bears most, mm."""
+        return max(self.shortest, self.longest, key=self.spring.force)
 
     @property
     def bought(self) -> Bought:
         """Its line in the parts list."""
-        return self.spring.bought(self.shortest, self.longest)
+        return replace(self.spring.bought(self.shortest, self.longest), count=self.count)
 
 
 def wound(rate: float, low: float, travel: float) -> WorkingSpring | None:

@@ -29,7 +29,7 @@ class Body:
     rings: closed outlines (points (n,) complex, bulges (n,)), drawn even-odd, so holes are rings too; bulge k is
     tan(sweep / 4) of the arc from point k to the next, positive counter-clockwise, 0 a straight edge.
     strokes: open polylines (n,) complex; circles: (centre, radius). course: an open polyline of its own for each frame,
-    (frames, k) complex, such as a thread. heights: of what is no part, from where to where it reaches, mm, the same of a line.
+    (frames, k) complex, such as a thread; swell: of its points over the line's height, (k,) mm. heights: of what is no part, from where to where it reaches, mm, the same of a line.
     upright: whether its plane stands, x along the machine's -y and y along its z, heights against its x: the drawing leaves it out.
     """
 
@@ -39,6 +39,7 @@ class Body:
     strokes: Sequence[Points] = ()
     circles: Sequence[tuple[complex, float]] = ()
     course: Points | None = None
+    swell: Floats | None = None
     heights: tuple[float, float] | None = None
     upright: bool = False
 
@@ -199,6 +200,11 @@ def frames(animation: Animation) -> dict[str, object]:
             str(k): _coordinates(body.course)
             for k, body in enumerate(animation.bodies)
             if body.course is not None
+        },
+        "swells": {
+            str(k): np.round(body.swell, 2).tolist()
+            for k, body in enumerate(animation.bodies)
+            if body.swell is not None
         },
         "output": [float(f"{value:z.6g}") if math.isfinite(value) else None for value in output],
     }

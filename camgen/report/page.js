@@ -19,7 +19,7 @@ const camgen = (() => {
   }
   // solid: a viewer shows the machine, the drawing rests; turned: share of all turns at an angle of this one
   // heights: of what is no part and is drawn in three dimensions too; upright: what of it moves in a plane that stands
-  const page = { follow, show, courseAt, poseAt, heights: data.heights, upright: data.upright, solid: false, turned: angle => (lap + angle / 360) / turns };
+  const page = { follow, show, courseAt, poseAt, heights: data.heights, upright: data.upright, swells: data.swells, solid: false, turned: angle => (lap + angle / 360) / turns };
   let folded = [];  // what is unfolded to be printed
   addEventListener("beforeprint", () => {
     folded = [...document.querySelectorAll("details:not([open])")];

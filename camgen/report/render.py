@@ -201,11 +201,37 @@ def _prism(ring: Points, low: float, high: float) -> Floats:
 def _courses(animation: Animation, frame: int) -> list[_Solid]:
     """Springs and threads, which change their shape."""
     still = (np.zeros(len(animation.theta)), np.zeros(len(animation.theta), complex))
-    return [
-        _solid(bands([body.course[frame]], (), *body.heights), part_colour(k), still, "line")
-        for k, body in enumerate(animation.bodies)
-        if body.course is not None and body.heights is not None
+    solids = []
+    for k, body in enumerate(animation.bodies):
+        if body.course is None or body.heights is None:
+            continue
+        line = body.course[frame]
+        if body.swell is None:
+            corners = bands([line], (), *body.heights)
+        else:
+            corners = _tube(np.column_stack([line.real, line.imag, body.heights[0] + body.swell]))
+        solid = _solid(corners, part_colour(k), still, "line")
+        solids.append(replace(solid, upright=body.upright))
+    return solids
+
+
+def _tube(line: Floats) -> Floats:
+    """Triangles (n, 3, 3), mm, of a wire along a line, (k, 3) mm: a square at each point, square to the line."""
+    way = np.gradient(line, axis=0)
+    way /= np.linalg.norm(way, axis=1)[:, None]
+    axis = np.eye(3)[np.argmin(np.abs(way).max(axis=0))]  # the one that it runs along least
+    aside = np.cross(way, axis)
+    aside /= np.linalg.norm(aside, axis=1)[:, None]
+    across = np.cross(way, aside)
+    ring = line[:, None] + _BAND * np.stack([aside, across, -aside, -across], axis=1)
+    after = np.roll(ring, -1, axis=1)
+    low, high = ring[:-1], after[:-1]
+    far_low, far_high = ring[1:], after[1:]
+    sides = [
+        np.stack([low, high, far_high], axis=2),
+        np.stack([low, far_high, far_low], axis=2),
     ]
+    return np.concatenate(sides).reshape(-1, 3, 3)
 
 
 # ---- the screen ------------------------------------------------------------------------------------------------------

@@ -262,13 +262,13 @@
         if (path === "rotation") body.group.quaternion.fromArray(values, 4 * i).slerp(q.fromArray(values, 4 * i + 4), share);
         else body.group.position.fromArray(values, 3 * i).lerp(p.fromArray(values, 3 * i + 3), share);
       }));
-      sketches.forEach(({ k, copy, course, mesh, half, low }) => {
+      sketches.forEach(({ k, copy, course, swell, mesh, half, low }) => {
         const pose = camgen.poseAt(copy, turned);
         mesh.visible = Boolean(pose) && !apart && shown(k);
         if (course && mesh.visible) {
           const flat = camgen.courseAt(k, turned), line = [];
-          for (let n = 0; n < flat.length; n += 2) line.push([flat[n], flat[n + 1]]);
-          mesh.geometry.setAttribute("position", bands([line], [], half, low, low));
+          for (let n = 0; n < flat.length; n += 2) line.push([flat[n], flat[n + 1], low + (swell ? swell[n / 2] : 0)]);
+          mesh.geometry.setAttribute("position", swell ? tube(line).getAttribute("position") : bands([line], [], half, low, low));
         } else if (pose) {
           mesh.rotation.z = pose[0] * Math.PI / 180;
           mesh.position.set(pose[1], pose[2], 0);
@@ -296,7 +296,7 @@
       stands.updateMatrixWorld();
       stands.add(mesh);
       scene.add(stands);
-      return { k, copy, course: Boolean(camgen.courseAt(k, 0)), mesh, half: 0.4, low, ends: extremes(mesh.geometry.attributes.position.array) };
+      return { k, copy, course: Boolean(camgen.courseAt(k, 0)), swell: camgen.swells[k], mesh, half: 0.4, low, ends: extremes(mesh.geometry.attributes.position.array) };
     });
 
     // -- all places where something comes, with the copy that comes there; apart, copies are lifted --

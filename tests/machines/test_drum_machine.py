@@ -21,9 +21,11 @@ from camgen.geometry.mesh import Mesh
 from camgen.judge import sweep_in_space as sweep_in_space_module
 from camgen.judge.sweep_in_space import sweep_in_space
 from camgen.machines.cylinder_cam.mechanism import CylinderCam
+from camgen.machines.loads.assess import assess
 from camgen.parts.assembly import bodies_in_motion, order_of_assembly
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.making import assembly_copies
+from camgen.pipeline.shown import animation
 from camgen.spec import validate
 
 SPEC = Path(__file__).parents[2] / "specs" / "cylinder-cam.toml"
@@ -192,6 +194,118 @@ def test_the_machine_is_built_listed_and_judged(kind: str, tmp_path: Path) -> No
     waits = {"arm-1", "bracket-1"} if kind == "arm" else {"carriage-1"}
     assert again == waits | {"end-plate-2"}
     assert pipeline.check(folder).ok
+
+
+LOADED = {"mass_kg": 0.2, "gravity_deg": -90.0}
+END = {"geometry": {"track": "end", "roller": SMALL}}
+
+
+def test_two_springs_press_as_the_forces_assume() -> None:
+    """Lengths from the solids of the scene: from the carriage's upper side to the upper plate's underside."""
+    made = machine(**END, load=LOADED, spring={"rate": 0.5, "preload": 4.0})
+    (spring,) = made.assembly.springs.values()
+    lift = max(made.motion(np.linspace(0, math.tau, 721)))
+    line = next(each for each in made.assembly.bought if each.name == "compression spring")
+    assert line.count == spring.count == 2 and line.standard == "EN 13906-1"
+    for theta in (0.0, 1.0, 2.5):
+        scene = made.scene(theta)
+        ends = {}
+        for name, highest in (("carriage-1", True), ("end-plate-2", False)):
+            matrix, key = scene.graph[name]
+            z = scene.geometry[key].vertices @ matrix[2, :3] + matrix[2, 3]
+            ends[name] = float(z.max() if highest else z.min())
+        length = ends["end-plate-2"] - ends["carriage-1"]
+        s = float(made.motion(np.array([theta]))[0])
+        assert 2 * spring.spring.force(length) == pytest.approx(4.0 + 0.5 * s, abs=1e-3)
+    assert spring.shortest > spring.spring.solid  # type: ignore[union-attr]
+    assert spring.longest - spring.shortest == pytest.approx(lift)
+    codes = {each.code: each for each in pipeline_findings(made)}
+    assert codes["SPRING_STRESS"].ok and codes["SURGE"].ok and codes["LIFT_OFF"].ok
+
+
+def pipeline_findings(made: CylinderCam) -> list[Finding]:
+    """Its limits and those of its loads."""
+    return [*made.limits(), *assess(made).findings]
+
+
+def test_springs_pass_by_all_that_moves() -> None:
+    """The whole room of each spring, a cylinder of its outside from carriage to plate, in a scene of its own solids."""
+    made = machine(**END, load=LOADED, spring={"rate": 3.0, "preload": 10.0})
+    (spring,) = made.assembly.springs.values()
+    for theta in np.linspace(0, math.tau, 9):
+        scene = made.scene(float(theta))
+        solids = {}
+        for node in scene.graph.nodes_geometry:
+            matrix, name = scene.graph[node]
+            solid = scene.geometry[name]
+            mesh = manifold3d.Mesh64(np.array(solid.vertices), np.array(solid.faces, np.uint64))
+            solids[node] = manifold3d.Manifold(mesh).transform(matrix[:3])
+        rods = [scene.graph[f"rod-{k}"][0][:2, 3] for k in (1, 2)]
+        low = solids["carriage-1"].bounding_box()[5]
+        high = solids["end-plate-2"].bounding_box()[2]
+        # inside its coils there is the rod, with a tenth of its width over
+        assert spring.spring.outside - 2 * spring.spring.wire >= 1.1 * 6.0 - 1e-9
+        for x, y in rods:
+            room = manifold3d.Manifold.cylinder(high - low, spring.spring.outside / 2, -1, 96)
+            room = room.translate((float(x), float(y), float(low)))
+            for name in ("drum-1", "shaft-1", "spacer-above-1", "roller-1", "roller-pin-1"):
+                assert room.min_gap(solids[name], 2.0) > 0.5, (name, theta)
+            assert (room ^ solids["carriage-1"]).volume() == pytest.approx(0, abs=1e-6)
+    assert (room ^ solids["rod-2"]).volume() > 1  # the room is where the rod is
+
+
+def test_a_spring_that_is_left_open_holds_the_roller_and_is_filled_in() -> None:
+    fast = {"motor": {"speed_rpm": 300.0, "torque_n_m": 5.0, "model": None}}
+    made = machine(**END, load={"mass_kg": 0.5}, **fast)
+    filled = made.resolved()
+    assert filled.spring is not None and filled.spring.preload > 2.0
+    assert next(each for each in made.limits() if each.code == "LIFT_OFF").ok
+    half = made.replace({"spring.preload": filled.spring.preload / 2, "spring.rate": 1e-3})
+    assert not next(each for each in half.limits() if each.code == "LIFT_OFF").ok
+    again = filled.assembly.springs
+    assert again == made.assembly.springs and len(again) == 1
+    # without a mass nothing is known of forces: the carriage is pressed so that it does not rub
+    (plain,) = machine(**END).assembly.springs.values()
+    assert 2 * plain.spring.force(plain.longest) == pytest.approx(2.0)
+    assert machine(**END).resolved().spring is None
+    assert not machine(geometry={"roller": SMALL}).assembly.springs
+
+
+def test_springs_come_round_the_front_rods_before_the_plate() -> None:
+    made = machine(**END)
+    steps = order_of_assembly(made.assembly).steps
+    coming = [k for k, step in enumerate(steps) if step.wire is not None]
+    plate = next(k for k, step in enumerate(steps) if "end-plate-2" in step.copies)
+    drum = max(k for k, step in enumerate(steps) if "drum-1" in step.copies)
+    assert len(coming) == 2 and drum < coming[0] and coming[1] < plate
+    assert "presses both springs" in steps[plate].title
+    scene = made.scene(0.0)
+    rods = [scene.graph[f"rod-{k}"][0][:2, 3] for k in (1, 2)]
+    (spring,) = made.assembly.springs.values()
+    for k, rod in zip(coming, rods, strict=True):
+        wire = steps[k].wire
+        assert wire is not None
+        away = np.hypot(*(wire[:, :2] - rod).T)
+        assert away == pytest.approx(
+            np.full(len(wire), (spring.spring.outside - spring.spring.wire) / 2)
+        )
+    # the moving picture has them too, as long as the room is at each frame
+    film = animation(made)
+    (first, _) = (body for body in film.bodies if body.name.startswith("spring"))
+    assert first.course is not None and first.swell is not None and first.upright
+    heights = np.ptp(first.course.imag, axis=1) + spring.spring.wire
+    s = made.motion(film.theta)
+    free = spring.spring.free - heights
+    assert np.max(np.abs(2 * spring.spring.rate * free - 2.0 - (2.0 / np.ptp(s)) * s)) < 0.05
+
+
+def test_a_spring_that_no_wire_is_is_refused() -> None:
+    with pytest.raises(DesignError, match="compression springs of round wire"):
+        _ = machine(**END, load=LOADED, spring={"rate": 500.0, "preload": 9000.0}).assembly
+    arm = machine(
+        geometry={"track": "end", "follower": ARM}, limits={"lash": 0.5, "least_radius": 1.0}
+    )
+    assert not arm.assembly.springs and "Bring a spring" in " ".join(arm.study().notes)
 
 
 def test_a_copy_that_is_missing_is_told(tmp_path: Path) -> None:

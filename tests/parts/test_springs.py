@@ -7,7 +7,13 @@ import math
 import pytest
 
 from camgen import guide
-from camgen.parts.springs import ExtensionSpring, extension_spring, wound
+from camgen.parts.springs import (
+    CompressionSpring,
+    ExtensionSpring,
+    compression_spring,
+    extension_spring,
+    wound,
+)
 
 LBF_IN = 0.1751268  # N/mm
 
@@ -75,3 +81,41 @@ def test_the_list_of_parts_says_how_long_its_legs_are() -> None:
     )
     round_eyes = ExtensionSpring(1.0, 11.0, 12.0, 13.0 + 2 * 9.0, 0.85).bought(40.0, 50.0)
     assert "closed coils of 13, 0.85 N/mm" in round_eyes.size
+
+
+def test_a_compression_spring_is_never_pressed_solid() -> None:
+    """Shigley, table 10-1, squared and ground ends: solid length d (n + 2); eq. 10-17: the force at solid is at least 1.15 of the
+    greatest at work. Rate by Castigliano: the wire as a bar twisted by F D / 2 over its length pi D n."""
+    found = compression_spring(0.25, 2.0, 12.0, 6.6, 12.2)
+    assert found is not None and isinstance(found.spring, CompressionSpring)
+    spring = found.spring
+    assert found.longest - found.shortest == pytest.approx(12)
+    assert spring.force(found.longest) == pytest.approx(2)
+    assert spring.force(found.shortest) == pytest.approx(2 + 0.25 * 12)
+    assert spring.solid == pytest.approx(spring.wire * (spring.coils + 2))
+    assert spring.force(spring.solid) == pytest.approx(1.15 * spring.force(found.shortest))
+    assert spring.stress(spring.solid) <= spring.strength
+    assert spring.inside == pytest.approx(6.6) and spring.outside <= 12.2
+    polar = math.pi * spring.wire**4 / 32
+    length = math.pi * spring.mean * spring.coils
+    assert 81500 * polar / length / (spring.mean / 2) ** 2 == pytest.approx(0.25)
+    said = found.bought.size
+    for word in (
+        "wire 0.5",
+        "coils",
+        "free length",
+        "N/mm",
+        "solid length",
+        f"2 N at {found.longest:.4g}",
+    ):
+        assert word in said
+
+
+def test_a_compression_spring_is_wider_where_a_slim_one_is_long_or_not_at_all() -> None:
+    """Of so stiff a wire a slim spring has 60 coils, 105 mm where it is shortest."""
+    slim = compression_spring(0.25, 2.0, 12.0, 6.6, 12.2)
+    wide = compression_spring(2.0, 40.0, 12.0, 6.6, 16.2)
+    assert slim is not None and wide is not None
+    assert isinstance(wide.spring, CompressionSpring) and wide.spring.inside > 6.61
+    assert wide.shortest < 80
+    assert compression_spring(50.0, 4000.0, 12.0, 6.6, 12.2) is None

@@ -3,8 +3,9 @@
  ====o====  crank        The drum's axis is upright, as its files have it. Both plates are one part, the upper one turned over:
 ___________ plate        a bearing in a seat, four rods. The two rods on the roller's side guide the carriage of a slide, or hold
  |  |#|  |                the bracket on which an arm turns; both are bored along the rods and carry their pin square to them.
- |  |#|==|  carriage     Between plates and drum two spacers on the shaft take up what the follower needs of height.
-_|__|#|__|_ plate        Heights are over the lower plate's underside, along the drum's axis; lengths mm.
+ |  |#|==|  carriage     Between plates and drum two spacers on the shaft take up what the follower needs of height. On an end cam
+_|__|#|__|_ plate        a compression spring round each of these rods presses the carriage down, from the upper plate.
+                         Heights are over the lower plate's underside, along the drum's axis; lengths mm.
 """
 
 from __future__ import annotations
@@ -13,18 +14,23 @@ import cmath
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
+import numpy as np
+
+from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, Region, circle, rectangle
 from camgen.machine.features import Mount
 from camgen.machine.model import GROUND
 from camgen.machines.cylinder_cam.pieces import SEAT, ring_mount
 from camgen.machines.cylinder_cam.tables import DrumParts
 from camgen.machines.cylinder_cam.track import Track
+from camgen.numerics import Floats, Points
 from camgen.parts.catalogue import BEARINGS, DOWELS, Bearing, ball_roller
 from camgen.parts.part import Layer, Part, hull
+from camgen.parts.springs import EYE, WorkingSpring, compression_spring
 from camgen.parts.steps import COLUMNS
-from camgen.study import Step, Table
+from camgen.study import Sketch, Step, Table, Upright
 
 _CAM = "cam"
 _FOLLOWER = "follower"
@@ -37,6 +43,7 @@ _KNOB = (12.0, 25.0)  # diameter and length
 _STUB = 5.0  # diameter, in the crank
 _FIRST = "on the table, its key up"
 _ASIDE = "on the table beside the machine; step {step} puts it in"
+_ROUND = 12  # points of a spring's wire for each coil
 _OUT = 20.0  # of the shaft over the upper plate, where a motor turns it
 
 
@@ -71,6 +78,8 @@ class Bench:
     fits: Fits
     drum: Sequence[Part]  # and the ring on it, where it is in two pieces
     cranked: bool  # whether a hand turns it
+    # of both springs, N where the carriage is lowest and N/mm; None: nothing presses it
+    pressing: tuple[float, float] | None = None
 
     # ---- sizes ------------------------------------------------------------------------------------------------------
 
@@ -158,7 +167,54 @@ class Bench:
             ends += [track.height - half, track.height + half]
         else:
             ends += [track.height + low - half, track.height + high + half]
-        return min(ends) - _AIR, max(ends) + _AIR
+        room = self._wound.shortest - _AIR if self._wound is not None else 0.0
+        return min(ends) - _AIR, max(*ends, track.height + high + half + room) + _AIR
+
+    @cached_property
+    def _wound(self) -> WorkingSpring | None:
+        """Either spring with the least room over the carriage where it is highest; DesignError where none can be."""
+        if self.pressing is None:
+            return None
+        force, rate = (each / 2 for each in self.pressing)
+        low, high = self.track.program.extremes
+        inside = EYE * self.sizes.rod_diameter
+        found = compression_spring(rate, force, high - low, inside, self.block_depth)
+        if found is None:
+            raise DesignError(
+                "compression springs of round wire",
+                0,
+                1,
+                "",
+                f"{force:.4g} N and {rate:.4g} N/mm each, {inside:.4g} to {self.block_depth:.4g} mm wide, over {high - low:.4g} mm",
+                "another spring.preload or spring.rate, a smaller lift, or a larger parts.wall, which makes room for a wider one",
+            )
+        return found
+
+    @property
+    def spring(self) -> WorkingSpring | None:
+        """Either of the springs as it stands on the carriage; None where nothing presses it."""
+        wound = self._wound
+        if wound is None:
+            return None
+        more = self._ceiling - self.carriage_top(self.track.program.extremes[1]) - wound.shortest
+        longer = replace(wound.spring, free=wound.spring.free + more)
+        return replace(
+            wound,
+            spring=longer,
+            shortest=wound.shortest + more,
+            longest=wound.longest + more,
+            name="each spring",
+            count=2,
+        )
+
+    @property
+    def _ceiling(self) -> float:
+        """Height of the upper plate's underside."""
+        return self.top - self.plate_thickness
+
+    def carriage_top(self, s: float) -> float:
+        """Height of the carriage's upper side at a displacement, mm."""
+        return self.base + self.track.height + s + self.block_height / 2
 
     @property
     def base(self) -> float:
@@ -456,6 +512,70 @@ class Bench:
         part = Part("roller", "Roller", layers, centres=(0j,), drawn_layer=1)
         yield part, [Mount("roller", _FOLLOWER, at, z=_END_PLAY - face) for at in places]
 
+    # ---- springs ----------------------------------------------------------------------------------------------------
+
+    @property
+    def _springs_places(self) -> list[str]:
+        """Where both go; nothing without them."""
+        if self.spring is None:
+            return []
+        free = self.spring.spring.free
+        return [
+            f"round {rod}, down on the carriage, {free:.4g} mm long as it is"
+            for rod in ("a front rod", "the other front rod")
+        ]
+
+    @property
+    def _pressed(self) -> str:
+        """How the upper plate is put on against both springs."""
+        assert self.spring is not None, "nothing presses the carriage"
+        length = self._ceiling - self._rest
+        force = 2 * self.spring.spring.force(length)
+        return f"it presses both springs to {length:.4g} mm with {force:.3g} N: hold it until the glue holds"
+
+    @property
+    def _rest(self) -> float:
+        """Height of the carriage's upper side at cam angle 0."""
+        return self.carriage_top(float(self.track.program(np.zeros(1))[0]))
+
+    def _wires(self) -> list[Floats]:
+        """Line of either spring's wire at cam angle 0, (n, 3) mm: round its rod, its ends closed; nothing without them."""
+        if self.spring is None:
+            return []
+        spring = self.spring.spring
+        low = self._rest
+        turn = np.linspace(0, spring.coils + 2, _ROUND * math.ceil(spring.coils + 2) + 1)
+        half = spring.wire / 2
+        ends = [half, 3 * half, self._ceiling - low - 3 * half, self._ceiling - low - half]
+        z = low + np.interp(turn, [0, 1, spring.coils + 1, spring.coils + 2], ends)
+        round_ = spring.mean / 2 * np.exp(2j * math.pi * turn)
+        return [
+            np.column_stack([(at + round_).real, (at + round_).imag, z]) for at in self.rods[:2]
+        ]
+
+    def sketches(self) -> list[Sketch]:
+        """Springs as the report shows them: their wire round each rod, in a plane that stands."""
+        wires = self._wires()
+        if not wires:
+            return []
+        low = self._rest
+        start = float(self.track.program(np.zeros(1))[0])
+
+        def course(wire: Floats, theta: Floats) -> Points:
+            pressed = (self.track.program(theta) - start) / (self._ceiling - low)
+            z = wire[:, 2] + pressed[:, None] * (self._ceiling - wire[:, 2])
+            return np.asarray(-wire[:, 1] + 1j * z)
+
+        return [
+            Sketch(
+                f"spring {k}",
+                course=partial(course, wire),
+                swell=rod.real - wire[:, 0],
+                upright=Upright(rod.real, rod.real),
+            )
+            for k, (rod, wire) in enumerate(zip(self.rods[:2], wires, strict=True), 1)
+        ]
+
     # ---- steps ------------------------------------------------------------------------------------------------------
 
     def steps(self) -> Table:
@@ -465,10 +585,10 @@ class Bench:
         copies = {
             part.name: [f"{part.name}-{k + 1}" for k in range(len(m))] for part, m in self.made
         }
-        thrust = (
-            f"its roller in the track, its {'bracket' if swings else 'bores'} on the front rods"
-        )
+        track = "on the drum's end" if self.track.geometry.track == "end" else "in the track"
+        thrust = f"its roller {track}, its {'bracket' if swings else 'bores'} on the front rods"
         rings = [part.name for part in self.drum[1:]]
+        pressing = f"; {self._pressed}" if self.spring is not None else ""
         said: list[tuple[str, str, list[str]]] = [
             *(("drum", _FIRST, copies["drum"]) for _ in rings),
             *((ring, SEAT, copies[ring]) for ring in rings),
@@ -497,9 +617,14 @@ class Bench:
                     *copies["bracket" if swings else "carriage"],
                 ],
             ),
+            *(("spring", where, []) for where in self._springs_places),
             ("spacer-above", "on the shaft", copies["spacer-above"]),
             ("bearing", "on the shaft", ["bearing-2"]),
-            ("end-plate", "seat down, on bearing and rods, flush above", ["end-plate-2"]),
+            (
+                "end-plate",
+                f"seat down, on bearing and rods, flush above{pressing}",
+                ["end-plate-2"],
+            ),
             ("end-plate", "glued on the rods", ["end-plate-2"]),
         ]
         if self.cranked:
@@ -507,7 +632,8 @@ class Bench:
                 ("crank", "glued on the shaft", copies["crank"]),
                 ("knob", "glued into the crank", copies["knob"]),
             ]
-        titles = {part.name: part.title for part, _ in self.made}
+        titles = {part.name: part.title for part, _ in self.made} | {"spring": "Compression spring"}
+        wires = iter(self._wires())
         mounts = {
             copy: mount
             for part, m in self.made
@@ -519,6 +645,11 @@ class Bench:
         for number, (name, place, which) in enumerate(said, 1):
             where = place.format(step=taken)
             title = titles[name]
+            if name == "spring":
+                low = round(self._rest, 3)
+                rows.append((number, name, title, where, 1, low, "upright"))
+                steps.append(Step(f"{title}; {where}", wire=next(wires)))
+                continue
             own = [copy for copy in which if copy in copies[name]]
             mount = mounts[own[0]]
             level = mount.body in (GROUND, _CAM) and not mount.upright

@@ -71,9 +71,12 @@ from camgen.parts.catalogue import (
 )
 from camgen.parts.disc_cams import turning_note
 from camgen.parts.part import Part, drum_part
+from camgen.spec import validate
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study, Upright
 
 _FOLLOWER = "follower"
+_LEAST_PRESS = 2.0  # N, of the springs of a machine: its carriage rubs
+_OVER = 1.5  # of what keeps contact
 _SMOOTHER = "a law that ends smoother, or 'matched', joins them"
 _FLATTER = "a larger geometry.radius, a longer span or a smaller lift lowers it"
 
@@ -94,7 +97,7 @@ class CylinderCam(Mechanism):
     spring: SpringTable | None = Field(
         default=None,
         description='track "end": the spring that presses the follower on the cam; the report says what is '
-        "needed",
+        "needed; a printed machine with a slide has two on its rods, which share both; 0: as strong as is needed",
     )
     making: Annotated[DrumParts, Field(alias="parts")] = DrumParts.model_construct()
     allowed: Annotated[DrumLimits, Field(alias="limits")] = DrumLimits.model_construct()
@@ -141,7 +144,7 @@ class CylinderCam(Mechanism):
             'track "end"',
         )
         if not found and self.load is not None and self.load.polydyne:
-            found += polydyne_faults(self.load, self.spring, self._given, False)
+            found += polydyne_faults(self.load, self.spring, self._given, self._sprung)
         return [*found, *still_faults(("segment",), [table.kind for table in self.segment])]
 
     def _follower_faults(self) -> list[Fault]:
@@ -306,7 +309,60 @@ class CylinderCam(Mechanism):
         if self.geometry.follower.swings:
             found["geometry.follower.pivot"] = track.pivot
             found["geometry.follower.start_deg"] = math.degrees(track.start)
+        if self._sprung and self.load is not None and self._pressing is not None:
+            found["spring.rate"] = self._pressing.rate
+            found["spring.preload"] = self._pressing.preload
         return {**super()._found(), **found}
+
+    # ---- springs of the machine -------------------------------------------------------------------------------------
+
+    def _pressing_notes(self) -> Iterator[str]:
+        """What presses the follower of a printed machine on its cam, where that is an end cam."""
+        if self.geometry.track != "end":
+            return
+        if self._pressing is None:
+            yield "Bring a spring that presses the arm down on the drum's upper end."
+        elif self._sprung:
+            low, high = self.program.extremes
+            most = self._pressing.preload + self._pressing.rate * (high - low)
+            unknown = (
+                ""
+                if self.load
+                else ", whatever mass and speed need: with [load] they are as strong as that"
+            )
+            yield (
+                f"Two compression springs round the front rods press the carriage down, with {self._pressing.preload:.4g} N where it is "
+                f"lowest and {most:.4g} N where it is highest{unknown}. The rods guide them, so that they cannot buckle."
+            )
+
+    @property
+    def _sprung(self) -> bool:
+        """Whether springs are made that press a carriage on an end cam."""
+        ends = self.geometry.track == "end" and not self.geometry.follower.swings
+        return ends and self.making.make == "printed"
+
+    @cached_property
+    def _pressing(self) -> SpringTable | None:
+        """What presses the follower on the cam: as the spec says, and in a machine what it leaves open."""
+        if not self._sprung:
+            return self.spring
+        given = self.spring or SpringTable()
+        preload = given.preload or max(_LEAST_PRESS, _OVER * self._missing(given.rate))
+        low, high = self.program.extremes
+        return SpringTable(rate=given.rate or preload / (high - low), preload=preload)
+
+    def _missing(self, rate: float) -> float:
+        """Preload that a spring of a rate, N/mm, needs so that the follower stays on the cam, N; 0 where none does."""
+        if self.load is None:
+            return 0.0
+        data = self.model_dump(by_alias=True, exclude_none=True)
+        data["geometry"]["radius"] = self.track.radius
+        data["parts"]["make"] = "drum"
+        data["spring"] = {"rate": rate, "preload": 0.0}
+        alone = validate(type(self), data)
+        assert alone._loaded is not None, "[load] is given"
+        needed = alone._loaded.spring_needed(load_of(alone.load, alone.spring) or FollowerLoad())[0]
+        return needed if math.isfinite(needed) else 0.0
 
     @cached_property
     def assembly(self) -> Assembly:
@@ -339,6 +395,7 @@ class CylinderCam(Mechanism):
                 planes={_FOLLOWER: bench.plane},
                 touching=bench.touching,
                 work=Later(lambda: [bench.steps()]),
+                springs={} if bench.spring is None else {bench.spring.name: bench.spring},
             )
         output = self.model.outputs[0].name
         demand = Demand(output, lash=self.allowed.lash / self.geometry.follower.unit[1])
@@ -351,7 +408,7 @@ class CylinderCam(Mechanism):
                     ring=None if pieces is None else pieces.ring,
                 ),
             ),
-            bought=self._bought(),
+            bought=[*self._bought(), *(each.bought for each in made.springs.values())],
             demands=(demand,),
         )
 
@@ -367,7 +424,9 @@ class CylinderCam(Mechanism):
         """The machine round the pieces of the drum."""
         fits = Fits(self.print.press_clearance, self.print.slide_clearance)
         cranked = self.motor.model == "hand crank"
-        return Bench(self.track, self.making, fits, drum, cranked)
+        springs = self._pressing if self._sprung else None
+        pressing = None if springs is None else (springs.preload, springs.rate)
+        return Bench(self.track, self.making, fits, drum, cranked, pressing)
 
     def _bought(self) -> list[Bought]:
         """What turns and what rolls; slide or arm are the person's own. Of a whole machine both are parts."""
@@ -472,7 +531,7 @@ class CylinderCam(Mechanism):
 
     @cached_property
     def _load(self) -> FollowerLoad | None:
-        return load_of(self.load, self.spring)
+        return load_of(self.load, self._pressing)
 
     @cached_property
     def _loaded(self) -> Loaded | None:
@@ -605,9 +664,9 @@ class CylinderCam(Mechanism):
         return [*motion_plots(self.program, self.geometry.follower.unit, self._speed), pressure]
 
     def _sketches(self) -> list[Sketch]:
-        """The rollers, and the slide or arm that carries them beside the drum, at s = 0; nothing where they are made."""
+        """The rollers, and the slide or arm that carries them beside the drum, at s = 0; of a machine its springs."""
         if self.making.make == "printed":
-            return []
+            return self._bench(()).sketches()
         track = self.track
         g = self.geometry
         f = g.follower
@@ -647,9 +706,10 @@ class CylinderCam(Mechanism):
         if self.geometry.follower.swings:
             place = f"the arm's pivot is {track.pivot:.4g} mm beside the drum's axis, {where}; at displacement 0 the arm stands at {math.degrees(track.start):.4g} deg"
         if self.making.make == "printed":
-            return [
+            said = [
                 "theta is counter-clockwise as seen from above; at 0 the follower stands at +x."
             ]
+            return [*said, *self._pressing_notes()]
         return [
             f"The drum is what is made. Bring the follower, its guide, the roller, shaft and bearings: {place}, the roller's inner end {track.inner:.4g} mm from the drum's axis.",
             "theta is counter-clockwise as seen from above; at 0 the follower stands at +x of the drum's files.",

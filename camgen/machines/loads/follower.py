@@ -23,6 +23,7 @@ from camgen.machines.loads.tables import Weight
 from camgen.motion.laws import LAWS
 from camgen.motion.program import Program
 from camgen.numerics import Floats, peak
+from camgen.parts.springs import CompressionSpring
 from camgen.study import Figure, Plot, Table
 
 if TYPE_CHECKING:
@@ -272,10 +273,12 @@ def springs(mounted: Mapping[str, WorkingSpring], speed: float) -> LoadCheck:
     turns = abs(speed) / math.tau
     for name, each in mounted.items():
         spring = each.spring
-        stress = spring.stress(each.longest)
+        stress = spring.stress(each.tightest)
+        low, high = sorted((spring.force(each.shortest), spring.force(each.longest)))
+        pressed = isinstance(spring, CompressionSpring)
         surge = spring.surge
         coils = f"outside diameter {spring.outside:.4g}, {spring.coils:.3g} coils"
-        size = f"wire {spring.wire:g}, {coils}, free length {spring.free:.4g} mm, stretched to {each.longest:.4g} mm"
+        size = f"wire {spring.wire:g}, {coils}, free length {spring.free:.4g} mm, {'pressed' if pressed else 'stretched'} to {each.tightest:.4g} mm"
         where = Where(name)
         check.findings.append(at_most("SPRING_STRESS", stress, spring.strength, "MPa", where, size))
         if each.on_cam:
@@ -291,8 +294,8 @@ def springs(mounted: Mapping[str, WorkingSpring], speed: float) -> LoadCheck:
             Figure("{joint} rate", spring.rate, "N/mm", joint=each.name),
             Figure("{joint} stress", stress, "MPa", joint=each.name),
             Figure("{joint} surge", surge, "Hz", joint=each.name),
-            Figure("{joint} force, least", spring.force(each.shortest), "N", joint=each.name),
-            Figure("{joint} force, greatest", spring.force(each.longest), "N", joint=each.name),
+            Figure("{joint} force, least", low, "N", joint=each.name),
+            Figure("{joint} force, greatest", high, "N", joint=each.name),
         ]
     return check
 
