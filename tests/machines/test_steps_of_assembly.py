@@ -470,7 +470,7 @@ def empty(machine: Mechanism) -> list[Ring]:
     return [hole for hole in meant if not any(each.goes_through(hole, 1.0) for each in outlines)]
 
 
-OWN_WORDS = {"uniform-swing", "drum-feeder"}  # steps in words of their own
+OWN_WORDS = {"uniform-swing", "drum-feeder", "end-cam"}  # steps in words of their own
 
 
 @pytest.mark.long

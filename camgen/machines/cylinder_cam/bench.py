@@ -647,7 +647,7 @@ class Bench:
             title = titles[name]
             if name == "spring":
                 low = round(self._rest, 3)
-                rows.append((number, name, title, where, 1, low, "upright"))
+                rows.append((number, "compression spring", title, where, 1, low, "upright"))
                 steps.append(Step(f"{title}; {where}", wire=next(wires)))
                 continue
             own = [copy for copy in which if copy in copies[name]]
