@@ -203,10 +203,10 @@ class Sketch:
     circles: Sequence[tuple[complex, float]] = ()
     body: str = "ground"
     course: Callable[[Floats], Points] | None = None
-    swell: Floats | None = None
     z: float | None = None
     level: str = ""
     upright: Upright | None = None
+    swell: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False)

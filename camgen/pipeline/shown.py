@@ -68,8 +68,8 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
         course = None if s.course is None else s.course(theta)
         place = body.place + (s.upright.origin if s.upright else 0j)
         pose = [PartPose(place, body.angle)]
-        drawn = Body(s.name, pose, (), s.strokes, s.circles, course, s.swell, _heights(assembly, s))
-        bodies.append(replace(drawn, upright=s.upright is not None))
+        drawn = Body(s.name, pose, (), s.strokes, s.circles, course, _heights(assembly, s))
+        bodies.append(replace(drawn, upright=s.upright is not None, swell=s.swell))
     moving = _with_output(mechanism, theta, bodies)
     cycle = assembly.cycle
     if not cycle.to_and_fro:

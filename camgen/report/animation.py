@@ -39,9 +39,9 @@ class Body:
     strokes: Sequence[Points] = ()
     circles: Sequence[tuple[complex, float]] = ()
     course: Points | None = None
-    swell: Floats | None = None
     heights: tuple[float, float] | None = None
     upright: bool = False
+    swell: Floats | None = None
 
 
 @dataclass(frozen=True)

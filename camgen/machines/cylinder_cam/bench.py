@@ -640,7 +640,7 @@ class Bench:
             for copy, mount in zip(copies[part.name], m, strict=True)
         }
         taken = max(k for k, (name, _, _) in enumerate(said, 1) if name == "drum")
-        rows = []
+        rows: list[tuple[object, ...]] = []
         steps = []
         for number, (name, place, which) in enumerate(said, 1):
             where = place.format(step=taken)
