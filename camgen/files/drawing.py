@@ -13,7 +13,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from string import ascii_uppercase
 
@@ -36,8 +36,9 @@ from camgen.files.dimensions import (
     zero_of,
 )
 from camgen.files.labels import Label, Obstacles, along, callouts, leader
-from camgen.files.limits import decimals, general, in_limits
-from camgen.files.sheet import Sheet, Size, Text, write_dxf_sheet, write_pdf
+from camgen.files.limits import decimals, in_limits
+from camgen.files.measures import REFERENCE, Measure, dimension
+from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
 from camgen.files.symbols import (
     FRAME,
     all_round,
@@ -106,9 +107,6 @@ def write_drawing(
     return paths
 
 
-_REFERENCE = "("  # before a size that follows from others, and that no one has to keep [ISO 129-1]
-
-
 def _limits(fit: str, size: float) -> str:
     """A fit with its deviations; "" of none."""
     return in_limits(fit, size) if fit else ""
@@ -146,24 +144,6 @@ def _contours(layers: Sequence[Layer], tolerance: float) -> list[Contour]:
         for region in regions
         for contour in (region.outer, *region.holes)
     ]
-
-
-@dataclass(frozen=True)
-class Measure:
-    """What a linear dimension says.
-
-    fit: behind the number; factor: mm of the part for one at the scale of the views, below 1 in a detail.
-    """
-
-    value: float  # mm
-    sign: str = ""  # before the number
-    fit: str = ""
-    factor: float = 1.0
-
-    @property
-    def behind(self) -> str:
-        """What stands behind the number: its fit, or the end of the parentheses of a reference size."""
-        return ")" if self.sign == _REFERENCE else f" {self.fit}" if self.fit else ""
 
 
 class _Layout:
@@ -412,7 +392,7 @@ class _Layout:
         diameters = [
             2 * each for each in (self.disc, shaft[1] if shaft else None) if each
         ]  # diameters
-        other = _REFERENCE if free(self.part.region.outer) else ""
+        other = REFERENCE if free(self.part.region.outer) else ""
         signs = (
             "Ø" if any(abs(size - each) < SAME_POINT for each in diameters) else other
             for size in (span.real, span.imag)
@@ -654,38 +634,8 @@ class _Layout:
             )
 
     def _dimension(self, a: complex, b: complex, away: complex, measure: Measure) -> None:
-        """Linear dimension between a and b (paper), its line moved by `away`; arrows outside where it is short."""
-        sheet = Sheet(0.0, 0.0, "")
-        out = away / abs(away)
-        for end in (a, b):
-            sheet.line(end + out, end + away + 2 * out, layer="DIM")
-        start = a + away
-        end = b + away
-        length = abs(end - start)
-        along = (end - start) / abs(end - start)
-        reading = 1 if abs(along.real) > 0.5 else 1j
-        outside = length < 12
-        if outside:
-            start = start - 6 * along
-            end = end + 6 * along
-        sheet.line(start, end, layer="DIM")
-        sheet.arrow(start + 6 * along if outside else start, along if outside else -along)
-        sheet.arrow(end - 6 * along if outside else end, -along if outside else along)
-        digits = 3 if measure.fit else decimals(general(measure.value, self.facts.tolerance))
-        behind = measure.behind
-        high = 3.5 if measure.factor == 1.0 else 2.5
-        text = f"{measure.sign}{number(measure.value, digits)}{behind}"
-        label = Text(0j, text, high, "centre", reading, "DIM")
-        middle = (start + end) / 2
-        if length < label.width + 7:  # beside the arrows: to the left, or above
-            tail, out = (start, -along) if abs(along.real) > 0.5 else (end, along)
-            middle = tail + out * (label.width / 2 + 1)
-            sheet.line(tail, tail + out * (label.width + 2), layer="DIM")
-        sheet.things.append(replace(label, at=middle + 0.9j * reading))
-        drawn = tuple(sheet.primitives)
-        line = b + away
-        size = Size(a, b, line, measure.value, measure.sign, drawn, digits, behind, measure.factor)
-        self.sheet.things.append(size)
+        """A linear dimension of the views, or of a detail."""
+        dimension(self.sheet, (a, b), away, measure, self.facts.tolerance)
 
     def _shape(self, hole: Hole) -> str:
         """What a hole is, with its fit; of a bore on whose shaft nothing else is known that of the spec."""

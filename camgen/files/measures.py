@@ -1,0 +1,76 @@
+"""Linear dimensions of a drawing, on paper: lines, arrows and the number with its fit. Coordinates: mm of paper."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from camgen.files.dimensions import number
+from camgen.files.limits import decimals, general
+from camgen.files.sheet import Sheet, Size, Text
+
+REFERENCE = "("  # before a size that follows from others, and that no one has to keep [ISO 129-1]
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What a linear dimension says.
+
+    fit: behind the number; factor: mm of the part for one at the scale of the views, below 1 in a detail.
+    """
+
+    value: float  # mm
+    sign: str = ""  # before the number
+    fit: str = ""
+    factor: float = 1.0
+
+    @property
+    def behind(self) -> str:
+        """What stands behind the number: its fit, or the end of the parentheses of a reference size."""
+        return ")" if self.sign == REFERENCE else f" {self.fit}" if self.fit else ""
+
+
+def dimension(
+    sheet: Sheet, ends: tuple[complex, complex], away: complex, measure: Measure, tolerance: str
+) -> None:
+    """Linear dimension between two ends, its line moved by `away`; arrows outside where it is short.
+
+    tolerance: the sheet's general one, which says how many decimals a number without a fit has.
+    """
+    drawn = Sheet(0.0, 0.0, "")
+    out = away / abs(away)
+    for end in ends:
+        drawn.line(end + out, end + away + 2 * out, layer="DIM")
+    start = ends[0] + away
+    end = ends[1] + away
+    length = abs(end - start)
+    along = (end - start) / length
+    reading = 1 if abs(along.real) > 0.5 else 1j
+    outside = length < 12
+    if outside:
+        start = start - 6 * along
+        end = end + 6 * along
+    drawn.line(start, end, layer="DIM")
+    drawn.arrow(start + 6 * along if outside else start, along if outside else -along)
+    drawn.arrow(end - 6 * along if outside else end, -along if outside else along)
+    digits = 3 if measure.fit else decimals(general(measure.value, tolerance))
+    high = 3.5 if measure.factor == 1.0 else 2.5
+    text = f"{measure.sign}{number(measure.value, digits)}{measure.behind}"
+    label = Text(0j, text, high, "centre", reading, "DIM")
+    middle = (start + end) / 2
+    if length < label.width + 7:  # beside the arrows: to the left, or above
+        tail, out = (start, -along) if abs(along.real) > 0.5 else (end, along)
+        middle = tail + out * (label.width / 2 + 1)
+        drawn.line(tail, tail + out * (label.width + 2), layer="DIM")
+    drawn.things.append(replace(label, at=middle + 0.9j * reading))
+    sheet.things.append(
+        Size(
+            *ends,
+            ends[1] + away,
+            measure.value,
+            measure.sign,
+            tuple(drawn.primitives),
+            digits,
+            measure.behind,
+            measure.factor,
+        )
+    )
