@@ -51,6 +51,7 @@ from camgen.files.symbols import (
     width_of,
 )
 from camgen.files.title_block import WIDTH, Facts, title_block
+from camgen.files.tracks import SECTION_ROOM, development, drum_section, edges_from_left
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.outlines import Contour, Floats, extent, rectangle
 from camgen.parts.keyways import keyed, keyway
@@ -187,11 +188,11 @@ class _Layout:
         )
         self.key = next(filter(None, map(keyed, part.region.holes)), None)
         self.bored = self._bored()
-        drum = part.drum is not None and bool(facts.heights)
-        self.turns = (free(part.region.outer) or drum) and part.bore is not None
+        drum = part.drum if facts.heights else None
+        self.turns = (free(part.region.outer) or drum is not None) and part.bore is not None
         self.chamfer = facts.bore_chamfer if self.turns else 0.0
-        upright = _across_keyway(part, tolerance) if self.key else None
-        section = None if upright else views.section(part, tolerance)
+        upright = _across_keyway(part, tolerance) if self.key and not drum else None
+        section = None if upright or drum else views.section(part, tolerance)
         self.upright = self._chamfered(upright)
         self.section = self._chamfered(section)
         self.bosses = bosses(part)
@@ -206,7 +207,6 @@ class _Layout:
             (label for label, hole in self.named if hole.radius and abs(hole.place) < SAME_POINT),
             "",
         )
-        self.walled = bool(facts.heights and facts.profile) and not self.placed
         self.notes = self._notes(tolerance)
         self.low, self.high = extent([self.outer, *self.above, *self.hidden])
         self.disc = self._disc()
@@ -219,6 +219,10 @@ class _Layout:
             (c for c in "S Z W V U T R Q".split() if c not in {label for label, _ in self.named}),
             "S-S",
         )
+        datums = [letter for letter in (self.datum_letter, self.angle_letter) if letter]
+        wide = _SIZES["A3"][0] - _FILING - _MARGIN - sum(_TABLE_WIDTHS)
+        self.unrolled = development(drum, facts, datums, wide, _SCALES) if drum else None
+        self.track_section = drum_section(drum, facts, _SCALES) if drum else None
         self.size_name, self.scale = self._choose()
         width, height = _SIZES[self.size_name]
         self.sheet = Sheet(width, height, f"{part.title} ({stem})")
@@ -235,7 +239,7 @@ class _Layout:
         self._table()
         self._bore_detail()
         self._note_lines()
-        self._wall_frame()
+        self._tracks()
         facts = replace(facts, number=facts.number or f"{stem}-drawing")
         corner = complex(width - _MARGIN, _MARGIN)
         title_block(self.sheet, corner, part, facts, self.scale, self.size_name)
@@ -314,11 +318,23 @@ class _Layout:
     def _room(self, size: str) -> tuple[float, float]:
         """Width and height that both views and their dimensions may take, mm."""
         width, height = _SIZES[size]
-        foot = max(
-            self.facts.height,
-            3.0 + 4.5 * len(self.notes) + (9.0 if self.placed or self.walled else 0.0),
-        )
+        foot = self._foot + (self.unrolled.room if self.unrolled else 0.0)
         return width - _FILING - _MARGIN - sum(_TABLE_WIDTHS), height - 2 * _MARGIN - foot
+
+    @property
+    def _foot(self) -> float:
+        """Height of notes, title block and the section of a track beside them, mm."""
+        notes = 3.0 + 4.5 * len(self.notes) + (9.0 if self.placed else 0.0)
+        return max(self.facts.height, notes, SECTION_ROOM.imag if self.track_section else 0.0)
+
+    def _tracks(self) -> None:
+        """The section of a track beside the notes, and a drum's development over both."""
+        corner = complex(_FILING, _MARGIN)
+        if self.track_section:
+            place = corner + 3 + _NOTES + 4
+            self.track_section.draw(self.sheet, place, self.scale, self.facts.tolerance)
+        if self.unrolled:
+            self.unrolled.draw(self.sheet, corner + 1j * self._foot)
 
     def _choose(self) -> tuple[str, float]:
         """Sheet size and scale: A4 unless A3 spares a reduction or the tables need it."""
@@ -336,6 +352,8 @@ class _Layout:
             )
             return next(fits, _SCALES[-1])
 
+        if self.track_section:
+            return "A3", best("A3")
         a4 = best("A4")
         a3 = best("A3")
         long = (1 + len(self.rows) + self._polar_rows()) * _ROW > _SIZES["A4"][
@@ -584,7 +602,10 @@ class _Layout:
 
     def _edges_from_left(self, origin: complex) -> None:
         """The boxes of the layers and, dashed, of the bores in them; origin: of the part in this view, on paper."""
-        for layer in self.part.layers:
+        drum = self.unrolled.drum if self.unrolled else None
+        for line in edges_from_left(drum) if drum else ():
+            self.sheet.line(*(origin + self.scale * line), layer="VIEW")
+        for layer in () if drum else self.part.layers:
             low, high = extent([fit_arcs(layer.region.outer, self.tolerance)])
             box = rectangle(complex(layer.z0, low.imag), complex(layer.z1, high.imag))
             self.sheet.contour(box.moved(self.scale, origin), "VIEW")
@@ -941,10 +962,11 @@ class _Layout:
         elif part.stacked:
             low, high = number(part.drawn.z0), number(part.drawn.z1)
             lines.append(f"Drawn thick: the layer z {low} to {high}; all outlines: {self.stem}.stl")
-        else:
+        elif self.facts.heights:
             path = f", the cutter's path: {self.stem}-path.csv" if self.facts.cutter else ""
-            lines.append(f"The blank is drawn; its track: {self.stem}-developed.dxf{path}")
-            lines += self._track_notes()
+            lines.append(f"Track: {self.stem}-developed.dxf{path}")
+        else:
+            lines.append(f"The blank is drawn; its track: {self.stem}.stl")
         if self.turns:
             lines.append("+ : positive sense of turning (ccw)")
         facts = self.facts
@@ -965,33 +987,6 @@ class _Layout:
         lines += [facts.heat_treatment] if facts.heat_treatment else []
         lines += part.notes
         return [line for note in lines for line in _wrapped(note[:1].upper() + note[1:])]
-
-    def _track_notes(self) -> list[str]:
-        """Sizes of a drum's track. Each wall of a groove may be off by half its zone, so the width by the whole of it."""
-        drum = self.part.drum
-        if drum is None:
-            return []
-        deep = number(drum.outside - drum.floor)
-        floor = f"on Ø{number(2 * drum.floor)}"
-        if drum.track != "groove":
-            return [f"Wall of the track {deep} high {floor}"]
-        off = f" ±{number(self.facts.profile)}" if self.facts.profile else ""
-        where = f" on Ø{number(2 * drum.roller.middle)}" if drum.roller.slope else ""
-        return [
-            f"Groove {number(2 * drum.roller.radius)}{off} wide{where}, {deep} deep, floor {floor}"
-        ]
-
-    def _wall_frame(self) -> None:
-        """Tolerance and roughness of a drum's walls, over the notes, as no view shows them."""
-        facts = self.facts
-        if not self.walled:
-            return
-        corner = complex(_FILING + 3.5, _MARGIN + 4 + 4.5 * len(self.notes))
-        datums = [letter for letter in (self.datum_letter, self.angle_letter) if letter]
-        end = line_profile(self.sheet, corner, facts.profile, datums)
-        said = "walls of the track"
-        said += f", Ra {facts.roughness:g}" if facts.roughness else ""
-        self.sheet.text(end + 2 + 1.8j, said, room=58)
 
     def _note_lines(self) -> None:
         """Notes at the lower left, beside the title block, upwards."""

@@ -46,6 +46,13 @@ class Facts:
     track: Sequence[tuple[float, complex]] = ()
     # by the angle by which a drum has turned, deg, where its roller's axis is: angle from X, deg, and height, mm
     heights: Sequence[tuple[float, float, float]] = ()
+    # kinds of a follower's segments, and by which angles the drum has turned where each begins and ends, deg
+    segments: Sequence[tuple[str, float, float]] = ()
+    sense: int = 1  # in which a drum turns
+    # of a drum's roller: diameter half way along it, length, distance of its inner end from the axis, mm
+    roller: tuple[float, float, float] | None = None
+    # of a groove between two plates: its width and its roller's diameter, mm, and whether the part is its inner wall
+    groove: tuple[float, float, bool] | None = None
     cutter: bool = False  # whether a file has the path of a cutter along a drum's track
     profile: float = 0.0  # width of the zone of a cam's track, mm
     roughness: float = 0.0  # Ra of the track, micrometres
@@ -91,7 +98,7 @@ def grams(mass: float) -> str:
     return f"{float(f'{mass:.3g}'):g} g"
 
 
-def _ratio(scale: float) -> str:
+def ratio(scale: float) -> str:
     """A scale in words; 0 is none."""
     if not scale:
         return "none"
@@ -118,7 +125,7 @@ def title_block(
     rows = [
         [
             ("Quantity", str(part.count), 22.0),
-            ("Scale", _ratio(scale), 22.0),
+            ("Scale", ratio(scale), 22.0),
             ("Sheet", size, 18.0),
             ("Units", "mm", 18.0),
             ("Projection", "", 45.0),

@@ -22,6 +22,7 @@ from camgen.machine.features import CamOutline, PartPose, PinEyes
 from camgen.machine.model import Cam
 from camgen.machines.follower_motions import follower_motions
 from camgen.machines.mechanism import Mechanism
+from camgen.motion.program import Program
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, cut_of_sheet
 from camgen.parts.catalogue import CUT, TURNED
@@ -86,6 +87,9 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         key_fit=sheet.key_fit or ("JS9" if metal else ""),
         track=tuple(_track(mechanism, part, sheet.profile_step_deg)),
         heights=tuple(_heights(mechanism, part, sheet.profile_step_deg)),
+        segments=tuple(_segments(mechanism, part)),
+        sense=mechanism.assembly.cycle.sense,
+        roller=_roller(mechanism, part),
         cutter=part.name in mechanism.assembly.whole_drums
         and mechanism.files.cutter_radius is not None,
         profile=profile,
@@ -199,6 +203,30 @@ def _heights(mechanism: Mechanism, part: Part, step: float) -> Iterator[tuple[fl
     aside = np.arctan2(drum.path.beside(phi, 0), drum.roller.middle)
     at = np.mod(np.round(np.degrees(phi + aside), 6), 360.0)
     yield from zip(turned.tolist(), at.tolist(), drum.path.height(phi, 0).tolist(), strict=True)
+
+
+def _segments(mechanism: Mechanism, part: Part) -> Iterator[tuple[str, float, float]]:
+    """Segments of the motion of a drum's follower, by the angles by which the drum has turned, deg; nothing of another part."""
+    assembly = mechanism.assembly
+    for track in assembly.tracks:
+        joint = assembly.machine.joint(track.joint)
+        if track.part != part.name or not isinstance(joint, Cam):
+            continue
+        if not isinstance(joint.law, Program):
+            continue
+        for segment, begin in zip(joint.law.segments, joint.law.joints, strict=False):
+            ends = np.degrees([begin, begin + segment.span]) * assembly.cycle.sense
+            start, end = np.round(np.sort(ends), 9).tolist()
+            yield segment.kind, start % 360, start % 360 + end - start
+
+
+def _roller(mechanism: Mechanism, part: Part) -> tuple[float, float, float] | None:
+    """Diameter, length and distance of its inner end from the axis of the roller in a drum's track; None of another part."""
+    for track in mechanism.assembly.tracks:
+        if track.part == part.name:
+            radius, length, inner, _ = track.roller
+            return 2 * radius, length, inner
+    return None
 
 
 def _off(z: complex, rim: Points) -> float:

@@ -1,0 +1,459 @@
+"""What the sheet of a drum shows beside its views: its edges, its track unrolled, and a section along its roller.
+
+The development lies on the cylinder half way along the roller, as seen from outside the drum: polar angles, counter-clockwise
+from X as seen from above, run to the right, heights upwards. Angles by which a drum has turned stand where its roller then is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from camgen.files import views
+from camgen.files.dimensions import number
+from camgen.files.labels import Obstacles
+from camgen.files.measures import Measure, dimension
+from camgen.files.sheet import Sheet
+from camgen.files.symbols import FRAME, line_profile, roughness
+from camgen.files.title_block import Facts, ratio
+from camgen.geometry.drums import Drum
+from camgen.geometry.outlines import Floats, Points
+from camgen.tolerances import SAME_POINT
+
+_POINTS = 721  # of a curve round a drum
+_HIGH = 60.0  # of an unrolled drum, at most, mm of paper
+_LEFT = 16.0  # room for the numbers of heights beside it
+_RIGHT = 12.0
+_BELOW = 14.0  # for those of angles
+_NAMES = 8.0  # for names of segments above it
+_FRAME = 12.0  # for the tolerance of its walls above these
+_TITLE = 9.0
+_STEPS = (30, 60, 90, 180)  # deg, between two angles
+_WIDE = 11.0  # room of one
+_ROUND = 0.6  # of the track's height: what is shown of the drum on either side of it
+_SMALL = 2.5  # height of text
+_APART = 2.9  # of two numbers, one above the other
+_HEIGHTS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0)  # mm, from one number to the next
+_HATCH = 2.0
+_MATERIAL = 7.0  # mm of paper, of the material round a track that its section shows
+_SECTION = 30.0  # a track in its section, at most
+SECTION_ROOM = 124 + 62j  # width and height of a section with its words, mm of paper
+_WORDS = 54.0  # width of the words
+_ASIDE = 14.0  # from a track to the dimension of its width
+_OFF = 9.0  # from there to its dimensions
+
+
+# ---- edges -----------------------------------------------------------------------------------------------------------
+
+
+def edges_from_left(drum: Drum) -> list[Points]:
+    """Edges of a drum in the view from the left, z + iy, mm: rims of its walls on the outside, and what they leave of its outlines.
+
+    What is seen of the far side lies where the near side has no material, beside the core.
+    """
+    near = np.linspace(math.pi / 2, 3 * math.pi / 2, _POINTS)
+    y = drum.outside * np.sin(near)
+    solid = _solid(drum, near)
+    lines = [z + 1j * y for z in _rims(drum, near)]
+    for z in _rims(drum, np.pi - near):
+        seen = np.abs(y) > drum.floor
+        seen &= ~np.any([(low <= z) & (z <= high) for low, high in solid], axis=0)
+        lines += _runs(z + 1j * y, seen)
+    for side in (0, -1):
+        lines += [np.array([low[side], high[side]]) + 1j * y[side] for low, high in solid]
+    for level in (-drum.floor, drum.floor):
+        k = int(np.argmin(np.abs(y - level)))
+        ends = np.sort([0.0, *(z[k] for pair in solid for z in pair), drum.length])
+        for low, high in pairwise(ends.tolist()):
+            covered = any(a[k] <= (low + high) / 2 <= b[k] for a, b in solid)
+            if high > low and not covered:
+                lines.append(np.array([low, high]) + 1j * level)
+    bottom = drum.floor if drum.track == "rib" else drum.outside
+    top = drum.outside if drum.track == "groove" else drum.floor
+    for level, reach in ((0.0, bottom), (drum.length, top)):
+        lines.append(level + 1j * np.array([-reach, reach]))
+    return lines
+
+
+def _rims(drum: Drum, beta: Floats) -> list[Floats]:
+    """Heights of its walls on the outside, from below upwards."""
+    outside = np.array(drum.outside)
+    return [wall.over(beta, outside).z for wall in drum.walls]
+
+
+def _solid(drum: Drum, beta: Floats) -> list[tuple[Floats, Floats]]:
+    """From which to which height there is material on the outside."""
+    low = np.zeros(len(beta))
+    rims = _rims(drum, beta)
+    if drum.track == "end":
+        return [(low, rims[0])]
+    if drum.track == "rib":
+        return [(rims[0], rims[1])]
+    return [(low, rims[0]), (rims[1], low + drum.length)]
+
+
+def _runs(points: Points, seen: NDArray[np.bool_]) -> Iterator[Points]:
+    """Stretches of a line that are seen."""
+    change = np.flatnonzero(np.diff(np.concatenate([[0], seen.astype(int), [0]])))
+    for a, b in zip(change[::2], change[1::2], strict=True):
+        if b - a > 1:
+            yield points[a:b]
+
+
+# ---- development -----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Development:
+    """A drum's track unrolled; scale: mm of paper for a mm; datums: letters to which the tolerance of its walls refers."""
+
+    drum: Drum
+    facts: Facts
+    scale: float
+    datums: Sequence[str]
+
+    @property
+    def around(self) -> float:
+        """Once round the drum, mm of paper."""
+        return math.tau * self.drum.roller.middle * self.scale
+
+    @property
+    def high(self) -> float:
+        """Of what is shown of the drum, mm of paper."""
+        low, high = shown(self.drum)
+        return (high - low) * self.scale
+
+    @property
+    def framed(self) -> bool:
+        """Whether something is said of its walls."""
+        return bool(self.facts.profile or self.facts.roughness)
+
+    @property
+    def room(self) -> float:
+        """Height that it takes with all that stands round it, mm of paper."""
+        return _BELOW + self.high + _NAMES + _FRAME * self.framed + _TITLE
+
+    def angle(self, turned: Floats) -> Floats:
+        """Polar angle of the roller after the drum has turned by so much, (n,) deg, not reduced to one turn."""
+        phi = -np.radians(turned) * self.facts.sense
+        aside = np.arctan2(self.drum.path.beside(phi, 0), self.drum.roller.middle)
+        return np.asarray(np.degrees(phi + aside))
+
+    def draw(self, sheet: Sheet, corner: complex) -> None:
+        """Draw it, the lower left corner of its room there."""
+        foot = corner + complex(_LEFT, _BELOW)
+        self._track(sheet, foot)
+        self._angles(sheet, foot)
+        self._heights(sheet, foot)
+        names = self._segments(sheet, foot + 1j * self.high)
+        if self.framed:
+            self._walls(sheet, foot, names)
+        title = f"Track unrolled, seen from outside, on Ø{number(2 * self.drum.roller.middle)}"
+        over = corner + 3 + 1j * (self.room - _TITLE + 3)
+        sheet.text(over, f"{title} ({ratio(self.scale)})", 3.5)
+
+    def _track(self, sheet: Sheet, foot: complex) -> None:
+        """Ends of the drum, walls and the way of the roller's axis, of a rib of the middle between both."""
+        for end in shown(self.drum):
+            layer = "VIEW" if end in (0.0, self.drum.length) else "DIM"
+            sheet.line(*self._on(foot, np.full(2, end)), layer=layer)
+        for x in (0.0, self.around):
+            sheet.line(foot + x, foot + x + 1j * self.high, layer="DIM")
+        for z in self._walls_z:
+            sheet.line(*self._on(foot, z), layer="CUT")
+        z = self._axis
+        for line in _runs(np.array(self._on(foot, z), complex), (z > 0) & (z < self.drum.length)):
+            sheet.line(*line.tolist(), layer="CENTER")
+
+    def _on(self, foot: complex, z: Floats) -> list[complex]:
+        """Heights over the whole turn on paper."""
+        across = np.linspace(0, self.around, len(z))
+        up = self.scale * (z - shown(self.drum)[0])
+        points: list[complex] = (foot + across + 1j * up).tolist()
+        return points
+
+    @cached_property
+    def _walls_z(self) -> list[Floats]:
+        """Heights of the walls over the turn."""
+        beta = np.linspace(0, math.tau, _POINTS)
+        radius = np.array(self.drum.roller.middle)
+        return [wall.over(beta, radius).z for wall in self.drum.walls]
+
+    @cached_property
+    def _axis(self) -> Floats:
+        """Height of the roller's axis, or of the middle of both of a rib, over the turn of polar angles."""
+        phi = np.linspace(0, math.tau, _POINTS)
+        at = phi + np.arctan2(self.drum.path.beside(phi, 0), self.drum.roller.middle)
+        return np.interp(
+            np.linspace(0, math.tau, _POINTS), at, self.drum.path.height(phi, 0), period=math.tau
+        )
+
+    def _angles(self, sheet: Sheet, foot: complex) -> None:
+        """Below: by how much the drum has turned when its roller is there, and polar angles."""
+        for row, name in ((4.5, "Drum"), (9.0, "At")):
+            sheet.text(foot - _LEFT + 1 - 1j * row, name, _SMALL)
+        apart = next((each for each in _STEPS if self.around * each / 360 >= _WIDE), _STEPS[-1])
+        for degrees in range(0, 361, apart):
+            at = foot + self.around * degrees / 360
+            sheet.line(at, at - 1.2j, layer="DIM")
+            sheet.text(at - 9j, f"{degrees}°", _SMALL, "centre")
+        step = np.arange(0.0, 361.0, apart)
+        for degrees, angle in zip(step.tolist(), self.angle(step).tolist(), strict=True):
+            share = angle / 360 % 1
+            if min(share, 1 - share) < 1e-6:  # both ends of the sheet
+                share = float((degrees == 0) == (self.facts.sense > 0))
+            elif degrees == 360:
+                continue
+            sheet.text(foot + self.around * share - 4.5j, f"{degrees:g}°", _SMALL, "centre")
+
+    def _heights(self, sheet: Sheet, foot: complex) -> None:
+        """To the left the least and the greatest height of the roller's axis, to the right a scale of heights."""
+        low, high = float(np.min(self._axis)), float(np.max(self._axis))
+        levels = [low, high] if self.scale * (high - low) > _APART else [low]
+        for z in levels:
+            at, end = self._on(foot, np.full(2, z))
+            sheet.line(at - 1.5, end, layer="DIM")
+            sheet.text(at - 2 - 0.9j, number(z), _SMALL, "right", room=_LEFT - 3)
+        step = next((each for each in _HEIGHTS if self.scale * each >= _APART), _HEIGHTS[-1])
+        bottom, top = shown(self.drum)
+        for z in step * np.arange(math.ceil(bottom / step), math.floor(top / step) + 1):
+            at = self._on(foot, np.full(2, z))[1]
+            sheet.line(at, at + 1.2, layer="DIM")
+            sheet.text(at + 1.8 - 0.9j, number(float(z)), _SMALL, room=_RIGHT - 3)
+        head = foot + self.around + 1j * self.high
+        sheet.text(head + 1.8 + 2j, "mm", _SMALL)
+
+    def _segments(self, sheet: Sheet, head: complex) -> Sheet:
+        """Names of the motion's segments over the development, and where they end; by themselves."""
+        drawn = Sheet(0.0, 0.0, "")
+        for kind, start, end in self.facts.segments:
+            ends = sorted(self.angle(np.array([start, end])).tolist())
+            pieces = [_within(ends, turn) for turn in (0.0, 360.0, -360.0)]
+            low, high = max(pieces, key=lambda piece: piece[1] - piece[0])
+            for each in {low, high} - {0.0, 360.0}:
+                at = head + self.around * each / 360
+                drawn.line(at - 1j * self.high, at + 1j * _NAMES, layer="DIM")
+            wide = self.around * (high - low) / 360
+            text = f"{kind} {number(end - start, 2)}°"
+            place = head + self.around * (low + high) / 720 + 3j
+            if wide > 2 * _SMALL:  # else there is no room
+                drawn.text(place, text, _SMALL, "centre", room=wide - 1)
+        sheet.things += drawn.things
+        return drawn
+
+    def _walls(self, sheet: Sheet, foot: complex, names: Sheet) -> None:
+        """Tolerance and roughness of the walls, with a leader onto the upper one past the names of segments."""
+        import shapely
+
+        places = np.linspace(0.1, 0.6, 26) * self.around
+        upper = np.array(self._on(foot, self._walls_z[-1]))
+        level = foot.imag + self.high + _NAMES + FRAME / 2 + 2
+        tips = upper[np.searchsorted(upper.real - foot.real, places)]
+        lines = shapely.linestrings([[(z.real, z.imag), (z.real, level)] for z in tips])
+        obstacles = Obstacles()
+        obstacles.add(names.primitives)
+        ways = shapely.buffer(lines, 1.0)
+        k = int(np.argmax(obstacles.free(ways) & obstacles.unlined(ways)))
+        tip = complex(tips[k])
+        start = complex(tip.real, level)
+        sheet.line(tip, start, layer="DIM")
+        sheet.arrow(tip, -1j)
+        wide = 2.0
+        if self.facts.roughness:
+            wide += roughness(sheet, start + 3, f"Ra {self.facts.roughness:g}") + 3
+        sheet.line(start, start + wide, layer="DIM")
+        end = start + wide
+        if self.facts.profile:
+            corner = end - 1j * FRAME / 2
+            end = line_profile(sheet, corner, self.facts.profile, self.datums) + 1j * FRAME / 2
+        said = "both walls, from floor to outside" if len(self._walls_z) > 1 else "the whole wall"
+        sheet.text(end + 2 - 1.2j, said, _SMALL)
+
+
+def shown(drum: Drum) -> tuple[float, float]:
+    """From which to which height a drum is shown unrolled: its track and what is next to it."""
+    low, high = drum.span
+    more = _ROUND * (high - low)
+    return max(low - more, 0.0), min(high + more, drum.length)
+
+
+def _within(ends: Sequence[float], turn: float) -> tuple[float, float]:
+    """What of a stretch of angles, moved by so much, lies within 0 and 360 deg."""
+    low, high = (min(max(end + turn, 0.0), 360.0) for end in ends)
+    return low, high
+
+
+def development(
+    drum: Drum, facts: Facts, datums: Sequence[str], wide: float, scales: Sequence[float]
+) -> Development:
+    """The largest that is no wider than so many mm of paper; scales: from the largest down."""
+    around = math.tau * drum.roller.middle
+    low, high = shown(drum)
+    room = wide - _LEFT - _RIGHT
+    scale = next(
+        (s for s in scales if s * around <= room and s * (high - low) <= _HIGH), scales[-1]
+    )
+    return Development(drum, facts, scale, datums)
+
+
+# ---- section ---------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Section:
+    """A track cut square to its walls, mm: own material, what lies beside it, and what is dimensioned.
+
+    Where a face is broken off is no edge; `beside` are outlines of rollers and of other parts.
+    """
+
+    title: str
+    scale: float
+    words: Sequence[str]  # below the title
+    faces: Sequence[Sequence[complex]]
+    edges: Sequence[Sequence[complex]]
+    breaks: Sequence[Sequence[complex]]
+    beside: Sequence[Sequence[complex]]
+    axes: Sequence[tuple[complex, complex]]  # of rollers
+    # ends, way to the dimension's line, what it says
+    sizes: Sequence[tuple[complex, complex, complex, Measure]]
+
+    @cached_property
+    def _points(self) -> Points:
+        return np.array([z for line in (*self.faces, *self.beside) for z in line])
+
+    @property
+    def low(self) -> complex:
+        """Lower left corner."""
+        return complex(np.min(self._points.real), np.min(self._points.imag))
+
+    @property
+    def high(self) -> complex:
+        """Upper right corner."""
+        return complex(np.max(self._points.real), np.max(self._points.imag))
+
+    def draw(self, sheet: Sheet, corner: complex, own: float, tolerance: str) -> None:
+        """Draw it in its room, whose lower left corner is there: words to the left, the picture beside them.
+
+        own: scale of the sheet; tolerance: its general one.
+        """
+        import shapely
+
+        scale = self.scale
+        sheet.text(corner + 1j * (SECTION_ROOM.imag - 6), self.title, 3.5, room=_WORDS)
+        for k, word in enumerate(self.words):
+            place = corner + 1j * (SECTION_ROOM.imag - 12 - 4.5 * k)
+            sheet.text(place, word, _SMALL, room=_WORDS)
+        picture = complex(_WORDS + (SECTION_ROOM.real - _WORDS) / 2, SECTION_ROOM.imag / 2) - 4 - 4j
+        origin = corner + picture - scale * (self.low + self.high) / 2
+
+        def put(points: Sequence[complex], layer: str) -> None:
+            sheet.line(*(origin + scale * z for z in points), layer=layer)
+
+        for edge in self.edges:
+            put(edge, "VIEW")
+        for line in self.breaks:
+            put(line, "DIM")
+        for outline in self.beside:
+            put([*outline, outline[0]], "HIDDEN")
+        shapes = [shapely.Polygon([(z.real, z.imag) for z in face]) for face in self.faces]
+        for ends in views.hatching(shapely.union_all(shapes), _HATCH / scale):
+            put(ends, "HATCH")
+        for axis in self.axes:
+            put(axis, "CENTER")
+        for a, b, away, measure in self.sizes:
+            said = Measure(measure.value, measure.sign, measure.fit, own / scale)
+            dimension(sheet, (origin + scale * a, origin + scale * b), away, said, tolerance)
+
+
+def drum_section(drum: Drum, facts: Facts, scales: Sequence[float]) -> Section:
+    """The track of a drum in the plane of its roller's axis along its own, where the roller stands still for a moment.
+
+    There the walls are the roller's own edges. x outwards from the axis, y over the roller's axis.
+    """
+    phi = np.linspace(0, math.tau, _POINTS)
+    rest = phi[[int(np.argmin(np.abs(drum.path.height(phi, 1))))]]
+    height = float(drum.path.height(rest, 0)[0])
+    aside = float(drum.path.beside(rest, 0)[0])
+    floor, middle, outside = (
+        math.sqrt(max(radius**2 - aside**2, 0.0))
+        for radius in (drum.floor, drum.roller.middle, drum.outside)
+    )
+    radii = np.array([floor, drum.roller.middle, outside])
+    walls = [
+        (wall.path.height(rest, 0) + wall.side * wall.roller.at(radii) - height).tolist()
+        for wall in drum.walls
+    ]
+    shifts = [-drum.pitch / 2, drum.pitch / 2] if drum.pitch else [0.0]
+    levels = [z for wall in walls for z in wall]
+    if drum.track != "groove":  # beside the rollers, too
+        levels.append(shifts[-1] + drum.roller.radius)
+    if drum.track == "rib":
+        levels.append(shifts[0] - drum.roller.radius)
+    tall = max(levels) - min(levels)
+    size = max(tall, outside - floor)
+    scale = next((s for s in scales if s * size <= _SECTION), scales[-1])
+    more = _MATERIAL / scale
+    low = max(min(levels) - more, -height)
+    high = min(max(levels) + more, drum.length - height)
+    inside = floor - more
+    edge = _edge(drum.track, walls, floor, outside)
+    edge = [complex(edge[0].real, low), *edge, complex(edge[-1].real, high)]
+    corners = complex(inside, high), complex(inside, low)
+    breaks: list[Sequence[complex]] = [corners]
+    edges: list[Sequence[complex]] = [edge]  # and ends of the drum
+    for k, corner, end in ((-1, corners[0], drum.length - height), (0, corners[1], -height)):
+        (edges if abs(corner.imag - end) < SAME_POINT else breaks).append([edge[k], corner])
+    rollers = [_roller(drum, facts.roller, shift) for shift in shifts if facts.roller]
+    axes = [(complex(inside, z), complex(outside + 2 * more, z)) for z in shifts]
+    off = f"±{number(facts.profile)}" if facts.profile else ""
+    where = f" on Ø{number(2 * drum.roller.middle)}" if drum.roller.slope else ""
+    sizes = []
+    if len(walls) == 2:
+        across = complex(middle, walls[0][1]), complex(middle, walls[1][1])
+        width = Measure(walls[1][1] - walls[0][1], "", (off + where).strip())
+        sizes.append((*across, complex(scale * (outside - middle) + _ASIDE), width))
+    top = walls[-1]
+    start = complex(floor, top[2])
+    up = scale * (high - top[2]) + _OFF
+    sizes.append((start, complex(outside, top[2]), 1j * up, Measure(outside - floor)))
+    title = f"Section of the track ({ratio(scale)})"
+    turned = math.degrees(-float(rest[0]) * facts.sense) % 360
+    words = [
+        "through the roller's axis,",
+        f"drum turned by {number(turned, 1)}°",
+        f"floor of the track on Ø{number(2 * drum.floor)}",
+    ]
+    if facts.roller:
+        diameter, length, _ = facts.roller
+        words.append(f"roller Ø{number(diameter)} × {number(length)}")
+    if facts.edges:
+        words.append(f"edges {facts.edges}")
+    face = [*edge, *corners]
+    return Section(title, scale, words, [face], edges, breaks, rollers, axes, sizes)
+
+
+def _edge(
+    track: str, walls: Sequence[Sequence[float]], floor: float, outside: float
+) -> list[complex]:
+    """Edge of a section from below upwards, material on its left; walls: heights at floor, middle and outside."""
+    lower = [complex(floor, walls[0][0]), complex(outside, walls[0][2])]
+    if track == "end":
+        return lower[::-1]
+    upper = [complex(floor, walls[1][0]), complex(outside, walls[1][2])]
+    return [*lower[::-1], *upper] if track == "groove" else [*lower, *upper[::-1]]
+
+
+def _roller(drum: Drum, roller: tuple[float, float, float], shift: float) -> list[complex]:
+    """Outline of a roller whose axis lies so high."""
+    diameter, length, inner = roller
+    taper = drum.roller.slope * length / 2
+    near = diameter / 2 - taper
+    far = diameter / 2 + taper
+    corners = [(0, -near), (length, -far), (length, far), (0, near)]
+    return [complex(inner + x, shift + y) for x, y in corners]
