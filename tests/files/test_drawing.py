@@ -16,7 +16,7 @@ from camgen.files import views
 from camgen.files.dimensions import edge_rows, holes_of, nearest_and_farthest, number
 from camgen.files.drawing import _Layout, write_drawing
 from camgen.files.labels import box
-from camgen.files.sheet import LAYERS, Stroke, Text
+from camgen.files.sheet import LAYERS, Size, Stroke, Text
 from camgen.files.title_block import Facts
 from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.facets import facet_contour
@@ -636,10 +636,11 @@ def test_a_metal_drum_s_drawing_has_its_track_and_the_datum_of_its_angle(root, t
     layout = _Layout(part, "d", TOLERANCE, facts)
     assert _frames(layout, "0.04") == ["A", "B"]
     texts = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, facts)[0])
-    assert {"walls of the track, Ra 0.8", "B", "Ra 1.6"} <= set(texts)
-    told = " ".join(layout.notes)
-    assert "Groove 10.2 ±0.04 wide, 7 deep, floor on Ø" in told
-    assert "its track: d-developed.dxf, the cutter's path: d-path.csv" in told
+    assert {"both walls, from floor to outside", "Ra 0.8", "B", "Ra 1.6"} <= set(texts)
+    sizes = [each for each in layout.sheet.things if isinstance(each, Size)]
+    (width,) = (each.value for each in sizes if each.fit == " ±0.04")
+    assert width == pytest.approx(10.2)
+    assert "Track: d-developed.dxf, the cutter's path: d-path.csv" in " ".join(layout.notes)
     k = texts.index("60%%d")
     at, high = rows[60.0]
     assert texts[k + 1 : k + 3] == [f"{at:.2f}%%d", f"{high:.3f}"]
@@ -649,10 +650,10 @@ def test_a_printed_drum_has_no_tolerance_of_its_walls(root):
     machine = read_mechanism(root / "specs" / "cylinder-cam.toml").resolved()
     (part,) = machine.assembly.parts
     layout = _Layout(part, "d", TOLERANCE, facts_of(machine, part))
-    told = " ".join(layout.notes)
-    assert "Groove 10.2 wide" in told and "path.csv" not in told
+    assert "path.csv" not in " ".join(layout.notes)
     words = [each.text for each in layout.sheet.primitives if isinstance(each, Text)]
-    assert not [text for text in words if text.startswith(("walls of", "Ra "))]
+    assert "10.2" in words
+    assert not [text for text in words if text.startswith(("both walls", "Ra ", "±"))]
 
 
 def test_frames_and_the_circle_of_a_whole_outline_are_drawn():

@@ -1,0 +1,187 @@
+"""A drum's sheet: its track unrolled, its edges from the left, a section of its track; held to the spec's numbers and to its mesh."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+from camgen.files.drawing import _SCALES, _Layout
+from camgen.files.labels import box
+from camgen.files.sheet import Sheet, Size, Stroke, Text
+from camgen.files.title_block import Facts
+from camgen.files.tracks import Development, development, drum_section, edges_from_left
+from camgen.geometry.drums import Drum
+from camgen.machines.sources import read_mechanism
+from camgen.parts.solids import solid
+from camgen.pipeline.drawings import facts_of
+
+SPECS = Path(__file__).resolve().parents[2] / "specs"
+RIB = ("geometry.track=rib", "geometry.distance=16")
+SWING = (
+    "geometry.follower.motion=oscillating",
+    "geometry.follower.arm=40",
+    "segment.0.lift=20",
+)
+KINDS = [(), RIB, ("geometry.track=end",), SWING, ("geometry.follower.offset=8",)]
+
+
+def sheet_of(*settings: str, metal: bool = True) -> tuple[_Layout, Drum, Facts]:
+    """The sheet of the starter's drum: a rise of 15 over 120 deg, dwell 60, return 120, dwell 60; the roller 10 x 6 with 0.2 of play."""
+    usual = ["print.slide_clearance=0.2"]
+    material = ["material.name=42CrMo4"] if metal else []
+    machine = read_mechanism(SPECS / "cylinder-cam.toml", [*usual, *material, *settings]).resolved()
+    (part,) = machine.assembly.parts
+    assert part.drum is not None
+    facts = facts_of(machine, part)
+    return _Layout(part, "d", 1e-3, facts), part.drum, facts
+
+
+def unrolled(drum: Drum, facts: Facts) -> tuple[Development, Sheet]:
+    """The development alone."""
+    made = development(drum, facts, ["A", "B"], 288.0, _SCALES)
+    sheet = Sheet(420.0, 297.0, "")
+    made.draw(sheet, 0j)
+    return made, sheet
+
+
+def lines(sheet: Sheet, layer: str) -> list[np.ndarray]:
+    """Points of strokes of a layer."""
+    return [
+        np.array([piece.at(piece.t0) for piece in each.pieces])
+        for each in sheet.things
+        if isinstance(each, Stroke) and each.layer == layer
+    ]
+
+
+def at_angle(sheet: Sheet, drum_angle: str) -> float:
+    """Where on paper an angle by which the drum has turned is written: the upper of both rows."""
+    places = [t.at for t in sheet.things if isinstance(t, Text) and t.text == drum_angle]
+    return max(places, key=lambda z: z.imag).real
+
+
+@pytest.mark.parametrize("speed", [30, -30])
+def test_the_walls_unrolled_stand_at_the_heights_of_the_program(speed: int) -> None:
+    """In the dwells both walls are 5.1 off the roller's axis, which lies 3 + 5.1 high, and 15 higher after the rise. The outside is
+    seen: a drum that turns counter-clockwise brings its points from the left, so its angles grow to the left."""
+    _, drum, facts = sheet_of(f"motor.speed_rpm={speed}")
+    made, sheet = unrolled(drum, facts)
+    assert (at_angle(sheet, "90°") > at_angle(sheet, "180°")) == (speed > 0)
+    foot = min(z.imag for z in np.concatenate(lines(sheet, "VIEW")))
+    walls = lines(sheet, "CUT")
+    for turned, axis in (("150°", 23.1), ("330°", 8.1)):
+        x = at_angle(sheet, turned)
+        heights = [(np.interp(x, z.real, z.imag) - foot) / made.scale for z in walls]
+        assert heights == pytest.approx([axis - 5.1, axis + 5.1], abs=1e-6)
+    middle = [(np.interp(at_angle(sheet, "60°"), z.real, z.imag) - foot) for z in walls]
+    assert sum(middle) / 2 / made.scale == pytest.approx(8.1 + 7.5, abs=1e-3)
+
+
+@pytest.mark.parametrize("settings", [(), ("motor.speed_rpm=-30",)])
+def test_each_segment_is_named_over_its_own_angles(settings: tuple[str, ...]) -> None:
+    """A rise of 120 deg from 0 has its name over 60 deg, and so on."""
+    _, drum, facts = sheet_of(*settings)
+    _, sheet = unrolled(drum, facts)
+    names = [(t.text, t.at.real) for t in sheet.things if isinstance(t, Text) and " " in t.text]
+    named = [each for each in names if each[0].split()[0] in ("rise", "dwell", "return")]
+    wanted = [("rise 120°", "60°"), ("dwell 60°", "150°"), ("return 120°", "240°")]
+    for text, over in wanted:
+        assert min(abs(x - at_angle(sheet, over)) for name, x in named if name == text) < 1e-6
+    assert len(named) == 4
+
+
+def test_a_section_has_the_track_s_width_and_depth() -> None:
+    """Groove: 10 + 0.2 wide, 6 + 2 x 0.5 deep. Rib: 16 between the axes of both rollers less 10.2. An end cam has no width."""
+    wanted = {(): (10.2, 7.0), RIB: (5.8, 7.0), ("geometry.track=end",): (7.0,)}
+    for settings, sizes in wanted.items():
+        _, drum, facts = sheet_of(*settings)
+        section = drum_section(drum, facts, _SCALES)
+        assert [each.value for *_, each in section.sizes] == pytest.approx(sizes)
+        for a, b, away, measure in section.sizes:
+            assert abs(((b - a) * (1j * away / abs(away)).conjugate()).real) == pytest.approx(
+                measure.value
+            )
+        (face,) = section.faces
+        rollers = [shapely.Polygon([(z.real, z.imag) for z in each]) for each in section.beside]
+        own = shapely.Polygon([(z.real, z.imag) for z in face])
+        assert len(rollers) == (2 if settings == RIB else 1) and own.is_valid
+        play = 0.0 if "end" in str(settings) else 0.1
+        assert [own.distance(each) for each in rollers] == pytest.approx([play] * len(rollers))
+
+
+@pytest.mark.parametrize("settings", KINDS)
+def test_edges_from_the_left_are_those_of_the_body(settings: tuple[str, ...]) -> None:
+    """They lie in its shadow and reach as far; on the line of the axis rims are those of the side at -x."""
+    layout, drum, _ = sheet_of(*settings)
+    mesh = solid(layout.part, 0.01)
+    corners = mesh.vertices[mesh.faces][:, :, [2, 1]]
+    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    facing = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) > 1e-9
+    body = shapely.union_all(shapely.buffer(shapely.polygons(corners[facing]), 1e-3))
+    drawn = shapely.MultiLineString(
+        [np.column_stack([z.real, z.imag]) for z in edges_from_left(drum)]
+    )
+    assert drawn.difference(body.buffer(0.02)).is_empty
+    assert drawn.bounds == pytest.approx(body.bounds, abs=0.02)
+    axis = shapely.LineString([(-1, 1e-6), (drum.length + 1, 1e-6)])
+    met = sorted(shapely.get_coordinates(drawn.intersection(axis))[:, 0].tolist())
+    place = mesh.vertices
+    outside = np.abs(np.hypot(place[:, 0], place[:, 1]) - drum.outside) < 1e-3
+    for sign in (-1, 1):
+        near = outside & (np.abs(np.angle(sign * (place[:, 0] + 1j * place[:, 1]))) < 0.04)
+        levels = place[near, 2]
+        rims = [z for z in met if 0.1 < z < drum.length - 0.1]
+        far = max(float(np.min(np.abs(levels - z))) for z in rims)
+        assert (far < 0.05) == (sign < 0)
+
+
+@pytest.mark.parametrize("metal", [True, False])
+@pytest.mark.parametrize("settings", [*KINDS, ("geometry.length=80",), ("geometry.radius=120",)])
+def test_no_text_of_a_drum_s_sheet_lies_on_another_or_off_the_paper(
+    settings: tuple[str, ...], metal: bool
+) -> None:
+    layout, _, _ = sheet_of(*settings, metal=metal)
+    texts = [each for each in layout.sheet.primitives if isinstance(each, Text)]
+    paper = shapely.box(20, 10, 410, 287)
+    boxes = np.array([box(each) for each in texts])
+    for one, other in shapely.STRtree(boxes).query(boxes, "intersects").T:
+        shared = boxes[one].intersection(boxes[other]).area
+        alike = one == other or shared < 0.02 * boxes[one].area
+        assert alike, (texts[one].text, texts[other].text)
+    assert [t.text for t, each in zip(texts, boxes, strict=True) if not paper.contains(each)] == []
+
+
+def test_lines_of_a_drum_s_sheet_stay_in_the_frame_and_off_the_title_block() -> None:
+    for settings in KINDS:
+        layout, _, _ = sheet_of(*settings)
+        strokes = [each for each in layout.sheet.primitives if isinstance(each, Stroke)]
+        block = shapely.box(240, 10, 410, 46).buffer(-0.1)
+        for each in strokes:
+            if each.layer in ("TEXT", "CENTER"):  # cells of the title block, and its symbol's axes
+                continue
+            z = [piece.at(piece.t1) for piece in each.pieces]
+            assert all(20 <= p.real <= 410 and 10 <= p.imag <= 287 for p in z)
+            assert not any(block.contains(shapely.Point(p.real, p.imag)) for p in z)
+
+
+def test_a_drum_in_two_pieces_names_files_that_are_written() -> None:
+    machine = read_mechanism(SPECS / "cylinder-cam.toml", ["parts.pieces=2"]).resolved()
+    for part in machine.assembly.parts:
+        told = " ".join(_Layout(part, f"x-{part.name}", 1e-3, facts_of(machine, part)).notes)
+        assert f"x-{part.name}.stl" in told and "developed" not in told
+
+
+def test_the_tolerance_of_the_walls_points_at_the_upper_one() -> None:
+    layout, drum, facts = sheet_of()
+    _, sheet = unrolled(drum, replace(facts, profile=0.04))
+    tips = [each.corners[0] for each in sheet.things if hasattr(each, "corners")]
+    upper = max(lines(sheet, "CUT"), key=lambda z: float(np.mean(z.imag)))
+    (tip,) = tips
+    assert abs(np.interp(tip.real, upper.real, upper.imag) - tip.imag) < 0.1
+    words = {each.text for each in sheet.things if isinstance(each, Text)}
+    assert {"0.04", "A", "B", "Ra 0.8"} <= words
+    sizes = [each for each in layout.sheet.things if isinstance(each, Size)]
+    assert " ±0.05" in {each.fit for each in sizes}
