@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -75,6 +76,7 @@ def side(mesh: Mesh, down: Floats) -> Side:
     )
 
 
+@lru_cache(maxsize=128)  # who lists parts, lays them out and judges plates asks for the same solids
 def lying_side(mesh: Mesh) -> Side:
     """The side whose contact exceeds its overhang by most; the part's own underside unless another one is clearly better."""
     underside = side(mesh, np.array([0.0, 0.0, -1.0]))

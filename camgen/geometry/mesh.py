@@ -258,12 +258,14 @@ def _loops(following: Ints) -> list[Ints]:
 
 def _without_idle(z: Points) -> Ring | None:
     """Ring through z less repeated points and those on the line of their neighbours; None when nothing is left."""
-    z = z[np.abs(z - np.roll(z, 1)) > SAME_POINT]
-    before = z - np.roll(z, 1)
-    after = np.roll(z, -1) - z
+    z = z[np.abs(z - np.concatenate([z[-1:], z[:-1]])) > SAME_POINT]
+    before = z - np.concatenate([z[-1:], z[:-1]])
+    length = np.abs(before)
+    after = np.concatenate([before[1:], before[:1]])
+    turn = np.conj(before) * after
     # The far neighbour is to lie on the line of the short edge: so two near vertices that bend a little are not both idle.
-    idle = np.abs(np.imag(np.conj(before) * after)) <= SAME_POINT * np.minimum(
-        np.abs(before), np.abs(after)
+    idle = np.abs(turn.imag) <= SAME_POINT * np.minimum(
+        length, np.concatenate([length[1:], length[:1]])
     )
-    z = z[~(idle & (np.real(np.conj(before) * after) > 0))]
+    z = z[~(idle & (turn.real > 0))]
     return Ring(z, np.zeros(len(z))) if len(z) > 2 else None

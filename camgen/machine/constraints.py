@@ -99,6 +99,22 @@ class _Point:
         return self.swing * self.rate
 
 
+@dataclass(frozen=True)
+class _Poses:
+    """Poses of all bodies at n angles, with rates q' where they are wanted; what the places of a body share is made once."""
+
+    q: Floats  # (n, 3 bodies)
+    rates: Floats | None = None
+    _bodies: dict[int, tuple[Points, Points]] = field(default_factory=dict)
+
+    def body(self, column: int) -> tuple[Points, Points]:
+        """Where a body's origin is, mm, and the unit along its x axis, (n,) each; column: its first."""
+        if column not in self._bodies:
+            x, y, angle = (self.q[:, column + k] for k in range(3))
+            self._bodies[column] = x + 1j * y, np.exp(1j * angle)
+        return self._bodies[column]
+
+
 class Constraints:
     """The conditions of a machine, ready at any poses."""
 
@@ -153,25 +169,26 @@ class Constraints:
         """At which a cam's law is asked, (n,) rad."""
         return np.asarray(self.angle(cam.cam, q) - cam.phase + np.zeros(len(q)))
 
-    def place(self, place: Place, q: Floats, rates: Floats | None = None) -> _Point:
+    def place(self, place: Place, q: Floats) -> _Point:
         """A place at the poses."""
+        return self._place(place, _Poses(q))
+
+    def _place(self, place: Place, poses: _Poses) -> _Point:
+        """The same, with its rate where rates are given."""
         k = self.column[place.body]
         if k < 0:
-            return _Point(np.full(len(q), complex(place.at)), 0j, -1, 0.0)
-        spoke = place.at * np.exp(1j * q[:, k + 2])
-        return _Point(
-            q[:, k] + 1j * q[:, k + 1] + spoke,
-            1j * spoke,
-            k,
-            0.0 if rates is None else rates[:, k + 2],
-        )
+            return _Point(np.full(len(poses.q), complex(place.at)), 0j, -1, 0.0)
+        origin, along = poses.body(k)
+        spoke = place.at * along
+        rate = 0.0 if poses.rates is None else poses.rates[:, k + 2]
+        return _Point(origin + spoke, 1j * spoke, k, rate)
 
-    def _line(
-        self, slide: Slide | Slot, q: Floats, rates: Floats | None
-    ) -> tuple[Any, dict[int, Any], Any]:
+    def _line(self, slide: Slide | Slot, poses: _Poses) -> tuple[Any, dict[int, Any], Any]:
         """Runner seen from the guide: complex, along + i across; its slopes by column and its second derivative, q'' = 0."""
-        guide = self.place(slide.guide, q, rates)
-        runner = self.place(slide.runner, q, rates)
+        q = poses.q
+        rates = poses.rates
+        guide = self._place(slide.guide, poses)
+        runner = self._place(slide.runner, poses)
         axes = np.exp(-1j * (self.angle(slide.guide.body, q) + slide.angle)) * np.ones(len(q))
         offset = runner.position - guide.position
         slopes = _slopes(runner, guide, axes)
@@ -190,18 +207,21 @@ class Constraints:
             curvature = axes * (centripetal - 2j * w * speed - w * w * offset)
         return offset * axes, slopes, curvature
 
-    def along(
-        self, name: str, q: Floats, rates: Floats | None = None
-    ) -> tuple[Any, dict[int, Any], Any]:
+    def along(self, name: str, q: Floats) -> tuple[Any, dict[int, Any], Any]:
         """Place along a slide or slot, mm, its slopes and its second derivative with q'' = 0."""
-        value, slopes, curvature = self._line(self.machine.slide(name), q, rates)
+        return self._along(name, _Poses(q))
+
+    def _along(self, name: str, poses: _Poses) -> tuple[Any, dict[int, Any], Any]:
+        """The same, its second derivative where rates are given."""
+        value, slopes, curvature = self._line(self.machine.slide(name), poses)
         return value.real, {k: slope.real for k, slope in slopes.items()}, np.real(curvature)
 
     def written(self, q: Floats, theta: Floats, rates: Floats | None = None) -> Conditions:
         """All conditions at the poses; with rates q' their curvatures too."""
         rows = Conditions()
+        poses = _Poses(q, rates)
         for each in self.conditions:
-            self._write(each, q, theta, rates, rows)
+            self._write(each, poses, theta, rows)
         return rows
 
     def evaluate(
@@ -212,20 +232,19 @@ class Constraints:
         rows = self.written(q, theta, rates)
         return rows.misfits(n), rows.matrices(n, self.width), rows.bends(n)
 
-    def _write(
-        self, each: Joint | Drive, q: Floats, theta: Floats, rates: Floats | None, rows: Conditions
-    ) -> None:
+    def _write(self, each: Joint | Drive, poses: _Poses, theta: Floats, rows: Conditions) -> None:
         """Write down the conditions of one joint or drive."""
+        q = poses.q
         if isinstance(each, Pin):
-            a = self.place(each.a, q, rates)
-            b = self.place(each.b, q, rates)
+            a = self._place(each.a, poses)
+            b = self._place(each.b, poses)
             gap = a.position - b.position
             curvature = 1j * (a.swing * a.rate**2 - b.swing * b.rate**2)
             slopes = _slopes(a, b)
             rows.add(gap.real, {k: np.real(s) for k, s in slopes.items()}, np.real(curvature))
             rows.add(gap.imag, {k: np.imag(s) for k, s in slopes.items()}, np.imag(curvature))
         elif isinstance(each, Slide | Slot):
-            line, slopes, curvature = self._line(each, q, rates)
+            line, slopes, curvature = self._line(each, poses)
             rows.add(line.imag, {k: s.imag for k, s in slopes.items()}, np.imag(curvature))
             if isinstance(each, Slide) and each.name in self._turning_slides:
                 turn = self.angle(each.runner.body, q) - self.angle(each.guide.body, q) - each.turn
@@ -245,15 +264,15 @@ class Constraints:
             )
             rows.add(value, self._turns((each.b, 1.0), (each.a, np.where(locked, 0.0, -1.0))), 0.0)
         else:
-            self._write_law(each, q, theta, rates, rows)
+            self._write_law(each, poses, theta, rows)
 
-    def _write_law(
-        self, each: Cam | Drive, q: Floats, theta: Floats, rates: Floats | None, rows: Conditions
-    ) -> None:
+    def _write_law(self, each: Cam | Drive, poses: _Poses, theta: Floats, rows: Conditions) -> None:
         """A cam's or a drive's condition: follower - rest - law."""
+        q = poses.q
+        rates = poses.rates
         body = each.follower if isinstance(each, Cam) else each.body
         if each.slide is not None:
-            value, slopes, curvature = self.along(each.slide, q, rates)
+            value, slopes, curvature = self._along(each.slide, poses)
         else:
             value = self.angle(body, q)
             slopes = self._turns((body, 1.0))
@@ -266,7 +285,7 @@ class Constraints:
             )
             return
         if each.over is not None:
-            self._write_linear(each, q, rates, rows, (value, slopes, curvature))
+            self._write_linear(each, poses, rows, (value, slopes, curvature))
             return
         angle = self._cam_angle(each, q)
         if each.cam != GROUND:
@@ -278,21 +297,21 @@ class Constraints:
 
     def argument(self, cam: Cam, q: Floats) -> Floats:
         """What the law of a cam is asked at in these poses, (n,): its angle, rad, or its place along its slide, mm, less the phase."""
-        carried = self.angle(cam.cam, q) if cam.over is None else self.along(cam.over, q, None)[0]
+        carried = self.angle(cam.cam, q) if cam.over is None else self.along(cam.over, q)[0]
         return np.asarray(carried - cam.phase + np.zeros(len(q)))
 
     def _write_linear(
         self,
         each: Cam,
-        q: Floats,
-        rates: Floats | None,
+        poses: _Poses,
         rows: Conditions,
         follower: tuple[Any, dict[int, Any], Any],
     ) -> None:
         """The condition of a cam that slides; follower: its place or angle, slopes and curvature."""
         assert each.over is not None
         value, slopes, curvature = follower
-        place, onward, bend = self.along(each.over, q, rates)
+        rates = poses.rates
+        place, onward, bend = self._along(each.over, poses)
         place = place - each.phase
         slope = each.law(place, 1)
         slopes = dict(slopes)
@@ -475,8 +494,9 @@ def _slopes(a: _Point, b: _Point, factor: Any = 1.0) -> dict[int, Any]:
     slopes: dict[int, Any] = {}
     for point, sign in ((a, 1.0), (b, -1.0)):
         if point.column >= 0:
-            for k, part in enumerate((1.0, 1j, point.swing)):
-                slopes[point.column + k] = slopes.get(point.column + k, 0) + sign * factor * part
+            for column, part in enumerate((1.0, 1j, point.swing), point.column):
+                slope = sign * factor * part
+                slopes[column] = slopes[column] + slope if column in slopes else slope
     return slopes
 
 

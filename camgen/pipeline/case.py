@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
 
+from camgen import spec as specs
 from camgen.files.formats import FORMATS
 from camgen.files.shelves import listed, located, shelved
 from camgen.machines.mechanism import Mechanism
@@ -30,6 +32,11 @@ class Case:
     def parts(self) -> dict[str, Part]:
         """The mechanism's parts by name."""
         return {part.name: part for part in self.mechanism.assembly.parts}
+
+    @cached_property
+    def key(self) -> str:
+        """What the identifiers inside 3MF files are made from."""
+        return hashlib.sha256(specs.dump(self.mechanism).encode()).hexdigest()
 
     @cached_property
     def study(self) -> Study:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext, suppress
 from itertools import repeat
@@ -12,7 +11,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camgen import spec as specs
 from camgen.errors import DesignError
 from camgen.files.formats import EXACT, FORMATS, Job, write_part
 from camgen.machine.features import PartPose
@@ -97,7 +95,7 @@ def put_together(case: Case, only: frozenset[str], solids: Made, progress: Progr
         case.folder / f"{mechanism.name}-assembly.3mf",
         meshes,
         assembly_copies(mechanism),
-        _key(mechanism),
+        case.key,
     )
     if not parts:
         return
@@ -107,7 +105,7 @@ def put_together(case: Case, only: frozenset[str], solids: Made, progress: Progr
     layout = laid_out(
         parts, printable, mechanism.print.bed, PLATE_GAP, sides, mechanism.print.bed_margin
     )
-    write_plates(case.folder, mechanism.name, layout, printable, _key(mechanism))
+    write_plates(case.folder, mechanism.name, layout, printable, case.key)
 
 
 def written(case: Case) -> dict[str, Mesh]:
@@ -155,9 +153,17 @@ def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh]
     centres = part.centres if files.center_marks else ()
     engraved = part.engraving if files.engrave else ()
     title = f"{mechanism.name}-{name}"
-    key = _key(mechanism)
     job = Job(
-        name, title, key, part.region, centres, tolerance, files.curves, printable, part, engraved
+        name,
+        title,
+        case.key,
+        part.region,
+        centres,
+        tolerance,
+        files.curves,
+        printable,
+        part,
+        engraved,
     )
     for kind in kinds:
         if FORMATS[kind].holds == "drawing" and not part.outlined:
@@ -185,11 +191,6 @@ def write_exact_assembly(case: Case) -> None:
         write_step(
             case.file("assembly", "step"), bodies, titles, f"{mechanism.name}-assembly", copies
         )
-
-
-def _key(mechanism: Mechanism) -> str:
-    """What the identifiers inside 3MF files are made from."""
-    return hashlib.sha256(specs.dump(mechanism).encode()).hexdigest()
 
 
 def compensation(mechanism: Mechanism) -> Compensation | None:
