@@ -16,6 +16,7 @@ import cmath
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -93,14 +94,21 @@ class Text:
     @property
     def width(self) -> float:
         """Length in Helvetica, mm."""
-        from reportlab.pdfbase.pdfmetrics import stringWidth
-
-        return float(stringWidth(self.text, _FONT, self.height / _CAP))
+        return _lengths(self.text, self.height)[0]
 
     @property
     def room(self) -> float:
         """Length that it may take in a PDF reader or in a CAD program, whose font is its own, mm."""
-        return max(self.width, self.height * sum(_CAD_WIDE.get(c, CAD_ADVANCE) for c in self.text))
+        return max(_lengths(self.text, self.height))
+
+
+@lru_cache(maxsize=1024)  # a label is tried at many places, and a word begins many lines
+def _lengths(text: str, height: float) -> tuple[float, float]:
+    """How long a line is in Helvetica, and at most in a CAD program, mm."""
+    from reportlab.pdfbase.pdfmetrics import stringWidth
+
+    cad = height * sum(_CAD_WIDE.get(c, CAD_ADVANCE) for c in text)
+    return float(stringWidth(text, _FONT, height / _CAP)), cad
 
 
 @dataclass(frozen=True)

@@ -140,10 +140,10 @@ def _figures(report: Report) -> Iterator[Headline]:
         same = (each for each in designed if each.quantity == _ALONG and each.of == stroke.of)
         along = next((each.value for each in same), None)
         yield Headline(words.name(stroke), stroke.value, stroke.unit, along=along)
-    judged = {
-        each.code: _worst([f for f in report.findings if f.code == each.code])
-        for each in report.findings
-    }
+    by_code: dict[str, list[Finding]] = {}
+    for finding in report.findings:
+        by_code.setdefault(finding.code, []).append(finding)
+    judged = {code: _worst(findings) for code, findings in by_code.items()}
     strained = _strained([each for each in judged.values() if each is not None])
     for name, code, quantity in _OTHERS:
         figure = next((each for each in designed if each.quantity == quantity), None)
@@ -155,7 +155,7 @@ def _figures(report: Report) -> Iterator[Headline]:
         if worst is not None and worst.code == "LASH" and worst.ok and not worst.measured:
             continue  # a force holds the joints to one side
         if worst is not None and (not code or worst is not strained):
-            outputs = {f.where.output for f in report.findings if f.code == worst.code} - {""}
+            outputs = {f.where.output for f in by_code[worst.code]} - {""}
             of = f" of {worst.where.output}" if len(outputs) > 1 else ""
             yield Headline(
                 f"{name or _STRENGTH[worst.code]}{of}", worst.measured, worst.unit, worst
