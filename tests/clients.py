@@ -341,12 +341,19 @@ def gmsh(path: Path) -> Problem:
 
 
 def gmshs(paths: Sequence[Path]) -> list[Problem]:
-    """Several files by one process, which takes longer to start than to open one; after a crash none is accepted."""
-    text = said(sys.executable, "-c", GMSH, *paths)
-    lines = re.findall(r"^GMSH (.*)$", text, re.MULTILINE)
+    """Several files by one process, which takes longer to start than to open one."""
+    return by_one_process(GMSH, "GMSH", gmsh_problem, paths)
+
+
+def by_one_process(
+    script: str, mark: str, problem: Callable[[Path, Any], Problem], paths: Sequence[Path]
+) -> list[Problem]:
+    """What a script prints of each file, in a line of JSON after a mark; after a crash none is accepted."""
+    text = said(sys.executable, "-c", script, *paths, limit=600)
+    lines = re.findall(rf"^{mark} (.*)$", text, re.MULTILINE)
     facts = [json.loads(line) for line in lines]
     crashed = [text.strip()[-200:] or "crashed"] * (len(paths) - len(facts))
-    return [gmsh_problem(*each) for each in zip(paths, facts, strict=False)] + crashed
+    return [problem(*each) for each in zip(paths, facts, strict=False)] + crashed
 
 
 def gmsh_problem(path: Path, facts: tuple[float, list[str], list[str], int]) -> Problem:
@@ -379,28 +386,35 @@ def pieces(shape, kind, beside=None):
         each.Next()
     return found
 
-reader = STEPControl_Reader()
-wrong = [] if reader.ReadFile(sys.argv[1]) == IFSelect_RetDone else ["cannot be read"]
-reader.TransferRoots()
-whole, volume = reader.OneShape(), 0.0
-solids = [] if whole.IsNull() else pieces(whole, TopAbs_SOLID)
-for solid in solids:
-    wrong += [] if BRepCheck_Analyzer(solid).IsValid() else ["a solid that is not valid"]
-    wrong += ["an open shell" for shell in pieces(solid, TopAbs_SHELL) if not BRep_Tool.IsClosed_s(shell)]
-    mass = GProp_GProps()
-    BRepGProp.VolumeProperties_s(solid, mass, 1e-9)
-    volume += mass.Mass()
-loose = [] if whole.IsNull() else pieces(whole, TopAbs_FACE, TopAbs_SOLID)
-print("OCP " + json.dumps([volume, len(solids), wrong, len(loose)]))
+for path in sys.argv[1:]:
+    reader = STEPControl_Reader()
+    wrong = [] if reader.ReadFile(path) == IFSelect_RetDone else ["cannot be read"]
+    reader.TransferRoots()
+    whole, volume = reader.OneShape(), 0.0
+    solids = [] if whole.IsNull() else pieces(whole, TopAbs_SOLID)
+    for solid in solids:
+        wrong += [] if BRepCheck_Analyzer(solid).IsValid() else ["a solid that is not valid"]
+        wrong += ["an open shell" for shell in pieces(solid, TopAbs_SHELL) if not BRep_Tool.IsClosed_s(shell)]
+        mass = GProp_GProps()
+        BRepGProp.VolumeProperties_s(solid, mass, 1e-9)
+        volume += mass.Mass()
+    loose = [] if whole.IsNull() else pieces(whole, TopAbs_FACE, TopAbs_SOLID)
+    print("\\nOCP " + json.dumps([volume, len(solids), wrong, len(loose)]), flush=True)
 """
 
 
 def ocp(path: Path) -> Problem:
     """STEP: OpenCASCADE finds closed, valid solids, no face besides, and the right volume."""
-    text = said(sys.executable, "-c", OCP, path)
-    if "OCP " not in text:
-        return text.strip()[-200:] or "crashed"
-    volume, count, wrong, loose = json.loads(text.rpartition("OCP ")[2])
+    return ocps([path])[0]
+
+
+def ocps(paths: Sequence[Path]) -> list[Problem]:
+    """Several files by one process."""
+    return by_one_process(OCP, "OCP", ocp_problem, paths)
+
+
+def ocp_problem(path: Path, facts: tuple[float, int, list[str], int]) -> Problem:
+    volume, count, wrong, loose = facts
     if wrong or loose or not count:
         return "; ".join(wrong) or f"{loose} faces of no solid, {count} solids"
     part = part_of(path)
@@ -431,6 +445,7 @@ PACKAGES = {
 # those that take as long to start as to open some ten files: they are given all of a folder at once
 AT_ONCE: dict[Client, Callable[[Sequence[Path]], list[Problem]]] = {
     gmsh: gmshs,
+    ocp: ocps,
     prusa_slicer: prusa_slicers,
 }
 
@@ -469,31 +484,35 @@ def answers(work: Sequence[tuple[Path, Client]]) -> list[Problem]:
 
 
 @pytest.fixture(scope="module")
-def built(once: Callable[[str, Callable[[Path], None]], Path]) -> list[Path]:
-    """A folder for each spec, built by the command."""
+def folder_of(once: Callable[[str, Callable[[Path], None]], Path]) -> Callable[[str], Path]:
+    """folder_of("linkage"): what the command builds of specs/linkage.toml, once, to be read."""
+
+    def folder(name: str) -> Path:
+        def make(out: Path) -> None:
+            spec = ROOT / "specs" / f"{name}.toml"
+            more = ("-o", out, "--only", "dxf,stl,3mf,step,report", "--jobs", 1)
+            print(said(sys.executable, ROOT / "tests" / "flat.py", "build", spec, *more, limit=600))
+            assert (out / name / "report.json").exists(), name
+
+        return once(f"parts-of-{name}", make) / name
+
+    return folder
+
+
+@pytest.fixture(scope="module")
+def built(
+    folder_of: Callable[[str], Path], share_of: Callable[[Sequence[str]], Sequence[str]]
+) -> list[Path]:
+    """The folders of the share's specs."""
     the_others_parts = {
         "stitch-head",
         "walking-leg",
         "two-leg-walker",
         "four-leg-walker",
     }  # links of a linkage are plates
-    specs = sorted(
-        path for path in (ROOT / "specs").glob("*.toml") if path.stem not in the_others_parts
-    )
-
-    def make(out: Path) -> None:
-        def build(spec: Path) -> str:
-            more = ("-o", out, "--only", "dxf,stl,3mf,step,report", "--jobs", 1)
-            return said(sys.executable, ROOT / "tests" / "flat.py", "build", spec, *more, limit=600)
-
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            print(*pool.map(build, specs), sep="\n")
-
-    folders = sorted(once("parts", make).iterdir())
-    assert len(folders) == len(specs) and all(
-        (folder / "report.json").exists() for folder in folders
-    )
-    return folders
+    specs = {path.stem for path in (ROOT / "specs").glob("*.toml")}
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(folder_of, share_of(sorted(specs - the_others_parts))))
 
 
 def needed(client: Client) -> None:
@@ -508,13 +527,10 @@ EVERY = sorted(
 
 
 @pytest.mark.parametrize("client", EVERY, ids=lambda client: client.__name__)
-def test_every_part_is_accepted(
-    client: Client, built: list[Path], in_share: Callable[[str], bool]
-) -> None:
+def test_every_part_is_accepted(client: Client, built: list[Path]) -> None:
     needed(client)
     work = [each for each in tasks(built) if each[1] is client]
-    assert len(work) >= (len(built) if client is chromium else 30)  # it has a page for each spec
-    work = [each for each in work if in_share(f"{each[0].parent.name}/{each[0].name}")]
+    assert {path.parent for path, _ in work} == set(built)  # each spec has files of all kinds
     refused = {
         path.name: problem
         for (path, _), problem in zip(work, answers(work), strict=True)
@@ -534,8 +550,9 @@ def test_contours_have_few_points(built: list[Path]) -> None:
             )
 
 
+@pytest.mark.long
 def test_a_sliced_cam_moves_its_follower_as_its_mesh_does(
-    built: list[Path], tmp_path: Path
+    folder_of: Callable[[str], Path], tmp_path: Path
 ) -> None:
     """Real G-code: with classic perimeters within 0.002 deg of the STL for 99 % of the turn, and worse with the variable ones."""
     needed(prusa_slicer)
@@ -543,9 +560,7 @@ def test_a_sliced_cam_moves_its_follower_as_its_mesh_does(
     from camgen.measuring.motion import recover
     from camgen.measuring.outlines import read_outline
 
-    stl = (
-        next(folder for folder in built if folder.name == "uniform-swing") / "uniform-swing-cam.stl"
-    )
+    stl = folder_of("uniform-swing") / "uniform-swing-cam.stl"
     follower = read_follower("oscillating,pivot=60/0,arm=67.082,at_deg=-153.435,radius=3")
     wanted = recover(read_outline(stl).ring, follower).s  # type: ignore[arg-type]
     off = {}
@@ -572,12 +587,13 @@ def test_a_sliced_cam_moves_its_follower_as_its_mesh_does(
     assert off["classic"] < 0.002 < off["arachne"] < 0.03
 
 
-def test_the_plate_of_a_linkage_sliced(built: list[Path], tmp_path: Path) -> None:
+@pytest.mark.long
+def test_the_plate_of_a_linkage_sliced(folder_of: Callable[[str], Path], tmp_path: Path) -> None:
     """All parts are found where the slicer puts them; classic walls bear every finding, variable ones make holes tight."""
     needed(prusa_slicer)
     from camgen.pipeline.sliced import check_gcode
 
-    folder = next(folder for folder in built if folder.name == "linkage")
+    folder = folder_of("linkage")
     path = tmp_path / "plate.gcode"
     for generator, wrong in (("classic", set()), ("arachne", {"PIN_GAP"})):
         layers = ("--layer-height", 0.4, "--first-layer-height", 0.4)  # half as many
@@ -600,15 +616,15 @@ def test_the_plate_of_a_linkage_sliced(built: list[Path], tmp_path: Path) -> Non
         assert {"ground", "crank", "coupler", "rocker", "collar", "pin-1", "pin-2"} <= found
 
 
-def test_a_cam_with_a_hub_and_a_keyway_sliced(built: list[Path], tmp_path: Path) -> None:
+@pytest.mark.long
+def test_a_cam_with_a_hub_and_a_keyway_sliced(
+    folder_of: Callable[[str], Path], tmp_path: Path
+) -> None:
     """Layers of the hub drive nothing, corners of the keyway that the nozzle rounds do not move the bore."""
     needed(prusa_slicer)
     from camgen.pipeline.sliced import check_gcode
 
-    folder, path = (
-        next(folder for folder in built if folder.name == "disc-cam"),
-        tmp_path / "plate.gcode",
-    )
+    folder, path = folder_of("disc-cam"), tmp_path / "plate.gcode"
     said(
         "prusa-slicer",
         "--export-gcode",
@@ -658,6 +674,7 @@ def sheet_svg(path: Path) -> Problem:
     return "" if off < 2e-3 else f"an area is {off:.2%} off"
 
 
+@pytest.mark.long
 def test_a_sheet_is_the_same_in_other_programs(tmp_path: Path) -> None:
     """Inkscape's 99 MB and more are not needed for it: a browser draws the SVG, GDAL reads the DXF; damage is seen."""
     for client in (chromium, gdal):
@@ -928,7 +945,11 @@ def as_built(client: Client, path: Path) -> Problem:
     ("client", "damage", "edit"), DAMAGES, ids=[f"{c.__name__} {name}" for c, name, _ in DAMAGES]
 )
 def test_a_damaged_file_is_refused(
-    client: Client, damage: str, edit: Callable[[Path], None], built: list[Path], tmp_path: Path
+    client: Client,
+    damage: str,
+    edit: Callable[[Path], None],
+    folder_of: Callable[[str], Path],
+    tmp_path: Path,
 ) -> None:
     needed(client)
     suffix = (
@@ -937,7 +958,7 @@ def test_a_damaged_file_is_refused(
         else next(suffix for suffix, found in CLIENTS.items() if client in found)
     )
     name = "report.html" if client is chromium else f"disc-cam-cam{suffix}"
-    source = next(folder for folder in built if folder.name == "disc-cam") / name
+    source = folder_of("disc-cam") / name
     for path in (source, source.with_name("report.json")):
         shutil.copy(path, tmp_path)
     path = tmp_path / source.name

@@ -6,8 +6,7 @@ import gc
 import hashlib
 import os
 import time
-from collections.abc import Callable, Iterator
-from functools import partial
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from zlib import crc32
 
@@ -40,30 +39,33 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
-def _in_share(config: pytest.Config, name: str) -> bool:
-    """Whether a name, by its hash, is of the share that is asked for: N shares together are all names."""
-    if not config.getoption("share"):
-        return True
-    share, count = map(int, config.getoption("share").split("/"))
-    return crc32(name.encode()) % count == share
+def _share(config: pytest.Config) -> tuple[int, int]:
+    """Share K and their number N, of `--share`; the only one of one without it."""
+    share, count = map(int, (config.getoption("share") or "0/1").split("/"))
+    return share, count
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Keeps all short tests, and the long ones of a share of the files: what a file builds is built in one share."""
+    """Keeps all short tests, and the long ones of a share of the files: what a file builds is built in one share.
+
+    The hash of a file's path says which share is its own; all shares together are all tests.
+    """
+    share, count = _share(config)
     kept = []
     left = []
     for item in items:
-        own = not item.get_closest_marker("long") or _in_share(config, item.nodeid.split("::")[0])
-        (kept if own else left).append(item)
+        of_share = crc32(item.nodeid.split("::")[0].encode()) % count == share
+        (kept if of_share or not item.get_closest_marker("long") else left).append(item)
     items[:] = kept
     if left:
         config.hook.pytest_deselected(items=left)
 
 
 @pytest.fixture(scope="session")
-def in_share(pytestconfig: pytest.Config) -> Callable[[str], bool]:
-    """Whether a name is of the share that `--share` asks for; without it each one is."""
-    return partial(_in_share, pytestconfig)
+def share_of(pytestconfig: pytest.Config) -> Callable[[Sequence[str]], Sequence[str]]:
+    """Every Nth of some names, from the Kth on, for `--share K/N`; all without it."""
+    share, count = _share(pytestconfig)
+    return lambda names: names[share::count]
 
 
 @pytest.fixture

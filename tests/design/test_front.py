@@ -63,6 +63,7 @@ def found() -> list[ChainDesign]:
     return solve_task(goal, Task(FOUR_BAR, (1,)))
 
 
+@pytest.mark.long
 def test_a_second_plate_is_tried_before_a_design_is_refused() -> None:
     machine, change = validate(Linkage, DRAG_LINK).on_a_frame()
     assert change.sizes["plates"] == machine.making.plates == 2
@@ -78,6 +79,7 @@ def test_a_machine_that_stands_as_it_is_stays_so() -> None:
     assert prototype(data, "").row["parts"] == ""
 
 
+@pytest.mark.long
 def test_plates_that_the_spec_says_are_kept_and_the_refusal_says_what_was_tried() -> None:
     typed = {**DRAG_LINK, "parts": {**SIZES, "plates": 1}}
     with pytest.raises(DesignError, match="cannot pass") as refused:

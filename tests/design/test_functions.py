@@ -88,6 +88,7 @@ def test_a_front_trades_error_for_transmission() -> None:
     assert len(front) > 1 and errors == sorted(errors) and angles == sorted(angles)
 
 
+@pytest.mark.long
 def test_the_search_goes_along_the_bounds_to_the_tolerance_and_the_transmission_angle() -> None:
     # another route, least squares on all lengths from many starts, ends at a coupler of twice the frame as well
     square = tuple((x, x**2 / 90) for x in (0, 22.5, 45, 67.5, 90))
@@ -111,6 +112,7 @@ def test_the_keys_that_a_remedy_names_are_there() -> None:
         assert named and set(named) <= set(type(wish).model_fields)
 
 
+@pytest.mark.long
 def test_what_no_four_bar_transmits_is_told() -> None:
     with pytest.raises(
         DesignError,
@@ -153,6 +155,7 @@ def test_all_faults_of_wish_and_spec_at_once(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.long
 def test_the_spec_keeps_its_comments_and_line_ends_and_the_front_its_pictures(
     tmp_path: Path,
 ) -> None:

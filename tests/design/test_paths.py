@@ -118,6 +118,7 @@ def test_without_a_tolerance_a_useless_path_is_none() -> None:
         assert tomllib.loads(text)["output"][0]["path"]["tolerance"] <= 5
 
 
+@pytest.mark.long
 @given(st.floats(-3, 3), st.floats(0.2, 5), st.complex_numbers(max_magnitude=100))
 def test_place_turn_and_size_of_a_path_do_not_count(
     turn: float, size: float, shift: complex
@@ -193,6 +194,7 @@ def test_a_front_and_its_area() -> None:
     assert area(points, goal) == pytest.approx((0.4 * 4 + 0.5 * 6) / 10)
 
 
+@pytest.mark.long
 def test_a_path_of_a_four_bar_is_found_again() -> None:
     found = solve_task(GOAL, TASK)
     assert found == solve_task(GOAL, TASK)  # the same task, the same front

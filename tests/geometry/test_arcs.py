@@ -102,6 +102,7 @@ def test_cam_within_tolerance_both_ways(tolerance: float) -> None:
     assert np.sum(turns > 1e-9) == 1  # the sharp reversal; the corner's arc runs on smoothly
 
 
+@pytest.mark.long
 @settings(max_examples=40)
 @given(
     piece=st.one_of(
@@ -129,6 +130,7 @@ def test_any_curve(piece: Smooth, exponent: float, backwards: bool) -> None:
         assert abs(end_point(p) - start_point(q)) <= 1e-12 * max(radius, np.abs(dense).max())
 
 
+@pytest.mark.long
 def test_coarser_arcs_fail() -> None:
     """Seen to fail: an arc taken out, its neighbour's end moved to the gap's other side, is out of tolerance."""
     cam, tolerance = knife_cam(), 1e-3
@@ -216,6 +218,7 @@ def test_a_fit_is_that_of_its_own_contour() -> None:
     }
 
 
+@pytest.mark.long
 def test_waves_finer_than_the_arcs() -> None:
     """A circle of 40 mm with 171 waves of half a tolerance each way: arcs that skip waves hold, and no number of even ones does."""
 

@@ -216,6 +216,7 @@ def test_a_smaller_tolerance_takes_more_triangles() -> None:
     assert 2 * len(coarse.faces) < len(fine.faces) < 7000
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-7])
 def test_a_tolerance_that_no_file_holds_is_refused_with_one_that_does(tolerance: float) -> None:
     """The limit is that of the files' reader, 2,000,000 triangles; what is advised takes most of them, and no more."""

@@ -138,6 +138,7 @@ def test_shapely_agrees(tolerance: float) -> None:
     assert 0.9 * tolerance < distance <= tolerance
 
 
+@pytest.mark.long
 @settings(max_examples=60)
 @given(
     piece=st.one_of(

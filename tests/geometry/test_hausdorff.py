@@ -62,6 +62,7 @@ def test_places_by_themselves_and_a_line_that_is_a_place() -> None:
     )
 
 
+@pytest.mark.long
 @settings(max_examples=150, deadline=None)
 @given(
     st.lists(COORDINATES, min_size=2, max_size=9),

@@ -143,6 +143,7 @@ def threads(path: Path, found: Mechanism) -> dict[str, Finding]:
     return {finding.code: finding for finding in findings}
 
 
+@pytest.mark.long
 def test_a_thread_lies_in_its_grooves_and_slips_along_plain_posts(tmp_path: Path) -> None:
     path = tmp_path / "x.3mf"
     found = threads(path, written(path, "thread-take-up"))
@@ -157,6 +158,7 @@ def test_a_thread_lies_in_its_grooves_and_slips_along_plain_posts(tmp_path: Path
     assert worn_out["THREAD_HELD"].measured == pytest.approx(0.6, abs=1e-3)
 
 
+@pytest.mark.long
 def test_a_thread_that_meets_a_head_or_a_guide_is_told(tmp_path: Path) -> None:
     path = tmp_path / "x.3mf"
     high = solids("thread-take-up")["pin-1"]

@@ -481,6 +481,7 @@ def hull(points: np.ndarray) -> np.ndarray:
     return points[ConvexHull(np.column_stack([points.real, points.imag])).vertices]
 
 
+@pytest.mark.long
 @settings(max_examples=40, deadline=None)
 @given(
     seed=st.integers(0, 10**6),
@@ -550,6 +551,7 @@ def test_the_vertex_with_which_a_ring_begins_says_nothing(
         )
 
 
+@pytest.mark.long
 @settings(max_examples=60, deadline=None)
 @given(
     seed=st.integers(0, 10**6),

@@ -244,6 +244,7 @@ def test_a_contour_about_a_joint_is_told(tmp_path: Path) -> None:
     assert failing("eccentric", "disc", "stl", made, tmp_path) == {"ROUND_TRIP"}
 
 
+@pytest.mark.long
 def test_a_bore_that_is_aside_in_the_hub_alone_is_told(tmp_path: Path) -> None:
     """A follower runs on the plate below, whose bore is where it belongs."""
     whole = sent("foot", "cam")

@@ -325,11 +325,13 @@ def test_a_shaft_hole_that_is_no_joint_stays_in_its_place(
     assert ("ROUND_TRIP", "dxf") in failing(folder, "dxf")
 
 
+@pytest.mark.long
 def test_a_bed_too_small_is_told(tmp_path: Path) -> None:
     report = pipeline.build(SPEC, tmp_path, frozenset({"stl"}), ["print.bed=[20, 20]"])
     assert {f.code for f in report.findings if not f.ok} == {"BED_FIT"}
 
 
+@pytest.mark.long
 def test_the_feed_is_taken_from_the_guides_in_the_file(
     built: Callable[..., Path], tmp_path: Path
 ) -> None:

@@ -161,6 +161,7 @@ def test_corners_are_where_the_tip_passes_a_vertex() -> None:
 # ---- strokes and targets ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @settings(max_examples=40)
 @given(
     late=st.floats(0, 6.3),

@@ -50,6 +50,7 @@ coordinate = st.floats(-8, 8)
 corner = st.tuples(st.floats(15, 35), coordinate, coordinate)
 
 
+@pytest.mark.long
 @settings(max_examples=60)
 @given(st.tuples(corner, corner, corner), st.sampled_from([0.0, 0.2, -0.15]), st.floats(-3, 3))
 def test_a_triangle_forbids_what_its_points_forbid(
@@ -237,6 +238,7 @@ def freedom(mesh: Mesh, phi: float, middle: float) -> tuple[float, float]:
     return low, high
 
 
+@pytest.mark.long
 @settings(max_examples=4, deadline=None, phases=[Phase.explicit, Phase.generate])
 @given(
     span=st.floats(70, 150),

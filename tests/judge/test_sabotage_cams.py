@@ -191,6 +191,7 @@ def test_a_drawing(
     assert all(where == f"{part}.dxf" for _, where in found)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind, part", [("groove", "inner"), ("indexing", "cam")])
 def test_a_slit(copy: Copy, kind: str, part: str) -> None:
     folder = copy(kind)
@@ -200,6 +201,7 @@ def test_a_slit(copy: Copy, kind: str, part: str) -> None:
     assert ("MIN_WALL", f"{part}.dxf") in failing(folder, "dxf")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "kind, part", [("groove", "outer"), ("flat", "cam"), ("indexing", "return-cam")]
 )
@@ -337,6 +339,7 @@ def between(
     return {finding.code for finding in found.findings if not finding.ok}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("kind", "parts"),
     [

@@ -548,6 +548,7 @@ def test_no_tile_of_the_gallery_is_empty_and_its_pictures_are_served(tmp_path: P
     assert page.get("/pictures/none.svg").status_code == 404
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", [*usable({n: starters.text(n) for n in starters.examples()})])
 def test_places_of_a_drag_are_those_of_the_machine(name: str) -> None:
     """By the quick way without closing the drawing, and by the mechanism's own."""

@@ -175,6 +175,7 @@ def dense(system: Constraints, theta: np.ndarray, guess: np.ndarray) -> np.ndarr
     return np.asarray(q)
 
 
+@pytest.mark.long
 @settings(max_examples=50, deadline=None)
 @given(chains())
 def test_random_chains_close_as_on_whole_matrices(machine: Machine) -> None:

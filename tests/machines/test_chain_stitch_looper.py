@@ -599,6 +599,7 @@ def test_search_needs_no_table() -> None:
     assert min(clearances(plain.stitch)) == pytest.approx(2.26594, abs=3e-3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("changes", "quantity"),
     [

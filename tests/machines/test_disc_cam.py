@@ -580,6 +580,7 @@ def offset_the_other_way(made: DiscCamDrive) -> Any:
     return other.cam.profile(np.linspace(0, 2 * math.pi, 7201)[:-1])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("drawn, least", [(radially, 0.1), (offset_the_other_way, 0.1)])
 def test_errors_that_open_cam_makers_ship(
     sound: Callable[[str], Any], tmp_path: Path, drawn: Callable[[DiscCamDrive], Any], least: float

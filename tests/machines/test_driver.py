@@ -167,6 +167,7 @@ def made() -> IndexingCam:
     return design(driver={"offset": 8.0}, parts={"make": "printed"})
 
 
+@pytest.mark.long
 def test_the_made_chain_moves_the_link_as_the_drawn_one(made: IndexingCam) -> None:
     """With two wheels in place of a belt the arm turns against the cam; crank and arm by the pin's place on the ground."""
     run, drawn = made.solve(THETA, 1), design(driver={"offset": 8.0}).solve(THETA, 1)
@@ -188,6 +189,7 @@ def test_the_made_chain_moves_the_link_as_the_drawn_one(made: IndexingCam) -> No
     )
 
 
+@pytest.mark.long
 def test_crank_and_arm_hang_under_the_plate(made: IndexingCam) -> None:
     """From above: plate, arm at the end of its shaft, 15 under it, crank, bracket; posts between, a screw through each."""
     parts, ways = (
@@ -213,6 +215,7 @@ def test_crank_and_arm_hang_under_the_plate(made: IndexingCam) -> None:
     assert any("bracket below" in note for note in made.study().notes)
 
 
+@pytest.mark.long
 def test_a_motor_turns_the_crank_under_its_bracket() -> None:
     spec = design(
         driver={"offset": 8.0},
@@ -230,6 +233,7 @@ def test_a_motor_turns_the_crank_under_its_bracket() -> None:
     )
 
 
+@pytest.mark.long
 def test_a_shaft_too_short_for_what_lies_under_the_plate_is_told() -> None:
     short = design(driver={"offset": 8.0}, parts={"make": "printed", "shaft_length": 9.0})
     with pytest.raises(DesignError, match="parts.shaft_length.*make it longer"):

@@ -85,6 +85,7 @@ def test_no_two_bodies_meet_and_a_thicker_one_is_seen(kind: str, tmp_path: Path)
     assert "plate" in lower
 
 
+@pytest.mark.long
 def test_a_pair_of_which_too_little_is_seen_is_not_proven(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -398,6 +398,7 @@ def test_the_clamp_presses_on_the_wire_and_stays_outside_the_guide() -> None:
     assert edge > cover and poses["clamp"][0].z == pytest.approx(poses["slider"][0].z + top)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("limit", [1.0, 0.4, 5.0])
 def test_play_is_judged_by_the_designers_limit(limit: float, tmp_path: Path) -> None:
     """0.2 mm of play in strap and pin each; no limit bears more than half of the stroke of 3 mm."""

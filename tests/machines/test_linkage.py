@@ -215,6 +215,7 @@ def test_a_hole_off_by_30_um_is_found(
     assert "MOTION_ERROR" in {finding.code for finding in wrong(folder, "dxf")}
 
 
+@pytest.mark.long
 def test_two_links_swapped_are_found(built: Callable[..., Path], tmp_path: Path) -> None:
     folder = Path(shutil.copytree(built("linkage"), tmp_path / "linkage"))
     (folder / "linkage-rocker.dxf").rename(folder / "other.dxf")

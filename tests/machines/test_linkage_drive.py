@@ -139,6 +139,7 @@ def test_programs_that_are_none(four_bar: dict[str, Any], drive: dict[str, Any],
     assert path in [fault.key for fault in caught.value.faults]
 
 
+@pytest.mark.long
 def test_a_program_from_a_file_of_points(four_bar: dict[str, Any], tmp_path: Path) -> None:
     """Read from beside the spec; the resolved spec needs it no more."""
     (tmp_path / "rise.csv").write_text(

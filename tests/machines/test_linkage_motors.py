@@ -262,6 +262,7 @@ def test_the_pen_is_on_its_line_and_all_of_the_line_is_drawn(drawn: Linkage) -> 
     assert drawn.wanted[0].path is not None and drawn.wanted[0].path.tolerance == 0.1
 
 
+@pytest.mark.long
 def test_a_pen_out_of_reach_is_told_by_angle_and_shortfall() -> None:
     """A circle whose farthest point is beyond arm and rod, 144 mm from O."""
     spec = star()

@@ -111,6 +111,7 @@ def test_a_hand_crank_of_sheet_is_turned_by_a_dowel():
     assert stands["hand-crank"].z == -15 and stands["knob-pin"].z == pytest.approx(-15 + 3 - 18)
 
 
+@pytest.mark.long
 def test_a_cam_machine_of_sheet():
     """Cams and wheels are plates on a turned shaft."""
     machine = camgen.load(laser("indexing-cam", 4.0)).resolved()

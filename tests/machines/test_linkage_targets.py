@@ -252,6 +252,7 @@ def test_play_that_is_more_than_a_target_is_told(
     assert not free_play.beyond_targets([lash], accepting.assembly.demands)
 
 
+@pytest.mark.long
 def test_a_four_bar_with_much_play_tells_it_beside_its_straightness(tmp_path: Path) -> None:
     wish = {"straightness": {"length": 10, "tolerance": 0.1}}
     tables = spec(**HOEKEN, output=[{"name": "pen", "point": "P", **wish}])

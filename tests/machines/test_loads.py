@@ -62,6 +62,7 @@ def numbers(name: str, *settings: str) -> dict[str, float]:
 # ---- masses ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_masses_are_those_of_the_solids() -> None:
     """By another route: triangles of the solids, as they are printed, at 1.24 g/cm^3."""
     drive = made("eccentric-drive", "accuracy.chord_tolerance=0.001")
@@ -520,6 +521,7 @@ def test_a_counterweight_takes_off_what_is_told() -> None:
     assert left < 0.5 * told["shaking_force_n"]
 
 
+@pytest.mark.long
 def test_springs_of_the_bench_and_to_be_wound() -> None:
     bench = judged("disc-cam", "parts.make='printed'")
     codes = {each.code: each for each in bench.findings}

@@ -62,6 +62,7 @@ ROWS: list[tuple[str, list[str], str, Mapping[str, str]]] = [
 ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("spec", "overrides", "output", "bodies"), ROWS, ids=lambda value: str(value)[:30]
 )

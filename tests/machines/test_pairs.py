@@ -34,6 +34,7 @@ def lash(report: Any) -> float:
     return float(found)
 
 
+@pytest.mark.long
 def test_air_is_play_of_twice_its_size(tmp_path: Path) -> None:
     """A face moves along its normal: 0.1 mm on either side is 0.2 mm of way, and the motion is that of the middle."""
     report = made(tmp_path, *PAIR, *FLAT, "geometry.tip_clearance=0.1")
@@ -80,6 +81,7 @@ def test_what_a_preload_presses_with_at_most() -> None:
     assert "N at a tip" not in remarks(forces, found.model, found.assembly.outlines)[1][0].why
 
 
+@pytest.mark.long
 def test_air_of_a_pair_in_a_linkage(tmp_path: Path) -> None:
     """On an arm of hypot(30, 25) mm the play is 2 x 0.05 mm over it at least, over its share across the outline at most."""
     spec = {

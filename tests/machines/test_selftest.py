@@ -20,6 +20,7 @@ def run(capsys: pytest.CaptureFixture[str]) -> tuple[int, str]:
     return done.value.code, capsys.readouterr().out
 
 
+@pytest.mark.long
 def test_all_agree(capsys: pytest.CaptureFixture[str]) -> None:
     code, out = run(capsys)
     count = len(list(selftest.rows()))

@@ -73,6 +73,7 @@ def test_the_list_names_the_springs_wire_and_its_forces(starter: IndexingCam) ->
     assert {"unloader", "gear-unloader_gears-unloader"} <= {row[1] for row in rows}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("motor", [{}, {"motor": {"speed_rpm": -30.0}}])
 def test_a_straight_spring_pulls_as_one_on_a_cord(motor: dict[str, Any]) -> None:
     """Torque at the follower: the machine of bodies with its spring between two pins, against the closed form of the torques."""
@@ -187,6 +188,7 @@ def test_both_ends_of_a_spring_lie_along_it_and_cover_it(starter: IndexingCam) -
     )
 
 
+@pytest.mark.long
 def test_an_ideal_spring_is_not_made_and_that_is_told(starter: IndexingCam) -> None:
     data = read(SPECS / "indexing-cam.toml")
     data["parts"]["make"], data["unloader"] = "printed", {"torque": "law"}

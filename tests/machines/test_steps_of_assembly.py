@@ -750,6 +750,7 @@ def left_out(machine: Mechanism) -> list[str]:
     return found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", [*MACHINES, *BOUGHT])
 def test_all_that_is_bought_is_put_in_by_some_step(name: str) -> None:
     assert not left_out(built(name))

@@ -338,6 +338,7 @@ def test_search_beats_chance_and_another_search() -> None:
     assert worst > -found.fun - 0.01
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("room", "quantity"),
     [(Room(10.0, 16.0, 4.0), "spreader_stroke"), (Room(40.0, 16.0, 4.0, 3.0), "clear")],

@@ -205,6 +205,7 @@ def test_no_masses_no_forces() -> None:
     assert "Reactions" not in [plot.title for plot in study.plots]
 
 
+@pytest.mark.long
 def test_study_names_errata_and_both_readings() -> None:
     study = made().study()
     text = " ".join(study.notes)

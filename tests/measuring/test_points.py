@@ -71,6 +71,7 @@ def lens(radius: float, half: float, count: int, shift: float) -> np.ndarray:
     return np.asarray(np.where(upper, arc, -arc))
 
 
+@pytest.mark.long
 @settings(max_examples=60, deadline=None)
 @given(
     radius=st.floats(20, 60),

@@ -271,6 +271,7 @@ def kinks(law: Law) -> list[float]:
     return [*first.tolist(), *second.tolist()]
 
 
+@pytest.mark.long
 @given(st.sampled_from(["modified-sine", "cycloidal", "modified-trapezoid"]), INFLECTIONS)
 def test_two_routes_to_a_shifted_inflection(name: str, inflection: float) -> None:
     """The symmetric law moved along the straight line is the law of two unequal halves."""

@@ -93,6 +93,7 @@ def test_plate_names_what_meets_what() -> None:
 # ---- shaft -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_collet_and_ring_belong_together() -> None:
     sleeve, ring = COLLET.sleeve(0.8), COLLET.ring()
     radii = [

@@ -19,6 +19,7 @@ SPECS = Path(__file__).resolve().parents[2] / "specs"
 NAMES = ["linkage", "disc-cam", "uniform-swing", "gallery/scotch-yoke"]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", NAMES)
 def test_every_copy_stands_where_its_body_is_and_is_its_part(name: str) -> None:
     machine = camgen.load(SPECS / f"{name}.toml")

@@ -200,6 +200,7 @@ def test_labels_that_do_collide_are_found(tmp_path: Path) -> None:
     assert ("B2", "edge") in collisions(space)
 
 
+@pytest.mark.long
 def test_only_cams_have_a_table_of_radii() -> None:
     """Of a machine with cams and wheels: the wheels' teeth are told in their notes."""
     machine = read_mechanism(SPECS / "gallery" / "dial-table.toml")

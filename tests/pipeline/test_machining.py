@@ -238,6 +238,7 @@ def test_a_path_that_is_not_the_one_in_its_table_is_told(tmp_path):
     ] == ["p.csv"]
 
 
+@pytest.mark.long
 def test_an_undercut_has_no_normal_and_a_cutter_without_a_path_is_refused(
     tmp_path, root, monkeypatch
 ):

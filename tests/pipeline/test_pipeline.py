@@ -136,6 +136,7 @@ def test_same_spec_same_bytes_in_another_process_and_from_the_resolved_spec(
     assert contents(tmp_path / "uniform-swing") == contents(made)
 
 
+@pytest.mark.long
 def test_check_says_what_the_build_said(made: Path) -> None:
     """And that the files beside the parts are as they are made anew."""
     before = contents(made)

@@ -77,6 +77,7 @@ def test_bands_are_closed_solids_of_their_size() -> None:
     assert area == pytest.approx(0.8 * 7)
 
 
+@pytest.mark.long
 def test_a_box_covers_what_its_faces_do() -> None:
     seen = pixels(picture(*shown(np.zeros(120), np.zeros(120, complex))))
     covered = np.count_nonzero((seen < 250).any(axis=2))

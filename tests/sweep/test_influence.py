@@ -129,6 +129,7 @@ KNOCKING = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", [*MECHANISMS, "dial-table", "groove", "knocking"])
 def test_every_key_that_a_message_names_is_told(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """As one that changes the finding, that sets its limit, or that does neither alone; of all findings before files."""
@@ -153,6 +154,7 @@ def numbers_of(numbers: Any, keys: set[str], tables: Any, path: Any = ()) -> Any
     return [each for each in numbers(tables, path) if dotted(each[0]) in keys]
 
 
+@pytest.mark.long
 def test_a_key_that_is_not_set_is_tried_where_advice_names_it() -> None:
     found = influence(KNOCKING, "LIFT_OFF")
     (preload,) = (each for each in found.effects if each.keys == ["spring.preload"])
@@ -217,6 +219,7 @@ def test_explain_takes_a_spec_behind_the_codes(run: Any, tmp_path: Path) -> None
     assert code == 4 and "none.toml" in err
 
 
+@pytest.mark.long
 def test_explain_sets_keys_of_the_spec_before(run: Any) -> None:  # noqa: F811
     spec = str(SPECS / "linkage.toml")
     said = ("explain", "TRANSMISSION_ANGLE", spec, "--set")
@@ -273,6 +276,7 @@ def test_levels_of_a_program_are_those_between_which_it_moves() -> None:
     assert levels({"to": 9}, {"lift": 9}, {"to": 9}) == [(9, False, 1), (9, False, 1)]
 
 
+@pytest.mark.long
 def test_a_value_that_camgen_found_is_a_key_and_stays_while_others_change(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

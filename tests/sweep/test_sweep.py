@@ -129,6 +129,7 @@ def test_what_is_no_sweep_is_told(vary: list[str], further: dict[str, object], s
 # ---- each as by itself -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_each_row_is_what_the_variant_says_by_itself(tmp_path: Path) -> None:
     swept = sweep(task(), tmp_path / "t.csv")
     found = rows(tmp_path / "t.csv")
@@ -264,6 +265,7 @@ def die_always(where: Task, numbers: range) -> list[sweeps.Row]:
     raise AssertionError
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal on this system")
 def test_a_killed_worker_costs_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweeps, "_CROWDS", ())

@@ -75,6 +75,7 @@ def test_a_spring_that_is_stronger_all_through_holds_by_its_root(found: Spread) 
     assert _wound(contact, *more).lift_off == pytest.approx(1.1 * contact.lift_off, rel=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("pressed", "share"),
     [

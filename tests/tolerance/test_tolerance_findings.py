@@ -107,6 +107,7 @@ def test_pressure_angle_of_a_copy_is_that_of_its_curve(off: float) -> None:
     assert angle.values[0] - angle.designed == pytest.approx(moved - exact, abs=0.02)
 
 
+@pytest.mark.long
 def test_yield_does_not_hang_on_the_facets() -> None:
     """The mean of copies is the exact design's within their spread, and so are means with facets of 1 and 0.1 um."""
     means = []

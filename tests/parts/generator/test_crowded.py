@@ -152,6 +152,7 @@ def test_pin_link_distance_and_angle_are_those_of_the_closed_form() -> None:
     assert error.limit == pytest.approx((5.2 / 2 + 2) + (5 / 2 + 1.5) + 0.2)  # hub, pin's head, air
 
 
+@pytest.mark.long
 def test_a_link_that_may_is_bent_where_straight_ones_find_no_levels() -> None:
     """By as little of what is tried as lets its middle pass: the resolved spec says how far, and makes the same parts."""
     machine = validate(
@@ -258,6 +259,7 @@ def test_cures_that_are_told_mend(tmp_path: Path) -> None:
         assert "INTERFERENCE" in {finding.code for finding in report.findings}
 
 
+@pytest.mark.long
 def test_what_passes_right_over_a_shaft_is_told_to_be_elsewhere() -> None:
     error = refusal(DRAGGED)
     assert error.where.startswith("link rocker and shaft O") and error.value < 0.1

@@ -79,6 +79,7 @@ def test_links_of_unequal_thickness_lie_on_each_other(
         assert all(PLAY - 1e-9 <= gap <= 2 * PLAY + machine.making.thickness / 4 for gap in gaps)
 
 
+@pytest.mark.long
 def test_levels_of_one_height_for_links_of_two_collide(
     root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

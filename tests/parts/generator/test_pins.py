@@ -156,6 +156,7 @@ def test_a_head_little_wider_than_its_pin_is_not_taken_for_it() -> None:
     assert found is not None and found.diameter == pytest.approx(5.02, abs=1e-9)
 
 
+@pytest.mark.long
 def test_a_bearing_for_the_shaft(root: Path, tmp_path: Path) -> None:
     machine = made(root, tmp_path, "parts.pins.O=bearing", "parts.base_thickness=6")
     (mount,) = (mount for mount in machine.assembly.mounts if mount.part == "bearing-626")

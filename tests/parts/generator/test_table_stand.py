@@ -76,6 +76,7 @@ def failing(found: Sequence[Finding]) -> dict[str, list[str]]:
     return fails
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("keys", KINDS, ids=lambda keys: keys[0])
 def test_it_stands_free_of_all_that_moves(keys: Sequence[str], tmp_path: Path) -> None:
     found = judged(tmp_path / "a.3mf", keys)
@@ -83,6 +84,7 @@ def test_it_stands_free_of_all_that_moves(keys: Sequence[str], tmp_path: Path) -
     assert [each.code for each in found][-1] == "TIPPING"
 
 
+@pytest.mark.long
 def test_a_slot_out_of_its_place_is_found(tmp_path: Path) -> None:
     """The foot 1 mm to the side: its slots meet the tabs of panel and gussets."""
     foot = solids(*KINDS[0])["stand-foot"]
@@ -98,6 +100,7 @@ def test_fingers_out_of_their_places_are_found(tmp_path: Path) -> None:
     assert any("stand-side" in where for where in fails["INTERFERENCE"])
 
 
+@pytest.mark.long
 def test_a_board_that_is_too_low_is_found(tmp_path: Path) -> None:
     """The foot 45 mm higher: the hand crank meets it. Its own z points down."""
     foot = solids(*KINDS[0])["stand-foot"]
@@ -105,6 +108,7 @@ def test_a_board_that_is_too_low_is_found(tmp_path: Path) -> None:
     assert any("crank" in where and "stand-foot" in where for where in fails["INTERFERENCE"])
 
 
+@pytest.mark.long
 def test_a_foot_that_is_too_short_tips(tmp_path: Path) -> None:
     foot = solids(*KINDS[0])["stand-foot"]
     short = Mesh(foot.vertices * np.array([1, 0.05, 1]), foot.faces)
@@ -215,6 +219,7 @@ def test_a_machine_of_two_sides_has_no_stand() -> None:
         machine("board", "parts.sides=2")
 
 
+@pytest.mark.long
 def test_a_machine_on_a_stand_bears_its_weight_downwards_unless_the_spec_says_another_way() -> None:
     """Torque by weight alone: with the spec's own gravity_deg = -90 the same, with none of it less."""
     spec = SPECS / "gallery" / "four-bar.toml"

@@ -86,6 +86,7 @@ def single(tmp_path_factory: pytest.TempPathFactory) -> Path:
     )
 
 
+@pytest.mark.long
 def test_a_shaft_of_steel_has_crank_pins_of_steel() -> None:
     """All that is the shaft, and its pins are judged as steel; printed, PIN_STRESS names the key for both."""
     parts = dict(TWO["parts"])
@@ -272,6 +273,7 @@ def test_pins_and_the_shafts_upper_end_are_held_by_the_second_plate() -> None:
     }
 
 
+@pytest.mark.long
 def test_the_walker_has_nine_levels_and_pins_in_both_plates(root: Path) -> None:
     machine = validate(Linkage, read(root / "specs" / "four-leg-walker.toml"))
     layout = machine.bodies.layout
