@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 MOST_HARMONICS = 1800
 HARMONICS = 36  # of a turn, the last of which the low-pass halves: details of 10 deg of cam angle and more stay
 _SAMPLES = 7200  # over the turn
+_EACH = 5  # of which every fifth is a row of motion.csv: a quarter degree
 _OVERLAP = 2e-3  # mm at two tips together that facets and decimals of a file may feign
 _ROUGH = 0.5  # deg, by which facets or noise may raise the largest pressure angle before it is told
 _FRAMES = 120  # of the moving picture
@@ -289,7 +290,7 @@ def _summary(report: Report, follower: FollowerTable) -> Iterator[str]:
 def _report(
     rolling: _Rolling, empty: Report, remarks: Sequence[str]
 ) -> tuple[Report, Mapping[str, Floats]]:
-    """The report on a recovered motion, and the columns of motion.csv over the turn, both ends included."""
+    """The report on a recovered motion, and the columns of motion.csv: every quarter degree, both ends of the turn included."""
     follower = rolling.follower
     motion = rolling.motion
     play = rolling.play
@@ -325,7 +326,7 @@ def _report(
         findings.append(_overlap(in_file(rolling.path), play, motion, follower))
         ends = {"lash_max": np.nanmax(play), "lash_min": np.nanmin(play)}
         figures += figures_in(name, **{key: float(end) * scale for key, end in ends.items()})
-    turn = {key: np.append(value, value[0]) for key, value in columns.items()}
+    turn = {key: _rows(value) for key, value in columns.items()}
     turn["theta_deg"][-1] = 360.0
     harmonics = rolling.harmonics
     passed = f"low-passed at {harmonics} harmonics"
@@ -368,6 +369,11 @@ def _report(
         ("motion.csv", "report.json", "manifest.json"),
     )
     return filled, turn
+
+
+def _rows(values: Floats) -> Floats:
+    """A column of motion.csv from values over the turn."""
+    return np.append(values[::_EACH], values[0])
 
 
 def _counted(follower: FollowerTable, motion: Recovered) -> str:
@@ -475,7 +481,7 @@ def _with_comparison(
     )
     numbers = report.numbers | compared.numbers | errors
     ends = {f"wanted_{name}": nominal * scale, f"error_{name}": miss}
-    columns = {**columns, **{key: np.append(value, value[0]) for key, value in ends.items()}}
+    columns = {**columns, **{key: _rows(value) for key, value in ends.items()}}
     plots = [
         *report.plots,
         Plot(

@@ -490,8 +490,7 @@ def test_files_and_their_columns(tmp_path: Path, capsys: pytest.CaptureFixture[s
         "pressure_angle_deg",
     ]
     assert (
-        len(rows) == 7201
-        and rows[-1]["theta_deg"] == "360"
+        [float(row["theta_deg"]) for row in rows] == [k / 4 for k in range(1441)]
         and rows[0]["swing_deg"] == rows[-1]["swing_deg"]
     )
     before = {p.name: p.read_bytes() for p in folder.iterdir()}
