@@ -1022,6 +1022,12 @@ def schema(cls: type[Spec], mechanism: str | None = None) -> Data:
     return found
 
 
+def _keys_beside(word: Sequence[str], found: Data) -> list[Data]:
+    """The keys of each table of a schema in which a word of a spec may stand."""
+    holders = [found] if len(word) == 1 else tables_of(found["properties"][word[0]], found)
+    return [holder["properties"] for holder in holders]
+
+
 @cache
 def _schema(cls: type[Spec], mechanism: str | None) -> str:
     found: Data = {
@@ -1033,11 +1039,11 @@ def _schema(cls: type[Spec], mechanism: str | None) -> str:
     for old, new in cls.old_words.items():
         if len(old) == 3:
             continue
-        holders = [found] if len(old) == 1 else tables_of(found["properties"][old[0]], found)
-        for keys in (holder["properties"] for holder in holders):
+        meant = next(keys for keys in _keys_beside(new, found) if new[-1] in keys)[new[-1]]
+        for keys in _keys_beside(old, found):
             if old[-1] not in keys:
-                said = f"old name of {dotted(new)}"
-                keys[old[-1]] = {**keys[new[-1]], "description": said, "deprecated": True}
+                said = f"another name of {dotted(new)}"
+                keys[old[-1]] = {**meant, "description": said, "deprecated": True}
     for table in (found, *found["$defs"].values()):
         for node in table.get("properties", {}).values():
             unit = unit_of(node)

@@ -1013,3 +1013,38 @@ def test_a_drawing_that_is_none_is_one_fault() -> None:
         camgen.design(data)
     (fault,) = caught.value.faults
     assert fault.path == ("wanted", "drawing") and "[[x, y], [x, y], ...]" in fault.expected
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "make", "key"),
+    [
+        ("uniform-swing", "", "parts.bore"),
+        ("disc-cam", "cams", "parts.bore"),
+        ("disc-cam", "printed", "parts.shaft_diameter"),
+        ("indexing-cam", "cams", "parts.bore"),
+        ("cylinder-cam", "", "parts.bore"),
+        ("drum", "", "parts.bore"),
+        ("linkage", "", "parts.shaft_diameter"),
+        ("thread-take-up", "", "parts.shaft_diameter"),
+        ("eccentric-drive", "", "geometry.shaft_diameter"),
+    ],
+)
+def test_the_shaft_of_the_motor_is_the_machines(mechanism: str, make: str, key: str) -> None:
+    """[motor] says the shaft's diameter in every spec, by the same word."""
+    data = tomllib.loads(starters.text(mechanism))
+    if make:
+        data.setdefault("parts", {})["make"] = make
+    table, name = key.split(".")
+    size = 5.5 if table == "geometry" else 6.5  # in the motor's collar; wide enough for a keyway
+    wanted = {**data, table: {**data.get(table, {}), name: size}}
+    typed = {**data, "motor": {**data.get("motor", {}), "shaft_diameter": size}}
+    typed[table] = {word: value for word, value in data.get(table, {}).items() if word != name}
+    machine = read_mechanism(typed)
+    assert dump(machine) == dump(read_mechanism(wanted))
+    assert machine.hints == (f"motor.shaft_diameter is read as {key}",)
+    with pytest.raises(SpecError) as error:
+        read_mechanism({**typed, "motor": {**typed["motor"], "shaft_diameter": "wide"}})
+    assert "motor.shaft_diameter" in {fault.key for fault in error.value.faults}
+    root = schema(load(mechanism), mechanism)
+    keys = keys_of(step_below(root, "motor", root), root)
+    assert "shaft_diameter" in keys

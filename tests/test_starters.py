@@ -91,7 +91,7 @@ def bare(root: dict[str, Any]) -> list[tuple[str, str]]:
         for name, table in tables(root)
         for key, node in table.get("properties", {}).items()
         if not node.get("description")
-        or not ("default" in node or key in table.get("required", ()))
+        or not ({"default", "deprecated"} & {*node} or key in table.get("required", ()))
         or (is_number(node) and "unit" not in node)
     ]
 

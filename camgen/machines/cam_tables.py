@@ -61,8 +61,9 @@ class CamTables(Template):
         parts = data.get("parts", {})
         bodies = data.get("bodies", {})
         unread: list[str] = []
+        make = parts.get("make", "cams") if isinstance(parts, dict) else "cams"
+        shaft = ("parts", "bore" if make == "cams" else "shaft_diameter")
         if isinstance(parts, dict) and isinstance(bodies, dict):
-            make = parts.get("make", "cams")
             if make == "machine":
                 unread = [f"parts.{key}" for key in cls.doubled if key in parts]
                 left = {key: value for key, value in parts.items() if key not in cls.doubled}
@@ -71,7 +72,7 @@ class CamTables(Template):
                 unused = {"make", *cls.doubled}
                 left = {key: value for key, value in bodies.items() if key not in unused}
                 data = {**data, "bodies": left}
-        found = wording(data, cls.old_words)
+        found = wording(data, {**cls.old_words, ("motor", "shaft_diameter"): shaft})
         notes = [
             f'{key} is not read with parts.make = "machine": write "printed"' for key in unread
         ]

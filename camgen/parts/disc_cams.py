@@ -42,10 +42,13 @@ LAYOUT = (
 )
 
 
-# How the shaft's hole was said before, beside how a linkage's shaft is.
+# How else the shaft's hole is said: by the motor's shaft; and before, beside how a linkage's shaft is.
 OLD_BORES: OldWords = {
-    ("parts", "shaft", shape): ("parts", "bore_shape", shape)
-    for shape in ("plain", "keyway", "d-flat")
+    ("motor", "shaft_diameter"): ("parts", "bore"),
+    **{
+        ("parts", "shaft", shape): ("parts", "bore_shape", shape)
+        for shape in ("plain", "keyway", "d-flat")
+    },
 }
 
 

@@ -489,10 +489,9 @@ def test_files_and_their_columns(tmp_path: Path, capsys: pytest.CaptureFixture[s
         "acceleration_deg_rad2",
         "pressure_angle_deg",
     ]
-    assert (
-        [float(row["theta_deg"]) for row in rows] == [k / 4 for k in range(1441)]
-        and rows[0]["swing_deg"] == rows[-1]["swing_deg"]
-    )
+    assert [float(row["theta_deg"]) for row in rows] == [k / 4 for k in range(1441)] and rows[0][
+        "swing_deg"
+    ] == rows[-1]["swing_deg"]
     before = {p.name: p.read_bytes() for p in folder.iterdir()}
     run(capsys, path, "--follower", LEVER, "-o", tmp_path / "out")
     assert before == {p.name: p.read_bytes() for p in folder.iterdir()}

@@ -17,7 +17,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -73,6 +73,7 @@ from camgen.parts.disc_cams import turning_note
 from camgen.parts.part import Part, drum_part
 from camgen.spec import validate
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study, Upright
+from camgen.vocabulary import OldWords
 
 _FOLLOWER = "follower"
 _LEAST_PRESS = 2.0  # N, of the springs of a machine: its carriage rubs
@@ -83,6 +84,11 @@ _FLATTER = "a larger geometry.radius, a longer span or a smaller lift lowers it"
 
 class CylinderCam(Mechanism):
     """Spec and answers of a cylinder cam; the output is the follower's displacement s, mm or rad."""
+
+    old_words: ClassVar[OldWords] = {
+        **Mechanism.old_words,
+        ("motor", "shaft_diameter"): ("parts", "bore"),
+    }
 
     geometry: DrumGeometry
     segment: Annotated[tuple[SegmentTable, ...], Field(min_length=1, max_length=100), WholeTurn] = (

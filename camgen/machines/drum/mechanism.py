@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from itertools import pairwise
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -49,6 +49,7 @@ from camgen.parts.part import Layer, Part
 from camgen.schemas import shown
 from camgen.spec import validate
 from camgen.study import Figure, Figures, Later, Study, Table, together
+from camgen.vocabulary import OldWords
 
 _DRUM = "drum"
 _OFF = 0.05  # mm along the turn, by which a print may put a pin off: its time is told
@@ -72,6 +73,11 @@ _FARTHER = (
 
 class CamDrum(Mechanism):
     """Spec and answers of a drum; the outputs are the displacements of its tracks' followers, mm or rad."""
+
+    old_words: ClassVar[OldWords] = {
+        **Mechanism.old_words,
+        ("motor", "shaft_diameter"): ("parts", "bore"),
+    }
 
     geometry: DrumBody
     track: Annotated[tuple[TrackTable, ...], Field(min_length=1, max_length=40)] = Field(

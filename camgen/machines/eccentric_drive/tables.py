@@ -15,6 +15,7 @@ from camgen.vocabulary import OldWords
 Band = tuple[Annotated[float, Field(gt=0, le=1e6)], Annotated[float, Field(gt=0, le=1e6)]]
 
 OLD_WORDS: OldWords = {
+    ("motor", "shaft_diameter"): ("geometry", "shaft_diameter"),
     ("parts", "strap_wall"): ("parts", "wall"),
     ("parts", "rod_thickness"): ("parts", "thickness"),
     ("parts", "flange"): ("parts", "head"),

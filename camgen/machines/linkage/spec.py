@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import Field, model_validator
 
@@ -35,7 +35,7 @@ from camgen.parts.generator.connections import Fitting
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.sizes import Name, Parts
 from camgen.reading import Data
-from camgen.vocabulary import Wording
+from camgen.vocabulary import OldWords, Wording
 
 
 @dataclass(frozen=True)
@@ -63,6 +63,11 @@ def _upright(data: Any) -> Any:
 
 class LinkageSpec(Mechanism):
     """Spec of a linkage; angles rad, places mm."""
+
+    old_words: ClassVar[OldWords] = {
+        **Mechanism.old_words,
+        ("motor", "shaft_diameter"): ("parts", "shaft_diameter"),
+    }
 
     points: t.Points = Field(description="where the points are at theta = 0")
     links: t.Links = Field(

@@ -18,7 +18,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import Field
@@ -49,6 +49,7 @@ from camgen.parts.part import clearance
 from camgen.spec import validate
 from camgen.study import Study
 from camgen.tolerances import SAME_POINT
+from camgen.vocabulary import OldWords
 
 _LINKS = {
     GROUND: ("O", "C", "M", "N"),
@@ -69,6 +70,11 @@ _TURN = np.linspace(0, math.tau, 1440, endpoint=False)
 
 class ThreadTakeUp(Template):
     """Spec and answers of a two-crank four-bar thread take-up; the output is the feed, mm."""
+
+    old_words: ClassVar[OldWords] = {
+        **Template.old_words,
+        ("motor", "shaft_diameter"): ("parts", "shaft_diameter"),
+    }
 
     geometry: TakeUpGeometry
     motor: TakeUpMotor | None = Field(default=None, description="what turns the input crank")
