@@ -106,10 +106,11 @@ class NotJudged:
 
 
 def left_out(not_judged: Sequence[NotJudged]) -> str:
-    """One line: the codes that were not judged, by what they need; empty where all were."""
+    """One line: the codes that were not judged, each once, by what they need; empty where all were."""
     needs = dict.fromkeys(each.needs for each in not_judged)
     groups = [
-        (", ".join(each.code for each in not_judged if each.needs == need), need) for need in needs
+        (", ".join(dict.fromkeys(each.code for each in not_judged if each.needs == need)), need)
+        for need in needs
     ]
     return "; ".join(
         f"{codes} ({'need' if ',' in codes else 'needs'} {need})" for codes, need in groups

@@ -93,7 +93,7 @@ class Plot:
     A plot over the cam angle has x in degrees. equal: a shape, one mm the same both ways; dots: names of series that are
     points, not a line; points: places with names, (name, x, y); levels: horizontal lines (text, y) in place of the scale's,
     where each series has a scale of its own; sources: of labels such as "x from DXF" what they show and
-    where it is from, ("x", "DXF").
+    where it is from, ("x", "DXF"); places: y is where something stands, of which zero is a place as any other.
     """
 
     title: str
@@ -106,6 +106,7 @@ class Plot:
     points: Sequence[tuple[str, float, float]] = ()
     levels: Sequence[tuple[str, float]] = ()
     sources: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    places: bool = False
 
     @cached_property
     def ends(self) -> tuple[float, float] | None:

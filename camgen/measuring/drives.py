@@ -544,6 +544,7 @@ def _plots(driven: Driven, drive: Drive, rings: tuple[Ring, Ring]) -> list[Plot]
             label,
             name,
             [("low", theta, driven.low * scale), ("high", theta, driven.high * scale)],
+            places=True,
         )
     ]
     if np.isfinite(driven.play).any():

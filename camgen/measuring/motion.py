@@ -344,7 +344,7 @@ def _report(
         ("Lash of the pair", name, f"lash_{name}"),
     ]
     plots = [
-        Plot(title, label, unit, [(title, theta, turn[key])])
+        Plot(title, label, unit, [(title, theta, turn[key])], places=title == "Follower")
         for title, unit, key in shown
         if key in turn
     ]

@@ -120,6 +120,7 @@ class Curves:
                 units.get(title, self.unit),
                 self._plots[title],
                 sources=self._sources,
+                places=title not in (_SPEED, _ERROR, _BAND),
             )
             for title in titles
         ]

@@ -317,6 +317,7 @@ def player(animation: Animation, scene: bool = False) -> str:
             f'<label><input type="checkbox" checked data-body="{k}" hidden> {escape(words)}</label></li>'
         )
     names = ", ".join(body.name for body in animation.bodies)
+    count = f"{len(items)} part{'' if len(items) == 1 else 's'}"
     begin = animation.stroke[0] if animation.stroke else 0.0
     where = "place in the period, degrees" if animation.stroke else "angle of the drive, degrees"
     value = (
@@ -337,7 +338,7 @@ def player(animation: Animation, scene: bool = False) -> str:
         f"{_SPEED}"
         f'<input id="theta" type="range" min="0" max="360" step="0.5" value="0" aria-label="{where}" hidden>'
         f'<p><span>{escape(animation.drive_name)} <output id="angle">{begin:.1f}</output> {animation.drive_unit}</span>{value}</p></div>'
-        f'<details class="legend" open><summary>{"View and parts" if scene else "Parts"}</summary>{_TOOLS if scene else ""}'
+        f'<details class="legend" open><summary>{"View and " if scene else ""}{count}</summary>{_TOOLS if scene else ""}'
         f"<ul>{''.join(items)}</ul></details></figure>"
     )
 

@@ -20,6 +20,7 @@ from urllib.parse import quote
 import numpy as np
 
 from camgen._version import __version__
+from camgen.findings import left_out
 from camgen.plotting import SERIES
 from camgen.report.animation import frames, player
 from camgen.report.colours import part_colour
@@ -52,6 +53,8 @@ def to_html(report: Report) -> str:
     turn = frames(report.animation) if report.animation else {}
     scene = report.scene
     first = summary(report)
+    unjudged = len(report.not_judged)
+    needs = left_out(report.not_judged)
     machine = player(report.animation, scene is not None) if report.animation else ""
     machine += _film(report)
     machine += f'<p class="flat">{escape(sentence(report.why_flat))}</p>' if report.why_flat else ""
@@ -60,6 +63,8 @@ def to_html(report: Report) -> str:
         mechanism=escape(report.mechanism),
         version=escape(__version__),
         verdict=escape(report.verdict),
+        outcome=escape(report.outcome + (f"; {unjudged} not judged" if unjudged else "")),
+        unjudged=f'<p class="unjudged">NOT JUDGED: {escape(needs)}</p>' if unjudged else "",
         state=first.state,
         style=_asset("page.css")
         + _palette(len(report.animation.bodies) if report.animation else 0),

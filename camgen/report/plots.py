@@ -28,6 +28,9 @@ _LEFT = 46.0
 _RIGHT = 322.0
 _TOP = 22.0
 _LOW = 164.0
+# of a curve's height as a share of its values, below which zero is shown beside it: of amounts, and of places
+_EVEN = 0.1
+_EVEN_PLACE = 1e-4
 _FINE = 0.05  # how far a drawn curve may be off
 _ALIKE = 0.5  # curves that are nowhere farther apart are drawn once
 # of a mark's name: mean width of a letter, height of a row
@@ -94,11 +97,9 @@ class _Axes:
         )
         values = values[np.isfinite(values)]
         low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
-        if not plot.equal and 0 < high - low < 0.1 * max(abs(low), abs(high)):
-            low, high = (
-                min(low, 0.0),
-                max(high, 0.0),
-            )  # nearly the same all the way: a share of the whole is to be seen
+        nearly_even = _EVEN_PLACE if plot.places else _EVEN
+        if not plot.equal and 0 < high - low < nearly_even * max(abs(low), abs(high)):
+            low, high = min(low, 0.0), max(high, 0.0)  # a share of the whole is to be seen
         self.y = low, high
         self.y = _spread(*self.y, 0.05)
         if plot.equal:  # the smaller range grows, so that a millimetre is as long both ways

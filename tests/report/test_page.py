@@ -174,6 +174,25 @@ def test_what_fails_is_said_first_and_what_to_change() -> None:
     assert "MOTION_ERROR" not in first and "follows" not in first
 
 
+def test_the_badge_is_short_and_what_is_not_judged_stands_below_it() -> None:
+    open_ = [NotJudged(f"CODE_{k}", "no STL was made", "STL") for k in range(20)]
+    report = replace(made_up(), not_judged=[*open_, open_[0]])  # one code of two places
+    badge = re.search(
+        r'<p class="verdict bad">(.*?)</p><p class="unjudged">(.*?)</p>', to_html(report)
+    )
+    assert badge and badge[1] == "2 of 3 findings fail; 21 not judged"
+    assert badge[2] == f"NOT JUDGED: {', '.join(each.code for each in open_)} (need STL)"
+    assert "unjudged" not in to_html(made_up()).partition("</header>")[0].partition("<header>")[2]
+
+
+def test_the_list_of_parts_says_how_many_there_are() -> None:
+    (summary,) = re.findall(
+        r'<details class="legend" open><summary>(.*?)</summary>', to_html(solid())
+    )
+    bodies = solid().animation.bodies  # type: ignore[union-attr]
+    assert summary == f"View and {len(bodies)} part{'s' * (len(bodies) > 1)}"
+
+
 def test_what_is_only_not_judged_is_amber_and_a_page_of_no_checks_is_no_success() -> None:
     def verdict(report: Report) -> list[str | None]:
         seen = [attributes.get("class") or "" for _, attributes in Page(to_html(report)).elements]

@@ -106,6 +106,19 @@ def test_what_oscillates_is_a_band_that_holds_it_and_is_no_wider(seed: int, size
     assert ring.imag.max() <= noise.max() + slack and ring.imag.min() >= noise.min() - slack
 
 
+@pytest.mark.parametrize("places, fills", [(True, True), (False, False)])
+def test_a_motion_far_from_zero_fills_its_plot_and_an_amount_is_seen_as_a_share_of_itself(
+    places: bool, fills: bool
+) -> None:
+    angle = 263 - 10 * np.cos(np.radians(THETA))
+    text = plot_figure(
+        Plot("Wing", "cam angle, deg", "deg", [("wanted", THETA, angle)], places=places)
+    )
+    *_, low, high = map(float, re.search(r'data-axes="([^"]*)"', text)[1].split())  # type: ignore[index]
+    assert (253 - 5 < low < 253 and 273 < high < 273 + 5) == fills
+    assert (low < 0) == (not fills)
+
+
 def test_a_path_is_drawn_at_one_scale_and_its_points_as_dots() -> None:
     turn = np.exp(1j * np.radians(THETA)) * 10
     plot = Plot(
