@@ -365,8 +365,19 @@ def test_without_pandas_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch)
 
 def test_what_a_notebook_prints_is_short() -> None:
     cam = camgen.load(DISC)
-    assert repr(cam) == "<disc-cam 'disc-cam': print() shows its spec>"
-    assert tomllib.loads(str(cam))["geometry"]["base_radius"] == 25
+    assert repr(cam) == "<disc-cam 'disc-cam': print() says what it is>"
+    assert tomllib.loads(cam.toml())["geometry"]["base_radius"] == 25
+    assert str(cam).splitlines() == [
+        "disc-cam 'disc-cam'",
+        "  links: cam, follower",
+        "  joints: 1 pin, 1 slide, 1 cam",
+        "  driven: cam, 60 rpm",
+        "  outputs: lift (mm)",
+        "  toml() is its spec, solve(theta) its motion, assembly.parts its parts",
+    ]
+    assert len(str(camgen.load(LINKAGE)).splitlines()) == 6
+    (_, why, _) = str(camgen.load(LINKAGE).replace({"lengths.C-B": 1})).splitlines()
+    assert why.startswith("  cannot exist: ")
     report = Report(
         "cam", "disc-cam", [Finding("FAILS", False, 3.0, 2.0, "mm", Where("b.dxf"), "off")]
     )
@@ -511,7 +522,7 @@ ANY_SPEC = "expected a path, a dict or a machine"
         (
             lambda: camgen.build("out", camgen.load(DISC)),  # type: ignore[arg-type]
             [
-                "out: <disc-cam 'disc-cam': print() shows its spec> - expected a path: camgen.build(spec, out)"
+                "out: <disc-cam 'disc-cam': print() says what it is> - expected a path: camgen.build(spec, out)"
             ],
         ),
         (lambda: camgen.build(DISC, only=5), ["only: 5 - expected text, a list or None"]),

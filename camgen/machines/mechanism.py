@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -27,7 +28,7 @@ from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, NotJudged
 from camgen.geometry.outlines import Floats
 from camgen.machine.features import CamOutline, Feature, Mount
-from camgen.machine.model import Machine
+from camgen.machine.model import GROUND, Machine, unit_of
 from camgen.machine.run import Run, solve
 from camgen.machines.free_play import ANGLES, of_pins, pins_alone
 from camgen.machines.loads.applied import efforts
@@ -70,9 +71,19 @@ class Mechanism(Spec, ABC):
 
     def __repr__(self) -> str:
         """Its kind and name, and how to see more."""
-        return f"<{self.mechanism} {self.name!r}: print() shows its spec>"
+        return f"<{self.mechanism} {self.name!r}: print() says what it is>"
 
     def __str__(self) -> str:
+        """What it is, in about five lines: its links and joints, what drives it, and its outputs."""
+        lines = [f"{self.mechanism} {self.name!r}"]
+        try:
+            lines += _said(self.model)
+        except DesignError as error:
+            lines.append(f"cannot exist: {error}")
+        lines.append("toml() is its spec, solve(theta) its motion, assembly.parts its parts")
+        return "\n  ".join(lines)
+
+    def toml(self) -> str:
         """Its spec as TOML, with every default."""
         return dump(self)
 
@@ -81,7 +92,7 @@ class Mechanism(Spec, ABC):
         from html import escape
 
         head = f"<b>{escape(self.name)}</b> ({escape(self.mechanism)})"
-        return f"<details><summary>{head}</summary><pre>{escape(str(self))}</pre></details>"
+        return f"<details><summary>{head}</summary><pre>{escape(self.toml())}</pre></details>"
 
     @checked
     def replace(self, changes: Mapping[str, object]) -> Self:
@@ -284,6 +295,19 @@ class Mechanism(Spec, ABC):
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """What follows from the motion recovered from each kind of file, (n,) over a whole turn, both ends included."""
         return Study()
+
+
+def _said(machine: Machine) -> list[str]:
+    """Links, joints, drives and outputs of a machine, a line each; nothing of what has none."""
+    links = [body.name for body in machine.bodies if body.name != GROUND]
+    joints = Counter(type(joint).__name__.lower() for joint in machine.joints)
+    counts = [f"{count} {kind}{'s' * (count > 1)}" for kind, count in joints.items()]
+    drives = [drive.body for drive in machine.drives]
+    if len(drives) == 1 and machine.drives[0].slide is None:
+        drives.append(f"{machine.speed * 60 / math.tau:.4g} rpm")
+    outputs = [f"{output.name} ({unit_of(output)[0]})" for output in machine.outputs]
+    rows = {"links": links, "joints": counts, "driven": drives, "outputs": outputs}
+    return [f"{name}: {', '.join(words)}" for name, words in rows.items() if words]
 
 
 M = TypeVar("M", bound=Mechanism)

@@ -172,7 +172,7 @@ def test_the_roller_stands_where_the_motion_has_it(kind: str) -> None:
 def test_the_machine_is_built_listed_and_judged(kind: str, tmp_path: Path) -> None:
     made = machine(**FOLLOWERS[kind])
     spec = tmp_path / "spec.toml"
-    spec.write_text(str(made), encoding="utf-8")
+    spec.write_text(made.toml(), encoding="utf-8")
     out = tmp_path / "out"
     report = pipeline.build(spec, out, frozenset({"stl", "3mf", "report"}))
     assert [each for each in report.findings if not each.ok] == []
