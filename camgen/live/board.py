@@ -77,6 +77,7 @@ class Board:
         self.last_build = LastBuild(spec or Path("sheet.toml"), out)
         self.lock = Lock()
         self.text: str | None = None
+        self.typed: set[str] = set()  # links of which a person gave the names
         self.past: list[tuple[str, SheetFile]] = []
         self.future: list[tuple[str, SheetFile]] = []
         if spec is not None:
@@ -94,6 +95,7 @@ class Board:
         self.file.digest = digest
         self.file.text = raw.decode("utf-8-sig")
         self._take(self.file.text)
+        self.typed |= _sheet(self.tables)["links"].keys()
 
     def _take(self, text: str) -> None:
         """Show this text."""
@@ -207,6 +209,7 @@ class Board:
                 write(path, text)
             self.file.digest = sha256(raw).hexdigest()
             self.file.text = text
+            self.typed |= _sheet(self.tables)["links"].keys()
             return {**self._seen(), "verdict": f"saved in {path.name}"}
 
     def start(self, request: Answer) -> Answer:
@@ -219,6 +222,7 @@ class Board:
                 self._keep(self.text)
             self.file = SheetFile()
             self._take(self.gallery[str(name)] if name else _EMPTY)
+            self.typed = {*_sheet(self.tables)["links"]}
         return Answer(ok=True, verdict="", errors=[])
 
     # ---- how it answers ----
@@ -236,7 +240,10 @@ class Board:
         """The text after an operation; `set` gives keys other values."""
         if request.get("op") == "set":
             return edited(self._shown, self._settings(request))
-        return applied(self._shown, request)
+        text = applied(self._shown, request, self.typed)
+        if request.get("op") == "rename" and "link" in request:
+            self.typed.add(str(request.get("to")))
+        return text
 
     def _settings(self, request: Answer) -> list[str]:
         return overrides(request.get("settings"), self._numbers())

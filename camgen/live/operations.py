@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from itertools import count
 from typing import Any
 
@@ -32,6 +32,13 @@ _OF_POINTS = ("along", "pin", "at", "point", "thread", "between")  # keys that n
 _OF_LINKS = ("link", "on", "a", "b", "cam", "follower", "wheel")
 _TABLES = ("points", "links", "lengths", "drive")
 ROWS = ("slide", "slot", "gear", "cam", "output")  # lists of tables
+_GIVEN = re.compile(r"(link|crank|coupler|rocker)(_\d+)?")  # names that the sheet gives to links
+_OF_ROLES = ("ground", "drive", "join")  # operations that tell what other links do
+_OTHER_ROLES = (
+    "slide",
+    "gear",
+    "cam",
+)  # lists of tables whose links are no cranks, couplers or rockers
 _BY_LINK = ("masses", "parts", "layers", "bodies")  # tables with a key for each link
 
 Request = Mapping[str, Any]
@@ -195,7 +202,47 @@ class Draft:
             drive.pop(key, None)
         put(drive, "link", link)
 
+    def role(self, link: str) -> str:
+        """What a link is, as its pins and the drive tell: crank, coupler, rocker; "" where they do not yet."""
+        rows = [row for name in _OTHER_ROLES for row in self.document.get(name, [])]
+        if any(row.get(key) == link for row in rows for key in ("link", "a", "b", "cam")):
+            return ""
+        points = set(self.links[link])
+        ground = set(self.links.get(GROUND, ()))
+        moving = [names for name, names in self.links.items() if name not in (link, GROUND)]
+        pins = points & {point for names in moving for point in names} - ground
+        if not points & ground:
+            return "coupler" if len(pins) > 1 else ""
+        if any(drive.get("link") == link for drive in self.drives):
+            return "crank"
+        return "rocker" if pins else ""
+
+    def name_by_role(self, links: Collection[str]) -> None:
+        """Give links of which the sheet made the names those of what they are."""
+        roles = {}
+        for link in links:
+            role = self.role(link)
+            given = _GIVEN.fullmatch(link)
+            if role and given and given[1] != role:
+                roles[link] = role
+        between = {}
+        for link, role in roles.items():  # two links may swap their names
+            between[self.fresh([*self.links], "link")] = role
+            self.rename_link(link, [*between][-1])
+        for link, role in between.items():
+            self.rename_link(link, self.fresh([*self.links], role))
+
     # ---- taking away, and other names ----
+
+    def rename_link(self, name: str, other: str) -> None:
+        """Give a link another name wherever it stands."""
+        self.replace(_OF_LINKS, name, other)
+        for drive in self.drives:
+            if drive.get("link") == name:
+                put(drive, "link", other)
+        for table in ("links", *_BY_LINK):
+            if name in self.document.get(table, {}):
+                _rekey(self.document[table], name, other)
 
     def sweep(self) -> None:
         """Take away what hangs on nothing: links without points, or of one that do not slide; points of no link; lengths within
@@ -296,8 +343,10 @@ def _link(draft: Draft, request: Request) -> None:
     if ends[0] == ends[1]:
         raise refused("ends", ends[0], "two different ends")
     points = [draft.point("ends", end) for end in ends]
-    draft.links[draft.fresh(draft.links, "link")] = points
+    name = draft.fresh(draft.links, "link")
+    draft.links[name] = points
     draft.drive_if_none()
+    draft.name_by_role([name])
 
 
 def _point(draft: Draft, request: Request) -> None:
@@ -559,13 +608,7 @@ def _rename(draft: Draft, request: Request) -> None:
         _rename_point(draft, name, other)
         _rekey(draft.points, name, other)
         return
-    draft.replace(_OF_LINKS, name, other)
-    for drive in draft.drives:
-        if drive.get("link") == name:
-            put(drive, "link", other)
-    for table in ("links", *_BY_LINK):
-        if name in draft.document.get(table, {}):
-            _rekey(draft.document[table], name, other)
+    draft.rename_link(name, other)
 
 
 def _rekey(table: Any, name: str, other: str) -> None:
@@ -592,13 +635,15 @@ OPERATIONS: dict[str, Callable[[Draft, Request], None]] = {
 }
 
 
-def applied(text: str, request: Request) -> str:
-    """The text after an operation; SpecError where it cannot be done."""
+def applied(text: str, request: Request, typed: Collection[str] = ()) -> str:
+    """The text after an operation; SpecError where it cannot be done. typed: links that keep their names."""
     name = request.get("op")
     if not isinstance(name, str) or name not in OPERATIONS:
         raise SpecError([unknown(("op",), name, OPERATIONS)], "sheet")
     draft = Draft(text)
     OPERATIONS[name](draft, request)
+    if name in _OF_ROLES:
+        draft.name_by_role([each for each in draft.links if each not in (GROUND, *typed)])
     return draft.text()
 
 

@@ -290,6 +290,35 @@ def test_a_key_of_another_kind_is_shown_and_operations_refuse_it(tmp_path: Path,
     assert said.startswith(f"{name}: 5 - expected a ")
 
 
+def test_links_are_named_by_what_they_are_and_typed_names_stay(tmp_path: Path) -> None:
+    page = client(Board(None, tmp_path / "out"))
+    page.post("/start", json={})
+    drawn = [
+        {"op": "link", "ends": [[0, 0], [10, 20]]},
+        {"op": "ground", "point": "O"},
+        {"op": "link", "ends": ["A", [60, 40]]},
+        {"op": "link", "ends": ["B", [60, 0]]},
+        {"op": "ground", "point": "C"},
+    ]
+    links = [[*page.post("/draw", json=each).json()["sheet"]["links"]] for each in drawn]
+    assert links[0] == ["link"] and {*links[1]} == {"crank", "ground"}
+    assert {*links[2]} == {"crank", "ground", "link"} and {*links[3]} == {*links[2], "link_2"}
+    assert {*links[4]} == {"crank", "ground", "coupler", "rocker"}
+    turned = page.post("/draw", json={"op": "drive", "link": "rocker"}).json()["sheet"]
+    assert turned["links"]["crank"] == ["B", "C"] and turned["drive"] == "crank"
+    assert turned["links"]["rocker"] == ["O", "A"]
+    page.post("/draw", json={"op": "rename", "link": "coupler", "to": "link_7"})
+    kept = page.post("/draw", json={"op": "drive", "link": "rocker"}).json()["sheet"]["links"]
+    assert {*kept} == {"crank", "ground", "link_7", "rocker"}
+
+    spec = tmp_path / "typed.toml"
+    spec.write_text(FOUR.replace("rocker", "link_2").replace("coupler", "link"))
+    typed = client(Board(spec, tmp_path / "out"))
+    typed.get("/")
+    seen = typed.post("/draw", json={"op": "drive", "link": "link_2"}).json()["sheet"]
+    assert {*seen["links"]} == {"ground", "crank", "link", "link_2"} and seen["drive"] == "link_2"
+
+
 def test_a_four_bar_from_an_empty_sheet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """As with the mouse: three links, two points on the ground, a point on the coupler, its path."""
     monkeypatch.chdir(tmp_path)
@@ -305,14 +334,15 @@ def test_a_four_bar_from_an_empty_sheet(tmp_path: Path, monkeypatch: pytest.Monk
         {"op": "link", "ends": ["B", [60, 0]]},
         {"op": "ground", "point": "O"},
         {"op": "ground", "point": "C"},
-        {"op": "point", "link": "link_2", "at": [30, 70]},
+        {"op": "point", "link": "coupler", "at": [30, 70]},
         {"op": "output", "point": "D"},
     ]
     answers = [page.post("/draw", json=each).json() for each in done]
     assert not answers[2]["ok"] and answers[2]["start"] is None and answers[2]["faults"]
     assert "degrees of freedom left over" in answers[3]["reason"], "drawn as drawn, and why"
     whole = answers[-1]
-    assert whole["ok"] and whole["sheet"]["drive"] == "link" and len(whole["paths"]["D"]) == 2 * 73
+    assert {*whole["sheet"]["links"]} == {"ground", "crank", "coupler", "rocker"}
+    assert whole["ok"] and whole["sheet"]["drive"] == "crank" and len(whole["paths"]["D"]) == 2 * 73
     assert page.post("/limits", json={}).json()["verdict"].endswith("hold")
     assert page.post("/save", json={}).json()["verdict"] == "saved in my-linkage.toml"
     assert read_mechanism(tmp_path / "my-linkage.toml").name == "my-linkage"
