@@ -103,7 +103,7 @@ def build(
         )
     if other:
         remarks.append(
-            f"the earlier {staged.target} was that of {other} and is replaced: both specs have the name "
+            f"the earlier {staged.target} was {other} and is replaced: both specs have the name "
             f"{mechanism.name!r}; change name in one of them"
         )
     return replace(report, remarks=remarks, folder=staged.target)

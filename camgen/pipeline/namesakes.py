@@ -15,36 +15,41 @@ from camgen.reading import read
 
 
 def namesake(spec: Path, mechanism: Mechanism, folder: Path) -> str:
-    """The spec file beside this one that describes the earlier result in a folder; "" where none does, or this one too.
+    """Of which spec file beside this one the earlier result in a folder is, in words; "" where of none, or of this one as well.
 
-    mechanism: that of this spec, with what is left out not yet found.
+    mechanism: that of this spec, with what is left out not yet found. A file that differs from the result in fewer keys than
+    this one, as it stands too, is named as probable: it may have been built with --set.
     """
     try:
         earlier = tomllib.loads((folder / SPEC).read_text(encoding="utf-8"))
-        if _describes(mechanism, earlier):
-            return ""
+        fewest = min(_differences(mechanism, earlier), _differences(read_mechanism(spec), earlier))
         others = [path for path in sorted(spec.parent.glob("*.toml")) if path.name != spec.name]
-    except (OSError, ValueError):
+    except (OSError, ValueError, CamgenError):
         return ""
+    found = ""
     for path in others:
         try:
-            named = read(path).get("name") == mechanism.name
-            if named and _describes(read_mechanism(path), earlier):
-                return str(path)
+            if read(path).get("name") != mechanism.name:
+                continue
+            count = _differences(read_mechanism(path), earlier)
         except CamgenError:
             continue
-    return ""
+        if count < fewest:
+            fewest = count
+            found = f"probably that of {path}, built with --set," if count else f"that of {path}"
+    return found
 
 
-def _describes(mechanism: Mechanism, earlier: dict[str, Any]) -> bool:
-    """Whether all that a mechanism's spec says stands in the resolved spec of an earlier result."""
-    return _holds(earlier, tomllib.loads(specs.dump(mechanism)))
+def _differences(mechanism: Mechanism, earlier: dict[str, Any]) -> int:
+    """How many values that a mechanism's spec says are others in the resolved spec of an earlier result."""
+    return _count(earlier, tomllib.loads(specs.dump(mechanism)))
 
 
-def _holds(whole: object, part: object) -> bool:
-    """Whether a value is that of a resolved spec, or a table or list of it with keys left out."""
+def _count(whole: object, part: object) -> int:
+    """In how many values a table or list of a resolved spec differs from one in which keys may be left out."""
     if isinstance(whole, dict) and isinstance(part, dict):
-        return all(key in whole and _holds(whole[key], value) for key, value in part.items())
+        return sum(_count(whole.get(key), value) for key, value in part.items())
     if isinstance(whole, list) and isinstance(part, list):
-        return len(whole) == len(part) and all(map(_holds, whole, part))
-    return whole == part
+        shorter = sum(map(_count, whole, part))
+        return shorter + abs(len(whole) - len(part))
+    return int(whole != part)
