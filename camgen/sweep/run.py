@@ -338,11 +338,15 @@ def sweep(
     """Judge all variants that the journal does not have yet, then write the table and take the journal away.
 
     table: ends in .csv or .parquet. unit: of a key, for the page.
-    SpecError for a key that no spec has, too many variants (with the time they would take).
+    SpecError for a key that no spec has, too many variants (with the time they would take), or where no variant is a valid
+    spec: then nothing is written.
     """
     write = writer_of(table)
     journal = table.with_name(table.name + ".journal")
     with judged(task, journal, engine, jobs, progress) as (result, rows):
+        if result.verdicts.keys() == {WRONG}:
+            source = f"{task.source}: all {result.count} variants are wrong, the first"
+            raise SpecError(_as_varied(task, _faults_of_first(task)), source)
         write(table, result.columns, rows())
         keys = [axis.key for axis in task.variants.axes]
         page = SweepPage(
@@ -413,6 +417,10 @@ def judged(
             journal.strange,
         )
         yield result, journal.rows
+    except SpecError:  # of a sweep that is refused nothing stays
+        journal.close()
+        journal.path.unlink()
+        raise
     finally:
         journal.close()
     journal.path.unlink()
@@ -440,27 +448,12 @@ def _pace(task: Task) -> tuple[list[Row], float]:
 
 def _refuse_unknown(task: Task, first: Row) -> None:
     """SpecError for keys that no spec has, and for figures that the first variant has not."""
-    first_variant = (
-        dict(task.data),
-        task.source,
-        task.folder,
-        [*task.settings, *task.variants.settings(0)],
-    )
     if first["verdict"] == WRONG:
-        try:
-            changed(*first_variant)
-        except SpecError as error:
-            varied = {each.key for each in task.variants.axes}
-            source = task.variants.words.key.format(key="").strip()
-            faults = [
-                replace(f, source=source) if f.source == "--set" and dotted(f.path) in varied else f
-                for f in error.faults
-                if f.unknown or f.source == "--set"
-            ]
-            if faults:
-                raise SpecError(faults, task.source) from None
+        faults = [f for f in _faults_of_first(task) if f.unknown or f.source == "--set"]
+        if faults:
+            raise SpecError(_as_varied(task, faults), task.source)
     elif first["verdict"] != REFUSED:
-        machine = changed(*first_variant)
+        machine = _first(task)
         figures = machine.study().numbers if task.build else _foreseen(machine)[1]
         faults = [
             replace(unknown((), name, figures), source="--keep")
@@ -469,6 +462,31 @@ def _refuse_unknown(task: Task, first: Row) -> None:
         ]
         if faults:
             raise SpecError(faults, COMMAND_LINE)
+
+
+def _first(task: Task) -> Mechanism:
+    """The first variant; SpecError where it is no valid spec."""
+    settings = [*task.settings, *task.variants.settings(0)]
+    return changed(dict(task.data), task.source, task.folder, settings)
+
+
+def _faults_of_first(task: Task) -> Sequence[Fault]:
+    """What is wrong in the first variant."""
+    try:
+        _first(task)
+    except SpecError as error:
+        return error.faults
+    return ()
+
+
+def _as_varied(task: Task, faults: Sequence[Fault]) -> list[Fault]:
+    """Faults of --set, those of keys that are varied by the name of their option."""
+    varied = {each.key for each in task.variants.axes}
+    source = task.variants.words.key.format(key="").strip()
+    return [
+        replace(f, source=source) if f.source == "--set" and dotted(f.path) in varied else f
+        for f in faults
+    ]
 
 
 def _wish_columns(data: Mapping[str, Any], columns: Sequence[str]) -> list[str]:

@@ -22,6 +22,7 @@ from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
+import camgen
 from camgen.cli import cli, main
 from camgen.errors import FileError, SpecError
 from camgen.machines.sources import read_mechanism
@@ -154,6 +155,13 @@ def test_what_cannot_be_made_is_a_row_with_its_reason(tmp_path: Path) -> None:
     verdicts = [(row["verdict"], row["reason"]) for row in rows(tmp_path / "t.csv")]
     assert [verdict for verdict, _ in verdicts] == ["wrong", "wrong", "limits hold", "limits hold"]
     assert "geometry.base_radius: -5" in verdicts[0][1]
+    with pytest.raises(SpecError, match="all 2 variants are wrong, the first: 1 fault") as refused:
+        sweep(task("geometry.base_radius=-5,-6"), tmp_path / "w.csv")
+    assert "geometry.base_radius: -5 - expected a number >=" in str(refused.value)
+    assert not list(tmp_path.glob("w.*")), "nothing is written"
+    assert len(camgen.sweep(SPEC, {"geometry.base_radius": [-5, -6]})) == 2, (
+        "in Python they are rows"
+    )
     spec = SPEC.parent / "uniform-swing.toml"
     steep = task_of(spec, variants(["geometry.swing_deg=20,179"]), (), (), (), Path())
     sweep(steep, tmp_path / "u.csv")
