@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
+from itertools import groupby
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
@@ -142,6 +143,28 @@ class Mate:
     diameter: float = 0.0  # mm, of what goes through; 0 of faces that slide
     height: float = 0.0  # mm, of what both have in common
     comes: bool = False  # whether what goes through is the part that comes
+    within: bool = False  # whether both come in one step
+
+
+@dataclass(frozen=True)
+class Doing:
+    """What is done in a step, as the three pieces of a sentence; those that differ in the object alone are said in one."""
+
+    verb: str  # such as "press and glue "
+    thing: str = ""  # that is handled, and where it goes: "cap-2 on pin-5"
+    rest: str = ""  # such as ", flush with its upper end"
+
+
+def sentences(doings: Sequence[Doing]) -> str:
+    """What is done, for people: "Press and glue cap-1 on pin-6 and cap-2 on pin-5, each flush with its upper end." """
+    said = []
+    for (verb, rest), alike in groupby(doings, lambda each: (each.verb, each.rest)):
+        things = list(dict.fromkeys(each.thing for each in alike))
+        listed = " and ".join(filter(None, (", ".join(things[:-1]), things[-1])))
+        each = rest.replace(", ", ", each ", 1) if len(things) > 1 and rest[:2] == ", " else rest
+        whole = f"{verb}{listed}{each}"
+        said.append(f"{whole[:1].upper()}{whole[1:]}{'' if whole.endswith('.') else '.'}")
+    return " ".join(said)
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +174,7 @@ class Step:
     A sub-assembly is built by itself in the steps that name it and have copies; the one that names it and has none puts it in.
     """
 
-    title: str  # what comes, and where it goes
+    doings: Sequence[Doing]  # what comes, and where it goes
     copies: Sequence[
         str
     ] = ()  # that come, by name, such as cam-1; none where nothing is made for it
@@ -161,13 +184,26 @@ class Step:
     # what is built by itself from many steps, such as a far side; the step that names it, without copies and group, joins it
     apart: str = ""
     wire: Floats | None = None  # line of a spring that comes, (n, 3) mm
+    what: str = ""  # the parts that come, for people
+    small: bool = False  # whether all that come are spacers, caps or nuts
+    follows: bool = False  # whether it is done in one go with the step before it
+
+    @property
+    def title(self) -> str:
+        """What is done, for people."""
+        return sentences(self.doings)
+
+    def also(self, text: str) -> Step:
+        """The step with one more sentence."""
+        return replace(self, doings=[*self.doings, Doing(text)])
 
 
 @dataclass(frozen=True)
 class Table:
     """A table of the report: rows of text or numbers under the columns' names.
 
-    digits: of its numbers on the page, 3 where they are estimates. steps: of an order of assembly, one for each row.
+    digits: of its numbers on the page, 3 where they are estimates. steps: of an order of assembly, one for each row or, as a
+    person at the bench takes them, one for each number in the first column.
     """
 
     title: str

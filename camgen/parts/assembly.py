@@ -49,8 +49,8 @@ from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.sheets import why_not
 from camgen.parts.springs import WorkingSpring
 from camgen.parts.standing import standing_copies
-from camgen.parts.steps import Fixing, mated, order
-from camgen.study import Later, Step, Table
+from camgen.parts.steps import Fixing, called, mated, order
+from camgen.study import Doing, Later, Step, Table
 
 
 @dataclass(frozen=True)
@@ -506,7 +506,7 @@ def _bought_row(each: Bought) -> _Row:
     row = (0, each.name, each.size, each.how, each.count, 0.0, "as bought")
     many = f"{each.count} × {each.name}"
     name = many if each.count > 1 else each.name[:1].upper() + each.name[1:]
-    return row, Step(f"{name}, {each.size}{f'; {each.how}' if each.how else ''}")
+    return row, Step([Doing(f"{name}, {each.size}{f'; {each.how}' if each.how else ''}")])
 
 
 def with_things(row: _Row, things: Sequence[Bought], column: int = 3) -> _Row:
@@ -517,14 +517,14 @@ def with_things(row: _Row, things: Sequence[Bought], column: int = 3) -> _Row:
     said = f"with {', '.join(each.text for each in things)}"
     text = "; ".join(filter(None, (str(cells[column]), said)))
     cells = (*cells[:column], text, *cells[column + 1 :])
-    return cells, replace(step, title=f"{step.title}; {said}")
+    return cells, step.also(said)
 
 
 def _with_spring(rows: Sequence[_Row], coil: Coil, poses: Mapping[str, Pose]) -> list[_Row]:
     """Rows with a spring before the first head or cap over an eye of it, and pins that come through its eyes."""
     length = coil.length(poses)
     hooked = coil.stringing(length)
-    step = Step(hooked, wire=coil.wire(poses))
+    step = Step([Doing(hooked)], wire=coil.wire(poses))
     spring = (0, "extension spring", hooked, "", 1, coil.eyes[0], "as bought"), step
     over = {copy for end in coil.heads for copy in end}
     first = next((k for k, (_, each) in enumerate(rows) if over & set(each.copies)), len(rows))
@@ -536,7 +536,7 @@ def _with_spring(rows: Sequence[_Row], coil: Coil, poses: Mapping[str, Pose]) ->
         if through:
             where = ", ".join(filter(None, (str(row[3]), through)))
             row = (*row[:3], where, *row[4:])
-            each = replace(each, title=f"{each.title}{',' if row[3] else ';'} {through}")
+            each = each.also(f"it goes {through}")
         found.append((row, each))
     return found
 
@@ -572,7 +572,9 @@ def _with_motor(rows: Sequence[_Row], assembly: Assembly) -> list[_Row]:
     said = "Motor: under the plate, its shaft through it; screw it on now, before parts cover the screws"
     count = sum(each.count for each in assembly.bought if each.role == "drive") or 1
     screws = [each for each in assembly.bought if each.role == "drive screw"]
-    motor = with_things(((0, "motor", said, "", count, 0.0, "as bought"), Step(said)), screws)
+    motor = with_things(
+        ((0, "motor", said, "", count, 0.0, "as bought"), Step([Doing(said)])), screws
+    )
     after = 1 + max(k for k, (each, _) in enumerate(rows) if each[1] == plate)
     return [*rows[:after], motor, *rows[after:]]
 
@@ -582,7 +584,7 @@ def _last_rows(assembly: Assembly) -> Iterator[_Row]:
     screws = [each for each in assembly.bought if each.role == "mount"]
     last = (
         (0, "table" if assembly.support else "board", assembly.board, "", 1, 0.0, "as yours"),
-        Step(assembly.board),
+        Step([Doing(assembly.board)]),
     )
     if assembly.support is None:
         yield with_things(last, [*screws, *coupled(assembly)])
@@ -592,7 +594,7 @@ def _last_rows(assembly: Assembly) -> Iterator[_Row]:
         mounts = [mount for mount in assembly.mounts if mount.part == name]
         copies = [f"{name}-{k + 1}" for k in range(len(mounts))]
         low = min(mount.z for mount in mounts)
-        title = assembly.by_name[name].title
-        row = 0, name, title, where, len(mounts), low, "upright"
-        yield row, Step(f"{title}; {where}", copies)
+        part = assembly.by_name[name]
+        row = 0, name, part.title, where, len(mounts), low, "upright"
+        yield row, Step([Doing(f"{called(part, len(mounts))}: {where}")], copies)
     yield with_things(last, coupled(assembly))

@@ -309,7 +309,9 @@ def _plates(
         return Part(name, title, (layer,), 1, (), (0j, *pins), part_notes, bore, min_wall)
 
     return (
-        _cam(sizes, "inner", "Groove cam, inner wall", outline, inner, min_wall),
-        plate("outer", "Groove cam, outer wall", (wall, *outer), sizes.thickness, None),
-        plate("back", "Groove cam, back plate", (bore, *inner, *outer), sizes.back, sizes.bore),
+        _cam(sizes, "inner", "Inner wall of the groove cam", outline, inner, min_wall),
+        plate("outer", "Outer wall of the groove cam", (wall, *outer), sizes.thickness, None),
+        plate(
+            "back", "Back plate of the groove cam", (bore, *inner, *outer), sizes.back, sizes.bore
+        ),
     )

@@ -29,7 +29,7 @@ from camgen.parts.assembly import (
 )
 from camgen.parts.catalogue import Bought
 from camgen.parts.part import Layer, Part
-from camgen.study import Later, Step, Table
+from camgen.study import Doing, Later, Step, Table
 
 PREFIX = "far"  # of the names of the far side
 _DIGITS = 6  # to which places count as one, mm
@@ -228,14 +228,18 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror) -> Table:
         "far side turned over",
     )
     rows = [(tuple(row), step) for row, step in zip(first.rows, first.steps, strict=True)]
-    of_near = 0  # how many steps of the near side have gone by
     for row, step in zip(second.rows, second.steps, strict=True):
-        said = step.title.replace(f"{PREFIX}-", "")
-        alike = [k for k, each in enumerate(first.steps) if k >= of_near and each.title == said]
-        of_near = 1 + alike[0] if alike else of_near
-        title = f"Far side{f', as step {of_near}' if alike else ''}: {step.title}"
         way: Literal[-1, 1] = 1 if step.way < 0 else -1
-        rows.append((tuple(row), replace(step, title=title, way=way, apart=PREFIX)))
-    joining = (last, Step(f"{last[2]}; {last[3]}", apart=PREFIX))
+        rows.append((tuple(row), replace(step, way=way, apart=PREFIX)))
+    on = "spacers" if mirror.gap else "second plate of the near side"
+    doings = [
+        Doing("turn ", "the far side over", f" and lower it on the {on}"),
+        Doing(f"{mirror.shaft} goes on into its crank: turn that until the flats are in line"),
+        Doing(
+            "press and glue ", f"the crank on {mirror.shaft} and the far second plate on the {on}"
+        ),
+        Doing("move all slowly through its whole motion: no joint may be stiff"),
+    ]
+    joining = (last, Step(doings, apart=PREFIX))
     rows += [with_things(joining, coupled(near)), *further_rows(near)]
     return numbered(replace(first, title="Assembly, side by side"), rows)

@@ -12,19 +12,21 @@ have one axis, they lie over each other and a pin comes through.
 
 from __future__ import annotations
 
-from collections import defaultdict
+import re
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from camgen.machine.features import Mount, PartPose, PinEyes, SlideFaces
+from camgen.machine.features import CamOutline, Mount, PartPose, PinEyes, SlideFaces
 from camgen.machine.model import GROUND
 from camgen.parts.part import HoldingNote, Part
 from camgen.parts.standing import Round, Slot, StandingCopy, standing_copies
-from camgen.study import Mate, Step, Table
+from camgen.study import Doing, Mate, Step, Table
 from camgen.tolerances import SAME_POINT
 
 COLUMNS = ("step", "part", "what", "where", "count", "underside at z, mm", "lies")
+_SMALL = ("spacer", "cap", "nut")  # of parts of which several are put on in one step
 _RESTS = 1.0  # mm, at most between a part and what lies under it
 
 
@@ -49,33 +51,56 @@ class Fixing:
 
 _HOLE = "{hole}"  # in words, for a hole's letter
 _WHAT = "{what}"  # in what is done, for what it is done with
+_IT = "{it}"  # the same where it is named again
 _WORDS = {"glue": "pressed and glued", "press": "pressed", "free": ""}
-_DOINGS = {"glue": f"press and glue {_WHAT}", "press": f"press {_WHAT}", "free": f"put {_WHAT}"}
+_VERBS = {"glue": "press and glue ", "press": "press ", "free": "put "}
+# What a machine has many of is called by its name alone, as it lies in the folder.
+_BY_NAME = ("pin", "crank-pin", "spacer", "cap", "nut", "cover", "keeper", "thread-post")
 
 
 @dataclass(frozen=True)
 class _Place:
-    """Where something goes, "on pin-1", and what is done, "put {what} on pin-1"; both "" where nothing says."""
+    """Where something goes, "on pin-1", and what is done for it; both empty where nothing says."""
 
     where: str = ""
-    done: str = ""
+    doings: tuple[Doing, ...] = ()
 
-    def lettered(self, letters: Iterable[str]) -> _Place:
-        """With the letters of the holes of one part."""
-        *most, last = dict.fromkeys(letters)
-        said = " and ".join(filter(None, (", ".join(most), last)))
-        return _Place(self.where.replace(_HOLE, said), self.done.replace(_HOLE, said))
+    def lettered(self, letters: Sequence[str], called: str) -> _Place:
+        """With the letters of the holes of one part, one for each copy, and what goes there by its name."""
+        said = listed(dict.fromkeys(letters))
+        again = "each" if len(letters) > 1 else "it"
 
+        def full(text: str) -> str:
+            return text.replace(_HOLE, said).replace(_WHAT, called).replace(_IT, again)
 
-def _in_place(where: str) -> _Place:
-    """A place of which what is done is said by where it is."""
-    return _Place(where, f"put {_WHAT} in place, {where}")
-
-
-_ON_BENCH = _Place("on the bench", f"lay {_WHAT} on the bench")
+        doings = (Doing(*map(full, (each.verb, each.thing, each.rest))) for each in self.doings)
+        return _Place(full(self.where), tuple(doings))
 
 
-# level, first part of the sub-assembly, its name, part, whether turned over, underside
+def listed(names: Iterable[str]) -> str:
+    """Names as a sentence has them: "A, B and C"."""
+    *most, last = [*names] or [""]
+    return " and ".join(filter(None, (", ".join(most), last)))
+
+
+ON_BENCH = " on the bench"
+_ON_BENCH = _Place("on the bench", (Doing("lay ", _WHAT, ON_BENCH),))
+
+
+def called(part: Part, count: int = 1) -> str:
+    """What so many copies of a part are called in a sentence: by their name, and where that says too little by their title."""
+    title = part.title[:1].lower() + part.title[1:]
+    words = set(re.split(r"\W+|_", title.lower()))
+    if part.role in _BY_NAME or part.title == f"Link {part.name}":
+        title = part.name
+    elif count == 1:
+        title = f"the {title}"
+    if part.name != title and not {*re.split(r"\W+|_", part.name.lower())} <= words:
+        title = f"{title} ({part.name})"
+    return f"{count} × {title}" if count > 1 else title
+
+
+# level, first part of the sub-assembly, its name, part in it, whether turned over, underside
 _Key = tuple[float, int, str, int, bool, float]
 
 
@@ -120,11 +145,12 @@ def order(
         begun = any(copy in there for copy in cluster)
         alone = bool(bench) or (bool(cluster and there) and not begun)
         group = cluster[0].part.name if alone else ""
+        begins = False  # whether it comes on a shaft that the step before has brought
         if all(copy.name in stops for copy in laying.copies):
-            shafts = dict.fromkeys(stops[copy.name].shaft.part.name for copy in laying.copies)
-            on = f"on {', '.join(shafts)}"
-            places = [_Place(f"loose {on}", f"put {_WHAT} loosely {on}")]
+            shafts = {stops[copy.name].shaft.name: stops[copy.name].shaft for copy in laying.copies}
+            places = [_loosely(laying, [each.part.name for each in shafts.values()])]
             loose.append(laying)
+            begins = bool(steps and {*shafts} <= {*steps[-1].copies})
         else:
             places = _places(laying.copies, bench if alone else there, fixing)
             if not alone:
@@ -132,7 +158,9 @@ def order(
             if not places and alone:
                 places = [_ON_BENCH]
             elif not places and (there or not laying.copies[0].holes):
-                places = _fixed_by(later, laying.copies, fixing)  # a plate that comes first lies
+                places = _fixed_by(
+                    later, laying.copies, there, fixing
+                )  # a plate that comes first lies
         lies = "turned over" if laying.turned_over else "as drawn"
         row: tuple[object, ...]
         row = (
@@ -145,20 +173,29 @@ def order(
         )
         rows.append((len(rows) + 1, *row))
         names = [copy.name for copy in laying.copies]
-        title = _title(part, places, len(names), laying.turned_over, first=not there)
-        steps.append(Step(title, names, group=group))
+        steps.append(
+            Step(
+                _doings(laying, places, _led(laying.copies[0], there, pairs), first=not there),
+                names,
+                group=group,
+                what=called(part, len(names)).removeprefix("the "),
+                small=part.role in _SMALL or part.process == "dummy",
+                follows=begins,
+            )
+        )
         (bench if alone else there).extend(laying.copies)
         if bench and len(bench) == len(cluster):
-            row, title = _put_in(cluster, there, later, fixing)
+            row, doings = _put_in(cluster, there, later, fixing)
             rows.append((len(rows) + 1, *row))
-            steps.append(Step(title, group=group))
+            steps.append(Step(doings, group=group))
             there += bench
             bench = []
         for each in [each for each in loose if _held(each, stops, there, fixing)]:
             loose.remove(each)
-            row, title = _push_up(each, stops)
+            row, doings = _push_up(each, stops)
             rows.append((len(rows) + 1, *row))
-            steps.append(Step(title, [copy.name for copy in each.copies], way=1))
+            names = [copy.name for copy in each.copies]
+            steps.append(Step(doings, names, way=1, what=each.copies[0].part.title.lower()))
     title = "Assembly from the bottom up, by height"
     return Table(title, COLUMNS, rows, mated(steps, copies, pairs, fixing))
 
@@ -175,7 +212,16 @@ class _Stop:
         """Where the part is glued."""
         near = f"{self.gap:.2g} mm under" if self.gap > SAME_POINT else "against"
         at = f"on {self.shaft.part.name}, {near} {self.name}"
-        return _Place(f"{_WORDS['glue']} {at}", f"{_DOINGS['glue']} {at}")
+        return _Place(
+            f"{_WORDS['glue']} {at}",
+            (
+                Doing(
+                    f"push {_WHAT} up: press and glue it ",
+                    f"on {self.shaft.part.name}",
+                    f", {near} {self.name}",
+                ),
+            ),
+        )
 
 
 def _stops(copies: Sequence[StandingCopy], fixing: Fixing) -> dict[str, _Stop]:
@@ -226,30 +272,79 @@ def _held(
     )
 
 
-def _push_up(laying: _Laying, stops: Mapping[str, _Stop]) -> tuple[tuple[object, ...], str]:
-    """The row and the title of what was loose on its shaft and is glued under its stop."""
+def _loosely(laying: _Laying, shafts: Sequence[str]) -> _Place:
+    """Where copies stay until they are pushed up; shafts: of each of them."""
+    first = laying.copies[0]
+    until = f"; loose until {_step_of(first)}"
+    doings = (Doing("put ", f"{called(first.part)} loosely on {each}", until) for each in shafts)
+    return _Place(f"loose on {', '.join(dict.fromkeys(shafts))}", tuple(doings))
+
+
+def _push_up(laying: _Laying, stops: Mapping[str, _Stop]) -> tuple[tuple[object, ...], list[Doing]]:
+    """The row and what is done with what was loose on its shaft and is glued under its stop."""
     part = laying.copies[0].part
-    count = len(laying.copies)
     places = list(dict.fromkeys(stops[copy.name].place() for copy in laying.copies))
     row = (part.name, f"{part.title}: push it up", _where_all(places), "", laying.z, "as drawn")
-    return row, f"{_counted(part, count)}: push {_it(count)} up; {_done_all(places, count)}"
+    named = called(part, len(laying.copies) if len(places) == 1 else 1)
+    return row, [doing for place in places for doing in place.lettered("", named).doings]
+
+
+def _step_of(copy: StandingCopy) -> str:
+    """What stands for the number of the next step that has a copy."""
+    return f"{{{copy.name}}}"
 
 
 def _fixed_by(
-    later: Iterable[StandingCopy], copies: Sequence[StandingCopy], fixing: Fixing
+    later: Iterable[StandingCopy],
+    copies: Sequence[StandingCopy],
+    there: Sequence[StandingCopy],
+    fixing: Fixing,
 ) -> list[_Place]:
     """What is said of copies that nothing holds yet: which part that comes later is fixed on them, or goes on or in them; later: in
     the order of their steps."""
     joins = ""
+    steps = ""  # the same, with their numbers
     for copy in later:
         mates = _mates([copy], copies, fixing)
         by = _by(mates, copy, copies)
         if any(mate.how != "free" and not mate.comes for mate in mates):
             joins += " and " if joins else ""
-            return [_in_place(f"loose until {joins}{copy.part.name} is glued on it{by}")]
+            steps += " and " if steps else ""
+            said = f"{copy.part.name} is glued on it{by}"
+            return [_loose(f"{joins}{said}", f"{steps}{said} in {_step_of(copy)}", copies, there)]
         if mates and not joins:
             joins = f"{copy.part.name} joins it{by}"
-    return [_in_place(f"loose until {joins}")] if joins else []
+            steps = f"{joins} in {_step_of(copy)}"
+    return [_loose(joins, steps, copies, there)] if joins else []
+
+
+def _loose(
+    until: str, steps: str, copies: Sequence[StandingCopy], there: Sequence[StandingCopy]
+) -> _Place:
+    """Where copies stand that nothing holds yet; until: what joins and holds them, steps: the same with the numbers of steps."""
+    first, *others = copies
+    doing = Doing("lay ", f"{_WHAT} where the picture shows it", f"; loose until {steps}")
+    if first.slender or (first.outlines and not first.holes):
+        over = _stands_over(first, there)
+        foot = [each for each in others if each.mount.z < first.mount.z + SAME_POINT]
+        down = f", {listed(dict.fromkeys(each.part.name for each in foot))} down" if foot else ""
+        doing = replace(doing, verb="stand ", thing=f"{_WHAT} upright{over}{down}")
+    return _Place(f"loose until {until}", (doing,))
+
+
+def _stands_over(shaft: StandingCopy, there: Sequence[StandingCopy]) -> str:
+    """Over which hole or part that is there a pin or a shaft stands, as " over B of low2"; "" where over none."""
+    low = min(each.low for each in shaft.outlines)
+    under = [
+        (bool(each.name), round(each.high, 6), f"{each.name} of " if each.name else "", other)
+        for other in there
+        for each in (*other.holes, *other.outlines)
+        if each.in_line(shaft.outlines[0]) and each.high < low + SAME_POINT
+    ]
+    if not under:
+        return ""
+    _, _, point, other = max(under, key=lambda each: each[:2])
+    return f" over {point}{other.part.name}"
 
 
 def _by(mates: Iterable[Mate], copy: StandingCopy, copies: Iterable[StandingCopy]) -> str:
@@ -264,31 +359,26 @@ def _put_in(
     there: Sequence[StandingCopy],
     later: Sequence[StandingCopy],
     fixing: Fixing,
-) -> tuple[tuple[object, ...], str]:
-    """The row and the title of a sub-assembly that is built; the first of its copies names it."""
+) -> tuple[tuple[object, ...], list[Doing]]:
+    """The row of a sub-assembly that is built, and what is done with it; the first of its copies names it."""
     first = cluster[0]
-    names = [copy.part.name for copy in cluster]
     own = first.part.name
-    others = list(dict.fromkeys(name for name in names if name != own)) or [own]
+    others = list(dict.fromkeys(each.part.name for each in cluster if each.part.name != own))
     places = list[_Place]()
     for copy in cluster:
         if not _mates([copy], there, fixing):
             continue
         found = _places([copy], there, fixing)
         if copy.part.name != own:
-            found = [_in_place(f"{copy.part.name} {each.where}") for each in found]
+            found = [_Place(f"{copy.part.name} {each.where}", each.doings) for each in found]
         places += [each for each in found if each not in places]
-    if len(places) > 1:
-        places = [_in_place(_where_all(places))]
     places = _on_motor(cluster, fixing, places)
     if not places and there and (first.mount.body != GROUND or not first.holes):
-        places = _fixed_by(later, cluster, fixing)  # a plate lies as it is
-    places = places or [_ON_BENCH]
-    what = f"{first.part.title} with {', '.join(others)}"
+        places = _fixed_by(later, cluster, there, fixing)  # a plate lies as it is
+    places = [each.lettered("", called(first.part)) for each in places or [_ON_BENCH]]
+    what = f"{first.part.title} with {', '.join(others or [own])}"
     row = (own, what, _where_all(places), "", first.mount.z, "as drawn")
-    together = " and ".join(filter(None, (", ".join(others[:-1]), others[-1])))
-    counted = _counted(first.part, names.count(own))
-    return row, f"{counted} together with {together}: {_done_all(places, len(cluster))}"
+    return row, [doing for place in places for doing in place.doings]
 
 
 def _on_motor(
@@ -299,7 +389,11 @@ def _on_motor(
         return [*places]
     shaft = "on the motor's shaft"
     where = ", ".join(filter(None, (shaft, _where_all(places))))
-    return [_Place(f"pushed {where}", f"push {_WHAT} {where}")]
+    named = called(copies[0].part)
+    doings = [one for each in places for one in each.doings]
+    on = doings.pop(0).thing.removeprefix(named) if doings and doings[0].verb == "set " else ""
+    push = Doing("push ", f"{named} {shaft}{f',{on}' if on else ''}")
+    return [_Place(f"pushed {where}", (push, *doings))]
 
 
 def _with_joints(fixing: Fixing, pairs: Sequence[object]) -> Fixing:
@@ -311,37 +405,53 @@ def _with_joints(fixing: Fixing, pairs: Sequence[object]) -> Fixing:
     return replace(fixing, rings=rings, driven=frozenset(driven))
 
 
-def _title(part: Part, places: Sequence[_Place], count: int, turned_over: bool, first: bool) -> str:
-    """What a step says above its picture: what is done with how many copies of a part; first: nothing is there yet."""
-    notes = "; ".join(note for note in part.notes if isinstance(note, HoldingNote))
-    named = f"{_counted(part, count)}{', turned over' if turned_over else ''}"
-    if notes and not places:
-        return f"{named}: {notes}"
-    if first and not places:
+def _doings(laying: _Laying, places: Sequence[_Place], led: str, first: bool) -> list[Doing]:
+    """What is done with the copies of one part; led: in or against what they run; first: nothing is there yet."""
+    part = laying.copies[0].part
+    named = called(part, len(laying.copies))
+    notes = [note for note in part.notes if isinstance(note, HoldingNote)]
+    if part.process == "dummy":
+        return [Doing(f"{part.title}: the picture shows where your own one is")]
+    if first and not places and not notes:
         places = [_ON_BENCH]
-    return "; ".join(filter(None, (f"{named}: {_done_all(places, count)}", notes)))
+    doings = [doing for place in places for doing in place.lettered("", named).doings]
+    if led and doings and doings[0].verb in ("lay ", "set "):
+        begins, *more = doings
+        on = begins.thing.removeprefix(f"{named} ") if begins.verb == "set " else ""
+        rest = f", {on}" if on else begins.rest
+        doings = [Doing("lay ", f"{named} {led}", rest), *more]
+    elif led:
+        doings = [Doing("lay ", f"{named} {led}"), *doings]
+    elif not doings and notes:
+        doings = [Doing(f"{named.removeprefix('the ')}: {notes.pop(0)}")]
+    elif not doings:
+        doings = [Doing("put ", f"{named} in place, as the picture shows it")]
+    if laying.turned_over and laying.copies[0].holes:
+        doings.append(Doing("it lies turned over: the side that its drawing shows is down"))
+    return [*doings, *(Doing(note) for note in notes)]
 
 
-def _counted(part: Part, count: int) -> str:
-    """What a part is, with how many there are of it where there is more than one."""
-    return f"{count} × {part.title}" if count > 1 else part.title
+def _led(copy: StandingCopy, there: Sequence[StandingCopy], pairs: Sequence[object]) -> str:
+    """In which guide a copy slides, or in which groove it rolls, as far as that is there; "" where in none."""
+    known = {each.part.name for each in there}
+    for pair in pairs:
+        slides = isinstance(pair, SlideFaces) and pair.runner.part == copy.part.name
+        if isinstance(pair, SlideFaces) and slides and pair.rails.part in known:
+            return f"in the guide of {pair.rails.part}"
+        if isinstance(pair, CamOutline) and pair.roller == copy.part.name and pair.part in known:
+            walls = [
+                each.part
+                for each in pairs
+                if isinstance(each, CamOutline) and each.joint == pair.joint and each.part in known
+            ]
+            if len(walls) == 2:
+                return f"between {listed(walls)}"
+    return ""
 
 
 def _where_all(places: Iterable[_Place]) -> str:
     """Where copies go."""
     return "; ".join(each.where for each in places)
-
-
-def _done_all(places: Sequence[_Place], count: int) -> str:
-    """What is done with so many copies: with each by itself where each has its own place."""
-    one = "one" if len(places) == count > 1 else _it(count)
-    done = [each.done.replace(_WHAT, one) for each in places]
-    return "; ".join(done) or f"put {_it(count)} in place"
-
-
-def _it(count: int) -> str:
-    """The pronoun for so many copies."""
-    return "it" if count == 1 else "them"
 
 
 def _layings(
@@ -368,14 +478,16 @@ def _layings(
     found: dict[_Key, list[StandingCopy]] = {}
     clusters: dict[_Key, list[StandingCopy]] = {}
     for cluster in _clusters(copies, levels, fixing):
-        cluster.sort(key=lambda copy: place[copy.part.name])
+        carrier = {copy.name for copy in cluster if _carries(copy, cluster, fixing)}
+        cluster.sort(key=lambda copy: (copy.name not in carrier, place[copy.part.name]))
         alone = len(cluster) == 1
+        names = list(dict.fromkeys(copy.part.name for copy in cluster))
         for copy in cluster:
             key = (
                 levels[copy.name],
                 place[cluster[0].part.name],
                 "" if alone else cluster[0].name,
-                place[copy.part.name],
+                names.index(copy.part.name),
                 copy.mount.flipped,
                 round(copy.mount.z, 6) + 0.0,
             )
@@ -409,6 +521,14 @@ def _clusters(
                 rest.append(cluster)
         clusters = [*rest, joined]
     return clusters
+
+
+def _carries(copy: StandingCopy, cluster: Sequence[StandingCopy], fixing: Fixing) -> bool:
+    """Whether all others of a sub-assembly, of which there are several, are fixed on one of it."""
+    others = [each for each in cluster if each is not copy]
+    return len(others) > 1 and all(
+        any(mate.how != "free" for mate in _mates([each], [copy], fixing)) for each in others
+    )
 
 
 def _holding_notes(part: Part) -> str:
@@ -535,13 +655,19 @@ def _places(
     """Where copies go; those that differ in their hole's letter alone together."""
     letters: dict[_Place, list[str]] = {}
     loose = False
+    part = None
     for copy in copies:
+        part = copy.part
         place, letter = _where(copy, below, fixing)
         if place.where:
             letters.setdefault(place, []).append(letter)
         loose = loose or not place.where
-    said = [place.lettered(each) for place, each in letters.items()]
-    rest = _Place("all else loose", "put all else in place; nothing holds it yet")
+    said = [
+        place.lettered(each, called(part, len(each)))
+        for place, each in letters.items()
+        if part is not None
+    ]
+    rest = _Place("all else loose", (Doing("put ", "all else in place; nothing holds it yet"),))
     return [*said, *([rest] if said and loose else [])]
 
 
@@ -553,62 +679,114 @@ def _where(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) ->
     return _hole_words(copy, below, fixing), ""
 
 
+@dataclass(frozen=True)
+class _Meeting:
+    """Where a hole of a copy goes: on a shaft or over another hole."""
+
+    letter: str  # of the hole; "" where it has none
+    place: str  # "on pin-1", "over crank"
+    fit: Literal["glue", "press", "free"] = "free"
+    high: str = ""  # how high on the shaft it is fixed
+    shaft: bool = False
+
+    @property
+    def where(self) -> str:
+        """For the table."""
+        how = _WORDS[self.fit]
+        return " ".join(filter(None, (self.letter, how, self.place))) + self.high
+
+
 def _hole_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> _Place:
     """On or over what the holes and slots of a copy go."""
-    places = list[str]()
-    doings = list[str]()  # of the same, where the hole has no letter
-    shafts = 0
-    for hole in copy.holes:
-        shaft, outline = next(
-            ((other, each) for other in below for each in other.outlines if hole.holds(each)),
-            (None, None),
+    found = [each for hole in copy.holes if (each := _meeting(hole, copy, below, fixing))]
+    over_pins = [
+        f"its slot over {other.part.name}"
+        for slot in copy.slots
+        for other in below
+        if any(map(slot.holds, other.outlines))
+    ]
+    where = ", ".join(dict.fromkeys([*(each.where for each in found), *over_pins]))
+    return _Place(where, tuple(_hole_doings(found, over_pins))) if where else _Place()
+
+
+def _meeting(
+    hole: Round, copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing
+) -> _Meeting | None:
+    """Where one hole of a copy goes."""
+    shaft, outline = next(
+        ((other, each) for other in below for each in other.outlines if hole.holds(each)),
+        (None, None),
+    )
+    letter = hole.name if shaft is None or hole.name != shaft.part.name else ""
+    if shaft is not None and outline is not None:
+        fit = fixing.how(hole, copy.part, outline, shaft.part)
+        told = _WORDS[fit] and (shaft.slender or _under(hole, below)[0] > SAME_POINT)
+        high = f", {_height(hole, shaft, below)}" if told else ""
+        at = "" if hole.name or shaft.part.count == 1 else _joint(hole, shaft, below)
+        return _Meeting(letter, f"on {shaft.part.name}{at}", fit, high, True)
+    under = [
+        (each.high, other.part.name, each.name)
+        for other in below
+        for each in other.holes
+        if hole.in_line(each)
+    ]
+    through = [
+        other.part.name
+        for other in below
+        for each in other.outlines
+        if hole.in_line(each) and each.low < hole.high and each.high > hole.low
+    ]
+    if through and not letter:
+        return _Meeting(letter, f"over {through[0]}")
+    slots = [
+        (slot.high, other.part.name)
+        for other in below
+        for slot in other.slots
+        if slot.in_line(hole)
+    ]
+    if under:
+        _, name, point = max(under)
+        of = f"{point} of " if point and point != hole.name else ""
+        return _Meeting(letter, f"over {of}{name}")
+    return _Meeting(letter, f"over the slot of {max(slots)[1]}") if slots else None
+
+
+def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iterator[Doing]:
+    """What is done with a copy, its holes met one by one: what only goes on first, then what is glued."""
+    shafts = [each for each in meetings if each.shaft]
+    free = [each for each in meetings if each.letter and each.fit == "free"]
+    bare = [each for each in meetings if not each.letter and each.fit == "free"]
+    whole = _WHAT  # what is glued, by its own name until it has been named
+    tight = [each for each in shafts if each.fit != "free"]
+    if len(tight) > 1 and tight == shafts and not any(each.letter for each in tight):
+        counts = Counter(each.place.removeprefix("on ") for each in tight)
+        pins = listed(f"{n} × {name}" if n > 1 else name for name, n in counts.items())
+        high = next((each.high for each in tight if each.high), "")
+        yield Doing(_VERBS[tight[0].fit], f"{_WHAT} on {pins}", f", all at once{high}")
+        return
+    if len(shafts) > 2:
+        ends = (" ".join(filter(None, (each.letter, each.place))) for each in shafts)
+        said = listed(dict.fromkeys(ends))
+        rest = f", each in its hole before you press: {said}"
+        yield Doing("lower ", f"{_WHAT} over all ends at once", rest)
+        whole = "it"
+    elif free or over_pins:
+        said = listed(
+            dict.fromkeys([*(f"{each.letter} {each.place}" for each in free), *over_pins])
         )
-        of_copy = (
-            f"{hole.name} " if hole.name and (shaft is None or hole.name != shaft.part.name) else ""
-        )
-        if shaft is not None and outline is not None:
-            shafts += 1
-            fit = fixing.how(hole, copy.part, outline, shaft.part)
-            how = _WORDS[fit]
-            told = how and (shaft.slender or _under(hole, below)[0] > SAME_POINT)
-            far = f", {_height(hole, shaft, below)}" if told else ""
-            at = "" if hole.name or shaft.part.count == 1 else _joint(hole, shaft, below)
-            on = f"on {shaft.part.name}{at}{far}"
-            places.append(f"{of_copy}{f'{how} ' if how else ''}{on}")
-            doings.append("" if of_copy else f"{_DOINGS[fit]} {on}")
-            continue
-        under = [
-            (each.high, other.part.name, each.name)
-            for other in below
-            for each in other.holes
-            if hole.in_line(each)
-        ]
-        slots = [
-            (slot.high, other.part.name)
-            for other in below
-            for slot in other.slots
-            if slot.in_line(hole)
-        ]
-        over = ""
-        if under:
-            _, name, point = max(under)
-            over = f"over {f'{point} of ' if point and point != hole.name else ''}{name}"
-        elif slots:
-            over = f"over the slot of {max(slots)[1]}"
-        if over:
-            places.append(f"{of_copy}{over}")
-            doings.append("" if of_copy else f"put {_WHAT} {over}")
-    for slot in copy.slots:
-        pins = [other.part.name for other in below if any(map(slot.holds, other.outlines))]
-        places += [f"its slot over {pin}" for pin in pins]
-        doings += ["" for _ in pins]
-    where = ", ".join(dict.fromkeys(places))
-    if not places:
-        return _Place()
-    if len({*places}) == 1 and doings[0]:
-        return _Place(where, doings[0])
-    at_once = "over all ends at once: " if shafts > 2 else ""
-    return _Place(where, f"put {_WHAT} in place, {at_once}{where}")
+        yield Doing("set ", f"{_WHAT} with {said}")
+        whole = "it"
+    for each in bare if whole == _WHAT else ():
+        if each.shaft or not shafts:
+            flat = not each.shaft and " of " not in each.place
+            place = each.place.replace("over ", "on ", 1) if flat else each.place
+            yield Doing("put ", f"{_WHAT} {place}", ", hole over hole" if flat else "")
+    fixed = [each for each in meetings if each.fit != "free"]
+    highs = [each.high for each in fixed]
+    for each in sorted(fixed, key=lambda each: highs.index(each.high)):
+        thing = each.letter if whole == "it" else f"{each.letter} of {_WHAT}"
+        thing = thing if each.letter else whole
+        yield Doing(_VERBS[each.fit], f"{thing} {each.place}", each.high)
 
 
 def _joint(hole: Round, pin: StandingCopy, below: Sequence[StandingCopy]) -> str:
@@ -670,16 +848,21 @@ def _pin_words(
         names += [other.part.name] if other.part.name not in names else []
     ways: list[str] = []
     beginning = ""  # of the first of them
-    doing = f"put {_WHAT} "  # instead of it, in what is done
+    verb = "put "
+    first = ""  # of the sentence, after what it is done with
+    more = ""  # of the sentence, after that
+    above = " from above" if copy.mount.flipped else ""
     for how, names in sorted(words.items(), key=lambda each: each[0] != "free"):
         fit = f"{_WORDS[how]} " if _WORDS[how] else ""
         into = "into " if fit else "through "
-        through = " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+        through = listed(names)
         if not ways:
-            doing = f"{_DOINGS[how]} " if fit else f"push {_WHAT} "
+            verb = _VERBS[how] if fit else "push "
             beginning = fit
+            first, more = f"{above} {into}{point or through}", f"{through if point else ''}"
             ways.append(f"{into}{point}{through}")
         else:
+            more += f"; {_VERBS[how]}{_IT} {into}{through}"
             ways.append(f"{fit}{into}{through}")
     slots = dict.fromkeys(
         other.part.name
@@ -703,5 +886,14 @@ def _pin_words(
         foot = min((each.low for each in copy.outlines), default=0.0)
         gaps = [(hole.low - other.mount.z, hole.low - foot) for hole, other in fixed]
     ways += [side] if any(max(map(abs, gap)) < SAME_POINT for gap in gaps) else []
-    said = ", ".join([*ways, *(f"in the slot of {name}" for name in slots)])
-    return (_Place(f"{beginning}{said}", f"{doing}{said}") if said else _Place()), letter
+    in_slots = [f"in the slot of {name}" for name in slots]
+    flush = [side] if len(ways) > len(words) else []
+    said = ", ".join([*ways, *in_slots])
+    rest = ", ".join(filter(None, (more, *flush, *in_slots)))
+    if point:
+        first = first.removesuffix(" of ")
+        rest = f" of {rest}"
+    elif rest and not rest.startswith(";"):
+        rest = f", {rest}" if first else f" {rest}"
+    doing = Doing(verb, f"{_WHAT}{first}", rest)
+    return (_Place(f"{beginning}{said}", (doing,)) if said else _Place()), letter

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.assembly import order_of_assembly
+from camgen.parts.bench_steps import at_bench
 from camgen.parts.catalogue import CAM_FOLLOWERS, Bought
 from camgen.parts.keyways import parallel_keys
 from camgen.study import Table
@@ -23,5 +24,5 @@ def bought_things(mechanism: Mechanism) -> list[Bought]:
 
 
 def steps_of_assembly(mechanism: Mechanism) -> Table:
-    """In which order a machine goes together, with all that is bought for it."""
-    return order_of_assembly(replace(mechanism.assembly, bought=bought_things(mechanism)))
+    """In which order a machine goes together, with all that is bought for it, as a person at the bench takes it."""
+    return at_bench(order_of_assembly(replace(mechanism.assembly, bought=bought_things(mechanism))))

@@ -155,7 +155,7 @@ def _on_bench(step: Step, place: Mapping[str, int]) -> dict[str, object]:
     ]
     copies = [place[copy] for copy in step.copies]
     wire = [] if step.wire is None else step.wire.round(2).tolist()
-    said = {"copies": copies, "way": step.way, "group": step.group, "mates": mates, "wire": wire}
+    said = {"copies": copies, "way": step.way, "mates": mates, "wire": wire}
     return said | ({"apart": step.apart} if step.apart else {})
 
 
@@ -358,7 +358,7 @@ def _steps(scene: Scene | None) -> str:
 
 def _has_picture(step: Step) -> bool:
     """Whether something comes in it that can be shown."""
-    return bool(step.copies or step.group or step.wire is not None)
+    return bool(step.copies or step.wire is not None)
 
 
 # Steps one after the other, as the script shows them; without it the cards below remain.
@@ -366,7 +366,7 @@ _BENCH = (
     '<div class="bench" hidden><div class="view"><canvas id="bench" tabindex="0" role="img" aria-label="The step in three '
     "dimensions; left and right arrow keys: one step back and on; Home and End: first and last step; up and down and with Shift: turn; "
     'plus and minus: zoom"></canvas><div id="whole" aria-hidden="true" hidden></div>'
-    '<div id="marks" aria-hidden="true"></div><p id="group"></p></div>'
+    '<div id="marks" aria-hidden="true"></div></div>'
     '<p id="said" aria-live="polite"></p><div class="controls"><button id="back">Back</button><button id="next">Next</button>'
     '<input id="seek" type="range" min="1" value="1" aria-label="step"><output id="count"></output><button id="again">Show again</button>'
     '<p class="glues"><span class="glue">glue here</span><span class="free">no glue: it moves</span></p></div></div>'

@@ -582,10 +582,7 @@
   // Copies that come in a step, and those that are there, with the wires of springs: of what is built by itself its own alone.
   // over: whether that hangs in the whole machine, so that it is shown turned over, as it lies on the bench.
   function onBench(steps, number) {
-    const { copies, group, apart } = steps[number], run = [];
-    for (let k = number - 1; k >= 0 && group && steps[k].group === group && steps[k].copies.length; k--) run.unshift(...steps[k].copies);
-    if (group && copies.length) return { coming: copies, there: run, spring: [], springs: [], over: Boolean(apart) };
-    const coming = copies.length ? copies : run, over = Boolean(apart && (copies.length || group));
+    const { copies: coming, apart } = steps[number], over = Boolean(apart && coming.length);
     const before = steps.slice(0, number).filter(step => !over || step.apart === apart);
     const there = [...new Set(before.flatMap(step => step.copies))].filter(k => !coming.includes(k));
     return { coming, there, spring: steps[number].wire, springs: before.map(step => step.wire).filter(wire => wire.length), over };
@@ -659,10 +656,8 @@
     }
     function go(to) {
       number = Math.max(0, Math.min(steps.length - 1, to));
-      const { group, copies: own } = steps[number];
       byId("count").value = "Step " + (number + 1) + " of " + steps.length;
       byId("said").textContent = cards[number].querySelector("p").textContent;
-      byId("group").textContent = group && (own.length ? "Built by itself: " : "Put in: ") + group.replaceAll("_", " ");
       seek.value = number + 1;
       back.disabled = !number;
       next.disabled = number === steps.length - 1;
@@ -701,13 +696,18 @@
       now.coming.forEach(k => put(coming, k, fresh));
       now.springs.forEach(wire => there.add(new THREE.Mesh(tube(wire), plain)));
       coming.add(new THREE.Mesh(tube(now.spring), fresh));
-      if (lift) arrows(box, sense, now.spring.length ? [] : mates);
-      mates.forEach(({ how, place, diameter, height, comes }) => {
+      if (lift) arrows(box, sense, now.spring.length ? [] : [...mates.filter(({ within }) => !within), ...unmet(now.coming, mates)]);
+      mates.forEach(({ how, place, diameter, height, comes, within }) => {
         const wide = diameter / 2 + 0.05, half = height / 2;
-        if (diameter) mark(comes ? coming : there, turned([wide, -half], [wide, half]), place, how === "free" ? "--free" : "--glue", { transparent: true, opacity: 0.75, depthTest: false });
+        if (diameter) mark(comes || within ? coming : there, turned([wide, -half], [wide, half]), place, how === "free" ? "--free" : "--glue", { transparent: true, opacity: 0.75, depthTest: false });
       });
       name(now.coming, mates);
       ask();
+    }
+    function unmet(numbers, mates) {  // middles of parts that come and are nowhere fixed on or loose against another
+      const boxes = numbers.map(k => new THREE.Box3().setFromPoints(corners([k])));
+      const meets = box => mates.some(({ place: [x, y] }) => x > box.min.x && x < box.max.x && y > box.min.y && y < box.max.y);
+      return boxes.filter(box => !meets(box)).map(box => ({ diameter: 1, place: box.getCenter(new THREE.Vector3()).toArray() }));
     }
     function arrows(box, sense, mates) {  // over what it goes on or through, else over its middle
       const middle = box.getCenter(new THREE.Vector3());
@@ -718,14 +718,14 @@
     }
     function name(numbers, mates) {  // letters of the holes that come, and of those that they go on or through
       const words = { glue: "glue", press: "pressed, no glue", free: "no glue" };
-      tags = numbers.flatMap(k => lying.parts[copies[k].part.number][1].map(([label, , at]) => ({
+      tags = numbers.map(k => [k, lying.parts[copies[k].part.number][1]]).filter(([, holes]) => holes.length > 1).flatMap(([k, holes]) => holes.map(([label, , at]) => ({
         label, how: "", moves: true, at: new THREE.Vector3(...at).applyMatrix4(stand(k)),
       })));
-      mates.forEach(({ how, label, place, comes }) => {
+      mates.forEach(({ how, label, place, comes, within }) => {
         const at = new THREE.Vector3(...place);
-        const same = comes ? null : tags.find(tag => !tag.how && Math.hypot(tag.at.x - at.x, tag.at.y - at.y) < 0.01);
+        const same = comes && !within ? null : tags.find(tag => !tag.how && Math.hypot(tag.at.x - at.x, tag.at.y - at.y) < 0.01);
         if (same) Object.assign(same, { how, label: label || same.label });  // by the joint where the hole has no name
-        else tags.push({ label, how, moves: !comes, at });
+        else tags.push({ label, how, moves: within || !comes, at });
       });
       if (tags.length > 40) tags = tags.filter(tag => tag.how);
       marks.replaceChildren(...tags.map(({ label, how }) => {

@@ -566,8 +566,8 @@ def test_steps_of_a_drum_machine_give_a_height_to_what_lies_level_alone() -> Non
     aside = next(row for row in rows if row["part"] == "carriage")
     assert aside["where"] == f"on the table beside the machine; step {drum['step']} puts it in"
     titles = [step.title for step in table.steps]
-    plates = [title for title in titles if title.startswith("End plate, the ")]
-    assert [title.split()[3] for title in plates] == ["lower", "upper", "upper"]
-    assert ", with the carriage; lowered" in titles[drum["step"] - 1]  # type: ignore[operator,index]
-    (rods,) = (title for title in titles if "Rod;" in title)
-    assert rods == "4 × Rod; glued into the plate, flush below"
+    lower, upper = (title for title in titles if "er end plate" in title and "rod upr" not in title)
+    assert lower.startswith("Lay the lower") and upper.startswith("Lower the upper")
+    assert "together with the carriage" in titles[drum["step"] - 1]  # type: ignore[operator,index]
+    (rods,) = (title for title in titles if "× rod" in title)
+    assert rods == "Glue 4 × rod upright into the lower end plate, flush with its underside."

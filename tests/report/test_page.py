@@ -23,7 +23,7 @@ from camgen.report.animation import Animation, Body, player
 from camgen.report.page import once, to_html
 from camgen.report.report import Report
 from camgen.report.tables import margins
-from camgen.study import Figure, Figures, HoleLabel, Mate, Plate, Plot, Scene, Step, Table
+from camgen.study import Doing, Figure, Figures, HoleLabel, Mate, Plate, Plot, Scene, Step, Table
 
 CORNERS = [[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]]
 FACES = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
@@ -42,11 +42,15 @@ def solid() -> Report:
         ["cam-1", "cam-2"],
         [Plate("demo-plate.3mf", [("cam", lifted)])],
         [
-            Step("first", ["cam-1"]),
-            Step(EVIL, ["cam-2"], 1, [Mate("glue", EVIL, (1.0, 2.0, 3.00001), 4.0, 5.0, True)]),
-            Step("nut"),
-            Step("spring", wire=np.array([[1, 2, 3], [4.5, 5.25, 6.0004]])),
-            Step("both by themselves", group=EVIL),
+            Step([Doing("first")], ["cam-1"]),
+            Step(
+                [Doing(EVIL)],
+                ["cam-2"],
+                1,
+                [Mate("glue", EVIL, (1.0, 2.0, 3.00001), 4.0, 5.0, True)],
+            ),
+            Step([Doing("nut")]),
+            Step([Doing("spring")], wire=np.array([[1, 2, 3], [4.5, 5.25, 6.0004]])),
         ],
         holes=[[HoleLabel(EVIL, "Ø4", (1.0, 2.0, 3.0))]],
     )
@@ -77,21 +81,19 @@ def test_the_machine_is_in_the_page_and_the_library_that_shows_it(page: str) -> 
     )
     lying = json.loads(script(page, "lying"))
     mate = {"how": "glue", "label": EVIL, "place": [1, 2, 3], "diameter": 4, "height": 5}
-    mate["comes"] = True
+    mate |= {"comes": True, "within": False}
     assert lying == {
         "plates": [[[0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 9]]],
         "steps": [
-            {"copies": [0], "way": -1, "group": "", "mates": [], "wire": []},
-            {"copies": [1], "way": 1, "group": "", "mates": [mate], "wire": []},
-            {"copies": [], "way": -1, "group": "", "mates": [], "wire": []},
+            {"copies": [0], "way": -1, "mates": [], "wire": []},
+            {"copies": [1], "way": 1, "mates": [mate], "wire": []},
+            {"copies": [], "way": -1, "mates": [], "wire": []},
             {
                 "copies": [],
                 "way": -1,
-                "group": "",
                 "mates": [],
                 "wire": [[1.0, 2.0, 3.0], [4.5, 5.25, 6.0]],
             },
-            {"copies": [], "way": -1, "group": EVIL, "mates": [], "wire": []},
         ],
         "parts": [["", [[EVIL, "Ø4", [1, 2, 3]]]]],
     }
@@ -144,7 +146,7 @@ def test_parts_plates_and_steps_have_their_files_and_their_views(page: str) -> N
         for tag, attributes in parsed.elements
         if tag == "canvas" and "data-view" in attributes
     ]
-    assert views == ["part-0", "plate-0", "step-0", "step-1", "step-3", "step-4"], (
+    assert views == ["part-0", "plate-0", "step-0", "step-1", "step-3"], (
         "for a bought nut nothing is drawn"
     )
     links = [attributes["href"] for tag, attributes in parsed.elements if tag == "a"]
@@ -360,7 +362,11 @@ def test_what_does_not_move_has_no_controls() -> None:
 def test_what_is_built_apart_is_told_to_the_view() -> None:
     report = solid()
     assert report.scene is not None
-    steps = [Step("near", ["cam-1"]), Step("far", ["cam-2"], apart="far"), Step("on", apart="far")]
+    steps = [
+        Step([Doing("near")], ["cam-1"]),
+        Step([Doing("far")], ["cam-2"], apart="far"),
+        Step([Doing("on")], apart="far"),
+    ]
     page = to_html(replace(report, scene=replace(report.scene, steps=steps)))
     said = json.loads(script(page, "lying"))["steps"]
     assert [step.get("apart", "") for step in said] == ["", "far", "far"]

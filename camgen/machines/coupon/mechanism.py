@@ -30,7 +30,7 @@ from camgen.parts.assembly import Assembly
 from camgen.parts.hardware import headed, plate, rounded
 from camgen.parts.part import Layer, Part
 from camgen.spec import Length, MinWall, Record, quantity, unknown
-from camgen.study import Figure, Figures, Plot, Step, Study, Table
+from camgen.study import Doing, Figure, Figures, Plot, Step, Study, Table
 
 _OFF = 1.0  # mm, by which no printer is off: another size was measured
 _SLOT = 6.0  # mm, half the length of a gap
@@ -312,7 +312,7 @@ class Coupon(Mechanism):
         }
         names = [part.name for part in self._bodies]
         rows = [(k, name, how[name]) for k, name in enumerate(names, 1)]
-        steps = [Step(f"{name}: {how[name]}", [f"{name}-1"]) for name in names]
+        steps = [Step([Doing(f"{name}: {how[name]}")], [f"{name}-1"]) for name in names]
         return Table("What to measure, cold", ("step", "part", "how"), rows, steps)
 
     @cached_property

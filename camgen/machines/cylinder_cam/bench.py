@@ -30,7 +30,7 @@ from camgen.parts.catalogue import BEARINGS, DOWELS, Bearing, ball_roller
 from camgen.parts.part import Layer, Part, hull
 from camgen.parts.springs import EYE, WorkingSpring, compression_spring
 from camgen.parts.steps import COLUMNS
-from camgen.study import Sketch, Step, Table, Upright
+from camgen.study import Doing, Sketch, Step, Table, Upright
 
 _CAM = "cam"
 _FOLLOWER = "follower"
@@ -586,51 +586,123 @@ class Bench:
             part.name: [f"{part.name}-{k + 1}" for k in range(len(m))] for part, m in self.made
         }
         track = "on the drum's end" if self.track.geometry.track == "end" else "in the track"
-        thrust = f"its roller {track}, its {'bracket' if swings else 'bores'} on the front rods"
-        rings = [part.name for part in self.drum[1:]]
+        on_rods = "bracket" if swings else "bores of the carriage"
+        into = f"the roller {track} and the {on_rods} on the two front rods"
         pressing = f"; {self._pressed}" if self.spring is not None else ""
-        said: list[tuple[str, str, list[str]]] = [
-            *(("drum", _FIRST, copies["drum"]) for _ in rings),
-            *((ring, SEAT, copies[ring]) for ring in rings),
-            ("end-plate", "seat up", ["end-plate-1"]),
-            ("bearing", "pressed into the seat", ["bearing-1"]),
-            ("rod", "glued into the plate, flush below", copies["rod"]),
-            (held, _ASIDE, copies[held]),
-            ("roller-pin", f"glued into the {held}, flush outside", copies["roller-pin"]),
-            ("roller", "on its pin, its inner end a little over the pin's", copies["roller"]),
+        rings = [part.name for part in self.drum[1:]]
+        rods = len(copies["rod"])
+        pins = len(copies["roller-pin"])
+        end = "bracket" if swings else held
+        # part, where, what is done, copies
+        said: list[tuple[str, str, str, list[str]]] = [
+            *(("drum", _FIRST, f"lay the drum {_FIRST}", copies["drum"]) for _ in rings),
+            *(
+                (
+                    ring,
+                    SEAT,
+                    f"glue the ring on the drum, {SEAT.removesuffix(', glued')}",
+                    copies[ring],
+                )
+                for ring in rings
+            ),
+            (
+                "end-plate",
+                "seat up",
+                "lay the lower end plate on the table, its seat up",
+                ["end-plate-1"],
+            ),
+            (
+                "bearing",
+                "pressed into the seat",
+                "press a ball bearing into its seat, without glue",
+                ["bearing-1"],
+            ),
+            (
+                "rod",
+                "glued into the plate, flush below",
+                f"glue {rods} × rod upright into the lower end plate, flush with its underside",
+                copies["rod"],
+            ),
+            (held, _ASIDE, f"lay the {held} {_ASIDE}", copies[held]),
+            (
+                "roller-pin",
+                f"glued into the {held}, flush outside",
+                f"glue {f'{pins} × roller-pin' if pins > 1 else 'roller-pin'} into the {held}, flush with its outer side",
+                copies["roller-pin"],
+            ),
+            (
+                "roller",
+                "on its pin, its inner end a little over the pin's",
+                f"put {'a roller on each pin' if pins > 1 else 'the roller on its pin'}: its inner end stands a little over the pin's",
+                copies["roller"],
+            ),
         ]
         if swings:
             said += [
-                ("bracket", _ASIDE, copies["bracket"]),
-                ("pivot", "glued into the bracket, flush outside", copies["pivot"]),
-                ("arm", "on its pin", copies["arm"]),
-                ("cap", "glued on the pin, the arm free", copies["cap"]),
+                ("bracket", _ASIDE, f"lay the bracket {_ASIDE}", copies["bracket"]),
+                (
+                    "pivot",
+                    "glued into the bracket, flush outside",
+                    "glue the pivot into the bracket, flush with its outer side",
+                    copies["pivot"],
+                ),
+                ("arm", "on its pin", "put the arm on the pivot, no glue", copies["arm"]),
+                (
+                    "cap",
+                    "glued on the pin, the arm free",
+                    "glue the cap on the pivot; the arm must turn freely",
+                    copies["cap"],
+                ),
             ]
         said += [
-            ("shaft", "upright in the bearing", copies["shaft"]),
-            ("spacer-below", "glued on the shaft over the bearing", copies["spacer-below"]),
+            (
+                "shaft",
+                "upright in the bearing",
+                "stand the shaft upright in the bearing",
+                copies["shaft"],
+            ),
+            (
+                "spacer-below",
+                "glued on the shaft over the bearing",
+                f"glue spacer-below on the shaft, {_END_PLAY:g} mm over the bearing",
+                copies["spacer-below"],
+            ),
             (
                 "drum",
-                f"lowered over the shaft together with the {held}, {thrust}",
+                f"lowered over the shaft together with the {held}, {into}",
+                f"lower the drum over the shaft, down on spacer-below, together with the {end}: both at once, {into}",
                 [
                     *(name for part in self.drum for name in copies[part.name]),
-                    *copies["bracket" if swings else "carriage"],
+                    *copies[end],
                 ],
             ),
-            *(("spring", where, []) for where in self._springs_places),
-            ("spacer-above", "on the shaft", copies["spacer-above"]),
-            ("bearing", "on the shaft", ["bearing-2"]),
+            *(
+                ("spring", where, f"put a compression spring {where}", [])
+                for where in self._springs_places
+            ),
+            (
+                "spacer-above",
+                "on the shaft",
+                "put spacer-above on the shaft, down on the drum",
+                copies["spacer-above"],
+            ),
+            ("bearing", "on the shaft", "put the other ball bearing on the shaft", ["bearing-2"]),
             (
                 "end-plate",
-                f"seat down, on bearing and rods, flush above{pressing}",
+                f"seat down, over bearing and rods at once, glued on the rods, flush above{pressing}",
+                f"lower the upper end plate, seat down, over the bearing and all {rods} rods at once; glue it on the rods, flush above{pressing}",
                 ["end-plate-2"],
             ),
-            ("end-plate", "glued on the rods", ["end-plate-2"]),
         ]
         if self.cranked:
             said += [
-                ("crank", "glued on the shaft", copies["crank"]),
-                ("knob", "glued into the crank", copies["knob"]),
+                (
+                    "crank",
+                    "glued on the shaft",
+                    "glue the hand crank on the shaft",
+                    copies["crank"],
+                ),
+                ("knob", "glued into the crank", "glue the knob into the crank", copies["knob"]),
             ]
         titles = {part.name: part.title for part, _ in self.made} | {"spring": "Compression spring"}
         wires = iter(self._wires())
@@ -639,16 +711,16 @@ class Bench:
             for part, m in self.made
             for copy, mount in zip(copies[part.name], m, strict=True)
         }
-        taken = max(k for k, (name, _, _) in enumerate(said, 1) if name == "drum")
+        taken = max(k for k, (name, *_) in enumerate(said, 1) if name == "drum")
         rows: list[tuple[object, ...]] = []
         steps = []
-        for number, (name, place, which) in enumerate(said, 1):
+        for number, (name, place, done, which) in enumerate(said, 1):
             where = place.format(step=taken)
             title = titles[name]
             if name == "spring":
                 low = round(self._rest, 3)
                 rows.append((number, "compression spring", title, where, 1, low, "upright"))
-                steps.append(Step(f"{title}; {where}", wire=next(wires)))
+                steps.append(Step([Doing(done)], wire=next(wires)))
                 continue
             own = [copy for copy in which if copy in copies[name]]
             mount = mounts[own[0]]
@@ -656,8 +728,5 @@ class Bench:
             z: object = round(mount.z, 3) if level and place not in (_ASIDE, _FIRST) else ""
             lies = ("turned over" if mount.flipped else "as drawn") if level else "on its side"
             rows.append((number, name, title, where, len(own), z, lies))
-            many = f"{len(own)} × {title}" if len(own) > 1 else title
-            plate = {"end-plate-1": ", the lower one", "end-plate-2": ", the upper one"}
-            also = f", with the {held}" if number == taken else plate.get(own[0], "")
-            steps.append(Step(f"{many}{also}; {where}", which))
+            steps.append(Step([Doing(done.format(step=taken))], which))
         return Table("Assembly of the machine, from the lower plate up", COLUMNS, rows, steps)

@@ -24,7 +24,7 @@ from camgen.machines.cylinder_cam.track import Track
 from camgen.numerics import Floats, Points
 from camgen.parts.part import Part, d_bore, drum_ring, keyed_drum
 from camgen.parts.steps import COLUMNS
-from camgen.study import Step, Table
+from camgen.study import Doing, Step, Table
 
 DRUM = "drum"
 RING = "ring"
@@ -152,5 +152,10 @@ class Pieces:
             (1, DRUM, "Drum", "on the table, its key up", 1, 0.0, "as drawn"),
             (2, RING, "Ring", SEAT, 1, self.track.length - self._upper.length, "turned over"),
         ]
-        steps = [Step(f"{row[2]}; {row[3]}", [f"{row[1]}-1"]) for row in rows]
+        on = SEAT.removesuffix(", glued")
+        said = (
+            (DRUM, "lay the drum on the table, its key up"),
+            (RING, f"glue the ring on the drum, {on}"),
+        )
+        steps = [Step([Doing(text)], [f"{name}-1"]) for name, text in said]
         return Table("Assembly of the drum", COLUMNS, rows, steps)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from camgen.findings import Finding, Where, at_least
 from camgen.machines.uniform_swing.printed import SwingMachine
 from camgen.parts.catalogue import DOWEL_STANDARD, SCREWS, Bought, fixed_motor, nut
-from camgen.study import Step, Table
+from camgen.study import Doing, Step, Table
 
-_TIP = "pressed in, flush with the side away from the cam"
-_BEARING = "glued on the pin at half the cam's height"
+_TIP = "press the dowel pin of the tip into the frame, flush with the side away from the cam"
+_BEARING = "glue the bearing of the tip on that pin at half the cam's height"
 _ENGAGED = 0.8  # diameters of thread that hold a screw in metal
 
 
@@ -77,13 +77,15 @@ def steps(machine: SwingMachine) -> Table:
         (
             m.low,
             "cam",
-            f"on the shaft, arrow up, {m.low - sizes.base.thickness:.3g} mm over the base",
+            f"put the cam on the motor's shaft, arrow up, {m.low - sizes.base.thickness:.3g} mm over the base",
             ("cam-1",),
         )
     ]
     if m.cam_pin_length:
-        layers.append((m.low, "cam-pin", "into the holes of the cam", ("cam-pin",)))
-    layers.append((m.foot, "frame", "as drawn, pressed and glued on both axles", ("frame-1",)))
+        layers.append((m.low, "cam-pin", "press each cam-pin into a hole of the cam", ("cam-pin",)))
+    layers.append(
+        (m.foot, "frame", "press and glue the frame on both axles, as drawn", ("frame-1",))
+    )
     if sizes.seat:
         layers.append((m.foot, "dowel pin of the tip", _TIP, ()))
     if sizes.frame.bearing:
@@ -92,7 +94,7 @@ def steps(machine: SwingMachine) -> Table:
         (
             m.foot,
             "nut of the nozzle",
-            f"{nuts} in the pockets of the frame{'' if sizes.pair else ', below'}",
+            f"lay {nuts} in the pockets of the frame{'' if sizes.pair else ', below'}",
             (),
         )
     )
@@ -100,50 +102,69 @@ def steps(machine: SwingMachine) -> Table:
     if sizes.pair:
         top = m.foot + m.thickness
         layers.append(
-            (top, "frame, second copy", "turned over about the line of the axles", ("frame-2",))
+            (
+                top,
+                "frame, second copy",
+                "put the second frame on the first, turned over about the line of the axles",
+                ("frame-2",),
+            )
         )
         if sizes.seat:
             layers.append((top, "dowel pin of the tip", _TIP, ()))
         if sizes.frame.bearing:
             layers.append((top, "bearing of the tip", _BEARING, ()))
         if sizes.making.pin_diameter:
-            layers.append((top, "frame-pin", "into the holes of both frames", ("frame-pin",)))
+            layers.append(
+                (
+                    top,
+                    "frame-pin",
+                    "press each frame-pin into the holes of both frames",
+                    ("frame-pin",),
+                )
+            )
         second = m.top - m.thickness
         layers += [
-            (second, "cam-spacer", "on the first cam and its pins", ("cam-spacer",)),
+            (second, "cam-spacer", "put cam-spacer on the first cam and its pins", ("cam-spacer",)),
             (
                 second,
                 "cam, second copy",
-                "on the pins, turned over about Oy, arrow down",
+                "put the second cam on the pins, turned over about Oy: its arrow down",
                 ("cam-2",),
             ),
         ]
-    flush = f"pressed on until the axles end flush, which leaves them {m.play:g} mm of end float"
+    said = "the frame" if not sizes.pair else "both frames"
+    flush = (
+        f"press {said} on until the axles end flush, which leaves them {m.play:g} mm of end float"
+    )
     layers.append((top + 1e-3, "frame" if not sizes.pair else "both frames", flush, ()))
     rows: list[tuple[str, str, tuple[str, ...]]] = [
-        ("base", f"on the motor: {motor}, heads in the pockets", ("base",)),
+        ("base", f"screw the base on the motor, heads in the pockets: {motor}", ("base",)),
         (
             "axle",
-            "from below, one through the hole, one through the arc slot; a tape holds both",
+            "push 2 × axle from below, one through the hole, one through the arc slot; a tape holds both",
             ("axle",),
         ),
-        ("axle-washer", "one on each axle", ("axle-washer",)),
+        ("axle-washer", "put an axle-washer on each axle", ("axle-washer",)),
     ]
     if m.base_plate.mounts:
         free = f"{sizes.frame.flange_thickness + m.play:g} mm free below for the axles"
         screws = things["screw of the base"].text
-        said = f"screwed on your stand with {screws}, {free}, before the frames cover the screws"
+        said = f"screw the base on your stand with {screws}, {free}, before the frames cover the screws"
         rows.append(("base", said, ("stand-rail",)))
     rows += [(what, how, laid) for _, what, how, laid in sorted(layers, key=lambda each: each[0])]
     if sizes.plain:
         rows += [
-            ("collet", "glued on the upper cam", ("collet",)),
-            ("clamp-ring", "over the collet, wide end first, pushed home", ("clamp-ring",)),
+            ("collet", "glue the collet on the upper cam", ("collet",)),
+            (
+                "clamp-ring",
+                "push the clamp-ring over the collet, wide end first, until it is home",
+                ("clamp-ring",),
+            ),
         ]
     rows.append(
         (
             "nozzle-foot",
-            f"your nozzle, on the frames, with {things['screw of the nozzle'].text} from above into the nuts",
+            f"screw your nozzle on the frames with {things['screw of the nozzle'].text} from above into the nuts",
             ("nozzle-foot",),
         )
     )
@@ -151,5 +172,5 @@ def steps(machine: SwingMachine) -> Table:
         "Assembly, step by step",
         ("step", "part", "how"),
         [(k, what, how) for k, (what, how, _) in enumerate(rows, 1)],
-        [Step(f"{what}: {how}", laid, 1 if "axle" in laid else -1) for what, how, laid in rows],
+        [Step([Doing(how)], laid, 1 if "axle" in laid else -1) for _, how, laid in rows],
     )

@@ -420,7 +420,7 @@ class Bodies:
             bore = circle(0j, (s.shaft_diameter + press) / 2)
         part = Part(
             name,
-            "Collar of a shaft",
+            "Shaft collar",
             (Layer(Region(circle(0j, self.collar_radius), (bore,)), 0.0, s.thickness),),
             centres=(0j,),
             min_wall=self.min_wall,

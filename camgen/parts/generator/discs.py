@@ -65,10 +65,10 @@ def cam_parts(layout: Layout, tip: Tip) -> Iterator[MountedPart]:
         part = replace(
             part,
             name=part.name.replace("cam", f"cam-{tip.name}", 1),
-            title=f"{part.title}: {tip.joint.name}",
+            title=f"{part.title} {tip.joint.name}",
         )
         yield (
-            replace(part, notes=said),
+            replace(part, notes=(*said, *part.notes)),
             Mount(part.name, link, at + place * tip.turn, turned, z=floor - under),
         )
     if tip.rolls:
@@ -115,12 +115,14 @@ def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
             "draw the follower further from the shaft; of a disc cam: a larger base_radius",
         ) from None
     if wall is None:
-        yield parts[0], 0.0, 0j
+        yield replace(parts[0], notes=()), 0.0, 0j
         return
     for part in parts:
+        said = "its 2 pins near the shaft hold the inner wall, the 4 near the rim the outer one"
+        part = replace(part, notes=(HoldingNote(said),) if part.name == "back" else ())
         yield replace(part, name=f"cam-{part.name}"), made.back if part.name == "back" else 0.0, 0j
         how = TURNED if s.pin in ("turned", "dowel") else "printed"
-        pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + thick)
+        pin = rod("cam-pin", "Pin of the groove cam", s.pin_diameter, made.back + thick)
         pin = replace(pin, process=how)
         yield from ((pin, made.back, place) for place in part.centres[1:] if part.name != "back")
 

@@ -190,7 +190,7 @@ def test_the_step_of_a_spring_shows_its_wire_round_both_pins_as_far_apart_as_it_
     assert 2 * radius == pytest.approx(np.ptp(wire[:, 2]), rel=0.02)
     assert f"; {abs(b - a):.4g} mm from pin to pin" in table.steps[number].title
     said = [step.title for step in table.steps[number + 1 :] if "eye of the" in step.title]
-    first, other = (title.rpartition(", through ")[2] for title in said)
+    first, other = (title.rpartition(" through ")[2].removesuffix(".") for title in said)
     assert first.startswith("an eye of the extension spring")
     assert other.endswith(f": stretch it to {abs(b - a):.4g} mm")
     assert [row[3] for row in table.rows[number + 1 :] if str(row[3]).endswith(other)]

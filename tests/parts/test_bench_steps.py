@@ -1,0 +1,123 @@
+"""Steps as a person at the bench takes them, against the order one part after the other: nothing is lost, nothing comes earlier."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+
+import pytest
+
+from camgen import load, starters
+from camgen.machines.mechanism import Mechanism
+from camgen.parts.assembly import order_of_assembly
+from camgen.parts.bench_steps import at_bench
+from camgen.pipeline.shopping import steps_of_assembly
+from camgen.study import Doing, Mate, Step, Table, sentences
+
+
+@cache
+def made(name: str) -> Mechanism:
+    return load(next(starters.folder().rglob(f"{name}.toml")))
+
+
+def table(steps: Sequence[Step]) -> Table:
+    """An order of steps, one row each."""
+    return Table(
+        "order", ("step", "part"), [(k, f"row {k}") for k in range(1, 1 + len(steps))], steps
+    )
+
+
+def step(verb: str, *copies: str, what: str = "", **more: object) -> Step:
+    return replace(
+        Step([Doing(f"{verb} ", what or copies[0])], copies, what=what or copies[0]), **more
+    )
+
+
+def test_sentences_that_differ_in_what_is_handled_are_one() -> None:
+    said = [
+        Doing("glue ", "cap-1 on pin-1", ", flush with its end"),
+        Doing("glue ", "cap-2 on pin-2", ", flush with its end"),
+        Doing("glue ", "cap-2 on pin-2", ", flush with its end"),
+        Doing("glue ", "cap-3 on pin-3"),
+        Doing("then stop"),
+    ]
+    whole = "Glue cap-1 on pin-1 and cap-2 on pin-2, each flush with its end."
+    assert sentences(said) == f"{whole} Glue cap-3 on pin-3. Then stop."
+
+
+def test_a_sub_assembly_is_built_and_put_in_in_one_step() -> None:
+    inner = Mate("glue", "B", (0.0, 0.0, 0.0), 2.0, 2.0)
+    outer = Mate("free", "A", (9.0, 0.0, 0.0), 2.0, 2.0)
+    bench = Step([Doing("lay ", "link", " on the bench")], ["link-1"], group="link", what="link")
+    pin = step("glue", "pin-1", group="link", mates=[inner])
+    put = Step([Doing("set ", "link on axle")], group="link", mates=[outer])
+    found = at_bench(table([step("lay", "axle-1"), bench, pin, put, step("glue", "cap-1")]))
+    assert [row[0] for row in found.rows] == [1, 2, 2, 2, 3]
+    built = found.steps[1]
+    assert built.title == "Glue pin-1. Then set link on axle." and not built.group
+    assert built.copies == ["link-1", "pin-1"] and built.what == "link with pin-1"
+    assert built.mates == [replace(inner, within=True), outer]
+
+
+def test_spacers_and_caps_are_put_on_a_few_at_a_time_and_nothing_else() -> None:
+    caps = [step("glue", f"cap-{k}", small=True) for k in range(1, 8)]
+    found = at_bench(table([*caps[:3], step("set", "link-1"), *caps[3:]]))
+    assert [row[0] for row in found.rows] == [1, 1, 1, 2, 3, 3, 3, 3]
+    assert len(at_bench(table(caps)).steps) == 2, "five, then the rest"
+    other = [caps[0], replace(caps[1], way=1), replace(caps[2], way=1, apart="far")]
+    assert len(at_bench(table(other)).steps) == 3
+
+
+def test_a_far_side_repeats_steps_that_are_alike_by_their_numbers() -> None:
+    near = [step("lay", "base-1", what="base"), step("set", "link-1", what="link")]
+    near.append(step("glue", "cap-1", what="cap"))
+    far = [replace(each, apart="far", copies=["far-" + each.copies[0]]) for each in near]
+    found = at_bench(table([*near, *far])).steps
+    assert len(found) == 4 and found[3].copies == [copy for each in far for copy in each.copies]
+    assert found[3].title.startswith("Far side: do steps 1 to 3 again")
+    assert re.findall("☐ (\\w+)", found[3].title) == ["base", "link", "cap"]
+    other = [far[0], replace(far[1], doings=[Doing("turn link")]), far[2]]
+    titles = [each.title for each in at_bench(table([*near, *other])).steps[3:]]
+    assert titles == ["Far side: lay base.", "Far side: turn link.", "Far side: glue cap."]
+    backwards = at_bench(table([*near, far[1], far[0]])).steps
+    assert not any("again" in each.title for each in backwards), "they are done in their order"
+
+
+def test_a_loose_part_has_the_number_of_the_step_that_holds_it() -> None:
+    loose = Step([Doing("stand pin", "", "; loose until cap holds it in {cap-1}")], ["pin-1"])
+    found = at_bench(table([loose, step("set", "link-1"), step("glue", "cap-1")])).steps
+    assert found[0].title == "Stand pin; loose until cap holds it in step 3."
+
+
+@pytest.mark.parametrize(
+    ("name", "most"),
+    [("walking-leg", 13), ("stitch-head", 43), ("drum-feeder", 16), ("uniform-swing", 16)],
+)
+def test_every_copy_comes_as_it_does_one_by_one(name: str, most: int) -> None:
+    check(made(name), most)
+
+
+@pytest.mark.long
+def test_a_walker_of_two_sides_has_steps_that_a_person_can_count() -> None:
+    """169 when each part is a step of its own."""
+    check(made("walker"), 52)
+    titles = [each.title for each in steps_of_assembly(made("walker")).steps]
+    again = [re.findall(r"do steps (\d+) to (\d+) again", title) for title in titles]
+    pairs = [(int(first), int(last)) for found in again for first, last in found]
+    assert sum(last - first + 1 for first, last in pairs) > 20
+    assert all(not titles[k - 1].startswith("Far side") for pair in pairs for k in pair)
+
+
+def check(machine: Mechanism, most: int) -> None:
+    """The same copies in the same order, in no more steps; each row has the number of the step in which its copies come."""
+    one_by_one = order_of_assembly(machine.assembly)
+    whole = at_bench(one_by_one)
+    wanted = [copy for each in one_by_one.steps for copy in each.copies]
+    assert [copy for each in whole.steps for copy in each.copies] == wanted
+    assert len(whole.steps) <= most and len(whole.rows) == len(one_by_one.rows)
+    numbers = [int(str(row[0])) for row in whole.rows]
+    assert sorted({*numbers}) == [*range(1, len(whole.steps) + 1)] and numbers == sorted(numbers)
+    for number, alone in zip(numbers, one_by_one.steps, strict=True):
+        assert {*alone.copies} <= {*whole.steps[number - 1].copies}
