@@ -33,8 +33,8 @@ _EVEN = 0.1
 _EVEN_PLACE = 1e-4
 _FINE = 0.05  # how far a drawn curve may be off
 _ALIKE = 0.5  # curves that are nowhere farther apart are drawn once
-# of a mark's name: mean width of a letter, height of a row
-_LETTER = 5.2
+# of a mark's name: width of a letter, the wide ones of DejaVu Sans among them, and height of a row
+_LETTER = 6.6
 _ROW = 12.0
 _LINE = 9.0  # least from a number beside the axis to the next
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 import re
+from itertools import pairwise
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from matplotlib.font_manager import findfont
+from PIL import ImageFont
 
 from camgen.report.colours import part_colour
 from camgen.report.plots import plot_figure, simplification, ticks
@@ -281,3 +284,30 @@ def test_levels_stand_in_place_of_a_scale() -> None:
     )
     assert ">19.4<" in figure and ">7.8<" in figure
     assert ">1<" not in figure and "<output>" not in figure  # no value of a scale that is none
+
+
+@given(
+    places=st.lists(st.floats(0, 360), min_size=2, max_size=6),
+    words=st.lists(
+        st.sampled_from(["rise", "dwell", "return", "harmonic", "s max"]), min_size=6, max_size=6
+    ),
+)
+@example(
+    [100.0, 120.0, 205.0, 280.0, 0.0, 360.0], ["rise", "dwell", "return", "dwell", "rise", "return"]
+)
+@settings(max_examples=50, deadline=None)
+def test_names_of_marks_stand_clear_of_each_other(places: list[float], words: list[str]) -> None:
+    """In DejaVu Sans, one of the widest of a system's fonts, at the page's 11 px."""
+    font = ImageFont.truetype(findfont("DejaVu Sans"), 11)
+    marks = list(zip(words, places, strict=False))
+    text = plot_figure(Plot("t", "cam angle, deg", "mm", [("a", THETA, np.sin(THETA))], marks))
+    rows: dict[str, list[tuple[float, float]]] = {}
+    for side, x, y, word in re.findall(
+        r'class="mark"[^>]*/><text class="(\w+)" x="([-\d.]+)" y="([-\d.]+)">([^<]*)<', text
+    ):
+        wide = font.getlength(word)
+        left = float(x) - wide * (side == "end")
+        rows.setdefault(y, []).append((left, left + wide))
+    assert sum(map(len, rows.values())) == len(marks)
+    for row in map(sorted, rows.values()):
+        assert all(after[0] - before[1] > 2 for before, after in pairwise(row))
