@@ -51,7 +51,13 @@ from camgen.files.symbols import (
     width_of,
 )
 from camgen.files.title_block import WIDTH, Facts, title_block
-from camgen.files.tracks import SECTION_ROOM, development, drum_section, edges_from_left
+from camgen.files.tracks import (
+    SECTION_ROOM,
+    development,
+    drum_section,
+    edges_from_left,
+    plates_section,
+)
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.outlines import Contour, Floats, extent, rectangle
 from camgen.parts.keyways import keyed, keyway
@@ -127,8 +133,8 @@ def _wrapped(note: str) -> list[str]:
     return lines
 
 
-def _across_keyway(part: Part, tolerance: float) -> views.Section | None:
-    """The section through bore and keyway, from the left: y + iz; None of a part whose layers are alike."""
+def _across_bore(part: Part, tolerance: float) -> views.Section | None:
+    """The section along y through the origin, where a keyway is, from the left: y + iz; None of a part that gets no section."""
 
     def turned(layer: Layer) -> Layer:
         return replace(layer, region=layer.region.moved(-1j))
@@ -191,7 +197,9 @@ class _Layout:
         drum = part.drum if facts.heights else None
         self.turns = (free(part.region.outer) or drum is not None) and part.bore is not None
         self.chamfer = facts.bore_chamfer if self.turns else 0.0
-        upright = _across_keyway(part, tolerance) if self.key and not drum else None
+        layered = len({layer.region for layer in part.layers}) > 1
+        across = facts.groove is not None or (self.key and layered and not drum)
+        upright = _across_bore(part, tolerance) if across else None
         section = None if upright or drum else views.section(part, tolerance)
         self.upright = self._chamfered(upright)
         self.section = self._chamfered(section)
@@ -223,6 +231,9 @@ class _Layout:
         wide = _SIZES["A3"][0] - _FILING - _MARGIN - sum(_TABLE_WIDTHS)
         self.unrolled = development(drum, facts, datums, wide, _SCALES) if drum else None
         self.track_section = drum_section(drum, facts, _SCALES) if drum else None
+        if facts.groove:
+            depth = part.drawn.z1 - part.drawn.z0
+            self.track_section = plates_section(facts.groove, depth, facts, _SCALES)
         self.size_name, self.scale = self._choose()
         width, height = _SIZES[self.size_name]
         self.sheet = Sheet(width, height, f"{part.title} ({stem})")

@@ -27,6 +27,15 @@ class Fit:
 
 
 @dataclass(frozen=True)
+class Groove:
+    """A groove between two plates."""
+
+    width: float  # mm, square to its walls
+    roller: float  # diameter, mm
+    inner: bool  # whether the part is its inner wall
+
+
+@dataclass(frozen=True)
 class Facts:
     """What a drawing says of a part besides its shape; "" or None is left out."""
 
@@ -51,8 +60,7 @@ class Facts:
     sense: int = 1  # in which a drum turns
     # of a drum's roller: diameter half way along it, length, distance of its inner end from the axis, mm
     roller: tuple[float, float, float] | None = None
-    # of a groove between two plates: its width and its roller's diameter, mm, and whether the part is its inner wall
-    groove: tuple[float, float, bool] | None = None
+    groove: Groove | None = None  # of whose walls the part is one
     cutter: bool = False  # whether a file has the path of a cutter along a drum's track
     profile: float = 0.0  # width of the zone of a cam's track, mm
     roughness: float = 0.0  # Ra of the track, micrometres

@@ -1,4 +1,4 @@
-"""What the sheet of a drum shows beside its views: its edges, its track unrolled, and a section along its roller.
+"""What a sheet shows of a track beside its views: edges of a drum, its track unrolled, and a section of a groove.
 
 The development lies on the cylinder half way along the roller, as seen from outside the drum: polar angles, counter-clockwise
 from X as seen from above, run to the right, heights upwards. Angles by which a drum has turned stand where its roller then is.
@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from camgen.files import views
 from camgen.files.dimensions import number
 from camgen.files.labels import Obstacles
-from camgen.files.measures import Measure, dimension
+from camgen.files.measures import REFERENCE, Measure, dimension
 from camgen.files.sheet import Sheet
 from camgen.files.symbols import FRAME, line_profile, roughness
-from camgen.files.title_block import Facts, ratio
+from camgen.files.title_block import Facts, Groove, ratio
 from camgen.geometry.drums import Drum
 from camgen.geometry.outlines import Floats, Points
 from camgen.tolerances import SAME_POINT
@@ -457,3 +457,43 @@ def _roller(drum: Drum, roller: tuple[float, float, float], shift: float) -> lis
     far = diameter / 2 + taper
     corners = [(0, -near), (length, -far), (length, far), (0, near)]
     return [complex(inner + x, shift + y) for x, y in corners]
+
+
+def plates_section(groove: Groove, depth: float, facts: Facts, scales: Sequence[float]) -> Section:
+    """A groove between two walls on a back plate, as assembled, square to the walls: x from the inner wall outwards, y upwards."""
+    size = max(groove.width, depth)
+    scale = next((s for s in scales if s * size <= _SECTION), scales[-1])
+    more = _MATERIAL / scale
+    width = groove.width
+
+    def block(left: float, right: float, low: float, high: float) -> list[complex]:
+        return [complex(*z) for z in ((left, low), (right, low), (right, high), (left, high))]
+
+    inner = block(-more, 0.0, 0.0, depth)
+    outer = block(width, width + more, 0.0, depth)
+    own, other = (inner, outer) if groove.inner else (outer, inner)
+    # from its broken end, which is to the left of an inner wall, round
+    edge = own if groove.inner else [own[1], own[0], own[3], own[2]]
+    end = -more if groove.inner else width + more
+    off = f"±{number(facts.profile)}" if facts.profile else ""
+    across = complex(0, depth), complex(width, depth), 1j * _OFF, Measure(width, "", off)
+    away = complex(math.copysign(_OFF, end))
+    deep = complex(end, 0), complex(end, depth), away, Measure(depth, REFERENCE)
+    words = [
+        "square to the track; dashed:",
+        f"{'outer' if groove.inner else 'inner'} wall and back plate",
+        f"roller Ø{number(groove.roller)}",
+    ]
+    words += [f"edges {facts.edges}"] if facts.edges else []
+    middle = width / 2
+    return Section(
+        f"Groove as assembled ({ratio(scale)})",
+        scale,
+        words,
+        [own],
+        [edge],
+        [[edge[0], edge[-1]]],
+        [other, block(-more, width + more, -more, 0.0)],
+        [(complex(middle, -more / 2), complex(middle, depth + more / 2))],
+        [across, deep],
+    )

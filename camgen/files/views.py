@@ -175,7 +175,7 @@ class Section:
 def section(part: Part, tolerance: float, y: float | None = None) -> Section | None:
     """A cut along the line y, unless given that which meets the most holes in their middle.
 
-    None of a part whose layers are alike, or all discs without holes.
+    None of a part whose layers are alike unless y is given, or all discs without holes.
     """
     layers = part.layers
     plain = not any(layer.region.holes for layer in layers) and all(
@@ -185,7 +185,7 @@ def section(part: Part, tolerance: float, y: float | None = None) -> Section | N
         part.side_profile is not None
         or plain
         or len(layers) > _MOST
-        or len({layer.region for layer in layers}) < 2
+        or (y is None and len({layer.region for layer in layers}) < 2)
     ):
         return None
     import shapely

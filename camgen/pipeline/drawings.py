@@ -12,10 +12,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from camgen.files.dimensions import number, round_of
+from camgen.files.dimensions import free, number, round_of
 from camgen.files.limits import in_limits
 from camgen.files.timing import Motion
-from camgen.files.title_block import Facts, Fit
+from camgen.files.title_block import Facts, Fit, Groove
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Points
 from camgen.machine.features import CamOutline, PartPose, PinEyes
@@ -90,6 +90,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         segments=tuple(_segments(mechanism, part)),
         sense=mechanism.assembly.cycle.sense,
         roller=_roller(mechanism, part),
+        groove=_groove(mechanism.assembly, part),
         cutter=part.name in mechanism.assembly.whole_drums
         and mechanism.files.cutter_radius is not None,
         profile=profile,
@@ -218,6 +219,28 @@ def _segments(mechanism: Mechanism, part: Part) -> Iterator[tuple[str, float, fl
             ends = np.degrees([begin, begin + segment.span]) * assembly.cycle.sense
             start, end = np.round(np.sort(ends), 9).tolist()
             yield segment.kind, start % 360, start % 360 + end - start
+
+
+def _groove(assembly: Assembly, part: Part) -> Groove | None:
+    """The groove of whose walls a part is one; None of another part."""
+    for outer in assembly.features:
+        if not (isinstance(outer, CamOutline) and outer.inside):
+            continue
+        inner = assembly.outlines[outer.joint]
+        pair = [next(p for p in assembly.parts if p.name == each.part) for each in (inner, outer)]
+        if part not in pair or outer.joint not in assembly.outlines:
+            continue
+        ways = [
+            (m.at, m.angle, m.flipped) for p in pair for m in assembly.mounts if m.part == p.name
+        ]
+        walls = [hole for hole in pair[1].region.holes if free(hole)]
+        if len(ways) != 2 or ways[0] != ways[1] or not walls:
+            return None  # walls that are not in one frame
+        point = facet_contour(walls[0], _FINE)[0]
+        rim = facet_contour(pair[0].region.outer, _FINE / 100)
+        width = round(_off(complex(point), rim), 3)
+        return Groove(width, round(width - outer.free, 3), part is pair[0])
+    return None
 
 
 def _roller(mechanism: Mechanism, part: Part) -> tuple[float, float, float] | None:

@@ -185,3 +185,45 @@ def test_the_tolerance_of_the_walls_points_at_the_upper_one() -> None:
     assert {"0.04", "A", "B", "Ra 0.8"} <= words
     sizes = [each for each in layout.sheet.things if isinstance(each, Size)]
     assert " ±0.05" in {each.fit for each in sizes}
+
+
+@pytest.mark.parametrize(("material", "play", "off"), [("C45", 0.05, " ±0.05"), ("PLA", 0.2, "")])
+def test_walls_of_a_plate_groove_are_cut_and_show_its_width(
+    material: str, play: float, off: str
+) -> None:
+    """A roller of 10 with its play; the cut runs along y through the dwells: the inner wall is 30 and 45 from the axis, the outer one
+    a groove's width farther; both are 6 thick, on the back plate. No edge is dashed."""
+    settings = [f"material.name={material}"]
+    machine = read_mechanism(SPECS / "gallery" / "groove.toml", settings).resolved()
+    parts = {part.name: part for part in machine.assembly.parts}
+    assert facts_of(machine, parts["back"]).groove is None
+    width = 10 + play
+    layouts = {
+        name: _Layout(part, "d", 1e-3, facts_of(machine, part)) for name, part in parts.items()
+    }
+    rim = layouts["outer"].disc
+    assert rim is not None
+    cuts = {"inner": [(-45, -5), (5, 30)], "outer": [(-rim, -45 - width), (30 + width, rim)]}
+    for name, spans in cuts.items():
+        layout = layouts[name]
+        assert layout.upright is not None
+        boxes = [each.bounds for each in shapely.get_parts(layout.upright.faces)]
+        found = sorted((x0, x1) for x0, _, x1, _ in boxes)
+        chamfer = layout.chamfer
+        for (a, b), (low, high) in zip(found, spans, strict=True):
+            assert (a, b) == pytest.approx((low, high), abs=max(0.01, chamfer))
+        sizes = [each for each in layout.sheet.things if isinstance(each, Size)]
+        fits = {round(each.value, 3): each.fit for each in sizes}
+        assert fits[round(width, 3)] == off
+        words = [each.text for each in layout.sheet.primitives if isinstance(each, Text)]
+        assert {"S-S", "(6)", "roller Ø10"} <= set(words)
+        frame = shapely.box(*layout_box(layout))
+        dashed = [z for z in lines(layout.sheet, "HIDDEN") if layout.side_x <= z.real.min()]
+        assert not [z for z in dashed if frame.contains(shapely.Point(z[0].real, z[0].imag))]
+
+
+def layout_box(layout: _Layout) -> tuple[float, float, float, float]:
+    """Of the view from the left on paper."""
+    left = layout.side_x
+    low, high = layout.paper(layout.low).imag, layout.paper(layout.high).imag
+    return left - 1, low - 1, left + layout.scale * layout.part.thickness + 1, high + 1
