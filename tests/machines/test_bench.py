@@ -207,7 +207,7 @@ def test_a_shops_spring_goes_into_the_spec_by_the_formulas_of_the_list(
     values["preload"] = eval(preload, values)
     spring = {"preload": values["preload"], "rate": eval(rate, values)}
     mine = drive(geometry={"follower": shape}, load={}, spring=spring)
-    found = mine.linkage.sprung[0].spring
+    found = mine.linkage.construction.springs[0].spring
     assert (found.rate, found.free) == (
         pytest.approx(0.05, rel=1e-3),
         pytest.approx(48, abs=0.02),

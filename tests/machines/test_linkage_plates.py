@@ -251,7 +251,7 @@ def test_tracks_that_are_no_plate_are_refused() -> None:
 def test_a_roller_without_a_wall_is_refused_with_a_radius_that_has_one() -> None:
     """Half of pin and play, and a wall of 0.8 mm; told to 0.01 mm."""
     machine = validate(Linkage, plate(radius=2.0))
-    layout = machine._layout
+    layout = machine.construction.layout
     least = (layout.sizes.pin_diameter + layout.fits.slide_clearance) / 2 + 0.8
     with pytest.raises(DesignError, match="its radius at least") as caught:
         machine.assembly  # noqa: B018

@@ -64,9 +64,11 @@ def test_figures_of_a_spring_that_has_a_name_begin_with_spring(four_bar: dict[st
 
 
 def test_free_length_and_preload_say_the_same(four_bar: dict[str, Any]) -> None:
-    free = validate(Linkage, four_bar).sprung[0].pull.free
+    free = validate(Linkage, four_bar).construction.springs[0].pull.free
     four_bar["spring"][0] = {"between": ["B", "S"], "rate": 0.3, "free": free}
-    assert validate(Linkage, four_bar).sprung[0].forces()[0] == pytest.approx(2.0, abs=1e-9)
+    assert validate(Linkage, four_bar).construction.springs[0].forces()[0] == pytest.approx(
+        2.0, abs=1e-9
+    )
 
 
 @pytest.mark.long

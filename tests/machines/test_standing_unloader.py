@@ -79,7 +79,7 @@ def test_a_straight_spring_pulls_as_one_on_a_cord(motor: dict[str, Any]) -> None
     """Torque at the follower: the machine of bodies with its spring between two pins, against the closed form of the torques."""
     made = machine(**motor)
     chain, borne = made.linkage.chain, made.linkage.additions.loads
-    pulls = [each.pull for each in made.linkage.sprung]
+    pulls = [each.pull for each in made.linkage.construction.springs]
     effort = solve(replace(chain, loads=(*borne, *pulls)), THETA).forces().contacts["contact"]
     wanted = made.indexing.at(THETA).follower
     assert effort == pytest.approx(wanted, abs=1e-6 * np.abs(wanted).max())

@@ -366,7 +366,7 @@ def test_a_linkage_with_a_cam_moves_alike(blend_deg: float, closure: str) -> Non
         off = linkage.motion(theta, order) - m.motion(theta, order)
         assert np.max(np.abs(off)) < 1e-9
     touches = m.model.joint("contact").touches
-    tips = linkage.sketched.tips
+    tips = linkage.construction.sketched.tips
     assert len(tips) == len(touches) == (2 if closure == "conjugate" else 1)
     for tip, touch in zip(tips, touches, strict=True):
         assert np.max(np.abs(tip.turn * tip.cam.profile(theta) - touch(theta)[0])) < 1e-9

@@ -25,6 +25,7 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Contour
 from camgen.judge.floor import judge_floor
+from camgen.machines.linkage.assembling import mirror
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.parts.assembly import bodies_in_motion, order_of_assembly
 from camgen.parts.sides import Mirror, both_sides
@@ -95,7 +96,7 @@ def test_each_body_is_the_mirror_image_of_the_near_one(
     other = walker({"side_phase_deg": degrees}, layers=machine.resolved().layers)
     vars(other)["_solids"] = machine._solids  # equal but for the shaft of both sides
     scenes = {"near": other.scene(theta + phase), "far": other.scene(theta)}
-    plane = other._mirror.height
+    plane = mirror(other.bodies.layout).height
     for body in ("crank", "rod", "rocker"):
         near, far = (
             [mesh for name, mesh in _copies(scenes[side], prefix + body)]
@@ -223,13 +224,12 @@ def test_a_shaft_that_ends_before_the_far_side_is_refused() -> None:
 
 def test_both_sides_are_made_of_any_two(machine: Linkage) -> None:
     """A mirror elsewhere only shifts the far side."""
-    far = machine._far_bodies
-    assert far is not None
+    assert machine._far is not None
     near = machine._made_of(machine.bodies, machine.model)
-    other = machine._made_of(far, machine._far_fitted)
-    mirror = machine._mirror
+    other = machine._made_of(*machine._far)
+    between = mirror(machine.bodies.layout)
     whole, higher = (
-        both_sides(near, other, Mirror(mirror.height + up, mirror.shaft, 0.0), machine.model)
+        both_sides(near, other, Mirror(between.height + up, between.shaft, 0.0), machine.model)
         for up in (0.0, 7.0)
     )
     rises = [b.z - a.z for a, b in zip(whole.mounts, higher.mounts, strict=True)]

@@ -248,7 +248,7 @@ class EccentricDrive(Template):
     @cached_property
     def needle(self) -> Needle | None:
         """In its tube; None without one."""
-        return self._needle(self.linkage.sketched) if self.making.tube_length else None
+        return self._needle(self.linkage.construction.sketched) if self.making.tube_length else None
 
     # ---- checks and figures -------------------------------------------------------------------------------------------
 

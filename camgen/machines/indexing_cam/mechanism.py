@@ -593,7 +593,7 @@ class IndexingCam(CamTables):
         """Least torque at the follower's axle of the spring that presses it on its cam, N m; None of a pair of cams."""
         if self.geometry.closure != "force":
             return None
-        return self.linkage.closing if self.standing else self.load.closing_n_m
+        return self.linkage.construction.closing if self.standing else self.load.closing_n_m
 
     @cached_property
     def unloading(self) -> SpringTorque | None:

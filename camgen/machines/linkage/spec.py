@@ -6,9 +6,11 @@
 
 from __future__ import annotations
 
+import cmath
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cached_property
 from typing import Annotated, Any, ClassVar
 
@@ -24,6 +26,7 @@ from camgen.machines.linkage import (
     planets,
     sheets,
 )
+from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.loads.counterweights import Counterweight
@@ -36,6 +39,8 @@ from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.sizes import Name, Parts
 from camgen.reading import Data
 from camgen.vocabulary import OldWords, Wording
+
+_MOST_ROUNDS = 200  # of a drive, that bring round the carrier of planets
 
 
 @dataclass(frozen=True)
@@ -256,3 +261,35 @@ class LinkageSpec(Mechanism):
     def additions(self) -> Additions:
         """What a template says beside its linkage's tables."""
         return Additions()
+
+    def angle_name(self, cams: bool) -> str:
+        """What theta is called; cams: whether any are made."""
+        if isinstance(self.drive, t.SlidingDrive):
+            return "travel of the drive"
+        if self.drive.range_deg is not None or self.programmed:
+            return "drive angle"
+        return "cam angle" if cams else "crank angle"
+
+    @property
+    def down(self) -> complex:
+        """Where gravity points, a unit complex."""
+        deg = None if self.load is None else self.load.gravity_deg
+        return -1j if deg is None else cmath.exp(1j * math.radians(deg))
+
+    @cached_property
+    def rounds(self) -> int:
+        """Turns of the drive that bring round carriers and rings of planets, and cycloidal discs; 1 where none are known."""
+        moving = [link for row in self.planets for link in (row.carrier, row.ring) if link]
+        moving += [row.disc for row in self.cycloids]
+        rates = [rate for link in moving if (rate := self.diagram.turns_of(link)) is not None]
+        return math.lcm(
+            *(Fraction(rate).limit_denominator(_MOST_ROUNDS).denominator for rate in rates)
+        )
+
+    @cached_property
+    def returning(self) -> Sequence[coils.Returning]:
+        """Where the springs hang that return followers."""
+        if not self.diagram.returns:
+            return ()
+        play = self.print.slide_clearance
+        return coils.returning(self.diagram.machine(), self.diagram, self.making, play)

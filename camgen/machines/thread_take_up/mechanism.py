@@ -260,7 +260,7 @@ class ThreadTakeUp(Template):
     @cached_property
     def _hubs(self) -> Mapping[str, Sequence[tuple[complex, float]]]:
         """Those of each link, in its own axes: centre and radius, mm; the bell crank's eye last."""
-        return {link: self.linkage.sketched.round_hubs(link) for link in _MOVING}
+        return {link: self.linkage.construction.sketched.round_hubs(link) for link in _MOVING}
 
     def _gaps(self, t: TakeUp, theta: Floats) -> Mapping[str, tuple[float, float]]:
         """Least gap of pin B and of each guide to what could meet it, mm, and its crank angle, rad."""
@@ -349,7 +349,7 @@ class ThreadTakeUp(Template):
         p = self.making
         # the plate's hubs, with a screw beyond each
         rim = p.guide_diameter / 2 + 2 * p.wall + p.mount_diameter
-        bearing = self.linkage.sketched.hub("C", GROUND)
+        bearing = self.linkage.construction.sketched.hub("C", GROUND)
 
         def take_up(x: Floats) -> TakeUp:
             return TakeUp(

@@ -1,0 +1,107 @@
+"""What the assembly of a linkage says beside its bodies: drive, engraving, stiffness, balance, and the mirror between two sides."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from camgen.errors import DesignError
+from camgen.machine.features import Balance, Feature
+from camgen.machines.linkage import tables as t
+from camgen.machines.linkage.spec import LinkageSpec
+from camgen.machines.loads.counterweights import Counterweight, balance_of
+from camgen.parts import materials
+from camgen.parts.catalogue import turning_text
+from camgen.parts.generator.bodies import Bodies
+from camgen.parts.generator.joints import part_name, pivot_of
+from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.mounted import upper_end
+from camgen.parts.motors import GEARED, HOLES_UNKNOWN
+from camgen.parts.part import Part
+from camgen.parts.sides import Mirror
+from camgen.parts.stiffness import bending_stiffness
+from camgen.parts.turning_over import fit_turned_over
+
+
+def driving_text(spec: LinkageSpec) -> str:
+    """What its drive is to do, in words."""
+    drive = spec.drive
+    if isinstance(drive, t.Drive):
+        turning = turning_text(drive.speed_rpm)
+        model = spec.motor.model if spec.motor else None
+        if model is None or model.lower() == spec.making.motor or spec.making.hand_crank:
+            return turning
+        return ", ".join((f"{model} ({HOLES_UNKNOWN})" if model in GEARED else model, turning))
+    low, high = drive.range
+    return f"linear, {high - low:g} mm at {drive.speed:g} mm/s, on link {drive.link}"
+
+
+def with_engraving(
+    spec: LinkageSpec, parts: Sequence[Part], features: Sequence[Feature]
+) -> Sequence[Part]:
+    """Parts with what is engraved in them: a text in a link, letters of holes in what has named points, and what says the
+    upper side of a cam or wheel that fits turned over as well; of sheet only where engraving is cut too.
+    """
+    texts = {
+        part_name(link): (shape.engrave, f"parts.{link}.engrave")
+        for link in spec.diagram.links
+        if (shape := spec.making.shape(link)).engrave
+    }
+    letters = bool(spec.files.hole_letters)
+    reversible = set(fit_turned_over(parts, features))
+    if not (texts or letters or reversible):
+        return parts
+    from camgen.parts.engraving import engraved, with_upper_side
+
+    engraves = spec.files.engrave or not spec.making.of_sheet
+    mark = spec.files.up_marks and engraves and spec.making.sides == 1
+    lettered = (engraved(part, letters, *texts.get(part.name, ())) for part in parts)
+    return [with_upper_side(part, mark) if part.name in reversible else part for part in lettered]
+
+
+def arm_stiffness(spec: LinkageSpec, bodies: Bodies) -> float | None:
+    """Of the follower that swings on the one cam of the machine, N m/rad; None of another, or where there are several."""
+    swinging = [cam for cam in spec.cams if spec.diagram.slide_of(cam.follower) is None]
+    if len(spec.cams) != 1 or not swinging:
+        return None
+    (cam,) = swinging
+    points = bodies.layout.points_of(cam.follower)
+    pivot = spec.diagram.pivot(cam.follower) or ""
+    if not {pivot, cam.at} <= points.keys():
+        return None
+    name = part_name(cam.follower)
+    arm = next(part for part in bodies.parts if part.name == name)
+    held = points[pivot]
+    pushed = points[cam.at]
+    modulus = materials.of(spec.material.name).elastic.modulus
+    return bending_stiffness(arm, held, pushed, modulus) * abs(pushed - held) ** 2 * 1e-3
+
+
+def balance(weight: Counterweight, whole: complex, bodies: Bodies, density: float) -> Balance:
+    """What the solids of the driven link with its counterweight are held to.
+
+    whole: moment of all that is to turn with it, complex g mm; density: of what is printed, kg/m^3.
+    """
+    layout = bodies.layout
+    link = layout.driven
+    origin = layout.at(link, layout.shaft_of(link))
+    solids = bodies.solids(density)
+    return balance_of(link, pivot_of(layout, link), origin, whole - weight.other, solids)
+
+
+def mirror(near: Layout) -> Mirror:
+    """Half-way between the second plates of two sides; DesignError where no shaft of the near one gets there."""
+    end = upper_end(near)
+    assert end is not None, "a fault of the spec"
+    if end.axis is None:
+        raise DesignError(
+            "shafts in the second plate",
+            0,
+            1,
+            "",
+            f"link {near.driven}",
+            'set parts.shaft = "interrupted": its upper end goes on into the far side',
+        )
+    gap = near.sizes.side_gap
+    phase = math.radians(near.sizes.side_phase_deg)
+    return Mirror(end.top + gap / 2, end.shaft, phase, gap)
