@@ -38,7 +38,7 @@ from camgen.motion.segments import program
 from camgen.motion.stroke import StrokeSegment, stroke
 from camgen.parts.generator.cycloids import CycloidWish
 from camgen.parts.generator.ratchets import RatchetWish
-from camgen.parts.generator.wheels import SECOND, Ridden, follower_of, level_of, named, pivot
+from camgen.parts.generator.wheels import SECOND, Ridden, follower_of, level_of, naming, pivot
 from camgen.parts.wheels.cycloid import CycloidDisc, OutputWish
 from camgen.parts.wheels.geneva import Geneva, GenevaLaw, InnerGeneva
 from camgen.parts.wheels.mutilated import MutilatedLaw, MutilatedPair
@@ -91,48 +91,24 @@ class Drawing:
         several = len(self.drives) > 1
         return [f"drive of {each.link}" if several else "drive" for each in self.drives]
 
-    @staticmethod
-    def slide_name(slide: t.Slide) -> str:
-        """Name of its joint."""
-        return slide.name or f"{slide.link} slide"
-
-    @staticmethod
-    def slot_name(slot: t.Slot) -> str:
-        """Name of its joint."""
-        return slot.name or f"{slot.pin} in {slot.link}"
-
-    @staticmethod
-    def cam_name(cam: t.Cam) -> str:
-        """Name of its joint."""
-        return cam.name or f"{cam.cam} on {cam.follower}"
-
-    @staticmethod
-    def geneva_name(geneva: t.Geneva) -> str:
-        """Name of its joint."""
-        return geneva.name or f"{geneva.a} to {geneva.b}"
-
-    @staticmethod
-    def freewheel_name(freewheel: t.Freewheel) -> str:
-        """Name of its joint."""
-        return freewheel.name or f"{freewheel.wheel} to {freewheel.link}"
-
     def joints(self) -> Iterable[tuple[tuple[str, int], str]]:
         """Path and name of each joint that has a table."""
-        for kind, names in (
-            ("slide", map(self.slide_name, self.slides)),
-            ("slot", map(self.slot_name, self.slots)),
-            ("gear", (gear.joint for gear in self.gears)),
-            ("cam", map(self.cam_name, self.cams)),
-            ("geneva", map(self.geneva_name, self.genevas)),
-            ("noncircular", (each.joint for each in self.noncirculars)),
-            ("mutilated", (each.joint for each in self.mutilated)),
-            ("ratchet", (each.joint for each in self.ratchets)),
-            ("freewheel", map(self.freewheel_name, self.freewheels)),
-            ("planets", (row.title for row in self.planets)),
-            ("cycloid", (row.title for row in self.cycloids)),
-            ("cycloid", (row.twin.title for row in self.cycloids if row.twin)),
-        ):
-            yield from (((kind, k), name) for k, name in enumerate(names))
+        tables: Iterable[tuple[str, Sequence[t.Jointed]]] = (
+            ("slide", self.slides),
+            ("slot", self.slots),
+            ("gear", self.gears),
+            ("cam", self.cams),
+            ("geneva", self.genevas),
+            ("noncircular", self.noncirculars),
+            ("mutilated", self.mutilated),
+            ("ratchet", self.ratchets),
+            ("freewheel", self.freewheels),
+            ("planets", self.planets),
+            ("cycloid", self.cycloids),
+            ("cycloid", [row.twin for row in self.cycloids if row.twin]),
+        )
+        for kind, rows in tables:
+            yield from (((kind, k), row.joint) for k, row in enumerate(rows))
 
     def names_of_joints(self) -> list[str]:
         """Of pins, of all joints that have a table, and of their levels."""
@@ -146,18 +122,20 @@ class Drawing:
     def levels_of_joints(self) -> list[str]:
         """Names in [layers] of what has a level of its own beside the links: cams, the second one of a pair, gears, Geneva drives, wheels
         that are not round, mutilated gears, ratchets."""
-        levels = [level_of(gear.joint) for gear in self.gears]
-        levels += [level_of(row.title) for row in self.planets]
-        levels += [level_of(self.geneva_name(geneva)) for geneva in self.genevas]
-        levels += [level_of(each.joint) for each in self.noncirculars]
-        levels += [level_of(each.joint) for each in self.mutilated]
-        levels += [level_of(each.joint) for each in self.ratchets]
+        wheels: list[t.Jointed] = [*self.gears, *self.planets, *self.genevas]
+        wheels += [*self.noncirculars, *self.mutilated, *self.ratchets]
+        levels = [level_of(row.joint) for row in wheels]
         for cam in self.cams:
             if cam.shape != "roller" or self.carries_plate(cam):
                 continue
-            key = level_of(self.cam_name(cam))
+            key = level_of(cam.joint)
             levels += [key, key + SECOND] if cam.closure == "conjugate" else [key]
         return levels
+
+    @property
+    def pairs(self) -> Sequence[t.Gear | t.Geneva | t.Noncircular | t.Mutilated]:
+        """Links a and b that turn each other."""
+        return [*self.gears, *self.genevas, *self.noncirculars, *self.mutilated]
 
     # ---- looking up -----------------------------------------------------------------------------------------------
 
@@ -192,11 +170,9 @@ class Drawing:
         distance = self._shafts_apart(table.a, table.b)
         usual, wall = self.geneva_sizes
         air = usual if table.clearance is None else table.clearance
-        try:
+        with naming(f"geneva {table.joint}"):
             kind = InnerGeneva if table.inner else Geneva
             return kind(table.slots, distance, table.pin_radius, wall, air, air)
-        except DesignError as error:
-            raise named(error, f"geneva {self.geneva_name(table)}") from None
 
     def _shafts_apart(self, a: str, b: str) -> float:
         """Distance of the points at which two links are pinned to the ground, mm."""
@@ -211,11 +187,9 @@ class Drawing:
         made = {}
         for each in self.noncirculars:
             backlash = 2 * self.geneva_sizes[0] if each.backlash is None else each.backlash
-            try:
+            with naming(f"noncircular {each.joint}"):
                 centrodes = Centrodes(each.law, self._shafts_apart(each.a, each.b))
                 made[each.joint] = NoncircularPair(centrodes, each.teeth, backlash)
-            except DesignError as error:
-                raise named(error, f"noncircular {each.joint}") from None
         return made
 
     @cached_property
@@ -225,10 +199,8 @@ class Drawing:
         for each in self.mutilated:
             backlash = 2 * self.geneva_sizes[0] if each.backlash is None else each.backlash
             apart = self._shafts_apart(each.a, each.b)
-            try:
+            with naming(f"mutilated {each.joint}"):
                 pair = MutilatedPair(each.teeth, each.stations, apart, backlash)
-            except DesignError as error:
-                raise named(error, f"mutilated {each.joint}") from None
             made[each.joint] = MutilatedLaw(pair, self._way(each.a))
         return made
 
@@ -241,11 +213,9 @@ class Drawing:
         """What is asked of its wheel and pawl; DesignError where there are none such."""
         way = self._way(table.a)
         distance = self._shafts_apart(table.a, table.b)
-        try:
+        with naming(f"ratchet {table.joint}"):
             wheel = RatchetWheel(table.teeth, table.radius, table.radius - table.deep)
             pawl = pawl_of(wheel, distance, table.end_radius, math.radians(table.draw_deg))
-        except DesignError as error:
-            raise named(error, f"ratchet {table.joint}") from None
         return RatchetWish(PawlLaw(pawl, way), table.friction)
 
     @cached_property
@@ -261,14 +231,12 @@ class Drawing:
         eccentricity = abs(complex(exact[points.index(row.at)] - exact[shaft]))
         usual = self.geneva_sizes[0]
         air = usual if row.clearance is None else row.clearance
-        try:
+        with naming(f"cycloid {row.joint}"):
             sizes = row.pins, row.radius, row.pin_radius, eccentricity
             disc = CycloidDisc(*sizes, air, row.offset)
-        except DesignError as error:
-            raise named(error, f"cycloid {row.title}") from None
         asked = OutputWish(row.output_pins, row.output_radius, row.output_pin_radius)
         links = row.crank, row.at, row.disc
-        return CycloidWish(row.title, disc, *links, air, row.output, row.output_title, asked)
+        return CycloidWish(row.joint, disc, *links, air, row.output, row.output_title, asked)
 
     @cached_property
     def cycloid_wishes(self) -> list[CycloidWish]:
@@ -284,7 +252,7 @@ class Drawing:
     @cached_property
     def named_genevas(self) -> dict[str, tuple[Geneva | InnerGeneva, str]]:
         """Each Geneva drive with its pin, by the name of its joint."""
-        return {self.geneva_name(each): (self.geneva_of(each), each.pin) for each in self.genevas}
+        return {each.joint: (self.geneva_of(each), each.pin) for each in self.genevas}
 
     def pivot(self, link: str) -> str | None:
         """The point at which a link is pinned to the ground."""
@@ -310,7 +278,7 @@ class Drawing:
     @property
     def named_cams(self) -> dict[str, t.Cam]:
         """All cams by the names of their joints."""
-        return {self.cam_name(cam): cam for cam in self.cams}
+        return {cam.joint: cam for cam in self.cams}
 
     @property
     def returns(self) -> dict[str, tuple[str, str, str]]:
@@ -369,11 +337,8 @@ class Drawing:
         }
         slots = {slot.pin for slot in self.slots} & {*self.links[follower]}
         joined = [slot.link for slot in self.slots] + [each.on for each in self.slides]
-        joined += [name for gear in self.gears for name in (gear.a, gear.b)]
+        joined += [name for row in self.pairs for name in (row.a, row.b)]
         joined += [cam.cam for cam in self.cams]
-        joined += [name for geneva in self.genevas for name in (geneva.a, geneva.b)]
-        joined += [name for pair in self.noncirculars for name in (pair.a, pair.b)]
-        joined += [name for pair in self.mutilated for name in (pair.a, pair.b)]
         joined += [each.a for each in self.ratchets]
         joined += [
             name for row in self.cycloids for name in (row.crank, row.disc, row.output or "")
@@ -400,7 +365,7 @@ class Drawing:
 
     def program_of(self, cam: t.Cam, path: Key = ("cam",)) -> Program:
         """The cam's program in its sense of turning, s in mm or rad, 0 at its beginning; SpecError with every fault."""
-        known = self.programs.get(self.cam_name(cam))
+        known = self.programs.get(cam.joint)
         if known is not None:
             return known
         made = self.written_program(cam, path)
@@ -438,7 +403,7 @@ class Drawing:
     def ridden(self) -> dict[str, Ridden]:
         """What touches each cam, and what of that is accepted, by its joint."""
         return {
-            self.cam_name(cam): Ridden(
+            cam.joint: Ridden(
                 cam.shape,
                 cam.radius,
                 cam.closure,
@@ -454,7 +419,7 @@ class Drawing:
 
     def kicks(self) -> list[str]:
         """Names of cams whose follower's speed jumps."""
-        programs = {self.cam_name(cam): self.program_of(cam) for cam in self.cams}
+        programs = {cam.joint: self.program_of(cam) for cam in self.cams}
         return [
             name
             for name, made in programs.items()
@@ -493,10 +458,9 @@ class Drawing:
         outputs = tuple(self._output(each, bodies) for each in self.outputs)
         speed = self.drive.speed_rpm * math.tau / 60
         made = {joint.name: joint for joint in joints}
-        loads = [self._load(cam, made[self.cam_name(cam)]) for cam in self.cams]  # type: ignore[arg-type]
+        loads = [self._load(cam, made[cam.joint]) for cam in self.cams]  # type: ignore[arg-type]
         held = [
-            m.Drive(self.freewheel_name(f), f.link, m.Turning(0.0, start[f.link].angle))
-            for f in self.freewheels
+            m.Drive(f.joint, f.link, m.Turning(0.0, start[f.link].angle)) for f in self.freewheels
         ]
         return m.Machine(
             tuple(bodies.values()),
@@ -540,7 +504,7 @@ class Drawing:
 
     def _follower(self, cam: t.Cam) -> tuple[m.Cam, Follower]:
         """A cam's joint, and its follower as drawn, about the cam's axis."""
-        name = self.cam_name(cam)
+        name = cam.joint
         joint = self._open.joint(name)
         assert isinstance(joint, m.Cam)
         sign: Literal[1, -1] = 1 if joint.leaves > 0 else -1
@@ -550,7 +514,7 @@ class Drawing:
         """A cam about its axis, as it lies at theta = 0; DesignError where it cannot be made."""
         joint, follower = self._follower(cam)
         assert isinstance(joint.law, CamLaw)
-        base = self.bases.get(self.cam_name(cam))
+        base = self.bases.get(cam.joint)
         on_base = follower if base is None else follower.on_base(base)
         return DiscCam(joint.law.signed, on_base, cam.tip_clearance)
 
@@ -561,7 +525,7 @@ class Drawing:
         for cam in self.cams:
             if cam.base_radius is None:
                 continue
-            name = self.cam_name(cam)
+            name = cam.joint
             base = cam.base_radius
             if base == "least":
                 joint, follower = self._follower(cam)
@@ -578,7 +542,7 @@ class Drawing:
         counter-clockwise; DesignError where the follower cannot stand there."""
         shifts = {}
         for cam in self.cams:
-            name = self.cam_name(cam)
+            name = cam.joint
             if name not in self.bases:
                 continue
             _, follower = self._follower(cam)
@@ -652,7 +616,7 @@ class Drawing:
             -1 if held.speed < 0 else 1,
             held.start[freewheel.link].angle,
         )
-        name = self.freewheel_name(freewheel)
+        name = freewheel.joint
         return m.Clutch(name, freewheel.wheel, freewheel.link, law, law.apart)
 
     def _bodies(self) -> tuple[dict[str, m.Body], dict[str, m.Pose]]:
@@ -701,7 +665,7 @@ class Drawing:
             aside = through + 1j * away.imag * cmath.exp(1j * angle)
             slides.append(
                 m.Slide(
-                    self.slide_name(slide),
+                    slide.joint,
                     m.Place(slide.on, aside),
                     bodies[slide.link].at(runner),
                     angle,
@@ -719,7 +683,7 @@ class Drawing:
             assert carrier is not None, "drawing_faults has looked"
             slots.append(
                 m.Slot(
-                    self.slot_name(slot),
+                    slot.joint,
                     m.Place(slot.link, through),
                     bodies[carrier].at(slot.pin),
                     angle,
@@ -766,19 +730,17 @@ class Drawing:
                 if carrier
                 else f"the follower moves across {off}: draw {cam.at} elsewhere"
             )
-            raise DesignError(
-                "pressure angle as drawn", 90, 90, "deg", f"cam {self.cam_name(cam)}", remedy
-            )
+            raise DesignError("pressure angle as drawn", 90, 90, "deg", f"cam {cam.joint}", remedy)
         sign = 1 if outward > 0 else -1
         form: Literal["form", "force"] = "force" if cam.closure == "force" else "form"
         return m.Cam(
-            self.cam_name(cam),
+            cam.joint,
             cam.cam,
             cam.follower,
             CarriedLaw(self.program_of(cam), sign)
             if carrier
             else CamLaw(self.program_of(cam), sign),
-            None if slide is None else self.slide_name(slide),
+            None if slide is None else slide.joint,
             phase,
             rest,
             form,
@@ -817,7 +779,7 @@ class Drawing:
         phase = cmath.phase(law.geneva.sense * (axes[0] - axes[1]) / spoke)
         angle = start[table.a].angle - phase
         rest = start[table.b].angle - float(law(np.array(angle)))
-        name = self.geneva_name(table)
+        name = table.joint
         return m.Cam(name, table.a, table.b, law, phase=phase, rest=rest)
 
     def _noncircular(self, table: t.Noncircular, start: Mapping[str, m.Pose]) -> m.Cam:
@@ -856,7 +818,7 @@ class Drawing:
         assert output.link is not None
         slide = self.slide_of(output.link)
         if slide is not None:
-            return m.Output(output.name, m.Along(self.slide_name(slide)))
+            return m.Output(output.name, m.Along(slide.joint))
         return m.Output(output.name, m.Angle(output.link), "rad")
 
 

@@ -407,7 +407,7 @@ def _plate_faults(drawing: Drawing, path: Key, cam: t.Cam) -> Iterable[Fault]:
     low, high = drawing.drive.range_deg or (0.0, 0.0)
     length = math.fsum(spans)
     if len(spans) == len(cam.segment) and (low < 0 or high > length + SAME_POINT):
-        right = f"within 0 and {length:g}, the travel of the segments of cam {drawing.cam_name(cam)}, which begin as drawn"
+        right = f"within 0 and {length:g}, the travel of the segments of cam {cam.joint}, which begin as drawn"
         yield Fault(("drive", "range"), f"[{low:g}, {high:g}]", right)
 
 
@@ -473,7 +473,7 @@ def _follower_faults(drawing: Drawing, path: Key, cam: t.Cam, slides: bool) -> I
     if cam.closure != "force":
         right = 'nothing here: only closure "force" has a spring'
         yield Fault((*path, "spring"), "", right)
-    _, post, hook = drawing.returns[drawing.cam_name(cam)]
+    _, post, hook = drawing.returns[cam.joint]
     for name in [post] if cam.shape == "roller" else [post, hook]:
         if name in drawing.points or name in drawing.links:
             right = "another name: the return spring of a cam has it"
@@ -487,7 +487,7 @@ def _polydyne_faults(drawing: Drawing, path: Key, cam: t.Cam) -> Iterable[Fault]
         yield Fault(("load", "stiffness"), "", right)
     known = all(point in drawing.points for point in drawing.links[cam.follower])
     if known and not drawing.inertia_of(cam):
-        right = f"mass_g of what slides, or inertia_kg_m2 of what swings: what moves behind the stiffness of cam {drawing.cam_name(cam)}"
+        right = f"mass_g of what slides, or inertia_kg_m2 of what swings: what moves behind the stiffness of cam {cam.joint}"
         yield Fault(("masses", cam.follower), "", right)
     if cam.spring is not None and not cam.spring.rate:
         right = "above 0 with polydyne: it corrects for the spring, which otherwise follows from the cam"

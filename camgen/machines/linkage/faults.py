@@ -63,11 +63,7 @@ def _turning(spec: LinkageSpec) -> list[str]:
     return [
         *(each.link for each in spec.drives),
         *(cam.cam for cam in spec.cams),
-        *(name for gear in spec.gears for name in (gear.a, gear.b)),
-        *(name for geneva in spec.genevas for name in (geneva.a, geneva.b)),
-        *(name for pair in spec.noncirculars for name in (pair.a, pair.b)),
-        *(name for pair in spec.mutilated for name in (pair.a, pair.b)),
-        *(name for each in spec.ratchets for name in (each.a, each.b)),
+        *(name for row in (*spec.diagram.pairs, *spec.ratchets) for name in (row.a, row.b)),
         *(name for row in spec.cycloids for name in (row.crank, row.output) if name),
     ]
 

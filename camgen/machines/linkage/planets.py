@@ -81,7 +81,7 @@ def wish(row: t.Planets) -> PlanetWish:
     """What is asked of its parts."""
     on = members(row)
     return PlanetWish(
-        row.title,
+        row.joint,
         on["sun"],
         tuple(zip(row.links, row.pins, strict=True)),
         on["carrier"],

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -270,6 +270,14 @@ class Pen(Record):
                 yield Fault(("drive", k, "speed_rpm"), f"{drive.speed_rpm:g}", right)
 
 
+class Jointed(Protocol):
+    """A table that makes a joint."""
+
+    @property
+    def joint(self) -> str:
+        """Its name."""
+
+
 class Slide(Record):
     """A link that moves along a line of another; it keeps its drawn angle to it and distance from it."""
 
@@ -279,6 +287,11 @@ class Slide(Record):
     name: Name | None = Field(
         default=None, description="name of the joint; the link's name unless given"
     )
+
+    @property
+    def joint(self) -> str:
+        """Name of its joint."""
+        return self.name or f"{self.link} slide"
 
 
 class Slot(Record):
@@ -293,6 +306,11 @@ class Slot(Record):
     name: Name | None = Field(
         default=None, description="name of the joint; pin and link unless given"
     )
+
+    @property
+    def joint(self) -> str:
+        """Name of its joint."""
+        return self.name or f"{self.pin} in {self.link}"
 
 
 class Gear(Record):
@@ -371,6 +389,11 @@ class Geneva(Record):
     name: Name | None = Field(
         default=None, description="name of the joint; both links unless given"
     )
+
+    @property
+    def joint(self) -> str:
+        """Name of its joint."""
+        return self.name or f"{self.a} to {self.b}"
 
 
 class Noncircular(Record):
@@ -485,7 +508,7 @@ class Cycloid(Record):
     )
 
     @property
-    def title(self) -> str:
+    def joint(self) -> str:
         """Name of the joint of crank and disc."""
         return self.name or f"{self.crank} to {self.disc}"
 
@@ -598,14 +621,14 @@ class Planets(Record):
     )
 
     @property
-    def title(self) -> str:
+    def joint(self) -> str:
         """Its name."""
         return self.name or "planet"
 
     @property
     def links(self) -> list[str]:
         """Names of the planets' links."""
-        return [f"{self.title}_{k}" for k in range(1, self.count + 1)]
+        return [f"{self.joint}_{k}" for k in range(1, self.count + 1)]
 
     @property
     def pins(self) -> list[str]:
@@ -633,6 +656,11 @@ class Freewheel(Record):
     name: Name | None = Field(
         default=None, description="name of the joint; both links unless given"
     )
+
+    @property
+    def joint(self) -> str:
+        """Name of its joint."""
+        return self.name or f"{self.wheel} to {self.link}"
 
 
 class CamSegment(Span):
@@ -740,6 +768,11 @@ class Cam(Record):
             "slides"
         )
     )
+
+    @property
+    def joint(self) -> str:
+        """Name of its joint."""
+        return self.name or f"{self.cam} on {self.follower}"
 
 
 class Spring(Record):

@@ -32,7 +32,7 @@ from camgen.parts.generator.wheels import (
     Tip,
     groove_rim,
     groove_wall,
-    named,
+    naming,
     outline,
 )
 from camgen.parts.hardware import plate, spacer
@@ -104,16 +104,12 @@ def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
     edge = outline(tip)
     wall = groove_wall(tip, play)
     name = f"cam {tip.joint.name}"
-    try:
+    with naming(
+        name, "draw the follower further from the shaft; of a disc cam: a larger base_radius"
+    ):
         parts = disc_parts(
             made, [edge], wall, (2 * tip.radius + play, 2 * tip.radius), layout.min_wall
         )
-    except DesignError as error:
-        raise named(
-            error,
-            name,
-            "draw the follower further from the shaft; of a disc cam: a larger base_radius",
-        ) from None
     if wall is None:
         yield replace(parts[0], notes=()), 0.0, 0j
         return
@@ -277,11 +273,9 @@ def _geneva_wheels(layout: Layout, drive: GenevaDrive) -> Iterator[MountedPart]:
             yield _on_shaft(layout, link, drive, edge)
         return
     ours = {drive.lock, drive.slotted}
-    try:
+    with naming(drive.thing, drive.remedy):
         for each in (each for each in layout.dowelled if each.wheel in ours):
             yield from dowelled_parts(layout, each)
-    except DesignError as error:
-        raise named(error, drive.thing, drive.remedy) from None
 
 
 def pair_parts(
@@ -307,10 +301,8 @@ def _on_shaft(
     start = float(layout.machine.start_of(link).angle)
     wide = sizes.shaft_diameter + layout.fits.press_clearance
     bore = d_bore(wide, sizes.shaft_flat).moved(cmath.exp(1j * start))
-    try:
+    with naming(drive.thing, drive.remedy):
         region = plate(wheel.about, edge, {"bore": bore}, layout.min_wall)
-    except DesignError as error:
-        raise named(error, drive.thing, drive.remedy) from None
     level = layout.level[drive.level]
     notes = f"drawn at theta = 0, level {level}", f"pressed and glued on the shaft of {link}"
     thick = layout.wheel_thickness(link)

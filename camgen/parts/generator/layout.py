@@ -26,7 +26,7 @@ from camgen.parts.generator.gears import DowelledWheel
 from camgen.parts.generator.genevas import DowelledEdge
 from camgen.parts.generator.guides import COVERED, STEMS, Guide, Rails, Runner, Way, guide
 from camgen.parts.generator.slotted import SlotHole, one_by_one
-from camgen.parts.generator.wheels import NOSE, Tip, named, pivot, plate_outline
+from camgen.parts.generator.wheels import NOSE, Tip, naming, pivot, plate_outline
 from camgen.parts.part import d_bore, hull, with_bar
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.wheels.cycloid import OutputPins
@@ -436,10 +436,8 @@ class Layout(Connections):
         wall = self.rim
         clear = self.head_radius(wish.at) + self.fits.slide_clearance
         inner = max(self.hole(wish.at, wish.link) / 2 + wall, clear)
-        try:
+        with naming(f"cycloid {wish.joint}"):
             return wish.pins.pins(wish.disc, inner, wall, wish.air)
-        except DesignError as error:
-            raise named(error, f"cycloid {wish.joint}") from None
 
     def studs(self, link: str) -> list[Stud]:
         """Pins of cycloidal drives that are pressed into a link."""

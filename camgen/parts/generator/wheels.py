@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import groupby, pairwise
@@ -444,11 +445,9 @@ def plate_of(machine: m.Machine, joint: m.Cam, spec: Ridden) -> LinearCam:
     follower = follower_of(machine, joint, spec, spec.at, sign)
     kind = PlateArm if joint.slide is None else PlateSlide
     seen = kind(**vars(follower), travel=cmath.exp(1j * carrier.angle))
-    try:
+    with naming(f"cam {joint.name}"):
         cam = seen_from_left(over_way(joint.law.signed, seen))
         cam.edge  # noqa: B018  refuses what is no edge
-    except DesignError as error:
-        raise named(error, f"cam {joint.name}") from None
     return cam
 
 
@@ -524,20 +523,16 @@ def exact(tip: Tip) -> ExactCam:
 
 def outline(tip: Tip) -> Contour:
     """The cam's outline as drawn at theta = 0; DesignError names the cam where there is none."""
-    try:
+    with naming(f"cam {tip.joint.name}"):
         return tip.cam.outline
-    except DesignError as error:
-        raise named(error, f"cam {tip.joint.name}") from None
 
 
 def groove_wall(tip: Tip, clearance: float) -> Contour | None:
     """The outer wall of a groove; None where the follower is held otherwise."""
     if not tip.grooved:
         return None
-    try:
+    with naming(f"cam {tip.joint.name}"):
         return tip.cam.groove(clearance)
-    except DesignError as error:
-        raise named(error, f"cam {tip.joint.name}") from None
 
 
 def groove_rim(sizes: Parts) -> float:
@@ -545,14 +540,17 @@ def groove_rim(sizes: Parts) -> float:
     return sizes.pin_diameter + 2 * sizes.wall
 
 
-def named(error: DesignError, thing: str, remedy: str = "") -> DesignError:
-    """The same error, of a named thing; remedy: another one."""
-    where = thing + (f", {error.where}" if error.where else "")
-    remedy = remedy or error.remedy
-    facts = error.quantity, error.value, error.limit, error.unit
-    found = DesignError(*facts, where, remedy)
-    own = error.sentence != DesignError(*facts, error.where, error.remedy).sentence
-    return found.saying(f"{thing}: {error.sentence}") if own else found
+@contextmanager
+def naming(thing: str, remedy: str = "") -> Iterator[None]:
+    """A DesignError inside is one of a named thing; remedy: another one."""
+    try:
+        yield
+    except DesignError as error:
+        where = thing + (f", {error.where}" if error.where else "")
+        facts = error.quantity, error.value, error.limit, error.unit
+        named = DesignError(*facts, where, remedy or error.remedy)
+        own = error.sentence != DesignError(*facts, error.where, error.remedy).sentence
+        raise (named.saying(f"{thing}: {error.sentence}") if own else named) from None
 
 
 @dataclass(frozen=True)
