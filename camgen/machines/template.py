@@ -82,7 +82,8 @@ class Template(Mechanism):
         base = {"mechanism": "linkage", "name": self.name, **shared, **more, **load}
         linkage = validate(Linkage, {**base, **self.tables()})
         vars(linkage)["additions"] = self.additions()
-        vars(linkage).pop("diagram", None)  # validated without them
+        for name in ("diagram", "drawn"):  # validated without them
+            vars(linkage).pop(name, None)
         return linkage
 
     def _unloaded(self) -> Machine:

@@ -22,7 +22,7 @@ def closed(spec: LinkageSpec) -> m.Machine:
 
     Each pin has the play of one that is pressed into one of its links.
     """
-    chain = spec.diagram.machine()
+    chain = spec.drawn.closed()
     for spring in spec.returning:
         chain = spring.on(chain)
     if len(spec.drives) > 1:
@@ -46,4 +46,4 @@ def closed(spec: LinkageSpec) -> m.Machine:
     if law is not None:
         drive, *held = chain.drives
         chain = replace(chain, drives=(replace(drive, law=law), *held))
-    return spec.diagram.released(chain)
+    return spec.drawn.released(chain)

@@ -123,7 +123,7 @@ class Construction:
     def _whole_layout(self, springs: Sequence[coils.MountedSpring]) -> Layout:
         """That with what hangs under the plate."""
         spec = self.spec
-        drawn = spec.diagram
+        diagram = spec.diagram
         return Layout(
             self.chain,
             spec.drive.link,
@@ -132,14 +132,14 @@ class Construction:
             spec.allowed.min_wall,
             spec.layers,
             {},
-            drawn.ridden,
+            diagram.ridden,
             {gear.joint: gear.wish for gear in spec.gears},
-            genevas=drawn.named_genevas,
-            noncirculars=drawn.noncircular_pairs,
-            mutilated=drawn.mutilated_laws,
-            ratchets=drawn.ratchet_wishes,
+            genevas=diagram.named_genevas,
+            noncirculars=diagram.noncircular_pairs,
+            mutilated=diagram.mutilated_laws,
+            ratchets=diagram.ratchet_wishes,
             planets=tuple(planets.wish(row) for row in spec.planets),
-            cycloids=drawn.cycloid_wishes,
+            cycloids=diagram.cycloid_wishes,
             springs={each.name: each.stretched for each in springs},
             freewheels={
                 each.wheel: (each.link, CLUTCHES[spec.making.shaft_diameter][0])
@@ -153,7 +153,7 @@ class Construction:
             further=tuple(each.link for each in spec.drives[1:]),
             keep_outs=inc.clearings(spec.includes, lambda: spec.host),
             fitting=spec.additions.fitting,
-            drawn_poses=drawn.drawn_poses,
+            drawn_poses=spec.drawn.start,
         )
 
     @cached_property

@@ -312,7 +312,7 @@ class Linkage(LinkageSpec):
         weight = {} if self.counterweight is None else found_moment(self.construction.balanced[1])
         tables = [inc.resolved_table(each) for each in self.modules]
         sizes = self.bodies.layout.sizes
-        bases = self.diagram.bases
+        bases = self.drawn.bases
         levels |= {
             f"cam.{k}.base_radius": bases[name]
             for k, name in enumerate(self.diagram.named_cams)
@@ -369,7 +369,7 @@ class Linkage(LinkageSpec):
 
     def remarks(self) -> Remarks:
         """Followers that stand elsewhere than drawn, and how many links are closed together on what each kind of file shows."""
-        return Remarks(links=len(self.diagram.links), warnings=self.diagram.shifted())
+        return Remarks(links=len(self.diagram.links), warnings=self.drawn.shifted())
 
     def study(self) -> Study:
         """Outputs, curves and paths, the class of a four-bar; those of what is included; all outputs over one turn."""

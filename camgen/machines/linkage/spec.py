@@ -29,6 +29,7 @@ from camgen.machines.linkage import (
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.drawing import Drawing
+from camgen.machines.linkage.drawn_machine import DrawnMachine
 from camgen.machines.loads.counterweights import Counterweight
 from camgen.machines.loads.tables import Drives
 from camgen.machines.mechanism import Mechanism
@@ -230,6 +231,11 @@ class LinkageSpec(Mechanism):
             self.mutilated,
         )
 
+    @cached_property
+    def drawn(self) -> DrawnMachine:
+        """The machine of that."""
+        return DrawnMachine(self.diagram)
+
     @property
     def _rooms(self) -> Mapping[str, float]:
         """Radius of the circle that a cam must hold, by its closure, mm: its shaft, a groove's pins, with walls."""
@@ -292,4 +298,4 @@ class LinkageSpec(Mechanism):
         if not self.diagram.returns:
             return ()
         play = self.print.slide_clearance
-        return coils.returning(self.diagram.machine(), self.diagram, self.making, play)
+        return coils.returning(self.drawn.closed(), self.diagram, self.making, play)

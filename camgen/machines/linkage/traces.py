@@ -16,6 +16,7 @@ from camgen.geometry.facets import facet_contour
 from camgen.machine.model import GROUND
 from camgen.machine.run import solve
 from camgen.machines.linkage import motors, pens
+from camgen.machines.linkage.drawn_machine import DrawnMachine
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.numerics import Floats, Points
 
@@ -59,7 +60,7 @@ def traces(
         drawing = replace(drawing, points=points)
     if lengths is not None:
         drawing = replace(drawing, lengths=lengths)
-    chain = drawing.rough
+    chain = DrawnMachine(drawing).rough
     pen = linkage.pen
     machine = motors.moved(chain, linkage.drives) if pen is None else pens.led(chain, pen)
     run = solve(machine, theta, 0)
@@ -167,7 +168,7 @@ def cam_shapes(linkage: Linkage) -> list[CamShape]:
                 CamShape(
                     cam.cam,
                     pivot,
-                    facet_contour(drawing.disc(cam).outline, _SEEN),
+                    facet_contour(linkage.drawn.disc(cam).outline, _SEEN),
                     drawing.turns_of(cam.cam) or 1.0,
                 )
             )
