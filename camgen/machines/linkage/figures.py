@@ -42,6 +42,7 @@ from camgen.numerics import peak
 from camgen.parts.assembly import Cycle
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.plates import steps
+from camgen.parts.generator.threads import thread_heights
 from camgen.parts.generator.troughs import open_rails
 from camgen.parts.wheels.geneva import GenevaLaw
 from camgen.study import ROWS, Figure, Figures, Later, Plot, Sketch, Study, Table
@@ -525,7 +526,7 @@ def threads(linkage: LinkageMotion, made: Build | None) -> list[Sketch]:
     sketches = []
     for each in linkage.wanted:
         if each.thread:
-            z = None if made is None else float(np.mean(made.layout.thread_heights))
+            z = None if made is None else float(np.mean(thread_heights(made.layout)))
             sketches.append(Sketch(each.name, course=partial(_course, linkage, each.thread), z=z))
     return sketches
 

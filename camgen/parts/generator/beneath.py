@@ -25,6 +25,7 @@ from camgen.machine.run import Run
 from camgen.parts.assembly import Assembly, MotorSeat
 from camgen.parts.catalogue import SCREWS, Bought, turning_text
 from camgen.parts.generator.bodies import Bodies
+from camgen.parts.generator.heads import levels_beyond
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.generator.stacking import with_levels
@@ -152,7 +153,7 @@ class Beneath:
         )
         found = with_levels(layout, self.run)
         (point,) = layout.slots
-        top = max(level + layout.beyond(point)[0] for level, *_ in found.on(point))
+        top = max(level + levels_beyond(layout, point)[0] for level, *_ in found.on(point))
         high = found.floor(top) + sizes.head - found.top(found.level[self.arm])
         room = sizes.shaft_length
         play = self.whole.fits.slide_clearance

@@ -43,11 +43,14 @@ from camgen.parts.generator.discs import (
     round_shaft,
     shaft_cap,
 )
+from camgen.parts.generator.dowels import dowel_holes, stud_holes
 from camgen.parts.generator.joints import features_of, part_name, point_of
 from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.link_outlines import own_contours, slot_holes
 from camgen.parts.generator.pins import MountedPart, bearings, hand_crank, pin
 from camgen.parts.generator.plates import ground_plate, second
 from camgen.parts.generator.seats import link_layers
+from camgen.parts.generator.second_plate import in_first, sleeve_ends
 from camgen.parts.generator.stubs import Stub, stubs
 from camgen.parts.generator.threads import strands, thread_posts
 from camgen.parts.generator.troughs import covers, rails
@@ -281,12 +284,12 @@ class Bodies:
             flat = layout.profile(point, link)
             if flat is not None:
                 holes[f"hole {point}"] = flat.moved(1, z)
-        holes |= layout.ring_holes(link) | layout.stud_holes(link)
-        holes |= layout.slot_holes(link, layout.slots_of(link).keys())
+        holes |= dowel_holes(layout, link) | stud_holes(layout, link)
+        holes |= slot_holes(layout, link, layout.slots_of(link).keys())
         bore = next((layout.hole(point, link) for point, z in points.items() if z == 0), None)
         if link in layout.marks:
             holes["mark"] = circle(layout.marks[link], self.sizes.pen_diameter / 2)
-        own = layout.own_contours(link)
+        own = own_contours(layout, link)
         if own:
             refuse_thin(link, own[0], holes, self.min_wall)
             holes |= {f"own hole {k}": hole for k, hole in enumerate(own[1:], 1)}
@@ -317,7 +320,7 @@ class Bodies:
             if point in layout.pivots
             and layout.pressed_in(point) == link
             and point not in layout.discs
-            and (link != GROUND or layout.in_first(point))
+            and (link != GROUND or in_first(layout, point))
         ]
         if not fixed:
             return []
@@ -439,7 +442,7 @@ class Bodies:
         sleeved = link in (self.layout.driven, self.layout.upper_web) and any(
             stand.sleeve for stand in self.layout.stands
         )
-        top = self.layout.line[1] if stub.far and sleeved else stub.grips[-1][1]
+        top = sleeve_ends(self.layout)[1] if stub.far and sleeved else stub.grips[-1][1]
         reach = [stand.merged.shaft for stand in self.layout.stands if stand.merged is not None]
         top += (
             max(reach, default=0.0)

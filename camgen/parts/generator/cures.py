@@ -20,6 +20,7 @@ from camgen.errors import DesignError
 from camgen.parts.generator.changes import Change, Unmade
 from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.link_outlines import arm_band, link_hubs
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.level_rules import Axis, Band, NoLevels, NoPassage
 
@@ -50,7 +51,7 @@ def slimmer(layout: Layout, link: str) -> tuple[str, str]:
     if shape.contours:
         return f"a smaller parts.{link}.outline", f"other points or lengths of link {link}"
     keys = [f"parts.{link}.hub_diameter" if shape.hub_diameter else "parts.wall"]
-    keys += [f"parts.{link}.width"] if layout.arm_band(link) else []
+    keys += [f"parts.{link}.width"] if arm_band(layout, link) else []
     return f"a smaller {' or '.join(keys)}", f"other points or lengths of link {link}"
 
 
@@ -138,7 +139,7 @@ def _bendable(layout: Layout, refused: NoPassage) -> list[str]:
     return [
         link
         for link in _links(refused)
-        if len(layout.hubs(link)) == 2
+        if len(link_hubs(layout, link)) == 2
         and not layout.sizes.shape(link).bow
         and not layout.sizes.shape(link).contours
         and link not in layout.guides
@@ -186,7 +187,9 @@ def _of_room(layout: Layout, refused: DesignError) -> Iterator[Kind]:
         if short <= s.wall - layout.min_wall and not (
             s.shape(link).hub_diameter or s.shape(link).contours
         ):
-            wide = round(2 * (min(radius for _, radius in layout.hubs(link)) - short) - 0.05, 1)
+            wide = round(
+                2 * (min(radius for _, radius in link_hubs(layout, link)) - short) - 0.05, 1
+            )
             words = f"parts.{link}.hub_diameter = {wide:g}"
             yield Kind(_SLIM, [Change(words, {link: {"hub_diameter": wide}})])
     least = layout.min_wall + layout.fits.slide_clearance / 2 + 0.05  # of a head: a spacer's wall

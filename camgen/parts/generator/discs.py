@@ -20,6 +20,13 @@ from camgen.parts.catalogue import TURNED
 from camgen.parts.disc_cams import CamParts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.gears import table, windows
+from camgen.parts.generator.dowels import (
+    disc_dowels,
+    dowel_places,
+    dowel_span,
+    dowelled_span,
+    stud_span,
+)
 from camgen.parts.generator.gears import DowelledWheel, GearWheel
 from camgen.parts.generator.genevas import DowelledEdge, GenevaDrive
 from camgen.parts.generator.layout import GROUND, Layout, pivot_name
@@ -224,7 +231,7 @@ def dowelled_parts(layout: Layout, dowelled: DowelledWheel | DowelledEdge) -> It
     above = "which lies under it" if dowelled.lies == "over" else "which lies over it"
     on = "the ground plate" if link == GROUND else f"link {link}, {above}"
     region = _dowelled_region(layout, dowelled, f"{kind} of {link}")
-    low, thick = layout.ring_span(dowelled)
+    low, thick = dowelled_span(layout, dowelled)
     count = {2: "two", 3: "three"}[len(dowelled.dowels)]
     rows = () if isinstance(dowelled, DowelledEdge) else table(dowelled.wheel.mesh, dowelled.gear)
     part = Part(
@@ -241,14 +248,14 @@ def dowelled_parts(layout: Layout, dowelled: DowelledWheel | DowelledEdge) -> It
     )
     at = layout.at(link, layout.axis_of_wheel(wheel))
     yield part, Mount(part.name, link, at, -start, z=low)
-    bottom, top = layout.dowel_span(dowelled)
+    bottom, top = dowel_span(layout, dowelled)
     made = "printed" if sizes.pin == "printed" else TURNED
     name = f"dowel-{part.name}"
     dowel = rod(
         name, f"Dowel of the {part.title.lower()}", sizes.pin_diameter, round(top - bottom, 9)
     )
     dowel = replace(dowel, notes=("pressed and glued in",), process=made)
-    yield from ((dowel, Mount(name, link, z, z=bottom)) for z in layout.dowel_places(dowelled))
+    yield from ((dowel, Mount(name, link, z, z=bottom)) for z in dowel_places(layout, dowelled))
 
 
 def geneva_parts(layout: Layout, drive: GenevaDrive) -> Iterator[MountedPart]:
@@ -323,7 +330,7 @@ def cycloid_pins(layout: Layout) -> Iterator[MountedPart]:
     """Pins of the ground round cycloidal discs, and those of outputs in their holes."""
     made = "printed" if layout.sizes.pin == "printed" else TURNED
     for stud in (stud for drive in layout.cycloid_drives for stud in drive.studs):
-        low, high = layout.stud_span(stud)
+        low, high = stud_span(layout, stud)
         part = rod(stud.part, stud.title, 2 * stud.radius, round(high - low, 9))
         grounded = stud.link == GROUND
         on = "the ground plate" if grounded else f"link {stud.link}, from above"
@@ -432,7 +439,7 @@ def ground_disc(layout: Layout, point: str) -> Iterator[MountedPart]:
     off = layout.at(GROUND, shaft) - at
     wall_of_disc(abs(off), wide, bore, layout.min_wall, f"parts.discs.{point}")
     name = pivot_name(point)
-    dowels = layout.dowels(point)
+    dowels = disc_dowels(layout, point)
     holes = {"shaft": circle(off, bore / 2)}
     holes |= {f"dowel {k}": circle(z - at, radius) for k, (z, radius) in enumerate(dowels, 1)}
     high = round(layout.disc_top(point) - s.base_thickness, 9)

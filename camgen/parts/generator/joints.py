@@ -33,6 +33,7 @@ from camgen.machine.features import (
 from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.cycloids import CycloidDrive, Stud
 from camgen.parts.generator.discs import eccentric_name
+from camgen.parts.generator.dowels import stud_hole
 from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.layout import Layout, pivot_name
 from camgen.parts.generator.mutilated import MutilatedDrive
@@ -40,6 +41,7 @@ from camgen.parts.generator.noncircular import NoncircularDrive
 from camgen.parts.generator.pins import bearing_name
 from camgen.parts.generator.plates import SECOND
 from camgen.parts.generator.ratchets import RatchetDrive
+from camgen.parts.generator.second_plate import far_hole
 from camgen.parts.generator.stubs import in_upper
 from camgen.parts.generator.wheels import PlateTip, Tip, pivot
 
@@ -83,7 +85,7 @@ def part_of(layout: Layout, link: str) -> str:
 def _eye(layout: Layout, point: str, link: str, beside: str = "") -> Eye:
     """A link's hole at a point; of the ground the one in the plate that holds the other link's pin, or is nearer to it."""
     if link == GROUND and beside and in_upper(layout, point, beside):
-        return Eye(SECOND, layout.at(GROUND, point), layout.far_hole(point))
+        return Eye(SECOND, layout.at(GROUND, point), far_hole(layout, point))
     for about, (on, shaft) in layout.discs.items():
         if link == on == GROUND and point in (about, shaft):
             at = layout.at(GROUND, point) - layout.at(GROUND, about)
@@ -171,7 +173,7 @@ def _steady(layout: Layout, pins: Sequence[Mount]) -> Iterator[Steady]:
     for point in layout.points_of(GROUND):
         if not layout.in_second(point):
             continue
-        far = Eye(SECOND, layout.at(GROUND, point), layout.far_hole(point))
+        far = Eye(SECOND, layout.at(GROUND, point), far_hole(layout, point))
         hangs = layout.split_level(point) is not None
         if hangs and point not in layout.shafts:
             continue  # it is the joints' own
@@ -310,7 +312,7 @@ def _cycloid(layout: Layout, drive: CycloidDrive) -> Iterator[EngagedPair]:
 
 def _stud_edge(layout: Layout, stud: Stud) -> Edge:
     """A pin's rim, in its hole of its link."""
-    seat = Eye(part_name(stud.link), stud.at, layout.stud_hole(stud))
+    seat = Eye(part_name(stud.link), stud.at, stud_hole(layout, stud))
     return Edge(stud.part, Eye(stud.part, 0j, 2 * stud.radius, shaft=True), seat)
 
 

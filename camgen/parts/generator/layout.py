@@ -8,33 +8,24 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import cached_property
 
-import numpy as np
-
-from camgen.errors import DesignError
-from camgen.geometry.outlines import Contour, bulged, circle
-from camgen.parts.bands import ArmBand
+from camgen.geometry.outlines import Contour
 from camgen.parts.catalogue import Bearing, narrowest
 from camgen.parts.generator.changes import Change
 from camgen.parts.generator.connections import GROUND, Connections, StretchedSpring
 from camgen.parts.generator.covers import Cover, cover
-from camgen.parts.generator.cycloids import CycloidDrive, CycloidWish, Stud
-from camgen.parts.generator.gears import DowelledWheel
-from camgen.parts.generator.genevas import DowelledEdge
-from camgen.parts.generator.guides import COVERED, STEMS, Guide, Rails, Runner, Way, guide
-from camgen.parts.generator.slotted import SlotHole, one_by_one
-from camgen.parts.generator.wheels import NOSE, Tip, naming, pivot, plate_outline
-from camgen.parts.part import d_bore, hull, with_bar
+from camgen.parts.generator.cycloids import CycloidDrive, CycloidWish
+from camgen.parts.generator.guides import Guide, Rails, Runner, Way, guide
+from camgen.parts.generator.wheels import Tip, naming, plate_outline
+from camgen.parts.part import d_bore
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.wheels.cycloid import OutputPins
 
 __all__ = ["GROUND", "Layout", "StretchedSpring"]
 
 _PLAIN = ("printed", "turned", "dowel")  # pins that may stand in the plate, or hang from it
-SLEEVE = 1.5  # diameters of a shaft, how far a sleeve reaches on it at most
 _ROOM = 0.5  # mm, beyond a pin's way at both ends of its slot
 
 
@@ -139,7 +130,7 @@ class Layout(Connections):
         """How many levels a spring takes under its own."""
         play = self.fits.slide_clearance
         needed = self._under_eye(spring) + (spring.diameter + spring.wire) / 2 + play
-        return max(0, math.ceil(needed / (self._least + play) - 1e-9) - 1)
+        return max(0, math.ceil(needed / (self.least_thickness + play) - 1e-9) - 1)
 
     def _under_eye(self, spring: StretchedSpring) -> float:
         """How far the eyes of a spring lie over the floor of its lowest level, mm: in the middle of its coils.
@@ -156,30 +147,6 @@ class Layout(Connections):
         spring = self.springs[name]
         low = round(self.floor(self.level[name] - self.below(spring)) + self._under_eye(spring), 9)
         return low, round(low + spring.wire, 9)
-
-    def beyond(self, point: str) -> tuple[int, int]:
-        """How many levels the head of a pin takes over its highest link, and it or a thread under its lowest."""
-        if point in self.shafts:
-            collar = self.collar(point)
-            step = self._least + self.fits.slide_clearance
-            over = int(point in self.over_shafts)
-            return over if collar is None else math.ceil(collar.height / step), 0
-        if len(self.webs_at(point)) > 1 or self.on_ground(point):
-            return 0, 0
-        if point in self.eccentrics.values():  # another eccentric holds down what turns on it
-            return 0, 0
-        if self.kind(point) == "shoulder":
-            screw = self.sizes.shoulder
-            least = self._least
-            step = least + self.fits.slide_clearance
-            over = math.ceil((screw.height + least / 2) / step)
-            return over, math.ceil(screw.thread_length / step)
-        taken = 1 + (point in self.tall)
-        return (0, taken) if point in self.hung_points else (taken, 0)
-
-    def heads(self) -> list[Layout]:
-        """It, and where one plate holds the ground's pins, it with their heads under that."""
-        return [self] if self.sizes.plates > 1 else [self, replace(self, sunk=True)]
 
     def between_plates(self, point: str) -> bool:
         """Whether a second plate can hold the far end of what stands on the ground at a point."""
@@ -202,16 +169,6 @@ class Layout(Connections):
             and (at is None or at < self.on(point)[-1][0])
         )
 
-    def in_first(self, point: str) -> bool:
-        """Whether the plate under level 1 holds what stands on the ground at a point, or a stub of it."""
-        return self.split_level(point) != 0 or point in self.shafts
-
-    def far_hole(self, point: str) -> float:
-        """Diameter of the second plate's hole at a point, mm: shafts turn in it, pins are pressed in."""
-        fits = self.fits
-        fit = fits.slide_clearance if point in self.shafts else fits.press_clearance
-        return self.turning(point) + fit
-
     def profile(self, point: str, link: str) -> Contour | None:
         """A link's hole at a point where it has a flat: that of what turns it, or of a web's crank pin; None of a round one."""
         s = self.sizes
@@ -227,14 +184,8 @@ class Layout(Connections):
         """Of the flats of crank pins, mm: the shaft's, by their diameters."""
         return self.sizes.shaft_flat * self.sizes.pin_diameter / self.sizes.shaft_diameter
 
-    def head_room(self, point: str) -> float:
-        """Height of the levels that are kept free over a pin's highest link, mm."""
-        over = self.beyond(point)[0]
-        play = self.fits.slide_clearance
-        return over * (self._least + play) - play
-
     @property
-    def _least(self) -> float:
+    def least_thickness(self) -> float:
         """Thickness of the thinnest link, mm."""
         return min([self.sizes.thickness, *map(self.thickness, self.moving)])
 
@@ -309,13 +260,6 @@ class Layout(Connections):
             if name in self.pivots or link in (self.pens.get(name), self.thread_posts.get(name))
         }
 
-    @property
-    def thread_heights(self) -> tuple[float, float]:
-        """Between which heights threads lie on their posts, mm: their groove, up to the heads."""
-        sizes = self.sizes.thread_post_sizes
-        top = round(self.top(max(self.level.values())) + sizes.height, 9)
-        return top - (sizes.groove or sizes.height), top
-
     def slots_of(self, link: str) -> dict[str, tuple[complex, complex]]:
         """Both ends of a pin's way in each slot of a link, room included, in the link's axes."""
         slots = {}
@@ -333,12 +277,6 @@ class Layout(Connections):
         """Of the slot in which a point's pin runs, mm."""
         return self.turning(point) + self.fits.slide_clearance
 
-    def slot_holes(self, link: str, points: Collection[str]) -> dict[str, Contour]:
-        """Holes of a link's slots for the pins of these points."""
-        ways = {point: ends for point, ends in self.slots_of(link).items() if point in points}
-        slots = (SlotHole(*ends, self.slot_width(point) / 2, point) for point, ends in ways.items())
-        return {f"slot {slot.name}": slot.contour for slot in one_by_one(slots, self.min_wall)}
-
     def round_hubs(self, link: str) -> list[tuple[complex, float]]:
         """Hubs of a link, those at the ends of its slots too: place in its axes and radius."""
         hubs = [(z, self.hub(point, link)) for point, z in self.points_of(link).items()]
@@ -347,77 +285,18 @@ class Layout(Connections):
         ]
         for tip in self.noses(link):
             if tip.shape == "knife" or tip.joint.slide is not None:
-                nose = tip.nose(float(self.machine.start_of(link).angle), self._nose)
+                nose = tip.nose(float(self.machine.start_of(link).angle), self.nose_radius)
                 hubs += [(self.at(link, tip.point) + z, radius) for z, radius in nose]
         return hubs
-
-    def stems_of(self, link: str) -> Sequence[str]:
-        """How a link that slides may reach its rails: as asked for, or away from a cam that its own end touches."""
-        stem = self.sizes.shape(link).stem
-        if stem is not None:
-            return (stem,)
-        sides = {tip.leaves for tip in self.noses(link)}
-        if sides or self.cover is None:
-            return tuple("ahead" if side > 0 else "behind" for side in sides) or STEMS
-        wide = any(slot.guide.body == link for slot in self.slots.values())
-        return ("both", *COVERED) if wide else COVERED
 
     def noses(self, link: str) -> list[Tip]:
         """Knives and faces of a link."""
         return [tip for tip in self.tips if not tip.rolls and tip.joint.follower == link]
 
-    def channels_in(self, second: bool) -> dict[str, tuple[complex, complex]]:
-        """Both ends of a pin's way in each slot of the second plate, or of the plate under level 1, by the pin's point."""
-        return {
-            point: ends
-            for point, ends in self.slots_of(GROUND).items()
-            if self.in_second(point) == second
-        }
-
     @property
-    def _nose(self) -> float:
+    def nose_radius(self) -> float:
         """Radius of the discs of knives and faces, mm."""
         return self.sizes.pin_diameter / 2 + self.sizes.wall
-
-    def arm(self, tip: Tip) -> tuple[complex, complex, float, float, bool] | None:
-        """The bar with the face or knife of a link that swings.
-
-        Begin and direction of its middle line in the link's axes, half width and length, mm, and whether it is pointed. None of what slides; DesignError where a face's hub would be in the way.
-        """
-        if tip.joint.slide is not None:
-            return None
-        start = float(self.machine.start_of(tip.joint.follower).angle)
-        if tip.shape == "knife":
-            away = tip.away(start)
-            reach = NOSE * self._nose
-            return (
-                self.at(tip.joint.follower, tip.point) + reach * away,
-                -away,
-                0.5 * self._nose,
-                reach,
-                True,
-            )
-        link = tip.joint.follower
-        low, high = tip.face()
-        hinge = pivot(self.machine, link)[0]
-        hub = self.hub(next(name for name, z in self.points_of(link).items() if z == hinge), link)
-        near, far = sorted((abs(low), abs(high)))
-        if low * high < 0 or near < hub or len(self.points_of(link)) > 1:
-            quantity = "place on the face where it is touched"
-            where = f"cam {tip.joint.name}"
-            remedy = "draw the hinge further off, and no other pins on this link: its hub must stay clear of the cam"
-            raise DesignError(quantity, near, hub, "mm from the hinge", where, remedy)
-        facing = tip.away(start)
-        half = 0.4 * hub
-        return hinge + half * facing, math.copysign(1, low + high) * 1j * facing, half, far, False
-
-    def hubs(self, link: str) -> list[tuple[complex, float]]:
-        """What a link's band is drawn round: hubs, and the feet of rails that stand on it."""
-        wall = self.sizes.wall if link == GROUND else 0.0
-        foot = self.sizes.rail_width / 2 + wall
-        guides = (each for each in self.guides.values() if each.joint.guide.body == link)
-        feet = ((z, foot) for each in guides for ends in each.rails for z in ends)
-        return [*self.round_hubs(link), *feet, *self.ring_seats(link), *self._stud_hubs(link)]
 
     # ---- cycloidal drives --------------------------------------------------------------------------------------------
 
@@ -438,146 +317,6 @@ class Layout(Connections):
         inner = max(self.hole(wish.at, wish.link) / 2 + wall, clear)
         with naming(f"cycloid {wish.joint}"):
             return wish.pins.pins(wish.disc, inner, wall, wish.air)
-
-    def studs(self, link: str) -> list[Stud]:
-        """Pins of cycloidal drives that are pressed into a link."""
-        studs = [stud for drive in self.cycloid_drives for stud in drive.studs]
-        return [stud for stud in studs if stud.link == link]
-
-    def stud_hole(self, stud: Stud) -> float:
-        """Diameter of the hole into which it is pressed, mm."""
-        return 2 * stud.radius + self.fits.press_clearance
-
-    def _stud_hubs(self, link: str) -> list[tuple[complex, float]]:
-        return [(stud.at, self.stud_hole(stud) / 2 + self.rim) for stud in self.studs(link)]
-
-    def stud_holes(self, link: str) -> dict[str, Contour]:
-        """Holes of a link for them."""
-        return {
-            f"{stud.part} {k}": circle(stud.at, self.stud_hole(stud) / 2)
-            for k, stud in enumerate(self.studs(link), 1)
-        }
-
-    def stud_span(self, stud: Stud) -> tuple[float, float]:
-        """Underside and upper side of it, mm: through its link and over the whole thickness of its discs."""
-        low = min(self.floor(self.level[disc]) for disc in stud.discs)
-        high = max(map(self.top_of, stud.discs))
-        own = 0.0 if stud.link == GROUND else self.floor(self.level[stud.link])
-        return min(low, own), max(high, round(own + self.thickness(stud.link), 9))
-
-    def ring_seats(self, link: str) -> list[tuple[complex, float]]:
-        """Hubs round the dowels on a link: place in its axes and radius."""
-        radius = (self.sizes.pin_diameter + self.fits.press_clearance) / 2 + self.rim
-        held = (each for each in self.dowelled if each.wheel.link == link)
-        return [(z, radius) for each in held for z in self.dowel_places(each)]
-
-    def dowel_places(self, dowelled: DowelledWheel | DowelledEdge) -> list[complex]:
-        """Places of the dowels of what they hold, in its link's axes, mm."""
-        link = dowelled.wheel.link
-        turn = cmath.exp(-1j * self.machine.start_of(link).angle)
-        at = self.at(link, self.axis_of_wheel(dowelled.wheel))
-        return [at + turn * z for z in dowelled.dowels]
-
-    def ring_holes(self, link: str) -> dict[str, Contour]:
-        """Holes of a link for the dowels of what they hold on it."""
-        radius = (self.sizes.pin_diameter + self.fits.press_clearance) / 2
-        seats = enumerate(self.ring_seats(link), 1)
-        return {f"dowel {k}": circle(z, radius) for k, (z, _) in seats}
-
-    def ring_span(self, ring: DowelledWheel | DowelledEdge) -> tuple[float, float]:
-        """Underside and thickness of what dowels hold, mm: up to its link, or down to it; of sheet a level's."""
-        level = self.level[ring.wheel.level]
-        link = ring.wheel.link
-        low = self.floor(level)
-        if self.sizes.of_sheet:
-            return low, self.sizes.thickness
-        if ring.lies == "over":
-            low = self.sizes.base_thickness if link == GROUND else self.top_of(link)
-            return low, round(self.floor(level) + self.sizes.thickness - low, 9)
-        return low, round(self.floor(self.level[link]) - low, 9)
-
-    def dowel_span(self, ring: DowelledWheel | DowelledEdge) -> tuple[float, float]:
-        """Underside and upper side of its dowels, mm: through it and its link."""
-        link = ring.wheel.link
-        low, thick = self.ring_span(ring)
-        if ring.lies != "over":
-            return low, self.top_of(link)
-        bottom = 0.0 if link == GROUND else self.floor(self.level[link])
-        return bottom, low + thick
-
-    def arm_band(self, link: str) -> ArmBand | None:
-        """The band of a link that is asked to be bent or narrower than its hubs; DesignError where it has not two of them."""
-        shape = self.sizes.shape(link)
-        hubs = self.hubs(link)
-        if shape.contours or (not shape.bow and shape.width is None):
-            return None
-        key = f"parts.{link}.{'bow' if shape.bow else 'width'}"
-        if (
-            len(hubs) != 2
-            or link in self.guides
-            or self.noses(link)
-            or link == GROUND
-            or self.slots_of(link)
-        ):
-            remedy = "leave it out: it is for a link with two round holes and nothing else"
-            raise DesignError(key, shape.bow or shape.width or 0.0, 0, "mm", f"link {link}", remedy)
-        (a, first), (b, second) = hubs
-        return ArmBand(
-            link, a, b, (first, second), shape.width or 2 * min(first, second), shape.bow or 0.0
-        )
-
-    def own_contours(self, link: str) -> list[Contour]:
-        """The outline of a cycloidal disc or a person's drawing and its holes, in the link's axes; nothing of other links.
-        DesignError where the link has another body than a plate with round holes.
-
-        A hole within a hub is the drawing of that joint, whose hole is the machine's.
-        """
-        for drive in self.cycloid_drives:
-            if drive.wish.link == link:
-                return drive.contours()
-        shape = self.sizes.shape(link)
-        if not shape.contours:
-            return []
-        if (
-            link in self.guides
-            or self.noses(link)
-            or not self.discs.keys().isdisjoint(self.points_of(link))
-        ):
-            remedy = "leave it out: it is for a link that has pins, no rails, straps or faces"
-            raise DesignError(f"parts.{link}.outline", 1, 0, "", f"link {link}", remedy)
-        pose = self.drawn_poses.get(link, self.machine.start_of(link))
-        turn = cmath.exp(-1j * pose.angle)
-        shift = (complex(*shape.outline_at) - pose.place) * turn
-        rings = [np.array(rows) for rows in shape.contours]
-        contours = [bulged(rows[:, 0] + 1j * rows[:, 1], rows[:, 2]) for rows in rings]
-        outer, *holes = (contour.moved(turn, shift) for contour in contours)
-        hubs = self.round_hubs(link)
-        return [
-            outer,
-            *(
-                hole
-                for hole in holes
-                if not any(
-                    abs(hole.centroid - z) < radius / 2 and abs(hole.area) < math.pi * radius**2
-                    for z, radius in hubs
-                )
-            ),
-        ]
-
-    def outline(self, link: str) -> Contour:
-        """A link's edge."""
-        if own := self.own_contours(link):
-            return own[0]
-        if link in self.guides:
-            return self.guides[link].outline
-        arm = self.arm_band(link)
-        if arm is not None:
-            return arm.outline()
-        edge = hull(self.hubs(link))
-        for tip in self.noses(link):
-            bar = self.arm(tip)
-            edge = edge if bar is None else with_bar(edge, *bar)
-        return edge
 
     @cached_property
     def guides(self) -> dict[str, Guide]:
@@ -703,14 +442,6 @@ class Layout(Connections):
         play = 0.0 if self.on_ground(point) else self.fits.slide_clearance
         return round(self.on(point)[-1][2] + play, 9)
 
-    def dowels(self, point: str) -> list[tuple[complex, float]]:
-        """Holes of the plate for the dowels of a disc of the ground, centre and radius, mm: across the way to its shaft."""
-        at = self.at(GROUND, point)
-        shaft = self.at(GROUND, self.discs[point][1])
-        radius = (self.sizes.pin_diameter + self.fits.press_clearance) / 2
-        way = 1j * (at - shaft) / abs(at - shaft) * (self.turning(point) / 2 - self.rim - radius)
-        return [(at + way, radius), (at - way, radius)]
-
     def _beneath(self, name: str) -> list[int]:
         """Levels that a groove's back plate or a spring takes under its own."""
         below = self.below(self.springs[name]) if name in self.springs else 1
@@ -763,18 +494,3 @@ class Layout(Connections):
     def top(self, level: int) -> float:
         """Height of the upper side of the thickest on a level, mm."""
         return self.floor(level) + self._heights[level]
-
-    @property
-    def line(self) -> tuple[float, float]:
-        """Where a sleeve on the shaft that drives begins, over the second plate, and where that shaft ends in it, mm."""
-        low = self.ceiling + self.sizes.base_thickness + self.fits.slide_clearance
-        return low, low + SLEEVE * self.sizes.shaft_diameter
-
-    @property
-    def ceiling(self) -> float:
-        """Height of the underside of the second plate, a play over the highest thing, mm."""
-        assert self.second is not None, "asked for with two plates alone"
-        play = self.fits.slide_clearance
-        most = max(self.level.values())
-        step = max(self._least, self.sizes.head, self.sizes.thickness) + play
-        return round(self.top(most) + play + max(0, self.second.highest - most) * step, 9)

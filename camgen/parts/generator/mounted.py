@@ -21,8 +21,9 @@ from camgen.machine.joining import Module
 from camgen.machine.model import GROUND
 from camgen.parts.assembly import Assembly, Shaft, renamed
 from camgen.parts.generator.connections import MergedFrame, Sleeve
-from camgen.parts.generator.layout import SLEEVE, Layout
+from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.plates import SECOND
+from camgen.parts.generator.second_plate import SLEEVE, ceiling_height, sleeve_ends
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
@@ -72,7 +73,9 @@ def upper_end(layout: Layout) -> UpperEnd | None:
     axis = layout.at(GROUND, point) if layout.in_second(point) else None
     shaft = "shaft" if layout.split_level(point) is None else f"shaft-{layout.upper_web}"
     angle = float(layout.machine.start_of(layout.driven).angle)
-    return UpperEnd(axis, layout.line[1], angle, layout.sizes, shaft, layout.ceiling)
+    return UpperEnd(
+        axis, sleeve_ends(layout)[1], angle, layout.sizes, shaft, ceiling_height(layout)
+    )
 
 
 def in_line(made: Assembly, module: Module, host: UpperEnd, gap: float) -> InLine | None:

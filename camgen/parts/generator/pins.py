@@ -23,6 +23,7 @@ from camgen.machine.features import Mount
 from camgen.parts.catalogue import BEARINGS, DOWELS, TURNED, Bearing, dowel, next_dowel
 from camgen.parts.generator.changes import Change, Unmade
 from camgen.parts.generator.connections import GROUND
+from camgen.parts.generator.heads import head_room, levels_beyond
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.seats import least_thickness, lip, seat_floor
 from camgen.parts.generator.stubs import Stub
@@ -129,7 +130,7 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[MountedPart]:
     match layout.kind(point):
         case "keyed":
             ends = [top - low for low, top in (stub.grips[0], stub.grips[-1])]
-            if layout.beyond(point)[0]:  # a head in place of the upper web
+            if levels_beyond(layout, point)[0]:  # a head in place of the upper web
                 between = grip - ends[0]
                 ends = [ends[0], 0.0]
             else:
@@ -268,7 +269,7 @@ def tall(layout: Layout) -> frozenset[str]:
         high, _, top = layout.on(point)[-1]
         grip = top + play - under
         beyond = _dowel_length(layout, grip)[0] - grip
-        levels = sum(layout.beyond(point))
+        levels = sum(levels_beyond(layout, point))
         room = levels * (layout.sizes.thickness + play)
         room += under - layout.floor(low) if point in layout.hung_points else layout.top(high) - top
         if beyond > room + 1e-9:
@@ -284,7 +285,7 @@ def _shoulder(
     s = layout.sizes
     at = layout.at(body, point)
     length = screw.length(grip)
-    room = layout.head_room(point) - screw.height
+    room = head_room(layout, point) - screw.height
     if not grip <= length <= grip + room:
         kind = "dowel" if s.of_sheet else "printed"
         raise _as_printed(

@@ -21,7 +21,16 @@ from camgen.geometry.outlines import Contour, Points, circle, rectangle
 from camgen.machine.features import Mount
 from camgen.parts.catalogue import HEAD_ROOM, Bought
 from camgen.parts.generator.connections import Sleeve
+from camgen.parts.generator.dowels import disc_dowels, dowel_holes, stud_holes
 from camgen.parts.generator.layout import GROUND, Layout
+from camgen.parts.generator.link_outlines import link_hubs, slot_holes
+from camgen.parts.generator.second_plate import (
+    ceiling_height,
+    channels_in,
+    far_hole,
+    in_first,
+    sleeve_ends,
+)
 from camgen.parts.generator.sizes import SUNK, Parts
 from camgen.parts.generator.troughs import rails
 from camgen.parts.hardware import plate, spacer
@@ -112,7 +121,7 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
     points = {
         name: z
         for name, z in layout.points_of(GROUND).items()
-        if name in layout.thread_posts or (name in layout.pivots and layout.in_first(name))
+        if name in layout.thread_posts or (name in layout.pivots and in_first(layout, name))
     }
     pivots = [point for point in points if layout.on_ground(point)]
     holes = {
@@ -123,13 +132,13 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
     holes |= {
         f"dowel {k} of {point}": circle(z, wide)
         for point in pivots
-        for k, (z, wide) in enumerate(layout.dowels(point), 1)
+        for k, (z, wide) in enumerate(disc_dowels(layout, point), 1)
     }
     hubs = [(z, layout.hub(point, GROUND)) for point, z in points.items()]
-    hubs += [disc for disc in layout.hubs(GROUND) if disc not in layout.round_hubs(GROUND)]
-    channels = layout.channels_in(False)
-    holes |= layout.slot_holes(GROUND, channels.keys()) | layout.ring_holes(GROUND)
-    holes |= layout.stud_holes(GROUND)
+    hubs += [disc for disc in link_hubs(layout, GROUND) if disc not in layout.round_hubs(GROUND)]
+    channels = channels_in(layout, False)
+    holes |= slot_holes(layout, GROUND, channels.keys()) | dowel_holes(layout, GROUND)
+    holes |= stud_holes(layout, GROUND)
     hubs += [(z, layout.hub(point, GROUND)) for point, ends in channels.items() for z in ends]
     # a screw's head beside the collar
     radius = s.mount_diameter / 2
@@ -300,11 +309,11 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     if layout.second is None:
         return
     points = {point: z for point, z in layout.points_of(GROUND).items() if layout.in_second(point)}
-    holes = {f"hole {point}": circle(z, layout.far_hole(point) / 2) for point, z in points.items()}
+    holes = {f"hole {point}": circle(z, far_hole(layout, point) / 2) for point, z in points.items()}
     posts, through, sunk = _posts(layout)
-    hubs = [*posts, *((z, layout.far_hole(point) / 2 + s.wall) for point, z in points.items())]
-    channels = layout.channels_in(True)
-    holes |= layout.slot_holes(GROUND, channels.keys())
+    hubs = [*posts, *((z, far_hole(layout, point) / 2 + s.wall) for point, z in points.items())]
+    channels = channels_in(layout, True)
+    holes |= slot_holes(layout, GROUND, channels.keys())
     hubs += [(z, layout.hub(point, GROUND)) for point, ends in channels.items() for z in ends]
     feet = [z for each in layout.stands if each.merged is None for z in each.places]
     more, under, below = _screws(layout, feet, "stand")
@@ -315,7 +324,7 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
             through |= {f"{stand.name} {k}": hole for k, hole in enumerate(stand.merged.holes, 1)}
             raised += stand.merged.above
     outer = hull([*hubs, *more])
-    ceiling = layout.ceiling
+    ceiling = ceiling_height(layout)
     depth = _depth(s)
     holes |= through | under
     heights = [(0.0, floor - depth, {}), (floor - depth, floor, sunk)]
@@ -387,7 +396,7 @@ def _sleeve(layout: Layout, name: str, sleeve: Sleeve) -> tuple[Part, Mount]:
     """What joins the shaft that drives to another machine's over it."""
     s = layout.sizes
     press = layout.fits.press_clearance
-    low, middle = layout.line
+    low, middle = sleeve_ends(layout)
     rim = circle(0j, max(s.shaft_diameter, sleeve.diameter) / 2 + s.head + s.wall)
     bores = (
         d_bore(s.shaft_diameter + press, s.shaft_flat),
@@ -416,7 +425,9 @@ def bought(layout: Layout) -> list[Bought]:
     screw = s.post_screw
     if layout.second is None or screw is None:
         return []
-    length = screw.length(s.base_thickness - _depth(s), (layout.ceiling - s.base_thickness) / 2)
+    length = screw.length(
+        s.base_thickness - _depth(s), (ceiling_height(layout) - s.base_thickness) / 2
+    )
     size = f"{screw.thread} x {length:g}, into core holes of {s.mount_diameter:g}"
     further = {f"post-{each.name}": each for each in layout.stands if each.merged is None}
     stands = sum(len(each.places) for each in further.values())
@@ -455,7 +466,7 @@ def steps(layout: Layout) -> list[str]:
                 f"and glued on {'it' if one else 'them'}."
             )
         places = [f"{', '.join(points)} find their holes"] if points else []
-        places += [f"pin {point} its slot" for point in layout.channels_in(True)]
+        places += [f"pin {point} its slot" for point in channels_in(layout, True)]
         so = f", so that {' and '.join(places)}," if places else ""
         sentences.append(f"Lay it on the posts{so} and draw the screws tight crosswise.")
         steps.append(" ".join(sentences))

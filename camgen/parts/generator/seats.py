@@ -12,6 +12,7 @@ from camgen.geometry.outlines import Contour, circle
 from camgen.parts.catalogue import Bearing
 from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.link_outlines import link_outline
 from camgen.parts.hardware import plate
 from camgen.parts.part import Layer
 
@@ -41,7 +42,7 @@ def link_layers(
 
     All bearings of a link that moves are alike, for its pins are.
     """
-    outline = layout.outline(link)
+    outline = link_outline(layout, link)
     thick = layout.thickness(link)
     points = layout.points_of(link)
     region = plate(f"link {link}", outline, holes, layout.min_wall)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from itertools import product
@@ -12,7 +13,7 @@ from camgen.machine import model as m
 from camgen.machine.run import Run
 from camgen.parts.generator.connections import GROUND, SecondPlate
 from camgen.parts.generator.cures import with_bows
-from camgen.parts.generator.guides import STEMS
+from camgen.parts.generator.guides import COVERED, STEMS
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.pins import refuse, tall
 from camgen.parts.generator.plates import columns, post_radius
@@ -50,6 +51,18 @@ def with_levels(layout: Layout, run: Run) -> Layout:
     raise refused
 
 
+def _stems(layout: Layout, link: str) -> Sequence[str]:
+    """How a link that slides may reach its rails: as asked for, or away from a cam that its own end touches."""
+    stem = layout.sizes.shape(link).stem
+    if stem is not None:
+        return (stem,)
+    sides = {tip.leaves for tip in layout.noses(link)}
+    if sides or layout.cover is None:
+        return tuple("ahead" if side > 0 else "behind" for side in sides) or STEMS
+    wide = any(slot.guide.body == link for slot in layout.slots.values())
+    return ("both", *COVERED) if wide else COVERED
+
+
 def _with_stems(layout: Layout, run: Run) -> list[Layout]:
     """The layout with the strokes of its slots and slides, by all choices of their stems."""
     ways = {
@@ -60,7 +73,7 @@ def _with_stems(layout: Layout, run: Run) -> list[Layout]:
     strokes = {name: (float(way.min()), float(way.max())) for name, way in ways.items()}
     return [
         replace(layout, strokes=strokes, stems=dict(zip(layout.slides, stems, strict=True)))
-        for stems in product(*map(layout.stems_of, layout.slides))
+        for stems in product(*(_stems(layout, link) for link in layout.slides))
     ]
 
 
@@ -98,7 +111,9 @@ def refusal(layout: Layout, run: Run) -> DesignError | None:
 
 def _lowest(layout: Layout, run: Run, explain: bool) -> Layout | None:
     """The layout on fewest levels, by where the ground's pins have their heads; otherwise as `found_levels`."""
-    found = [made for each in layout.heads() if (made := _with_dowels(each, run, explain))]
+    ways = [layout]  # heads of the ground's pins over the plate, or under the one that there is
+    ways += [replace(layout, sunk=True)] if layout.sizes.plates < 2 else []
+    found = [made for each in ways if (made := _with_dowels(each, run, explain))]
     return min(found, key=lambda each: max(each.given.values()), default=None)
 
 

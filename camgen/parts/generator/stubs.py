@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.second_plate import ceiling_height
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ def stubs(layout: Layout, point: str) -> list[Stub]:
     held = [(low, top) for _, low, top in levels]
     if layout.second is None or not layout.between_plates(point):
         return [_inside(layout, point, Stub(held))]
-    end = (layout.ceiling, layout.ceiling + layout.sizes.base_thickness)
+    end = (ceiling_height(layout), ceiling_height(layout) + layout.sizes.base_thickness)
     at = layout.split_level(point)
     if at is None:
         return [Stub([*held, end], far=True)]
@@ -59,4 +60,4 @@ def in_upper(layout: Layout, point: str, link: str) -> bool:
     cut = layout.split_level(point)
     if cut is not None:
         return level > cut
-    return 2 * layout.floor(level) > layout.ceiling + layout.sizes.base_thickness
+    return 2 * layout.floor(level) > ceiling_height(layout) + layout.sizes.base_thickness

@@ -19,7 +19,9 @@ from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.cures import slimmer, slimmer_pin
 from camgen.parts.generator.gears import DowelledWheel
 from camgen.parts.generator.genevas import DowelledEdge
+from camgen.parts.generator.heads import levels_beyond
 from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.link_outlines import arm_band, link_hubs, own_contours, tip_bar
 from camgen.parts.generator.plates import motor_holes
 from camgen.parts.generator.ratchets import RatchetDrive
 from camgen.parts.generator.wheels import Roller, Wheel
@@ -97,26 +99,26 @@ def _links(courses: _Courses) -> list[Band]:
     for link in layout.moving:
         if link in layout.alone:
             continue
-        arm = None if link in layout.guides else layout.arm_band(link)
-        own = layout.own_contours(link)
-        discs = layout.guides[link].bands if link in layout.guides else [layout.hubs(link)]
+        arm = None if link in layout.guides else arm_band(layout, link)
+        own = own_contours(layout, link)
+        discs = layout.guides[link].bands if link in layout.guides else [link_hubs(layout, link)]
         if own:
             discs = [_round_hull(own[0])]
         elif arm is not None:
             reach = arm.width / 2 + arm.sagitta
             discs = [
-                *([hub] for hub in layout.hubs(link)),
+                *([hub] for hub in link_hubs(layout, link)),
                 *([(a, reach), (b, reach)] for a, b in pairwise(arm.middle())),
             ]
-        elif len(layout.hubs(link)) == 2 and not layout.discs.keys().isdisjoint(
+        elif len(link_hubs(layout, link)) == 2 and not layout.discs.keys().isdisjoint(
             layout.points_of(link)
         ):
-            discs = _tapered(*layout.hubs(link))
+            discs = _tapered(*link_hubs(layout, link))
         slim, move = slimmer(layout, link)
         for each in discs:
             band = courses.band(f"link {link}", link, each, link)
             bands.append(replace(band, slim=slim, move=move, link=link))
-        bars = [bar for tip in layout.noses(link) if (bar := layout.arm(tip)) is not None]
+        bars = [bar for tip in layout.noses(link) if (bar := tip_bar(layout, tip)) is not None]
         for start, way, half, length, _ in bars:
             ends = [(start, half), (start + length * way, half)]
             face = courses.band(f"face of link {link}", link, ends, link)
@@ -328,7 +330,7 @@ def _axes(courses: _Courses, before: Over) -> tuple[list[Axis], Over]:
                 courses.way(links[0], point),
                 layout.head_radius(point),
                 links[0] == GROUND or runs,
-                *layout.beyond(point),
+                *levels_beyond(layout, point),
                 *slimmer_pin(layout, point),
                 layout.between_plates(point),
                 () if shaft is None else tuple(link for link in held if link not in hanging),

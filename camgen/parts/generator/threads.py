@@ -18,6 +18,13 @@ from camgen.parts.hardware import grooved, headed
 HELD = 0.5  # of what a head and a shoulder stand out, which is enough to hold a thread
 
 
+def thread_heights(layout: Layout) -> tuple[float, float]:
+    """Between which heights threads lie on their posts, mm: their groove, up to the heads."""
+    sizes = layout.sizes.thread_post_sizes
+    top = round(layout.top(max(layout.level.values())) + sizes.height, 9)
+    return top - (sizes.groove or sizes.height), top
+
+
 def thread_posts(layout: Layout) -> Iterator[MountedPart]:
     """The posts of all threads."""
     head = layout.sizes.head
@@ -30,7 +37,7 @@ def thread_posts(layout: Layout) -> Iterator[MountedPart]:
     for point, link in layout.thread_posts.items():
         foot = layout.floor(layout.level[link])
         wide = sizes.diameter_at(point)
-        shape = wide, round(layout.thread_heights[1] - foot, 9), wide + 2 * head, head
+        shape = wide, round(thread_heights(layout)[1] - foot, 9), wide + 2 * head, head
         post = headed("", "", *shape)
         if sizes.groove:
             post = grooved(post, sizes.groove)
@@ -49,6 +56,6 @@ def strands(layout: Layout, posts: Sequence[Mount]) -> list[Strand]:
             post = next(each for each in posts if (each.body, each.at) == place)
             copies = [each for each in posts if each.part == post.part]
             held.append((post.part, copies.index(post)))
-        ends = *layout.thread_heights, HELD * layout.sizes.head
+        ends = *thread_heights(layout), HELD * layout.sizes.head
         found.append(Strand(name, tuple(held), *ends, layout.fits.slide_clearance))
     return found
