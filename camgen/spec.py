@@ -299,8 +299,10 @@ class Material(Record):
 class Files(Record):
     """How files are written."""
 
-    curves: Literal["bulge", "lines"] = Field(
-        default="bulge", description='"bulge": arcs in polylines; "lines": for readers without them'
+    curves: Literal["bulge", "lines", "arcs", "spline"] = Field(
+        default="bulge",
+        description='"bulge": arcs in polylines; for readers without them "lines": chords, "arcs": lines and arcs end on end, '
+        '"spline": a spline for each contour',
     )
     center_marks: bool = Field(
         default=False, description="true: marks at centres, on a layer CENTER"

@@ -9,13 +9,14 @@ import io
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from camgen.bounds import read_bytes
 from camgen.errors import FileError, counted
-from camgen.files.formats import FORMATS, Drawing, DrawingFault, Job
+from camgen.files.dxf_edges import add_edges, add_spline, ring_of_spline, rings_of_edges
+from camgen.files.formats import FORMATS, Curves, Drawing, DrawingFault, Job
 from camgen.geometry.arcs import as_circle, bulges, fit_arcs
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.facets import facet_contour
@@ -50,6 +51,11 @@ _SHAPE = {
     "end",
     "elevation",
     "extrusion",
+    "start_angle",
+    "end_angle",
+    "degree",
+    "n_knots",
+    "n_control_points",
 }
 
 
@@ -90,14 +96,20 @@ def document(
     path.write_bytes(text.getvalue().replace("\n-0.0\n", "\n0.0\n").encode("utf-8"))
 
 
-def add_contour(space: Any, contour: Contour, layer: str) -> None:
-    """Add a contour of lines and arcs as ONE entity: a CIRCLE, or a closed LWPOLYLINE with every |bulge| < 1."""
+def add_contour(space: Any, contour: Contour, layer: str, curves: Curves = "bulge") -> None:
+    """Add a contour of lines and arcs as ONE entity: a CIRCLE, or a closed LWPOLYLINE with every |bulge| < 1, or a SPLINE.
+
+    With curves = "arcs" a LINE or ARC for each edge in place of a polyline.
+    """
     circle = as_circle(contour)
     if circle:
         centre, radius = circle
         space.add_circle((centre.real, centre.imag), radius, dxfattribs={"layer": layer})
         return
     points, bulge = bulges(contour)
+    if curves in ("arcs", "spline"):
+        (add_edges if curves == "arcs" else add_spline)(space, points, bulge, layer)
+        return
     line = space.add_lwpolyline([], close=True, dxfattribs={"layer": layer})
     # `add_lwpolyline` takes a time that grows with the square of the number of points, this does not.
     corners = zip(points.tolist(), bulge.tolist(), strict=True)
@@ -117,13 +129,13 @@ def write_dxf(
     region: Region,
     centres: Sequence[complex],
     tolerance: float,
-    curves: Literal["bulge", "lines"] = "bulge",
+    curves: Curves = "bulge",
     engraved: Sequence[Contour] = (),
 ) -> None:
     """Write a region's contours on layer CUT, a mark at each centre on layer CENTER, engraved ones on ENGRAVE, nothing else.
 
-    Full circles are CIRCLEs; the others are arcs within tolerance ("bulge"), or chords for readers without bulges
-    ("lines"), mm. Outer contour first, counter-clockwise like the holes.
+    Full circles are CIRCLEs; the others are polylines of arcs within tolerance ("bulge"), mm, or for readers without
+    bulges chords ("lines"), LINEs and ARCs ("arcs") or a SPLINE each. Outer contour first, counter-clockwise like the holes.
     """
 
     def flat(contour: Contour) -> Contour:
@@ -144,7 +156,7 @@ def write_dxf(
             *((CUT_LAYER, each) for each in contours),
             *((ENGRAVE_LAYER, each) for each in engravings),
         ]:
-            add_contour(space, contour, layer)
+            add_contour(space, contour, layer, curves)
         for a, b in marks.tolist():
             space.add_line((a.real, a.imag), (b.real, b.imag), dxfattribs={"layer": MARK_LAYER})
 
@@ -223,19 +235,22 @@ def _same(a: Ring, b: Ring) -> bool:
 
 def read_part(path: Path, name: str) -> Drawing:
     """The drawing of a part; the file does not name it."""
-    return read_dxf(path, engraving=True)
+    return read_dxf(path, engraving=True, any_curves=True)
 
 
-def read_dxf(path: str | Path, engraving: bool = False) -> Drawing:
+def read_dxf(path: str | Path, engraving: bool = False, any_curves: bool = False) -> Drawing:
     """Read a DXF file; FileError when it cannot be read, is no DXF or is cut short.
 
     Closed LWPOLYLINE (with bulges) and CIRCLE (as two half-circles from its rightmost point) on CUT become rings, LINEs on
-    CENTER marks, and where engraving may be there rings on ENGRAVE as well. Whatever else there is, or looks otherwise than
-    drawn plainly, is a fault: somebody's laser will cut it, or leave it out.
+    CENTER marks, and where engraving may be there rings on ENGRAVE as well; any_curves: so do LINEs and ARCs end on end, and
+    SPLINEs that are made of such. Whatever else there is, or looks otherwise than drawn plainly, is a fault: somebody's laser
+    will cut it, or leave it out.
     """
     drawing = _opened(path)
     rings: list[Ring] = []
     engraved: list[Ring] = []
+    edges: dict[str, list[Any]] = {}
+    curves: Curves = "bulge"
     marks: list[tuple[complex, complex]] = []
     faults = [*_hidden_layers(drawing), *_elsewhere(drawing)]
     for entity in drawing.modelspace():
@@ -258,8 +273,13 @@ def read_dxf(path: str | Path, engraving: bool = False) -> Drawing:
                 )
             )
             continue
+        elif any_curves and kind in ("LINE", "ARC"):
+            curves = "arcs"
+            edges.setdefault(layer, []).append(entity)
         else:
-            ring, ring_faults = _ring_of(entity)
+            spline = ring_of_spline(entity) if any_curves and kind == "SPLINE" else None
+            curves = curves if spline is None else "spline"
+            ring, ring_faults = _ring_of(entity) if spline is None else (spline, [])
             faults += ring_faults
             if ring is not None:
                 if any(_same(ring, other) for other in rings):
@@ -270,6 +290,15 @@ def read_dxf(path: str | Path, engraving: bool = False) -> Drawing:
                     )
                 (rings if layer == CUT_LAYER else engraved).append(ring)
         faults += _looks(entity)
+    for layer, pieces in edges.items():
+        closed, gaps = rings_of_edges(path, pieces)
+        (rings if layer == CUT_LAYER else engraved).extend(closed)
+        faults += [
+            DrawingFault(
+                "open", gap, f"lines and arcs on {layer} are open, with a gap of {gap:.6g} mm"
+            )
+            for gap in gaps
+        ]
     units = drawing.header.get("$INSUNITS")
     ends = np.array(marks, complex).reshape(-1, 2)
     layers = {
@@ -280,7 +309,7 @@ def read_dxf(path: str | Path, engraving: bool = False) -> Drawing:
         for name, look in layers.items()
         if name in (CUT_LAYER, MARK_LAYER, ENGRAVE_LAYER)
     }
-    return Drawing(units, tuple(rings), ends, tuple(faults), tuple(engraved), ours)
+    return Drawing(units, tuple(rings), ends, tuple(faults), tuple(engraved), ours, curves)
 
 
 def read_contours(path: Path) -> tuple[list[Ring], list[str]]:

@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from camgen.parts.part import Part
 
 
+# As what a drawing shows contours: polylines with arcs, polylines of chords, lines and arcs end on end, or splines.
+Curves = Literal["bulge", "lines", "arcs", "spline"]
+
+
 @dataclass(frozen=True)
 class Format:
     """A format: its module in this package, and what it holds: a drawing, a mesh, or an exact solid.
@@ -82,7 +86,7 @@ class Job:
     """A part, as a file is to hold it.
 
     name: of the part; title: of the file; key: what identifiers inside a file are made from.
-    region, centres (complex mm): what a drawing shows, within tolerance, mm, as arcs ("bulge") or chords ("lines").
+    region, centres (complex mm): what a drawing shows, within tolerance, mm; curves: as what.
     solid: as it is sent to the printer, None where no mesh is asked for; part: itself, where an exact solid is; engraved:
     contours that the drawing shows besides.
     """
@@ -93,7 +97,7 @@ class Job:
     region: Region
     centres: Sequence[complex]
     tolerance: float
-    curves: Literal["bulge", "lines"]
+    curves: Curves
     solid: Mesh | None
     part: Part | None = None
     engraved: Sequence[Contour] = ()
@@ -119,6 +123,7 @@ class Drawing:
 
     cut: in the file's order; marks: (n, 2) complex, mm, the ends of each LINE on the layer of centre marks; engraved: rings.
     layers: colour index and line weight, 1/100 mm, of those three: by these a program of a laser chooses its tool.
+    curves: as what contours are drawn that are no closed polylines or circles, "arcs" or "spline"; else "bulge".
     """
 
     units: int | None
@@ -127,6 +132,7 @@ class Drawing:
     faults: tuple[DrawingFault, ...]
     engraved: tuple[Ring, ...] = ()
     layers: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+    curves: Curves = "bulge"
 
     def repainted(self, looks: Mapping[str, tuple[int, int]]) -> list[str]:
         """What is wrong with its layers, where these are to have such colours and line weights."""

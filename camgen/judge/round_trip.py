@@ -72,6 +72,7 @@ class NominalPart:
         default_factory=lambda: np.empty((0, 2), complex)
     )  # (n, 2), ends of strokes
     engraved: tuple[Ring, ...] = ()
+    curves: str = "bulge"  # as what its drawing shows contours
 
 
 @dataclass(frozen=True)
@@ -109,6 +110,10 @@ def judge_drawing(path: Path, expected: NominalPart) -> PartVerdict:
     drawing = read_drawing(path, expected.part)
     units = drawing.units or 0
     faults = [fault.message for fault in drawing.faults] + drawing.repainted(PART_LAYERS)
+    if drawing.curves not in ("bulge", expected.curves):
+        faults.append(
+            f'contours are drawn as files.curves = "{drawing.curves}", not as "{expected.curves}"'
+        )
     faults += _misplaced(drawing.marks, expected.marks)
     faults += _misdrawn(drawing.engraved, expected.engraved, expected.chord_tolerance)
     closed = at_most(
@@ -117,7 +122,9 @@ def judge_drawing(path: Path, expected: NominalPart) -> PartVerdict:
         0,
         "contours",
         where,
-        "; ".join(faults) or f"{counted(len(drawing.cut), 'contour')}, each one closed entity",
+        "; ".join(faults)
+        or f"{counted(len(drawing.cut), 'contour')}, each "
+        + ("closed, of lines and arcs" if drawing.curves == "arcs" else "one closed entity"),
     )
     findings = [
         at_most(

@@ -87,6 +87,7 @@ def nominal_part(
         engraved=tuple(facetted(Region(each), fine).outer for each in part.engraving)
         if files and files.engrave
         else (),
+        curves=files.curves if files else "bulge",
     )
 
 
