@@ -62,10 +62,10 @@ def _write_drawing(write: Callable[..., list[Path]], folder: Path, *facts: objec
     return [folder / name for name in _DRAWINGS.once(key, files)]
 
 
-def read_dxf(path: str | Path, engraving: bool = False) -> dxf.Drawing:
+def read_dxf(path: str | Path, engraving: bool = False, any_curves: bool = False) -> dxf.Drawing:
     """As `dxf.read_dxf`: the same bytes are read once."""
-    key = "cut", engraving, _bytes(path)
-    drawn: dxf.Drawing = _READINGS.once(key, lambda: _read_dxf(path, engraving))
+    key = "cut", engraving, any_curves, _bytes(path)
+    drawn: dxf.Drawing = _READINGS.once(key, lambda: _read_dxf(path, engraving, any_curves))
     return drawn
 
 

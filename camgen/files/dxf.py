@@ -276,6 +276,11 @@ def read_dxf(path: str | Path, engraving: bool = False, any_curves: bool = False
         elif any_curves and kind in ("LINE", "ARC"):
             curves = "arcs"
             edges.setdefault(layer, []).append(entity)
+            places = ("center",) if kind == "ARC" else ("start", "end")
+            raised = any(entity.dxf.get(place).z for place in places)
+            if raised or tuple(entity.dxf.extrusion) != (0, 0, 1):
+                message = f"{kind} #{entity.dxf.handle} is mirrored or raised off the plane z = 0"
+                faults.append(DrawingFault("plane", 1, message))
         else:
             spline = ring_of_spline(entity) if any_curves and kind == "SPLINE" else None
             curves = curves if spline is None else "spline"
@@ -292,7 +297,10 @@ def read_dxf(path: str | Path, engraving: bool = False, any_curves: bool = False
         faults += _looks(entity)
     for layer, pieces in edges.items():
         closed, gaps = rings_of_edges(path, pieces)
-        (rings if layer == CUT_LAYER else engraved).extend(closed)
+        for ring in closed:
+            if any(_same(ring, other) for other in rings):
+                faults.append(DrawingFault("duplicate", 1, "lines and arcs repeat a contour"))
+            (rings if layer == CUT_LAYER else engraved).append(ring)
         faults += [
             DrawingFault(
                 "open", gap, f"lines and arcs on {layer} are open, with a gap of {gap:.6g} mm"

@@ -17,7 +17,7 @@ import numpy as np
 
 from camgen.bounds import Bound, bounded
 from camgen.errors import DesignError, FileError
-from camgen.files.dxf import read_part, write_dxf
+from camgen.files.dxf import read_dxf, write_dxf
 from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.outlines import Arc, Piece, Region, end_point, start_point
@@ -192,7 +192,7 @@ def judge_tables(case: Case) -> list[Finding]:
     findings = list(judge_developments(case))
     for name, (touch, *_) in cams_of(case.mechanism).items():
         rings = sorted(
-            read_part(case.file(name, "dxf"), name).cut, key=lambda ring: -abs(ring.area)
+            read_dxf(case.file(name, "dxf"), any_curves=True).cut, key=lambda ring: -abs(ring.area)
         )
         if not rings[touch.outer :]:
             continue  # told as the drawing is judged

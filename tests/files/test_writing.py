@@ -5,6 +5,7 @@ import os
 import struct
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import ezdxf
@@ -13,7 +14,7 @@ import pytest
 from test_solids import TOLERANCE, cam, hub
 
 from camgen import __version__
-from camgen.files.dxf import read_dxf, write_dxf
+from camgen.files.dxf import read_dxf, read_part, write_dxf
 from camgen.files.formats import FORMATS, Job, read_exact, read_solid, write_part
 from camgen.files.stl import write_stl
 from camgen.files.threemf import PartCopy, write_3mf
@@ -65,6 +66,83 @@ def test_dxf_holds_what_is_cut_and_nothing_else(tmp_path, curves):
     middles = [complex(*((e.dxf.start + e.dxf.end) / 2).vec2) for e in marks]
     assert np.allclose(middles[::2], part.centres) and np.allclose(middles[1::2], part.centres)
     assert all(len(layout) == 0 for layout in doc.layouts if layout.name != "Model")
+
+
+@pytest.mark.parametrize("curves, kinds", [("arcs", {"LINE", "ARC"}), ("spline", {"SPLINE"})])
+def test_a_drawing_without_polylines_has_the_same_contours(tmp_path, curves, kinds):
+    """To rounding those of the polylines with arcs, by our reader, and by ezdxf's own curves for splines and arcs."""
+    part = cam()
+    for each in ("bulge", curves):
+        write_dxf(tmp_path / f"{each}.dxf", part.region, (), TOLERANCE, each)
+    wanted = read_part(tmp_path / "bulge.dxf", "cam")
+    drawing = read_part(tmp_path / f"{curves}.dxf", "cam")
+    assert (wanted.curves, drawing.curves) == ("bulge", curves)
+    assert not drawing.faults and len(drawing.cut) == len(wanted.cut)
+    for ring in drawing.cut:
+        like = min(wanted.cut, key=lambda each: abs(abs(each.area) - abs(ring.area)))
+        assert ring.length == pytest.approx(like.length, abs=1e-9)
+        assert abs(ring.area) == pytest.approx(abs(like.area), abs=1e-8)
+        assert ring.centroid == pytest.approx(like.centroid, abs=1e-9)
+    doc = ezdxf.readfile(tmp_path / f"{curves}.dxf")
+    assert not doc.audit().errors and not doc.audit().fixes
+    entities = [e for e in doc.modelspace() if e.dxftype() != "CIRCLE"]
+    assert {e.dxftype() for e in entities} <= kinds and entities[0].dxf.layer == "CUT"
+    length = sum(a.distance(b) for each in map(chords, entities) for a, b in pairwise(each))
+    straight = sum(
+        ring.length for ring in wanted.cut if np.ptp(ring.bulges) or len(ring.points) > 2
+    )
+    assert length == pytest.approx(straight, rel=1e-6)
+    # who wants closed polylines, such as of a sheet that is cut, takes neither
+    assert {fault.kind for fault in read_dxf(tmp_path / f"{curves}.dxf").faults} == {"entity"}
+
+
+def chords(entity):
+    """Points along an entity, close by, as ezdxf has them."""
+    if entity.dxftype() == "LINE":
+        return [entity.dxf.start, entity.dxf.end]
+    if entity.dxftype() == "ARC":
+        return list(entity.flattening(1e-6))
+    curve = entity.construction_tool()
+    return list(curve.points(np.linspace(0, curve.max_t, 300 * int(curve.max_t) + 1)))
+
+
+def damaged(path, curves, change):
+    """The faults of a drawing of which one entity was changed."""
+    write_dxf(path, cam().region, (), TOLERANCE, curves)
+    doc = ezdxf.readfile(path)
+    kind = "SPLINE" if curves == "spline" else "ARC"
+    change(doc.modelspace(), next(e for e in doc.modelspace() if e.dxftype() == kind))
+    doc.saveas(path)
+    return {fault.kind for fault in read_part(path, "cam").faults}
+
+
+def weightier(space, spline):
+    spline.weights = [1.001 * w if k == 1 else w for k, w in enumerate(spline.weights)]
+
+
+def off_its_tangents(space, spline):
+    poles = np.array(spline.control_points)
+    poles[1, :2] += 1e-4
+    spline.control_points = poles
+
+
+@pytest.mark.parametrize(
+    "curves, change, kind",
+    [
+        ("arcs", lambda space, arc: None, None),
+        ("arcs", lambda space, arc: space.delete_entity(arc), "open"),
+        ("arcs", lambda space, arc: arc.translate(1e-5, 0, 0), "open"),
+        ("arcs", lambda space, arc: arc.translate(0, 0, 1), "plane"),
+        ("arcs", lambda space, arc: [e.copy_to_layout(space) for e in list(space)], "duplicate"),
+        ("spline", lambda space, spline: None, None),
+        ("spline", weightier, "entity"),
+        ("spline", off_its_tangents, "entity"),
+        ("spline", lambda space, spline: spline.translate(0, 0, 1), "entity"),
+        ("spline", lambda space, spline: spline.copy_to_layout(space), "duplicate"),
+    ],
+)
+def test_a_damaged_drawing_without_polylines_is_told(tmp_path, curves, change, kind):
+    assert kind in (damaged(tmp_path / "cam.dxf", curves, change) or {None})
 
 
 @pytest.mark.parametrize("radius, strokes", [(0.2, 0), (0.5, 2), (1, 2), (2.5, 2), (30, 2)])
