@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from hypothesis import strategies as st
 from shapes import polygon as polygon_ring
 
 from camgen.files.dxf import write_dxf
+from camgen.files.formats import Curves
 from camgen.files.stl import write_stl
 from camgen.findings import Where
 from camgen.geometry.facets import facet_contour
@@ -349,6 +351,19 @@ def test_a_slit_whose_corners_all_lie_on_the_outline_is_told(tmp_path: Path) -> 
         write_dxf(path, region_of(face), (), 0.001, "lines")
         judged = judge_drawing(path, nominal_part(plate, 0.001))
         assert {finding.code for finding in judged.findings if not finding.ok} == codes
+
+
+@pytest.mark.parametrize("asked", ["bulge", "lines", "arcs", "spline"])
+def test_a_drawing_is_of_the_curves_that_the_spec_asks_for(tmp_path: Path, asked: Curves) -> None:
+    """Polylines and circles are closed entities whatever else is asked for; lines and arcs, or splines, only where they are."""
+    part = part_of("knife", "cam")
+    path = tmp_path / "cam.dxf"
+    meant = replace(nominal_part(part, 0.001), curves=asked)
+    others = {"arcs", "spline"} - {asked}
+    for curves in get_args(Curves):
+        write_dxf(path, part.region, (), 0.001, curves)
+        failing = {each.code for each in judge_drawing(path, meant).findings if not each.ok}
+        assert failing == ({"DXF_CLOSED"} if curves in others else set())
 
 
 # ---- knife edges -----------------------------------------------------------------------------------------------------
