@@ -51,6 +51,7 @@ from camgen.files.symbols import (
     width_of,
 )
 from camgen.files.title_block import WIDTH, Facts, title_block
+from camgen.files.track_tables import track_table
 from camgen.files.tracks import (
     SECTION_ROOM,
     development,
@@ -85,8 +86,6 @@ _DIMENSION_GAP = 24.0
 _ASIDE = 0.6  # rad, of a leader from the lines of overall sizes
 _HATCH = 2.5  # mm of paper between the lines of a cut face
 _THIRD = 8.0  # from the plan view's dimension to the third view, and from that to what is below
-_COLUMNS = 3  # pairs of angle and radius beside each other
-_TRIPLES = 2  # cam angle, angle from X and radius beside each other
 _DETAIL = 48.0  # height of a bore's detail, at most
 _DETAIL_RADIUS = 32.0  # of its bore, beside its sizes
 _DETAIL_AT = 0.56  # of the tables' width: its middle
@@ -209,7 +208,8 @@ class _Layout:
         self.engraved = _contours(part.engraved, tolerance)
         self.rows = self._rows()
         self.polar = self._radii_of_profile()
-        surface = self.polar and (facts.profile or facts.roughness)
+        self.track_table = track_table(facts, self.polar, part.drum)
+        surface = (self.polar or facts.levels) and (facts.profile or facts.roughness)
         self.over = _ABOVE + (_SURFACE if surface else 0.0)
         self.datum_letter = next(
             (label for label, hole in self.named if hole.radius and abs(hole.place) < SAME_POINT),
@@ -296,7 +296,10 @@ class _Layout:
         )
 
     def _rim_letter(self) -> str:
-        """Letter of the datum that a round rim is, where no hole about its axis is one and something refers to a datum."""
+        """Letter of the datum that a round rim is, or the lower side of a plate with an edge, where no hole about its axis is one and
+        something refers to a datum."""
+        if self.facts.levels and self.facts.profile:
+            return self._second
         track = self.facts.profile and any(map(free, self.part.region.holes))
         centred = self.disc is not None and abs(self.low + self.high) < SAME_POINT
         return self._second if centred and not self.datum_letter and (track or self.placed) else ""
@@ -309,7 +312,9 @@ class _Layout:
         return extent([self.bored])[1].imag < hole_of(self.bored).radius - SAME_POINT
 
     def _angle_hole(self) -> Hole | None:
-        """The dowel's hole that is the datum of a track's angle, of a part without a keyway."""
+        """The dowel's hole that is the datum of a track's angle, of a part without a keyway; of a plate with an edge its first hole."""
+        if self.facts.levels:
+            return next((hole for _, hole in self.named if self.datum_letter and hole.radius), None)
         contours = (self.part.region.outer, *self.part.region.holes)
         if self.key or not (self.facts.profile and self.datum_letter and any(map(free, contours))):
             return None
@@ -367,10 +372,10 @@ class _Layout:
             return "A3", best("A3")
         a4 = best("A4")
         a3 = best("A3")
-        long = (1 + len(self.rows) + self._polar_rows()) * _ROW > _SIZES["A4"][
+        long = (1 + len(self.rows) + self._track_lines()) * _ROW > _SIZES["A4"][
             1
         ] - 2 * _MARGIN - self.facts.height - (_DETAIL_HEIGHT if self.bored else 0.0)
-        tables = self.polar or self.facts.heights or self.bored
+        tables = self.track_table or self.bored
         return ("A3", a3) if (a4 < 1 and a3 > a4) or (long and tables) else ("A4", a4)
 
     def _datum(self) -> complex:
@@ -431,7 +436,9 @@ class _Layout:
             low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, Measure(span.real, wide)
         )
         if self.rim_letter:
-            foot = self.paper(complex(0, self.low.imag)) - 1j * _DIMENSION_GAP
+            plate = self.facts.levels
+            middle = (2 * self.low.real + self.high.real) / 3 if plate else 0.0
+            foot = self.paper(complex(middle, self.low.imag)) - 1j * _DIMENSION_GAP * (not plate)
             datum(self.sheet, foot, -1j, self.rim_letter)
         if self.disc is None:
             aside = -_DIMENSION_GAP + 0j
@@ -536,7 +543,7 @@ class _Layout:
             aside = cmath.exp(0.25j * math.pi)
             self._leader(centre + radius * aside, aside, f"Ø{number(2 * radius)}")
             angles.append(math.pi / 4)
-        if free(self.part.region.outer):
+        if free(self.part.region.outer) and not self.facts.levels:
             for point, word in zip(
                 nearest_and_farthest(self.outer), ("smallest", "largest"), strict=True
             ):
@@ -709,9 +716,10 @@ class _Layout:
         top = self.sheet.height - _MARGIN
         detail = _DETAIL_HEIGHT if self.bored else 0.0
         room = int((top - _MARGIN - self.facts.height - detail) / _ROW) - 1
-        polar = (self.polar or self.facts.heights) if self._polar_rows() < room else []
+        width = sum(_TABLE_WIDTHS)
+        table = self.track_table if self._track_lines() < room else None
         rows = self.rows
-        room = room - (self._polar_rows() if polar else 0)
+        room = room - (self._track_lines() if table else 0)
         if len(rows) > room:
             rows = [
                 *rows[: room - 1],
@@ -728,46 +736,19 @@ class _Layout:
             widths = (first, *_TABLE_WIDTHS[1:3], sum(_TABLE_WIDTHS[::3]) - first)
             self._grid(top, [head, *rows], widths, (1, 2))
         self.free = top - (len(rows) + 1 if rows else 0) * _ROW
-        if not polar:
+        if table is None:
             return
         top -= (len(rows) + 2) * _ROW
-        exact = "Theoretically exact radii" if self.facts.profile else "Radii of the profile"
-        title = f"{exact} about the origin, by the angle from X, ccw"
-        heads: tuple[str, ...] = ("Angle", "Radius")
-        columns: tuple[float, ...] = (15.0, 19.0)
-        radii: list[tuple[str, ...]] = [
-            (f"{angle:g}°", f"{radius:.3f}") for angle, radius in self.polar
-        ]
-        if self.facts.track:
-            exact = "Theoretically exact track" if self.facts.profile else "Track by cam angle"
-            title = f"{exact}: where the follower touches, from X, ccw"
-            heads = ("Cam", "At", "Radius")
-            columns = (14.0, 18.5, 18.5)
-            radii = [
-                (f"{angle:g}°", f"{math.degrees(cmath.phase(z)) % 360:.2f}°", f"{abs(z):.3f}")
-                for angle, z in self.facts.track
-            ]
-        drum = self.part.drum
-        if self.facts.heights:
-            exact = "Exact axis" if self.facts.profile else "Axis"
-            of = "both rollers' middle" if drum and drum.track == "rib" else "the roller"
-            title = f"{exact} of {of}: angle from X, ccw, and height"
-            heads = ("Drum", "At", "Z")
-            columns = (14.0, 18.5, 18.5)
-            radii = [(f"{a:g}°", f"{at:.2f}°", f"{z:.3f}") for a, at, z in self.facts.heights]
-        self.sheet.text(complex(self.table_x + 1.5, top + 1.3), title, room=sum(_TABLE_WIDTHS) - 3)
-        count = self._polar_rows() - 2
-        beside = round(sum(_TABLE_WIDTHS) / sum(columns))
-        lines = [[cell for row in radii[k::count] for cell in row] for k in range(count)]
-        self._grid(top, [heads * beside, *lines], columns * beside, range(len(heads) * beside))
-        self.free = top - (count + 1) * _ROW
+        self.sheet.text(complex(self.table_x + 1.5, top + 1.3), table.title, room=width - 3)
+        beside = table.beside(width)
+        lines = [list(table.heads * beside), *table.lines(width)]
+        numbers = range(len(table.heads) * beside)
+        self._grid(top, lines, table.widths * beside, numbers)
+        self.free = top - len(lines) * _ROW
 
-    def _polar_rows(self) -> int:
-        """Rows that a cam's table takes, with its title and head."""
-        facts = self.facts
-        beside = _TRIPLES if facts.track or facts.heights else _COLUMNS
-        count = max(len(self.polar), len(facts.track)) if self.polar else len(facts.heights)
-        return -(-count // beside) + 2 if count else 0
+    def _track_lines(self) -> int:
+        """Rows that a track's table takes, with its title and head."""
+        return self.track_table.count(sum(_TABLE_WIDTHS)) + 2 if self.track_table else 0
 
     def _grid(
         self,
@@ -810,7 +791,8 @@ class _Layout:
         if facts.roughness:
             wide = roughness(sheet, start + 3, f"Ra {facts.roughness:g}") + 5
         sheet.line(start, start + wide + 2, layer="DIM")
-        all_round(sheet, start)
+        if not facts.levels:
+            all_round(sheet, start)
         if facts.profile:
             line_profile(sheet, start + wide + 2 - 1j * FRAME / 2, facts.profile, datums)
 
@@ -987,7 +969,7 @@ class _Layout:
             other = [
                 name
                 for name, own in (
-                    ("track", facts.roughness and (self.polar or facts.heights)),
+                    ("track", facts.roughness and self.track_table),
                     ("bore", facts.bore_roughness and self.bored),
                 )
                 if own

@@ -61,6 +61,7 @@ class Facts:
     # of a drum's roller: diameter half way along it, length, distance of its inner end from the axis, mm
     roller: tuple[float, float, float] | None = None
     groove: Groove | None = None  # of whose walls the part is one
+    levels: Sequence[complex] = ()  # of a plate's upper edge, on which a follower runs, mm
     cutter: bool = False  # whether a file has the path of a cutter along a drum's track
     profile: float = 0.0  # width of the zone of a cam's track, mm
     roughness: float = 0.0  # Ra of the track, micrometres

@@ -44,6 +44,18 @@ _IN_METAL = Facts(
 )
 # Chamfer of a bore by the diameter up to which it is usual, mm: camgen's own rule.
 _CHAMFERS = ((10.0, 0.5), (40.0, 1.0), (math.inf, 1.5))
+_STEPS = (
+    1.0,
+    2.0,
+    5.0,
+    10.0,
+    20.0,
+    50.0,
+    100.0,
+    200.0,
+    500.0,
+)  # mm, from one row to the next of a plate's table
+_LEVELS = 60  # rows of it, at most
 _FINE = 1e-3  # mm, chord tolerance of an outline on which a track has to lie
 
 
@@ -90,6 +102,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         segments=tuple(_segments(mechanism, part)),
         sense=mechanism.assembly.cycle.sense,
         roller=_roller(mechanism, part),
+        levels=tuple(_levels(mechanism, part)),
         groove=_groove(mechanism.assembly, part),
         cutter=part.name in mechanism.assembly.whole_drums
         and mechanism.files.cutter_radius is not None,
@@ -219,6 +232,23 @@ def _segments(mechanism: Mechanism, part: Part) -> Iterator[tuple[str, float, fl
             ends = np.degrees([begin, begin + segment.span]) * assembly.cycle.sense
             start, end = np.round(np.sort(ends), 9).tolist()
             yield segment.kind, start % 360, start % 360 + end - start
+
+
+def _levels(mechanism: Mechanism, part: Part) -> Iterator[complex]:
+    """Points of the upper edge of a plate that slides under its follower, at even places along it; nothing of another part."""
+    if part.name not in {each.part for each in mechanism.assembly.edges}:
+        return
+    rim = facet_contour(part.region.outer, _FINE / 100)
+    after = np.roll(rim, -1)
+    low = float(np.min(rim.real))
+    high = float(np.max(rim.real))
+    step = next(each for each in _STEPS if (high - low) / each <= _LEVELS)
+    for x in step * np.arange(math.ceil(low / step), math.floor(high / step) + 1):
+        sides = (np.minimum(rim.real, after.real) <= x) & (x <= np.maximum(rim.real, after.real))
+        sides &= rim.real != after.real
+        a = rim[sides]
+        edge = after[sides] - a
+        yield complex(x, float(np.max(a.imag + (x - a.real) * edge.imag / edge.real)))
 
 
 def _groove(assembly: Assembly, part: Part) -> Groove | None:

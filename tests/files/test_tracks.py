@@ -227,3 +227,24 @@ def layout_box(layout: _Layout) -> tuple[float, float, float, float]:
     left = layout.side_x
     low, high = layout.paper(layout.low).imag, layout.paper(layout.high).imag
     return left - 1, low - 1, left + layout.scale * layout.part.thickness + 1, high + 1
+
+
+@pytest.mark.parametrize("material", ["C45", "PLA"])
+def test_the_sheet_of_a_linear_cam_has_heights_of_its_edge(material: str) -> None:
+    """The roller's axis goes 15 up over 60 by the cycloid, stays 20, and comes back; the edge, 20 high before, is 5 off that line. A
+    plate has no radii about its origin."""
+    machine = read_mechanism(SPECS / "linear-cam.toml", [f"material.name={material}"]).resolved()
+    (part,) = machine.assembly.parts
+    facts = facts_of(machine, part)
+    x = np.linspace(-10, 150, 320001)
+    u = np.clip(np.where(x < 70, x / 60, (140 - x) / 60), 0, 1)
+    axis = x + 1j * (25 + 15 * (u - np.sin(2 * np.pi * u) / (2 * np.pi)))
+    assert [z.real for z in facts.levels] == list(range(-5, 150, 5))
+    for z in facts.levels:
+        assert float(np.min(np.abs(axis - z))) == pytest.approx(5.0, abs=2e-5)
+    layout = _Layout(part, "d", 1e-3, facts)
+    words = [each.text for each in layout.sheet.primitives if isinstance(each, Text)]
+    assert [words.count(text) for text in ("35.000", "-5", "145")] == [5, 1, 1]
+    assert not [text for text in words if text.startswith("(R")]
+    said = {"0.05", "B", "C", "Ra 0.8"}
+    assert said & set(words) == (said if material == "C45" else set())
