@@ -102,9 +102,10 @@ class Facts:
         return hole.shape
 
 
-def grams(mass: float) -> str:
-    """A mass to three digits, g."""
-    return f"{float(f'{mass:.3g}'):g} g"
+def weighed(mass: float) -> str:
+    """A mass in g to three digits, from 1000 g on in kg."""
+    value = float(f"{mass:.3g}")
+    return f"{value / 1000:g} kg" if value >= 1000 else f"{value:g} g"
 
 
 def ratio(scale: float) -> str:
@@ -118,7 +119,7 @@ def title_block(
     sheet: Sheet, corner: complex, part: Part, facts: Facts, scale: float, size: str
 ) -> None:
     """Draw the block, its lower right corner there; scale: mm of paper for a mm of the part, 0: none; size: of the paper."""
-    mass = "" if facts.mass_g is None else grams(facts.mass_g)
+    mass = "" if facts.mass_g is None else weighed(facts.mass_g)
     middle = [
         ("Machine", facts.machine, 0.0),
         ("Material", facts.material, 36.0),

@@ -432,6 +432,9 @@ def drum_section(drum: Drum, facts: Facts, scales: Sequence[float]) -> Section:
     if facts.roller:
         diameter, length, _ = facts.roller
         words.append(f"roller Ø{number(diameter)} × {number(length)}")
+    if drum.roller.slope:
+        half = math.degrees(math.atan(drum.roller.slope))
+        words.append(f"half angle of its cone {number(half)}°")
     if facts.edges:
         words.append(f"edges {facts.edges}")
     face = [*edge, *corners]

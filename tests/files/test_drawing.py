@@ -17,7 +17,7 @@ from camgen.files.dimensions import edge_rows, holes_of, nearest_and_farthest, n
 from camgen.files.drawing import _Layout, write_drawing
 from camgen.files.labels import box
 from camgen.files.sheet import LAYERS, Size, Stroke, Text
-from camgen.files.title_block import Facts
+from camgen.files.title_block import Facts, weighed
 from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import (
@@ -778,3 +778,8 @@ def test_a_metal_cam_has_fits_unless_others_are_asked_for(root):
     assert bore("material.name=C45") == ("H7", "JS9")
     assert bore("material.name=C45", "drawing.bore_fit=G6", "drawing.key_fit=P9") == ("G6", "P9")
     assert bore("drawing.bore_fit=H8") == ("H8", "")
+
+
+def test_a_mass_is_told_to_three_digits_in_g_or_kg():
+    told = {12.34: "12.3 g", 999.4: "999 g", 999.6: "1 kg", 61812.0: "61.8 kg"}
+    assert {mass: weighed(mass) for mass in told} == told

@@ -248,3 +248,17 @@ def test_the_sheet_of_a_linear_cam_has_heights_of_its_edge(material: str) -> Non
     assert not [text for text in words if text.startswith("(R")]
     said = {"0.05", "B", "C", "Ra 0.8"}
     assert said & set(words) == (said if material == "C45" else set())
+
+
+def test_a_section_tells_the_cone_of_its_roller() -> None:
+    """The groove is 10.2 wide half way along a roller that is 10 there, and each wall leans by the half angle."""
+    _, drum, facts = sheet_of("geometry.roller.cone_deg=10")
+    section = drum_section(drum, facts, _SCALES)
+    assert "half angle of its cone 10°" in section.words
+    (a, b, _, measure), _ = section.sizes
+    assert abs(b - a) == pytest.approx(measure.value) and measure.value == pytest.approx(10.2)
+    lean = [
+        np.degrees(np.angle(q - p))
+        for p, q in zip(section.edges[0], section.edges[0][1:], strict=False)
+    ]
+    assert sorted(abs(each) for each in lean if abs(abs(each) - 90) > 1) == pytest.approx([10, 170])
