@@ -58,7 +58,7 @@ def bounded(path: Path, bound: Bound) -> int:
                 )
         return status.st_size
     except FileNotFoundError as error:
-        meant = _meant(Path(path))
+        meant = meant_file(Path(path))
         said = f"there is no such file; did you mean {meant}?" if meant else error.strerror
         raise FileError(path, f"cannot be read: {said}") from None
     except (OSError, ValueError) as error:  # ValueError: a zero byte in the path
@@ -67,7 +67,7 @@ def bounded(path: Path, bound: Bound) -> int:
         ) from None
 
 
-def _meant(path: Path) -> str:
+def meant_file(path: Path) -> str:
     """The file of that name in a folder beside it, else the one beside it whose name is nearest; "" where there is none.
 
     Only files of the same kind, by their ending; specs where it has none.

@@ -337,6 +337,8 @@ def test_json_is_the_text_of_report_json(run: Run, tmp_path: Path, starter: Path
     ("words", "said"),
     [
         ("build disc-cam", "camgen new disc-cam my-disc-cam.toml writes one"),
+        ("build specs/walker.toml", "no such file; camgen new walker walker.toml writes one"),
+        ("build disc-cam.toml", "no such file; camgen new disc-cam disc-cam.toml writes one"),
         ("build a.toml --only dxf stl", "kinds stand together, as in --only dxf,stl"),
         ("build a.toml -only dxf", "two hyphens, --only"),
         ("build aa.toml", "did you mean a.toml?"),

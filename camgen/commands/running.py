@@ -89,7 +89,11 @@ def _taken(file: Path) -> FileError:
 
 
 def refuse_words(specs: Sequence[Path]) -> None:
-    """SpecError where a word stands for a spec's file that means something else: a starter, or a kind of files."""
+    """SpecError where a word stands for a spec's file that means something else: a starter, or a kind of files.
+
+    FileError where a file that does not exist has a starter's name, and none of that name is near.
+    """
+    from camgen.bounds import meant_file
     from camgen.commands.options import ANY_KIND, specs_known
 
     for spec in specs:
@@ -100,6 +104,11 @@ def refuse_words(specs: Sequence[Path]) -> None:
             right = f"a spec's file; kinds stand together, as in --only dxf,{name}"
         elif name in specs_known():
             right = f"a spec's file: camgen new {name} my-{name}.toml writes one"
+        elif spec.suffix == ".toml" and spec.stem in specs_known():
+            if Path(meant_file(spec)).stem == spec.stem:
+                continue
+            said = f"there is no such file; camgen new {spec.stem} {spec.name} writes one"
+            raise FileError(spec, f"cannot be read: {said}")
         else:
             continue
         raise SpecError([Fault(("SPEC",), repr(name), right)], "command line")
