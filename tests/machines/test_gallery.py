@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 from pathlib import Path
 
@@ -117,3 +118,21 @@ def test_the_valve_floats_where_its_spring_gives_out() -> None:
         return next(f.measured for f in load(tables).limits() if f.code == "LIFT_OFF")
 
     assert least(2000) > 0 > least(2600)
+
+
+CHANGES = {
+    name: dict(re.findall(r"`([a-z_0-9.A-Z]+) = ([^`]+)`", line))
+    for name in starters.examples()
+    for line in starters.text(name).splitlines()[:2]
+    if line.startswith("# Change first: ")
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_what_an_example_says_to_change_first_can_be_changed(name: str) -> None:
+    """Each change that stands in its second line is another machine, that holds its limits and has parts."""
+    machine = load(tomllib.loads(starters.text(name)))
+    changes = {key: tomllib.loads(f"x = {value}")["x"] for key, value in CHANGES[name].items()}
+    changed = machine.replace(changes)
+    assert changes and changed != machine and changed.assembly.parts
+    assert [finding.code for finding in changed.forecast() if not finding.ok] == []
