@@ -210,7 +210,9 @@ def test_the_notebook_runs_from_its_first_cell_to_its_last(
 def test_the_guide_is_shown_and_listed(run: Any) -> None:  # noqa: F811
     code, out, _ = run("guide")
     assert code == 0 and [line.split()[2] for line in out.splitlines()] == list(guide.TOPICS)
-    assert run("guide", "first-cam")[:2] == (0, guide.page("first-cam"))
+    assert run("guide", "printing")[:2] == (0, guide.page("printing"))
+    assert run("guide", "first-cam")[:2] == (0, guide.in_terminal("first-cam"))
+    assert "\nPicture: The cam of section 1" in guide.in_terminal("first-cam")
     code, out, err = run("guide", "firstcam")
     assert (code, out) == (2, "") and "did you mean 'first-cam'?" in err
 

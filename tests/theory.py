@@ -1,4 +1,4 @@
-"""The figures of the guide's theory pages, drawn from the specs in specs/. Run `python tests/theory.py` to make them again.
+"""The figures of the guide's pages, drawn from the specs in specs/ and in the guide. Run `python tests/theory.py` to make them again.
 
 Joints stand where the machine closes at the angle drawn, profiles are those of the cams: nothing is drawn by hand but what
 a sign is written beside. A test compares them.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import cmath
 import math
+import tomllib
 from collections.abc import Callable, Mapping
 from html import escape
 from pathlib import Path
@@ -225,6 +226,49 @@ def disc_cam() -> Picture:
     fig.sign("θ", cmath.rect(base + 16, math.radians(-72)), 12 - 16j)
     fig.joint("O", 0j, 12 + 12j)
     fig.joint("T", trace, 14 + 12j)
+    return fig
+
+
+def first_cam() -> Picture:
+    """The cam of specs/disc-cam.toml at the end of its rise, and beside it how high its follower stands over the turn."""
+    spec = _load("disc-cam")
+    cam = spec.cams[0]
+    roller = spec.geometry.follower.radius
+    base = spec.geometry.base_radius
+    spans = [(each.kind, math.degrees(each.span)) for each in spec.program.segments]
+    theta = math.radians(spans[0][1])
+    turn = cmath.exp(1j * theta)
+    trace = turn * complex(cam.pitch(theta))
+    wide = 0.3  # mm of the chart for a degree
+    origin = base + 30 + 1j * base  # of the chart: its heights are those of the follower beside it
+    fig = Picture("A cam and its follower's motion: rise, dwell, return, dwell", 640)
+    fig.curve("part", turn * facet_contour(cam.outline, 0.05), closed=True)
+    fig.circle("thin", 0j, base)
+    fig.circle("part", 0j, spec.making.bore / 2)
+    fig.circle("other", trace, roller)
+    fig.line("link", trace, trace + 18j)
+    fig.named("cam", turn * complex(cam.profile(math.radians(200))), 20 - 14j)
+    fig.named("base circle", cmath.rect(base, math.radians(250)), 26 + 30j)
+    fig.named("follower", trace + 15j, -24 + 6j)
+    way = np.linspace(0, 360, 721)
+    lift = np.asarray(spec.program(np.radians(way)), float)
+    fig.curve("link", origin + wide * way + 1j * lift)
+    fig.arrow("thin", origin - 4j, origin + wide * 385 - 4j)
+    fig.sign("cam angle", origin + wide * 340 - 4j, -12j, "small")
+    fig.line(
+        "dash",
+        trace - roller * 1j,
+        complex((origin + wide * spans[0][1]).real, (trace - roller * 1j).imag),
+    )
+    begin = 0.0
+    for kind, span in spans:
+        fig.line("dash", origin + wide * begin - 4j, origin + wide * begin + 1j * (lift.max() + 12))
+        middle = origin + wide * (begin + span / 2) + 1j * (lift.max() + 9)
+        fig.sign(kind, middle, 8j, "small")
+        fig.sign(f"{span:.0f} deg", middle, -8j, "small")
+        begin += span
+    peak = origin + wide * 370
+    fig.size("lift", peak, peak + 1j * float(lift.max()), beside=20 + 0j)
     return fig
 
 
@@ -530,6 +574,40 @@ def four_bar() -> Picture:
     return fig
 
 
+def own_linkage() -> Picture:
+    """The four-bar of the guide's page on linkages, with what its tables say."""
+    page = (TOP / "camgen" / "guide" / "own-linkage.md").read_text(encoding="utf-8")
+    block = page.partition("```toml\n")[2].partition("```")[0]
+    tables = tomllib.loads(block)
+    spec = camgen.load(tables)
+    links = {name: points for name, points in tables["links"].items() if name != "ground"}
+    carriers = {point: name for name, points in links.items() for point in points}
+    names = ("O", "A", "B", "C")
+    places = dict(
+        zip(names, _joints(spec, 0.0, *((carriers[name], name) for name in names)), strict=True)
+    )
+    fig = Picture("A four-bar by its points, links and lengths", 520)
+    for beside, (name, (a, b)) in zip((-14j, 34 - 8j, -30 - 8j), links.items(), strict=True):
+        fig.line("link", places[a], places[b])
+        fig.sign(name, (places[a] + places[b]) / 2, beside, "small")
+    for key, length in tables["lengths"].items():
+        a, b = (places[name] for name in key.split("-"))
+        fig.size(f"{length:g}", a, b, away=8j * (b - a) / abs(b - a) * (1 if key == "A-B" else -1))
+    for name in tables["links"]["ground"]:
+        for k in range(5):
+            foot = places[name] - 6j + 2.5 * (k - 2)
+            fig.line("thin", foot, foot - 2 - 3j)
+        fig.line("thin", places[name], places[name] - 5 - 6j, places[name] + 5 - 6j, closed=True)
+    fig.sign("ground", (places["O"] + places["C"]) / 2 - 8j, 0j, "small")
+    for name, beside in (("O", -16 + 4j), ("A", 12 - 14j), ("B", 14 + 12j), ("C", 20 - 12j)):
+        fig.joint(name, places[name], beside)
+    turn = 12 * np.exp(1j * np.radians(np.linspace(15, 100, 25)))
+    fig.curve("other", turn)
+    fig.arrow("other", complex(turn[-2]), complex(turn[-1]))
+    fig.sign("drive", complex(turn[12]), 12 + 20j, "small")
+    return fig
+
+
 def quick_return() -> Picture:
     """The arm of specs/quick-return.toml at both ends of its swing, and between."""
     o, d, a, e = _joints(
@@ -567,6 +645,8 @@ def quick_return() -> Picture:
 
 
 FIGURES: Mapping[str, Callable[[], Picture]] = {
+    "first-cam": first_cam,
+    "own-linkage": own_linkage,
     "disc-cam": disc_cam,
     "swinging-roller": swinging_roller,
     "flat-face": flat_face,
