@@ -270,6 +270,9 @@ class Pen(Record):
                 yield Fault(("drive", k, "speed_rpm"), f"{drive.speed_rpm:g}", right)
 
 
+JointName = Annotated[Name | None, Field(description="name of the joint; both links unless given")]
+
+
 class Jointed(Protocol):
     """A table that makes a joint."""
 
@@ -349,9 +352,7 @@ class Gear(Record):
         default=None,
         description="spokes of both wheels, where there is room; full discs unless given",
     )
-    name: Name | None = Field(
-        default=None, description="name of the joint; both links unless given"
-    )
+    name: JointName = None
 
     @property
     def joint(self) -> str:
@@ -386,9 +387,7 @@ class Geneva(Record):
         default=None,
         description="gap of the roller in a slot, and of the disc in the wheel, on either side; half of print.slide_clearance unless given",
     )
-    name: Name | None = Field(
-        default=None, description="name of the joint; both links unless given"
-    )
+    name: JointName = None
 
     @property
     def joint(self) -> str:
@@ -430,9 +429,7 @@ class Noncircular(Record):
         default=None,
         description="play of the teeth along their pitch lines; print.slide_clearance unless given",
     )
-    name: Name | None = Field(
-        default=None, description="name of the joint; both links unless given"
-    )
+    name: JointName = None
 
     @property
     def joint(self) -> str:
@@ -544,9 +541,7 @@ class Mutilated(Record):
         default=None,
         description="play of the teeth along their pitch circles; print.slide_clearance unless given",
     )
-    name: Name | None = Field(
-        default=None, description="name of the joint; both links unless given"
-    )
+    name: JointName = None
 
     @property
     def joint(self) -> str:
@@ -575,9 +570,7 @@ class Ratchet(Record):
         default=0.7,
         description="friction coefficient of tooth and pawl at which the pawl is to hold without its spring",
     )
-    name: Name | None = Field(
-        default=None, description="name of the joint; both links unless given"
-    )
+    name: JointName = None
 
     @property
     def joint(self) -> str:
@@ -653,9 +646,7 @@ class Freewheel(Record):
     lost_deg: Annotated[float, quantity("deg", ge=0, le=45)] = Field(
         default=1.0, description="turn of the wheel before its clutch locks"
     )
-    name: Name | None = Field(
-        default=None, description="name of the joint; both links unless given"
-    )
+    name: JointName = None
 
     @property
     def joint(self) -> str:
@@ -759,9 +750,7 @@ class Cam(Record):
         "follows the program at this speed",
     )
     tip_clearance: Air = 0.0
-    name: Name | None = Field(
-        default=None, description="name of the joint; both links unless given"
-    )
+    name: JointName = None
     segment: Annotated[tuple[CamSegment, ...], Field(min_length=1, max_length=100), WholeTurn] = (
         Field(
             description="segments of the program: lift_deg where the follower swings, lift where it "
