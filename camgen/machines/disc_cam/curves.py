@@ -8,11 +8,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from camgen.machine.cams.followers import Follower
-from camgen.machine.cams.profile import DiscCam
+from camgen.machine.cams.followers import Follower, SlidingFace, SlidingTip, SwingingFace
+from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.motion.program import Program
 from camgen.numerics import Floats
-from camgen.study import Plot, Table
+from camgen.study import Plot, Sketch, Table
 
 _BANDS = (0.0, 10.0, 20.0, 30.0, 45.0, 90.0)  # deg, of the pressure angle along the profile
 
@@ -101,3 +101,29 @@ def segments_table(program: Program, of: tuple[str, float]) -> Table:
         ends = [math.degrees(begin), math.degrees(begin + s.span), scale * s.start, scale * s.end]
         rows.append([s.kind, *ends, *law])
     return Table("Program", columns, rows)
+
+
+def sketch(
+    cams: Sequence[DiscCam[Follower]], base_radius: float, face_width: float | None
+) -> Sketch:
+    """The follower at s = 0, in the frame that its pose moves: the ground's, or one at the pivot."""
+    strokes = []
+    circles = []
+    for cam in cams:
+        match cam.follower:
+            case SlidingTip(start, along, radius, leaves):
+                strokes.append(np.array([start, start + leaves * along * base_radius]))
+                circles.append((start, radius))
+            case SwingingArm(_, arm, radius, _):
+                strokes.append(np.array([0, arm]))
+                circles.append((arm, radius))
+            case SlidingFace(start, along, leaves):
+                half = (face_width or 2 * max(map(abs, cam.face_contact))) / 2
+                strokes += [
+                    np.array([start - half, start + half]),
+                    np.array([start, start + leaves * along * base_radius]),
+                ]
+            case SwingingFace(_, facing, ahead):
+                low, high = cam.face_contact
+                strokes.append(facing * (ahead + 1j * np.array([low, 0, high])))
+    return Sketch("follower", strokes, [(z, r) for z, r in circles if r], "follower")

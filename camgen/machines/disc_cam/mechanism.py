@@ -11,9 +11,8 @@ roller runs between the cam and an outer wall, three plates pinned together.   [
 
 from __future__ import annotations
 
-import cmath
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
@@ -24,24 +23,21 @@ from pydantic import Field, model_validator
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, NotJudged
-from camgen.geometry.outlines import Floats, Region
+from camgen.geometry.outlines import Floats
 from camgen.machine.cams.bounce import Bounce
 from camgen.machine.cams.followers import Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.cams.limits import Advice, CamLimits, ExactCam, cam_findings, undercut_numbers
 from camgen.machine.cams.machine import (
-    SHOE,
     CamTouch,
     FollowerLoad,
     Loaded,
     cam_machine,
-    cam_outline,
     loaded,
 )
 from camgen.machine.cams.many import ProfileFigures
 from camgen.machine.cams.profile import DiscCam, SwingingArm
-from camgen.machine.cams.shoes import SlidingShoe, SwingingShoe
 from camgen.machine.cams.sizing import least_base_radius
-from camgen.machine.features import CamOutline, Demand, Mount
+from camgen.machine.features import CamOutline, Demand
 from camgen.machine.model import Machine
 from camgen.machines.cam_loads import (
     corrected,
@@ -52,7 +48,14 @@ from camgen.machines.cam_loads import (
     polydyne_faults,
 )
 from camgen.machines.cam_tables import CamTables
-from camgen.machines.disc_cam.curves import plots, segments_table
+from camgen.machines.disc_cam.alone import CamsAlone
+from camgen.machines.disc_cam.curves import plots, segments_table, sketch
+from camgen.machines.disc_cam.faults import (
+    bought_faults,
+    closure_faults,
+    follower_faults,
+    hub_faults,
+)
 from camgen.machines.disc_cam.followers import drawn, standing_on
 from camgen.machines.disc_cam.metal import filled, thin_back
 from camgen.machines.disc_cam.tables import (
@@ -65,7 +68,6 @@ from camgen.machines.disc_cam.tables import (
 )
 from camgen.machines.disc_cam.walls import CamWalls
 from camgen.machines.free_play import between
-from camgen.machines.linkage import sheets
 from camgen.machines.loads.lift_off import bounce_figures, bounce_of
 from camgen.machines.loads.tables import CamLimitsTable
 from camgen.machines.loads.weights import gravity
@@ -74,14 +76,10 @@ from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
-from camgen.parts.catalogue import CAM_FOLLOWERS, DOWEL_STANDARD, HARD_DOWEL_STANDARD, Bought, dowel
-from camgen.parts.disc_cams import disc_parts, roller_note, turning_note
 from camgen.parts.engraving import with_upper_sides
-from camgen.parts.generator.sizes import contour_faults
-from camgen.parts.part import Layer, Part
 from camgen.parts.springs import to_wind, wished
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study
-from camgen.tolerances import SAME_POINT, WALL_FACETS
+from camgen.tolerances import WALL_FACETS
 
 _TIE = 1e-6  # deg or mm from a limit, nearer than which a cam of many is looked at by itself
 
@@ -119,7 +117,13 @@ class DiscCamDrive(CamTables):
         g = self.geometry
         slides = not g.follower.swings
         sprung = g.closure == "force"
-        found = [*self._follower_faults(), *self._closure_faults(), *self._size_faults()]
+        found = [*follower_faults(g.follower), *closure_faults(g, self.making.make)]
+        least = self.allowed.min_wall
+        if not self.standing:
+            found += hub_faults(self.making, g.closure, least)
+        if least < self.print.nozzle:
+            right = f"at least the nozzle, {self.print.nozzle:g} mm"
+            found.append(Fault(("limits", "min_wall"), f"{least:g}", right))
         try:
             self._given  # noqa: B018
         except SpecError as error:
@@ -132,100 +136,10 @@ class DiscCamDrive(CamTables):
             alone = self.standing and sprung
             found += polydyne_faults(self.load, self.spring, self._given, alone)
         found += still_faults(("segment",), [table.kind for table in self.segment])
-        return [*found, *self._cam_follower_faults()]
-
-    def _follower_faults(self) -> Iterator[Fault]:
-        """Keys of geometry.follower that its motion and shape need and that are missing, or that mean nothing there."""
-        f = self.geometry.follower
-        slides = not f.swings
-        flat = f.shape == "flat"
-        drawn = f.shape == "outline"
-        pointed = not flat and not drawn
-        # key, whether it belongs here, whether it is needed then, what it is
-        for key, belongs, needed, what in (
-            ("radius", f.shape == "roller", True, "the radius of a roller"),
-            ("offset", slides, False, "the offset of a translating follower"),
-            ("pivot_distance", not slides, True, "where an oscillating follower has its pivot"),
-            (
-                "arm",
-                not slides and pointed,
-                True,
-                "the arm of an oscillating roller or knife edge",
-            ),
-            ("outline", drawn and f.contours is None, True, "an SVG or DXF beside the spec"),
-            ("contours", drawn, False, 'a follower of shape "outline" has one'),
-            (
-                "face_offset",
-                flat and not slides,
-                False,
-                "where the face of an oscillating follower lies",
-            ),
-            ("face_width", flat, False, "the width of a flat face"),
-        ):
-            value = getattr(f, key)
-            typed = "outline" if key == "contours" and f.drawn_in else key  # what was read from it
-            place = ("geometry", "follower", typed)
-            if belongs and needed and value is None:
-                yield Fault(place, "", f"missing: {what}")
-            elif not belongs and value:
-                shown = f"{value:g}" if isinstance(value, float) else ""
-                yield Fault(place, shown, f"nothing here: {what}")
-        yield from contour_faults(("geometry", "follower", "contours"), f.contours or ())
-
-    def _closure_faults(self) -> Iterator[Fault]:
-        """Closures and kinds of making that do not go with the follower or with each other."""
-        f = self.geometry.follower
-        closure = self.geometry.closure
-        make = self.making.make
-        place = ("geometry", "closure")
-        if closure == "groove" and f.shape != "roller":
-            yield Fault(place, closure, "force or conjugate: only rollers run in grooves")
-        if f.shape == "outline" and closure != "force":
-            right = "force: a follower with an outline of your own has one cam"
-            yield Fault(place, closure, right)
-        if f.shape == "outline" and self.standing:
-            right = '"cams": a cam and its shoe; for a machine make the follower a link with parts.LINK.outline'
-            yield Fault(("parts", "make"), make, right)
-        if make != "laser":
-            return
-        beside = "with parts.make = 'laser'"
-        if not f.swings:
-            right = f'"oscillating", or parts.make = "cams", the cam alone: {sheets.NO_RAILS}'
-            yield Fault(("geometry", "follower", "motion"), f"{f.motion!r} {beside}", right)
-        if closure == "groove":
-            right = f'"force" or "conjugate": {sheets.NO_BACK}'
-            yield Fault(place, f"{closure!r} {beside}", right)
-
-    def _size_faults(self) -> Iterator[Fault]:
-        """Sizes of hub, pin and wall that leave no material, or that no nozzle makes."""
-        p = self.making
-        wall = self.allowed.min_wall
-        if not self.standing:
-            # a bore that is wrong by itself asks for no hub
-            round_hub = 0.0 if p.misfits() else 2 * (p.reach + wall)
-            if p.hub_height and p.hub_diameter < round_hub:
-                right = f"at least {round_hub:g} mm: the bore and limits.min_wall round it"
-                yield Fault(("parts", "hub_diameter"), f"{p.hub_diameter:g}", right)
-            if p.hub_height and self.geometry.closure == "groove":
-                right = "0: a groove's plates have no hub"
-                yield Fault(("parts", "hub_height"), f"{p.hub_height:g}", right)
-            if p.pin_diameter >= p.rim:
-                right = f"less than the rim, {p.rim:g} mm"
-                yield Fault(("parts", "pin_diameter"), f"{p.pin_diameter:g}", right)
-        if wall < self.print.nozzle:
-            right = f"at least the nozzle, {self.print.nozzle:g} mm"
-            yield Fault(("limits", "min_wall"), f"{wall:g}", right)
-
-    def _cam_follower_faults(self) -> Iterator[Fault]:
-        """A bought cam follower of another size than the roller for which the cam is made."""
         name = None if self.load is None else self.load.cam_follower
-        follower = self.geometry.follower
-        if name is None or self.standing or follower.shape != "roller" or follower.radius is None:
-            return
-        radius = CAM_FOLLOWERS[name].outside / 2
-        if abs(radius - follower.radius) > SAME_POINT:
-            expected = f"a radius of {follower.radius:g} mm, as geometry.follower.radius; {name} has {radius:g} mm"
-            yield Fault(("load", "cam_follower"), name, expected)
+        if name and not self.standing and g.follower.shape == "roller" and g.follower.radius:
+            found += bought_faults(name, g.follower.radius)
+        return found
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 
@@ -299,7 +213,7 @@ class DiscCamDrive(CamTables):
         """[parts]."""
         return self.making
 
-    def _alone(self) -> Machine:
+    def _cam_machine(self) -> Machine:
         """Cam and follower; output "lift", mm, or "swing", rad."""
         closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
         groove = (
@@ -311,7 +225,7 @@ class DiscCamDrive(CamTables):
 
     def _unloaded(self) -> Machine:
         if not self.standing:
-            return self._alone()
+            return self._cam_machine()
         return super()._unloaded()
 
     # ---- what it is as a linkage ------------------------------------------------------------------------------------
@@ -433,100 +347,37 @@ class DiscCamDrive(CamTables):
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
+    @cached_property
+    def _alone(self) -> CamsAlone:
+        return CamsAlone(
+            self.geometry,
+            self.making,
+            self.cams,
+            self.cam_limits,
+            self.allowed.min_wall,
+            self.print.slide_clearance,
+            self.material.name,
+            self._sense,
+        )
+
     def _bare(self) -> Assembly:
         """The cams alone."""
-        outlines = self._outlines()
-        parts = [*with_upper_sides(self._plates, outlines), *self._shoe]
-        made = self._assembly(parts, self._beside(), outlines)
+        alone = self._alone
+        parts = [*with_upper_sides(alone.plates, alone.outlines), *alone.shoe]
+        made = self._assembly(parts, alone.mounts(), alone.outlines)
         spring = wished(self._spring_wish)
         hub = self.making.hub(self.allowed.min_wall)
-        name = self._plates[0].name
+        name = alone.plates[0].name
         screw = [] if hub is None else hub.bought(self.making.hub_diameter / 2, name)
         return replace(
             made,
             springs=spring,
-            bought=[*screw, *to_wind(spring), *self._dowels()],
+            bought=[*screw, *to_wind(spring), *alone.dowels()],
             motor=MotorSeat(hub=hub),
             dowel=self.making.pin_diameter if self.geometry.closure == "groove" else 0.0,
             follower=FollowerFacts(wish=self._spring_wish),
             demands=self.demands(),
         )
-
-    @cached_property
-    def _plates(self) -> Sequence[Part]:
-        """The cam; both cams of a conjugate pair; or inner cam, outer ring and back plate of a groove."""
-        outlines = [cam.outline for cam in self.cams]
-        clearance = self.print.slide_clearance
-        wall = self.cam.groove(clearance) if self.geometry.closure == "groove" else None
-        roller = 2 * (self.geometry.follower.radius or 0.0)
-        made = disc_parts(
-            self.making, outlines, wall, (roller + clearance, roller), self.allowed.min_wall
-        )
-        rolls = roller_note(roller) if wall is None else ()
-        return tuple(
-            replace(part, notes=(turning_note(self._sense), *rolls, *part.notes)) for part in made
-        )
-
-    def _dowels(self) -> Sequence[Bought]:
-        """Pins that join the plates of a groove, one through each pair of holes; of rod where none is sold in that size."""
-        if self.geometry.closure != "groove":
-            return ()
-        p = self.making
-        walls = self._plates[:-1]
-        through = p.back + p.thickness
-        length = dowel(p.pin_diameter, through)
-        fit = "m6" if length else "rod"
-        size = f"{p.pin_diameter:g} {fit} x {length or through:g}"
-        at = tuple((part.name, len(part.centres) - 1) for part in walls)
-        count = sum(each for _, each in at)
-        hard = materials.of(self.material.name).metal
-        standard = HARD_DOWEL_STANDARD if hard else DOWEL_STANDARD
-        return (Bought("dowel pin", standard if length else "", size, count, at=at),)
-
-    @cached_property
-    def _shoe(self) -> Sequence[Part]:
-        """The follower with an outline of a person's own."""
-        if self.geometry.follower.shape != "outline":
-            return ()
-        outer, *holes = self.geometry.follower.drawing
-        region = Region(
-            outer.counter_clockwise(), tuple(each.counter_clockwise() for each in holes)
-        )
-        layer = Layer(region, 0.0, self.making.thickness)
-        source = self.geometry.follower.drawn_in
-        notes = (f"as drawn in {source}",) if source else ()
-        least = self.allowed.min_wall
-        return (Part(SHOE, "Follower", (layer,), notes=notes, centres=(0j,), min_wall=least),)
-
-    def _outlines(self) -> Sequence[CamOutline]:
-        """The outline of the cam; of both cams of a pair, and both walls of a groove."""
-        names = [part.name for part in self._plates]
-        found = [self._outline(name, cam) for name, cam in zip(names, self.cams, strict=False)]
-        if self.geometry.closure == "groove":
-            found.append(self._outline("outer", self.cam, self.print.slide_clearance))
-        return found
-
-    def _outline(self, part: str, cam: DiscCam[Follower], free: float | None = None) -> CamOutline:
-        bore = self.making.bore if free is None else None
-        return cam_outline(
-            cam, part, self.cam_limits, bore, self.geometry.follower.face_width, free
-        )
-
-    def _beside(self) -> Sequence[Mount]:
-        """All plates on the cam's body, one above the other."""
-        p = self.making
-        heights = {
-            "inner": p.back,
-            "outer": p.back,
-            "cam-2": p.thickness + p.hub_height + self.print.slide_clearance,
-        }
-        plates = [Mount(part.name, "cam", z=heights.get(part.name, 0.0)) for part in self._plates]
-        match self.cam.follower:
-            case SlidingShoe(start=start, turn=turn):
-                return [*plates, Mount(SHOE, "follower", start, cmath.phase(turn))]
-            case SwingingShoe(turn=turn):
-                return [*plates, Mount(SHOE, "follower", 0j, cmath.phase(turn))]
-        return plates
 
     def demands(self) -> tuple[Demand, ...]:
         """The play that is borne."""
@@ -665,7 +516,9 @@ class DiscCamDrive(CamTables):
         shaft = Sketch("ground", (), ((0j, self.making.bore / 4),))
         if self.standing:
             return []
-        return [shaft] if self._shoe else [self._sketch(), shaft]
+        drawn_in = self.geometry.follower.shape == "outline"
+        width = self.geometry.follower.face_width
+        return [shaft] if drawn_in else [sketch(self.cams, self.base_radius, width), shaft]
 
     def _figures(self) -> Figures:
         """Sizes of the cam, peaks of its motion, and of its forces."""
@@ -725,28 +578,3 @@ class DiscCamDrive(CamTables):
         if self.allowed.continuous < 0:
             notes.append("Jumps of the motion are not judged: limits.continuous = -1.")
         return notes
-
-    def _sketch(self) -> Sketch:
-        """The follower at s = 0, in the frame that its pose moves: the ground's, or one at the pivot."""
-        strokes = []
-        circles = []
-        for cam in self.cams:
-            match cam.follower:
-                case SlidingTip(start, along, radius, leaves):
-                    strokes.append(np.array([start, start + leaves * along * self.base_radius]))
-                    circles.append((start, radius))
-                case SwingingArm(_, arm, radius, _):
-                    strokes.append(np.array([0, arm]))
-                    circles.append((arm, radius))
-                case SlidingFace(start, along, leaves):
-                    half = (
-                        self.geometry.follower.face_width or 2 * max(map(abs, cam.face_contact))
-                    ) / 2
-                    strokes += [
-                        np.array([start - half, start + half]),
-                        np.array([start, start + leaves * along * self.base_radius]),
-                    ]
-                case SwingingFace(_, facing, ahead):
-                    low, high = cam.face_contact
-                    strokes.append(facing * (ahead + 1j * np.array([low, 0, high])))
-        return Sketch("follower", strokes, [(z, r) for z, r in circles if r], "follower")

@@ -1,0 +1,103 @@
+"""What is wrong between the tables of a disc cam that are right one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from camgen.errors import Fault
+from camgen.machines.disc_cam.tables import (
+    DiscCamGeometry,
+    DiscCamParts,
+    FollowerTable,
+)
+from camgen.machines.linkage import sheets
+from camgen.parts.catalogue import CAM_FOLLOWERS
+from camgen.parts.generator.sizes import contour_faults
+from camgen.tolerances import SAME_POINT
+
+
+def follower_faults(f: FollowerTable) -> Iterator[Fault]:
+    """Keys of geometry.follower that its motion and shape need and that are missing, or that mean nothing there."""
+    slides = not f.swings
+    flat = f.shape == "flat"
+    drawn = f.shape == "outline"
+    pointed = not flat and not drawn
+    # key, whether it belongs here, whether it is needed then, what it is
+    for key, belongs, needed, what in (
+        ("radius", f.shape == "roller", True, "the radius of a roller"),
+        ("offset", slides, False, "the offset of a translating follower"),
+        ("pivot_distance", not slides, True, "where an oscillating follower has its pivot"),
+        (
+            "arm",
+            not slides and pointed,
+            True,
+            "the arm of an oscillating roller or knife edge",
+        ),
+        ("outline", drawn and f.contours is None, True, "an SVG or DXF beside the spec"),
+        ("contours", drawn, False, 'a follower of shape "outline" has one'),
+        (
+            "face_offset",
+            flat and not slides,
+            False,
+            "where the face of an oscillating follower lies",
+        ),
+        ("face_width", flat, False, "the width of a flat face"),
+    ):
+        value = getattr(f, key)
+        typed = "outline" if key == "contours" and f.drawn_in else key  # what was read from it
+        place = ("geometry", "follower", typed)
+        if belongs and needed and value is None:
+            yield Fault(place, "", f"missing: {what}")
+        elif not belongs and value:
+            shown = f"{value:g}" if isinstance(value, float) else ""
+            yield Fault(place, shown, f"nothing here: {what}")
+    yield from contour_faults(("geometry", "follower", "contours"), f.contours or ())
+
+
+def closure_faults(geometry: DiscCamGeometry, make: str) -> Iterator[Fault]:
+    """Closures and kinds of making that do not go with the follower or with each other."""
+    f = geometry.follower
+    closure = geometry.closure
+    place = ("geometry", "closure")
+    if closure == "groove" and f.shape != "roller":
+        yield Fault(place, closure, "force or conjugate: only rollers run in grooves")
+    if f.shape == "outline" and closure != "force":
+        right = "force: a follower with an outline of your own has one cam"
+        yield Fault(place, closure, right)
+    if f.shape == "outline" and make != "cams":
+        right = '"cams": a cam and its shoe; for a machine make the follower a link with parts.LINK.outline'
+        yield Fault(("parts", "make"), make, right)
+    if make != "laser":
+        return
+    beside = "with parts.make = 'laser'"
+    if not f.swings:
+        right = f'"oscillating", or parts.make = "cams", the cam alone: {sheets.NO_RAILS}'
+        yield Fault(("geometry", "follower", "motion"), f"{f.motion!r} {beside}", right)
+    if closure == "groove":
+        right = f'"force" or "conjugate": {sheets.NO_BACK}'
+        yield Fault(place, f"{closure!r} {beside}", right)
+
+
+def hub_faults(p: DiscCamParts, closure: str, wall: float) -> Iterator[Fault]:
+    """Sizes of hub and pin of cams alone that leave no material; wall: the least, mm."""
+    # a bore that is wrong by itself asks for no hub
+    round_hub = 0.0 if p.misfits() else 2 * (p.reach + wall)
+    if p.hub_height and p.hub_diameter < round_hub:
+        right = f"at least {round_hub:g} mm: the bore and limits.min_wall round it"
+        yield Fault(("parts", "hub_diameter"), f"{p.hub_diameter:g}", right)
+    if p.hub_height and closure == "groove":
+        right = "0: a groove's plates have no hub"
+        yield Fault(("parts", "hub_height"), f"{p.hub_height:g}", right)
+    if p.pin_diameter >= p.rim:
+        right = f"less than the rim, {p.rim:g} mm"
+        yield Fault(("parts", "pin_diameter"), f"{p.pin_diameter:g}", right)
+
+
+def bought_faults(name: str, radius: float) -> Iterator[Fault]:
+    """A bought cam follower of another size than the roller for which the cam is made, mm."""
+    bought = CAM_FOLLOWERS[name].outside / 2
+    if abs(bought - radius) > SAME_POINT:
+        expected = (
+            f"a radius of {radius:g} mm, as geometry.follower.radius; {name} has {bought:g} mm"
+        )
+        yield Fault(("load", "cam_follower"), name, expected)
