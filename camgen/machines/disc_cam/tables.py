@@ -14,7 +14,7 @@ from camgen.machines.pairs import Air
 from camgen.motion.polydyne import Lag
 from camgen.parts.disc_cams import CamParts
 from camgen.parts.generator.sizes import Contours
-from camgen.spec import Coordinate, Length, MinWall, Record, Rpm, quantity, turning
+from camgen.spec import Coordinate, Force, Length, MinWall, Record, Rpm, quantity, turning
 
 
 class TrackFollower(MovingFollower):
@@ -141,7 +141,7 @@ class LoadTable(Weight):
     damping: Annotated[float, quantity("N s/mm or N m s/rad", ge=0, le=1e6)] = Field(
         default=0.0, description="damping of the follower, in proportion to its speed"
     )
-    resistance: Annotated[float, quantity("N or N m", ge=0, le=1e6)] = Field(
+    resistance: Force = Field(
         default=0.0, description="constant force or torque against the follower's lift"
     )
     polydyne: bool = Field(
@@ -175,6 +175,6 @@ class SpringTable(Record):
         description="rate of the return spring; 0 with preload 0: a machine gets a spring that keeps the "
         "follower on the cam, cams made alone have none",
     )
-    preload: Annotated[float, quantity("N or N m", ge=0, le=1e6)] = Field(
+    preload: Force = Field(
         default=0.0, description="force or torque of the spring where the follower is lowest"
     )

@@ -10,7 +10,7 @@ from camgen.machines.disc_cam.tables import TrackFollower
 from camgen.motion.segments import SegmentTable, WholeTurn
 from camgen.parts.disc_cams import ShaftBore, Thickness
 from camgen.parts.generator.sizes import Name
-from camgen.spec import Length, MinWall, Record, Rpm, quantity, turning
+from camgen.spec import Distance, Length, MinWall, Record, Rpm, quantity, turning
 
 Height = Annotated[float, quantity("mm", ge=0, le=1e4)]
 Release = Annotated[float, quantity("deg", ge=0, lt=360)]
@@ -94,7 +94,7 @@ class TrackLimits(Record):
         default=None,
         description="greatest pressure angle; left out: 30 of a follower that slides, 45 of one that swings",
     )
-    least_radius: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+    least_radius: Distance = Field(
         default=0.0, description="least radius of a track where it is convex, for wear"
     )
     speed_ripple: Annotated[float, quantity("1", gt=0, le=10)] = Field(

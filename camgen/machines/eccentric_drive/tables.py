@@ -9,7 +9,7 @@ from pydantic import Field, field_validator
 from camgen.machines.loads.tables import Drives, LimitsTable
 from camgen.parts.catalogue import CORE_HOLES
 from camgen.parts.generator import sizes
-from camgen.spec import Coordinate, Length, Mass, MinWall, Record, Rpm, quantity, turning
+from camgen.spec import Coordinate, Distance, Length, Mass, MinWall, Record, Rpm, quantity, turning
 from camgen.vocabulary import OldWords
 
 Band = tuple[Annotated[float, Field(gt=0, le=1e6)], Annotated[float, Field(gt=0, le=1e6)]]
@@ -99,7 +99,7 @@ class EccentricSizes(sizes.Parts):
         description="length of the needle, from the inner end of its groove to its point; unless given, "
         "the point is flush with the tube's mouth when the slider is innermost",
     )
-    tube_length: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+    tube_length: Distance = Field(
         default=0.0,
         description="length of the tube that guides the needle beyond the slider's head; 0: none",
     )
@@ -158,7 +158,7 @@ class EccentricLimits(LimitsTable):
     transmission_angle_deg: Annotated[float, quantity("deg", gt=0, lt=90)] = Field(
         default=45.0, description="least angle between the rod and the normal of the guide"
     )
-    lash: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+    lash: Distance = Field(
         default=1.0,
         description="free play of the slider by that of all joints; 1: the source lets the needle reach 2 "
         "to 3 mm deep, and play moves its point within that",

@@ -25,7 +25,7 @@ from camgen.parts.disc_cams import (
     KeyWidth,
     Thickness,
 )
-from camgen.spec import Length, MinWall, Record, Rpm, quantity, turning
+from camgen.spec import Angle, Length, MinWall, Record, Rpm, quantity, turning
 
 Span = Annotated[float, quantity("deg", ge=1, lt=360)]
 NotNegative = Annotated[float, Field(ge=0, le=1e6)]
@@ -314,7 +314,7 @@ class IndexingParts(CamSizes):
 class IndexingLimits(SwingingCamLimitsTable):
     """What you accept: beyond a limit its finding fails."""
 
-    lash_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(
+    lash_deg: Angle = Field(
         default=0.25,
         description="free play of the follower between the pair of cams; 0.25: under a hundredth of a "
         "swing of 30 deg; in the dwells the unloader presses one roller on, so the link "

@@ -9,7 +9,7 @@ from pydantic import Field
 from camgen.machines.loads.tables import CamLimitsTable, MovingFollower
 from camgen.parts.disc_cams import Thickness
 from camgen.parts.generator.sizes import Name
-from camgen.spec import Length, MinWall, Record, quantity
+from camgen.spec import Distance, Length, MinWall, Record, quantity
 
 
 class PlateFollower(MovingFollower):
@@ -69,7 +69,7 @@ class PlateParts(Record):
 class PlateLimits(CamLimitsTable):
     """What you accept: beyond a limit its finding fails."""
 
-    least_radius: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+    least_radius: Distance = Field(
         default=0.0, description="least radius of the edge where it is convex, for wear"
     )
     min_wall: MinWall = 0.8

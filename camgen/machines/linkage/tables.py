@@ -41,6 +41,8 @@ from camgen.parts.wheels.noncircular import WaveLaw, ellipses
 from camgen.settings import quotient
 from camgen.spec import (
     Coordinate,
+    Distance,
+    Force,
     Length,
     MinWall,
     Record,
@@ -669,9 +671,7 @@ class CamSegment(Span):
     lift: Length | None = Field(
         default=None, description="how far a follower slides; or to, where it ends"
     )
-    to: Annotated[float, quantity("mm", ge=-1e6, le=1e6)] | None = Field(
-        default=None, description="where the sliding follower ends"
-    )
+    to: Coordinate | None = Field(default=None, description="where the sliding follower ends")
     lift_deg: Annotated[float, quantity("deg", ge=1e-3, le=180)] | None = Field(
         default=None, description="how far a follower swings; or to_deg = 20, where it ends"
     )
@@ -692,7 +692,7 @@ class ReturnSpring(Record):
     rate: Annotated[float, quantity("N/mm or N m/rad", ge=0, le=1e6)] = Field(
         default=0.0, description="rate of the spring, as it acts on the follower; 0: found"
     )
-    preload: Annotated[float, quantity("N or N m", ge=0, le=1e6)] = Field(
+    preload: Force = Field(
         default=0.0,
         description="force or torque where the follower is lowest; 0: what keeps it on the cam",
     )
@@ -737,7 +737,7 @@ class Cam(Record):
     damping: Annotated[float, quantity("N s/mm or N m s/rad", ge=0, le=1e6)] = Field(
         default=0.0, description="damping of the follower, in proportion to its speed"
     )
-    resistance: Annotated[float, quantity("N or N m", ge=0, le=1e6)] = Field(
+    resistance: Force = Field(
         default=0.0, description="constant force or torque against the follower's lift"
     )
     spring: ReturnSpring | None = Field(
@@ -871,7 +871,7 @@ class Include(Record):
         description="bodies of the other machine that links of this one carry, in place of its own "
         "guides and cams: body = link",
     )
-    ride_tolerance: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+    ride_tolerance: Distance = Field(
         default=0.01,
         description="how far such a body may be from where the other machine would have it",
     )
@@ -939,13 +939,13 @@ class LinkageLimits(CamLimitsTable):
     transmission_angle_deg: Annotated[float, quantity("deg", ge=0, lt=90)] = Field(
         default=20.0, description="least transmission angle of each loop"
     )
-    undercut: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+    undercut: Distance = Field(
         default=0.0, description="motion that a sliding follower may lose by undercut"
     )
     undercut_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(
         default=0.0, description="motion that a swinging follower may lose by undercut"
     )
-    lash: Annotated[float, quantity("mm", ge=0, le=1e6)] | None = Field(
+    lash: Distance | None = Field(
         default=None,
         description="greatest play of an output that is a place or path; unless given a quarter of "
         "its stroke, or of the smaller side of a path that is a loop",

@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from camgen.machine.cams.limits import CamLimits, MotionLimits
 from camgen.machines.loads.applied import Applied
 from camgen.parts.journals import DriveLimits, MaterialLimits
-from camgen.spec import Length, Record, quantity
+from camgen.spec import Angle, Coordinate, Length, Record, quantity
 
 Positive = Annotated[float, Field(gt=0, le=1e6)]
 Model = Literal[
@@ -202,7 +202,7 @@ class CamLimitsTable(LimitsTable):
         description="greatest angle between push and motion of the follower; unless given, 30 if it "
         "slides, 45 if it swings",
     )
-    least_radius: Annotated[float, quantity("mm", ge=-1e6, le=1e6)] = Field(
+    least_radius: Coordinate = Field(
         default=0.0,
         description="least radius of the convex profile, for wear; below 0 it accepts undercut, down to "
         "that radius",
@@ -256,7 +256,7 @@ class CamLimitsTable(LimitsTable):
 class SwingingCamLimitsTable(CamLimitsTable):
     """What the designer accepts of cams whose followers all swing."""
 
-    undercut_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(
+    undercut_deg: Angle = Field(
         default=0.0,
         description="swing that may be lost by undercut, as a round tip loses it at a sharp reversal",
     )

@@ -21,7 +21,7 @@ from camgen.machine.strength import SHEAR, shaft_twist
 from camgen.machines.thread_take_up.feed import TakeUp
 from camgen.machines.thread_take_up.rocker import ANGLES, against
 from camgen.parts import materials
-from camgen.spec import Coordinate, Length, Mass, Record, quantity
+from camgen.spec import Coordinate, Distance, Length, Mass, Record, quantity
 from camgen.study import Figure, Figures, Later, Plot, Study, Table, figures_in
 
 # The lengths of the source: OA, OC, and AB with BC as it prints them.
@@ -150,9 +150,9 @@ class Consumption(Record):
     angles_deg: Annotated[
         tuple[Annotated[float, quantity("deg", ge=0, lt=360)], ...], Field(min_length=2)
     ] = Field(description="angles of the input crank")
-    length_mm: Annotated[
-        tuple[Annotated[float, quantity("mm", ge=0, le=1e6)], ...], Field(min_length=2)
-    ] = Field(description="thread drawn at these angles since the feed was greatest")
+    length_mm: Annotated[tuple[Distance, ...], Field(min_length=2)] = Field(
+        description="thread drawn at these angles since the feed was greatest"
+    )
 
     def faults(self) -> list[Fault]:
         """What is wrong between the two lists."""

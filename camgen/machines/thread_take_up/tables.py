@@ -10,7 +10,7 @@ from pydantic import Field
 from camgen.machines.loads.tables import Drives, LimitsTable
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.hardware import FACETS
-from camgen.spec import Coordinate, Length, MinWall, Print, Record, Rpm, quantity, turning
+from camgen.spec import Coordinate, Distance, Length, MinWall, Print, Record, Rpm, quantity, turning
 
 HEAD = 1.0  # mm, height of a head, and how far it stands out all round
 Point = tuple[Coordinate, Coordinate]
@@ -95,7 +95,7 @@ class TakeUpParts(Record):
     thread_height: Length = Field(
         default=6.0, description="height of finger and guides above the bell crank"
     )
-    groove: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+    groove: Distance = Field(
         default=2.0,
         description="height of the groove that holds the thread; 0: plain posts, along which it slips",
     )
@@ -142,13 +142,13 @@ class TakeUpLimits(LimitsTable):
     transmission_angle_deg: Annotated[float, quantity("deg", ge=0, lt=90)] = Field(
         default=40.0, description="least angle between coupler and output crank"
     )
-    gap: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+    gap: Distance = Field(
         default=0.2, description="least gap between what moves and what stands in its way"
     )
-    excess: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+    excess: Distance = Field(
         default=7.0, description="most thread supplied beyond what is consumed"
     )
-    lash: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+    lash: Distance = Field(
         default=7.0,
         description="free play of the feed by that of all joints; 7: play is excess thread, and the "
         "source allows 7 mm of that",

@@ -11,7 +11,7 @@ from camgen.machines.loads.tables import Drives, SwingingCamLimitsTable
 from camgen.machines.pairs import Air
 from camgen.parts.catalogue import BEARINGS, MOTOR_FACES, Bearing, MotorFace, flange
 from camgen.parts.disc_cams import OLD_BORES, ShaftHole
-from camgen.spec import Length, MinWall, Print, Record, Rpm, quantity, turning
+from camgen.spec import Angle, Distance, Length, MinWall, Print, Record, Rpm, quantity, turning
 from camgen.vocabulary import OldWords
 
 Thread = Literal["M2", "M2.5", "M3", "M4", "M5", "M6"]
@@ -26,15 +26,13 @@ class SwingGeometry(Record):
     swing_deg: Annotated[float, quantity("deg", gt=0, lt=180)] = Field(
         description="swing from peak to peak"
     )
-    tip_radius: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
-        description="radius of a round tip or roller; 0 is a knife edge"
-    )
+    tip_radius: Distance = Field(description="radius of a round tip or roller; 0 is a knife edge")
     closure: Literal["conjugate", "force"] = Field(
         default="conjugate",
         description='"conjugate": a second tip on the same cam turned over; "force": a spring',
     )
     tip_clearance: Air = 0.0
-    reversal_blend_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(
+    reversal_blend_deg: Angle = Field(
         default=0.0, description="cam angle over which each reversal is smoothed; 0 is sharp"
     )
 
@@ -66,7 +64,7 @@ class SwingParts(ShaftHole):
         default="cams", description='"cams": the cams alone; "printed": all parts of the machine'
     )
     thickness: Length = Field(default=6.0, description="thickness of cams and frame plates")
-    pin_diameter: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+    pin_diameter: Distance = Field(
         default=3.0,
         description="diameter of two holes that match when one cam is turned over; 0: none",
     )
@@ -82,7 +80,7 @@ class SwingParts(ShaftHole):
         description="wall beside windows and pin holes; beside pins less if the cam is small, down to "
         "min_wall",
     )
-    mark_depth: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+    mark_depth: Distance = Field(
         default=0.4, description="engraved arrow that shows the direction of turning; 0: none"
     )
 
@@ -90,7 +88,7 @@ class SwingParts(ShaftHole):
 class SwingLimits(SwingingCamLimitsTable):
     """What you accept: beyond a limit its finding fails."""
 
-    lash_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(
+    lash_deg: Angle = Field(
         default=0.25,
         description="free play between the two tips: the nozzle stands still that far after each "
         "reversal; 0.25 is 1 % of a swing of 25 deg, where the source allows 10 % of the "

@@ -25,7 +25,7 @@ from camgen.parts.catalogue import (
     in_sleeve,
 )
 from camgen.parts.set_screws import SetScrewHub
-from camgen.spec import Coordinate, Length, Record, quantity, text_of_form, unknown
+from camgen.spec import Coordinate, Distance, Length, Record, quantity, text_of_form, unknown
 
 SUNK = 0.2  # mm, by which a screw's head lies below the surface
 HOOK_ROOM = 0.5  # mm, from what holds the eye of a spring to its coils
@@ -158,7 +158,7 @@ class ThreadPosts(Record):
     height: Length = Field(
         default=6.0, description="height of the posts above the highest link, up to their heads"
     )
-    groove: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+    groove: Distance = Field(
         default=2.0,
         description="height of the groove that holds the thread; 0: plain posts, along which it slips",
     )
@@ -218,7 +218,7 @@ class Parts(Record):
         default=6.0,
         description="diameter of the drive shaft; a flat on it turns the driven link",
     )
-    shaft_flat: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+    shaft_flat: Distance = Field(
         default=0.8,
         description="depth of that flat; 0: a round shaft, on which all is pressed and glued",
     )
@@ -239,7 +239,7 @@ class Parts(Record):
     side_phase_deg: Annotated[float, quantity("deg", ge=-360, le=360)] = Field(
         default=180.0, description="how far the far side is ahead of the near side"
     )
-    side_gap: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+    side_gap: Distance = Field(
         default=0.0,
         description="distance between the second plates of both sides, on spacers: feet so much further apart "
         "across; 0: plate on plate",
@@ -270,7 +270,7 @@ class Parts(Record):
         description="set screw of a collar at the upper end of a motor's shaft, so that nothing slides "
         'off: "none"; or "M2" to "M5"',
     )
-    hand_crank: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+    hand_crank: Distance = Field(
         default=0.0,
         description="distance from the shaft to the knob of a crank at its lower end, to turn it by "
         "hand; 0: none",
@@ -297,7 +297,7 @@ class Parts(Record):
         description="number of those screws: one at each end of the plate; a third one farthest from "
         "their line",
     )
-    pen_diameter: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+    pen_diameter: Distance = Field(
         default=3.0,
         description="diameter of the hole at a point that is an output but no pin; 0: none",
     )
