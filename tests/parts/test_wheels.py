@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -19,10 +19,10 @@ from shapely.affinity import rotate, translate
 from camgen.errors import DesignError
 from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Contour, Smooth
+from camgen.geometry.outlines import Arc, Contour, Line, Piece, Smooth, end_point, start_point
 from camgen.parts.wheels.cycloid import CycloidDisc
 from camgen.parts.wheels.geneva import Geneva, InnerGeneva
-from camgen.parts.wheels.involute import BasicRack, Ring, StraightRack, Wheel
+from camgen.parts.wheels.involute import BasicRack, Ring, Wheel
 from camgen.parts.wheels.mesh import Mesh, Sizes
 from camgen.parts.wheels.planets import PlanetSet
 from camgen.parts.wheels.ratchet import Pawl, RatchetWheel
@@ -78,6 +78,56 @@ def test_undercut_begins_at_the_closed_forms_teeth() -> None:
     assert sharp.least_shift(0) / rate == pytest.approx(limit, abs=1e-4)
     for teeth, shift in REFERENCE["undercut"]["least_shift"]:
         assert sharp.least_shift(teeth) == pytest.approx(shift, abs=1e-6)
+
+
+@dataclass(frozen=True)
+class StraightRack:
+    """A bar with teeth along Ox that a wheel of the same rack rolls on: its pitch line is Ox, teeth upwards, from 0 on."""
+
+    teeth: int
+    rack: BasicRack
+    back: float = 0.0  # height of the bar under its roots, mm
+    thinner: float = 0.0  # mm along the pitch line
+
+    @property
+    def length(self) -> float:
+        """mm."""
+        return math.pi * self.rack.module * self.teeth
+
+    def outline(self) -> Contour:
+        """The edge, counter-clockwise; it begins and ends in the middle of a space."""
+        rack = self.rack
+        m = rack.module
+        slope = math.tan(rack.pressure)
+        pitch = math.pi * m
+        top = rack.addendum * m
+        low = -(rack.addendum + rack.clearance) * m
+        fillet = rack.fillet * m
+        half = pitch / 4 - self.thinner / 2
+        foot = half - (low + fillet) * slope + fillet / math.cos(rack.pressure)
+        bend = math.pi / 2 - rack.pressure
+        pieces: list[Piece] = []
+        last = complex(self.length, low)
+        for k in reversed(range(self.teeth)):
+            middle = (k + 0.5) * pitch
+            right = Arc(complex(middle + foot, low + fillet), fillet, -math.pi / 2, -bend)
+            left = right.moved(-1 + 0j, 2 * middle, mirror=True).reversed()
+            tips = [complex(middle + side * (half - top * slope), top) for side in (1, -1)]
+            pieces += [
+                Line(last, complex(middle + foot, low)),
+                right,
+                Line(end_point(right), tips[0]),
+                Line(*tips),
+                Line(tips[1], start_point(left)),
+                left,
+            ]
+            last = complex(middle - foot, low)
+        start = complex(0, low)
+        under = [complex(0, low - self.back), complex(self.length, low - self.back)]
+        pieces.append(Line(last, start))
+        corners = [start, *under, complex(self.length, low)]
+        pieces += [Line(a, b) for a, b in zip(corners[:-1], corners[1:], strict=True)]
+        return Contour(tuple(pieces))
 
 
 @pytest.mark.parametrize(("teeth", "shift"), [(12, 0.0), (12, 0.4), (18, 0.0), (8, 0.3)])

@@ -51,9 +51,10 @@ from camgen.machines.cylinder_cam.bench import (
 from camgen.machines.cylinder_cam.pieces import DRUM, Pieces, ring_mount
 from camgen.machines.cylinder_cam.tables import DrumGeometry, DrumLimits, DrumParts
 from camgen.machines.cylinder_cam.track import Track, smallest
-from camgen.machines.disc_cam.curves import motion_plots, segments_table
+from camgen.machines.disc_cam.curves import motion_plots, peak_figures, segments_table
 from camgen.machines.disc_cam.tables import DiscCamMotor, LoadTable, SpringTable
 from camgen.machines.loads.lift_off import bounce_figures, bounce_of
+from camgen.machines.loads.tables import thin_walls
 from camgen.machines.loads.weights import gravity
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.pairs import still_faults
@@ -126,9 +127,7 @@ class CylinderCam(Mechanism):
         elif g.track == "groove" and g.roller.cone_deg < 0:
             right = "0 or more: a roller that is wider inside cannot be put into a groove"
             found.append(Fault(("geometry", "roller", "cone_deg"), f"{g.roller.cone_deg:g}", right))
-        if self.allowed.min_wall < self.print.nozzle:
-            right = f"at least the nozzle, {self.print.nozzle:g} mm"
-            found.append(Fault(("limits", "min_wall"), f"{self.allowed.min_wall:g}", right))
+        found += thin_walls(self.allowed.min_wall, self.print.nozzle)
         for key in ("hole_compensation", "profile_compensation", "shrinkage", "elephant_foot"):
             value = getattr(self.print, key)
             if value:
@@ -632,7 +631,6 @@ class CylinderCam(Mechanism):
         unit, scale = self.geometry.follower.unit
         track = self.track
         low, high = self.program.extremes
-        peaks = [scale * abs(self._speed) ** k * self.program.peak(k) for k in (1, 2)]
         figures = Figures(
             [
                 Figure(
@@ -645,8 +643,7 @@ class CylinderCam(Mechanism):
                 Figure("roller inner end", track.inner, "mm"),
                 Figure("pressure angle", track.steepest, "deg"),
                 *self._roller.figures(),
-                Figure("peak speed", peaks[0], f"{unit}/s"),
-                Figure("peak acceleration", peaks[1], f"{unit}/s²"),
+                *peak_figures(self.program, (unit, scale), self._speed),
                 *bounce_figures(self._bounce, not self.geometry.follower.swings),
             ]
         )

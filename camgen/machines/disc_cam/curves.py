@@ -12,7 +12,7 @@ from camgen.machine.cams.followers import Follower, SlidingFace, SlidingTip, Swi
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.motion.program import Program
 from camgen.numerics import Floats
-from camgen.study import Plot, Sketch, Table
+from camgen.study import Figure, Plot, Sketch, Table
 
 _BANDS = (0.0, 10.0, 20.0, 30.0, 45.0, 90.0)  # deg, of the pressure angle along the profile
 
@@ -127,3 +127,13 @@ def sketch(
                 low, high = cam.face_contact
                 strokes.append(facing * (ahead + 1j * np.array([low, 0, high])))
     return Sketch("follower", strokes, [(z, r) for z, r in circles if r], "follower")
+
+
+def peak_figures(program: Program, of: tuple[str, float], speed: float) -> list[Figure]:
+    """Greatest speed and acceleration of a follower; of: its unit and scale, speed: of the drive, rad/s."""
+    unit, scale = of
+    speeds = (("peak speed", 1, "s"), ("peak acceleration", 2, "s²"))
+    return [
+        Figure(name, scale * abs(speed) ** k * program.peak(k), f"{unit}/{per}")
+        for name, k, per in speeds
+    ]

@@ -49,7 +49,7 @@ from camgen.machines.cam_loads import (
 )
 from camgen.machines.cam_tables import CamTables
 from camgen.machines.disc_cam.alone import CamsAlone
-from camgen.machines.disc_cam.curves import plots, segments_table, sketch
+from camgen.machines.disc_cam.curves import peak_figures, plots, segments_table, sketch
 from camgen.machines.disc_cam.faults import (
     bought_faults,
     closure_faults,
@@ -69,7 +69,7 @@ from camgen.machines.disc_cam.tables import (
 from camgen.machines.disc_cam.walls import CamWalls
 from camgen.machines.free_play import between
 from camgen.machines.loads.lift_off import bounce_figures, bounce_of
-from camgen.machines.loads.tables import CamLimitsTable
+from camgen.machines.loads.tables import CamLimitsTable, thin_walls
 from camgen.machines.loads.weights import gravity
 from camgen.machines.pairs import air_faults, still_faults
 from camgen.motion.program import Program
@@ -121,9 +121,7 @@ class DiscCamDrive(CamTables):
         least = self.allowed.min_wall
         if not self.standing:
             found += hub_faults(self.making, g.closure, least)
-        if least < self.print.nozzle:
-            right = f"at least the nozzle, {self.print.nozzle:g} mm"
-            found.append(Fault(("limits", "min_wall"), f"{least:g}", right))
+        found += thin_walls(least, self.print.nozzle)
         try:
             self._given  # noqa: B018
         except SpecError as error:
@@ -526,15 +524,13 @@ class DiscCamDrive(CamTables):
         f = self.geometry.follower
         cam = self.cam
         low, high = self._highest
-        peaks = [scale * abs(self._speed) ** k * self.program.peak(k) for k in (1, 2)]
         figures = [
             Figure("stroke" if unit == "mm" else "swing", scale * (high - low), unit),
             Figure("base radius", self.base_radius, "mm"),
             Figure("prime radius", self.base_radius + (f.radius or 0.0), "mm"),
             Figure("pressure angle", max(each.steepest for each in self.cams), "deg"),
             Figure("curvature radius min", min(each.least_radius for each in self.cams), "mm"),
-            Figure("peak speed", peaks[0], f"{unit}/s"),
-            Figure("peak acceleration", peaks[1], f"{unit}/s²"),
+            *peak_figures(self.program, (unit, scale), self._speed),
             Figure("profile length", cam.length, "mm"),
             Figure("profile area", cam.area, "mm²"),
             *undercut_numbers(self.cams).records,

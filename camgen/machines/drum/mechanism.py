@@ -39,6 +39,7 @@ from camgen.machines.drum.tables import (
     TrackTable,
 )
 from camgen.machines.included import placed
+from camgen.machines.loads.tables import thin_walls
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
 from camgen.parts import materials
@@ -102,9 +103,7 @@ class CamDrum(Mechanism):
             value = getattr(record, key, None)
             if value is not None and value != type(record).model_fields[key].default:
                 found.append(Fault((table, key), shown(value), right))
-        if self.allowed.min_wall < self.print.nozzle:
-            right = f"at least the nozzle, {self.print.nozzle:g} mm"
-            found.append(Fault(("limits", "min_wall"), f"{self.allowed.min_wall:g}", right))
+        found += thin_walls(self.allowed.min_wall, self.print.nozzle)
         for k, track in enumerate(self.track):
             try:
                 self._disc(track)

@@ -32,8 +32,10 @@ from camgen.machine.features import Mount, PlateEdge
 from camgen.machine.model import GROUND, MM, Cam, Drive, Machine, Place, Slide, Turning
 from camgen.machine.strength import line_contact
 from camgen.machines.cam_loads import lift_off, line_hertz, load_faults, load_of, pushed_figures
+from camgen.machines.disc_cam.curves import peak_figures
 from camgen.machines.disc_cam.tables import LoadTable, SpringTable
 from camgen.machines.linear_cam.tables import PlateDrive, PlateGeometry, PlateLimits, PlateParts
+from camgen.machines.loads.tables import thin_walls
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.stroke import Stroke, StrokeSegment, stroke
 from camgen.numerics import Floats
@@ -116,9 +118,7 @@ class LinearCamDrive(Mechanism):
             found.append(
                 Fault(path, f"{f.start_deg:g}", "nothing here: of an oscillating follower")
             )
-        if self.allowed.min_wall < self.print.nozzle:
-            right = f"at least the nozzle, {self.print.nozzle:g} mm"
-            found.append(Fault(("limits", "min_wall"), f"{self.allowed.min_wall:g}", right))
+        found += thin_walls(self.allowed.min_wall, self.print.nozzle)
         widest = 2 * (min(self.geometry.height / 2, self.making.ends) - self.allowed.min_wall)
         if self.making.hole > max(widest, 0.0):
             right = f"at most {max(widest, 0.0):.4g}: geometry.height and twice parts.ends, less two of limits.min_wall; 0: no holes"
@@ -355,7 +355,6 @@ class LinearCamDrive(Mechanism):
         unit, scale = self.geometry.follower.unit
         low, high = self.program.extremes
         begin, end = self.cam.range
-        peaks = [scale * self._speed**k * self.program.peak(k) for k in (1, 2)]
         figures = [
             Figure(
                 "swing" if self.geometry.follower.swings else "stroke", scale * (high - low), unit
@@ -363,8 +362,7 @@ class LinearCamDrive(Mechanism):
             Figure("way", WAY * (end - begin), "mm"),
             Figure("pressure angle", self.cam.steepest, "deg"),
             Figure("curvature radius min", self.cam.least_radius, "mm"),
-            Figure("peak speed", peaks[0], f"{unit}/s"),
-            Figure("peak acceleration", peaks[1], f"{unit}/s²"),
+            *peak_figures(self.program, (unit, scale), self._speed),
             *self._load_figures,
         ]
         return Study(

@@ -1,4 +1,4 @@
-"""How a linkage is made: its springs, its levels, and the bodies of its parts."""
+"""How a linkage is closed and made: its chain, its springs, its levels, and the bodies of its parts."""
 
 from __future__ import annotations
 
@@ -12,12 +12,18 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.machine import model as m
 from camgen.machine.forces import Forces
+from camgen.machine.programs import DriveLaw
+from camgen.machine.reach import refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
+from camgen.machine.stepwise import stays_clear
 from camgen.machines import included as inc
 from camgen.machines.linkage import (
+    motors,
+    pens,
     planets,
 )
 from camgen.machines.linkage import springs as coils
+from camgen.machines.linkage.asked_range import refuse_range
 from camgen.machines.linkage.part_names import refuse_alike
 from camgen.machines.linkage.spec import LinkageSpec
 from camgen.machines.linkage.weights import counterbalanced
@@ -38,6 +44,38 @@ _SAMPLES = np.linspace(
     0, math.tau, 1440, endpoint=False
 )  # of a period, at which links are looked at for their levels
 _MARK = 0.8  # of a hub's radius, to the hole that shows how what turns on stands
+
+
+def closed(spec: LinkageSpec) -> m.Machine:
+    """The model, closed as drawn; DesignError where it does not close, is loose or locked, or cannot move as asked.
+
+    Each pin has the play of one that is pressed into one of its links.
+    """
+    chain = spec.drawn.closed()
+    for spring in spec.returning:
+        chain = spring.on(chain)
+    if len(spec.drives) > 1:
+        return motors.driven(chain, spec.drives) if spec.pen is None else pens.led(chain, spec.pen)
+    law: m.Law | None
+    program = spec.drive.program()
+    if program is None:
+        law = None
+        reach = None if spec.drive.range_deg is None else spec.cycle.range
+    else:
+        law = DriveLaw(program, chain.start[spec.drive.link].angle)
+        reach = law.reach
+    clear = stays_clear(chain, *(reach or (0.0, math.tau)))
+    if reach is not None:
+        refuse_range(chain, spec.drive, *reach)
+    elif not clear:
+        refuse_partial(chain, spec.allowed.transmission_angle_deg)
+    if not clear:
+        refuse_folds(chain, *(reach or (0.0, math.tau)))
+    law = spec.additions.drive or law
+    if law is not None:
+        drive, *held = chain.drives
+        chain = replace(chain, drives=(replace(drive, law=law), *held))
+    return spec.drawn.released(chain)
 
 
 @dataclass(frozen=True)

@@ -44,8 +44,7 @@ from camgen.machines.linkage.assembling import (
     mirror,
     with_engraving,
 )
-from camgen.machines.linkage.closing import closed
-from camgen.machines.linkage.construction import Construction
+from camgen.machines.linkage.construction import Construction, closed
 from camgen.machines.linkage.spec import LinkageSpec
 from camgen.machines.loads.bearing import LoadCheck
 from camgen.machines.loads.counterweights import found_moment

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from camgen.errors import Fault
 from camgen.machine.cams.limits import CamLimits, MotionLimits
 from camgen.machines.loads.applied import Applied
 from camgen.parts.journals import DriveLimits, MaterialLimits
@@ -137,6 +138,12 @@ class Weight(Record):
         description="more loads over theta: a jet, a hose, a thread's tension; [[load.on]], see camgen "
         "new linkage",
     )
+
+
+def thin_walls(least: float, nozzle: float) -> list[Fault]:
+    """A least wall of parts that no nozzle makes, mm."""
+    right = f"at least the nozzle, {nozzle:g} mm"
+    return [Fault(("limits", "min_wall"), f"{least:g}", right)] if least < nozzle else []
 
 
 class LimitsTable(Record):

@@ -30,6 +30,7 @@ from camgen.machine.features import Demand
 from camgen.machine.model import GROUND, Floats, Machine, Points
 from camgen.machines.linkage.weights import under_faults
 from camgen.machines.loads.counterweights import Counterweight
+from camgen.machines.loads.tables import thin_walls
 from camgen.machines.mechanism import refuse_failing
 from camgen.machines.template import Template
 from camgen.machines.thread_take_up.feed import TakeUp
@@ -100,9 +101,7 @@ class ThreadTakeUp(Template):
         wrong = self._sizes.faults(_LINKS, nozzle, self.allowed.min_wall)
         own = {_OWN_KEYS.get(each.path, each.path): each for each in wrong}
         found = [replace(each, path=path) for path, each in own.items()]
-        if self.allowed.min_wall < nozzle:
-            right = f"at least the nozzle, {nozzle:g} mm"
-            found.append(Fault(("limits", "min_wall"), f"{self.allowed.min_wall:g}", right))
+        found += thin_walls(self.allowed.min_wall, nozzle)
         weight = self.counterweight
         if weight is not None:
             found += [*weight.faults(), *under_faults(weight, self._sizes)]

@@ -25,8 +25,8 @@ from camgen.machine.run import Run
 from camgen.parts.assembly import Assembly, MotorSeat
 from camgen.parts.catalogue import SCREWS, Bought, turning_text
 from camgen.parts.generator.bodies import Bodies
-from camgen.parts.generator.heads import levels_beyond
 from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.pins import levels_beyond
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.generator.stacking import with_levels
 from camgen.parts.hardware import spacer

@@ -19,9 +19,9 @@ from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.cures import slimmer, slimmer_pin
 from camgen.parts.generator.gears import DowelledWheel
 from camgen.parts.generator.genevas import DowelledEdge
-from camgen.parts.generator.heads import levels_beyond
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.link_outlines import arm_band, link_hubs, own_contours, tip_bar
+from camgen.parts.generator.pins import levels_beyond
 from camgen.parts.generator.plates import motor_holes
 from camgen.parts.generator.ratchets import RatchetDrive
 from camgen.parts.generator.wheels import Roller, Wheel

@@ -1,4 +1,4 @@
-"""Involute teeth as a rack cutter makes them: outer wheels, rings with inner teeth, straight racks.
+"""Involute teeth as a rack cutter makes them: outer wheels, rings with inner teeth.
 
     rack        straight-sided cutter, the standard's basic rack: addendum, clearance and tip rounding in modules
     reference   circle of radius module * teeth / 2, on which the cutter's pitch line rolls
@@ -31,7 +31,6 @@ from camgen.geometry.outlines import (
     Points,
     Smooth,
     end_point,
-    start_point,
 )
 from camgen.numerics import Floats, halved, sign_changes
 
@@ -475,53 +474,3 @@ class Ring(Teeth):
         root = [Arc(0j, self.root, -out, 2 * out)] if out * self.root > _HAIR else []
         gap = Arc(0j, self.tip, low, self.pitch - 2 * low)
         return _around(self.teeth, self.pitch, left, root, gap)
-
-
-@dataclass(frozen=True)
-class StraightRack:
-    """A bar with teeth along Ox that a wheel of the same rack rolls on: its pitch line is Ox, teeth upwards, from 0 on."""
-
-    teeth: int
-    rack: BasicRack
-    back: float = 0.0  # height of the bar under its roots, mm
-    thinner: float = 0.0  # mm along the pitch line
-
-    @property
-    def length(self) -> float:
-        """mm."""
-        return math.pi * self.rack.module * self.teeth
-
-    def outline(self) -> Contour:
-        """The edge, counter-clockwise; it begins and ends in the middle of a space."""
-        rack = self.rack
-        m = rack.module
-        slope = math.tan(rack.pressure)
-        pitch = math.pi * m
-        top = rack.addendum * m
-        low = -(rack.addendum + rack.clearance) * m
-        fillet = rack.fillet * m
-        half = pitch / 4 - self.thinner / 2
-        foot = half - (low + fillet) * slope + fillet / math.cos(rack.pressure)
-        bend = math.pi / 2 - rack.pressure
-        pieces: list[Piece] = []
-        last = complex(self.length, low)
-        for k in reversed(range(self.teeth)):
-            middle = (k + 0.5) * pitch
-            right = Arc(complex(middle + foot, low + fillet), fillet, -math.pi / 2, -bend)
-            left = right.moved(-1 + 0j, 2 * middle, mirror=True).reversed()
-            tips = [complex(middle + side * (half - top * slope), top) for side in (1, -1)]
-            pieces += [
-                Line(last, complex(middle + foot, low)),
-                right,
-                Line(end_point(right), tips[0]),
-                Line(*tips),
-                Line(tips[1], start_point(left)),
-                left,
-            ]
-            last = complex(middle - foot, low)
-        start = complex(0, low)
-        under = [complex(0, low - self.back), complex(self.length, low - self.back)]
-        pieces.append(Line(last, start))
-        corners = [start, *under, complex(self.length, low)]
-        pieces += [Line(a, b) for a, b in zip(corners[:-1], corners[1:], strict=True)]
-        return Contour(tuple(pieces))
