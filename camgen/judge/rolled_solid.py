@@ -72,7 +72,7 @@ def walls(mesh: Mesh, inner: float) -> list[Wall]:
     size = np.linalg.norm(normals, axis=1)
     distance = np.hypot(corners[..., 0], corners[..., 1])
     found = []
-    ring = math.pi * max(float(distance.max()) ** 2 - inner**2, 0.0)
+    ring = math.pi * max(float(distance.max(initial=0.0)) ** 2 - inner**2, 0.0)
     beyond = distance.max(axis=1) > inner
     for side in (-1, 1):
         rows = np.flatnonzero(beyond & (-side * normals[:, 2] > _FLAT * size))

@@ -13,10 +13,10 @@ import numpy as np
 
 from camgen import reading
 from camgen import spec as specs
-from camgen.errors import FileError
+from camgen.errors import DesignError, FileError
 from camgen.files.folder import name_of
 from camgen.findings import at_most, in_file
-from camgen.geometry.mesh import mesh_faults
+from camgen.geometry.mesh import Mesh, mesh_faults
 from camgen.judge.follower_table import inline_tables
 from camgen.judge.rolled_drum import Rolled, RollerTable, roll, track_findings
 from camgen.measuring.folder import write_folder
@@ -48,7 +48,24 @@ def read_roller(
 def rolls(path: Path, roller: str | PathLike[str] | Mapping[str, Any], harmonics: int) -> Rolled:
     """What is free for the follower of a roller in the drum of a mesh; SpecError, FileError or DesignError."""
     table = read_roller(roller, "roller")
-    return roll(_mesh(path).mesh, table, harmonics)
+    return _rolled(_mesh(path).mesh, table, harmonics)
+
+
+def _rolled(mesh: Mesh, table: RollerTable, harmonics: int) -> Rolled:
+    """The roller in a mesh; DesignError of one that is inside out, and of one without a track, with what is wrong with the mesh."""
+    faults = mesh_faults(mesh)
+    if not faults.count and faults.volume < 0:
+        remedy = "the mesh is inside out: turn its faces round, so that they look outwards"
+        raise DesignError("volume", faults.volume, 0, "mm^3", "the drum", remedy)
+    try:
+        return roll(mesh, table, harmonics)
+    except DesignError as error:
+        if not faults.count:
+            raise
+        remedy = f"{error.remedy}; the mesh has {faults.defects}: mend it first"
+        raise DesignError(
+            error.quantity, error.value, error.limit, error.unit, error.where, remedy
+        ) from None
 
 
 def _mesh(path: Path) -> ForeignMesh:
@@ -76,7 +93,7 @@ def run(
     progress(f"reading {path.name}")
     content = _mesh(path)
     progress("rolling")
-    rolled = roll(content.mesh, table, harmonics)
+    rolled = _rolled(content.mesh, table, harmonics)
     faults = mesh_faults(content.mesh)
     triangles = f"{len(content.mesh.faces)} triangles"
     findings = [

@@ -45,10 +45,14 @@ def judge_drums(case: Case, kinds: Sequence[str]) -> Outcome:
     )
 
 
-def roller_table(track: DrumTrack, tolerance: float) -> RollerTable:
-    """What `camgen motion` would be told of a drum's roller."""
+def roller_table(track: DrumTrack, tolerance: float, middle: float | None = None) -> RollerTable:
+    """What `camgen motion` would be told of a drum's roller; middle: of its motion, mm or rad, where a wrong file may have several
+    tracks."""
     radius, length, inner, cone = track.roller
     arm = track.arm or (None, 0.0, 0.0)
+    height = middle
+    if track.arm is not None and middle is not None:
+        height = track.arm[2] + track.arm[0] * math.sin(middle)
     return RollerTable(
         radius=radius,
         length=length,
@@ -60,6 +64,7 @@ def roller_table(track: DrumTrack, tolerance: float) -> RollerTable:
         arm=arm[0],
         pivot=arm[1:] if track.arm else None,
         tolerance=tolerance,
+        height=height,
     )
 
 
@@ -87,7 +92,8 @@ def _judged(case: Case, track: DrumTrack, kinds: Sequence[str]) -> Outcome:
     """One drum, from the files of its part."""
     mechanism = case.mechanism
     follower = _follower(mechanism, track)
-    table = roller_table(track, mechanism.accuracy.chord_tolerance)
+    middle = track.rest + float(np.mean(follower.law.law(np.linspace(0, math.tau, SAMPLES), 0)))
+    table = roller_table(track, mechanism.accuracy.chord_tolerance, middle)
     press = mechanism.print.press_clearance
     unit, scale = unit_of(follower.output)
     findings: list[Finding] = []
@@ -121,7 +127,7 @@ def _judged(case: Case, track: DrumTrack, kinds: Sequence[str]) -> Outcome:
         findings += track_findings(rolled, table, where, track.clearance)
         degrees = np.degrees(rolled.theta)
         errors.append((kind.upper(), degrees, np.asarray(scale * error)))
-        if rolled.track != "end":
+        if rolled.track != "end" and np.isfinite(rolled.play).any():
             plays.append((kind.upper(), degrees, np.asarray(scale * rolled.play)))
             figures += [
                 Figure("play least {of}", scale * float(np.nanmin(rolled.play)), unit, of=kind),

@@ -193,6 +193,23 @@ def test_damages_are_refused(tmp_path: Path) -> None:
         return Mesh(mesh.vertices + np.array([0.0, 0.0, 0.05]), mesh.faces)
 
     assert failing(verdicts(tmp_path, data, shifted)) == {"MOTION_ERROR"}
+
+    # what is no drum any more is told by findings too: inches, inside out, two drums in one file, none at all
+    def twice(mesh: Mesh) -> Mesh:
+        count = len(mesh.vertices)
+        return Mesh(
+            np.concatenate([mesh.vertices, mesh.vertices + [0, 0, 90]]),
+            np.concatenate([mesh.faces, mesh.faces + count]),
+        )
+
+    for damage in (
+        lambda mesh: Mesh(mesh.vertices * 25.4, mesh.faces),
+        lambda mesh: Mesh(mesh.vertices, mesh.faces[:, ::-1]),
+        lambda mesh: Mesh(mesh.vertices, mesh.faces[:0]),
+    ):
+        assert "MOTION_ERROR" in failing(verdicts(tmp_path, data, damage))
+    # of two drums the one is rolled that stands where the spec has it; VOLUME tells of the other
+    assert failing(verdicts(tmp_path, data, twice)) == set()
     narrow = drum(print={"slide_clearance": 0.1})
     (part,) = narrow.assembly.parts
     assert "GROOVE_FIT" in failing(verdicts(tmp_path, drum(), lambda _: solid(part, 0.01)))

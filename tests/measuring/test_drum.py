@@ -212,6 +212,16 @@ def test_a_drum_without_a_track_is_refused(groove: Mesh, tmp_path: Path) -> None
     assert "axis" in text
 
 
+def test_a_mesh_that_is_inside_out_or_torn_is_told_as_such(groove: Mesh, tmp_path: Path) -> None:
+    file = tmp_path / "drum.stl"
+    write_stl(file, Mesh(groove.vertices, groove.faces[:, ::-1]), "drum")
+    code, text = call(file, ROLLER)
+    assert code == 3 and "inside out" in text
+    write_stl(file, Mesh(groove.vertices, groove.faces[: len(groove.faces) // 2]), "drum")
+    code, text = call(file, ROLLER)
+    assert code == 3 and "open edges" in text and "mend" in text
+
+
 @pytest.mark.parametrize(
     ("roller", "key"),
     [
