@@ -222,11 +222,19 @@ class DrumWall:
             phi = phi + np.clip((off * deeper - short * leant) / area, -_FAR, _FAR)
             r = r + np.clip((short * turned - off * widened) / area, -_FAR * size, _FAR * size)
         row = np.unravel_index(int(np.argmax(np.abs(off))), off.shape)
-        raise DesignError(
-            "change of the wall's angle for that of the roller",
-            float(self.area_ratio(phi, r)[row]),
-            0.0,
-            "",
-            f"radius {rho[row]:.4g} mm, cam angle {math.degrees(-phi[row]) % 360:.4g} deg",
-            "the wall is undercut: take a smaller roller, a larger radius or a longer span",
-        )
+        ratio = float(self.area_ratio(phi, r)[row])
+        raise undercut(ratio, float(rho[row]), float(phi[row]))
+
+
+def undercut(ratio: float, rho: float, phi: float) -> DesignError:
+    """Of a wall that has no point at a radius, mm; ratio: its area near there for that of the surface of the roller's axis, which at
+    0 and below says by how much."""
+    where = f"radius {rho:.4g} mm, cam angle {math.degrees(-phi) % 360:.4g} deg"
+    remedy = "a smaller geometry.roller.radius or lift, a larger geometry.radius or a longer span_deg mends it"
+    error = DesignError(
+        "area of the wall for that of the roller's axis", ratio, 0.0, "", where, remedy
+    )
+    said = f"the wall is undercut: the roller touches none of it at {where}"
+    if ratio <= 0:
+        said += f", where it has {ratio:.3g} of the area that the roller's axis sweeps"
+    return error.saying(said)

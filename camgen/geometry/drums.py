@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.errors import DesignError
-from camgen.geometry.drum_walls import DrumRoller, DrumWall, RollerPath, WallPoints
+from camgen.geometry.drum_walls import DrumRoller, DrumWall, RollerPath, WallPoints, undercut
 from camgen.geometry.mesh import MOST_TRIANGLES
 from camgen.numerics import Floats
 
@@ -181,14 +181,7 @@ class Drum:
                 high = where[min(k + 1, len(where) - 1)]
                 where = np.sort(np.append(np.linspace(low, high, 100), at))
             if least <= _LEAST_AREA:
-                raise DesignError(
-                    "area of the wall for that of the surface that the roller's axis sweeps",
-                    least,
-                    _LEAST_AREA,
-                    "",
-                    f"the inner end of the roller, cam angle {math.degrees(-at) % 360:.4g} deg",
-                    "the wall is undercut: take a smaller roller, a larger radius or a longer span",
-                )
+                raise undercut(min(least, 0.0), self.floor, at)
 
     @cached_property
     def span(self) -> tuple[float, float]:

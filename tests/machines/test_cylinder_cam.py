@@ -563,6 +563,14 @@ def test_no_drum_is_told_as_such() -> None:
         drum(geometry={"radius": 32.0, "follower": {"offset": 40.0}}).track  # noqa: B018
     with pytest.raises(DesignError, match="thickness of the rib"):
         drum(geometry={"track": "rib", "distance": 5.0}).track  # noqa: B018
+    # an arm of 40 on a pivot 10 mm beside the axis: 10 - 40 cos(7.5 deg) at both ends of the swing, 30 in its middle
+    with pytest.raises(DesignError, match=r"the arm swings the roller's axis 30 mm beside") as past:
+        drum(geometry={"radius": 36.0, "follower": {**ARM, "pivot": 10.0}}).track  # noqa: B018
+    nearest = re.search(r"geometry.follower.pivot = ([\d.]+)", str(past.value))
+    assert nearest is not None
+    drum(geometry={"radius": 36.0, "follower": {**ARM, "pivot": float(nearest[1])}}).track  # noqa: B018
+    with pytest.raises(DesignError, match=r"the wall is undercut: .* geometry.roller.radius"):
+        drum(rise={"span_deg": 8.0}, geometry={"radius": 14.6}).track  # noqa: B018
     steep = drum(geometry={"radius": 25.0}).limits()
     assert [each.code for each in steep if not each.ok] == ["PRESSURE_ANGLE"]
 

@@ -292,6 +292,8 @@ class CylinderCam(Mechanism):
             raise DesignError(
                 "geometry.follower.offset", offset, limit, "mm", "the floor of the track", remedy
             )
+        if self.geometry.follower.swings:
+            self._refuse_beside(track)
         middle = track.inner + self.geometry.roller.length / 2
         if math.hypot(middle, offset) >= track.radius:
             remedy = "the middle of the roller lies beside the drum: a smaller offset, a larger geometry.radius or a longer roller"
@@ -301,6 +303,30 @@ class CylinderCam(Mechanism):
             )
         track.drum.span  # noqa: B018  refuses what is no drum
         return track
+
+    def _refuse_beside(self, track: Track) -> None:
+        """DesignError where an arm swings its roller past the drum."""
+        beside = track.path.beside(-track.theta, 0)
+        k = int(np.argmax(np.abs(beside)))
+        if abs(beside[k]) < track.floor:
+            return
+        follower = self.geometry.follower
+        free = follower.model_copy(update={"pivot": None})
+        nearest = replace(track, geometry=self.geometry.model_copy(update={"follower": free}))
+        pivot = "" if follower.pivot is None else f"geometry.follower.pivot = {nearest.pivot:.4g}, "
+        at = math.degrees(float(track.theta[k])) % 360
+        error = DesignError(
+            "distance of the roller's axis beside the drum's",
+            float(abs(beside[k])),
+            track.floor,
+            "mm",
+            f"cam angle {at:.4g} deg",
+            f"{pivot}a longer arm, a smaller swing or a larger geometry.radius keeps it in the drum",
+        )
+        raise error.saying(
+            f"the arm swings the roller's axis {abs(beside[k]):.4g} mm beside the drum's at cam angle {at:.4g} deg, and the track's "
+            f"floor is {track.floor:.4g} mm from it"
+        )
 
     def _found(self) -> Mapping[str, object]:
         """Sizes of the drum, and where the follower stands."""
