@@ -30,7 +30,7 @@ _NEAR = (0.0, 1.2, 2.5)  # further than that, without a leader
 _FAR = tuple(np.arange(5.0, 60.0, 2.0))  # with one: so much that its arrow has room
 _TURNS = np.radians([45, 135, 315, 225, 65, 115, 295, 245, 25, 155, 335, 205, 90, 270, 0, 180])
 _ASIDE = (0.0, 0.3, -0.3, 0.6, -0.6, 0.9, -0.9)  # rad
-_HARD = ("CUT", "VIEW", "DIM", "TEXT")  # layers of lines on which no text lies
+_HARD = ("CUT", "WALL", "VIEW", "DIM", "TEXT")  # layers of lines on which no text lies
 
 
 def along(contours: Sequence[Contour]) -> Points:

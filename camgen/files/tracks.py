@@ -166,7 +166,7 @@ class Development:
         for x in (0.0, self.around):
             sheet.line(foot + x, foot + x + 1j * self.high, layer="DIM")
         for z in self._walls_z:
-            sheet.line(*self._on(foot, z), layer="CUT")
+            sheet.line(*self._on(foot, z), layer="WALL")
         z = self._axis
         for line in _runs(np.array(self._on(foot, z), complex), (z > 0) & (z < self.drum.length)):
             sheet.line(*line.tolist(), layer="CENTER")

@@ -71,7 +71,7 @@ def test_the_walls_unrolled_stand_at_the_heights_of_the_program(speed: int) -> N
     made, sheet = unrolled(drum, facts)
     assert (at_angle(sheet, "90°") > at_angle(sheet, "180°")) == (speed > 0)
     foot = min(z.imag for z in np.concatenate(lines(sheet, "VIEW")))
-    walls = lines(sheet, "CUT")
+    walls = lines(sheet, "WALL")
     for turned, axis in (("150°", 23.1), ("330°", 8.1)):
         x = at_angle(sheet, turned)
         heights = [(np.interp(x, z.real, z.imag) - foot) / made.scale for z in walls]
@@ -178,7 +178,7 @@ def test_the_tolerance_of_the_walls_points_at_the_upper_one() -> None:
     layout, drum, facts = sheet_of()
     _, sheet = unrolled(drum, replace(facts, profile=0.04))
     tips = [each.corners[0] for each in sheet.things if hasattr(each, "corners")]
-    upper = max(lines(sheet, "CUT"), key=lambda z: float(np.mean(z.imag)))
+    upper = max(lines(sheet, "WALL"), key=lambda z: float(np.mean(z.imag)))
     (tip,) = tips
     assert abs(np.interp(tip.real, upper.real, upper.imag) - tip.imag) < 0.1
     words = {each.text for each in sheet.things if isinstance(each, Text)}
