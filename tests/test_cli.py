@@ -428,6 +428,17 @@ def test_impossible_cam_writes_nothing_and_spares_the_earlier_one(
     assert list(tmp_path.rglob("*")) == [earlier]
 
 
+def test_faults_of_settings_and_of_the_spec_are_told_at_once(
+    run: Run, tmp_path: Path, starter: Path
+) -> None:
+    settings = ("geometry.pivot=60", "base.galp=", "zzz=", "parts.bore=none")
+    typed = [word for setting in settings for word in ("--set", setting)]
+    code, out, err = run("build", starter, "-o", tmp_path, *typed)
+    assert (code, out) == (2, "") and "4 faults" in err
+    for key in ("geometry.pivot:", "--set base.galp", "--set zzz", "parts.bore: 'none'"):
+        assert err.count(key) == 1
+
+
 def test_what_cannot_be_read_or_written_is_4(run: Run, tmp_path: Path, starter: Path) -> None:
     (tmp_path / "file").write_text("mine")
     (tmp_path / "out" / "uniform-swing").mkdir(parents=True)

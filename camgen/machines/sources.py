@@ -123,9 +123,22 @@ def changed(
     overrides: Sequence[str] = (),
     like: tuple[reading.Data, specs.Spec] | None = None,
 ) -> Mechanism:
-    """The mechanism of some tables with some keys set anew; like: see `validate`."""
+    """The mechanism of some tables with some keys set anew; like: see `validate`.
+
+    SpecError with the faults of settings and, where those are left out, of the tables.
+    """
+    unset: list[Fault] = []
     for setting in overrides:
-        data = override(data, setting)
+        try:
+            data = override(data, setting)
+        except SpecError as error:
+            unset += error.faults
+    if unset:
+        try:
+            changed(data, source, folder, (), like)
+        except SpecError as error:
+            unset += error.faults
+        raise SpecError(unset, source)
     hints = tuple(
         f"{dotted(each.path)} was read from {each.name}, outside the spec's folder"
         for each in reading.references(data)
