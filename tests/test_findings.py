@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 import math
+from collections import defaultdict
 from dataclasses import replace
 from pathlib import Path
 
@@ -67,3 +69,30 @@ def test_a_place_between_two_things_is_told_so() -> None:
     assert (
         str(DesignError("wall", 1.0, 2.0, "mm", "hole A")) == "wall is 1 mm at hole A, limit 2 mm"
     )
+
+
+# Codes that count things beside what they measure.
+SEVERAL_UNITS = {
+    "BED_FIT": {"mm", "copies"},
+    "SHEET_FIT": {"mm", "copies", "pieces"},
+    "ROUND_TRIP": {"mm", "copies", "rows", "bodies", "warnings"},
+    "INTERFERENCE": {"mm", "percent"},
+}
+
+
+def test_a_code_has_one_unit_wherever_it_is_found() -> None:
+    """As far as the source names both; an output's own unit, mm or deg, stands in a variable."""
+    units = defaultdict[str, set[str]](set)
+    package = Path(__file__).resolve().parent.parent / "camgen"
+    for file in package.rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name)):
+                continue
+            place = {"at_most": 3, "at_least": 3, "Finding": 4}.get(node.func.id)
+            if place is None or len(node.args) <= place:
+                continue
+            code, unit = (node.args[k] for k in (0, place))
+            if isinstance(code, ast.Constant) and isinstance(unit, ast.Constant):
+                units[code.value].add(unit.value)
+    assert len(units) > 60
+    assert {code: each for code, each in units.items() if len(each) > 1} == SEVERAL_UNITS

@@ -92,10 +92,10 @@ def _ring(chains: Sequence[Chain]) -> Ring | None:
     return Ring(points, bulges)
 
 
-def nearest_gap(loose: Sequence[Chain]) -> tuple[float, str]:
-    """Smallest distance between the free ends of an open contour, mm, and a sentence; 0 and nothing where there is none."""
+def nearest_gap(loose: Sequence[Chain]) -> str:
+    """A sentence on the nearest free ends of open contours; "" where there is none."""
     if not loose:
-        return 0.0, ""
+        return ""
     ends = np.array([z for chain in loose for z in (chain.points[0], chain.points[-1])])
     from scipy.spatial import cKDTree
 
@@ -106,7 +106,5 @@ def nearest_gap(loose: Sequence[Chain]) -> tuple[float, str]:
     gap = float(abs(ends[a] - ends[b]))
     places = " and ".join(f"({z.real:.4f}, {z.imag:.4f})" for z in (ends[a], ends[b]))
     if gap <= CHAIN_GAP:
-        return max(
-            gap, CHAIN_GAP
-        ), f"the contour branches or is drawn twice: more than two ends meet at {places}"
-    return gap, f"the contour is open: the nearest free ends, {places}, are {gap:.4g} mm apart"
+        return f"the contour branches or is drawn twice: more than two ends meet at {places}"
+    return f"the contour is open: the nearest free ends, {places}, are {gap:.4g} mm apart"

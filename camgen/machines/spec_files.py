@@ -89,7 +89,7 @@ def contours_of(path: Path, key: Key) -> list[list[list[float]]]:
         raise SpecError([Fault(key, repr(path.name), "a file that ends in .svg or .dxf")])
     rings, loose, others = _lines(path)
     if loose:
-        _, gap = nearest_gap(loose)
+        gap = nearest_gap(loose)
         many = counted(len(loose), "open line")
         raise FileError(path, f"has {many}: {gap}; close it, or leave it out")
     if not rings:

@@ -283,12 +283,12 @@ def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int | None
     biggest = max(rings, key=lambda ring: abs(ring.area), default=None)
     size = max(np.ptp(biggest.points.real), np.ptp(biggest.points.imag)) if biggest else 0.0
     wide = [chain for chain in loose if chain.size >= size and not (biggest and chain.straight)]
-    gap, remark = nearest_gap(wide)
+    remark = nearest_gap(wide)
     closed = at_most(
         "DXF_CLOSED",
-        gap,
+        len(wide),
         0,
-        "mm",
+        "contours",
         in_file(path),
         remark
         or counted(len(rings), "closed contour")

@@ -192,7 +192,7 @@ def _findings(
         fastest = peak(follower.law.law(rolled.theta, 1))
         ripple = peak(low_passed(error, 1, HARMONICS)) / fastest if fastest else 0.0
         message = f"of the follower's greatest speed, low-passed at {HARMONICS} harmonics of a turn"
-        yield at_most("SPEED_RIPPLE", ripple, follower.ripple, "1", where, message)
+        yield at_most("SPEED_RIPPLE", ripple, follower.ripple, "share", where, message)
     if rolled.track != "end":
         play = rolled.play
         worst = float(np.max(play)) if np.isfinite(play).all() else math.nan

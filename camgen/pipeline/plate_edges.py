@@ -140,7 +140,7 @@ def _findings(
     fastest = peak(wanted.slope)
     ripple = peak((error[span:] - error[:-span]) / run_over) / fastest if fastest else 0.0
     message = f"of the follower's greatest speed, {mean} of the travel"
-    yield at_most("SPEED_RIPPLE", ripple, wanted.ripple, "1", where, message)
+    yield at_most("SPEED_RIPPLE", ripple, wanted.ripple, "share", where, message)
     k = int(np.argmax(pressure))
     steep = math.degrees(float(pressure[k]))
     message = f"between the edge in the file and the follower's way, {mean}"

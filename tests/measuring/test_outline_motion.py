@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import re
 import subprocess
 import sys
 import time
@@ -562,10 +563,10 @@ def test_an_open_contour_is_told_with_its_gap(tmp_path: Path, gap: float, is_ope
     closed = next(f for f in outline.findings if f.code == "DXF_CLOSED")
     assert closed.ok is not is_open and (outline.ring is None) is is_open
     if is_open:
-        assert (
-            closed.measured == pytest.approx(gap, rel=0.01)
-            and "(25.0000, 0.0000)" in closed.message
-        )
+        assert (closed.measured, closed.unit) == (1, "contours")
+        assert "(25.0000, 0.0000)" in closed.message
+        told = re.search(r", are (\S+) mm apart", closed.message)
+        assert told and float(told[1]) == pytest.approx(gap, rel=0.01)
 
 
 def test_an_open_contour_ends_in_exit_code_1(
@@ -757,9 +758,9 @@ def test_loose_lines_and_holes_by_the_thousand_are_read(tmp_path: Path) -> None:
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert outline.ring is None and peak < 3e8
-    assert outline.findings[-1].measured == pytest.approx(
-        1
-    )  # from (k + 0.4, 1) to (k + 1.4, 1), and along y = 0
+    assert outline.findings[-1].measured == 2500
+    # from (k + 0.4, 1) to (k + 1.4, 1), and along y = 0
+    assert ", are 1 mm apart" in outline.findings[-1].message
     start = time.process_time()
     outline = read_outline(drawing(tmp_path / "holes.dxf", holes))
     assert (
