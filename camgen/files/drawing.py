@@ -84,6 +84,8 @@ _ABOVE = 24.0
 _BESIDE = 12.0
 _DIMENSION_GAP = 24.0
 _ASIDE = 0.6  # rad, of a leader from the lines of overall sizes
+_FACE = 0.7  # of the radius of a drum's lower end: where its datum is in the view from the left
+_RUN_OUT = 10.0  # more to the right of a drum's plan view, for the run-out of that end
 _HATCH = 2.5  # mm of paper between the lines of a cut face
 _THIRD = 8.0  # from the plan view's dimension to the third view, and from that to what is below
 _DETAIL = 48.0  # height of a bore's detail, at most
@@ -203,6 +205,7 @@ class _Layout:
         self.upright = self._chamfered(upright)
         self.section = self._chamfered(section)
         self.bosses = bosses(part)
+        self.right = _RIGHT + (_RUN_OUT if drum and facts.run_out else 0.0)
         self.beside = _BESIDE + _BOSS * len(self.bosses)
         self.depth = part.thickness if part.side_profile or self.section else 0.0
         self.engraved = _contours(part.engraved, tolerance)
@@ -211,6 +214,7 @@ class _Layout:
         self.track_table = track_table(facts, self.polar, part.drum)
         surface = (self.polar or facts.levels) and (facts.profile or facts.roughness)
         self.over = _ABOVE + (_SURFACE if surface else 0.0)
+        self.angle_letter = ""
         self.datum_letter = next(
             (label for label, hole in self.named if hole.radius and abs(hole.place) < SAME_POINT),
             "",
@@ -223,11 +227,12 @@ class _Layout:
         self.angle_hole = self._angle_hole()
         angled = self.facts.profile and (self.key or self.angle_hole or self._flat)
         self.angle_letter = self._second if angled else ""
+        self.face_letter = self._second if drum and facts.profile else ""
         self.letter = next(
             (c for c in "S Z W V U T R Q".split() if c not in {label for label, _ in self.named}),
             "S-S",
         )
-        datums = [letter for letter in (self.datum_letter, self.angle_letter) if letter]
+        datums = [each for each in (self.datum_letter, self.angle_letter, self.face_letter) if each]
         wide = _SIZES["A3"][0] - _FILING - _MARGIN - sum(_TABLE_WIDTHS)
         self.unrolled = development(drum, facts, datums, wide, _SCALES) if drum else None
         self.track_section = drum_section(drum, facts, _SCALES) if drum else None
@@ -329,7 +334,7 @@ class _Layout:
     @property
     def side_x(self) -> float:
         """Where the part's face at z = 0 is in the view from the left, on paper."""
-        return self.paper(self.high).real + _RIGHT + _BESIDE / 2
+        return self.paper(self.high).real + self.right + _BESIDE / 2
 
     def _room(self, size: str) -> tuple[float, float]:
         """Width and height that both views and their dimensions may take, mm."""
@@ -358,7 +363,7 @@ class _Layout:
 
         def best(size: str) -> float:
             wide, tall = self._room(size)
-            wide -= _LEFT + _RIGHT + self.beside
+            wide -= _LEFT + self.right + self.beside
             tall -= _BELOW + self.over + (2 * _THIRD if self.depth else 0.0)
             high = span.imag + self.depth
             fits = (
@@ -382,7 +387,9 @@ class _Layout:
         """Where the part's origin goes: both views in the middle of their room."""
         wide, tall = self._room(self.size_name)
         span = self.scale * (self.high - self.low)
-        spare_x = wide - _LEFT - _RIGHT - self.beside - span.real - self.scale * self.part.thickness
+        spare_x = (
+            wide - _LEFT - self.right - self.beside - span.real - self.scale * self.part.thickness
+        )
         third = 2 * _THIRD + self.scale * self.depth if self.depth else 0.0
         spare_y = tall - _BELOW - self.over - span.imag - third
         foot = _SIZES[self.size_name][1] - 2 * _MARGIN - tall
@@ -604,6 +611,10 @@ class _Layout:
         else:
             self._edges_from_left(origin)
         self._boss_sizes(origin)
+        if self.face_letter:
+            end = min(self.part.layers, key=lambda layer: layer.z0).region.outer
+            low = _FACE * extent([end])[0].imag
+            datum(self.sheet, complex(left, self.paper(1j * low).imag), -1, self.face_letter)
         thick = self.scale * self.part.thickness
         if self.low.imag <= self.zero.imag <= self.high.imag:
             y = self.paper(self.zero).imag
@@ -824,9 +835,9 @@ class _Layout:
 
     @property
     def _second(self) -> str:
-        """Letter of the datum that a keyway, a dowel's hole or a rim is: one that names no hole."""
+        """Letter of the next datum that is no hole with a name: a keyway, a dowel's hole, a rim, a face."""
         names = {label[:1] for label, _ in self.named}
-        taken = {*names, self.datum_letter, "I", "O"}
+        taken = {*names, self.datum_letter, self.angle_letter, "I", "O"}
         return next(letter for letter in ascii_uppercase if letter not in taken)
 
     def _bore_detail(self) -> None:
@@ -958,6 +969,7 @@ class _Layout:
         elif self.facts.heights:
             path = f", the cutter's path: {self.stem}-path.csv" if self.facts.cutter else ""
             lines.append(f"Track: {self.stem}-developed.dxf{path}")
+            lines.append("Z from the lower end, on the left in the view from the left")
         else:
             lines.append(f"The blank is drawn; its track: {self.stem}.stl")
         if self.turns:

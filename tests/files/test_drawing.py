@@ -634,7 +634,7 @@ def test_a_metal_drum_s_drawing_has_its_track_and_the_datum_of_its_angle(root, t
     assert rows[60.0][1] - rows[0.0][1] == pytest.approx(7.5)
     assert rows[150.0][1] - rows[0.0][1] == pytest.approx(15.0)
     layout = _Layout(part, "d", TOLERANCE, facts)
-    assert _frames(layout, "0.04") == ["A", "B"]
+    assert _frames(layout, "0.04") == ["A", "B", "C"]
     texts = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, facts)[0])
     assert {"both walls, from floor to outside", "Ra 0.8", "B", "Ra 1.6"} <= set(texts)
     sizes = [each for each in layout.sheet.things if isinstance(each, Size)]

@@ -262,3 +262,21 @@ def test_a_section_tells_the_cone_of_its_roller() -> None:
         for p, q in zip(section.edges[0], section.edges[0][1:], strict=False)
     ]
     assert sorted(abs(each) for each in lean if abs(abs(each) - 90) > 1) == pytest.approx([10, 170])
+
+
+@pytest.mark.parametrize("settings", KINDS)
+def test_heights_of_a_drum_s_walls_have_a_datum_on_its_lower_end(
+    settings: tuple[str, ...],
+) -> None:
+    """Bore and flat leave the drum free to move along its axis [ISO 5459]; its lower end, on the left in the view, holds that."""
+    layout, drum, _ = sheet_of(*settings)
+    assert layout.face_letter == "C"
+    end = drum.floor if settings == RIB else drum.outside
+    triangles = [np.array(each.corners) for each in layout.sheet.things if hasattr(each, "corners")]
+    feet = [z[:2] for z in triangles if np.allclose(z[:2].real, layout.side_x)]
+    (foot,) = [z for z in feet if abs(z[0] - z[1]) == pytest.approx(3.0)]
+    assert np.all(np.abs(foot.imag - layout.datum.imag) < layout.scale * end)
+    words = [each.text for each in layout.sheet.primitives if isinstance(each, Text)]
+    assert words.count("C") == 2  # the datum, and the frame of the walls
+    plain, _, _ = sheet_of(*settings, metal=False)
+    assert not plain.face_letter
