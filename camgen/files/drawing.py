@@ -19,7 +19,8 @@ from string import ascii_uppercase
 
 import numpy as np
 
-from camgen.files import views
+from camgen.files import bore_detail, views
+from camgen.files.bore_detail import BoreDetail, is_flat
 from camgen.files.dimensions import (
     STACK,
     Hole,
@@ -47,7 +48,6 @@ from camgen.files.symbols import (
     position,
     roughness,
     run_out,
-    symmetry,
     width_of,
 )
 from camgen.files.title_block import WIDTH, Facts, title_block
@@ -61,7 +61,7 @@ from camgen.files.tracks import (
 )
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.outlines import Contour, Floats, extent, rectangle
-from camgen.parts.keyways import keyed, keyway
+from camgen.parts.keyways import keyed
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
 
@@ -88,12 +88,7 @@ _FACE = 0.7  # of the radius of a drum's lower end: where its datum is in the vi
 _RUN_OUT = 10.0  # more to the right of a drum's plan view, for the run-out of that end
 _HATCH = 2.5  # mm of paper between the lines of a cut face
 _THIRD = 8.0  # from the plan view's dimension to the third view, and from that to what is below
-_DETAIL = 48.0  # height of a bore's detail, at most
-_DETAIL_RADIUS = 32.0  # of its bore, beside its sizes
-_DETAIL_AT = 0.56  # of the tables' width: its middle
-_DETAIL_HEIGHT = 99.0  # with its sizes, on paper
 _BOSS = 10.0  # between the dimensions of bosses, beside the view from the left
-_OVER_DETAIL = 24.0  # of its title, over its upper edge
 _SURFACE = 10.0  # room above for them
 _OVER = (
     8.0  # from the upper edge of that room down, of the frame of a track's tolerance over the view
@@ -113,11 +108,6 @@ def write_drawing(
     write_dxf_sheet(paths[0], layout.sheet, layout.scale, layout.datum)
     write_pdf(paths[1], layout.sheet)
     return paths
-
-
-def _limits(fit: str, size: float) -> str:
-    """A fit with its deviations; "" of none."""
-    return in_limits(fit, size) if fit else ""
 
 
 def _wrapped(note: str) -> list[str]:
@@ -225,7 +215,8 @@ class _Layout:
         self.rim_letter = self._rim_letter()
         self.datum_letter = self.datum_letter or self.rim_letter
         self.angle_hole = self._angle_hole()
-        angled = self.facts.profile and (self.key or self.angle_hole or self._flat)
+        flat = self.bored is not None and is_flat(self.bored)
+        angled = self.facts.profile and (self.key or self.angle_hole or flat)
         self.angle_letter = self._second if angled else ""
         self.face_letter = self._second if drum and facts.profile else ""
         self.letter = next(
@@ -309,13 +300,6 @@ class _Layout:
         centred = self.disc is not None and abs(self.low + self.high) < SAME_POINT
         return self._second if centred and not self.datum_letter and (track or self.placed) else ""
 
-    @property
-    def _flat(self) -> bool:
-        """Whether the bore with a detail has a flat above, which holds its angle."""
-        if self.bored is None or self.key:
-            return False
-        return extent([self.bored])[1].imag < hole_of(self.bored).radius - SAME_POINT
-
     def _angle_hole(self) -> Hole | None:
         """The dowel's hole that is the datum of a track's angle, of a part without a keyway; of a plate with an edge its first hole."""
         if self.facts.levels:
@@ -379,7 +363,7 @@ class _Layout:
         a3 = best("A3")
         long = (1 + len(self.rows) + self._track_lines()) * _ROW > _SIZES["A4"][
             1
-        ] - 2 * _MARGIN - self.facts.height - (_DETAIL_HEIGHT if self.bored else 0.0)
+        ] - 2 * _MARGIN - self.facts.height - (bore_detail.HEIGHT if self.bored else 0.0)
         tables = self.track_table or self.bored
         return ("A3", a3) if (a4 < 1 and a3 > a4) or (long and tables) else ("A4", a4)
 
@@ -725,7 +709,7 @@ class _Layout:
     def _table(self) -> None:
         """Table of holes, at the upper right; rows that do not fit are counted in its last line; then that of a cam's radii."""
         top = self.sheet.height - _MARGIN
-        detail = _DETAIL_HEIGHT if self.bored else 0.0
+        detail = bore_detail.HEIGHT if self.bored else 0.0
         room = int((top - _MARGIN - self.facts.height - detail) / _ROW) - 1
         width = sum(_TABLE_WIDTHS)
         table = self.track_table if self._track_lines() < room else None
@@ -841,105 +825,15 @@ class _Layout:
         return next(letter for letter in ascii_uppercase if letter not in taken)
 
     def _bore_detail(self) -> None:
-        """A bore by itself, with its sizes, their tolerances and the datums, under the tables."""
-        contour = self.bored
-        if contour is None:
+        """The bore by itself, under the tables."""
+        if self.bored is None:
             return
-        facts = self.facts
-        radius = self.key[0] if self.key else hole_of(contour).radius
-        top = extent([contour])[1].imag
-        scale = self._detail_scale(radius, radius + top)
-        middle = (self.free + _MARGIN + facts.height) / 2 - scale * (top - radius) / 2
-        at = complex(self.table_x + _DETAIL_AT * sum(_TABLE_WIDTHS), middle)
-        self.sheet.contour(contour.moved(scale, at), "VIEW")
-        for way in (1, 1j):
-            over = 3 * way
-            self.sheet.line(
-                at - scale * radius * way - over,
-                at + scale * (top if way == 1j else radius) * way + over,
-                layer="CENTER",
-            )
-        title = f"Bore {self.datum_letter} ({number(scale)}:1)".replace("  ", " ")
-        level = min(self.free - 6, middle + scale * top + _OVER_DETAIL)
-        self.sheet.text(complex(self.table_x + 1.5, level), title, 3.5)
-
-        def size(a: complex, b: complex, away: complex, sign: str, fit: str) -> None:
-            """A size of the bore, between its own points."""
-            value = abs(b - a)
-            detail = self.scale / scale
-            self._dimension(at + scale * a, at + scale * b, away, Measure(value, sign, fit, detail))
-
-        bore = -1j * (scale * radius + 10)
-        size(-radius + 0j, radius + 0j, bore, "Ø", _limits(facts.bore_fit, 2 * radius))
-        if facts.bore_roughness:
-            self._bore_surface(at + cmath.rect(scale * radius, math.radians(197)))
-        if facts.profile:
-            datum(self.sheet, at + bore, -1j, self.datum_letter)
-        if self._flat:
-            right = scale * radius + 10 + 0j
-            size(complex(0, -radius), complex(0, top), right, "", "")
-            if facts.profile:
-                datum(self.sheet, at + 1j * scale * top, 1j, self.angle_letter)
-        if self.key is None:
-            return
-        half = self.key[1] / 2
-        deeper = keyway(2 * radius)
-        usual = deeper is not None and abs(deeper[1] - (top - radius)) < SAME_POINT
-        depth = f"+{deeper[2]:g}/0" if facts.key_fit and deeper and deeper[2] and usual else ""
-        key = 8j
-        size(
-            complex(-half, top),
-            complex(half, top),
-            key,
-            "",
-            _limits(facts.key_fit, self.key[1]),
-        )
-        size(complex(0, -radius), complex(0, top), scale * radius + 10 + 0j, "", depth)
-        over = at + 1j * scale * top + key
-        if facts.profile:
-            datum(self.sheet, over, 1j, self.angle_letter)
-        if facts.symmetry:
-            self._symmetry(over)
-
-    def _symmetry(self, over: complex) -> None:
-        """Symmetry of a keyway: beside the datum at the middle of its width, on paper, or higher, where paper is free."""
-        import shapely
-
-        facts = self.facts
-        wide = width_of([number(facts.symmetry), self.datum_letter])
-        rises = 1j * np.arange(4.4, 4.4 + 2 * FRAME)
-        corners = np.concatenate([over - (wide + 4) + rises, over + 4 + rises])
-        corners = corners[np.argsort(corners.imag, kind="stable")]
-        x = corners.real
-        y = corners.imag
-        boxes = shapely.box(x - 0.5, y - 0.5, x + wide + 0.5, y + FRAME + 0.5)
+        letters = self.datum_letter, self.angle_letter
+        low = complex(self.table_x, _MARGIN + self.facts.height)
         high = complex(self.sheet.width - _MARGIN, self.free)
-        obstacles = Obstacles((complex(_FILING, _MARGIN), high))
-        obstacles.add(self.sheet.primitives)
-        met = obstacles.crossed(boxes) + 100 * (~obstacles.free(boxes) + ~obstacles.within(boxes))
-        corner = complex(corners[int(np.argmin(met))])
-        symmetry(self.sheet, corner, facts.symmetry, self.datum_letter)
-
-    def _detail_scale(self, radius: float, high: float) -> float:
-        """Scale of a bore's detail: above that of the views where there is room for that; high: the bore with it, mm."""
-        usual = next(s for s in _SCALES if s * high <= _DETAIL)
-        room = self.free - _MARGIN - self.facts.height - (_DETAIL_HEIGHT - _DETAIL)
-        larger = [
-            s
-            for s in reversed(_SCALES)
-            if s > self.scale and s * radius <= _DETAIL_RADIUS and s * high <= room
-        ]
-        return usual if usual > self.scale or not larger else larger[0]
-
-    def _bore_surface(self, tip: complex) -> None:
-        """Roughness of a bore, to the left of a point of its edge on paper."""
-        start = tip + cmath.rect(5.0, math.radians(197))
-        self.sheet.line(tip, start, layer="DIM")
-        self.sheet.arrow(tip, (tip - start) / abs(tip - start))
-        text = f"Ra {self.facts.bore_roughness:g}"
-        foot = start - 6 - Text(0j, text, 2.5).room
-        self.sheet.line(start, foot - 2, layer="DIM")
-        roughness(self.sheet, foot, text)
+        foot = complex(_FILING, _MARGIN)
+        detail = BoreDetail(self.bored, self.facts, letters, self.scale, (low, high), foot)
+        detail.draw(self.sheet, _SCALES)
 
     def _notes(self, tolerance: float) -> list[str]:
         part = self.part
