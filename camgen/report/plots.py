@@ -141,7 +141,7 @@ def _picture(plot: Plot) -> tuple[str, list[_Curve]]:
     pieces = [_grid(plot, axes), *(_path(k, curve) for k, curve in enumerate(curves))]
     for (label, x), row in zip(plot.marks, axes.rows, strict=True):
         at = axes.place(np.array([x]), np.array([1.0]))[0].real
-        inside = at < (_LEFT + _RIGHT) / 2
+        inside = _fits_right(label, at)
         side = 'class="start"' if inside else 'class="end"'
         pieces.append(
             f'<path class="mark" d="M{_n(at)} {_n(_TOP)}V{_n(_LOW)}"/><text {side} x="{_n(at + (3 if inside else -3))}" '
@@ -312,6 +312,11 @@ def _line(points: Points) -> str:
     return "L".join(f"{_n(z.real)} {_n(z.imag)}" for z in points)
 
 
+def _fits_right(label: str, at: float) -> bool:
+    """Whether a mark's name has room to the right of it, in the frame."""
+    return at + 3 + _LETTER * len(label) <= _RIGHT
+
+
 def _label_rows(plot: Plot, ends: tuple[float, float]) -> list[int]:
     """The row, from the top, in which each mark's name stands clear of those before it."""
     taken: list[list[tuple[float, float]]] = []
@@ -319,7 +324,7 @@ def _label_rows(plot: Plot, ends: tuple[float, float]) -> list[int]:
     for label, x in plot.marks:
         at = (_RIGHT - _LEFT) * (x - ends[0]) / (ends[1] - ends[0])
         wide = _LETTER * len(label) + 6
-        left = at if x < sum(ends) / 2 else at - wide
+        left = at if _fits_right(label, _LEFT + at) else at - wide
         free = [
             k for k, row in enumerate(taken) if all(left >= b or left + wide <= a for a, b in row)
         ]

@@ -311,3 +311,12 @@ def test_names_of_marks_stand_clear_of_each_other(places: list[float], words: li
     assert sum(map(len, rows.values())) == len(marks)
     for row in map(sorted, rows.values()):
         assert all(after[0] - before[1] > 2 for before, after in pairwise(row))
+
+
+def test_a_mark_s_name_begins_at_it_unless_the_frame_ends_there() -> None:
+    """So a segment's name stands over the segment that begins there."""
+    marks = [("rise", 0.0), ("dwell", 120.0), ("return", 180.0), ("dwell", 300.0), ("rise", 350.0)]
+    text = plot_figure(Plot("t", "cam angle, deg", "mm", [("a", THETA, np.sin(THETA))], marks))
+    names = re.findall(r'class="mark" d="M([\d.]+) [^>]*/><text class="(\w+)" x="([\d.]+)"', text)
+    sides = [(side, float(x) - float(at)) for at, side, x in names]
+    assert sides == [*[("start", pytest.approx(3))] * 4, ("end", pytest.approx(-3))]
