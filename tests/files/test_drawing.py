@@ -578,7 +578,7 @@ def _frames(layout, first):
     (start,) = (each.at for each in words if each.text == first)
     line = [each for each in words if abs(each.at.imag - start.imag) < 1e-6]
     right = sorted((each.at.real, each.text) for each in line if each.at.real > start.real)
-    return [text for x, text in right if x < start.real + 25 and len(text) == 1]
+    return [text for x, text in right if x < start.real + 32 and len(text) == 1]
 
 
 @pytest.mark.parametrize("bore", ["plain", "keyway"])
