@@ -26,7 +26,8 @@ from camgen.geometry.outlines import Arc, Contour, Line, Piece, end_point, start
 if TYPE_CHECKING:
     from reportlab.pdfgen.canvas import Canvas
 
-# Layer -> (colour index, line width in 1/100 mm). CUT holds closed contours, WALL those of a drum unrolled, which are open, VIEW visible edges that are not cut, HIDDEN those behind material.
+# Layer -> (colour index, line width in 1/100 mm). CUT holds closed contours, WALL those of a drum unrolled, which are open,
+# VIEW visible edges that are not cut, HIDDEN those behind material.
 LAYERS = {
     "CUT": (7, 50),
     "WALL": (7, 50),

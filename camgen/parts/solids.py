@@ -28,19 +28,26 @@ from camgen.parts.caps import Faces, area, recap, triangles
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import FLOAT32_ROUNDING, MERGED_STEPS
 
+# of the outlines of a stack of layers, whose union takes a time that grows almost with their square: 28,000 take half a minute
+_MOST_POINTS = 40_000
+_FINEST = 1e-8  # mm, for which points are counted; float32 has no finer ones
+_COARSER = 1.2  # from one tolerance that is tried to the next
+
 
 def solid(part: Part, tolerance: float) -> Mesh:
     """The part as one closed body, in the part's frame; same part, same arrays.
 
     tolerance: chord tolerance, mm. Outlines are inscribed; full circles round empty space (bores, pockets) are
     circumscribed, so that a pin still fits. A crossed part has no engraving. Raises DesignError where an outline crosses
-    itself or another one, or where the layers do not make exactly one body.
+    itself or another one, where the layers do not make exactly one body, or where their union would take minutes.
     """
     if part.drum is not None:
         mesh = _drum(part, part.drum, tolerance)
         _check(mesh, part.name)
         return mesh
     alone = len(part.layers) == 1 and not part.engraved and part.side_profile is None
+    if not alone:
+        _refuse_too_fine(part, tolerance)
     layers = [
         _prism(layer, tolerance, part.name, pocket=False, fine=alone) for layer in part.layers
     ]
@@ -55,6 +62,30 @@ def solid(part: Part, tolerance: float) -> Mesh:
     _check(mesh, part.name)
     _check_bodies(mesh, part.name)
     return mesh
+
+
+def _refuse_too_fine(part: Part, tolerance: float) -> None:
+    """DesignError, with a tolerance that has been tried, where the outlines of a stack have too many points."""
+
+    def points(fine: float) -> int:
+        return sum(len(ring) for layer in part.layers for ring in rings(layer.region, fine))
+
+    finest = max(tolerance, _FINEST)
+    found = points(finest)
+    if found <= _MOST_POINTS:
+        return
+    least = finest * (found / _MOST_POINTS) ** 2  # points grow with the root of the tolerance
+    while points(least) > _MOST_POINTS:
+        least *= _COARSER
+    least = float(f"{_COARSER * least:.1e}")
+    raise DesignError(
+        "accuracy.chord_tolerance",
+        tolerance,
+        least,
+        "mm",
+        f"the outlines of {part.name}, which may have {_MOST_POINTS:,} points",
+        "a larger accuracy.chord_tolerance",
+    )
 
 
 def rings(region: Region, tolerance: float, pocket: bool = False) -> list[Points]:

@@ -18,6 +18,7 @@ from camgen.files.stl import write_stl
 from camgen.findings import Finding
 from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.machines.drum.mechanism import CamDrum
+from camgen.parts import solids
 from camgen.parts.solids import solid
 from camgen.pipeline.build import build
 from camgen.pipeline.shown import animation
@@ -292,6 +293,24 @@ def test_wrong_keys_are_told_by_their_names(
     faults = {fault.key: fault for fault in told.value.faults}
     assert any(each.startswith(key) for each in faults), faults
     assert said in str(told.value)
+
+
+def test_outlines_of_too_many_points_are_refused_with_a_tolerance_that_does(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The union of layers takes a time that grows almost with the square of the points: 200 s of a processor at 1e-6."""
+    (part,) = camgen.load(TOP / "specs" / "drum.toml").assembly.parts
+    for tolerance in (1e-6, 1e-12):
+        with pytest.raises(DesignError, match=r"accuracy\.chord_tolerance is 1e-\d+ mm") as refused:
+            solid(part, tolerance)
+        assert 5e-6 < refused.value.limit < 1e-5
+    monkeypatch.setattr(solids, "_MOST_POINTS", 3000)
+    with pytest.raises(DesignError) as refused:
+        solid(part, 1e-4)
+    advised = refused.value.limit
+    assert 1e-4 < advised < 2e-3 and solid(part, advised).volume > 0
+    with pytest.raises(DesignError):
+        solid(part, advised / 2)
 
 
 def test_a_core_that_hides_a_track_is_refused() -> None:
