@@ -158,9 +158,9 @@ def order(
             if not places and alone:
                 places = [_ON_BENCH]
             elif not places and (there or not laying.copies[0].holes):
-                places = _fixed_by(
-                    later, laying.copies, there, fixing
-                )  # a plate that comes first lies
+                # a plate that comes first lies
+                places = _fixed_by(later, laying.copies, there, fixing)
+                places = places or _waiting(later, laying.copies)
         lies = "turned over" if laying.turned_over else "as drawn"
         row: tuple[object, ...]
         row = (
@@ -318,17 +318,42 @@ def _fixed_by(
     return [_loose(joins, steps, copies, there)] if joins else []
 
 
+def _waiting(later: Sequence[StandingCopy], copies: Sequence[StandingCopy]) -> list[_Place]:
+    """Under which hole of a part that comes later each copy lies, such as a nut; nothing where one lies under none."""
+    doings = list[Doing]()
+    for copy in copies:
+        over = [
+            (hole.name, other)
+            for other in later
+            for hole in other.holes
+            if hole.name and any(map(hole.in_line, copy.holes))
+        ]
+        if not over:
+            return []
+        point, other = over[0]
+        under = f"{called(copy.part)} under {point} of {other.part.name}"
+        doings.append(Doing("lay ", under, f", which comes in {_step_of(other)}"))
+    return [_Place("", tuple(doings))]
+
+
 def _loose(
     until: str, steps: str, copies: Sequence[StandingCopy], there: Sequence[StandingCopy]
 ) -> _Place:
     """Where copies stand that nothing holds yet; until: what joins and holds them, steps: the same with the numbers of steps."""
     first, *others = copies
-    doing = Doing("lay ", f"{_WHAT} where the picture shows it", f"; loose until {steps}")
+    over = [
+        f"{hole.name} over {other.part.name}"
+        for hole in first.holes
+        for other in there
+        if hole.name and any(map(hole.in_line, other.holes))
+    ]
+    at = f"with {listed(dict.fromkeys(over))}" if over else "where the picture shows it"
+    doing = Doing("lay ", f"{_WHAT} {at}", f"; loose until {steps}")
     if first.slender or (first.outlines and not first.holes):
-        over = _stands_over(first, there)
+        below = _stands_over(first, there)
         foot = [each for each in others if each.mount.z < first.mount.z + SAME_POINT]
         down = f", {listed(dict.fromkeys(each.part.name for each in foot))} down" if foot else ""
-        doing = replace(doing, verb="stand ", thing=f"{_WHAT} upright{over}{down}")
+        doing = replace(doing, verb="stand ", thing=f"{_WHAT} upright{below}{down}")
     return _Place(f"loose until {until}", (doing,))
 
 
@@ -720,7 +745,8 @@ def _meeting(
     letter = hole.name if shaft is None or hole.name != shaft.part.name else ""
     if shaft is not None and outline is not None:
         fit = fixing.how(hole, copy.part, outline, shaft.part)
-        told = _WORDS[fit] and (shaft.slender or _under(hole, below)[0] > SAME_POINT)
+        long = shaft.slender or shaft.part.role == "shaft"
+        told = _WORDS[fit] and (long or _under(hole, below)[0] > SAME_POINT)
         high = f", {_height(hole, shaft, below)}" if told else ""
         at = "" if hole.name or shaft.part.count == 1 else _joint(hole, shaft, below)
         return _Meeting(letter, f"on {shaft.part.name}{at}", fit, high, True)
