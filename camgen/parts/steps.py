@@ -159,7 +159,7 @@ def order(
                 places = [_ON_BENCH]
             elif not places and (there or not laying.copies[0].holes):
                 # a plate that comes first lies
-                places = _fixed_by(later, laying.copies, there, fixing)
+                places = _fixed_one_by_one(later, laying.copies, there, fixing)
                 places = places or _waiting(later, laying.copies)
         lies = "turned over" if laying.turned_over else "as drawn"
         row: tuple[object, ...]
@@ -318,6 +318,21 @@ def _fixed_by(
     return [_loose(joins, steps, copies, there)] if joins else []
 
 
+def _fixed_one_by_one(
+    later: Sequence[StandingCopy],
+    copies: Sequence[StandingCopy],
+    there: Sequence[StandingCopy],
+    fixing: Fixing,
+) -> list[_Place]:
+    """The same of copies of one part that are not fixed on each other, alike ones together."""
+    found = defaultdict[str, list[_Place]](list)
+    for copy in copies:
+        for place in _fixed_by(later, [copy], there, fixing):
+            found[place.where].append(place)
+    part = copies[0].part
+    return [each[0].lettered([""] * len(each), called(part, len(each))) for each in found.values()]
+
+
 def _waiting(later: Sequence[StandingCopy], copies: Sequence[StandingCopy]) -> list[_Place]:
     """Under which hole of a part that comes later each copy lies, such as a nut; nothing where one lies under none."""
     doings = list[Doing]()
@@ -347,12 +362,15 @@ def _loose(
         for other in there
         if hole.name and any(map(hole.in_line, other.holes))
     ]
-    at = f"with {listed(dict.fromkeys(over))}" if over else "where the picture shows it"
+    at = f"with {listed(dict.fromkeys(over))}" if over else "as the picture shows"
     doing = Doing("lay ", f"{_WHAT} {at}", f"; loose until {steps}")
     if first.slender or (first.outlines and not first.holes):
         below = _stands_over(first, there)
         foot = [each for each in others if each.mount.z < first.mount.z + SAME_POINT]
+        low = min(first.outlines, key=lambda each: each.low)
+        head = low.diameter - min(each.diameter for each in first.outlines) > SAME_POINT
         down = f", {listed(dict.fromkeys(each.part.name for each in foot))} down" if foot else ""
+        down = down or (", head down" if head else "")
         doing = replace(doing, verb="stand ", thing=f"{_WHAT} upright{below}{down}")
     return _Place(f"loose until {until}", (doing,))
 
@@ -443,14 +461,15 @@ def _doings(laying: _Laying, places: Sequence[_Place], led: str, first: bool) ->
     if led and doings and doings[0].verb in ("lay ", "set "):
         begins, *more = doings
         on = begins.thing.removeprefix(f"{named} ") if begins.verb == "set " else ""
-        rest = f", {on}" if on else begins.rest
+        loose = begins.rest if begins.rest.startswith("; ") else ""
+        rest = f", {on}" if on else loose
         doings = [Doing("lay ", f"{named} {led}", rest), *more]
     elif led:
         doings = [Doing("lay ", f"{named} {led}"), *doings]
     elif not doings and notes:
         doings = [Doing(f"{named.removeprefix('the ')}: {notes.pop(0)}")]
     elif not doings:
-        doings = [Doing("put ", f"{named} in place, as the picture shows it")]
+        doings = [Doing("put ", f"{named} in place as the picture shows")]
     if laying.turned_over and laying.copies[0].holes:
         doings.append(Doing("it lies turned over: the side that its drawing shows is down"))
     return [*doings, *(Doing(note) for note in notes)]

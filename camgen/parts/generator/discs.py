@@ -72,7 +72,6 @@ def cam_parts(layout: Layout, tip: Tip) -> Iterator[MountedPart]:
         part = replace(
             part,
             name=part.name.replace("cam", f"cam-{tip.name}", 1),
-            title=f"{part.title} {tip.joint.name}",
         )
         yield (
             replace(part, notes=(*said, *part.notes)),
@@ -86,8 +85,7 @@ def roller_part(layout: Layout, roller: Roller) -> MountedPart:
     """A ring on its pin."""
     hole = layout.turning(roller.point) + layout.fits.slide_clearance
     thick = layout.wheel_thickness(roller.wheel.link)
-    title = f"Roller of {roller.about}"
-    part = spacer(roller.part, title, hole, 2 * roller.radius, thick, layout.min_wall)
+    part = spacer(roller.part, "Roller", hole, 2 * roller.radius, thick, layout.min_wall)
     at = layout.at(roller.link, roller.point)
     return part, Mount(part.name, roller.link, at, z=layout.floor(layout.level[roller.level]))
 
