@@ -25,7 +25,8 @@ from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
 from camgen.parts.assembly import order_of_assembly
 from camgen.parts.catalogue import SCREWS
-from camgen.parts.generator.layout import Layout
+from camgen.parts.generator import bodies as body_parts
+from camgen.parts.generator import plates as plate_parts
 from camgen.parts.part import Layer, Part
 from camgen.parts.steps import Fixing, order
 from camgen.pipeline.making import parts_table
@@ -636,7 +637,8 @@ def test_a_hole_without_its_pin_is_found(monkeypatch: pytest.MonkeyPatch) -> Non
     """The pin of C hangs from the second plate: a hole for it in the ground plate stays empty."""
     machine = load(BAR)
     assert "hole C" not in str(machine.assembly.parts[0].notes)
-    monkeypatch.setattr(Layout, "in_first", lambda *_: True)
+    for module in (body_parts, plate_parts):
+        monkeypatch.setattr(module, "in_first", lambda *_: True)
     assert {
         (hole.copy, round(hole.at.real, 6), round(hole.at.imag, 6)) for hole in empty(load(BAR))
     } == {("ground-1", 10, 0)}
