@@ -246,11 +246,14 @@
     copies.forEach((copy, k) => {
       copy.shown = object(copy.part, copy.part.material, edge);
       copy.home = new THREE.Matrix4().fromArray(copy.matrix);
-      copy.step = lying.steps.findIndex(step => step.copies.includes(k));
+      // exploded by steps, those of what is built apart the other way round, for it is turned over; within a step by height
+      const last = lying.steps.length, step = lying.steps.findIndex(step => step.copies.includes(k));
+      const place = step < 0 ? last : lying.steps[step].apart ? 2 * last - step : step;
+      copy.order = 1e9 * place + Math.round(1e3 * copy.matrix[14]);
       copy.group.add(copy.shown);
     });
-    const last = lying.steps.length, steps = [...new Set(copies.map(copy => copy.step < 0 ? last : copy.step))].sort((a, b) => a - b);
-    copies.forEach(copy => { copy.rank = steps.indexOf(copy.step < 0 ? last : copy.step) - (steps.length - 1) / 2; });
+    const steps = [...new Set(copies.map(copy => copy.order))].sort((a, b) => a - b);
+    copies.forEach(copy => { copy.rank = steps.indexOf(copy.order) - (steps.length - 1) / 2; });
 
     // -- where all is at an angle --
     const q = new THREE.Quaternion(), p = new THREE.Vector3();
