@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import product
 
 from camgen.errors import DesignError
@@ -18,8 +18,21 @@ from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.pins import refuse, tall
 from camgen.parts.generator.plates import columns, post_radius
 from camgen.parts.generator.things import things
-from camgen.parts.level_rules import NoPassage, span
+from camgen.parts.level_rules import NoPassage, Things, span
 from camgen.parts.levels import cuts, levels, quick_levels
+
+
+@dataclass(frozen=True)
+class _Laid:
+    """A layout on its levels, and what was laid for it: its things meet wherever their levels are."""
+
+    layout: Layout
+    content: Things
+
+    @property
+    def height(self) -> int:
+        """Its highest level."""
+        return max(self.layout.given.values())
 
 
 def with_levels(layout: Layout, run: Run) -> Layout:
@@ -39,7 +52,7 @@ def with_levels(layout: Layout, run: Run) -> Layout:
                 refused = refused or error
                 continue
             if best is not None:
-                return with_fitting(best, run)
+                return _with_fitting(best, run)
     assert refused is not None
     if not isinstance(refused, NoPassage):
         raise refused
@@ -47,7 +60,7 @@ def with_levels(layout: Layout, run: Run) -> Layout:
         with suppress(DesignError):
             best = _lowest(choice, run, False)
             if best is not None:
-                return with_fitting(best, run)
+                return _with_fitting(best, run)
     raise refused
 
 
@@ -109,35 +122,45 @@ def refusal(layout: Layout, run: Run) -> DesignError | None:
     return None
 
 
-def _lowest(layout: Layout, run: Run, explain: bool) -> Layout | None:
-    """The layout on fewest levels, by where the ground's pins have their heads; otherwise as `found_levels`."""
+def _lowest(layout: Layout, run: Run, explain: bool) -> _Laid | None:
+    """The layout on fewest levels, by where the ground's pins have their heads; run: samples over the whole motion.
+
+    Where there are none, or they are hard to find: None, or to `explain` a longer search and DesignError.
+    """
     ways = [layout]  # heads of the ground's pins over the plate, or under the one that there is
     ways += [replace(layout, sunk=True)] if layout.sizes.plates < 2 else []
     found = [made for each in ways if (made := _with_dowels(each, run, explain))]
-    return min(found, key=lambda each: max(each.given.values()), default=None)
+    return min(found, key=lambda each: each.height, default=None)
 
 
-def _with_dowels(layout: Layout, run: Run, explain: bool) -> Layout | None:
-    """The layout on its levels, with room for dowels that stand out of their caps; otherwise as `found_levels`."""
-    given = found_levels(layout, run, explain)
+def _with_dowels(layout: Layout, run: Run, explain: bool) -> _Laid | None:
+    """The layout on its levels, with room for dowels that stand out of their caps; otherwise as `_lowest`."""
+    content = things(layout, run)
+    if explain:
+        given = levels(content, run.theta, layout.given)
+    else:
+        given = quick_levels(content, layout.given)
     if not given:
         return None
     made = replace(layout, given=given)
-    more = tall(made) - layout.tall
-    return _with_dowels(replace(layout, tall=layout.tall | more), run, explain) if more else made
+    if more := tall(made) - layout.tall:
+        return _with_dowels(replace(layout, tall=layout.tall | more), run, explain)
+    return _Laid(made, content)
 
 
-def with_fitting(layout: Layout, run: Run) -> Layout:
+def _with_fitting(laid: _Laid, run: Run) -> Layout:
     """A layout on its levels with what is fitted to it, and with the second plate, where one is asked for; run: samples over the
     whole motion."""
+    layout = laid.layout
+    content = laid.content
     if layout.fitting is not None:
         own = layout.fitting(layout)
         feet = (*layout.feet, *own.feet)
         keep_outs = (*layout.keep_outs, *own.keep_outs)
         layout = replace(layout, fitted=own, feet=feet, hangs=bool(feet), keep_outs=keep_outs)
+        content = things(layout, run)
     if layout.sizes.plates < 2:
         return layout
-    content = things(layout, run)
     points = {axis.name: axis.point for axis in content.axes}
     ends = {points[name]: level for name, level in cuts(content, layout.level).items()}
     places = columns(
@@ -153,17 +176,6 @@ def with_fitting(layout: Layout, run: Run) -> Layout:
             ends, places, max(span(thing, layout.level)[1] for thing in content.every)
         ),
     )
-
-
-def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | None:
-    """Level of all that lies on one, those given kept; run: samples over the whole motion.
-
-    Where there are none, or they are hard to find: None, or to `explain` a longer search and DesignError.
-    """
-    content = things(layout, run)
-    if explain:
-        return levels(content, run.theta, layout.given)
-    return quick_levels(content, layout.given)
 
 
 def lacking(layout: Layout) -> DesignError | None:
