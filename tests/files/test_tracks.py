@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +30,7 @@ SWING = (
 KINDS = [(), RIB, ("geometry.track=end",), SWING, ("geometry.follower.offset=8",)]
 
 
+@cache
 def sheet_of(*settings: str, metal: bool = True) -> tuple[_Layout, Drum, Facts]:
     """The sheet of the starter's drum: a rise of 15 over 120 deg, dwell 60, return 120, dwell 60; the roller 10 x 6 with 0.2 of play."""
     usual = ["print.slide_clearance=0.2"]
