@@ -76,17 +76,19 @@ def measure(eye: Eye, sections: Sections) -> MeasuredEye | None:
     """The eye in the sections of its part, at all heights at which it is there; None where no ring comes near it."""
     circles_of_eye: list[tuple[Circle, float]] = []
     least = min(_SAME_HOLE * eye.diameter, max(_HEAD, 0.02 * eye.diameter))
-    for shapes in sections:
-        for shape in shapes:
+    known: dict[int, list[tuple[Circle, float]]] = {}  # of a shape, which may be at several heights
+    for shape in (shape for shapes in sections for shape in shapes):
+        if id(shape) not in known:
             rings: Sequence[Ring] = [shape.outer] if eye.shaft else shape.holes
             near = [
                 ring for ring in rings if abs(ring.centroid - eye.at) <= _SAME_HOLE * eye.diameter
             ]
             circles = hole_circles(Shape(shape.outer, tuple(near)))
             pairs = zip(circles, near, strict=True)
-            circles_of_eye += [
+            known[id(shape)] = [
                 (c, _free(c, ring)) for c, ring in pairs if abs(c.diameter - eye.diameter) <= least
             ]
+        circles_of_eye += known[id(shape)]
     if not circles_of_eye:
         return None
     centres = np.array([c.centre for c, _ in circles_of_eye])

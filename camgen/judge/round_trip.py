@@ -244,13 +244,24 @@ def judge_solid(mesh: Mesh, expected: NominalPart, where: Where, rounding: float
     rounding *= float(np.max(np.abs(mesh.vertices)))
     level_error = _level_error(mesh.vertices[:, 2], expected)
     try:
-        sections = [
-            (section, slice_mesh(mesh, z)) for section in expected.sections for z in section.heights
-        ]
+        sections = _cut(mesh, expected.sections)
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
         return PartVerdict(tuple(findings))
     return _judge_sections(sections, expected, where, rounding, findings, level_error)
+
+
+def _cut(mesh: Mesh, sections: Sequence[Section]) -> list[tuple[Section, list[Ring]]]:
+    """The rings at all heights; walls are upright, so that most are the same at several: these are one object."""
+    known: dict[bytes, Ring] = {}
+    return [
+        (
+            section,
+            [known.setdefault(ring.points.tobytes(), ring) for ring in slice_mesh(mesh, z)],
+        )
+        for section in sections
+        for z in section.heights
+    ]
 
 
 def _level_error(heights: Floats, expected: NominalPart) -> tuple[float, float]:
@@ -294,15 +305,7 @@ def _judge_sections(
     """Whether every section holds the contours that were meant, and how thin its walls are."""
     undo = expected.print_change
     try:
-        sections = [
-            (section, pieces_of(rings) if len(section.shapes) > 1 else (shape_of(rings),))
-            for section, rings in rings_by_section
-        ]
-        if undo is not None:
-            sections = [
-                (section, shapes if section.sent else tuple(map(undo, shapes)))
-                for section, shapes in sections
-            ]
+        sections = _shapes(rings_by_section, undo)
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
         return PartVerdict(tuple(findings))
@@ -314,6 +317,7 @@ def _judge_sections(
     remark = f"the flat face at z {level[1]:.4g} is {off:.4g} mm off its height"
     place = _bore_shift(sections[0][1], sections[0][0].shapes, expected)
     eyes: list[tuple[complex, complex]] = []
+    compared: dict[int, tuple[float, list[tuple[complex, complex]]]] = {}
     for k, (section, shapes) in enumerate(sections):
         count = sum(1 + len(shape.holes) for shape in section.shapes)
         contours = sum(1 + len(shape.holes) for shape in shapes)
@@ -321,7 +325,10 @@ def _judge_sections(
             off = math.nan
             remark = f"{contours} contours instead of {count}"
             break
-        section_error = _section_error(shapes, section.shapes, expected, place, eyes)
+        if id(shapes) not in compared:
+            compared[id(shapes)] = _section_error(shapes, section.shapes, expected, place)
+        section_error, section_eyes = compared[id(shapes)]
+        eyes += section_eyes
         if math.isinf(section_error):
             off = math.nan
             remark = "a piece has the holes of another one"
@@ -355,6 +362,22 @@ def _judge_sections(
             ).within(facets)
         )
     return PartVerdict(tuple(findings), tuple(shapes for _, shapes in printed_sections))
+
+
+def _shapes(
+    rings_by_section: Sequence[tuple[Section, Sequence[Ring]]], undo: PrintChange | None
+) -> list[tuple[Section, tuple[Shape, ...]]]:
+    """The pieces at each height, as they print; those of the same rings are the same object. ValueError where there are none."""
+    known: dict[tuple[int, ...], tuple[Shape, ...]] = {}
+    sections = []
+    for section, rings in rings_by_section:
+        key = (id(section), *map(id, rings))
+        if key not in known:
+            shapes = pieces_of(rings) if len(section.shapes) > 1 else (shape_of(rings),)
+            as_sent = undo is None or section.sent
+            known[key] = shapes if as_sent else tuple(map(undo, shapes))
+        sections.append((section, known[key]))
+    return sections
 
 
 def pieces_of(rings: Sequence[Ring]) -> tuple[Shape, ...]:
@@ -419,17 +442,16 @@ def _section_error(
     nominal: Sequence[Shape],
     expected: NominalPart,
     bore_shift: complex,
-    eyes: list[tuple[complex, complex]],
-) -> float:
-    """How far the contours of a section are from those meant, mm: each piece and each hole from one of its own. Centres of
-    eyes, as meant and as found, are added to `eyes`.
-    """
+) -> tuple[float, list[tuple[complex, complex]]]:
+    """How far the contours of a section are from those meant, mm, each piece and each hole from one of its own; and centres of
+    eyes, as meant and as found."""
     off = 0.0
+    eyes: list[tuple[complex, complex]] = []
     rest = list(shapes)
     for nominal_shape in nominal:
         shape, *rest = sorted(rest, key=lambda each: _apart(each.outer, nominal_shape.outer))
         if len(shape.holes) != len(nominal_shape.holes):  # the holes of another piece
-            return math.inf
+            return math.inf, eyes
         pairs = [(shape.outer, nominal_shape.outer)]
         holes = list(shape.holes)
         for hole in nominal_shape.holes:
@@ -445,7 +467,7 @@ def _section_error(
             off = max(
                 off, contour_error(contour.moved(shift=-shift), ring, expected.chord_tolerance / 2)
             )
-    return off
+    return off, eyes
 
 
 def _aside(
