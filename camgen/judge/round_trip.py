@@ -374,8 +374,9 @@ def _shapes(
         key = (id(section), *map(id, rings))
         if key not in known:
             shapes = pieces_of(rings) if len(section.shapes) > 1 else (shape_of(rings),)
-            as_sent = undo is None or section.sent
-            known[key] = shapes if as_sent else tuple(map(undo, shapes))
+            if undo is not None and not section.sent:
+                shapes = tuple(map(undo, shapes))
+            known[key] = shapes
         sections.append((section, known[key]))
     return sections
 

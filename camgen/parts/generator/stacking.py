@@ -136,10 +136,9 @@ def _lowest(layout: Layout, run: Run, explain: bool) -> _Laid | None:
 def _with_dowels(layout: Layout, run: Run, explain: bool) -> _Laid | None:
     """The layout on its levels, with room for dowels that stand out of their caps; otherwise as `_lowest`."""
     content = things(layout, run)
-    if explain:
-        given = levels(content, run.theta, layout.given)
-    else:
-        given = quick_levels(content, layout.given)
+    given = (
+        levels(content, run.theta, layout.given) if explain else quick_levels(content, layout.given)
+    )
     if not given:
         return None
     made = replace(layout, given=given)
