@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import count, pairwise, product
 
@@ -140,39 +140,22 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
     holes |= slot_holes(layout, GROUND, channels.keys()) | dowel_holes(layout, GROUND)
     holes |= stud_holes(layout, GROUND)
     hubs += [(z, layout.hub(point, GROUND)) for point, ends in channels.items() for z in ends]
-    # a screw's head beside the collar
+    posts, through, sunk = _posts(layout)
+    screws = _mount_screws(layout, points, hubs, posts, collar)
     radius = s.mount_diameter / 2
-    under = collar + s.mount_diameter
     face = s.face
-    motors = [points[layout.shaft_of(link)] for link in layout.drivers]
-    beside = [*hubs, *((points[shaft], under) for shaft in layout.shafts if shaft in points)]
     pockets = {}
     if face is not None:
-        beside += [(motor, face.reach + s.mount_diameter) for motor in motors]
         wide = (face.screw.head + HEAD_ROOM) / 2
-        screws_at = [motor + z for motor in motors for z in face.screws]
+        screws_at = [z + screw for z in _motors(layout, points) for screw in face.screws]
         hubs += [(z, wide + s.wall) for z in screws_at]
         holes |= {
             f"motor screw {k}": circle(z, face.screw.clearance / 2)
             for k, z in enumerate(screws_at, 1)
         }
         pockets = {f"motor screw {k}": circle(z, wide) for k, z in enumerate(screws_at, 1)}
-    if s.hand_crank:  # screws lie beside its way
-        beside.append((motors[0], s.hand_crank + s.pin_diameter + s.head + s.mount_diameter))
-    if s.stand != "none":  # heads under the plate pass the stand's panel beside the screws
-        beside += [(z, s.pin_diameter / 2 + s.head + s.mount_diameter) for z in points.values()]
-    beside += [(z, wide / 2 + s.mount_diameter) for z, wide in layout.feet]
-    posts, through, sunk = _posts(layout)
     hubs += posts
     holes |= through
-    pairs = [(a, b) for a in [*beside, *posts] for b in [*beside, *posts]]
-    a, b = max(pairs, key=lambda pair: abs(pair[1][0] - pair[0][0]) + pair[0][1] + pair[1][1])
-    way = (b[0] - a[0]) / abs(b[0] - a[0]) if a[0] != b[0] else 1.0 + 0j
-    for link in layout.drivers:
-        _refuse_rails(layout, layout.shaft_of(link))
-    screws = [] if layout.hangs else [a[0] - way * (a[1] + radius), b[0] + way * (b[1] + radius)]
-    if screws and s.mount_screws == 3:
-        screws.append(_third([*beside, *posts], a[0], way, radius))
     holes |= {f"screw {k}": circle(z, radius) for k, z in enumerate(screws, 1)}
     holes |= layout.fitted.holes
     hubs += layout.fitted.hubs
@@ -202,6 +185,47 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
         notes=(*(["the outermost holes are for screws from behind"] if screws else []), *notes),
         points=tuple(points.items()),
     )
+
+
+def _motors(layout: Layout, points: Mapping[str, complex]) -> list[complex]:
+    """Places of the shafts that motors turn."""
+    return [points[layout.shaft_of(link)] for link in layout.drivers]
+
+
+def _mount_screws(
+    layout: Layout,
+    points: Mapping[str, complex],
+    hubs: Sequence[tuple[complex, float]],
+    posts: Sequence[tuple[complex, float]],
+    collar: float,
+) -> list[complex]:
+    """Places of the screws that hold the plate, on the line of what lies furthest apart on it; none of one that hangs.
+
+    points, hubs, posts: what it has; collar: radius of those of shafts, mm.
+    """
+    s = layout.sizes
+    head = s.mount_diameter  # of a screw, beside what is there
+    motors = _motors(layout, points)
+    beside = [*hubs]
+    beside += [(points[shaft], collar + head) for shaft in layout.shafts if shaft in points]
+    if s.face is not None:
+        beside += [(motor, s.face.reach + head) for motor in motors]
+    if s.hand_crank:  # screws lie beside its way
+        beside.append((motors[0], s.hand_crank + s.pin_diameter + s.head + head))
+    if s.stand != "none":  # heads under the plate pass the stand's panel beside the screws
+        beside += [(z, s.pin_diameter / 2 + s.head + head) for z in points.values()]
+    beside += [(z, wide / 2 + head) for z, wide in layout.feet]
+    beside += posts
+    pairs = [(a, b) for a in beside for b in beside]
+    a, b = max(pairs, key=lambda pair: abs(pair[1][0] - pair[0][0]) + pair[0][1] + pair[1][1])
+    way = (b[0] - a[0]) / abs(b[0] - a[0]) if a[0] != b[0] else 1.0 + 0j
+    for link in layout.drivers:
+        _refuse_rails(layout, layout.shaft_of(link))
+    if layout.hangs:
+        return []
+    radius = head / 2
+    screws = [a[0] - way * (a[1] + radius), b[0] + way * (b[1] + radius)]
+    return [*screws, _third(beside, a[0], way, radius)] if s.mount_screws == 3 else screws
 
 
 def _third(
@@ -303,54 +327,13 @@ def with_battery(layout: Layout) -> Layout:
 
 
 def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
-    """The second plate and its posts; nothing where none is asked for."""
-    s = layout.sizes
-    floor = layout.sizes.base_thickness
+    """The second plate and its posts, spacers and what stands on it; nothing where none is asked for."""
     if layout.second is None:
         return
-    points = {point: z for point, z in layout.points_of(GROUND).items() if layout.in_second(point)}
-    holes = {f"hole {point}": circle(z, far_hole(layout, point) / 2) for point, z in points.items()}
-    posts, through, sunk = _posts(layout)
-    hubs = [*posts, *((z, far_hole(layout, point) / 2 + s.wall) for point, z in points.items())]
-    channels = channels_in(layout, True)
-    holes |= slot_holes(layout, GROUND, channels.keys())
-    hubs += [(z, layout.hub(point, GROUND)) for point, ends in channels.items() for z in ends]
-    feet = [z for each in layout.stands if each.merged is None for z in each.places]
-    more, under, below = _screws(layout, feet, "stand")
-    raised: list[Layer] = []
-    for stand in layout.stands:
-        if stand.merged is not None:
-            more += stand.merged.discs
-            through |= {f"{stand.name} {k}": hole for k, hole in enumerate(stand.merged.holes, 1)}
-            raised += stand.merged.above
-    outer = hull([*hubs, *more])
+    s = layout.sizes
+    floor = s.base_thickness
     ceiling = ceiling_height(layout)
-    depth = _depth(s)
-    holes |= through | under
-    heights = [(0.0, floor - depth, {}), (floor - depth, floor, sunk)]
-    if below:
-        heights = [(0.0, depth, below), (depth, floor - depth, {}), (floor - depth, floor, sunk)]
-    try:
-        layers = tuple(
-            Layer(plate("second plate", outer, holes | heads, layout.min_wall), *ends)
-            for *ends, heads in heights
-        )
-    except DesignError as error:
-        raise _moved(error, layout, {*under, *below}) from None
-    layers += tuple(Layer(layer.region, floor + layer.z0, floor + layer.z1) for layer in raised)
-    hanging = _hanging(layout, points)
-    notes = [f"pins pressed in tight, heads down: {', '.join(hanging)}"] if hanging else []
-    part = Part(
-        SECOND,
-        "Second plate",
-        layers,
-        drawn_layer=len(heights) - 2,
-        centres=tuple(points.values()),
-        min_wall=layout.min_wall,
-        notes=(HoldingNote(f"screwed on {len(posts)} posts, over all"), *notes),
-        points=tuple(points.items()),
-    )
-    yield part, Mount(SECOND, GROUND, z=ceiling)
+    yield _second_plate(layout), Mount(SECOND, GROUND, z=ceiling)
     core = s.mount_diameter
     least = layout.min_wall
     post = spacer("post", "Post", core, 2 * post_radius(s), ceiling - floor, least)
@@ -359,7 +342,7 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     )
     yield from ((post, Mount("post", GROUND, z, z=floor)) for z in layout.second.columns)
     if s.side_gap:
-        wide = 2 * max(wide for _, wide in posts)
+        wide = 2 * max(wide for _, wide in _posts(layout)[0])
         between = spacer(
             "side-spacer", "Spacer between both sides", _head(s), wide, s.side_gap, least
         )
@@ -379,6 +362,53 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
         yield from ((post, Mount(name, GROUND, z, z=foot)) for z in stand.places)
         if stand.sleeve is not None:
             yield _sleeve(layout, stand.name, stand.sleeve)
+
+
+def _second_plate(layout: Layout) -> Part:
+    """The plate that lies on posts."""
+    s = layout.sizes
+    floor = s.base_thickness
+    points = {point: z for point, z in layout.points_of(GROUND).items() if layout.in_second(point)}
+    holes = {f"hole {point}": circle(z, far_hole(layout, point) / 2) for point, z in points.items()}
+    posts, through, sunk = _posts(layout)
+    hubs = [*posts, *((z, far_hole(layout, point) / 2 + s.wall) for point, z in points.items())]
+    channels = channels_in(layout, True)
+    holes |= slot_holes(layout, GROUND, channels.keys())
+    hubs += [(z, layout.hub(point, GROUND)) for point, ends in channels.items() for z in ends]
+    feet = [z for each in layout.stands if each.merged is None for z in each.places]
+    more, under, below = _screws(layout, feet, "stand")
+    raised: list[Layer] = []
+    for stand in layout.stands:
+        if stand.merged is not None:
+            more += stand.merged.discs
+            through |= {f"{stand.name} {k}": hole for k, hole in enumerate(stand.merged.holes, 1)}
+            raised += stand.merged.above
+    outer = hull([*hubs, *more])
+    depth = _depth(s)
+    holes |= through | under
+    heights = [(0.0, floor - depth, {}), (floor - depth, floor, sunk)]
+    if below:
+        heights = [(0.0, depth, below), (depth, floor - depth, {}), (floor - depth, floor, sunk)]
+    try:
+        layers = tuple(
+            Layer(plate("second plate", outer, holes | heads, layout.min_wall), *ends)
+            for *ends, heads in heights
+        )
+    except DesignError as error:
+        raise _moved(error, layout, {*under, *below}) from None
+    layers += tuple(Layer(layer.region, floor + layer.z0, floor + layer.z1) for layer in raised)
+    hanging = _hanging(layout, points)
+    notes = [f"pins pressed in tight, heads down: {', '.join(hanging)}"] if hanging else []
+    return Part(
+        SECOND,
+        "Second plate",
+        layers,
+        drawn_layer=len(heights) - 2,
+        centres=tuple(points.values()),
+        min_wall=layout.min_wall,
+        notes=(HoldingNote(f"screwed on {len(posts)} posts, over all"), *notes),
+        points=tuple(points.items()),
+    )
 
 
 def _moved(error: DesignError, layout: Layout, screws: Collection[str]) -> DesignError:
