@@ -158,10 +158,21 @@ class NoPassage(NoLevels):
     def room(self, slimmer: bool) -> str:
         """In words what makes room for both: by keys that move them, and with slimmer those that make them so."""
         keys = [each.slim for each in (self.a, self.b) if slimmer]
+        if self._crank_pin:
+            keys.append(f"parts.discs.{self._crank_pin}, an eccentric in place of the pin")
         keys += [each.move for each in (self.a, self.b)]
         other = "use slimmer or longer links" if slimmer else "use longer links"
         mends = ", or ".join(dict.fromkeys(filter(None, keys)))
         return f"make room for {self.needed - self.distance:.3g} mm: {mends or other}"
+
+    @property
+    def _crank_pin(self) -> str:
+        """Point of a pin that is too near the shaft on which its own link is fixed; "" where that is not what meets."""
+        if not (isinstance(self.a, Axis) and isinstance(self.b, Axis)):
+            return ""
+        if self.a.shaft == self.b.shaft or not set(self.a.links) & set(self.b.links):
+            return ""
+        return self.b.point if self.a.shaft else self.a.point
 
 
 @dataclass(frozen=True)

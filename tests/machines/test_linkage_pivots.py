@@ -57,6 +57,25 @@ def test_without_it_no_crank_can_turn_about_the_other_ones_shaft() -> None:
         _ = validate(Linkage, DRAG).assembly.parts
 
 
+def test_a_crank_shorter_than_its_shaft_is_thick_is_told_of_an_eccentric_which_mends_it() -> None:
+    tables: dict[str, Any] = {
+        "mechanism": "linkage",
+        "name": "short-crank",
+        "points": {"O": [0, 0], "A": [6, 0], "B": [60, 20], "C": [60, 0]},
+        "links": {
+            "crank": ["O", "A"],
+            "rod": ["A", "B"],
+            "rocker": ["C", "B"],
+            "ground": ["O", "C"],
+        },
+        "drive": {"link": "crank"},
+        "output": [{"name": "swing", "link": "rocker"}],
+    }
+    with pytest.raises(DesignError, match=r"parts\.discs\.A, an eccentric in place of the pin"):
+        _ = validate(Linkage, tables).assembly.parts
+    assert validate(Linkage, {**tables, "parts": {"discs": {"A": 24}}}).assembly.by_name
+
+
 @pytest.mark.parametrize(
     ("discs", "said"),
     [

@@ -171,8 +171,7 @@ def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) 
     )
     curved = f"{advice.wider} makes it larger"
     if -math.inf < cam.least_radius < 0:
-        accepted = f"limits.least_radius = {math.floor(cam.least_radius)} accepts it"
-        curved = f"the profile is undercut: {advice.wider} helps; {accepted}"
+        curved = f"the profile is undercut: {advice.wider} helps"
     findings = [
         at_most(
             "PRESSURE_ANGLE",
