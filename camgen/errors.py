@@ -260,7 +260,7 @@ class FileError(CamgenError):
         super().__init__(f"{path}: {reason}")
 
     def named_by(self, key: Key, line: int | None = None) -> FileError:
-        """The same, with the key of the spec that names the file, and its line there."""
+        """The error with the key of the spec that names the file, and its line there."""
         place = dotted(key) if line is None else f"line {line}: {dotted(key)}"
         error = FileError(self.path, self.reason)
         error.key = key

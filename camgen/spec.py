@@ -496,7 +496,7 @@ class Checked(Record):
         return ()
 
     def faults_beside(self, before: Checked, changed: Collection[str]) -> Sequence[Fault]:
-        """The same beside a record without faults, of which some tables were changed."""
+        """What is wrong beside a record without faults, of which some tables were changed."""
         return self.faults()
 
 

@@ -246,7 +246,7 @@ class Run:
         return columns
 
     def to_dataframe(self, order: int = 0) -> DataFrame:
-        """The same columns as a DataFrame of pandas; CamgenError where that is not installed."""
+        """The columns of motion.csv as a DataFrame of pandas; CamgenError where that is not installed."""
         return data_frame(self.columns(order))
 
     def pose(self, body: str) -> Pose:
@@ -314,7 +314,7 @@ class Run:
         return self.forces_at(self.machine.speed)
 
     def forces_at(self, speed: float) -> Forces:
-        """The same at another speed of theta, rad/s."""
+        """Reactions, contacts, drives, energy and power at another speed of theta, rad/s."""
         q, first, second = self._poses
         return kinetostatics(self._system, self.theta, q, first, second, speed)
 

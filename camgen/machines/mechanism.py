@@ -96,7 +96,7 @@ class Mechanism(Spec, ABC):
 
     @checked
     def replace(self, changes: Mapping[str, object]) -> Self:
-        """The same machine with some keys of its spec set anew: `machine.replace({"geometry.base_radius": 30})`.
+        """The machine with some keys of its spec set anew: `machine.replace({"geometry.base_radius": 30})`.
 
         A key is typed as for `--set`, of a list by its index: "segment.0.lift"; None removes it. Files are seen from here.
         Raises SpecError with every fault, by its key.
@@ -236,7 +236,7 @@ class Mechanism(Spec, ABC):
         """Closed-form design checks; raises DesignError where no such mechanism exists."""
 
     def limits_of(self, code: str) -> Sequence[Finding]:
-        """Those of one code."""
+        """Design checks of one code."""
         return [finding for finding in self.limits() if finding.code == code]
 
     def forecast(self) -> Sequence[Finding]:

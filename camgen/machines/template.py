@@ -105,7 +105,7 @@ class Template(Mechanism):
         return {**super()._found(), **own}
 
     def resolved(self) -> Self:
-        """The same with everything filled in, on the same linkage."""
+        """The spec with everything filled in that camgen works out, on the same linkage."""
         found = super().resolved()
         if "linkage" in vars(self) and self.linkage.counterweight is None:
             vars(found)["linkage"] = self.linkage

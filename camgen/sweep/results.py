@@ -49,7 +49,7 @@ class SweepTable:
 
     @property
     def keys(self) -> Sequence[str]:
-        """Those of the keys that were varied."""
+        """Names of the columns of keys that were varied."""
         return [axis.key for axis in self.task.variants.axes]
 
     def __len__(self) -> int:

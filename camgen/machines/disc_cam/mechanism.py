@@ -456,7 +456,7 @@ class DiscCamDrive(CamTables):
         return findings
 
     def forecast(self) -> Sequence[Finding]:
-        """The same; of cams alone what their holes leave of them, and the free play of a follower between two contacts."""
+        """Design checks and forecasts; of cams alone what holes leave of them, and the free play of a follower between two contacts."""
         if self.standing:
             return super().forecast()
         air = (

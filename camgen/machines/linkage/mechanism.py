@@ -322,7 +322,7 @@ class Linkage(LinkageSpec):
         return {**super()._found(), **levels, **weight, **({"include": tables} if tables else {})}
 
     def resolved(self) -> Self:
-        """The same with its levels, on the same chain."""
+        """The spec with the levels that camgen finds, on the same chain."""
         found = super().resolved()
         # cached: nothing that they depend on was filled in
         same = vars(self).keys() & {"chain", "additions", "construction", "bodies", "modules"}
@@ -342,7 +342,7 @@ class Linkage(LinkageSpec):
         return [*found, *self._pressed.findings, *self._included_limits]
 
     def limits_of(self, code: str) -> Sequence[Finding]:
-        """Those of one code; of LIFT_OFF without the profiles of cams, which take longer."""
+        """Design checks of one code; of LIFT_OFF without the profiles of cams, which take longer."""
         if code != "LIFT_OFF":
             return super().limits_of(code)
         found = (*self._pressed.findings, *self._included_limits)
