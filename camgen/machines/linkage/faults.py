@@ -163,24 +163,25 @@ def _eccentric_faults(spec: LinkageSpec) -> Iterator[Fault]:
 
 def _side_faults(spec: LinkageSpec) -> Iterator[Fault]:
     """Why there cannot be two sides, and soles without a foot."""
+    making = spec.making
     feet = {each.point for each in spec.wanted}
-    for name, shape in spec.making.shapes.items():
+    for name, shape in making.shapes.items():
         if shape.sole_diameter is not None and feet.isdisjoint(spec.links.get(name, ())):
             right = f"nothing here, or an [[output]] at a point of {name} that is its foot"
             yield Fault(("parts", name, "sole_diameter"), f"{shape.sole_diameter:g}", right)
-    if spec.making.sides == 1:
-        if spec.making.battery is not None:
+    if making.sides == 1:
+        if making.battery is not None:
             right = "nothing here, or parts.sides = 2: it lies under the far side's plate"
             yield Fault(("parts", "battery"), "", right)
-        if spec.making.side_gap:
+        if making.side_gap:
             right = "nothing here, or parts.sides = 2: it is between both sides"
-            yield Fault(("parts", "side_gap"), f"{spec.making.side_gap:g}", right)
+            yield Fault(("parts", "side_gap"), f"{making.side_gap:g}", right)
         return
-    if 0 < spec.making.side_gap < _LEAST_GAP:
+    if 0 < making.side_gap < _LEAST_GAP:
         right = f"0, or at least {_LEAST_GAP:g} mm: a spacer"
-        yield Fault(("parts", "side_gap"), f"{spec.making.side_gap:g}", right)
+        yield Fault(("parts", "side_gap"), f"{making.side_gap:g}", right)
     key = ("parts", "sides")
-    if spec.making.plates == 1:
+    if making.plates == 1:
         yield Fault(
             key, "2", "1, or parts.plates = 2 beside it: both second plates lie back to back"
         )
