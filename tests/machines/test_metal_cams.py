@@ -102,6 +102,33 @@ def test_a_thin_back_that_is_hardened_is_told() -> None:
     assert not told() and not told("parts.back=3", "material.name=PLA")
 
 
+def test_a_milled_groove_of_a_drum_is_as_close_as_that_of_a_plate() -> None:
+    drum = STARTER.with_name("cylinder-cam.toml")
+
+    def play(*settings: str) -> float:
+        made: Any = read_mechanism(drum, settings)
+        return float(made.print.slide_clearance)
+
+    assert play("material.name=42CrMo4") == 0.05
+    assert play() == 0.2
+    assert play("material.name=42CrMo4", "print.slide_clearance=0.1") == 0.1
+
+
+@pytest.mark.parametrize("spec", ["disc-cam.toml", "cylinder-cam.toml"])
+def test_a_bore_in_metal_that_turns_nothing_or_is_hard_to_cut_is_told(spec: str) -> None:
+    def told(*settings: str) -> list[str]:
+        notes = read_mechanism(STARTER.with_name(spec), settings).study().notes
+        return [note for note in notes if "parts.bore_shape" in note]
+
+    steel = "material.name=C45"
+    (plain,) = told(steel, "parts.bore_shape=plain")
+    assert "keeps it from turning" in plain
+    (flat,) = told(steel, "parts.bore_shape=d-flat")
+    assert "wire erosion" in flat
+    assert not told(steel, "parts.bore_shape=keyway", "parts.bore=10")
+    assert not told("parts.bore_shape=plain")
+
+
 def test_what_is_found_stays_as_it_is_written_out() -> None:
     made: Any = read_mechanism(STARTER, [*KEYED, "material.name=16MnCr5"])
     assert made.resolved().making.hub_height == 8

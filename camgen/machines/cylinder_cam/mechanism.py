@@ -17,10 +17,10 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, NotJudged, Where, at_least, at_most
@@ -57,6 +57,7 @@ from camgen.machines.loads.lift_off import bounce_figures, bounce_of
 from camgen.machines.loads.tables import thin_walls
 from camgen.machines.loads.weights import gravity
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.metal import bore_notes, with_close_groove
 from camgen.machines.pairs import still_faults
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
@@ -110,6 +111,11 @@ class CylinderCam(Mechanism):
     allowed: Annotated[DrumLimits, Field(alias="limits")] = DrumLimits.model_construct()
 
     # ---- what is wrong with it --------------------------------------------------------------------------------------
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_metal(cls, data: Any) -> Any:
+        return with_close_groove(data)
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
@@ -742,4 +748,5 @@ class CylinderCam(Mechanism):
         return [
             f"The drum is what is made. Bring the follower, its guide, the roller, shaft and bearings: {place}, the roller's inner end {track.inner:.4g} mm from the drum's axis.",
             "theta is counter-clockwise as seen from above; at 0 the follower stands at +x of the drum's files.",
+            *bore_notes(self.making, self.material.name),
         ]

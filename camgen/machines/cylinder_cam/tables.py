@@ -70,7 +70,7 @@ class DrumGeometry(Record):
 
     track: Literal["groove", "rib", "end"] = Field(
         default="groove",
-        description='"groove": the roller between two walls, print.slide_clearance wider than the roller\n'
+        description='"groove": the roller between two walls, print.slide_clearance (in metal 0.05) wider than the roller\n'
         '"rib": two rollers astride of one rib, on a slide\n'
         '"end": the roller on the upper end, held down by a spring',
     )

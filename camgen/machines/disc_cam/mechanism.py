@@ -57,7 +57,6 @@ from camgen.machines.disc_cam.faults import (
     hub_faults,
 )
 from camgen.machines.disc_cam.followers import drawn, standing_on
-from camgen.machines.disc_cam.metal import filled, thin_back
 from camgen.machines.disc_cam.tables import (
     DiscCamGeometry,
     DiscCamLimits,
@@ -71,6 +70,7 @@ from camgen.machines.free_play import between
 from camgen.machines.loads.lift_off import bounce_figures, bounce_of
 from camgen.machines.loads.tables import CamLimitsTable, thin_walls
 from camgen.machines.loads.weights import gravity
+from camgen.machines.metal import bore_notes, filled, thin_back
 from camgen.machines.pairs import air_faults, still_faults
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
@@ -570,6 +570,8 @@ class DiscCamDrive(CamTables):
             notes.append(
                 "You hold the follower on the cam: with [load] and [spring], LIFT_OFF and HERTZ judge how."
             )
+        if self.making.make == "cams":
+            notes += bore_notes(self.making, self.material.name)
         notes += thin_back(self.making, self.material.name) if self.assembly.dowel else []
         if self.allowed.continuous < 0:
             notes.append("Jumps of the motion are not judged: limits.continuous = -1.")

@@ -1,4 +1,4 @@
-"""Sizes of a metal cam that its spec leaves open, by camgen's own rules: no standard has them."""
+"""Sizes of a metal cam or drum that its spec leaves open, by camgen's own rules: no standard has them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from camgen.parts import materials
 from camgen.parts.catalogue import CAM_FOLLOWERS, DOWELS
-from camgen.parts.disc_cams import CamParts
+from camgen.parts.disc_cams import CamParts, ShaftBore
 
 _FACE = 0.6  # of the bore: least thickness
 _HUB = 1.8  # of the bore: diameter
@@ -16,6 +16,18 @@ _GROOVE = 0.05  # mm, by which a milled groove is wider than its roller
 _BACK = 0.5  # of the thickness: back plate of a groove; its dowels at least
 _RIM = 2.5  # dowels: width of a groove's rim
 _BESIDE = 0.7  # of a bore: from its axis to the wall beside its keyway
+
+
+def with_close_groove(data: Any) -> Any:
+    """A spec's tables of a drum with the width of a milled groove, where they leave it open and name a metal."""
+    if not isinstance(data, Mapping):
+        return data
+    material, fits = (data.get(key, {}) for key in ("material", "print"))
+    if not (isinstance(material, Mapping) and isinstance(fits, Mapping)):
+        return data
+    if not _is_metal(material.get("name")):
+        return data
+    return {**data, "print": {"slide_clearance": _GROOVE, **fits}}
 
 
 def filled(data: Any) -> Any:
@@ -32,8 +44,7 @@ def filled(data: Any) -> Any:
     if not all(isinstance(table, Mapping) for table in (parts, *tables)):
         return data
     geometry, load, material, fits = tables
-    row = materials.MATERIALS.get(str(material.get("name")))
-    if parts.get("make", "cams") != "cams" or row is None or not row.metal:
+    if parts.get("make", "cams") != "cams" or not _is_metal(material.get("name")):
         return data
     bore = parts.get("bore", CamParts.model_fields["bore"].default)
     if not isinstance(bore, int | float):
@@ -57,6 +68,11 @@ def filled(data: Any) -> Any:
     return {**made, "print": {"slide_clearance": _GROOVE, **fits}} if grooved else made
 
 
+def _is_metal(name: object) -> bool:
+    """Whether a material of the list is one."""
+    return isinstance(name, str) and name in materials.MATERIALS and materials.of(name).metal
+
+
 def _grooved(thickness: Any, base: Any, bore: float) -> dict[str, float]:
     """Back, dowels and rim of a groove with walls of a thickness, mm."""
     usual = {key: CamParts.model_fields[key].default for key in ("back", "pin_diameter", "rim")}
@@ -67,6 +83,19 @@ def _grooved(thickness: Any, base: Any, bore: float) -> dict[str, float]:
     sold = [each for each in DOWELS if usual["pin_diameter"] <= each <= room]
     pin = next((each for each in sold if each >= _BACK * thickness), max(sold, default=0.0))
     return {**usual, "back": back, "pin_diameter": pin or usual["pin_diameter"]}
+
+
+def bore_notes(bore: ShaftBore, material: str) -> list[str]:
+    """A sentence on a bore in metal that turns nothing, or that no drill, reamer and broach makes."""
+    if not materials.of(material).metal or bore.bore_shape == "keyway":
+        return []
+    if bore.bore_shape == "plain":
+        return [
+            'Nothing in the plain bore keeps it from turning: clamp or shrink it on the shaft, or parts.bore_shape = "keyway".'
+        ]
+    return [
+        f'The flat of a D bore in {material} is cut by wire erosion; parts.bore_shape = "keyway" is broached.'
+    ]
 
 
 def thin_back(sizes: CamParts, material: str) -> list[str]:
