@@ -83,6 +83,24 @@ def listed(names: Iterable[str]) -> str:
     return " and ".join(filter(None, (", ".join(most), last)))
 
 
+_SHEET = 0.1  # mm, of a sheet of paper, about
+_SHEETS = (
+    "",
+    "one sheet of paper",
+    "two sheets of paper",
+    "three sheets of paper",
+    "four sheets of paper",
+)
+
+
+def paper(gap: float) -> str:
+    """How a gap, mm, is set at the bench: by sheets of paper; "" where no few whole sheets are as thick."""
+    count = round(gap / _SHEET)
+    if not 0 < count < len(_SHEETS) or abs(gap - count * _SHEET) > SAME_POINT:
+        return ""
+    return f" ({_SHEETS[count]} between, then pull {'it' if count == 1 else 'them'} out)"
+
+
 ON_BENCH = " on the bench"
 _ON_BENCH = _Place("on the bench", (Doing("lay ", _WHAT, ON_BENCH),))
 
@@ -218,7 +236,7 @@ class _Stop:
                 Doing(
                     f"push {_WHAT} up: press and glue it ",
                     f"on {self.shaft.part.name}",
-                    f", {near} {self.name}",
+                    f", {near} {self.name}{paper(self.gap)}",
                 ),
             ),
         )
@@ -731,6 +749,8 @@ class _Meeting:
     place: str  # "on pin-1", "over crank"
     fit: Literal["glue", "press", "free"] = "free"
     high: str = ""  # how high on the shaft it is fixed
+    set_by: str = ""  # how that is set, by sheets of paper
+    lies: str = ""  # on what it lies
     shaft: bool = False
 
     @property
@@ -765,10 +785,13 @@ def _meeting(
     if shaft is not None and outline is not None:
         fit = fixing.how(hole, copy.part, outline, shaft.part)
         long = shaft.slender or shaft.part.role == "shaft"
-        told = _WORDS[fit] and (long or _under(hole, below)[0] > SAME_POINT)
+        gap, name = _under(hole, below)
+        told = _WORDS[fit] and (long or gap > SAME_POINT)
         high = f", {_height(hole, shaft, below)}" if told else ""
+        set_by = paper(gap) if " mm over " in high else ""
+        lies = f", down on {name}" if name and gap <= SAME_POINT else ""
         at = "" if hole.name or shaft.part.count == 1 else _joint(hole, shaft, below)
-        return _Meeting(letter, f"on {shaft.part.name}{at}", fit, high, True)
+        return _Meeting(letter, f"on {shaft.part.name}{at}", fit, high, set_by, lies, True)
     under = [
         (each.high, other.part.name, each.name)
         for other in below
@@ -806,8 +829,11 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
     if len(tight) > 1 and tight == shafts and not any(each.letter for each in tight):
         counts = Counter(each.place.removeprefix("on ") for each in tight)
         pins = listed(f"{n} × {name}" if n > 1 else name for name, n in counts.items())
-        high = next((each.high for each in tight if each.high), "")
-        yield Doing(_VERBS[tight[0].fit], f"{_WHAT} on {pins}", f", all at once{high}")
+        lies = next((each.lies for each in tight if each.lies), "")
+        told = next((each for each in tight if each.high), tight[0])
+        of = f"{told.place.removeprefix('on ')}'s"
+        high = "" if told.high == lies else told.high.replace(" its ", f" {of} ") + told.set_by
+        yield Doing(_VERBS[tight[0].fit], f"{_WHAT} on {pins}", f", all at once{lies}{high}")
         return
     if len(shafts) > 2:
         ends = (" ".join(filter(None, (each.letter, each.place))) for each in shafts)
@@ -831,7 +857,7 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
     for each in sorted(fixed, key=lambda each: highs.index(each.high)):
         thing = each.letter if whole == "it" else f"{each.letter} of {_WHAT}"
         thing = thing if each.letter else whole
-        yield Doing(_VERBS[each.fit], f"{thing} {each.place}", each.high)
+        yield Doing(_VERBS[each.fit], f"{thing} {each.place}", f"{each.high}{each.set_by}")
 
 
 def _joint(hole: Round, pin: StandingCopy, below: Sequence[StandingCopy]) -> str:

@@ -596,3 +596,33 @@ def test_steps_of_a_drum_machine_give_a_height_to_what_lies_level_alone() -> Non
     assert "together with the carriage" in titles[drum["step"] - 1]  # type: ignore[operator,index]
     (rods,) = (title for title in titles if "× rod" in title)
     assert rods == "Glue 4 × rod upright into the lower end plate, flush with its underside."
+
+
+@pytest.mark.parametrize(
+    ("shape", "said"),
+    [
+        ({"bore_shape": "d-flat"}, "(no glue, the flat drives it)"),
+        ({"bore_shape": "plain"}, "(glue in its bore)"),
+        (
+            {"bore_shape": "keyway", "key_width": 2.0, "key_depth": 1.0},
+            "(no glue, the key drives it)",
+        ),
+    ],
+)
+def test_steps_of_a_drum_machine_say_where_the_shaft_stands_and_what_is_glued(
+    shape: dict[str, object], said: str
+) -> None:
+    """Depths by the written parts: the lower bearing's underside over that of the shaft, and this over the table."""
+    path = Path(__file__).parents[2] / "specs" / "gallery" / "drum-feeder.toml"
+    changed = {f"parts.{key}": value for key, value in shape.items()}
+    made = read_mechanism(path).replace(changed).assembly  # type: ignore[attr-defined]
+    low = {name: min(m.z for m in made.mounts if m.part == name) for name in ("shaft", "bearing")}
+    titles = [step.title for step in order_of_assembly(made).steps]
+    (shaft,) = (title for title in titles if title.startswith("Stand the shaft"))
+    assert f"out by {low['bearing'] - low['shaft']:.3g} mm below" in shaft
+    assert f"its lower end {low['shaft']:g} mm over the table" in shaft
+    (drum,) = (title for title in titles if title.startswith("Lower the drum"))
+    assert said in drum
+    assert "Put spacer-above on the shaft, down on the drum, no glue." in titles
+    (under,) = (title for title in titles if "spacer-below on the shaft, 0.1" in title)
+    assert under.endswith("(one sheet of paper between, then pull it out).")

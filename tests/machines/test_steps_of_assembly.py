@@ -28,7 +28,7 @@ from camgen.parts.catalogue import SCREWS
 from camgen.parts.generator import bodies as body_parts
 from camgen.parts.generator import plates as plate_parts
 from camgen.parts.part import Layer, Part
-from camgen.parts.steps import Fixing, order
+from camgen.parts.steps import Fixing, order, paper
 from camgen.pipeline.making import parts_table
 from camgen.pipeline.shopping import steps_of_assembly
 from camgen.study import Mate
@@ -144,6 +144,34 @@ def test_a_height_over_what_lies_there_is_said_by_the_gap() -> None:
     rows = order((shaft, plate, ring), mounts, poses, (), PLAY).rows
     said = ["0.2 mm over plate", "down on ring", "underside 40 mm from its lower end"]
     assert [row[3] for row in rows[2:]] == [f"pressed and glued on shaft, {each}" for each in said]
+
+
+def test_a_gap_is_set_by_whole_sheets_of_paper() -> None:
+    """Of 0.1 mm each: 1 to 4 of them; none where the gap is no whole number of them, and none where many would be needed."""
+    assert paper(0.2) == " (two sheets of paper between, then pull them out)"
+    assert paper(0.1) == " (one sheet of paper between, then pull it out)"
+    assert "four sheets" in paper(0.4)
+    assert [paper(gap) for gap in (0.0, 0.05, 0.15, 0.25, 0.5)] == [""] * 5
+
+
+def test_walls_of_a_groove_lie_on_their_back_plate_and_gaps_are_set_by_paper() -> None:
+    """Both walls begin where the back plate ends, and the inner one ends where the shaft does: by their heights."""
+    spec = Path(__file__).parents[2] / "specs" / "gallery" / "groove.toml"
+    machine = read_mechanism(spec, ["parts.make=printed"])
+    made = machine.assembly
+    low = {mount.part: mount.z for mount in made.mounts}
+    top = {name: z + made.by_name[name].thickness for name, z in low.items()}
+    for wall in ("cam-contact-inner", "cam-contact-outer"):
+        assert low[wall] == pytest.approx(top["cam-contact-back"])
+    assert top["cam-contact-inner"] == pytest.approx(top["shaft"])
+    titles = [step.title for step in steps_of_assembly(machine).steps]
+    (inner,) = (title for title in titles if "the inner wall of" in title)
+    assert inner.endswith("all at once, down on cam-contact-back, flush with shaft's upper end.")
+    (outer,) = (title for title in titles if "the outer wall of" in title)
+    assert outer.endswith("all at once, down on cam-contact-back.")
+    sheets = " (two sheets of paper between, then pull them out)."
+    assert any(title.endswith(f"0.2 mm over ground{sheets}") for title in titles)
+    assert any(title.endswith(f"0.2 mm under ground{sheets}") for title in titles)
 
 
 def test_a_cap_on_a_short_pin_has_its_height_where_it_would_lock_the_joint() -> None:

@@ -29,7 +29,7 @@ from camgen.numerics import Floats, Points
 from camgen.parts.catalogue import BEARINGS, DOWELS, Bearing, ball_roller
 from camgen.parts.part import Layer, Part, hull
 from camgen.parts.springs import EYE, WorkingSpring, compression_spring
-from camgen.parts.steps import COLUMNS
+from camgen.parts.steps import COLUMNS, paper
 from camgen.study import Doing, Sketch, Step, Table, Upright
 
 _CAM = "cam"
@@ -44,6 +44,7 @@ _STUB = 5.0  # diameter, in the crank
 _FIRST = "on the table, its key up"
 _ASIDE = "on the table beside the machine; step {step} puts it in"
 _ROUND = 12  # points of a spring's wire for each coil
+_FOOT = 0.5  # of the shaft over the lower plate's underside
 _OUT = 20.0  # of the shaft over the upper plate, where a motor turns it
 
 
@@ -321,7 +322,7 @@ class Bench:
         yield drum, [Mount(drum.name, _CAM, z=self.base)]
         for ring in rings:
             yield ring, [ring_mount(ring, self.base + self.track.length)]
-        low = _AIR / 2
+        low = _FOOT
         over = _AIR + s.thickness if self.cranked else _OUT
         length = self.top - low + over
         shape = "plain" if s.bore_shape == "keyway" else s.bore_shape
@@ -593,6 +594,9 @@ class Bench:
         rods = len(copies["rod"])
         pins = len(copies["roller-pin"])
         end = "bracket" if swings else held
+        below = self.plate_thickness - self.bearing.width - _FOOT
+        driver = {"plain": "glue", "d-flat": "flat", "keyway": "key"}[self.sizes.bore_shape]
+        fixed = "glue in its bore" if driver == "glue" else f"no glue, the {driver} drives it"
         # part, where, what is done, copies
         said: list[tuple[str, str, str, list[str]]] = [
             *(("drum", _FIRST, f"lay the drum {_FIRST}", copies["drum"]) for _ in rings),
@@ -658,19 +662,19 @@ class Bench:
             (
                 "shaft",
                 "upright in the bearing",
-                "stand the shaft upright in the bearing",
+                f"stand the shaft upright in the bearing: it stands out by {below:.3g} mm below that, its lower end {_FOOT:g} mm over the table; put a strip that thick under it",
                 copies["shaft"],
             ),
             (
                 "spacer-below",
                 "glued on the shaft over the bearing",
-                f"glue spacer-below on the shaft, {_END_PLAY:g} mm over the bearing",
+                f"glue spacer-below on the shaft, {_END_PLAY:g} mm over the bearing{paper(_END_PLAY)}",
                 copies["spacer-below"],
             ),
             (
                 "drum",
                 f"lowered over the shaft together with the {held}, {into}",
-                f"lower the drum over the shaft, down on spacer-below, together with the {end}: both at once, {into}",
+                f"lower the drum over the shaft ({fixed}), down on spacer-below, together with the {end}: both at once, {into}",
                 [
                     *(name for part in self.drum for name in copies[part.name]),
                     *copies[end],
@@ -683,10 +687,15 @@ class Bench:
             (
                 "spacer-above",
                 "on the shaft",
-                "put spacer-above on the shaft, down on the drum",
+                "put spacer-above on the shaft, down on the drum, no glue",
                 copies["spacer-above"],
             ),
-            ("bearing", "on the shaft", "put the other ball bearing on the shaft", ["bearing-2"]),
+            (
+                "bearing",
+                "on the shaft",
+                "put the other ball bearing on the shaft, no glue",
+                ["bearing-2"],
+            ),
             (
                 "end-plate",
                 f"seat down, over bearing and rods at once, glued on the rods, flush above{pressing}",
