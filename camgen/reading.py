@@ -321,7 +321,9 @@ def _syntax_fault(text: str, error: Exception) -> Fault:
 
 _COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)\s*(?:#.*)?$")
 # text without quotes, or with one at its beginning or end alone
-_UNQUOTED = re.compile(r"""=\s*(?:["'](?=[^"'#]*(?:#|$)))?([A-Za-z][\w .-]*?)["']?\s*(?:#.*)?$""")
+_UNQUOTED = re.compile(
+    r"""=\s*(?:["'](?=[^"'#]*(?:#|$)))?([A-Za-z][\w .-]*?)["']?\s*(?:[,}#].*)?$"""
+)
 _WITH_UNIT = re.compile(r"=\s*([+-]?[\d.]+)\s*([a-zA-Z°]+)\s*(?:#.*)?$")
 _ROUND = re.compile(r"=\s*\(([^()]*)\)")
 _COLON = re.compile(r"""([\w-]+(?:\.[\w-]+)*|"[^"]*")\s*:\s*(.*?)\s*(?:#.*)?$""")
@@ -335,7 +337,7 @@ def _slip(line: str, reason: str) -> str:
     """What a line should be in which one thing is written as elsewhere; "" where none is seen."""
     if (pair := _COLON.match(line)) and reason.startswith("Expected '='"):
         return f"= in place of the colon: {pair[1]} = {pair[2] or '...'}"
-    if line.startswith("{"):
+    if line.startswith("{") and "=" not in line:
         return 'TOML, not JSON: mechanism = "...", one key a line'
     if number := _COMMA.search(line):
         return f"a decimal point, not a comma: {number[1]}.{number[2]}"

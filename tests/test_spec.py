@@ -245,6 +245,7 @@ def test_syntax_fault_has_line_and_column(
         ('{"mechanism": "disc-cam"}', 'TOML, not JSON: mechanism = "...", one key a line'),
         ("width = 25 mm", "a number without a unit: 25"),
         ("side = left", 'quotes round text: "left"'),
+        ("rows = [{ kind = rise, lift = 12 }]", 'quotes round text: "rise"'),
         (
             "[shape]",
             "[[shape]], here and in line 1, if it is a list; else [shape] once, with all of its keys",

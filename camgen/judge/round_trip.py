@@ -26,6 +26,7 @@ from camgen.judge.contours import contour_error
 from camgen.numerics import distinct
 
 MILLIMETRES = 4  # $INSUNITS of DXF
+_REMARKS = 3  # of a file that are told, at most
 # By these, in a part's drawing, a laser's program takes its tool: colour index and line weight, 1/100 mm, of a layer.
 PART_LAYERS = {"CUT": (7, 25), "CENTER": (1, 13), "ENGRAVE": (5, 13)}
 
@@ -278,8 +279,10 @@ def _level_error(heights: Floats, expected: NominalPart) -> tuple[float, float]:
 
 
 def strange(path: Path, remarks: Sequence[str]) -> Finding:
-    """ROUND_TRIP of a file that is not as it was written."""
-    return at_most("ROUND_TRIP", len(remarks), 0, "warnings", in_file(path), "; ".join(remarks))
+    """ROUND_TRIP of a file that is not as it was written; the first remarks say how."""
+    more = len(remarks) - _REMARKS
+    said = "; ".join([*remarks[:_REMARKS], *([f"and {more} more"] if more > 0 else [])])
+    return at_most("ROUND_TRIP", len(remarks), 0, "warnings", in_file(path), said)
 
 
 def _volume(volume: float, expected: NominalPart, where: Where) -> Finding:

@@ -51,7 +51,7 @@ class Geared:
 
 # Of all models below: no drawing of their makers could be opened. Three public models of an SG90
 # have its holes 27.5, 27.9 and 28.5 mm apart [nnarain/openscad-servos, kartchnb/openscad-servo-library, mariolukas/openexposer].
-HOLES_UNKNOWN = "no drawing of its mounting holes was opened: measure yours"
+HOLES_UNKNOWN = "measure its mounting holes: no maker's drawing was found"
 _POLOLU = "Pololu, Micro Metal Gearmotors, rev 2.0: low power, stall by extrapolation"
 GEARED = {
     row.model: row

@@ -29,6 +29,7 @@ from camgen.judge.round_trip import (
     judge_dimensioned,
     judge_solid,
     pieces_of,
+    strange,
 )
 from camgen.parts.part import Layer, Part
 from camgen.parts.solids import solid
@@ -326,3 +327,10 @@ def test_what_a_way_back_leaves_nothing_of_is_told() -> None:
     undone = expected(thin, print_change=PrintChange(0.0, -0.3, 0.0))
     finding = judged(undone, [thin.outer])["ROUND_TRIP"]
     assert math.isnan(finding.measured) and "nothing is left" in finding.message
+
+
+def test_of_many_remarks_on_a_file_the_first_are_told() -> None:
+    found = strange(Path("x.dxf"), [f"line {k} is open" for k in range(5)])
+    assert not found.ok and found.measured == 5
+    assert found.message == "line 0 is open; line 1 is open; line 2 is open; and 2 more"
+    assert strange(Path("x.dxf"), ["a", "b", "c"]).message == "a; b; c"

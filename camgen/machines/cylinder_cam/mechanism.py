@@ -479,7 +479,7 @@ class CylinderCam(Mechanism):
                 "roller", "", f"{size}, a cone of {roller.cone_deg:g} deg half angle", count
             )
         elif ball is None:
-            rolls = Bought("roller", "", f"{size}, no ball bearing of the list is so wide", count)
+            rolls = Bought("roller", "", f"{size}, turned: no ball bearing is so wide", count)
         else:
             rolls = Bought("roller", ball.standard, f"{ball.name}, {ball.size}", count)
         rolls = replace(rolls, how="on your follower, in the track")
