@@ -44,13 +44,14 @@ from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.coils import Coil
 from camgen.parts.inertia import Solids
 from camgen.parts.journals import Journal, MaterialLimits, Post, journals
-from camgen.parts.part import Part
+from camgen.parts.part import GLUED_BELOW, Part
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.sheets import why_not
 from camgen.parts.springs import WorkingSpring
 from camgen.parts.standing import standing_copies
 from camgen.parts.steps import Fixing, called, mated, order
 from camgen.study import Doing, Later, Step, Table
+from camgen.tolerances import SAME_POINT
 
 
 @dataclass(frozen=True)
@@ -560,9 +561,35 @@ def by_heights(assembly: Assembly, before: Mapping[str, int] | None = None) -> T
             if part == cells[1] and coming
         ]
         rows.append(with_things((tuple(cells), step), things))
+    return numbered(table, _on_plate(rows, assembly, mounts))
+
+
+def _on_plate(rows: Sequence[_Row], assembly: Assembly, mounts: Sequence[Mount]) -> Sequence[_Row]:
+    """Rows with what goes under the plate after it, and with blocks under it where something hangs below; mounts: without a stand's."""
+    name = assembly.frame.part if assembly.frame else GROUND
+    plates = [mount.z for mount in mounts if mount.part == name]
+    if not plates:
+        return rows
+    glued = [row for row in rows if f": {GLUED_BELOW}" in str(row[0][2])]
+    rows = [row for row in rows if row not in glued]
+    last = max(k for k, (cells, _) in enumerate(rows) if cells[1] == name)
+    rows = [*rows[: last + 1], *glued, *rows[last + 1 :]]
     if assembly.motor.reach is not None:
         rows = _with_motor(rows, assembly)
-    return numbered(table, rows)
+        last += 1
+    ends = [mount.z for mount in mounts]
+    ends += [
+        low
+        for thing in assembly.stand_ins
+        if thing.body == GROUND
+        for low in (*(disc[2] for disc in thing.discs), *(bar[3] for bar in thing.bars))
+    ]
+    depth = math.ceil(min(plates) - min(ends) - SAME_POINT)
+    if depth > 0:
+        cells, step = rows[last]
+        said = f"put two blocks at least {depth} mm high under the plate: parts hang below it"
+        rows[last] = cells, step.also(said)
+    return rows
 
 
 def _with_motor(rows: Sequence[_Row], assembly: Assembly) -> list[_Row]:

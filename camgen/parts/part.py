@@ -55,6 +55,9 @@ Role = Literal[
 ]
 
 
+GLUED_BELOW = "glued under the plate"  # as a holding note begins
+
+
 class HoldingNote(str):
     """A note that says how a part is held, or which way it lies; the steps of assembly have it too."""
 

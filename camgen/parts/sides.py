@@ -13,6 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+import numpy as np
+
 from camgen.geometry.outlines import Arc, Contour, Region, end_point, start_point
 from camgen.machine.features import Eye, Faces, Feature, Flat, Mount, OwnTip, StandIn, mapped
 from camgen.machine.joining import Module
@@ -29,6 +31,7 @@ from camgen.parts.assembly import (
 )
 from camgen.parts.catalogue import Bought
 from camgen.parts.part import Layer, Part
+from camgen.parts.standing import standing_copies
 from camgen.study import Doing, Later, Step, Table
 
 PREFIX = "far"  # of the names of the far side
@@ -190,7 +193,9 @@ def both_sides(near: Assembly, far: Assembly, mirror: Mirror, machine: Machine) 
     copies = Counter(mount.part for mount in there.mounts)
     parts = [replace(part, count=part.count + copies[part.name]) for part in near.parts]
     whole = joined(replace(near, parts=parts), [there], machine)
-    order = Later(lambda: [_order(near, replace(alone, bought=things), mirror)])
+    frame = far.frame and replace(far.frame, part=module.part(far.frame.part))
+    far_side = replace(alone, bought=things, frame=frame)
+    order = Later(lambda: [_order(near, far_side, mirror, _taker(far, mirror.shaft))])
     return replace(whole, bought=_bought(near, far), board="", work=order)
 
 
@@ -210,8 +215,37 @@ def _bought(near: Assembly, far: Assembly) -> list[Bought]:
     return [replace(each, count=n) for each, n in counts.items() if each.role != "mount"]
 
 
-def _order(near: Assembly, far: Assembly, mirror: Mirror) -> Table:
-    """The near side from the bottom up, the far one likewise on its own plate, then one on the other, by the shaft of both."""
+def _taker(far: Assembly, shaft: str) -> str:
+    """In what of the far side the shaft of both sides is glued, as "O of the far crank"."""
+    copies = standing_copies(far.parts, far.mounts, far.poses(np.zeros(1)))
+    outlines = [
+        (held, each) for held in copies if held.part.name == shaft for each in held.outlines
+    ]
+    for copy in copies:
+        for hole in copy.holes:
+            for held, outline in outlines:
+                how = far.process.fixing.how(hole, copy.part, outline, held.part)
+                if hole.holds(outline) and how == "glue" and hole.name:
+                    return f"{hole.name} of the far {copy.part.name}"
+    return "the far crank"
+
+
+def _greased(step: Step) -> Step:
+    """A spacer that no shaft holds, and that would slip where its side is turned over, stuck where it lies."""
+    doings = [
+        replace(each, rest=f"{each.rest}, stuck there with a dot of grease")
+        if step.small and each.verb == "put " and " over " in each.thing
+        else each
+        for each in step.doings
+    ]
+    return replace(step, doings=doings)
+
+
+def _order(near: Assembly, far: Assembly, mirror: Mirror, taker: str) -> Table:
+    """The near side from the bottom up, the far one likewise on its own plate, then one on the other, by the shaft of both.
+
+    taker: what of the far side takes that.
+    """
     before = Counter[str]()
     for mount in near.mounts:
         before[mount.part] += 1
@@ -230,14 +264,12 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror) -> Table:
     rows = [(tuple(row), step) for row, step in zip(first.rows, first.steps, strict=True)]
     for row, step in zip(second.rows, second.steps, strict=True):
         way: Literal[-1, 1] = 1 if step.way < 0 else -1
-        rows.append((tuple(row), replace(step, way=way, apart=PREFIX)))
+        rows.append((tuple(row), replace(_greased(step), way=way, apart=PREFIX)))
     on = "spacers" if mirror.gap else "second plate of the near side"
     doings = [
         Doing("turn ", "the far side over", f" and lower it on the {on}"),
-        Doing(f"{mirror.shaft} goes on into its crank: turn that until the flats are in line"),
-        Doing(
-            "press and glue ", f"the crank on {mirror.shaft} and the far second plate on the {on}"
-        ),
+        Doing(f"{mirror.shaft} goes into {taker}; turn the far crank until the flat fits"),
+        Doing("press and glue ", f"{taker} on {mirror.shaft} and the far second plate on the {on}"),
         Doing("move all slowly through its whole motion: no joint may be stiff"),
     ]
     joining = (last, Step(doings, apart=PREFIX))

@@ -358,7 +358,8 @@ def _steps(scene: Scene | None) -> str:
 
 def _has_picture(step: Step) -> bool:
     """Whether something comes in it that can be shown."""
-    return bool(step.copies or step.wire is not None)
+    joins = bool(step.apart and not step.group)
+    return bool(step.copies or step.wire is not None or joins)
 
 
 # Steps one after the other, as the script shows them; without it the cards below remain.

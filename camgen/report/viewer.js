@@ -585,10 +585,12 @@
   // Copies that come in a step, and those that are there, with the wires of springs: of what is built by itself its own alone.
   // over: whether that hangs in the whole machine, so that it is shown turned over, as it lies on the bench.
   function onBench(steps, number) {
-    const { copies: coming, apart } = steps[number], over = Boolean(apart && coming.length);
+    const { copies, apart, wire } = steps[number], over = Boolean(apart && copies.length);
     const before = steps.slice(0, number).filter(step => !over || step.apart === apart);
+    const joins = apart && !copies.length && !wire.length;  // all that was built apart comes
+    const coming = joins ? [...new Set(before.filter(step => step.apart === apart).flatMap(step => step.copies))] : copies;
     const there = [...new Set(before.flatMap(step => step.copies))].filter(k => !coming.includes(k));
-    return { coming, there, spring: steps[number].wire, springs: before.map(step => step.wire).filter(wire => wire.length), over };
+    return { coming, there, spring: steps[number].wire, springs: before.map(step => step.wire).filter(wire => wire.length), over, joins };
   }
 
   // A body about z: triangles between rings of a radius and a height each.
@@ -699,12 +701,12 @@
       now.coming.forEach(k => put(coming, k, fresh));
       now.springs.forEach(wire => there.add(new THREE.Mesh(tube(wire), plain)));
       coming.add(new THREE.Mesh(tube(now.spring), fresh));
-      if (lift) arrows(box, sense, now.spring.length ? [] : [...mates.filter(({ within }) => !within), ...unmet(now.coming, mates)]);
+      if (lift) arrows(box, sense, now.spring.length ? [] : [...mates.filter(({ within }) => !within), ...(now.joins ? [] : unmet(now.coming, mates))]);
       mates.forEach(({ how, place, diameter, height, comes, within }) => {
         const wide = diameter / 2 + 0.05, half = height / 2;
         if (diameter) mark(comes || within ? coming : there, turned([wide, -half], [wide, half]), place, how === "free" ? "--free" : "--glue", { transparent: true, opacity: 0.75, depthTest: false });
       });
-      name(now.coming, mates);
+      name(now.joins ? [] : now.coming, mates);
       ask();
     }
     function unmet(numbers, mates) {  // middles of parts that come and are nowhere fixed on or loose against another

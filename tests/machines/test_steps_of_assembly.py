@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import cmath
 import itertools
+import math
 import re
 import sys
 from collections import Counter, defaultdict
@@ -732,6 +733,36 @@ def test_only_what_a_later_part_holds_is_fixed_by_it() -> None:
         row[3] for row in order_of_assembly(leg.assembly).rows if "leg4 with" in str(row[2])
     )
     assert leg4 == "loose until conn4 joins it by D4 and cap-2 is glued on it"
+
+
+def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
+    """Hole O of the far web takes the shaft of both sides; under the near plate hangs the motor, under the far one the batteries."""
+    walker = built("walker")
+    table = steps_of_assembly(walker)
+    titles = [step.title for step in table.steps]
+    (web,) = (part for part in walker.assembly.parts if part.name == "crank_web3")
+    assert "O" in dict(web.points)
+    (join,) = (k for k, title in enumerate(titles) if title.startswith("Turn the far side over"))
+    assert "Shaft-crank_web3 goes into O of the far crank_web3; turn the far crank" in titles[join]
+    (slips,) = (title for title in titles if "spacer-1 over O of crank_web3" in title)
+    assert "spacer-1 over O of crank_web3, stuck there with a dot of grease." in slips
+    deep = {each.name: each for each in walker.assembly.stand_ins}["motor"]
+    (motor,) = (title for title in titles if title.startswith("Motor: under the plate"))
+    assert f"two blocks at least {math.ceil(-min(disc[2] for disc in deep.discs))} mm" in motor
+    numbers = {str(row[1]): row[0] for row in table.rows}
+    assert numbers["far-battery-frame"] > numbers["far-ground"]
+
+
+def test_blocks_under_a_plate_are_as_high_as_what_hangs_below_it(leg: Mechanism) -> None:
+    """The lowest underside of all its parts, under that of the plate."""
+    made = leg.assembly
+    low = min(mount.z for mount in made.mounts)
+    (plate,) = (mount.z for mount in made.mounts if mount.part == "ground")
+    blocks = f"Put two blocks at least {math.ceil(plate - low)} mm high under the plate"
+    titles = [step.title for step in steps_of_assembly(leg).steps]
+    assert [("the ground plate" in title, blocks in title) for title in titles].count(
+        (True, True)
+    ) == 1
 
 
 @pytest.mark.long

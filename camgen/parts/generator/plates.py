@@ -35,7 +35,7 @@ from camgen.parts.generator.sizes import SUNK, Parts
 from camgen.parts.generator.troughs import rails
 from camgen.parts.hardware import plate, spacer
 from camgen.parts.level_rules import Axis, Thing, ways
-from camgen.parts.part import HoldingNote, Layer, Part, d_bore, hull
+from camgen.parts.part import GLUED_BELOW, HoldingNote, Layer, Part, d_bore, hull
 
 SECOND = "second-plate"
 # mm, between places that are tried for a post, and how far beyond the ground's points at first
@@ -317,7 +317,7 @@ def with_battery(layout: Layout) -> Layout:
         (Layer(region, 0.0, battery.height),),
         centres=(0j,),
         min_wall=layout.min_wall,
-        notes=(HoldingNote("glued under the plate; the holder lies in it"),),
+        notes=(HoldingNote(f"{GLUED_BELOW}; the holder lies in it"),),
     )
     mount = Mount(part.name, GROUND, at, z=-battery.height)
     fitted = layout.fitted
