@@ -370,3 +370,5 @@ def test_what_is_built_apart_is_told_to_the_view() -> None:
     page = to_html(replace(report, scene=replace(report.scene, steps=steps)))
     said = json.loads(script(page, "lying"))["steps"]
     assert [step.get("apart", "") for step in said] == ["", "far", "far"]
+    views = re.findall(r'data-view="([^"]*)"', page)
+    assert [view for view in views if view.startswith("step-")] == ["step-0", "step-1", "step-2"]
