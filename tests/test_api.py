@@ -303,11 +303,11 @@ def evaluated(base: Any, k: int) -> Any:
 
 
 def test_other_lengths_give_what_the_general_way_gives(monkeypatch: pytest.MonkeyPatch) -> None:
-    from camgen.machines.linkage import drawing, mechanism
+    from camgen.machines.linkage import construction, drawn_machine
 
     quick = [evaluated(camgen.load(LINKAGE), k) for k in range(20)]
-    monkeypatch.setattr(drawing, "closed_by_dyads", lambda machine: None)
-    monkeypatch.setattr(mechanism, "stays_clear", lambda *_: False)
+    monkeypatch.setattr(drawn_machine, "closed_by_dyads", lambda machine: None)
+    monkeypatch.setattr(construction, "stays_clear", lambda *_: False)
     spec = tomllib.loads(LINKAGE.read_text(encoding="utf-8"))
     for k, pen in enumerate(quick):
         spec["lengths"] |= {"O-A": 18 + 0.2 * k, "A-B": 57 + 0.3 * k, "C-B": 53 - 0.3 * k}
