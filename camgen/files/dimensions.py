@@ -105,7 +105,7 @@ def zero_of(part: Part, holes: Sequence[tuple[str, Hole]]) -> tuple[complex, str
         return 0j, f"the centre of hole {centred[0]}"
     circle = as_circle(part.region.outer) or flatted(part.region.outer)
     if circle and abs(circle[0]) < SAME_POINT:
-        return 0j, ""
+        return 0j, "the centre of the rim"
     for label, hole in holes:
         if hole.radius:
             return hole.place, f"the centre of hole {label}"

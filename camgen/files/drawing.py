@@ -241,7 +241,7 @@ class _Layout:
         self._third()
         self._surface()
         self._run_out()
-        self._angle_datum()
+        self._hole_datums()
         self._labels()
         self._table()
         self._bore_detail()
@@ -457,11 +457,21 @@ class _Layout:
             aside = 1.2j if view.imag else complex(-2.8, -1.75)
             self.sheet.text(end + aside, self.letter, 3.5, "centre")
 
-    def _angle_datum(self) -> None:
-        """The datum of a track's angle: at the edge of its hole, where paper is free."""
-        hole = self.angle_hole
-        if hole is None:
-            return
+    def _hole_datums(self) -> None:
+        """Datums that are holes: that of a track's angle, and the one that others are placed from, unless a bore's detail has it."""
+        if self.angle_hole is not None:
+            self._hole_datum(self.angle_hole, self.angle_letter)
+        if self.placed and (self.bored is None or self._origin != self.datum_letter):
+            for hole in [hole for label, hole in self.named if label == self._origin][:1]:
+                self._hole_datum(hole, self._origin)
+
+    @property
+    def _origin(self) -> str:
+        """Letter of the datum from which holes are placed."""
+        return self.zero_is.partition("hole ")[2] or self.datum_letter
+
+    def _hole_datum(self, hole: Hole, letter: str) -> None:
+        """A datum at the edge of its hole, where paper is free."""
         import shapely
 
         ways = np.exp(0.25j * math.pi * np.arange(8))
@@ -472,7 +482,7 @@ class _Layout:
         obstacles.add(self.sheet.primitives)
         met = obstacles.crossed(boxes) + 100 * ~obstacles.free(boxes) + ~obstacles.off_axes(boxes)
         k = int(np.argmin(met))
-        datum(self.sheet, complex(tips[k]), complex(ways[k]), self.angle_letter)
+        datum(self.sheet, complex(tips[k]), complex(ways[k]), letter)
 
     def _labels(self) -> None:
         """Names of holes and of what stands on the part, where paper is free, some with leaders."""
@@ -893,10 +903,8 @@ class _Layout:
             self.sheet.text(complex(_FILING + 3, _MARGIN + 3 + 4.5 * i), line, 2.5, room=_NOTES)
         if self.placed:
             corner = complex(_FILING + 3.5, _MARGIN + 4 + 4.5 * len(self.notes))
-            origin = self.zero_is.partition("hole ")[2] or self.datum_letter
-            keyed_too = origin == self.datum_letter and self.key
-            datums = [
-                letter for letter in (origin, self.angle_letter if keyed_too else "") if letter
-            ]
+            keyed_too = self._origin == self.datum_letter and self.key
+            letters = (self._origin, self.angle_letter if keyed_too else "")
+            datums = [letter for letter in letters if letter]
             end = position(self.sheet, corner, self.facts.position, datums)
             self.sheet.text(end + 2 + 1.8j, "round holes; X and Y are exact", room=58)

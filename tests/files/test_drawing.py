@@ -552,6 +552,25 @@ def test_the_bore_of_a_metal_cam_is_its_datum_without_a_keyway_too(tmp_path):
     assert not [text for text in plain if text.startswith("Bore ")]
 
 
+def test_the_hole_from_which_others_are_placed_is_marked_as_their_datum(tmp_path):
+    """A groove's back plate: its bore has no detail, and the frame of the dowels' positions refers to it."""
+    pins = tuple(circle(cmath.rect(50, math.radians(45 + 90 * k)), 1.5) for k in range(4))
+    layer = Layer(Region(circle(0, 60), (circle(0, 5), *pins)), 0, 3)
+    part = Part("back", "Back plate", (layer,), bore=10.0)
+    layout = _Layout(part, "d", TOLERANCE, replace(SHOP, position=0.05, profile=0.0))
+    words = [
+        each for each in layout.sheet.primitives if isinstance(each, Text) and each.text == "A"
+    ]
+    assert (
+        len(words) == 4
+    )  # in the table, at the hole, in the frame of the position, in the datum's box
+    axis = layout.paper(0j)
+    assert sum(abs(each.at - axis) < layout.scale * 5 + 12 for each in words) == 2
+    free_of_it = _Layout(part, "d", TOLERANCE, replace(SHOP, position=0.0, profile=0.0))
+    plain = [each for each in free_of_it.sheet.primitives if isinstance(each, Text)]
+    assert [each.text for each in plain].count("A") == 2
+
+
 def test_the_rim_of_a_plate_without_a_bore_is_its_datum(tmp_path):
     """A groove's outer wall: track and pins refer to the rim, whose letter is that of no hole and stands under its diameter."""
     track = keyed_cam().layers[0].region.outer
@@ -566,6 +585,7 @@ def test_the_rim_of_a_plate_without_a_bore_is_its_datum(tmp_path):
     (size,) = (each.at for each in words if each.text == "Ø120")
     assert min(abs(at.real - size.real) + max(at.imag - size.imag, 0) for at in letters) < 2
     assert len(letters) == 3  # datum, frame of the profile, frame of the position
+    assert "X and Y from the centre of the rim" in {each.text for each in words}
     square = replace(
         layer, region=Region(polygon([-60 - 60j, 60 - 60j, 60 + 60j, -60 + 60j]), (track, *pins))
     )
