@@ -157,7 +157,8 @@ OTHERS = {
     "replace",
     "settled_tables",
     "limits_of",
-}  # what gives another machine, and some of its limits
+    "toml",
+}  # what gives another machine, some of its limits, and its spec
 
 
 def test_a_mechanism_answers_a_dozen_questions() -> None:

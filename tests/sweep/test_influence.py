@@ -204,7 +204,7 @@ def test_no_number_moves_a_check_that_is_exact() -> None:
 @pytest.mark.usefixtures("one_number")
 def test_explain_takes_a_spec_behind_the_codes(run: Any, tmp_path: Path) -> None:  # noqa: F811
     spec = tmp_path / "steep.toml"
-    spec.write_text(str(camgen.load(STEEP)), encoding="utf-8")
+    spec.write_text(camgen.load(STEEP).toml(), encoding="utf-8")
     code, out, _ = run("explain", "pressure-angle", str(spec))
     assert code == 0 and out.startswith(camgen.explain("PRESSURE_ANGLE"))
     assert out.rstrip("\n") == camgen.explain("PRESSURE_ANGLE", spec).rstrip("\n")
