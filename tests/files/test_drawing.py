@@ -658,7 +658,7 @@ def test_a_metal_drum_s_drawing_has_its_track_and_the_datum_of_its_angle(root, t
     texts = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, facts)[0])
     assert {"both walls, from floor to outside", "Ra 0.8", "B", "Ra 1.6"} <= set(texts)
     sizes = [each for each in layout.sheet.things if isinstance(each, Size)]
-    (width,) = (each.value for each in sizes if each.fit == " ±0.04")
+    (width,) = (each.value for each in sizes if each.fit == " +0.04/0")
     assert width == pytest.approx(10.2)
     assert "Track: d-developed.dxf, the cutter's path: d-path.csv" in " ".join(layout.notes)
     k = texts.index("60%%d")
