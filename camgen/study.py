@@ -187,6 +187,7 @@ class Step:
     what: str = ""  # the parts that come, for people
     small: bool = False  # whether all that come are spacers, caps or nuts
     follows: bool = False  # whether it is done in one go with the step before it
+    dry: bool = False  # whether what comes is held without glue, however tight it is
 
     @property
     def title(self) -> str:

@@ -636,7 +636,7 @@ def mated(
             there += [copy for copy in coming if copy not in there]
             bench = [] if step.group else bench
         mates = [mate if mate.label else _of_joint(mate, [*there, *coming]) for mate in mates]
-        if named & again:
+        if named & again or step.dry:
             mates = [replace(mate, how="free") for mate in mates]
         found.append(replace(step, copies=names, mates=mates))
     return found

@@ -617,7 +617,13 @@ def test_steps_of_a_drum_machine_say_where_the_shaft_stands_and_what_is_glued(
     changed = {f"parts.{key}": value for key, value in shape.items()}
     made = read_mechanism(path).replace(changed).assembly  # type: ignore[attr-defined]
     low = {name: min(m.z for m in made.mounts if m.part == name) for name in ("shaft", "bearing")}
-    titles = [step.title for step in order_of_assembly(made).steps]
+    steps = order_of_assembly(made).steps
+    titles = [step.title for step in steps]
+    glued = [step.title for step in steps if any(mate.how == "glue" for mate in step.mates)]
+    assert not [
+        title for title in glued if "no glue" in title
+    ]  # the picture says what the words say
+    assert [title for title in glued if "glue spacer-below" in title.lower()]
     (shaft,) = (title for title in titles if title.startswith("Stand the shaft"))
     assert f"out by {low['bearing'] - low['shaft']:.3g} mm below" in shaft
     assert f"its lower end {low['shaft']:g} mm over the table" in shaft

@@ -737,5 +737,6 @@ class Bench:
             z: object = round(mount.z, 3) if level and place not in (_ASIDE, _FIRST) else ""
             lies = ("turned over" if mount.flipped else "as drawn") if level else "on its side"
             rows.append((number, name, title, where, len(own), z, lies))
-            steps.append(Step([Doing(done.format(step=taken))], which))
+            dry = name == "spacer-above" or (number == taken and driver != "glue")
+            steps.append(Step([Doing(done.format(step=taken))], which, dry=dry))
         return Table("Assembly of the machine, from the lower plate up", COLUMNS, rows, steps)
