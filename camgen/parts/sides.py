@@ -270,7 +270,10 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, taker: str) -> Table:
         Doing("turn ", "the far side over", f" and lower it on the {on}"),
         Doing(f"{mirror.shaft} goes into {taker}; turn the far crank until the flat fits"),
         Doing("press and glue ", f"{taker} on {mirror.shaft} and the far second plate on the {on}"),
-        Doing("move all slowly through its whole motion: no joint may be stiff"),
+        Doing(
+            "glue goes into the crank's hole, none on the shaft: it turns in the far second plate"
+        ),
+        Doing("move everything slowly through its whole motion: no joint may be stiff"),
     ]
     joining = (last, Step(doings, apart=PREFIX))
     rows += [with_things(joining, coupled(near)), *further_rows(near)]
