@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 from camgen.parts.catalogue import Bought
 from camgen.parts.materials import STEEL
@@ -36,7 +36,12 @@ _BESIDE = "between your frame and your follower"
 
 @dataclass(frozen=True)
 class HelicalSpring:
-    """Wire, outside diameter and free length, mm; coils that give way; rate N/mm; no initial tension."""
+    """Wire, outside diameter and free length, mm; coils that give way; rate N/mm; no initial tension.
+
+    stretches: 1 where its force grows with its length, -1 where it grows as it is pressed together.
+    """
+
+    stretches: ClassVar[int]
 
     wire: float
     outside: float
@@ -51,7 +56,7 @@ class HelicalSpring:
 
     def force(self, length: Any) -> Any:
         """N at lengths, mm."""
-        raise NotImplementedError
+        return self.stretches * self.rate * (length - self.free)
 
     def stress(self, length: float) -> float:
         """Of the wire, N/mm^2."""
@@ -80,9 +85,7 @@ class HelicalSpring:
 class ExtensionSpring(HelicalSpring):
     """Its lengths are between the insides of its eyes."""
 
-    def force(self, length: Any) -> Any:
-        """N at lengths between the insides of its eyes, mm."""
-        return self.rate * (length - self.free)
+    stretches = 1
 
     def least_free(self, hook: float = 0.0) -> float:
         """Free length of its closed coils and two eyes, round or with hooks that are longer, mm."""
@@ -156,9 +159,7 @@ def pulling(
 class CompressionSpring(HelicalSpring):
     """With closed and ground ends."""
 
-    def force(self, length: Any) -> Any:
-        """N at lengths, mm."""
-        return self.rate * (self.free - length)
+    stretches = -1
 
     @property
     def inside(self) -> float:

@@ -22,29 +22,26 @@ from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, Region, circle, rectangle
 from camgen.machine.features import Mount
 from camgen.machine.model import GROUND
-from camgen.machines.cylinder_cam.pieces import SEAT, ring_mount
+from camgen.machines.cylinder_cam.pieces import ring_mount
 from camgen.machines.cylinder_cam.tables import DrumParts
 from camgen.machines.cylinder_cam.track import Track
 from camgen.numerics import Floats, Points
 from camgen.parts.catalogue import BEARINGS, DOWELS, Bearing, ball_roller
 from camgen.parts.part import Layer, Part, hull
 from camgen.parts.springs import EYE, WorkingSpring, compression_spring
-from camgen.parts.steps import COLUMNS, paper
-from camgen.study import Doing, Sketch, Step, Table, Upright
+from camgen.study import Sketch, Upright
 
-_CAM = "cam"
+CAM = "cam"
 _FOLLOWER = "follower"
 _AIR = 1.0  # between bodies that pass each other
-_END_PLAY = 0.1  # between a spacer and its bearing
+END_PLAY = 0.1  # between a spacer and its bearing
 _LIP = 1.5  # of a plate under its bearing
 PIN_SHARE = 0.4  # diameter of a roller's pin as a share of the roller's, at most
 _CAP = 2.0  # room of the cap that keeps an arm on its pin
 _KNOB = (12.0, 25.0)  # diameter and length
 _STUB = 5.0  # diameter, in the crank
-_FIRST = "on the table, its key up"
-_ASIDE = "on the table beside the machine; step {step} puts it in"
 _ROUND = 12  # points of a spring's wire for each coil
-_FOOT = 0.5  # of the shaft over the lower plate's underside
+FOOT = 0.5  # of the shaft over the lower plate's underside
 _OUT = 20.0  # of the shaft over the upper plate, where a motor turns it
 
 
@@ -197,7 +194,7 @@ class Bench:
         wound = self._wound
         if wound is None:
             return None
-        more = self._ceiling - self.carriage_top(self.track.program.extremes[1]) - wound.shortest
+        more = self.ceiling - self.carriage_top(self.track.program.extremes[1]) - wound.shortest
         longer = replace(wound.spring, free=wound.spring.free + more)
         return replace(
             wound,
@@ -209,7 +206,7 @@ class Bench:
         )
 
     @property
-    def _ceiling(self) -> float:
+    def ceiling(self) -> float:
         """Height of the upper plate's underside."""
         return self.top - self.plate_thickness
 
@@ -319,10 +316,10 @@ class Bench:
         """Drum, shaft, spacers, crank and knob."""
         s = self.sizes
         drum, *rings = self.drum
-        yield drum, [Mount(drum.name, _CAM, z=self.base)]
+        yield drum, [Mount(drum.name, CAM, z=self.base)]
         for ring in rings:
             yield ring, [ring_mount(ring, self.base + self.track.length)]
-        low = _FOOT
+        low = FOOT
         over = _AIR + s.thickness if self.cranked else _OUT
         length = self.top - low + over
         shape = "plain" if s.bore_shape == "keyway" else s.bore_shape
@@ -337,21 +334,21 @@ class Bench:
             ),
             process="bought",
         )
-        yield shaft, [Mount("shaft", _CAM, z=low)]
+        yield shaft, [Mount("shaft", CAM, z=low)]
         shoulder = circle(0j, self.bearing.shoulder / 2)
         bore = self._hole(0j, s.bore, self.fits.press)
         gaps = (
-            ("spacer-below", self.plate_thickness + _END_PLAY, self.base),
+            ("spacer-below", self.plate_thickness + END_PLAY, self.base),
             (
                 "spacer-above",
                 self.base + self.track.length,
-                self.top - self.plate_thickness - _END_PLAY,
+                self.top - self.plate_thickness - END_PLAY,
             ),
         )
         for name, under, upper in gaps:
             title = f"Spacer {name.removeprefix('spacer-')} the drum"
             layer = Layer(Region(shoulder, (bore,)), 0.0, upper - under)
-            yield Part(name, title, (layer,), centres=(0j,)), [Mount(name, _CAM, z=under)]
+            yield Part(name, title, (layer,), centres=(0j,)), [Mount(name, CAM, z=under)]
         if self.cranked:
             yield from self._crank()
 
@@ -371,7 +368,7 @@ class Bench:
         note = "glued on the shaft, the knob into its other hole"
         crank = Part("crank", "Hand crank", (layer,), centres=(0j, arm), notes=(note,))
         under = self.top + _AIR
-        yield crank, [Mount("crank", _CAM, z=under)]
+        yield crank, [Mount("crank", CAM, z=under)]
         wide, tall = _KNOB
         layers = (
             Layer(Region(circle(0j, wide / 2)), 0.0, tall),
@@ -379,7 +376,7 @@ class Bench:
         )
         yield (
             Part("knob", "Knob of the crank", layers, centres=(0j,)),
-            [Mount("knob", _CAM, arm, 0.0, True, under)],
+            [Mount("knob", CAM, arm, 0.0, True, under)],
         )
 
     def _block(self, name: str, title: str, pins: Mapping[complex, float], fit: float) -> Part:
@@ -431,7 +428,7 @@ class Bench:
                 )
             ],
         )
-        cap = self.arm_face - _END_PLAY
+        cap = self.arm_face - END_PLAY
         inner = self.track.radius + _AIR
         length = self.block_face + self.block_depth - inner
         yield (
@@ -505,49 +502,30 @@ class Bench:
         collar = (
             self.pin / 2 + (roller.radius - self.pin / 2) / 2
         )  # keeps it off what holds the pin
-        gap = face - _END_PLAY - outer
+        gap = face - END_PLAY - outer
         layers = (
             Layer(Region(circle(0j, collar), (hole,)), 0.0, gap),
             Layer(Region(circle(0j, roller.radius), (hole,)), gap, gap + roller.length),
         )
         part = Part("roller", "Roller", layers, centres=(0j,), drawn_layer=1)
-        yield part, [Mount("roller", _FOLLOWER, at, z=_END_PLAY - face) for at in places]
+        yield part, [Mount("roller", _FOLLOWER, at, z=END_PLAY - face) for at in places]
 
     # ---- springs ----------------------------------------------------------------------------------------------------
 
     @property
-    def _springs_places(self) -> list[str]:
-        """Where both go; nothing without them."""
-        if self.spring is None:
-            return []
-        free = self.spring.spring.free
-        return [
-            f"round {rod}, down on the carriage, {free:.4g} mm long as it is"
-            for rod in ("a front rod", "the other front rod")
-        ]
-
-    @property
-    def _pressed(self) -> str:
-        """How the upper plate is put on against both springs."""
-        assert self.spring is not None, "nothing presses the carriage"
-        length = self._ceiling - self._rest
-        force = 2 * self.spring.spring.force(length)
-        return f"it presses both springs to {length:.4g} mm with {force:.3g} N: hold it until the glue holds"
-
-    @property
-    def _rest(self) -> float:
+    def carriage_rest(self) -> float:
         """Height of the carriage's upper side at cam angle 0."""
         return self.carriage_top(float(self.track.program(np.zeros(1))[0]))
 
-    def _wires(self) -> list[Floats]:
+    def wires(self) -> list[Floats]:
         """Line of either spring's wire at cam angle 0, (n, 3) mm: round its rod, its ends closed; nothing without them."""
         if self.spring is None:
             return []
         spring = self.spring.spring
-        low = self._rest
+        low = self.carriage_rest
         turn = np.linspace(0, spring.coils + 2, _ROUND * math.ceil(spring.coils + 2) + 1)
         half = spring.wire / 2
-        ends = [half, 3 * half, self._ceiling - low - 3 * half, self._ceiling - low - half]
+        ends = [half, 3 * half, self.ceiling - low - 3 * half, self.ceiling - low - half]
         z = low + np.interp(turn, [0, 1, spring.coils + 1, spring.coils + 2], ends)
         round_ = spring.mean / 2 * np.exp(2j * math.pi * turn)
         return [
@@ -556,15 +534,15 @@ class Bench:
 
     def sketches(self) -> list[Sketch]:
         """Springs as the report shows them: their wire round each rod, in a plane that stands."""
-        wires = self._wires()
+        wires = self.wires()
         if not wires:
             return []
-        low = self._rest
+        low = self.carriage_rest
         start = float(self.track.program(np.zeros(1))[0])
 
         def course(wire: Floats, theta: Floats) -> Points:
-            pressed = (self.track.program(theta) - start) / (self._ceiling - low)
-            z = wire[:, 2] + pressed[:, None] * (self._ceiling - wire[:, 2])
+            pressed = (self.track.program(theta) - start) / (self.ceiling - low)
+            z = wire[:, 2] + pressed[:, None] * (self.ceiling - wire[:, 2])
             return np.asarray(-wire[:, 1] + 1j * z)
 
         return [
@@ -576,167 +554,3 @@ class Bench:
             )
             for k, (rod, wire) in enumerate(zip(self.rods[:2], wires, strict=True), 1)
         ]
-
-    # ---- steps ------------------------------------------------------------------------------------------------------
-
-    def steps(self) -> Table:
-        """In which order it goes together."""
-        swings = self.track.swings
-        held = "arm" if swings else "carriage"
-        copies = {
-            part.name: [f"{part.name}-{k + 1}" for k in range(len(m))] for part, m in self.made
-        }
-        track = "on the drum's end" if self.track.geometry.track == "end" else "in the track"
-        on_rods = "bracket" if swings else "bores of the carriage"
-        into = f"the roller {track} and the {on_rods} on the two front rods"
-        pressing = f"; {self._pressed}" if self.spring is not None else ""
-        rings = [part.name for part in self.drum[1:]]
-        rods = len(copies["rod"])
-        pins = len(copies["roller-pin"])
-        end = "bracket" if swings else held
-        below = self.plate_thickness - self.bearing.width - _FOOT
-        driver = {"plain": "glue", "d-flat": "flat", "keyway": "key"}[self.sizes.bore_shape]
-        fixed = "glue in its bore" if driver == "glue" else f"no glue, the {driver} drives it"
-        # part, where, what is done, copies
-        said: list[tuple[str, str, str, list[str]]] = [
-            *(("drum", _FIRST, f"lay the drum {_FIRST}", copies["drum"]) for _ in rings),
-            *(
-                (
-                    ring,
-                    SEAT,
-                    f"glue the ring on the drum, {SEAT.removesuffix(', glued')}",
-                    copies[ring],
-                )
-                for ring in rings
-            ),
-            (
-                "end-plate",
-                "seat up",
-                "lay the lower end plate on the table, its seat up",
-                ["end-plate-1"],
-            ),
-            (
-                "bearing",
-                "pressed into the seat",
-                "press a ball bearing into its seat, without glue",
-                ["bearing-1"],
-            ),
-            (
-                "rod",
-                "glued into the plate, flush below",
-                f"glue {rods} × rod upright into the lower end plate, flush with its underside",
-                copies["rod"],
-            ),
-            (held, _ASIDE, f"lay the {held} {_ASIDE}", copies[held]),
-            (
-                "roller-pin",
-                f"glued into the {held}, flush outside",
-                f"glue {f'{pins} × roller-pin' if pins > 1 else 'roller-pin'} into the {held}, flush with its outer side",
-                copies["roller-pin"],
-            ),
-            (
-                "roller",
-                "on its pin, its inner end a little over the pin's",
-                f"put {'a roller on each pin' if pins > 1 else 'the roller on its pin'}: its inner end stands a little over the pin's",
-                copies["roller"],
-            ),
-        ]
-        if swings:
-            said += [
-                ("bracket", _ASIDE, f"lay the bracket {_ASIDE}", copies["bracket"]),
-                (
-                    "pivot",
-                    "glued into the bracket, flush outside",
-                    "glue the pivot into the bracket, flush with its outer side",
-                    copies["pivot"],
-                ),
-                ("arm", "on its pin", "put the arm on the pivot, no glue", copies["arm"]),
-                (
-                    "cap",
-                    "glued on the pin, the arm free",
-                    "glue the cap on the pivot; the arm must turn freely",
-                    copies["cap"],
-                ),
-            ]
-        said += [
-            (
-                "shaft",
-                "upright in the bearing",
-                f"stand the shaft upright in the bearing: it stands out by {below:.3g} mm below that, its lower end {_FOOT:g} mm over the table; put a strip that thick under it",
-                copies["shaft"],
-            ),
-            (
-                "spacer-below",
-                "glued on the shaft over the bearing",
-                f"glue spacer-below on the shaft, {_END_PLAY:g} mm over the bearing{paper(_END_PLAY)}",
-                copies["spacer-below"],
-            ),
-            (
-                "drum",
-                f"lowered over the shaft together with the {held}, {into}",
-                f"lower the drum over the shaft ({fixed}), down on spacer-below, together with the {end}: both at once, {into}",
-                [
-                    *(name for part in self.drum for name in copies[part.name]),
-                    *copies[end],
-                ],
-            ),
-            *(
-                ("spring", where, f"put a compression spring {where}", [])
-                for where in self._springs_places
-            ),
-            (
-                "spacer-above",
-                "on the shaft",
-                "put spacer-above on the shaft, down on the drum, no glue",
-                copies["spacer-above"],
-            ),
-            (
-                "bearing",
-                "on the shaft",
-                "put the other ball bearing on the shaft, no glue",
-                ["bearing-2"],
-            ),
-            (
-                "end-plate",
-                f"seat down, over bearing and rods at once, glued on the rods, flush above{pressing}",
-                f"lower the upper end plate, seat down, over the bearing and all {rods} rods at once; glue it on the rods, flush above{pressing}",
-                ["end-plate-2"],
-            ),
-        ]
-        if self.cranked:
-            said += [
-                (
-                    "crank",
-                    "glued on the shaft",
-                    "glue the hand crank on the shaft",
-                    copies["crank"],
-                ),
-                ("knob", "glued into the crank", "glue the knob into the crank", copies["knob"]),
-            ]
-        titles = {part.name: part.title for part, _ in self.made} | {"spring": "Compression spring"}
-        wires = iter(self._wires())
-        mounts = {
-            copy: mount
-            for part, m in self.made
-            for copy, mount in zip(copies[part.name], m, strict=True)
-        }
-        taken = max(k for k, (name, *_) in enumerate(said, 1) if name == "drum")
-        rows: list[tuple[object, ...]] = []
-        steps = []
-        for number, (name, place, done, which) in enumerate(said, 1):
-            where = place.format(step=taken)
-            title = titles[name]
-            if name == "spring":
-                low = round(self._rest, 3)
-                rows.append((number, "compression spring", title, where, 1, low, "upright"))
-                steps.append(Step([Doing(done)], wire=next(wires)))
-                continue
-            own = [copy for copy in which if copy in copies[name]]
-            mount = mounts[own[0]]
-            level = mount.body in (GROUND, _CAM) and not mount.upright
-            z: object = round(mount.z, 3) if level and place not in (_ASIDE, _FIRST) else ""
-            lies = ("turned over" if mount.flipped else "as drawn") if level else "on its side"
-            rows.append((number, name, title, where, len(own), z, lies))
-            dry = name == "spacer-above" or (number == taken and driver != "glue")
-            steps.append(Step([Doing(done.format(step=taken))], which, dry=dry))
-        return Table("Assembly of the machine, from the lower plate up", COLUMNS, rows, steps)

@@ -48,6 +48,7 @@ from camgen.machines.cylinder_cam.bench import (
     roller_pin,
     shaft_bearing,
 )
+from camgen.machines.cylinder_cam.bench_steps import BenchSteps
 from camgen.machines.cylinder_cam.pieces import DRUM, Pieces, ring_mount
 from camgen.machines.cylinder_cam.tables import DrumGeometry, DrumLimits, DrumParts
 from camgen.machines.cylinder_cam.track import Track, smallest
@@ -431,7 +432,7 @@ class CylinderCam(Mechanism):
                 self._assembly(bench.parts, bench.mounts),
                 planes={_FOLLOWER: bench.plane},
                 touching=bench.touching,
-                work=Later(lambda: [bench.steps()]),
+                work=Later(lambda: [BenchSteps(bench).table()]),
                 springs={} if bench.spring is None else {bench.spring.name: bench.spring},
             )
         output = self.model.outputs[0].name
