@@ -233,6 +233,12 @@ def _same(a: Ring, b: Ring) -> bool:
     return bool(np.allclose(first, second, rtol=1e-9, atol=1e-6))
 
 
+def _repeated(ring: Ring, earlier: Sequence[Ring], name: str) -> Iterator[DrawingFault]:
+    """A fault where a ring is the same as an earlier one: it would be cut twice."""
+    if any(_same(ring, other) for other in earlier):
+        yield DrawingFault("duplicate", 1, f"{name} repeats an earlier contour")
+
+
 def read_part(path: Path, name: str) -> Drawing:
     """The drawing of a part; the file does not name it."""
     return read_dxf(path, engraving=True, any_curves=True)
@@ -287,26 +293,17 @@ def read_dxf(path: str | Path, engraving: bool = False, any_curves: bool = False
             ring, ring_faults = _ring_of(entity) if spline is None else (spline, [])
             faults += ring_faults
             if ring is not None:
-                if any(_same(ring, other) for other in rings):
-                    faults.append(
-                        DrawingFault(
-                            "duplicate", 1, f"#{entity.dxf.handle} repeats an earlier contour"
-                        )
-                    )
+                faults += _repeated(ring, rings, f"#{entity.dxf.handle}")
                 (rings if layer == CUT_LAYER else engraved).append(ring)
         faults += _looks(entity)
     for layer, pieces in edges.items():
         closed, gaps = rings_of_edges(path, pieces)
         for ring in closed:
-            if any(_same(ring, other) for other in rings):
-                faults.append(DrawingFault("duplicate", 1, "lines and arcs repeat a contour"))
+            faults += _repeated(ring, rings, "a ring of lines and arcs")
             (rings if layer == CUT_LAYER else engraved).append(ring)
-        faults += [
-            DrawingFault(
-                "open", gap, f"lines and arcs on {layer} are open, with a gap of {gap:.6g} mm"
-            )
-            for gap in gaps
-        ]
+        for gap in gaps:
+            message = f"lines and arcs on {layer} are open, with a gap of {gap:.6g} mm"
+            faults.append(DrawingFault("open", gap, message))
     units = drawing.header.get("$INSUNITS")
     ends = np.array(marks, complex).reshape(-1, 2)
     layers = {
