@@ -257,14 +257,13 @@ def judge_cams(
         name = "" if len(first) == 1 else cam
         (unit, scale) = s_unit(joint)
         right = dict[str, bool]()
-        for outline in outlines:
+        # of a copy that is turned over the play tells
+        for outline in (each for each in outlines if each.feature.copy == 0):
             part = outline.feature.part
             driven = first | {cam: outline}
             file = named(where, {part})
             drives = outline is first[cam]
             followed = FollowerOnOutline(joint, outline, file, off)
-            if part in right:  # one that is turned over: the play tells
-                continue
             if not drives:
                 findings.append(motion(driven, False, file))
             right[part] = sound if drives else findings[-1].ok

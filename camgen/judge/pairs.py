@@ -740,7 +740,7 @@ def _touch(pair: OutlinePair, theta: Floats, phi: Floats, pairs: Ints) -> Touch:
     slope = np.real(np.conj(normal) * driver) / push
     # the driver pushes against the normal
     pressure = np.angle(-normal * np.conj(driven) * np.sign(-push))
-    none = (pairs[:, 0] < 0) | np.isnan(phi)
+    none = np.isnan(phi)
     return Touch(
         np.where(none, np.nan, point),
         np.where(none, np.nan, normal),

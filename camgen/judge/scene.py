@@ -91,7 +91,7 @@ def judge_scene(
         (*_off(course, transform, flights[copy], seconds), copy)
         for copy, _, course, transform in copies
     ]
-    off, limit, copy = max(rows, key=lambda row: row[0] / row[1], default=(0.0, 0.0, ""))
+    off, limit, copy = max(rows, key=lambda row: row[0] / row[1])
     remark = f"{counted(len(rows), 'copy', 'copies')} in place throughout the animation"
     return at_most("ROUND_TRIP", off, limit, "mm", replace(in_file(path), part=copy), remark)
 

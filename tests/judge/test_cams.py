@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import pytest
 
 from camgen import tolerances
-from camgen.findings import Where, at_most
+from camgen.findings import Finding, Where, at_most
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.cams import (
     FollowerOnOutline,
     _overlap,
     _own_tip,
     _tips,
+    judge_cams,
     judged_angles,
     limit,
     named,
@@ -25,6 +27,7 @@ from camgen.judge.contact import contact
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, Form, SlideTip
 from camgen.judge.joints import Outline, RollingLaw
+from camgen.judge.measured import Files
 from camgen.machine import GROUND, Body, Cam, Drive, Machine, Pin, Place, Pose, Slide
 from camgen.machine.features import CamOutline, Eye, Flat, Mount, NominalCam, OwnTip
 from camgen.machine.model import Floats
@@ -111,6 +114,33 @@ def test_play_between_two_outlines_is_the_gap_between_them(gap: float) -> None:
     assert finding.limit == pytest.approx(
         2 * OFF * (1 + tolerances.BOUND_SPARE)
     ) and finding.ok is (gap > 0)
+
+
+def test_of_a_copy_that_is_turned_over_the_play_is_judged_alone() -> None:
+    """The second of three outlines, on the first one's part; the motion is judged on the third."""
+    bodies = Body("cam"), Body("follower")
+    joints = (
+        Pin("O", Place(GROUND), Place("cam")),
+        Slide("stem", Place(GROUND), Place("follower")),
+        CAM,
+    )
+    starts = dict.fromkeys(("cam", "follower"), Pose(0j, 0.0))
+    machine = Machine(bodies, joints, (Drive("motor", "cam"),), starts)
+    ring = disc(4 + 0j, 16.0)
+    first = outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), ring)
+    copy = outline("cam", SlideFace(-16.1 + 0j, 1 + 0j, -1), ring, copy=1)
+    other = outline("return", SlideFace(-16.2 + 0j, 1 + 0j, -1), ring)
+    moved = []
+
+    def motion(driven: Mapping[str, Outline], own: bool, where: Where) -> Finding:
+        moved.append(driven["lift"])
+        return at_most("MOTION_ERROR", 0.0, 1.0, "mm", where, "")
+
+    files = Files("DXF", Where(file="x-*.dxf"), {})
+    verdict = judge_cams(files, machine, {"lift": [first, copy, other]}, OFF, True, motion)
+    assert moved == [other] and verdict.sound
+    lash = [each.value for each in verdict.figures if each.quantity == "lash {of}"]
+    assert lash == pytest.approx([0.1, 0.2], abs=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -131,6 +131,16 @@ def test_the_bore_of_what_turns_lies_where_the_motion_says(bore: float | None, o
     assert finding.measured == pytest.approx(off, abs=1e-3)
 
 
+def test_a_hole_beside_the_bore_is_none() -> None:
+    """Its middle is 4 mm from the axle, farther than the bore's rim at 2.5 mm: moved with the bore it is off all the same."""
+    beside = (4j, 2.0)
+    wide = Shape(PLATE.outer, (*PLATE.holes, hole(*beside)))
+    for by in (0.0, 0.4):
+        rings = [*moved(0j, 0j, 0.4 + 0j), hole(beside[0] + by, beside[1])]
+        finding = judged(expected(wide, bore=5.0), rings)["ROUND_TRIP"]
+        assert finding.measured == pytest.approx(by, abs=1e-3)
+
+
 def test_a_bore_is_as_far_off_at_all_heights() -> None:
     """Two heights whose bores do not lie over each other: of the second the error is what it is off the first."""
     rim, others = contour(list(PLATE.outer.points)), (circle(-15, 2), circle(15, 3))
