@@ -58,6 +58,10 @@ Role = Literal[
 GLUED_BELOW = "glued under the plate"  # as a holding note begins
 
 
+class SizeNote(str):
+    """A note that says of what stock a part is cut, and how long."""
+
+
 class HoldingNote(str):
     """A note that says how a part is held, or which way it lies; the steps of assembly have it too."""
 

@@ -30,7 +30,8 @@ from camgen.parts.assembly import (
     with_things,
 )
 from camgen.parts.catalogue import Bought
-from camgen.parts.part import Layer, Part
+from camgen.parts.generator.sizes import Parts
+from camgen.parts.part import Layer, Part, SizeNote
 from camgen.parts.standing import standing_copies
 from camgen.study import Doing, Later, Step, Table
 
@@ -45,7 +46,12 @@ class Mirror:
     height: float  # over the near side's underside, mm
     shaft: str  # the part
     phase: float  # how far the far side is ahead, rad
-    gap: float = 0.0  # between the second plates of both sides, mm
+    sizes: Parts  # of both sides
+
+    @property
+    def gap(self) -> float:
+        """Between the second plates of both sides, mm."""
+        return self.sizes.side_gap
 
     def mount(self, part: Part, mount: Mount) -> Mount:
         """Where the image of a copy stands."""
@@ -73,8 +79,14 @@ class Mirror:
             Layer(region, 0.0, middle),
             Layer(turned, middle, round(middle + lengths[1], 9)),
         )
-        said = f"its upper flat is turned by {math.degrees(self.phase):.4g} deg"
-        return replace(part, title="Shaft of both sides", layers=layers, notes=(*part.notes, said))
+        turn = f"{math.degrees(self.phase):.4g} deg"
+        rod = self.sizes.rod(
+            layers[1].z1, f"on its lower {middle:g}, on the rest one turned from it by {turn}"
+        )
+        notes = [note for note in part.notes if not isinstance(note, SizeNote)]
+        if not rod:
+            notes.append(f"its upper flat is turned by {turn}")
+        return replace(part, title="Shaft of both sides", layers=layers, notes=(*rod, *notes))
 
 
 def _turns_over(part: Part) -> bool:

@@ -94,7 +94,11 @@ def test_turned_pins_are_of_steel_and_off_the_plates() -> None:
     shapes = [[part.layers for part in each.assembly.parts] for each in (printed, turned)]
     assert shapes[0] == shapes[1]
     made = {part.name: part.process for part in turned.assembly.parts}
-    assert {name for name, how in made.items() if how != "printed"} == {"pin-1", "dowel"}
+    assert {name for name, how in made.items() if how != "printed"} == {
+        "pin-1",
+        "dowel",
+        "shaft",
+    }
     limits = [
         {
             f.limit

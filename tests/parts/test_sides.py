@@ -6,6 +6,7 @@ import csv
 import math
 import shutil
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +29,7 @@ from camgen.judge.floor import judge_floor
 from camgen.machines.linkage.assembling import mirror
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.parts.assembly import bodies_in_motion, order_of_assembly
-from camgen.parts.sides import Mirror, both_sides
+from camgen.parts.sides import both_sides
 from camgen.parts.solids import solid
 from camgen.pipeline.build import build
 from camgen.pipeline.making import assembly_copies
@@ -229,13 +230,49 @@ def test_both_sides_are_made_of_any_two(machine: Linkage) -> None:
     other = machine._made_of(*machine._far)
     between = mirror(machine.bodies.layout)
     whole, higher = (
-        both_sides(near, other, Mirror(between.height + up, between.shaft, 0.0), machine.model)
+        both_sides(
+            near, other, replace(between, height=between.height + up, phase=0.0), machine.model
+        )
         for up in (0.0, 7.0)
     )
     rises = [b.z - a.z for a, b in zip(whole.mounts, higher.mounts, strict=True)]
     assert rises == pytest.approx(
         [0.0] * len(near.mounts) + [14.0] * (len(rises) - len(near.mounts))
     )
+
+
+@pytest.mark.parametrize(
+    ("pin", "made", "asked"),
+    [
+        ("dowel", "turned of steel", {}),
+        ("turned", "turned of steel", {}),
+        ("printed", "printed", {}),
+        ("dowel", "printed", {"shaft_made": "printed"}),
+    ],
+)
+def test_shafts_and_crank_pins_are_of_steel_beside_pins_of_steel(
+    pin: str, made: str, asked: Mapping[str, str]
+) -> None:
+    """A printed rod of 4 mm, as long as both sides are thick, is no shaft; what is asked for is made."""
+    sizes = {"pin": pin, "pin_diameter": 4, "shaft_diameter": 4}
+    parts = walker({**sizes, **asked}).assembly.parts
+    rods = [part for part in parts if part.role in ("shaft", "crank-pin")]
+    assert {part.role for part in rods} == {"shaft", "crank-pin"}
+    assert {part.process for part in rods} == {made}
+
+
+def test_the_rod_of_both_sides_is_as_long_as_the_shaft_that_is_cut_of_it() -> None:
+    """Its length is that of the solid; the flat of each side ends where the other one begins."""
+    machine = walker({"shaft_made": "steel"})
+    part = next(p for p in machine.assembly.parts if p.title == "Shaft of both sides")
+    size, held = part.notes
+    lower, upper = part.layers
+    assert upper.z1 == part.thickness > 2 * machine.making.base_thickness
+    assert size == (
+        f"rod 6 h9 x {part.thickness:g}, a flat 0.8 deep on its lower {lower.z1:g}, "
+        "on the rest one turned from it by 90 deg"
+    )
+    assert "glued" in held
 
 
 def test_a_sole_is_round_about_the_foot() -> None:

@@ -102,6 +102,5 @@ def mirror(near: Layout) -> Mirror:
             f"link {near.driven}",
             'set parts.shaft = "interrupted": its upper end goes on into the far side',
         )
-    gap = near.sizes.side_gap
     phase = math.radians(near.sizes.side_phase_deg)
-    return Mirror(end.top + gap / 2, end.shaft, phase, gap)
+    return Mirror(end.top + near.sizes.side_gap / 2, end.shaft, phase, near.sizes)

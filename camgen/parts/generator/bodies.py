@@ -460,13 +460,12 @@ class Bodies:
             f"x {below + top:g}",
         )
         flat = f", a flat {s.shaft_flat:g} deep" if s.shaft_flat else ""
-        sized = [f"rod {size[0]} h9 {size[1]}{flat} all along"] if s.shaft_made == "steel" else []
         part = Part(
             name,
             title,
             (layer,),
             centres=(0j,),
-            notes=(*sized, said),
+            notes=(*s.rod(below + top, "all along"), said),
             process=s.shafts_made,
             role="shaft",
         )

@@ -24,6 +24,7 @@ from camgen.parts.catalogue import (
     in_bar,
     in_sleeve,
 )
+from camgen.parts.part import SizeNote
 from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Coordinate, Distance, Length, Record, quantity, text_of_form, unknown
 
@@ -118,6 +119,7 @@ class Shape(Record):
 
 
 PinKind = Literal["printed", "turned", "dowel", "shoulder", "bearing"]
+_STEEL_PINS = ("turned", "dowel", "shoulder")
 
 
 class Can(Record):
@@ -247,7 +249,7 @@ class Parts(Record):
     shaft_made: Literal["printed", "steel"] = Field(
         default="printed",
         description='"printed"; or "steel": turned, with the flat; so are the crank pins of an '
-        "interrupted shaft",
+        "interrupted shaft;\nunless given as pin: of steel beside pins of steel",
     )
     shaft_length: Length = Field(default=15.0, description="length of the shaft below the plate")
     motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23", "28byj-48"] = (
@@ -307,16 +309,19 @@ class Parts(Record):
 
     @model_validator(mode="before")
     @classmethod
-    def _of_motor(cls, data: Any) -> Any:
-        """The shaft is the motor's, where nothing else is said."""
-        face = MOTOR_FACES.get(str(data.get("motor"))) if isinstance(data, Mapping) else None
-        if face is None:
+    def _of_other_keys(cls, data: Any) -> Any:
+        """The shaft is the motor's, and of steel where pins are, where nothing else is said."""
+        if not isinstance(data, Mapping):
             return data
-        return {
-            "shaft_diameter": face.shaft,
-            **({"shaft_flat": face.flat} if face.flat else {}),
-            **data,
-        }
+        decided: dict[str, Any] = {}
+        face = MOTOR_FACES.get(str(data.get("motor")))
+        if face is not None:
+            decided["shaft_diameter"] = face.shaft
+            if face.flat:
+                decided["shaft_flat"] = face.flat
+        if data.get("pin") in _STEEL_PINS:
+            decided["shaft_made"] = "steel"
+        return {**decided, **data}
 
     @property
     def driven_by_shaft(self) -> Parts:
@@ -349,6 +354,16 @@ class Parts(Record):
     def shafts_made(self) -> str:
         """How shafts are made, for the parts list."""
         return TURNED if self.shaft_made == "steel" else "printed"
+
+    def rod(self, length: float, flat: str) -> tuple[str, ...]:
+        """Of what a shaft of steel is cut, for the parts list; nothing of one that is printed.
+
+        length: of it, mm; flat: where on it the flat is.
+        """
+        if self.shaft_made == "printed":
+            return ()
+        flattened = f", a flat {self.shaft_flat:g} deep {flat}" if self.shaft_flat else ""
+        return (SizeNote(f"rod {self.shaft_diameter:g} h9 x {length:g}{flattened}"),)
 
     @property
     def of_sheet(self) -> bool:

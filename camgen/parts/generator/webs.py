@@ -15,6 +15,7 @@ from itertools import pairwise
 from camgen.errors import Fault
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
+from camgen.parts.catalogue import TURNED
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.part import Layer, Part, d_bore
 
@@ -105,6 +106,12 @@ def keyed_pin(
     low, high = ends
     radius, height = head
     top = low + between
+    sized = [f"rod {diameter:g} h9 x {top + high:g}, a flat {flat:.3g} deep at either end"]
+    if not high:
+        sized = [
+            f"rod {diameter:g} h9 x {top:g} under a head {2 * radius:g} x {height:g}, "
+            f"a flat {flat:.3g} deep at its lower end"
+        ]
     end = Layer(Region(keyed), top, top + high)
     if not high:
         end = Layer(Region(circle(0j, radius)), top, top + height)
@@ -114,7 +121,10 @@ def keyed_pin(
         "Crank pin",
         (Layer(Region(keyed), 0.0, low), round_, end),
         centres=(0j,),
-        notes=("its flats turn the webs: pressed and glued in",),
+        notes=(
+            *(sized if made == TURNED else ()),
+            "its flats turn the webs: pressed and glued in",
+        ),
         drawn_layer=1,
         process=made,
         role="crank-pin",
