@@ -440,13 +440,13 @@ class Drawing(Record):
     )
     edges: Annotated[str, said(60)] | None = Field(
         default=None,
-        description='state of edges, such as "broken 0.2 to 0.4, ISO 13715"; left out: in metal broken 0.2 to '
-        "0.4, else not shown",
+        description='state of edges, such as "broken 0.2 to 0.4, ISO 13715"; left out: that in metal, else '
+        "not shown",
     )
     heat_treatment: Annotated[str, said(60)] | None = Field(
         default=None,
         description='heat treatment, such as "case hardened 60+4 HRC, CHD 0.8+0.4"; left out: that with which '
-        "the material bears its pressure, if any",
+        "the material bears its pressure, if any; of 16MnCr5 where a follower runs",
     )
     revision: Annotated[str, said(8)] | None = Field(
         default=None, description="revision of the drawings, in the title block"

@@ -1,8 +1,9 @@
 """The dimensioned drawing of a part: laid out once as a sheet, written as DXF and as PDF.
 
 Views in first-angle projection: the part as its layers lie, seen along z; to its right seen from the left, bores dashed;
-below it seen along y a part that is crossed with a second outline, or a section of one whose layers differ; one through a
-keyway takes the place of the view from the left. Overall sizes, a table of holes with their fits and of the corners and
+below it seen along y a part that is crossed with a second outline, or a section of one whose layers differ; one through the
+bore of a plate, or through a keyway, takes the place of the view from the left. Of a plate's through holes none is dashed: a note
+says that they go through. Overall sizes, a table of holes with their fits and of the corners and
 roundings of every outline, notes and a title block. An outline that is no chain of lines and arcs, a cam's, is in the part's
 own file; it gets its least and greatest radius, a table of radii, and its overall sizes in parentheses.
 Nothing here knows a mechanism.
@@ -84,6 +85,8 @@ _ABOVE = 24.0
 _BESIDE = 12.0
 _DIMENSION_GAP = 24.0
 _ASIDE = 0.6  # rad, of a leader from the lines of overall sizes
+_LETTERS = 2  # of a hole's name that is a datum's
+_RIM = "h7"  # fit of a rim that is a datum
 _FACE = 0.7  # of the radius of a drum's lower end: where its datum is in the view from the left
 _RUN_OUT = 10.0  # more to the right of a drum's plan view, for the run-out of that end
 _HATCH = 2.5  # mm of paper between the lines of a cut face
@@ -187,9 +190,11 @@ class _Layout:
         self.bored = self._bored()
         drum = part.drum if facts.heights else None
         self.turns = (free(part.region.outer) or drum is not None) and part.bore is not None
-        self.chamfer = facts.bore_chamfer if self.turns else 0.0
+        self.chamfer = facts.bore_chamfer if self.turns or self.bored else 0.0
         layered = len({layer.region for layer in part.layers}) > 1
-        across = facts.groove is not None or (self.key and layered and not drum)
+        across = facts.groove is not None or (self.bored and not drum and (self.key or not layered))
+        several = len(part.region.holes) - len(self.tracks) > 1
+        self.plate = several and not layered and part.side_profile is None
         upright = _across_bore(part, tolerance) if across else None
         section = None if upright or drum else views.section(part, tolerance)
         self.upright = self._chamfered(upright)
@@ -205,11 +210,15 @@ class _Layout:
         surface = (self.polar or facts.levels) and (facts.profile or facts.roughness)
         self.over = _ABOVE + (_SURFACE if surface else 0.0)
         self.angle_letter = ""
+        self.datum_letter = ""
         self.datum_letter = next(
-            (label for label, hole in self.named if hole.radius and abs(hole.place) < SAME_POINT),
+            (
+                self._letter_of(label)
+                for label, hole in self.named
+                if hole.radius and abs(hole.place) < SAME_POINT
+            ),
             "",
         )
-        self.notes = self._notes(tolerance)
         self.low, self.high = extent([self.outer, *self.above, *self.hidden])
         self.disc = self._disc()
         self.rim_letter = self._rim_letter()
@@ -219,6 +228,8 @@ class _Layout:
         angled = self.facts.profile and (self.key or self.angle_hole or flat)
         self.angle_letter = self._second if angled else ""
         self.face_letter = self._second if drum and facts.profile else ""
+        self.origin = self._origin()
+        self.notes = self._notes(tolerance)
         self.letter = next(
             (c for c in "S Z W V U T R Q".split() if c not in {label for label, _ in self.named}),
             "S-S",
@@ -270,9 +281,9 @@ class _Layout:
         return replace(section, faces=faces, beyond=beyond)
 
     def _bored(self) -> Contour | None:
-        """The bore that gets a detail: one with a keyway, or a round one to which a cam's track refers."""
+        """The bore that gets a detail: one with a keyway, or a round one to which a cam's track refers or the dowels that carry one."""
         holes = self.part.region.holes
-        tracked = free(self.part.region.outer) or self.facts.heights
+        tracked = free(self.part.region.outer) or self.facts.heights or self.facts.dowel
         datum = self.facts.profile and self.part.bore and tracked
         circles = [(hole, round_of(hole)) for hole in holes] if datum else []
         round_ones = [hole for hole, disc in circles if disc and abs(disc[0]) < SAME_POINT]
@@ -423,8 +434,10 @@ class _Layout:
             for size in (span.real, span.imag)
         )
         wide, tall = signs
+        rim = self.rim_letter and self.facts.profile and not self.facts.levels
+        fit = in_limits(_RIM, span.real) if rim else ""
         self._dimension(
-            low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, Measure(span.real, wide)
+            low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, Measure(span.real, wide, fit)
         )
         if self.rim_letter:
             plate = self.facts.levels
@@ -461,14 +474,18 @@ class _Layout:
         """Datums that are holes: that of a track's angle, and the one that others are placed from, unless a bore's detail has it."""
         if self.angle_hole is not None:
             self._hole_datum(self.angle_hole, self.angle_letter)
-        if self.placed and (self.bored is None or self._origin != self.datum_letter):
-            for hole in [hole for label, hole in self.named if label == self._origin][:1]:
-                self._hole_datum(hole, self._origin)
+        if self.placed and (self.bored is None or self.origin != self.datum_letter):
+            for hole in [hole for _, hole in self.named if hole.place == self.zero][:1]:
+                self._hole_datum(hole, self.origin)
 
-    @property
     def _origin(self) -> str:
         """Letter of the datum from which holes are placed."""
-        return self.zero_is.partition("hole ")[2] or self.datum_letter
+        name = self.zero_is.partition("hole ")[2]
+        return self._letter_of(name) if name and abs(self.zero) > SAME_POINT else self.datum_letter
+
+    def _letter_of(self, name: str) -> str:
+        """Letter of the datum that a hole is: its name, or where that is a word the next that is free [ISO 5459]."""
+        return name if len(name) <= _LETTERS else self._second
 
     def _hole_datum(self, hole: Hole, letter: str) -> None:
         """A datum at the edge of its hole, where paper is free."""
@@ -632,7 +649,7 @@ class _Layout:
             low, high = extent([fit_arcs(layer.region.outer, self.tolerance)])
             box = rectangle(complex(layer.z0, low.imag), complex(layer.z1, high.imag))
             self.sheet.contour(box.moved(self.scale, origin), "VIEW")
-        for bore in views.side_bores(self.part, self.tolerance):
+        for bore in () if self.plate else views.side_bores(self.part, self.tolerance):
             self.sheet.contour(bore.moved(self.scale, origin), "HIDDEN")
         for ends in self._chamfer_edges():
             self.sheet.line(*(origin + self.scale * end for end in ends), layer="HIDDEN")
@@ -866,7 +883,9 @@ class _Layout:
         depths = sorted({number(layer.z1 - layer.z0) for layer in part.engraved})
         lines += [f"Engraved {depth} deep" for depth in depths]
         if part.outlined:
-            lines.append(f"Profile: {self.stem}.dxf, within {tolerance:g} of the exact curve")
+            curved = any(map(free, (part.region.outer, *part.region.holes)))
+            exact = f"Profile: {self.stem}.dxf, within {tolerance:g} of the exact curve"
+            lines.append(exact if curved else f"Outlines: {self.stem}.dxf")
         elif part.stacked:
             low, high = number(part.drawn.z0), number(part.drawn.z1)
             lines.append(f"Drawn thick: the layer z {low} to {high}; all outlines: {self.stem}.stl")
@@ -878,24 +897,47 @@ class _Layout:
             lines.append(f"The blank is drawn; its track: {self.stem}.stl")
         if self.turns:
             lines.append("+ : positive sense of turning (ccw)")
+        lines += [*self._shop_notes(), *part.notes]
+        return [line for note in lines for line in _wrapped(note[:1].upper() + note[1:])]
+
+    def _shop_notes(self) -> list[str]:
+        """Notes on how the part is made."""
+        lines = list[str]()
         facts = self.facts
         if self.chamfer:
             lines.append(f"Bore chamfered {number(self.chamfer)} × 45° at both ends")
+        if self.plate:
+            lines.append("All holes go through")
+        fine = self._finer()
         if facts.roughness_elsewhere:
-            other = [
-                name
-                for name, own in (
-                    ("track", facts.roughness and self.track_table),
-                    ("bore", facts.bore_roughness and self.bored),
-                )
-                if own
-            ]
-            where = f" but for the {' and '.join(other)}" if other else ""
+            where = f" but for the {fine}" if fine else ""
             lines.append(f"All faces{where} Ra {facts.roughness_elsewhere:g}")
+        if self.rim_letter and facts.profile:
+            form = "flat" if facts.levels else "round"
+            fine_rim = f", Ra {facts.bore_roughness:g}" if facts.bore_roughness else ""
+            lines.append(
+                f"{self._rim} {self.rim_letter} {form} within {facts.profile / 2:g}{fine_rim}"
+            )
         lines += [f"Edges {facts.edges}"] if facts.edges else []
         lines += [facts.heat_treatment] if facts.heat_treatment else []
-        lines += part.notes
-        return [line for note in lines for line in _wrapped(note[:1].upper() + note[1:])]
+        if facts.ground and fine:
+            lines.append(f"{fine} ground after hardening; all sizes hold after it")
+        return lines
+
+    @property
+    def _rim(self) -> str:
+        """What the datum is that is no hole."""
+        return "lower side" if self.facts.levels else "rim"
+
+    def _finer(self) -> str:
+        """Faces that have a roughness of their own, such as "track and bore"."""
+        facts = self.facts
+        faces = (
+            ("track", facts.roughness and self.track_table),
+            ("bore", facts.bore_roughness and self.bored),
+            (self._rim, facts.bore_roughness and self.rim_letter),
+        )
+        return " and ".join(name for name, own in faces if own)
 
     def _note_lines(self) -> None:
         """Notes at the lower left, beside the title block, upwards."""
@@ -903,8 +945,8 @@ class _Layout:
             self.sheet.text(complex(_FILING + 3, _MARGIN + 3 + 4.5 * i), line, 2.5, room=_NOTES)
         if self.placed:
             corner = complex(_FILING + 3.5, _MARGIN + 4 + 4.5 * len(self.notes))
-            keyed_too = self._origin == self.datum_letter and self.key
-            letters = (self._origin, self.angle_letter if keyed_too else "")
+            keyed_too = self.origin == self.datum_letter and self.key
+            letters = (self.origin, self.angle_letter if keyed_too else "")
             datums = [letter for letter in letters if letter]
             end = position(self.sheet, corner, self.facts.position, datums)
             self.sheet.text(end + 2 + 1.8j, "round holes; X and Y are exact", room=58)

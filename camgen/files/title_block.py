@@ -72,6 +72,7 @@ class Facts:
     roughness_elsewhere: float = 0.0
     edges: str = ""
     heat_treatment: str = ""
+    ground: bool = False  # whether what has a roughness of its own is ground after that
     revision: str = ""
     drawn_by: str = ""
     checked_by: str = ""

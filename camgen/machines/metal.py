@@ -98,18 +98,6 @@ def bore_notes(bore: ShaftBore, material: str) -> list[str]:
     ]
 
 
-def thin_back(sizes: CamParts, material: str) -> list[str]:
-    """A sentence on a groove's back that is hardened and too thin."""
-    usual = math.ceil(_BACK * sizes.thickness)
-    treatment = materials.of(material).treatment
-    if sizes.back >= usual or not treatment:
-        return []
-    return [
-        f"parts.back = {sizes.back:g} mm is thin for a plate of {material}, {treatment.partition(',')[0]}, which warps: "
-        f"{usual:g} mm, half of parts.thickness, is usual."
-    ]
-
-
 def _ring(geometry: Mapping[str, Any], load: Mapping[str, Any]) -> float:
     """Width of the ring of the bought roller that the load names, or else of one of this size, mm; 0 where there is none."""
     follower = geometry.get("follower")

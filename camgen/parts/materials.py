@@ -28,6 +28,10 @@ class Material:
     spread: float | None = None
     metal: bool = False
     treatment: str = ""  # heat treatment, without which it does not bear that pressure
+    case: bool = (
+        False  # whether that hardens the skin alone: of what a follower runs on, ground afterwards
+    )
+    number: str = ""  # of the steel [EN 10027-2], in the sources of its row
 
     @property
     def printed(self) -> bool:
@@ -124,6 +128,7 @@ _CUT = (
         "of gears of S45C, quenched and tempered to 200 HB (SDP/SI, table 17-12)",
         metal=True,
         treatment="quenched and tempered, at least 200 HB",
+        number="1.0503",
     ),
     Material(
         "42CrMo4",
@@ -135,6 +140,7 @@ _CUT = (
         "of gears of SCM440, quenched and tempered to 310 HB (SDP/SI, table 17-12)",
         metal=True,
         treatment="quenched and tempered, at least 310 HB",
+        number="1.7225",
     ),
     Material(
         "16MnCr5",
@@ -147,6 +153,8 @@ _CUT = (
         metal=True,
         # the depth is camgen's own rule: under a roller of 40 mm at that pressure the shear is greatest at 0.4
         treatment="case hardened and tempered, 60+4 HRC, CHD 0.8+0.4",
+        case=True,
+        number="1.7131",
     ),
     Material(
         "stainless",
@@ -158,6 +166,7 @@ _CUT = (
         YIELDS * 215,
         _flows(215),
         metal=True,
+        number="1.4301",
     ),
     Material(
         "aluminium",

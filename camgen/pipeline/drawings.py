@@ -26,7 +26,7 @@ from camgen.motion.program import Program
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, cut_of_sheet
 from camgen.parts.catalogue import CUT, TURNED
-from camgen.parts.materials import STEEL
+from camgen.parts.materials import STEEL, Material
 from camgen.parts.part import Part
 from camgen.parts.standing import Round, standing
 from camgen.tolerances import SAME_POINT
@@ -40,7 +40,7 @@ _IN_METAL = Facts(
     symmetry=0.04,
     run_out=0.03,
     roughness_elsewhere=3.2,
-    edges="broken 0.2 to 0.4",
+    edges="broken 0.2 to 0.4, ISO 13715",
 )
 # Chamfer of a bore by the diameter up to which it is usual, mm: camgen's own rule.
 _CHAMFERS = ((10.0, 0.5), (40.0, 1.0), (math.inf, 1.5))
@@ -73,11 +73,13 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     bore_fit = sheet.bore_fit or ("H7" if metal else "")
     profile = sheet.profile or usual.profile
     dowelled = cut and mechanism.assembly.dowel and profile
+    case = cut and material.case
+    runs = part.name in _cams(mechanism) | {each.part for each in mechanism.assembly.tracks}
     return Facts(
         machine=_machine(mechanism),
         material="as the sheet"
         if of_sheet
-        else mechanism.material.name
+        else _material(material)
         if printed
         else "steel"
         if steel
@@ -114,11 +116,18 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         run_out=_asked(sheet.run_out, usual.run_out),
         bore_chamfer=_asked(sheet.bore_chamfer, _chamfer(part.bore) if cut else 0.0),
         edges=sheet.edges or usual.edges,
-        heat_treatment=sheet.heat_treatment or (material.treatment if cut else ""),
+        heat_treatment=sheet.heat_treatment
+        or (material.treatment if cut and (runs or not case) else ""),
+        ground=case and runs,
         revision=sheet.revision or "",
         drawn_by=sheet.drawn_by or "",
         checked_by=sheet.checked_by or "",
     )
+
+
+def _material(material: Material) -> str:
+    """Name of a material, a steel's with its number."""
+    return f"{material.name} ({material.number})" if material.number else material.name
 
 
 def _asked(value: float | None, usual: float) -> float:

@@ -464,8 +464,15 @@ def test_a_bore_s_chamfers_are_cut_off_in_its_section():
 
 
 def test_a_bore_s_chamfers_are_dashed_in_the_view_from_the_left():
+    """Of a cam with a hub and without a keyway, whose section is along x."""
+    cam_with_hub = keyed_cam_with_hub()
+    plain = [
+        replace(layer, region=Region(layer.region.outer, (circle(0, 6),)))
+        for layer in cam_with_hub.layers
+    ]
+
     def dashed(facts):
-        sheet = _Layout(keyed_cam(), "d", TOLERANCE, facts).sheet
+        sheet = _Layout(replace(cam_with_hub, layers=tuple(plain)), "d", TOLERANCE, facts).sheet
         return [each for each in sheet.primitives if getattr(each, "layer", "") == "HIDDEN"]
 
     assert len(dashed(SHOP)) == len(dashed(replace(SHOP, bore_chamfer=0.0))) + 6
@@ -571,6 +578,22 @@ def test_the_hole_from_which_others_are_placed_is_marked_as_their_datum(tmp_path
     assert [each.text for each in plain].count("A") == 2
 
 
+def test_a_datum_whose_hole_has_a_word_for_a_name_has_a_letter():
+    """A letter in its box [ISO 5459]; the table and the view call the hole by the name in the spec."""
+    holes = (circle(0, 3), circle(40, 2))
+    layer = Layer(Region(hull([(0j, 6.0), (40 + 0j, 5.0)]), holes), 0, 5)
+    part = Part("arm", "Arm", (layer,), points=(("pivot", 0j), ("tip", 40 + 0j)))
+    layout = _Layout(part, "d", TOLERANCE, replace(META, position=0.1))
+    words = [each.text for each in layout.sheet.primitives if isinstance(each, Text)]
+    assert (words.count("pivot"), words.count("A")) == (2, 2)  # table, view; frame, datum
+    assert "X and Y from the centre of hole pivot" in words
+    cells = [_corners(each) for each in layout.sheet.primitives if isinstance(each, Stroke)]
+    rings = [shapely.Polygon(each) for each in cells if len(each) == 4]
+    for text in layout.sheet.primitives:
+        if isinstance(text, Text) and text.text == "A":
+            assert any(ring.area < 70 and ring.contains(box(text)) for ring in rings)
+
+
 def test_the_rim_of_a_plate_without_a_bore_is_its_datum(tmp_path):
     """A groove's outer wall: track and pins refer to the rim, whose letter is that of no hole and stands under its diameter."""
     track = keyed_cam().layers[0].region.outer
@@ -582,7 +605,10 @@ def test_the_rim_of_a_plate_without_a_bore_is_its_datum(tmp_path):
     assert layout.rim_letter not in {label[:1] for label, _ in layout.named}
     words = [each for each in layout.sheet.primitives if isinstance(each, Text)]
     letters = [each.at for each in words if each.text == layout.rim_letter]
-    (size,) = (each.at for each in words if each.text == "Ø120")
+    (size,) = (each.at for each in words if each.text == "Ø120 h7 (0/-0.035)")  # [ISO 286]
+    letter = layout.rim_letter
+    assert f"Rim {letter} round within 0.01, Ra 1.6" in {each.text for each in words}
+    assert "All faces but for the track and rim Ra 3.2" in {each.text for each in words}
     assert min(abs(at.real - size.real) + max(at.imag - size.imag, 0) for at in letters) < 2
     assert len(letters) == 3  # datum, frame of the profile, frame of the position
     assert "X and Y from the centre of the rim" in {each.text for each in words}

@@ -182,6 +182,9 @@ def test_views_are_the_shadows_of_the_body_that_is_made(
         plan, side, above = views(sheet)
         assert unlike(filled(shapely.union_all(plan)), shadow(mesh, 2, (0, 1))) < FACETS, name
         seen = shadow(mesh, 0, (2, 1), 1)
+        if any(each.dxf.text == "S-S" for each in sheet.texts) and not above:
+            assert_side_is_cut(side, mesh, name)
+            continue
         drawn_side = shapely.transform(filled(shapely.union_all(side)), lambda points: points)
         assert unlike(moved_to(drawn_side, seen), seen) < FACETS, name
         # heights stand beside each other: the view from the left is not moved up or down, the one from above not sideways
@@ -233,6 +236,19 @@ def plane_of(sheet: Drawn) -> float | None:
         if titles and e.dxf.text == titles[0][0] and e.dxf.layer == "TEXT"
     ]
     return marks[0] - 1.2 / sheet.scale if titles else None
+
+
+def assert_side_is_cut(side: list[shapely.Polygon], mesh: Mesh, name: str) -> None:
+    """The view from the left is a cut through the body at x = 0."""
+    turned = Mesh(mesh.vertices[:, (2, 1, 0)] * (1, 1, -1), mesh.faces)
+    rings = [ring.points for ring in slice_mesh(turned, 1e-4)]
+    wanted = reduce(
+        shapely.symmetric_difference,
+        [shapely.Polygon(np.column_stack([z.real, z.imag])) for z in rings],
+    )
+    faces = reduce(shapely.symmetric_difference, side)
+    assert unlike(moved_to(faces, wanted), wanted) < 2 * FACETS, name
+    assert faces.bounds[1::2] == pytest.approx(wanted.bounds[1::2], abs=FACETS), name
 
 
 def assert_section_is_that_of_the_body(
@@ -322,7 +338,8 @@ def test_what_lies_behind_material_is_dashed(tmp_path: Path) -> None:
 
 @pytest.mark.long
 def test_bores_are_dashed_in_the_view_from_the_left(sheets: list[Drawn]) -> None:
-    """Each hole along z between two dashed lines at its least and greatest y, and of a blind one its end."""
+    """Each hole along z between two dashed lines at its least and greatest y, and of a blind one its end; of a flat plate with several
+    holes a note says that they go through."""
     for sheet in sheets:
         right = max(sheet_box(layer.region)[2] for layer in sheet.part.layers)
         boxes = [ezdxf.path.make_path(e) for e in sheet.space.query("LWPOLYLINE[layer=='HIDDEN']")]
@@ -331,7 +348,15 @@ def test_bores_are_dashed_in_the_view_from_the_left(sheets: list[Drawn]) -> None
             for path in boxes
             if (box := shapely.LineString([v.vec2 for v in path.flattening(1)]).bounds)[0] > right
         ]
-        for layer in sheet.part.layers:
+        layers = sheet.part.layers
+        alike = len({layer.region for layer in layers}) == 1 and sheet.part.side_profile is None
+        flat = alike and len(layers[0].region.holes) > 1
+        assert flat == any(each.dxf.text == "All holes go through" for each in sheet.texts)
+        cut = any(each.dxf.text == "S-S" for each in sheet.texts) and len(layers) == 1
+        if flat or cut:
+            assert not sides
+            continue
+        for layer in layers:
             for hole in layer.region.holes:
                 _, low, _, high = sheet_box(Region(hole))
                 mine = [box for box in sides if abs(box[1] - low) + abs(box[3] - high) < FACETS]

@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from camgen.files.drawing import _Layout
+from camgen.files.sheet import Text
 from camgen.machines.sources import read_mechanism
 from camgen.parts.materials import MATERIALS
 from camgen.pipeline.drawings import facts_of
@@ -91,15 +93,68 @@ def test_a_groove_in_metal_is_joined_as_exactly_as_its_track() -> None:
         assert near.making.pin_diameter == pin
 
 
-def test_a_thin_back_that_is_hardened_is_told() -> None:
-    def told(*settings: str) -> list[str]:
-        groove = (*KEYED, "geometry.closure=groove", "material.name=16MnCr5", *settings)
-        notes = read_mechanism(STARTER, groove).study().notes
-        return [note for note in notes if "parts.back" in note]
+def test_a_case_is_hardened_where_a_roller_runs_and_ground_there() -> None:
+    """The back plate bears no contact: hardened it would warp. A steel that is quenched and tempered is so through and through."""
 
-    (said,) = told("parts.back=3")
-    assert "3 mm is thin" in said and "case hardened" in said and "6 mm" in said
-    assert not told() and not told("parts.back=3", "material.name=PLA")
+    def said(material: str) -> dict[str, tuple[str, bool]]:
+        groove = (*KEYED, "geometry.closure=groove", f"material.name={material}")
+        made = read_mechanism(STARTER, groove).resolved()
+        facts = {part.name: facts_of(made, part) for part in made.assembly.parts}
+        return {name: (each.heat_treatment, each.ground) for name, each in facts.items()}
+
+    hard = MATERIALS["16MnCr5"].treatment
+    assert said("16MnCr5") == {"inner": (hard, True), "outer": (hard, True), "back": ("", False)}
+    assert set(said("C45").values()) == {(MATERIALS["C45"].treatment, False)}
+
+
+@pytest.mark.parametrize(
+    ("material", "name"), [("16MnCr5", "16MnCr5 (1.7131)"), ("brass", "brass"), ("PLA", "PLA")]
+)
+def test_the_title_block_has_the_number_of_a_steel(material: str, name: str) -> None:
+    made = read_mechanism(STARTER, [*KEYED, f"material.name={material}"]).resolved()
+    assert facts_of(made, made.assembly.parts[0]).material == name
+
+
+def _words(layout: _Layout) -> str:
+    """The notes, in one line."""
+    return " ".join(layout.notes)
+
+
+def _layout(name: str, *settings: str) -> _Layout:
+    """The sheet of a part of a groove cam in case hardened steel."""
+    groove = (*KEYED, "geometry.closure=groove", "material.name=16MnCr5", *settings)
+    made = read_mechanism(STARTER, groove).resolved()
+    part = next(each for each in made.assembly.parts if each.name == name)
+    return _Layout(part, "d", 0.001, facts_of(made, part))
+
+
+@pytest.mark.parametrize("bore", ["plain", "keyway"])
+def test_a_groove_s_back_plate_is_cut_through_its_bore(bore: str) -> None:
+    """Its circles are no curve that a file could miss; its dowels' holes go through, and none is dashed."""
+    layout = _layout("back", f"parts.bore_shape={bore}")
+    assert layout.upright is not None and layout.chamfer == 1.0
+    texts = {each.text for each in layout.sheet.primitives if isinstance(each, Text)}
+    assert {"Ra 1.6", "S-S", "All holes go through", "Bore chamfered 1 × 45° at both ends"} <= texts
+    assert "Outlines: d.dxf" in texts and "exact curve" not in _words(layout)
+    assert not [each for each in layout.sheet.primitives if getattr(each, "layer", "") == "HIDDEN"]
+
+
+def test_a_groove_s_walls_are_ground_after_hardening_and_the_rim_is_a_datum_with_a_tolerance() -> (
+    None
+):
+    inner = _words(_layout("inner"))
+    assert "Track and bore ground after hardening; all sizes hold after it" in inner
+    assert "within 0.001 of the exact curve" in inner
+    outer = _layout("outer")
+    assert f"Rim {outer.rim_letter} round within 0.025, Ra 1.6" in _words(outer)
+    assert "Track and rim ground after hardening" in _words(outer)
+
+
+def test_a_plate_s_lower_side_is_a_datum_with_a_tolerance() -> None:
+    made = read_mechanism(STARTER.with_name("linear-cam.toml"), ["material.name=C45"]).resolved()
+    (part,) = made.assembly.parts
+    layout = _Layout(part, "d", 0.001, facts_of(made, part))
+    assert f"Lower side {layout.rim_letter} flat within 0.025, Ra 1.6" in _words(layout)
 
 
 def test_a_milled_groove_of_a_drum_is_as_close_as_that_of_a_plate() -> None:
@@ -140,7 +195,7 @@ def test_a_metal_cam_s_drawing_asks_for_what_its_material_was_judged_by() -> Non
     facts = facts_of(made, made.assembly.parts[0])
     assert facts.heat_treatment == MATERIALS["16MnCr5"].treatment != ""
     assert (facts.profile, facts.roughness, facts.bore_roughness) == (0.05, 0.4, 1.6)
-    assert facts.edges == "broken 0.2 to 0.4"
+    assert facts.edges == "broken 0.2 to 0.4, ISO 13715"
     assert (facts.symmetry, facts.run_out, facts.bore_chamfer) == (0.04, 0.03, 1.0)
     off = ["drawing.symmetry=0", "drawing.run_out=0.1", "drawing.bore_chamfer=0"]
     other: Any = read_mechanism(STARTER, [*KEYED, "material.name=C45", *off])

@@ -70,7 +70,7 @@ from camgen.machines.free_play import between
 from camgen.machines.loads.lift_off import bounce_figures, bounce_of
 from camgen.machines.loads.tables import CamLimitsTable, thin_walls
 from camgen.machines.loads.weights import gravity
-from camgen.machines.metal import bore_notes, filled, thin_back
+from camgen.machines.metal import bore_notes, filled
 from camgen.machines.pairs import air_faults, still_faults
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
@@ -572,7 +572,6 @@ class DiscCamDrive(CamTables):
             )
         if self.making.make == "cams":
             notes += bore_notes(self.making, self.material.name)
-        notes += thin_back(self.making, self.material.name) if self.assembly.dowel else []
         if self.allowed.continuous < 0:
             notes.append("Jumps of the motion are not judged: limits.continuous = -1.")
         return notes
