@@ -58,7 +58,7 @@ def _with_feet(points: Points) -> Points:
 
 
 def _beyond(points: Points, radius: float) -> Iterator[Points]:
-    """The stretches of a polygon beyond a circle about the origin, from where it leaves the circle to where it comes back."""
+    """The stretches of a polygon beyond a circle about the origin, each up to where it comes back to the circle."""
     out = np.abs(points) > radius
     if out.all() or not out.any():
         return
@@ -66,9 +66,8 @@ def _beyond(points: Points, radius: float) -> Iterator[Points]:
     for k in begins.tolist():
         count = int(np.argmin(np.roll(out, -k)))
         run = np.roll(points, -k)[:count]
-        before = points[k - 1]
         after = points[(k + count) % len(points)]
-        yield np.array([_crossing(before, run[0], radius), *run, _crossing(after, run[-1], radius)])
+        yield np.append(run, _crossing(after, run[-1], radius))
 
 
 def _crossing(low: complex, high: complex, radius: float) -> complex:

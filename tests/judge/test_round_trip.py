@@ -25,6 +25,7 @@ from camgen.judge.round_trip import (
     NominalPart,
     PrintChange,
     Section,
+    _misdrawn,
     judge_cut,
     judge_dimensioned,
     judge_solid,
@@ -344,3 +345,14 @@ def test_of_many_remarks_on_a_file_the_first_are_told() -> None:
     assert not found.ok and found.measured == 5
     assert found.message == "line 0 is open; line 1 is open; line 2 is open; and 2 more"
     assert strange(Path("x.dxf"), ["a", "b", "c"]).message == "a; b; c"
+
+
+@pytest.mark.parametrize("by, ok", [(1.9, True), (2.1, False)])
+def test_an_engraved_contour_may_be_off_by_two_tolerances(by: float, ok: bool) -> None:
+    """The file's and the outline's own; the worst of all contours counts."""
+    nominal = [hole(0j, 10.0), hole(20 + 0j, 6.0)]
+    found = [hole(by * TOLERANCE + 0j, 10.0), nominal[1]]
+    said = [] if ok else [f"an engraved contour is {by * TOLERANCE:.4g} mm off"]
+    assert _misdrawn(found, nominal, TOLERANCE) == said
+    (few,) = _misdrawn(found[:1], nominal, TOLERANCE)
+    assert few == "1 engraved contour instead of 2 (files.engrave)"
