@@ -157,10 +157,9 @@ def no_such(what: str, name: object, known: Sequence[str], source: str) -> Argum
     return ArgumentError([fault], source)
 
 
-def wrong_order(order: object, most: int, source: str) -> ArgumentError:
-    """Error for an order of derivatives beyond 0..most."""
-    said = {0: "0", 1: "0 or 1"}.get(most, "0, 1 or 2")
-    return ArgumentError([Fault(("order",), str(order), said)], source)
+def wrong_order(order: object, source: str) -> ArgumentError:
+    """Error for an order of derivatives beyond 0..2."""
+    return ArgumentError([Fault(("order",), str(order), "0, 1 or 2")], source)
 
 
 def _message(sentence: str, remedy: str) -> str:
@@ -276,11 +275,9 @@ def explained(error: CamgenError | OSError) -> CamgenError:
 
 
 @contextmanager
-def file_errors(path: object = None) -> Iterator[None]:
-    """`with file_errors():` raises the FileError that stands for an OSError; path: of the file, unless the error knows it."""
+def file_errors() -> Iterator[None]:
+    """`with file_errors():` raises the FileError that stands for an OSError."""
     try:
         yield
     except OSError as error:
-        raise (
-            explained(error) if path is None else FileError(path, error.strerror or str(error))
-        ) from error
+        raise explained(error) from error

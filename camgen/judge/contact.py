@@ -153,18 +153,6 @@ class RollingContact:
         return progress, row
 
 
-def rolling_contact(
-    ring: Ring, pivot: complex, arm: complex, tip_radius: float, leaves: int
-) -> RollingContact:
-    """Table of first touches of a round tip on an arm with an outline that turns about the origin, see `contact`.
-
-    pivot: ground, mm.  arm: from the pivot to the tip centre at s = 0, mm.  tip_radius: mm, 0 for a knife edge.
-    leaves: the sense of s, +1 or -1, in which the tip moves off the part, away from the origin; it stays on its side of
-    the line through origin and pivot.  ValueError when these do not fit each other.
-    """
-    return contact(ring, ArmTip(pivot, arm, tip_radius, leaves))
-
-
 def contact(ring: Ring, form: Form) -> RollingContact:
     """Table of first touches of a follower with an outline that turns about the origin.
 

@@ -41,7 +41,7 @@ def solve(
     nan where it does not close. Raises DesignError where the machine's equations and unknowns do not match.
     """
     if order not in (0, 1, 2):
-        raise wrong_order(order, 2, "solve")
+        raise wrong_order(order, "solve")
     return Run(machine, np.ravel(np.asarray(theta, float)), order, loaded)
 
 
@@ -225,7 +225,7 @@ class Run:
     def _check(self, order: int) -> None:
         """SpecError for an order that is none, or that was not solved."""
         if order not in (0, 1, 2):
-            raise wrong_order(order, 2, "run")
+            raise wrong_order(order, "run")
         if order > self.order:
             right = f"at most {self.order}, as solved: solve(theta, order={order}) gives it"
             raise ArgumentError([Fault(("order",), str(order), right)], "run")

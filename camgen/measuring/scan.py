@@ -65,14 +65,13 @@ class Scanning:
 class Scan:
     """Edges of the one part in a picture: outline and holes, counter-clockwise, mm; width of the blurred edge, mm.
 
-    contrast: grey levels of 255; specks: how many were left out within the outline.
+    contrast: grey levels of 255.
     """
 
     outer: Points
     holes: tuple[Points, ...]
     width: float
     contrast: float
-    specks: int
     dpi: float
 
 
@@ -134,7 +133,7 @@ def read_scan(path: Path, dpi: float | None = None) -> Scan:
         [height - 1 - row - outer.points.imag / pitch, outer.points.real / pitch - column]
     )
     width = pitch / _slope(level, place, outer.points)
-    return Scan(outer.points, holes, width, contrast, len(within) - len(holes), _INCH / pitch)
+    return Scan(outer.points, holes, width, contrast, _INCH / pitch)
 
 
 @contextmanager

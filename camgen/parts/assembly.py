@@ -510,14 +510,14 @@ def _bought_row(each: Bought) -> _Row:
     return row, Step([Doing(f"{name}, {each.size}{f'; {each.how}' if each.how else ''}")])
 
 
-def with_things(row: _Row, things: Sequence[Bought], column: int = 3) -> _Row:
-    """A row, with what is put in at it in one of its columns and in its step's title."""
+def with_things(row: _Row, things: Sequence[Bought]) -> _Row:
+    """A row, with what is put in at it beside how it lies, and in its step's title."""
     if not things:
         return row
     cells, step = row
     said = f"with {', '.join(each.text for each in things)}"
-    text = "; ".join(filter(None, (str(cells[column]), said)))
-    cells = (*cells[:column], text, *cells[column + 1 :])
+    text = "; ".join(filter(None, (str(cells[3]), said)))
+    cells = (*cells[:3], text, *cells[4:])
     return cells, step.also(said)
 
 

@@ -135,7 +135,7 @@ def _judged_path(case: Case, part: str, drum: Drum, cutter: float) -> Finding:
     ends = (drum.floor, drum.roller.middle, drum.outside)
     off = np.array(
         [
-            [_left(drum, wall, radius, found[_SIDES[wall.side]], cutter) for radius in ends]
+            [_left(wall, radius, found[_SIDES[wall.side]], cutter) for radius in ends]
             for wall in drum.walls
         ]
     )
@@ -145,7 +145,7 @@ def _judged_path(case: Case, part: str, drum: Drum, cutter: float) -> Finding:
     return at_most("ROUND_TRIP", float(worst[1]), limit, "mm", in_file(path), remark)
 
 
-def _left(drum: Drum, wall: DrumWall, radius: float, rows: Floats, cutter: float) -> Floats:
+def _left(wall: DrumWall, radius: float, rows: Floats, cutter: float) -> Floats:
     """How far points of a wall on a cylinder stand off a cutter that runs along rows of its path, (n,) mm; below 0 it cuts them
     off."""
     beta = np.linspace(0, math.tau, _HELD, endpoint=False)

@@ -15,7 +15,8 @@ import numpy as np
 from camgen.files.stl import read_stl, write_stl
 from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.rings import Ring
-from camgen.judge.contact import rolling_contact
+from camgen.judge.contact import contact as contact_table
+from camgen.judge.contact_tips import ArmTip
 
 
 def best(work: Callable[[], object], rounds: int = 7) -> float:
@@ -44,14 +45,14 @@ def contact() -> None:
     ordered, turn = np.sort(theta), theta[:3600]
     for count in (1000, 5000, 10_000, 100_000):
         ring = Ring(cam(count), np.zeros(count))
-        setup = (ring, 60 + 0j, -60 - 30j, 3.0, 1)
-        table = rolling_contact(*setup)
-        build = best(lambda setup=setup: rolling_contact(*setup))
+        setup = (ring, ArmTip(60 + 0j, -60 - 30j, 3.0, 1))
+        table = contact_table(*setup)
+        build = best(lambda setup=setup: contact_table(*setup))
         rates = [
             len(theta) / best(lambda f=f, t=t: f(t)) / 1e6
             for f, t in ((table.angle, theta), (table.angle, ordered), (table.touch, theta))
         ]
-        whole = 3600 / best(lambda setup=setup: rolling_contact(*setup).angle(turn)) / 1e6
+        whole = 3600 / best(lambda setup=setup: contact_table(*setup).angle(turn)) / 1e6
         print(
             f"{count:9} {build * 1e3:9.2f} {rates[0]:8.1f} {rates[1]:8.1f} {rates[2]:8.1f} {whole:8.2f}"
         )

@@ -282,15 +282,16 @@ def recoveries(rounds: int) -> Iterator[Row]:
     from bench_contact import cam
 
     from camgen.geometry.rings import Ring
-    from camgen.judge.contact import rolling_contact
+    from camgen.judge.contact import contact
+    from camgen.judge.contact_tips import ArmTip
 
     theta = np.random.default_rng(1).uniform(0, 2 * np.pi, 10**6)
     for count in (1_000, 10_000, 100_000):
-        setup = (Ring(cam(count), np.zeros(count)), 60 + 0j, -60 - 30j, 3.0, 1)
-        table = rolling_contact(*setup)
+        setup = (Ring(cam(count), np.zeros(count)), ArmTip(60 + 0j, -60 - 30j, 3.0, 1))
+        table = contact(*setup)
         works: list[Callable[[], object]] = [
             partial(table.angle, theta),
-            partial(rolling_contact, *setup),
+            partial(contact, *setup),
         ]
         spent, made = alternated(
             rounds, *(partial(clocked, work, time.process_time) for work in works)

@@ -10,7 +10,7 @@ from scipy.spatial import ConvexHull
 from shapes import polygon, rounded
 
 from camgen.geometry.rings import Ring
-from camgen.judge.contact import RollingContact, Touch, _merged, contact, rolling_contact
+from camgen.judge.contact import RollingContact, Touch, _merged, contact
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, Form, SlideTip
 from camgen.machine.closed_form import slider_travel
@@ -111,7 +111,7 @@ def test_disc_of_arcs_is_a_four_bar(radius: float, size: float, arm: complex) ->
     arm = arm * size * pivot / abs(pivot)
     leaves, rho = sense(pivot, arm), size * radius
     theta = np.random.default_rng(3).uniform(-50, 50, 2000)
-    touch = rolling_contact(disc(centre, r), pivot, arm, rho, leaves).touch(theta)
+    touch = contact(disc(centre, r), ArmTip(pivot, arm, rho, leaves)).touch(theta)
     base = centre * np.exp(1j * theta) - pivot
     d = np.abs(base)
     opening = np.arccos((d**2 + abs(arm) ** 2 - (r + rho) ** 2) / (2 * d * abs(arm)))
@@ -135,7 +135,7 @@ def test_pivots_near_and_far(distance_to_pivot: float) -> None:
         else abs(pivot) * np.exp(1j * (np.pi + 0.7 + 22 / distance_to_pivot))
     )
     theta = np.random.default_rng(4).uniform(0, 7, 2000)
-    angle = rolling_contact(disc(centre, r), pivot, arm, rho, sense(pivot, arm)).angle(theta)
+    angle = contact(disc(centre, r), ArmTip(pivot, arm, rho, sense(pivot, arm))).angle(theta)
     reached = ~np.isnan(angle)
     assert reached.mean() > (0.99 if distance_to_pivot > 20 else 0.0)
     tip = pivot + arm * np.exp(1j * angle[reached])
@@ -154,7 +154,7 @@ def test_mixed_arcs_and_edges_with_a_fillet_the_tip_just_fits() -> None:
     pivot, arm = 80 + 0j, -48 - 25j
     theta = np.random.default_rng(5).uniform(0, 2 * np.pi, 150)
     for rho in (0.0, 2.0, 3.0, 3.5):
-        exact = rolling_contact(ring, pivot, arm, rho, 1).touch(theta)
+        exact = contact(ring, ArmTip(pivot, arm, rho, 1)).touch(theta)
         slow = trace(ring.facetted(1e-5), pivot, arm, rho, 1, theta)
         assert not np.isnan(exact.angle).any()
         off = np.abs(exact.angle - slow) * abs(arm) * np.cos(exact.pressure_angle)
@@ -172,7 +172,7 @@ def test_a_tip_rests_on_the_ground_of_a_wider_notch(rho: float) -> None:
     pivot, arm, far = 62 + 0j, -48 - 25j, 27 + rho
     x = (far**2 + 62**2 - abs(arm) ** 2) / 124  # where circles about axis and pivot meet, below
     tip = complex(x, -np.sqrt(far**2 - x**2))
-    angle = rolling_contact(notch, pivot, arm, rho, 1).angle(np.angle(tip))
+    angle = contact(notch, ArmTip(pivot, arm, rho, 1)).angle(np.angle(tip))
     assert angle == pytest.approx(np.angle((tip - pivot) / arm), abs=1e-12)
 
 
@@ -202,7 +202,7 @@ def test_noisy_polygons_against_the_trace(
     z, turn = star(seed, count, noise), np.exp(1j * bearing)
     pivot, arm = 60 * turn, arm * turn
     theta = np.random.default_rng(seed).uniform(-9, 9, 60)
-    agree(rolling_contact(polygon(z), pivot, arm, rho, sense(pivot, arm)), z, rho, theta)
+    agree(contact(polygon(z), ArmTip(pivot, arm, rho, sense(pivot, arm))), z, rho, theta)
 
 
 def test_edges_pass_90_degrees_of_pressure_angle() -> None:
@@ -211,7 +211,7 @@ def test_edges_pass_90_degrees_of_pressure_angle() -> None:
     theta = np.random.default_rng(6).uniform(0, 2 * np.pi, 700)
     for arm in (-60 - 30j, -60 + 30j):
         for rho in (0.0, 1.0, 6.0):
-            table = rolling_contact(polygon(z), 60 + 0j, arm, rho, sense(60 + 0j, arm))
+            table = contact(polygon(z), ArmTip(60 + 0j, arm, rho, sense(60 + 0j, arm)))
             touch = agree(table, z, rho, theta)
             assert np.max(np.abs(touch.pressure_angle)) > np.radians(75)
             assert np.max(np.abs(touch.pressure_angle)) <= np.pi / 2
@@ -220,7 +220,7 @@ def test_edges_pass_90_degrees_of_pressure_angle() -> None:
 def test_origin_outside_the_outline_leaves_angles_without_contact() -> None:
     z = 40 + 9j + 6 * np.exp(2j * np.pi * np.arange(7) / 7)
     theta = np.random.default_rng(7).uniform(0, 2 * np.pi, 300)
-    touch = agree(rolling_contact(polygon(z), 60 + 0j, -60 + 30j, 2.0, -1), z, 2.0, theta)
+    touch = agree(contact(polygon(z), ArmTip(60 + 0j, -60 + 30j, 2.0, -1)), z, 2.0, theta)
     none = np.isnan(touch.angle)
     assert 0.3 < none.mean() < 0.95
     assert (touch.element[none] == -1).all() and (touch.element[~none] >= 0).all()
@@ -229,8 +229,8 @@ def test_origin_outside_the_outline_leaves_angles_without_contact() -> None:
 def test_mirrored_setup_gives_the_mirrored_answer() -> None:
     z = star(11, 60, 2.0)
     theta = np.random.default_rng(8).uniform(-7, 7, 500)
-    here = rolling_contact(polygon(z), 55 + 10j, -60 + 30j, 3.0, -1).touch(theta)
-    there = rolling_contact(polygon(np.conj(z)[::-1]), 55 - 10j, -60 - 30j, 3.0, 1).touch(-theta)
+    here = contact(polygon(z), ArmTip(55 + 10j, -60 + 30j, 3.0, -1)).touch(theta)
+    there = contact(polygon(np.conj(z)[::-1]), ArmTip(55 - 10j, -60 - 30j, 3.0, 1)).touch(-theta)
     np.testing.assert_allclose(there.angle, -here.angle, rtol=0, atol=1e-13)
     np.testing.assert_allclose(there.pressure_angle, -here.pressure_angle, rtol=0, atol=1e-9)
 
@@ -242,9 +242,9 @@ def test_turning_part_and_ground_together(seed: int) -> None:
     rng = np.random.default_rng(seed)
     z, t, g = star(seed, 40, 1.0), rng.uniform(-9, 9), rng.uniform(-9, 9)
     pivot, arm, theta = 60 + 5j, -60 + 20j, rng.uniform(-100, 100, 200)
-    here = rolling_contact(polygon(z), pivot, arm, 1.5, -1).touch(theta)
+    here = contact(polygon(z), ArmTip(pivot, arm, 1.5, -1)).touch(theta)
     turn = np.exp(1j * g)
-    there = rolling_contact(polygon(z * np.exp(1j * t)), pivot * turn, arm * turn, 1.5, -1).touch(
+    there = contact(polygon(z * np.exp(1j * t)), ArmTip(pivot * turn, arm * turn, 1.5, -1)).touch(
         theta - t + g
     )
     off = np.abs(here.angle - there.angle) * np.cos(here.pressure_angle)
@@ -254,14 +254,14 @@ def test_turning_part_and_ground_together(seed: int) -> None:
 def test_outline_beyond_the_reach_blocks_the_tip() -> None:
     """L = 20, R = 15: a spike to 50 mm cannot be left, so nan there; the disc elsewhere is touched."""
     z = np.array([20 + 1j, -20 + 20j, -20 - 20j, 20 - 1j, 50 + 0j])
-    table = rolling_contact(polygon(z), 20 + 0j, 15j, 0.0, -1)
+    table = contact(polygon(z), ArmTip(20 + 0j, 15j, 0.0, -1))
     bearing = np.linspace(-0.4, 0.4, 81)
     blocked = np.isnan(table.angle(-bearing))
     assert blocked[40] and not blocked.all()
 
 
 def test_not_finite_angles_answer_nan_and_shapes_are_kept() -> None:
-    table = rolling_contact(disc(1, 20.0), 60 + 0j, -60 + 30j, 3.0, -1)
+    table = contact(disc(1, 20.0), ArmTip(60 + 0j, -60 + 30j, 3.0, -1))
     answer = table.angle(np.array([[0.0, np.nan], [np.inf, 1.0]]))
     assert answer.shape == (2, 2)
     assert np.isnan(answer).tolist() == [[False, True], [True, False]]
@@ -282,8 +282,8 @@ def test_no_gap_at_the_ends_of_the_intervals(rho: float) -> None:
     Where the tip drops off a point, either side of the drop is right.
     """
     z = star(5, 80, 0.5)
-    table = rolling_contact(
-        polygon(z), 60 + 0j, -60 + 30j, rho, -1
+    table = contact(
+        polygon(z), ArmTip(60 + 0j, -60 + 30j, rho, -1)
     )  # pivot on Ox, arm above: theta is used as it is
     bounds = table.breaks[:-1]
     near = np.concatenate(
@@ -315,18 +315,19 @@ def test_setups_that_make_no_sense(change: dict[str, object], words: str) -> Non
         "arm": -60 + 30j,
         "tip_radius": 3.0,
         "leaves": -1,
-    }
+    } | change
+    ring = setup.pop("ring")
     with pytest.raises(ValueError, match=words):
-        rolling_contact(**(setup | change))  # type: ignore[arg-type]
+        contact(ring, ArmTip(**setup))  # type: ignore[arg-type]
 
 
 def test_a_moved_vertex_is_seen() -> None:
     """The measure itself can fail: a vertex moved by 1 um shifts the answer by about as much, and only near it."""
     z = 25 * np.exp(2j * np.pi * np.arange(200) / 200)
     theta = np.linspace(0, 2 * np.pi, 2000, endpoint=False)
-    good = rolling_contact(polygon(z), 60 + 0j, -60 + 25j, 3.0, -1).angle(theta)
+    good = contact(polygon(z), ArmTip(60 + 0j, -60 + 25j, 3.0, -1)).angle(theta)
     z[70] *= 1 + 1e-3 / 25
-    bad = rolling_contact(polygon(z), 60 + 0j, -60 + 25j, 3.0, -1).angle(theta)
+    bad = contact(polygon(z), ArmTip(60 + 0j, -60 + 25j, 3.0, -1)).angle(theta)
     moved = np.abs(bad - good) * 65
     assert 0.9e-3 < moved.max() < 1.2e-3
     assert np.mean(moved > 1e-9) < 0.02
@@ -507,7 +508,7 @@ def test_noses_that_a_tip_grazes(
     pivot = far * np.exp(1j * rng.uniform(-3, 3))
     arm = pivot * np.exp(1j * (np.pi + leaves * rng.uniform(0.3, 1.2))) * rng.uniform(0.7, 1.05)
     agree(
-        rolling_contact(ring, complex(pivot), complex(arm), rho, leaves),
+        contact(ring, ArmTip(complex(pivot), complex(arm), rho, leaves)),
         corners,
         radius + rho,
         theta,

@@ -18,7 +18,8 @@ from stl_rows import TRIANGLE, with_own_normals
 from camgen.files.stl import read_stl, write_stl
 from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import bore_circle, shape_of
-from camgen.judge.contact import rolling_contact
+from camgen.judge.contact import contact
+from camgen.judge.contact_tips import ArmTip
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 
@@ -281,7 +282,7 @@ def test_a_roller_on_the_eccentric_moves_as_the_four_bar(
     theta = np.random.default_rng(7).uniform(0, math.tau, 2000)
     bend = math.acos((pivot**2 + arm**2 - (diameter / 2 + tip) ** 2) / (2 * pivot * arm))
     mean = -arm * cmath.exp(1j * bend)  # the tip below the line of the shafts
-    rolled = rolling_contact(ring, complex(pivot), mean, tip, 1).angle(theta)
+    rolled = contact(ring, ArmTip(complex(pivot), mean, tip, 1)).angle(theta)
 
     def four_bar(coupler: float) -> tuple[np.ndarray, np.ndarray]:
         """The arm's angle, and the tip's movement along the normal per turn of the arm."""

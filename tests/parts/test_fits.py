@@ -20,7 +20,8 @@ from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.outlines import Arc, Contour, Line, Region, Smooth, circle, kidney, polygon
 from camgen.geometry.rings import Ring, Shape, bore_circle, fit_circle, hole_circles, shape_of
 from camgen.judge.as_printed import grown, printed
-from camgen.judge.contact import rolling_contact
+from camgen.judge.contact import contact
+from camgen.judge.contact_tips import ArmTip
 from camgen.machines.uniform_swing.mechanism import UniformSwing
 from camgen.parts.fits import Compensation, compensated, offset, parallel_curve
 from camgen.parts.part import Layer, Part
@@ -235,8 +236,8 @@ def test_motion_survives_the_fits(root: Path) -> None:
     limit = tolerance / (abs(tip.arm) * math.cos(np.max(spec.cam.pressure_angle(theta)))) * 1.05
 
     def error(shape: Shape) -> float:
-        contact = rolling_contact(shape.outer, tip.pivot, tip.arm, tip.tip_radius, tip.leaves)
-        return float(np.max(np.abs(contact.angle(theta) - spec.cam.reachable(theta))))
+        rolled = contact(shape.outer, ArmTip(tip.pivot, tip.arm, tip.tip_radius, tip.leaves))
+        return float(np.max(np.abs(rolled.angle(theta) - spec.cam.reachable(theta))))
 
     assert error(printed(file, fit.hole, fit.profile, fit.shrinkage)) <= limit
     assert error(printed(file, fit.hole, fit.profile + 0.003, fit.shrinkage)) > limit

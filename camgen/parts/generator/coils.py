@@ -19,22 +19,17 @@ def coils_of(
     layout: Layout,
     parts: Sequence[Part],
     mounts: Sequence[Mount],
-    titles: Mapping[str, str] = MappingProxyType({}),
     ways: Mapping[str, tuple[float, float]] = MappingProxyType({}),
 ) -> list[Coil]:
-    """Coils from below.
-
-    titles: of springs that have one; ways: shortest and longest, inside their eyes, mm, of those that the sweep sees.
-    """
+    """Coils from below; ways: shortest and longest, inside their eyes, mm, of those that the sweep sees."""
     coils = []
     for name, spring in sorted(layout.springs.items(), key=lambda each: layout.level[each[0]]):
-        usual = "Extension spring" if name == "spring" else f"Extension spring {name}"
+        title = "Extension spring" if name == "spring" else f"Extension spring {name}"
         _, one = spring.a
         _, other = spring.b
         heads = [list(_heads(layout, parts, mounts, point)) for point in (one, other)]
         ends = (_end(layout, *spring.a), _end(layout, *spring.b))
         reach = _reach(layout, name, *ways[name]) if name in ways else None
-        title = titles.get(name, usual)
         coils.append(
             Coil(
                 name,

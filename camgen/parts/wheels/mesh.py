@@ -73,16 +73,6 @@ class Sizes:
         angle = self.working_angle(shift_a, shift_b)
         return self.plain * math.cos(self.rack.pressure) / math.cos(angle)
 
-    def shift_sum(self, distance: float) -> float:
-        """shift_a + side * shift_b with which the wheels mesh at a distance, mm."""
-        cosine = self.plain * math.cos(self.rack.pressure) / distance
-        if not cosine < 1:
-            raise DesignError(
-                "distance of the axes", distance, self.plain * math.cos(self.rack.pressure), "mm"
-            )
-        turned = involute(math.acos(cosine)) - involute(self.rack.pressure)
-        return turned * self.sum / (2 * math.tan(self.rack.pressure))
-
     def mesh(self, shift_a: float = 0.0, shift_b: float = 0.0) -> Mesh:
         """Both wheels, their tips as high as leaves the rack's clearance, those of a ring on the pinion's involutes."""
         rack = self.rack
