@@ -21,7 +21,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -52,6 +52,7 @@ class _Slotted:
     wall: float  # between a slot and the hollow beside it where they are nearest, mm
     slot_air: float = 0.05  # on each side of the pin, mm
     lock_air: float = 0.05  # between lock and hollow, mm
+    sense: ClassVar[Literal[1, -1]]  # in which the wheel turns as the crank turns on
 
     def _check(self, most: float) -> None:
         """DesignError of too few slots, a pin thicker than most, mm, or a wheel without a rim beside its slots."""
@@ -123,12 +124,69 @@ class _Slotted:
         """Angle of the rim between slot and hollow about the wheel's axis, rad."""
         return self.pitch / 2 - self._mouth - self._corner_angle
 
+    @property
+    def half(self) -> float:
+        """Half of the crank's angle over which it drives, rad."""
+        return math.pi / 2 + self.sense * self.pitch / 2
+
+    @property
+    def slot_end(self) -> float:
+        """From the wheel's axis to the middle of the slots' round ends, mm."""
+        return self.distance + self.sense * self.crank + self.sense * self.slot_air
+
+    @property
+    def speed(self) -> float:
+        """Greatest speed of the wheel over that of the crank."""
+        sine = math.sin(self.pitch / 2)
+        return sine / (1 + self.sense * sine)
+
+    def motion(self, t: Any, order: int = 0) -> Floats:
+        """The wheel's angle from the middle of the drive while the pin drives, rad, or its derivatives, order 0..3."""
+        turn = 1j * self.sense
+        spoke = self.sense * self.crank * np.exp(turn * np.asarray(t, float))
+        w = self.distance + spoke
+        if order == 0:
+            return np.asarray(self.sense * np.angle(w))
+        first = turn * spoke / w
+        if order == 1:
+            return np.asarray(self.sense * first.imag)
+        second = -spoke / w - first**2
+        if order == 2:
+            return np.asarray(self.sense * second.imag)
+        third = -turn * spoke / w - 3 * first * second - first**3
+        return np.asarray(self.sense * third.imag)
+
+    def _corner(self, t: Any, order: int) -> Points:
+        """The corner of the hollow that the lock leaves as the drive begins, as the crank sees it, order 0..3, complex mm.
+
+        Beside the driving slot of an inner wheel, beside the one before of an outer wheel.
+        """
+        t = np.asarray(t, float)
+        ahead = self.sense * (self.pitch / 2 - self._corner_angle)
+        arm = self.sense * self.rim * np.exp(1j * (self.motion(t) + ahead - t))
+        axis = -self.sense * self.distance * np.exp(-1j * t)
+        return _seen(axis, arm, [self.motion(t, k) - (k == 1) for k in range(1, order + 1)])
+
+    def _relief(self, t: Any, order: int) -> Points:
+        """The lock's edge beside that path, on its left by the air."""
+        return _beside(self._corner, self.lock_air, t, order)
+
+    def _edge(self, hollow: Arc) -> list[Piece]:
+        """From the end of a slot on Ox to the mouth of the next one: along rim and hollow."""
+        width = self.pin + self.slot_air
+        return [
+            Line(self.slot_end + 1j * width, cmath.rect(self.rim, self._mouth)),
+            Arc(0j, self.rim, self._mouth, self.horn),
+            hollow,
+            Arc(0j, self.rim, self.pitch - self._mouth - self.horn, self.horn),
+        ]
+
 
 @dataclass(frozen=True)
 class Geneva(_Slotted):
     """A crank with one pin and a wheel outside of it."""
 
-    sense = -1  # in which the wheel turns as the crank turns on
+    sense = -1
 
     def __post_init__(self) -> None:
         slotted = self.slot_end * math.sin(self.pitch / 2) - self.slot_air
@@ -142,39 +200,9 @@ class Geneva(_Slotted):
             ).saying(said)
 
     @property
-    def half(self) -> float:
-        """Half of the crank's angle over which it drives, rad."""
-        return math.pi / 2 - self.pitch / 2
-
-    @property
-    def slot_end(self) -> float:
-        """From the wheel's axis to the middle of the slots' round ends, mm."""
-        return self.distance - self.crank - self.slot_air
-
-    @property
     def clear(self) -> float:
         """Radius of the lock's disc where the wheel's rim passes, mm."""
         return self.distance - self.rim - self.lock_air
-
-    @property
-    def speed(self) -> float:
-        """Greatest speed of the wheel over that of the crank."""
-        sine = math.sin(self.pitch / 2)
-        return sine / (1 - sine)
-
-    def motion(self, t: Any, order: int = 0) -> Floats:
-        """The wheel's angle from the middle of the drive while the pin drives, rad, or its derivatives, order 0..3."""
-        spoke = -self.crank * np.exp(-1j * np.asarray(t, float))
-        w = self.distance + spoke
-        if order == 0:
-            return np.asarray(-np.angle(w))
-        first = -1j * spoke / w
-        if order == 1:
-            return np.asarray(-first.imag)
-        second = -spoke / w - first**2
-        if order == 2:
-            return np.asarray(-second.imag)
-        return np.asarray(-(1j * spoke / w - 3 * first * second - first**3).imag)
 
     @property
     def held(self) -> tuple[tuple[float, float], ...]:
@@ -192,17 +220,11 @@ class Geneva(_Slotted):
         end = self.slot_end
         middle = cmath.rect(self.distance, self.pitch / 2)
         turn = self._hollow_half
-        one: list[Piece] = [
-            Arc(complex(end), width, -math.pi / 2, -math.pi),
-            Line(end + 1j * width, mouth),
-            Arc(0j, self.rim, self._mouth, self.horn),
-            Arc(middle, self.hollow, self.pitch / 2 + math.pi + turn, -2 * turn),
-            Arc(0j, self.rim, self.pitch - self._mouth - self.horn, self.horn),
-            Line(
-                mouth.conjugate() * cmath.exp(1j * self.pitch),
-                (end - 1j * width) * cmath.exp(1j * self.pitch),
-            ),
-        ]
+        hollow = Arc(middle, self.hollow, self.pitch / 2 + math.pi + turn, -2 * turn)
+        slot = Arc(complex(end), width, -math.pi / 2, -math.pi)
+        next_slot = cmath.exp(1j * self.pitch)
+        back = Line(mouth.conjugate() * next_slot, (end - 1j * width) * next_slot)
+        one = [slot, *self._edge(hollow), back]
         turns = [cmath.exp(1j * self.pitch * k) for k in range(self.stations)]
         return Contour(tuple(piece.moved(turn) for turn in turns for piece in one))
 
@@ -222,18 +244,6 @@ class Geneva(_Slotted):
             return (along.conjugate() * (end - complex(self._relief(t, 0)))).imag >= 0
 
         return halved(past, self._passing, self.half)
-
-    def _corner(self, t: Any, order: int) -> Points:
-        """The corner that comes in as the drive begins, as the crank sees it, order 0..3, complex mm."""
-        t = np.asarray(t, float)
-        behind = self.pitch / 2 - self._corner_angle
-        arm = -self.rim * np.exp(1j * (self.motion(t) - behind - t))
-        axis = self.distance * np.exp(-1j * t)
-        return _seen(axis, arm, [self.motion(t, k) - (k == 1) for k in range(1, order + 1)])
-
-    def _relief(self, t: Any, order: int) -> Points:
-        """The lock's edge beside that path, on its left by the air."""
-        return _beside(self._corner, self.lock_air, t, order)
 
     def lock_disc(self) -> Contour:
         """The lock's edge, counter-clockwise about the crank's axis, its pin on Ox; on the level of the wheel."""
@@ -255,7 +265,7 @@ class Geneva(_Slotted):
 class InnerGeneva(_Slotted):
     """A crank with one pin and a wheel round it."""
 
-    sense = 1  # in which the wheel turns as the crank turns on
+    sense = 1
 
     def __post_init__(self) -> None:
         self._check(self.crank - self.slot_air - self.wall - self.lock_air)
@@ -271,25 +281,9 @@ class InnerGeneva(_Slotted):
             )
 
     @property
-    def half(self) -> float:
-        """Half of the crank's angle over which it drives, rad."""
-        return math.pi / 2 + self.pitch / 2
-
-    @property
-    def slot_end(self) -> float:
-        """From the wheel's axis to the middle of the slots' round ends, mm."""
-        return self.distance + self.crank + self.slot_air
-
-    @property
     def reach(self) -> float:
         """Of the slots from the wheel's axis, mm."""
         return self.slot_end + self.pin + self.slot_air
-
-    @property
-    def speed(self) -> float:
-        """Greatest speed of the wheel over that of the crank."""
-        sine = math.sin(self.pitch / 2)
-        return sine / (1 + sine)
 
     @property
     def hollowed(self) -> float:
@@ -327,20 +321,6 @@ class InnerGeneva(_Slotted):
         begin = math.pi - _MIDDLE * self.dwell
         return (-drive, drive), (begin, math.tau - begin)
 
-    def motion(self, t: Any, order: int = 0) -> Floats:
-        """The wheel's angle from the middle of the drive while the pin drives, rad, or its derivatives, order 0..3."""
-        spoke = self.crank * np.exp(1j * np.asarray(t, float))
-        w = self.distance + spoke
-        if order == 0:
-            return np.asarray(np.angle(w))
-        first = 1j * spoke / w
-        if order == 1:
-            return np.asarray(first.imag)
-        second = -spoke / w - first**2
-        if order == 2:
-            return np.asarray(second.imag)
-        return np.asarray((-1j * spoke / w - 3 * first * second - first**3).imag)
-
     def wheel(self) -> Contour:
         """The edge of the wheel's opening, counter-clockwise about its axis, a slot on Ox."""
         width = self.pin + self.slot_air
@@ -348,29 +328,12 @@ class InnerGeneva(_Slotted):
         end = self.slot_end
         middle = cmath.rect(self.distance, self.pitch / 2)
         turn = math.pi - self._hollow_half
+        hollow = Arc(middle, self.hollow, self.pitch / 2 - turn, 2 * turn)
+        slot = Arc(complex(end), width, -math.pi / 2, math.pi)
+        one = [Line(mouth.conjugate(), end - 1j * width), slot, *self._edge(hollow)]
         next_slot = cmath.exp(1j * self.pitch)
-        one: list[Piece] = [
-            Line(mouth.conjugate(), end - 1j * width),
-            Arc(complex(end), width, -math.pi / 2, math.pi),
-            Line(end + 1j * width, mouth),
-            Arc(0j, self.rim, self._mouth, self.horn),
-            Arc(middle, self.hollow, self.pitch / 2 - turn, 2 * turn),
-            Arc(0j, self.rim, self.pitch - self._mouth - self.horn, self.horn),
-        ]
         turns = [next_slot**k for k in range(self.stations)]
         return Contour(tuple(piece.moved(turn) for turn in turns for piece in one))
-
-    def _corner(self, t: Any, order: int) -> Points:
-        """The corner between the driving slot and the hollow that the lock leaves, as the crank sees it, order 0..3, complex mm."""
-        t = np.asarray(t, float)
-        ahead = self.pitch / 2 - self._corner_angle
-        arm = self.rim * np.exp(1j * (self.motion(t) + ahead - t))
-        axis = -self.distance * np.exp(-1j * t)
-        return _seen(axis, arm, [self.motion(t, k) - (k == 1) for k in range(1, order + 1)])
-
-    def _relief(self, t: Any, order: int) -> Points:
-        """The lock's edge beside that path, on its left by the air."""
-        return _beside(self._corner, self.lock_air, t, order)
 
     @cached_property
     def _begin(self) -> float:
