@@ -104,7 +104,7 @@ def notes(layout: Layout) -> Iterator[str]:
     for mutilated in layout.mutilated_drives:
         law = mutilated.law
         pair = law.pair
-        links = mutilated.joint.cam, mutilated.joint.follower
+        links = mutilated.links
         sense = "counter-clockwise" if law.way > 0 else "clockwise"
         yield (
             f"Mutilated gears {mutilated.joint.name}: turn {links[0]} {sense} only. In each turn it takes {links[1]} on by "

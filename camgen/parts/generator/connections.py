@@ -29,6 +29,7 @@ from camgen.parts.generator.ratchets import RatchetDrive, RatchetWish
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.generator.webs import throws, webs, with_webs
 from camgen.parts.generator.wheels import (
+    EdgeDrive,
     PlateTip,
     Ridden,
     Roller,
@@ -341,16 +342,14 @@ class Connections:
         return joint
 
     @property
-    def pair_drives(self) -> Sequence[NoncircularDrive | MutilatedDrive | RatchetDrive]:
-        """Pairs of two plates on shafts that drive each other by their edges."""
-        return [*self.noncircular_drives, *self.mutilated_drives, *self.ratchet_drives]
-
-    @property
-    def edge_drives(
-        self,
-    ) -> Sequence[GenevaDrive | NoncircularDrive | MutilatedDrive | RatchetDrive]:
+    def edge_drives(self) -> Sequence[EdgeDrive]:
         """Pairs whose wheels drive each other by their edges."""
-        return [*self.geneva_drives, *self.pair_drives]
+        return [
+            *self.geneva_drives,
+            *self.noncircular_drives,
+            *self.mutilated_drives,
+            *self.ratchet_drives,
+        ]
 
     @cached_property
     def rollers(self) -> list[Roller]:

@@ -30,11 +30,9 @@ from camgen.parts.generator.dowels import (
 from camgen.parts.generator.gears import DowelledWheel, GearWheel
 from camgen.parts.generator.genevas import DowelledEdge, GenevaDrive
 from camgen.parts.generator.layout import GROUND, Layout, pivot_name
-from camgen.parts.generator.mutilated import MutilatedDrive
-from camgen.parts.generator.noncircular import NoncircularDrive
 from camgen.parts.generator.pins import MountedPart
-from camgen.parts.generator.ratchets import RatchetDrive
 from camgen.parts.generator.wheels import (
+    EdgeDrive,
     Roller,
     Tip,
     groove_rim,
@@ -256,49 +254,29 @@ def dowelled_parts(layout: Layout, dowelled: DowelledWheel | DowelledEdge) -> It
     yield from ((dowel, Mount(name, link, z, z=bottom)) for z in dowel_places(layout, dowelled))
 
 
-def geneva_parts(layout: Layout, drive: GenevaDrive) -> Iterator[MountedPart]:
-    """Wheel and disc of a Geneva drive, each on its link's shaft, and the roller."""
-    geneva = drive.geneva
-    sizes = (
-        f"{geneva.stations} slots {2 * (geneva.pin + geneva.slot_air):.3f} wide, middles of their round ends on R {geneva.slot_end:.3f}",
-        f"hollows R {geneva.hollow:.3f} about middles on R {geneva.distance:.3f}, rim circle {2 * geneva.rim:.3f}",
-        f"for a roller of {2 * geneva.pin:g}, axes {geneva.distance:.3f} apart",
-    )
-    slotted = drive.part_on(drive.joint.follower)
-    for part, mount in [*_geneva_wheels(layout, drive), roller_part(layout, drive.roller)]:
-        rows = sizes if part.name == slotted else ()
-        yield replace(part, notes=(*part.notes, *rows)), mount
-
-
-def _geneva_wheels(layout: Layout, drive: GenevaDrive) -> Iterator[MountedPart]:
-    """Wheel and lock of a Geneva drive, with the dowels of those that have some."""
-    if not drive.inner:
-        links = drive.joint.cam, drive.joint.follower
-        for link, edge in zip(links, drive.edges(layout.machine), strict=True):
+def edge_parts(layout: Layout, drive: EdgeDrive) -> Iterator[MountedPart]:
+    """What drives and what is driven by its edge, each on its link's shaft; of a Geneva drive the roller too."""
+    if isinstance(drive, GenevaDrive) and drive.inner:
+        yield from _inner_geneva(layout, drive)
+    else:
+        for link, edge in zip(drive.links, drive.edges(layout.machine), strict=True):
             yield _on_shaft(layout, link, drive, edge)
-        return
+    if isinstance(drive, GenevaDrive):
+        yield roller_part(layout, drive.roller)
+
+
+def _inner_geneva(layout: Layout, drive: GenevaDrive) -> Iterator[MountedPart]:
+    """Wheel and lock of an inner Geneva drive, with their dowels."""
     ours = {drive.lock, drive.slotted}
+    slotted = drive.joint.follower
     with naming(drive.thing, drive.remedy):
         for each in (each for each in layout.dowelled if each.wheel in ours):
-            yield from dowelled_parts(layout, each)
+            for part, mount in dowelled_parts(layout, each):
+                rows = drive.table(slotted) if part.name == drive.part_on(slotted) else ()
+                yield replace(part, notes=(*part.notes, *rows)), mount
 
 
-def pair_parts(
-    layout: Layout, drive: NoncircularDrive | MutilatedDrive | RatchetDrive
-) -> Iterator[MountedPart]:
-    """Both wheels of a pair, or a ratchet's wheel and pawl, each on its link's shaft."""
-    links = drive.joint.cam, drive.joint.follower
-    for link, edge in zip(links, drive.edges(layout.machine), strict=True):
-        part, mount = _on_shaft(layout, link, drive, edge)
-        yield replace(part, notes=(*part.notes, *drive.table(link))), mount
-
-
-def _on_shaft(
-    layout: Layout,
-    link: str,
-    drive: GenevaDrive | NoncircularDrive | MutilatedDrive | RatchetDrive,
-    edge: Contour,
-) -> MountedPart:
+def _on_shaft(layout: Layout, link: str, drive: EdgeDrive, edge: Contour) -> MountedPart:
     """A plate on the shaft of one of its links."""
     wheel = next(each for each in drive.wheels if each.link == link)
     name = drive.part_on(link)
@@ -309,7 +287,11 @@ def _on_shaft(
     with naming(drive.thing, drive.remedy):
         region = plate(wheel.about, edge, {"bore": bore}, layout.min_wall)
     level = layout.level[drive.level]
-    notes = f"drawn at theta = 0, level {level}", f"pressed and glued on the shaft of {link}"
+    notes = (
+        f"drawn at theta = 0, level {level}",
+        f"pressed and glued on the shaft of {link}",
+        *drive.table(link),
+    )
     thick = layout.wheel_thickness(link)
     part = Part(
         name,

@@ -15,7 +15,7 @@ import numpy as np
 
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
-from camgen.parts.generator.wheels import EdgeDrive, Roller, Wheel, pivot
+from camgen.parts.generator.wheels import EdgeDrive, Roller, Wheel
 from camgen.parts.wheels.geneva import Geneva, InnerGeneva
 
 
@@ -40,9 +40,7 @@ class GenevaDrive(EdgeDrive):
     geneva: Geneva | InnerGeneva
     point: str  # of the crank, where its roller is
     kind = "geneva"
-    remedy = (
-        "put the shafts further apart, or use a smaller pin_radius"  # where a wheel has no room
-    )
+    remedy = "put the shafts further apart, or use a smaller pin_radius"
 
     def part_on(self, link: str) -> str:
         """Name of the part on the shaft of one of its links: the slotted wheel, or the disc that locks it."""
@@ -114,11 +112,21 @@ class GenevaDrive(EdgeDrive):
         pin, slot = self._directions(machine)
         return self.geneva.lock_disc().moved(pin), self.geneva.wheel().moved(slot)
 
+    def table(self, link: str) -> tuple[str, ...]:
+        """Data of the slotted wheel as a workshop reads them beside its drawing; the lock has none."""
+        if link == self.joint.cam:
+            return ()
+        geneva = self.geneva
+        return (
+            f"{geneva.stations} slots {2 * (geneva.pin + geneva.slot_air):.3f} wide, middles of their round ends on R {geneva.slot_end:.3f}",
+            f"hollows R {geneva.hollow:.3f} about middles on R {geneva.distance:.3f}, rim circle {2 * geneva.rim:.3f}",
+            f"for a roller of {2 * geneva.pin:g}, axes {geneva.distance:.3f} apart",
+        )
+
     def _directions(self, machine: m.Machine) -> tuple[complex, complex]:
         """Where the pin is from the crank's axis, and the slot that it drives from the wheel's, unit complex, as drawn."""
         joint = self.joint
-        axes = [pivot(machine, link)[1] for link in (joint.cam, joint.follower)]
-        line = (axes[0] - axes[1]) / abs(axes[1] - axes[0])  # from the wheel to the crank
+        line = -self.line(machine)  # from the wheel to the crank
         angle = float(machine.start_of(joint.cam).angle) - joint.phase
         slot = line * cmath.exp(1j * float(joint.law(np.array(angle), 0)))
         return self.geneva.sense * line * cmath.exp(1j * angle), slot

@@ -43,7 +43,7 @@ from camgen.parts.generator.plates import SECOND
 from camgen.parts.generator.ratchets import RatchetDrive
 from camgen.parts.generator.second_plate import far_hole
 from camgen.parts.generator.stubs import in_upper
-from camgen.parts.generator.wheels import PlateTip, Tip, pivot
+from camgen.parts.generator.wheels import EdgeDrive, PlateTip, Tip, pivot
 
 
 def part_name(link: str) -> str:
@@ -74,11 +74,7 @@ def part_of(layout: Layout, link: str) -> str:
     level = layout.alone.get(link)
     parts = {tip.level: f"cam-{tip.name}{'-inner' * tip.grooved}" for tip in layout.tips}
     parts |= {each.level: each.part for each in layout.gear_wheels if each.link == link}
-    parts |= {
-        each.level: each.part_on(link)
-        for each in layout.edge_drives
-        if link in (each.joint.cam, each.joint.follower)
-    }
+    parts |= {each.level: each.part_on(link) for each in layout.edge_drives if link in each.links}
     return part_name(link) if level is None else parts[level]
 
 
@@ -320,7 +316,7 @@ def _geneva(layout: Layout, drive: GenevaDrive) -> EngagedPair:
     """What a Geneva drive is judged on."""
     hole = layout.turning(drive.point) + layout.fits.slide_clearance
     geneva = drive.geneva
-    parts = [drive.part_on(link) for link in (drive.joint.cam, drive.joint.follower)]
+    parts = [drive.part_on(link) for link in drive.links]
     lock, slotted = (_edge(layout, part) for part in parts)
     if drive.inner:  # both about the middle of their drawings: they have no bore
         lock, slotted = (Edge(part, Eye(part, 0j, 0.0)) for part in parts)
@@ -343,47 +339,24 @@ def _geneva(layout: Layout, drive: GenevaDrive) -> EngagedPair:
 
 def _noncircular(layout: Layout, drive: NoncircularDrive) -> EngagedPair:
     """What a pair of wheels that are not round is judged on."""
-    links = drive.joint.cam, drive.joint.follower
-    a, b = ((_edge(layout, drive.part_on(link)),) for link in links)
-    turns, swings = (pivot_of(layout, link) for link in links)
     pair = drive.pair
     period = math.tau * pair.turns
-    return EngagedPair(drive.joint.name, a, b, turns, swings, pair.air, ((0.0, math.tau),), period)
+    return EngagedPair(*_both_edges(layout, drive), pair.air, ((0.0, math.tau),), period)
 
 
 def _mutilated(layout: Layout, drive: MutilatedDrive) -> EngagedPair:
     """What mutilated gears are judged on."""
-    links = drive.joint.cam, drive.joint.follower
-    a, b = ((_edge(layout, drive.part_on(link)),) for link in links)
-    turns, swings = (pivot_of(layout, link) for link in links)
-    pair = drive.law.pair
-    period = math.tau * pair.stations
     law = drive.law
-    return EngagedPair(
-        drive.joint.name,
-        a,
-        b,
-        turns,
-        swings,
-        pair.free,
-        law.held,
-        period,
-        pushed=(law.drives,),
-    )
+    period = math.tau * law.pair.stations
+    edges = _both_edges(layout, drive)
+    return EngagedPair(*edges, law.pair.free, law.held, period, pushed=(law.drives,))
 
 
 def _ratchet(layout: Layout, drive: RatchetDrive) -> PawlPair:
     """What a ratchet is judged on."""
-    links = drive.joint.cam, drive.joint.follower
-    a, b = ((_edge(layout, drive.part_on(link)),) for link in links)
-    turns, swings = (pivot_of(layout, link) for link in links)
     pawl = drive.pawl
     return PawlPair(
-        drive.joint.name,
-        a,
-        b,
-        turns,
-        swings,
+        *_both_edges(layout, drive),
         passes=drive.wish.law.way,
         teeth=pawl.wheel.teeth,
         first=drive.first_tip(layout.machine),
@@ -391,6 +364,13 @@ def _ratchet(layout: Layout, drive: RatchetDrive) -> PawlPair:
         lost=pawl.dropping,
         friction=drive.wish.friction,
     )
+
+
+def _both_edges(layout: Layout, drive: EdgeDrive) -> tuple[str, tuple[Edge], tuple[Edge], str, str]:
+    """The joint of a drive, the edges of both its parts, and the pins on which they turn."""
+    a, b = (_edge(layout, drive.part_on(link)) for link in drive.links)
+    turns, swings = (pivot_of(layout, link) for link in drive.links)
+    return drive.joint.name, (a,), (b,), turns, swings
 
 
 def _edge(layout: Layout, part: str) -> Edge:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
-from camgen.parts.generator.wheels import EdgeDrive, Wheel, pivot
+from camgen.parts.generator.wheels import EdgeDrive, Wheel
 from camgen.parts.wheels.mutilated import MutilatedLaw
 
 
@@ -17,7 +17,7 @@ class MutilatedDrive(EdgeDrive):
 
     law: MutilatedLaw
     kind = "mutilated"
-    remedy = "put the shafts further apart, or use more teeth"  # where a wheel has no room
+    remedy = "put the shafts further apart, or use more teeth"
 
     @property
     def wheels(self) -> tuple[Wheel, Wheel]:
@@ -31,8 +31,7 @@ class MutilatedDrive(EdgeDrive):
 
     def edges(self, machine: m.Machine) -> tuple[Contour, Contour]:
         """Of both wheels about their axes, as drawn at theta = 0; mirrored where the driver turns clockwise."""
-        axes = [pivot(machine, link)[1] for link in (self.joint.cam, self.joint.follower)]
-        line = (axes[1] - axes[0]) / abs(axes[1] - axes[0])
+        line = self.line(machine)
         pair = self.law.pair
         mirrored = self.law.way < 0
         driver, wheel = (

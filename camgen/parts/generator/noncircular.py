@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.numerics import Floats, Points
-from camgen.parts.generator.wheels import EdgeDrive, Wheel, pivot
+from camgen.parts.generator.wheels import EdgeDrive, Wheel
 from camgen.parts.wheels.noncircular import NoncircularPair
 
 
@@ -18,7 +18,7 @@ class NoncircularDrive(EdgeDrive):
 
     pair: NoncircularPair
     kind = "noncircular"
-    remedy = "put the shafts further apart, or use more teeth"  # where a wheel has no room
+    remedy = "put the shafts further apart, or use more teeth"
 
     @property
     def wheels(self) -> tuple[Wheel, Wheel]:
@@ -33,8 +33,7 @@ class NoncircularDrive(EdgeDrive):
 
     def edges(self, machine: m.Machine) -> tuple[Contour, Contour]:
         """Of both wheels about their axes, as drawn at theta = 0."""
-        axes = [pivot(machine, link)[1] for link in (self.joint.cam, self.joint.follower)]
-        line = (axes[1] - axes[0]) / abs(axes[1] - axes[0])
+        line = self.line(machine)
         return self.pair.driver.moved(line), self.pair.driven.moved(line)
 
     def curves(self, t: Floats) -> list[tuple[str, Points]]:

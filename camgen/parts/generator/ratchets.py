@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
-from camgen.parts.generator.wheels import EdgeDrive, Wheel, pivot
+from camgen.parts.generator.wheels import EdgeDrive, Wheel
 from camgen.parts.wheels.ratchet import Pawl, PawlLaw
 
 
@@ -27,7 +27,7 @@ class RatchetDrive(EdgeDrive):
     wish: RatchetWish
     hub: float
     kind = "ratchet"
-    remedy = "use a greater radius, or a smaller depth"  # where a wheel has no room
+    remedy = "use a greater radius, or a smaller depth"
 
     @property
     def pawl(self) -> Pawl:
@@ -55,10 +55,8 @@ class RatchetDrive(EdgeDrive):
 
     def _frame(self, machine: m.Machine) -> complex:
         """From the axes of a wheel that passes counter-clockwise to the ground's, unit complex."""
-        axes = [pivot(machine, link)[1] for link in (self.joint.cam, self.joint.follower)]
-        line = (axes[1] - axes[0]) / abs(axes[1] - axes[0])
         there = self.pawl.pivot / abs(self.pawl.pivot)
-        return line / (there if self.wish.law.way > 0 else there.conjugate())
+        return self.line(machine) / (there if self.wish.law.way > 0 else there.conjugate())
 
     def first_tip(self, machine: m.Machine) -> float:
         """Where a tip points as drawn at theta = 0, rad."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -554,11 +555,35 @@ def naming(thing: str, remedy: str = "") -> Iterator[None]:
 
 
 @dataclass(frozen=True)
-class EdgeDrive:
+class EdgeDrive(ABC):
     """Two parts of a machine, on their links' shafts and on one level, of which one drives the other by its edge."""
 
     joint: m.Cam
     kind: ClassVar[str]  # its table in a spec
+    remedy: ClassVar[str]  # where one of both has no room
+
+    @property
+    def links(self) -> tuple[str, str]:
+        """What drives and what is driven."""
+        return self.joint.cam, self.joint.follower
+
+    def line(self, machine: m.Machine) -> complex:
+        """From the axis of what drives to that of what is driven, on the ground as drawn, unit complex."""
+        a, b = (pivot(machine, link)[1] for link in self.links)
+        return (b - a) / abs(b - a)
+
+    @property
+    @abstractmethod
+    def wheels(self) -> Sequence[Wheel]:
+        """Both on their shafts; none of those that dowels hold."""
+
+    @abstractmethod
+    def edges(self, machine: m.Machine) -> tuple[Contour, Contour]:
+        """Of both about their axes, as drawn at theta = 0."""
+
+    @abstractmethod
+    def table(self, link: str) -> tuple[str, ...]:
+        """Data of one of both as a workshop reads them beside its drawing."""
 
     @property
     def level(self) -> str:
