@@ -60,6 +60,16 @@ class SlowWalk:
         return -float(np.sum(back)), -float(np.sum(ahead))
 
     @property
+    def rubbing(self) -> Floats:
+        """What a friction of 1 does along the floor on both feet that bear, (2, n), as a share of the weight.
+
+        On the foot that slips against its motion, on the other one as much the other way.
+        """
+        moves = self._moves[:, np.r_[: self._moves.shape[1], 0]]  # the last row is the first one
+        first = np.sign(moves[1] - moves[0]) * np.min(self.shares, axis=0)
+        return np.stack([first, -first])
+
+    @property
     def slip(self) -> float:
         """Of the foot that does not stick, in a turn, mm, by its share of the load: times weight and friction it is work."""
         slips = np.abs(self._moves[0] - self._moves[1])

@@ -34,7 +34,7 @@ from camgen.machines.free_play import ANGLES, of_pins, pins_alone
 from camgen.machines.loads.applied import efforts
 from camgen.machines.loads.rubbing import with_friction
 from camgen.machines.loads.tables import LimitsTable, Weight
-from camgen.machines.loads.weights import with_gravity, with_masses
+from camgen.machines.loads.weights import Masses, with_gravity, with_masses
 from camgen.machines.spec_files import with_tables
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, Cycle, Process, tips
@@ -142,12 +142,16 @@ class Mechanism(Spec, ABC):
             raise SpecError([Fault(("order",), str(order), "0, 1 or 2")], "machine.solve")
         return solve(self._whole, _finite(theta, "machine.solve"), order, self._weighed_machine)
 
+    def weighed(self, model: Machine) -> Masses:
+        """A model of it with the masses of its solids and with gravity where [load] has it, as its loads are judged."""
+        return with_masses(model, self.assembly.solids, self.load)
+
     def _weighed_machine(self) -> Machine:
         """The model with all that it bears: loads, springs and gravity of the spec, masses of its solids, friction in its joints.
 
         DesignError where a linkage's solids cannot be made.
         """
-        machine = with_masses(self.model, self.assembly.solids, self.load).machine
+        machine = self.weighed(self.model).machine
         return with_friction(machine, self.assembly.journals, self.load, self.material.name)
 
     @property

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import json
+import math
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from camgen.errors import SpecError
+from camgen.machine.model import GROUND, Gravity, Pin
+from camgen.machine.run import solve
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.pipeline import build as pipeline
 
@@ -60,3 +65,46 @@ def test_freight_beyond_its_feet_makes_it_fall() -> None:
     study = walker(FEET, "walk.payload_g=1000", "walk.payload_at=[400, 0]").study()
     assert "walk_falls_at_deg" in study.numbers and "walk_way_mm" not in study.numbers
     assert any("falls" in note for note in study.notes)
+
+
+@pytest.mark.parametrize("frictions", ["[0.6]", "[1.0, 0.6, 0.3]"])
+def test_its_drive_gives_what_the_slipping_feet_take(frictions: str) -> None:
+    """Over a turn, without friction of joints: weight and inertia give back what they take, so that the work is that of the slip.
+
+    By another route: constraints of the joints here, distances along the floor there. It slips at the middle friction.
+    """
+    one = walker(FEET, "walk.payload_g=400", f"walk.friction={frictions}")
+    theta = np.linspace(0, math.tau, 1441)
+    forces = solve(one.weighed(one.model).machine, theta).forces()
+    work = sum(np.trapezoid(torque, theta) for torque in forces.drives.values())
+    numbers = one.study().numbers
+    slip = numbers["walk_slip_work_greatest_j"] / max(json.loads(frictions))
+    assert work == pytest.approx(0.6 * slip, rel=0.01)
+
+
+def test_its_pins_bear_the_weight_on_the_feet_that_stand() -> None:
+    """The reactions of what hangs on the ground add up to all weight but that of the frame and its freight, which is no body."""
+    one = walker(FEET, "walk.payload_g=400", "drive.speed_rpm=0.01", "walk.friction=[0.3]")
+    machine = one.weighed(one.model).machine
+    theta = np.linspace(0, math.tau, 181)
+    forces = solve(machine, theta).forces()
+    own = one.assembly.solids.body(machine.body(GROUND)).mass + 0.4
+    joints = [
+        each
+        for each in machine.joints
+        if isinstance(each, Pin) and GROUND in (each.a.body, each.b.body)
+    ]
+    borne = sum(
+        forces.reactions[each.name] * (1 if each.b.body == GROUND else -1) for each in joints
+    )
+    np.testing.assert_allclose(np.abs(borne.imag), own * 9.80665, rtol=2e-3)
+    asked = walker(FEET, "load.gravity_deg=-90")
+    weights = [
+        each for each in asked.weighed(asked.model).machine.loads if isinstance(each, Gravity)
+    ]
+    assert len(weights) == 1
+
+
+def test_one_that_falls_is_told_and_bears_nothing() -> None:
+    fallen = walker(FEET, "walk.payload_g=1000", "walk.payload_at=[400, 0]")
+    assert not fallen.weighed(fallen.model).machine.loads

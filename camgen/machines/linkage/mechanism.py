@@ -36,7 +36,6 @@ from camgen.machines.linkage import (
     walking,
 )
 from camgen.machines.linkage import springs as coils
-from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.assembling import (
     arm_stiffness,
     balance,
@@ -49,7 +48,7 @@ from camgen.machines.linkage.spec import LinkageSpec
 from camgen.machines.loads.bearing import LoadCheck
 from camgen.machines.loads.counterweights import found_moment
 from camgen.machines.loads.lift_off import by_force, lift_off, restitution_of
-from camgen.machines.loads.weights import gravity, with_masses
+from camgen.machines.loads.weights import PULL, Masses, gravity, with_masses
 from camgen.machines.mechanism import Remarks
 from camgen.parts import assembly as assemblies
 from camgen.parts.assembly import Assembly, Feet, FollowerFacts, Frame, MotorSeat
@@ -376,7 +375,7 @@ class Linkage(LinkageSpec):
         if self._pressed.figures:
             own = together([own, Study(Figures(self._pressed.figures))])
         if self.walk is not None:
-            own = together([own, self._walk(self.walk)])
+            own = together([own, walking.study(self._standing)])
         if (pen := self.pen) is not None:
             own = together([own, Study(plots=Later(lambda: [pens.reach_of(self.chain, pen)]))])
         if not self.includes:
@@ -385,13 +384,26 @@ class Linkage(LinkageSpec):
         timing = figures.timing(whole, self.drive.link)
         return together([own, *map(inc.study, self.modules), timing])
 
-    def _walk(self, walk: t.Walk) -> Study:
-        """How it walks if it goes slowly, on the feet of both sides."""
+    @cached_property
+    def _standing(self) -> walking.Standing | None:
+        """How it stands on the feet of both sides, if it walks."""
+        if self.walk is None:
+            return None
         solids = self.assembly.solids
         machine = with_masses(self.assembly.exact, solids, self.load).machine
-        far = {f"{FAR}_{foot}" for foot in walk.feet}
-        feet = [*walk.feet, *(each.name for each in machine.outputs if each.name in far)]
-        return walking.study(machine, solids, walk, feet, self.down)
+        far = {f"{FAR}_{foot}" for foot in self.walk.feet}
+        feet = [*self.walk.feet, *(each.name for each in machine.outputs if each.name in far)]
+        return walking.standing(machine, solids, self.walk, feet, self.down)
+
+    def weighed(self, model: m.Machine) -> Masses:
+        """The model with its masses; one that walks has its weight too, and stands on the floor."""
+        masses = super().weighed(model)
+        floor = () if self._standing is None else self._standing.floor
+        if not floor:
+            return masses
+        weight = () if gravity(self.load) else (m.Gravity(PULL * self.down),)
+        machine = replace(masses.machine, loads=(*masses.machine.loads, *weight, *floor))
+        return replace(masses, machine=machine)
 
     @property
     def _made(self) -> figures.Build | None:

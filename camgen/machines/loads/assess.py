@@ -22,7 +22,7 @@ from camgen.machines.loads.pins import overstated
 from camgen.machines.loads.rubbing import locking_friction, with_friction
 from camgen.machines.loads.running import running
 from camgen.machines.loads.tables import Drives
-from camgen.machines.loads.weights import Masses, with_masses
+from camgen.machines.loads.weights import Masses
 from camgen.numerics import Floats, peak
 from camgen.parts.assembly import Assembly
 from camgen.parts.springs import WIRES
@@ -57,7 +57,7 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
     if not model.drives:
         return Assessment()
     assembly = mechanism.assembly
-    masses = with_masses(model, assembly.solids, mechanism.load)
+    masses = mechanism.weighed(model)
     motor = getattr(mechanism, "motor", None)
     motor = motor if isinstance(motor, Drives) else None
     reach = drive.reach(motor, assembly.motor)
