@@ -33,8 +33,10 @@ FEET = 'walk.feet=["foot1", "foot2", "foot3", "foot4"]'
 
 @pytest.fixture(scope="module")
 def machine() -> Any:
+    """The prototype's crank pins are printed."""
     spec = ROOT / "specs" / "four-leg-walker.toml"
-    return read_mechanism(spec, [FEET, "walk.payload_g=40"]).resolved()
+    printed = "parts.shaft_made=printed"
+    return read_mechanism(spec, [FEET, "walk.payload_g=40", printed]).resolved()
 
 
 @pytest.fixture(scope="module")
