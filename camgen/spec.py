@@ -520,8 +520,8 @@ class Spec(Checked):
     name: Annotated[
         str,
         text_of_form(
-            "a name of small letters a-z, digits and single hyphens between them, at most 60",
-            r"^[a-z0-9]+(-[a-z0-9]+)*$",
+            "a name of small letters a-z, digits and hyphens, at most 60",
+            r"^[a-z0-9-]+$",
             60,
         ),
         AfterValidator(_no_device),

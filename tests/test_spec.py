@@ -187,9 +187,7 @@ def test_faults_inside_lists_and_unions() -> None:
     assert faults(box() | {"segment": 3})["segment"].value == "3"
 
 
-@pytest.mark.parametrize(
-    "name", ["a/b", "..", "a.b", "A", "a b", "", "-a", "a--b", "a_b", "ä", "a\n", "x" * 61]
-)
+@pytest.mark.parametrize("name", ["a/b", "..", "a.b", "A", "a b", "", "a_b", "ä", "a\n", "x" * 61])
 def test_name_that_is_no_folder_name(name: str) -> None:
     fault = faults(box() | {"name": name})["name"]
     assert "a-z" in fault.expected and "hyphens" in fault.expected and fault.value
@@ -200,7 +198,9 @@ def test_name_that_windows_keeps_for_a_device(name: str) -> None:
     assert "Windows" in faults(box() | {"name": name})["name"].expected
 
 
-@pytest.mark.parametrize("name", ["a", "9", "a-b-c", "cam2", "x" * 60, "con-rod", "com10"])
+@pytest.mark.parametrize(
+    "name", ["a", "9", "a-b-c", "a--b", "-a", "a-", "cam2", "x" * 60, "con-rod", "com10"]
+)
 def test_name_that_is_one(name: str) -> None:
     assert validate(Box, box() | {"name": name}).name == name
 

@@ -203,7 +203,11 @@ def written(request: Request) -> str:
 
     where = (request.source, request.folder)
     *_, goal = request.checked(lambda: changed(request.rest, *where), keys)
-    settings = Search(request.rest, *where, goal, request.say).run()
+    limits = _limits(request, goal)
+    limited = request.rest
+    for setting in limits:
+        limited = override(limited, setting)
+    settings = [*limits, *Search(limited, *where, goal, request.say).run()]
     if request.text is not None:
         text = with_tables(edited(request.text, settings), {}, ["wanted"])
         return text.replace("\n", request.ends)
@@ -211,6 +215,49 @@ def written(request: Request) -> str:
     for setting in settings:
         rest = override(rest, setting)
     return dump(changed(rest, *where))
+
+
+def _limits(request: Request, goal: KeyWish) -> list[str]:
+    """What a wish bears, as settings of the spec's own limits, KEY=VALUE; SpecError where the spec has none of them."""
+    outputs = request.rest.get("output", [])
+    targets = [
+        f"output.{k}.{name}.tolerance"
+        for k, output in enumerate(outputs if isinstance(outputs, list) else [])
+        for name, target in output.items()
+        if isinstance(target, Mapping)
+    ]
+    play = [key for key in ("limits.lash", "limits.lash_deg") if _has(request, f"{key}=1")][:1]
+    angle = "limits.transmission_angle_deg"
+    bounds = (
+        ("tolerance", goal.tolerance, targets, "target in [[output]]"),
+        ("lash", goal.lash, play, "limits.lash"),
+        (
+            "transmission_deg",
+            goal.transmission_deg,
+            [angle] if _has(request, f"{angle}=1") else [],
+            angle,
+        ),
+    )
+    settings = []
+    faults = []
+    for key, value, places, lacks in bounds:
+        if value is None:
+            continue
+        settings += [f"{place}={value!r}" for place in places]
+        if not places:
+            faults.append(Fault(("wanted", key), f"{value:g}", f"nothing: the spec has no {lacks}"))
+    if faults:
+        raise SpecError(faults, request.source)
+    return settings
+
+
+def _has(request: Request, setting: str) -> bool:
+    """Whether a machine has a key."""
+    try:
+        changed(request.rest, request.source, request.folder, [setting])
+    except SpecError as error:
+        return not any(fault.unknown for fault in error.faults)
+    return True
 
 
 def _beyond(request: Request, key: str, ends: Sequence[float | str]) -> list[Fault]:

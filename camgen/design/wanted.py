@@ -320,6 +320,16 @@ class KeyWish(Wish):
     figures: dict[str, Bounds] = Field(
         {}, description="figures that must lie between a least and a greatest value"
     )
+    tolerance: Length | None = Field(
+        None,
+        description="mm or deg, how far outputs may be off: the tolerance of every target of [[output]]",
+    )
+    lash: Length | None = Field(
+        None, description="mm or deg, greatest free play: limits.lash, or limits.lash_deg"
+    )
+    transmission_deg: Annotated[float, Field(ge=0, le=60)] | None = Field(
+        None, description="deg, least transmission angle: limits.transmission_angle_deg"
+    )
     effort: Annotated[int, Field(ge=1, le=50)] = Field(
         1, description="how many designs are tried: some ninety for each key, times this"
     )

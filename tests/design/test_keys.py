@@ -89,6 +89,33 @@ def test_the_least_cam_holds_its_hub() -> None:
     assert 45 < found["geometry"]["base_radius"] < 46
 
 
+LINKAGE = Path(__file__).resolve().parents[2] / "specs" / "linkage.toml"
+
+
+def test_play_that_a_wish_bears_is_a_limit_of_the_spec() -> None:
+    """limits.lash is the wish's: what has more play fails, and what is found says it."""
+    cam = tomllib.loads(CAM)
+    cam["geometry"]["closure"] = "groove"
+    cam["wanted"] = {"vary": {"geometry.base_radius": [40, 41]}, "least": "geometry.base_radius"}
+    cam["wanted"]["lash"] = 0.25
+    assert tomllib.loads(design(cam))["limits"]["lash"] == 0.25
+    cam["wanted"]["lash"] = 0.05
+    with pytest.raises(DesignError, match="LASH"):
+        design(cam)
+
+
+def test_a_wish_s_transmission_angle_and_tolerance_are_those_of_the_spec() -> None:
+    crank = tomllib.loads(LINKAGE.read_text(encoding="utf-8"))
+    crank["output"] = [
+        {"name": "swing", "link": "rocker", "stroke": {"value": 90, "tolerance": 0.1}}
+    ]
+    crank["wanted"] = {"vary": {"lengths.A-B": [60, 60.01]}, "least": "lengths.A-B"}
+    crank["wanted"] |= {"tolerance": 170.0, "transmission_deg": 5.0}
+    found = tomllib.loads(design(crank))
+    assert found["limits"]["transmission_angle_deg"] == 5.0
+    assert found["output"][0]["stroke"]["tolerance"] == 170.0
+
+
 def test_what_cannot_be_is_told_with_the_nearest() -> None:
     with pytest.raises(
         DesignError, match=r"none of \d+ designs keeps every limit; the nearest one"
@@ -127,6 +154,18 @@ def test_what_cannot_be_is_told_with_the_nearest() -> None:
         ({"path": [[0, 0], [1, 1], [2, 0]]}, '"linkage", for a path'),
         ({"path": "none.csv", "bars": 5}, "wanted.bars"),
         ({}, "wanted"),
+        (
+            {"vary": {"geometry.base_radius": [20, 30]}, "least": "stroke_mm", "tolerance": 1},
+            "wanted.tolerance: 1 - expected nothing: the spec has no target in [[output]]",
+        ),
+        (
+            {
+                "vary": {"geometry.base_radius": [20, 30]},
+                "least": "stroke_mm",
+                "transmission_deg": 9,
+            },
+            "the spec has no limits.transmission_angle_deg",
+        ),
     ],
 )
 def test_faults_of_a_wish_are_told(wanted: dict[str, Any], said: str) -> None:
