@@ -294,7 +294,10 @@ def _plates(report: Report) -> str:
         cards.append(
             _card(f"Plate {k + 1}", copies, [_link(report, plate.file, "3MF")], f"plate-{k}", True)
         )
-    return _cards(cards)
+    count = len(cards)
+    these = f"these {count} plates: they hold" if count > 1 else "this plate: it holds"
+    said = f"<p>Print {these} every part. The files of single parts are for one that you print again.</p>"
+    return said + _cards(cards) if cards else ""
 
 
 def _sheets(report: Report) -> str:

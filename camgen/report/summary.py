@@ -189,7 +189,7 @@ def _print_time(report: Report) -> str:
     if whole <= _NOTHING:
         return ""
     of_stand = f"; the stand takes {stand:.2g} h of it, and can be cut from sheet instead"
-    return f" (about {whole:.2g} h{of_stand if stand > whole / 2 else ''})"
+    return f" (all parts, about {whole:.2g} h{of_stand if stand > whole / 2 else ''})"
 
 
 def _steps(name: str, files: Mapping[str, str], time: str) -> Iterator[FileStep]:

@@ -156,6 +156,23 @@ def test_parts_plates_and_steps_have_their_files_and_their_views(page: str) -> N
     assert links.count("demo-cam-drawing.pdf") == 1 and EVIL not in page
 
 
+@pytest.mark.parametrize(
+    ("count", "said"),
+    [
+        (1, "Print this plate: it holds every part."),
+        (3, "Print these 3 plates: they hold every part."),
+    ],
+)
+def test_what_to_print_is_told_over_the_plates(count: int, said: str) -> None:
+    report = solid()
+    assert report.scene is not None
+    plates = [Plate(f"demo-plate-{k}.3mf", []) for k in range(count)]
+    text = " ".join(
+        Page(to_html(replace(report, scene=replace(report.scene, plates=plates)))).text().split()
+    )
+    assert said in text and "single parts are for one that you print again" in text
+
+
 def test_what_fails_is_said_first_and_what_to_change() -> None:
     report = replace(
         made_up(),

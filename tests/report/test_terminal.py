@@ -258,9 +258,12 @@ def test_too_long_a_list_is_told_its_limit(run: object, root: Path, tmp_path: Pa
 @pytest.mark.parametrize(
     ("stand", "told"),
     [
-        (None, " (about 4.9 h)"),
-        (1.0, " (about 4.9 h)"),
-        (3.2, " (about 4.9 h; the stand takes 3.2 h of it, and can be cut from sheet instead)"),
+        (None, " (all parts, about 4.9 h)"),
+        (1.0, " (all parts, about 4.9 h)"),
+        (
+            3.2,
+            " (all parts, about 4.9 h; the stand takes 3.2 h of it, and can be cut from sheet instead)",
+        ),
     ],
 )
 def test_a_stand_that_takes_most_of_the_printing_is_told(
