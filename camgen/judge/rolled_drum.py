@@ -22,6 +22,7 @@ from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.mesh import Mesh
 from camgen.judge.follower_table import Point
 from camgen.judge.rolled_solid import SolidRoller, Wall, crossed, limits, walls
+from camgen.machine.features import DrumTrack
 from camgen.numerics import Floats, low_passed
 from camgen.spec import Checked, Coordinate, Length
 
@@ -108,6 +109,29 @@ class RollerTable(Checked):
     def unit(self) -> tuple[str, float]:
         """What people read the follower's place in, and how many of it one has."""
         return ("mm", 1.0) if self.arm is None else ("deg", math.degrees(1))
+
+
+def roller_table(track: DrumTrack, tolerance: float, middle: float | None = None) -> RollerTable:
+    """What `camgen motion` would be told of a drum's roller; middle: of its motion, mm or rad, where a wrong file may have several
+    tracks."""
+    radius, length, inner, cone = track.roller
+    arm = track.arm or (None, 0.0, 0.0)
+    height = middle
+    if track.arm is not None and middle is not None:
+        height = track.arm[2] + track.arm[0] * math.sin(middle)
+    return RollerTable(
+        radius=radius,
+        length=length,
+        inner=inner,
+        cone_deg=cone,
+        track=track.track,
+        distance=track.distance,
+        offset=None if track.arm else track.offset,
+        arm=arm[0],
+        pivot=arm[1:] if track.arm else None,
+        tolerance=tolerance,
+        height=height,
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,14 @@ from camgen.files.formats import EXACT, FORMATS, SOLID, read_exact, read_solid
 from camgen.findings import Finding, Where, at_most, in_file
 from camgen.geometry.mesh import Mesh
 from camgen.judge.drum_pieces import DrumPieces, pieces_findings, placed, together
-from camgen.judge.rolled_drum import SAMPLES, Rolled, RollerTable, roll, track_findings
+from camgen.judge.rolled_drum import (
+    SAMPLES,
+    Rolled,
+    RollerTable,
+    roll,
+    roller_table,
+    track_findings,
+)
 from camgen.machine.features import DrumTrack
 from camgen.machine.model import Cam, Output, unit_of
 from camgen.machines.mechanism import Mechanism
@@ -42,29 +49,6 @@ def judge_drums(case: Case, kinds: Sequence[str]) -> Outcome:
         Figures(each for outcome in outcomes for each in outcome.numbers.records),
         [each for outcome in outcomes for each in outcome.plots],
         columns={key: values for each in outcomes for key, values in each.columns.items()},
-    )
-
-
-def roller_table(track: DrumTrack, tolerance: float, middle: float | None = None) -> RollerTable:
-    """What `camgen motion` would be told of a drum's roller; middle: of its motion, mm or rad, where a wrong file may have several
-    tracks."""
-    radius, length, inner, cone = track.roller
-    arm = track.arm or (None, 0.0, 0.0)
-    height = middle
-    if track.arm is not None and middle is not None:
-        height = track.arm[2] + track.arm[0] * math.sin(middle)
-    return RollerTable(
-        radius=radius,
-        length=length,
-        inner=inner,
-        cone_deg=cone,
-        track=track.track,
-        distance=track.distance,
-        offset=None if track.arm else track.offset,
-        arm=arm[0],
-        pivot=arm[1:] if track.arm else None,
-        tolerance=tolerance,
-        height=height,
     )
 
 

@@ -23,7 +23,8 @@ from camgen.machine.print_errors import Mode, Sensitivity, Sizes
 from camgen.machines.cylinder_cam.track import Track
 from camgen.numerics import Floats
 
-_SIDES = {-1: "wall below", 1: "wall above"}
+SIDES = {-1: "wall below", 1: "wall above"}
+RING = "ring"  # of a drum in two pieces
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +34,7 @@ class _Touch:
     side: int
     normal: Floats  # (3, n): along u, t and k
     way: Floats  # of the roller's axis along the normal for a unit of s
+    angle: Floats  # polar, of the place that is touched, on the drum, rad
     cosine: float  # of the cone's half angle
 
     def moved(self, shift: Floats) -> Floats:
@@ -54,6 +56,7 @@ class DrumErrors:
     def touches(self) -> list[_Touch]:
         """Of each wall, the roller half way along it."""
         phi = -self.theta
+        beside = self.track.path.beside(phi, 0)
         depth = np.full(len(phi), self.track.roller.middle)
         slope = self.track.roller.slope
         cosine = 1 / float(np.hypot(1, slope))
@@ -63,7 +66,9 @@ class DrumErrors:
             psi = DrumWall(self.track.path, self.track.roller, side).contact(phi, depth)
             normal = cosine * np.stack([np.full(len(phi), -slope), np.sin(psi), np.cos(psi)])
             way = normal[1] * tip.real + normal[2] * tip.imag
-            found.append(_Touch(side, normal, way, cosine))
+            across = beside + self.track.roller.at(depth) * np.sin(psi)
+            angle = phi + np.arctan2(across, depth)
+            found.append(_Touch(side, normal, way, angle, cosine))
         return found
 
     @property
@@ -83,17 +88,17 @@ class DrumErrors:
         """Each wall's offset and waves: what s does where the roller is on one of them and on the other."""
         waves = self.sizes.waves
         share = 1 / np.sqrt(len(waves))
-        shapes = [("offset", self.sizes.offset, np.ones(len(self.theta)))]
-        shapes += [
-            ("form", self.sizes.form, share * wave(k * self.theta))
-            for k in waves
-            for wave in (np.cos, np.sin)
-        ]
         still = np.zeros(len(self.theta))
         for touch in self.touches:
+            shapes = [("offset", self.sizes.offset, np.ones(len(self.theta)))]
+            shapes += [
+                ("form", self.sizes.form, share * wave(k * touch.angle))
+                for k in waves
+                for wave in (np.cos, np.sin)
+            ]
             for kind, size, bump in shapes:
                 moved = [-bump / other.way if other is touch else still for other in self.touches]
-                yield Mode(_SIDES[touch.side], kind, size), moved
+                yield Mode(SIDES[touch.side], kind, size), moved
 
     def _shifts(self) -> Iterator[tuple[Mode, Floats]]:
         """What shifts drum against roller: by how much along u, t and k, (3, n) or (3, 1)."""
@@ -125,7 +130,7 @@ class DrumErrors:
             along = np.array([[0.0], [self.track.roller.middle / self.key], [0.0]])
             for kind, shift in (("seat", up), ("key", along)):
                 yield (
-                    Mode("ring", kind, self.sizes.offset),
+                    Mode(RING, kind, self.sizes.offset),
                     [touch.moved(shift) if touch.side > 0 else still for touch in self.touches],
                 )
         if not self.exact:

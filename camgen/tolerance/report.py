@@ -52,7 +52,7 @@ _NOTES = (
 )
 
 
-_DRUM = "For a drum all is first order: its worst copies are not rolled. The follower counts as in the middle between both walls."
+_DRUM = "The follower of a drum counts as in the middle between both walls. The worst copies are meshes in which its roller is rolled."
 _FREE = "Clearance at each tip, mm, without jamming: tip_clearance of a pair, half of print.slide_clearance of a groove"
 _TIMED = (
     "Bodies follow laws of the shaft, as designed: print errors of their gears and guides count as play.",
@@ -129,7 +129,7 @@ def tolerance(
     for k, output in enumerate(spread.outputs):
         progress(f"rolling the worst copies of {output.name}", 0.5 + 0.5 * k / len(spread.outputs))
         plots += _plots(spread, copies, output)
-        if printing.worst and not mechanism.assembly.tracks:
+        if printing.worst:
             tables.append(
                 _worst(
                     spread,

@@ -1,8 +1,8 @@
 """What a printer's errors do to a machine: a budget by where they arise, and many printed copies, the worst really rolled.
 
 All first order: an output's error is the sum over modes of sensitivity times error (`machine.print_errors`). Copies are drawn
-from normal distributions, the same seed gives the same copies. The worst are then made: their outlines displaced and rolled by
-the judge's own contact, their joints shifted and closed by Newton's method.
+from normal distributions, the same seed gives the same copies. The worst are then made: their outlines, or the walls of their drum,
+displaced and rolled by the judge's own contact, their joints shifted and closed by Newton's method.
 """
 
 from __future__ import annotations
@@ -57,6 +57,8 @@ from camgen.tolerances import SAME_POINT
 
 if TYPE_CHECKING:
     from scipy.interpolate import PPoly
+
+    from camgen.tolerance.drum_copies import DrumCopies
 
 _ANGLES = 145  # of the turn, at which copies are looked at, and at least:
 _PER_WAVE = 12  # of a wave of an outline's form
@@ -394,12 +396,26 @@ def rolled_outputs(spread: Spread, errors: Floats) -> dict[str, Any]:
 
     Returns (copies, n) each, in the output's own unit.
     """
+    if spread.mechanism.assembly.tracks:
+        return {spread.outputs[0].name: _drum_copies(spread).outputs(errors)}
     exact = _run(spread, np.zeros(len(spread.modes)))
     made = [_run(spread, each) for each in errors]
     return {
         output.name: np.array([each[output.name] - exact[output.name] for each in made])
         for output in spread.outputs
     }
+
+
+def _drum_copies(spread: Spread) -> DrumCopies:
+    """Of a cylinder cam."""
+    from camgen.machines.cylinder_cam.mechanism import CylinderCam
+    from camgen.tolerance.drum_copies import DrumCopies
+
+    mechanism = spread.mechanism
+    assert isinstance(mechanism, CylinderCam)
+    key = mechanism.pieces.corner if mechanism.pieces else None
+    samples = len(spread.theta) - 1
+    return DrumCopies(mechanism.track, spread.modes, spread.sizes.waves, samples, key)
 
 
 def laws_of(

@@ -18,13 +18,13 @@ from camgen.files.stl import write_stl
 from camgen.findings import Finding
 from camgen.geometry.mesh import Mesh
 from camgen.judge.drum_pieces import placed, together
-from camgen.judge.rolled_drum import roll
+from camgen.judge.rolled_drum import roll, roller_table
 from camgen.machines.cylinder_cam.mechanism import CylinderCam
 from camgen.parts.inertia import centre_of, inertia_of, mass_moments
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.case import Case
-from camgen.pipeline.drums import judge_drums, roller_table
+from camgen.pipeline.drums import judge_drums
 from camgen.spec import validate
 
 SPEC = Path(__file__).parents[2] / "specs" / "cylinder-cam.toml"
