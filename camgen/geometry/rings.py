@@ -130,11 +130,13 @@ class Ring:
         radius = np.abs(chord) / np.where(sweep == 0, 1, 2 * np.abs(np.sin(sweep / 2)))
         step = 2 * np.arccos(np.maximum(1 - tolerance / np.maximum(radius, tolerance), 0.0))
         step = np.minimum(step, np.pi / 3)  # six chords on a full circle, however small it is
-        count = np.where(sweep == 0, 1, np.maximum(np.ceil(np.abs(sweep) / step), 1)).astype(int)
-        if count.sum() > _MOST_FACETS:
+        with np.errstate(divide="ignore", invalid="ignore"):  # a radius without a tolerance
+            needed = np.where(sweep == 0, 1.0, np.maximum(np.ceil(np.abs(sweep) / step), 1.0))
+        if not needed.sum() <= _MOST_FACETS:
             raise OverflowError(
-                f"{count.sum()} chords within {tolerance:g} mm of an outline; at most {_MOST_FACETS} are made"
+                f"more than {_MOST_FACETS} chords within {tolerance:g} mm of an outline, the most that are made"
             )
+        count = needed.astype(int)
         edge = np.repeat(np.arange(len(count)), count)
         half = sweep[edge] / 2
         u = (np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)) / count[edge]

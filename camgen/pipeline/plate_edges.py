@@ -83,10 +83,10 @@ def _judged(
         where = replace(in_file(path), output=output)
         try:
             ring = _outline(path, edge.part, mechanism.making.thickness / 2)
-        except (FileError, ValueError) as fault:
+            ran = run(ring, tip, wanted.x, _CHORD * mechanism.accuracy.chord_tolerance)
+        except (FileError, ValueError, OverflowError) as fault:
             findings.append(at_least("CONTACT", 0.0, 100, "percent", where, str(fault)))
             continue
-        ran = run(ring, tip, wanted.x, _CHORD * mechanism.accuracy.chord_tolerance)
         rounding = _ROUNDING * FORMATS[kind].rounding * float(np.max(np.abs(ring.points)))
         findings += _findings(
             ran, tip, wanted, where, mechanism.accuracy.chord_tolerance + rounding

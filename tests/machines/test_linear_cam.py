@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import ezdxf
 import numpy as np
 import pytest
 
@@ -257,6 +258,21 @@ def test_damages_are_refused(tmp_path: Path, follower: dict[str, Any]) -> None:
     assert {"MOTION_ERROR", "SPEED_RIPPLE"} <= verdicts(tmp_path, machine, turned)
     steep = machine.replace({"limits.pressure_angle_deg": machine.cam.steepest - 0.5})
     assert verdicts(tmp_path, steep, sound) == {"PRESSURE_ANGLE"}
+
+
+def test_a_drawing_of_arcs_that_no_chords_follow_is_told(tmp_path: Path) -> None:
+    """Larger by 1e12: chords within the tolerance of its arcs cannot be counted."""
+    machine = linear()
+    case = Case(machine, tmp_path)
+    drawing = ezdxf.new()  # type: ignore[attr-defined]
+    drawing.header["$INSUNITS"] = 4
+    corners = [(0, 0, 0), (1e14, 0, 1), (1e14, 1e13, 0), (0, 1e13, 0)]
+    space = drawing.modelspace()
+    space.add_lwpolyline(corners, format="xyb", close=True, dxfattribs={"layer": "CUT"})
+    drawing.saveas(case.file("cam", "dxf"))
+    (contact,) = judge_plate_edges(case, ["dxf"]).findings
+    assert (contact.code, contact.ok, contact.measured) == ("CONTACT", False, 0.0)
+    assert "more than 5000000 chords" in contact.message
 
 
 def test_a_way_shorter_than_its_means_is_judged(tmp_path: Path) -> None:
