@@ -9,6 +9,7 @@ import pytest
 
 from camgen.geometry.rings import Floats, Ring
 from camgen.judge.edges import Engagement
+from camgen.judge.pairs import hollow
 from camgen.machine.features import Edge, EngagedPair, Eye
 
 APART, ARM, FREE = 30.0, 20.0, 0.2  # mm: axis to axis, axis to the driven pin, air
@@ -45,3 +46,57 @@ def test_air_beside_a_dead_point_is_told_where_the_follower_is_wanted(air: float
     gap = Engagement(pair, *rings, complex(APART), wanted).worst_gap
     assert gap.gap == pytest.approx(2 * air, rel=0.02) and gap.meant == 2 * FREE
     assert (gap.driver, gap.driven) == ("driver", "driven")
+
+
+def test_an_edge_beside_the_way_does_not_count_for_the_one_ahead() -> None:
+    """The pin has its air to a disc ahead, and three quarters of it to one that it passes: so far it is not pushed."""
+    pin = complex(-ARM)
+    ahead = pin + 1j * (10 + FREE)  # mm from the driven axis
+    # rad: 0.14 mm away where it is nearest, and 0.15 mm, three quarters of the air, a milliradian before the pin is there
+    near = 10 + 0.75 * FREE
+    passed = -1e-3 - math.acos((30.14**2 + ARM**2 - near**2) / (2 * 30.14 * ARM))
+    beside = -30.14 * complex(math.cos(passed), math.sin(passed))
+    driver = Edge("driver", Eye("driver", 0j, 4.0))
+    driven = Edge("driven", Eye("driven", 0j, 4.0))
+    pair = EngagedPair(
+        "x",
+        (driver, driver),
+        (driven,),
+        "a",
+        "b",
+        FREE,
+        (),
+        0.1,
+        rates=(0.0, 0.0),
+        pushed=((0.0, 0.1),),
+    )
+    discs = circle(ahead + APART, 5.0), circle(beside + APART, 5.0)
+    found = Engagement(pair, discs, (circle(pin, 5.0),), complex(APART), Standing(0.0))
+    assert found.worst_gap.gap == pytest.approx(2 * FREE, rel=0.02)
+
+
+def clutch(air: float) -> Engagement:
+    """A disc on the same axis takes a pin along in a hole that is so much wider all round."""
+    edge = Edge("disc", Eye("disc", 0j, 4.0)), Edge("arm", Eye("arm", 0j, 4.0))
+    pair = EngagedPair("x", edge[:1], edge[1:], "a", "b", FREE, ((0.0, 0.1),), 0.1)
+    hole = hollow(circle(complex(ARM), 5.0 + air))
+    return Engagement(pair, (hole,), (circle(complex(ARM), 5.0),), 0j, Along())
+
+
+class Along:
+    """A follower that turns as its driver."""
+
+    def __call__(self, theta: Floats, order: int = 0) -> Floats:
+        return theta + 0.0 if order == 0 else np.ones(theta.shape)
+
+
+@pytest.mark.parametrize("air", [FREE, 0.6 * FREE, 1.5 * FREE])
+def test_a_pin_in_a_hole_has_its_play_on_both_sides_at_any_angle(air: float) -> None:
+    """Its middle goes so far along a chord either way; after 37 periods as in the first one."""
+    pin = clutch(air)
+    turn = 2 * math.asin(air / 2 / ARM)
+    theta = np.array([0.033, 3.733])
+    assert pin.play(theta) == pytest.approx(2 * turn, abs=1e-9)
+    assert pin(theta) == pytest.approx(theta, abs=1e-9)
+    assert pin.lever(theta) == pytest.approx(ARM, rel=1e-3)
+    assert pin.worst_gap.gap == pytest.approx(2 * air, rel=1e-3)
