@@ -266,7 +266,7 @@ def _searched(a: _Body, b: _Body, needed: float, theta: Floats) -> Clearance:
             proven = gap
             break
         off = max(0.0, path[k] - high, low - path[k])
-        if off >= safe:  # the grid's nearest angle tells nothing of so short a stretch
+        if off > safe - _STILL:  # the grid's nearest angle tells nothing of so short a stretch
             proven = gap - off - (high - low)
             break
         stretches += [

@@ -128,6 +128,10 @@ def test_a_post_that_a_turning_arm_hits_for_an_instant_is_found() -> None:
     assert found.gap < 0.05 and math.degrees(found.theta) == pytest.approx(100, abs=8)
     beside = body(GROUND, ((*(middle - 0.1), 2.1), (*(middle + 0.1), 2.3)))  # 0.1 mm above it
     assert _searched(arm, beside, 0.05, THETA).proven == 0.05
+    # a micron more than is needed, 20 microns of way from angle to angle: not proven between them, and told soon
+    close = _searched(arm, beside, 0.099, THETA)
+    assert close.gap == pytest.approx(0.1) and 0.0 < close.proven < 0.099
+    assert close.evaluations < 1000
 
 
 def test_what_two_bodies_have_in_common_is_told_by_its_mean_thickness() -> None:
