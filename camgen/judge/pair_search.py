@@ -264,11 +264,12 @@ class _Way:
         own = in_range(m.b, m.j, normal * np.conj(self.turned), spare)
         return np.asarray(own & in_range(m.a, m.i, -normal * np.conj(m.e), spare))
 
-    def reached(self, apart: Floats, change: Floats, spare: Floats) -> np.ndarray:
-        """Whether a distance comes to zero, while it changes by so much, give or take."""
-        return np.asarray(
-            (apart + np.minimum(change, 0.0) <= spare) & (apart + np.maximum(change, 0.0) >= -spare)
-        )
+
+def _reached(apart: Floats, change: Floats, spare: Floats) -> np.ndarray:
+    """Whether a distance comes to zero, while it changes by so much, give or take."""
+    return np.asarray(
+        (apart + np.minimum(change, 0.0) <= spare) & (apart + np.maximum(change, 0.0) >= -spare)
+    )
 
 
 def _rounds_nearing(w: _Way) -> np.ndarray:
@@ -283,7 +284,7 @@ def _rounds_nearing(w: _Way) -> np.ndarray:
         bent = np.where(sign < 0, np.minimum(long**2 / (2 * distance), long), 0.0)
         swing = np.where(distance > 2 * long, long / (distance - long), np.pi)
     change = sign * np.real(np.conj(out) * w.way)
-    near = w.reached(sign * (distance - np.abs(total)), change, w.rest + bent)
+    near = _reached(sign * (distance - np.abs(total)), change, w.rest + bent)
     return np.asarray(near & w.faces(sign * out, np.abs(w.turn) + swing))
 
 
@@ -295,7 +296,7 @@ def _driver_lines_nearing(w: _Way) -> np.ndarray:
     turn = np.abs(w.turn)
     long = np.abs(w.way) + turn * length + w.rest
     at_foot = w.way - w.turn * (off.imag - length / 2) * normal
-    near = w.reached(
+    near = _reached(
         off.real - m.b.radius[m.j] - m.gap,
         -np.real(np.conj(normal) * at_foot),
         w.rest + turn * long,
@@ -309,7 +310,7 @@ def _driven_lines_nearing(w: _Way) -> np.ndarray:
     normal = w.turned * m.b.middle[m.j]
     off = np.conj(normal) * (m.y - w.x)
     long = np.abs(w.way) + w.rest
-    near = w.reached(off.real - m.a.radius[m.i] - m.gap, np.real(np.conj(normal) * w.way), w.rest)
+    near = _reached(off.real - m.a.radius[m.i] - m.gap, np.real(np.conj(normal) * w.way), w.rest)
     beside = (off.imag >= -long - SAME_FOOT) & (off.imag <= m.b.length[m.j] + long + SAME_FOOT)
     return np.asarray(near & beside & w.faces(normal, np.abs(w.turn)))
 

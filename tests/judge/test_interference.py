@@ -332,6 +332,28 @@ def test_a_course_that_jumps_is_refused(size: float, often: int) -> None:
         )
 
 
+@pytest.mark.parametrize("width", [0.0, 0.02])
+def test_a_turn_within_a_step_is_run_through_only_where_it_is_a_jump(width: float) -> None:
+    """Half a radian at 200.25 deg, between two angles of the grid: at once, or in some hundredths of a degree."""
+    theta = np.radians(np.arange(361.0))
+    jump, inside = np.radians([200.25, 200.1])
+
+    def angle(t: Floats) -> Floats:
+        off = t - jump
+        return 0.25 + 0.25 * (np.tanh(off / math.radians(width)) if width else np.sign(off))
+
+    pole = 3 + 4j
+
+    def guest(t: Floats) -> tuple[Floats, Points]:
+        return angle(t), pole - np.exp(1j * angle(t)) * pole
+
+    motion = Motion(about(lambda t: 0 * t), guest, theta)
+    (turn,), (shift,) = motion.at(np.array([inside]))
+    # a tenth of the way of a jump; else not begun
+    assert np.angle(turn) == pytest.approx(0.0 if width else 0.05, abs=1e-6)
+    assert shift + turn * pole == pytest.approx(pole)
+
+
 def test_false_names_are_refused() -> None:
     with pytest.raises(ValueError, match="unknown bodies"):
         sweep_clearances([Body("cam", slabs(disc(5, 20)))], {frozenset(("cam", "post")): 0.01})

@@ -14,7 +14,7 @@ from shapely import Polygon
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.pair_events import Couples, Freedom, Meetings, Slide, Turn
 from camgen.judge.pair_features import Features, features
-from camgen.judge.pair_search import Bodies, Poses, greatest_way, nearing
+from camgen.judge.pair_search import Bodies, Poses, _reached, greatest_way, nearing
 from camgen.judge.pairs import Body, OutlinePair, pivots_apart
 
 GAPS = [0.0, 1.5, -0.2]  # mm, between both bodies as they touch
@@ -223,6 +223,26 @@ def test_a_step_is_proven_where_all_pairs_stay_apart(
             apart = distances(pair, int(i[n]), int(j[n]), ways[:1])
             told = nearing(every.take(np.array([n])), here, pair.freedom, way)
             assert len(told) or apart[0] > way
+
+
+@pytest.mark.parametrize(
+    ("apart", "change", "reached"),
+    [
+        (5.0, -6.0, True),  # to both sides of zero
+        (-5.0, 6.0, True),
+        (5.0, -4.95, True),  # as near as what is spared
+        (-5.0, 4.95, True),
+        (5.0, -4.8, False),
+        (-5.0, 4.8, False),
+        (5.0, 6.0, False),  # farther away
+        (-5.0, -6.0, False),
+        (0.05, 6.0, True),
+        (-0.05, -6.0, True),
+    ],
+)
+def test_a_distance_comes_to_zero_on_its_way(apart: float, change: float, reached: bool) -> None:
+    found = _reached(np.array([apart]), np.array([change]), np.array([0.1]))
+    assert found.tolist() == [reached]
 
 
 def test_a_touch_across_a_gap_is_told_before_it_comes() -> None:
