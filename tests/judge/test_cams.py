@@ -200,6 +200,36 @@ def test_an_outline_is_seen_about_its_bore(bored: bool, phase: float) -> None:
         )
 
 
+@pytest.mark.parametrize("rest", [0.0, 0.4])
+def test_an_arm_on_a_slanted_plate_is_where_the_triangle_says(rest: float) -> None:
+    """A straight edge that slides to the left, drawn, mounted and held aslant: the tip's middle is a radius from its line."""
+    tilt, mounted, at = 0.2, -0.05, 2 - 1j
+    axle, arm, pivot, radius = 3 + 2j, 40 * np.exp(0.1j), -20 + 10j, 3.0
+    joints = (
+        Slide("bed", Place(GROUND, 1 + 2j), Place("plate", 4 - 3j), math.pi, tilt),
+        Pin("A", Place(GROUND, pivot), Place("arm", axle)),
+        Cam("lift", "plate", "arm", Harmonic(), None, 1.5, rest, "force", over="bed"),
+    )
+    starts = dict.fromkeys(("plate", "arm"), Pose(0j, 0.0))
+    bodies = Body("plate"), Body("arm")
+    machine = Machine(bodies, joints, (Drive("motor", "plate"),), starts)
+    tip = Eye("arm", axle + arm, 2 * radius, shaft=True)
+    feature = CamOutline("lift", "plate", "bed", "A", tip, way=(-15.0, 15.0))
+    mounts = [Mount("plate", "plate", at, mounted), Mount("arm", "arm")]
+    edge = 5.0  # mm over the part's origin
+    low, high = -80 - 20j, 80 + edge * 1j
+    corners = np.array([low, complex(80, -20), high, complex(-80, edge)])
+    plate = Shape(Ring(corners, np.zeros(4)), ())
+    _, law = outline_and_law(machine, feature, mounts, [[plate]])
+    x = np.linspace(-15, 15, 31)
+    held = np.exp(1j * tilt)
+    line = 1 + 2j - 1.5 - held * (4 - 3j) + held * (at + np.exp(1j * mounted) * edge * 1j) - x
+    normal = 1j * held * np.exp(1j * mounted)
+    height = np.real(np.conj(normal) * (line - pivot)) + radius
+    place = np.angle(normal) - np.arccos(height / abs(arm))
+    assert law(x) == pytest.approx(place - np.angle(arm) - rest, abs=1e-6)
+
+
 def test_the_limit_of_s_is_the_outlines_over_the_least_lever() -> None:
     tip = outline("cam", ArmTip(60 + 5j, 50 * np.exp(2.6j), 3.0, -1), disc(3 + 0j, 20.0), arm=50.0)
     least = 50 * math.cos(np.max(np.abs(tip.law.contact.touch(judged_angles()).pressure_angle)))
