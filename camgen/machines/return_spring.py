@@ -173,6 +173,14 @@ class ReturnSpring:
             f"{longest:.4g}; put it into [spring] beside a [load], in a linkage into [cam.spring], and build again: {keys}"
         )
 
+    def borne(self, spring: ExtensionSpring) -> tuple[float, float]:
+        """What it presses the follower with where that is lowest, N or N m, and by how much more for 1 of s, from end to end."""
+        first, last = self._ends
+        shortest, longest = self.way
+        low = first * float(spring.force(shortest))
+        high = last * float(spring.force(longest))
+        return low, (high - low) / float(np.ptp(self._s))
+
     def closing(self, spring: ExtensionSpring) -> float:
         """What it presses the follower on its cam with at least, N or N m."""
         return float(np.min(spring.force(self.lengths + self.sizes.pin_diameter) * self.lever))

@@ -37,6 +37,10 @@ FOLLOWERS: dict[str, dict[str, Any]] = {
     "arm": {"geometry": {"follower": ARM}, "limits": {"lash": 0.5, "least_radius": 1.0}},
     "rib": {"geometry": {"track": "rib", "distance": 16.0}},
     "end": {"geometry": {"track": "end"}},
+    "end arm": {
+        "geometry": {"track": "end", "follower": ARM},
+        "limits": {"lash": 0.5, "least_radius": 1.0},
+    },
 }
 
 
@@ -75,7 +79,7 @@ def test_no_two_bodies_meet_and_a_thicker_one_is_seen(kind: str, tmp_path: Path)
         found = swept(made, path, lambda name, mesh: change(mesh) if name == part else mesh)
         return " ".join(str(each.where) for each in found if not each.ok)
 
-    arm = kind == "arm"
+    arm = kind.endswith("arm")
     assert ("arm" if arm else "carriage") in failing("drum", lambda mesh: grown(mesh, 1.2))
     assert "drum-1" in failing("roller-pin", lambda mesh: grown(mesh, 3.0))
     assert "rod" in failing("rod", lambda mesh: grown(mesh, 1.05))
@@ -303,10 +307,86 @@ def test_springs_come_round_the_front_rods_before_the_plate() -> None:
 def test_a_spring_that_no_wire_is_is_refused() -> None:
     with pytest.raises(DesignError, match="compression springs of round wire"):
         _ = machine(**END, load=LOADED, spring={"rate": 500.0, "preload": 9000.0}).assembly
-    arm = machine(
-        geometry={"track": "end", "follower": ARM}, limits={"lash": 0.5, "least_radius": 1.0}
-    )
-    assert not arm.assembly.springs and "Bring a spring" in " ".join(arm.study().notes)
+    with pytest.raises(DesignError, match="return springs of round wire") as refused:
+        _ = machine(**FOLLOWERS["end arm"], load=INERTIA, spring={"preload": 900.0}).assembly
+    assert "spring.preload" in str(refused.value)
+
+
+INERTIA = {"inertia_kg_m2": 2e-4}
+
+
+def test_the_spring_of_an_arm_pulls_as_its_forces_assume() -> None:
+    """Its length from the axes of both pins in a scene of solids, its lever about the pivot's axis from the same."""
+    made = machine(**FOLLOWERS["end arm"], load=INERTIA)
+    (spring,) = made.assembly.springs.values()
+    (line,) = (each for each in made.assembly.bought if each.role == "spring")
+    assert (line.name, line.count) == ("extension spring", 1)
+    pressing = made.resolved().spring
+    assert pressing is not None and pressing.preload == pytest.approx(2e-3 * 40.0)
+    theta = np.linspace(0, math.tau, 13)
+    s = made.motion(theta)
+    lengths = []
+    for angle, swing in zip(theta, s, strict=True):
+        scene = made.scene(float(angle))
+        pivot, roller, post = (
+            complex(*scene.graph[f"{name}-1"][0][1:3, 3])
+            for name in ("pivot", "roller-pin", "spring-pin")
+        )
+        thick = scene.geometry["roller-pin"].extents[0]  # the eyes are outside of both pins
+        lengths.append(abs(roller - post) + round(thick, 1))
+        pull = (post - roller) / abs(post - roller)
+        lever = ((roller - pivot).conjugate() * pull).imag
+        assert lever > 0  # about the axis towards the drum: down
+        torque = 1e-3 * lever * float(spring.spring.force(lengths[-1]))
+        wanted = pressing.preload + pressing.rate * swing
+        assert torque == pytest.approx(wanted, rel=0.02)
+    assert (min(lengths), max(lengths)) == pytest.approx((spring.shortest, spring.longest))
+    assert made.resolved().assembly.springs == made.assembly.springs
+    codes = {each.code: each for each in pipeline_findings(made)}
+    assert codes["SPRING_STRESS"].ok and codes["SURGE"].ok and codes["LIFT_OFF"].ok
+    weak = made.replace({"spring.preload": 1e-6, "spring.rate": 1e-6, "motor.speed_rpm": 600.0})
+    assert not next(each for each in weak.limits() if each.code == "LIFT_OFF").ok
+
+
+def test_the_spring_of_an_arm_has_room_and_comes_before_the_arm() -> None:
+    """A bar as thick as its coils between both pins' eyes, in scenes of solids; and the wire in the steps and the film."""
+    made = machine(**FOLLOWERS["end arm"])
+    (spring,) = made.assembly.springs.values()
+    thick = spring.spring.outside
+    for theta in np.linspace(0, math.tau, 7):
+        scene = made.scene(float(theta))
+        solids = {}
+        for node in scene.graph.nodes_geometry:
+            matrix, name = scene.graph[node]
+            solid = scene.geometry[name]
+            mesh = manifold3d.Mesh64(np.array(solid.vertices), np.array(solid.faces, np.uint64))
+            solids[node] = manifold3d.Manifold(mesh).transform(matrix[:3])
+        arm = solids["arm-1"].bounding_box()[3]
+        depth = (arm + solids["bracket-1"].bounding_box()[0]) / 2
+        ends = [
+            np.array([depth, *scene.graph[f"{name}-1"][0][1:3, 3]])
+            for name in ("spring-pin", "roller-pin")
+        ]
+        ball = manifold3d.Manifold.sphere(thick / 2, 48)
+        bar = manifold3d.Manifold.batch_hull([ball.translate(tuple(end)) for end in ends])
+        for name, solid in solids.items():
+            if name in ("spring-pin-1", "roller-pin-1"):
+                assert (bar ^ solid).volume() > 50, name  # it is where its pins are
+            else:
+                assert bar.min_gap(solid, 1.0) > 0.45, (name, theta)
+    steps = order_of_assembly(made.assembly).steps
+    (coming,) = (k for k, step in enumerate(steps) if step.wire is not None)
+    assert "spring-pin-1" in steps[coming - 2].copies and "arm-1" in steps[coming + 1].copies
+    wire = steps[coming].wire
+    assert wire is not None
+    assert float(np.ptp(wire[:, 0])) == pytest.approx(thick, abs=0.1)
+    film = animation(made)
+    (body,) = (each for each in film.bodies if each.name == "spring")
+    assert body.course is not None and body.upright
+    heights = np.ptp(body.course.imag, axis=1)
+    swing = made.motion(film.theta)
+    tips = 40 * np.sin(made.track.start + swing)
+    assert heights - heights[0] == pytest.approx(tips - tips[0], abs=0.1)
 
 
 def test_a_copy_that_is_missing_is_told(tmp_path: Path) -> None:

@@ -4,7 +4,8 @@
 ___________ plate        a bearing in a seat, four rods. The two rods on the roller's side guide the carriage of a slide, or hold
  |  |#|  |                the bracket on which an arm turns; both are bored along the rods and carry their pin square to them.
  |  |#|==|  carriage     Between plates and drum two spacers on the shaft take up what the follower needs of height. On an end cam
-_|__|#|__|_ plate        a compression spring round each of these rods presses the carriage down, from the upper plate.
+_|__|#|__|_ plate        a compression spring round each of these rods presses the carriage down, from the upper plate;
+                         an arm is pulled down by an extension spring between the roller's pin and one in its bracket.
                          Heights are over the lower plate's underside, along the drum's axis; lengths mm.
 """
 
@@ -20,15 +21,20 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, Region, circle, rectangle
+from camgen.machine.cams.followers import SwingingArm
+from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Mount
-from camgen.machine.model import GROUND
+from camgen.machine.model import GROUND, Place, Pose
 from camgen.machines.cylinder_cam.pieces import ring_mount
 from camgen.machines.cylinder_cam.tables import DrumParts
 from camgen.machines.cylinder_cam.track import Track
+from camgen.machines.return_spring import ReturnSpring
 from camgen.numerics import Floats, Points
 from camgen.parts.catalogue import BEARINGS, DOWELS, Bearing, ball_roller
+from camgen.parts.coils import Coil
+from camgen.parts.generator.sizes import Parts as PinSizes
 from camgen.parts.part import Layer, Part, hull
-from camgen.parts.springs import EYE, WorkingSpring, compression_spring
+from camgen.parts.springs import EYE, ExtensionSpring, WorkingSpring, compression_spring
 from camgen.study import Sketch, Upright
 
 CAM = "cam"
@@ -40,6 +46,7 @@ PIN_SHARE = 0.4  # diameter of a roller's pin as a share of the roller's, at mos
 _CAP = 2.0  # room of the cap that keeps an arm on its pin
 _KNOB = (12.0, 25.0)  # diameter and length
 _STUB = 5.0  # diameter, in the crank
+_HANGING = 30.0  # from pin to pin of an arm's spring, and as much more as its roller moves
 _ROUND = 12  # points of a spring's wire for each coil
 FOOT = 0.5  # of the shaft over the lower plate's underside
 _OUT = 20.0  # of the shaft over the upper plate, where a motor turns it
@@ -76,7 +83,8 @@ class Bench:
     fits: Fits
     drum: Sequence[Part]  # and the ring on it, where it is in two pieces
     cranked: bool  # whether a hand turns it
-    # of both springs, N where the carriage is lowest and N/mm; None: nothing presses it
+    # of both springs, N where the carriage is lowest and N/mm; of an arm's, N m and N m/rad, 0 of which is found; None: nothing
+    # presses it
     pressing: tuple[float, float] | None = None
 
     # ---- sizes ------------------------------------------------------------------------------------------------------
@@ -114,7 +122,26 @@ class Bench:
         """Distance of the inner face of carriage or bracket from the drum's axis."""
         if not self.track.swings:
             return self.track.radius + _AIR
-        return self.arm_face + self.sizes.thickness + _AIR / 2
+        return self.arm_face + self.sizes.thickness + self.bracket_gap
+
+    @cached_property
+    def bracket_gap(self) -> float:
+        """Between an arm and its bracket: room for the spring that pulls it."""
+        return _AIR / 2 if self.hung is None else self.hung[1].outside + _AIR
+
+    @property
+    def hook(self) -> float:
+        """How far the roller's pin stands out of an arm for its spring; 0 without one."""
+        return 0.0 if self.hung is None else self.bracket_gap - _AIR / 2
+
+    @cached_property
+    def bracket_pins(self) -> dict[complex, float]:
+        """Diameters of pins in the bracket of an arm by their places, y + iz from the pivot's height: the pivot, and one of its spring."""
+        pins = {complex(self.track.pivot): self.pin}
+        if self.hung is not None:
+            post = self.hung[0].post
+            pins[complex(self.track.pivot - post.real, post.imag)] = self.pin
+        return pins
 
     @property
     def rod_spacing(self) -> float:
@@ -122,8 +149,10 @@ class Bench:
         reach = self.sizes.rod_diameter / 2 + self.sizes.wall + self.pin / 2
         beside = abs(self.track.geometry.follower.offset)
         half = max(self.track.radius / 2, beside + reach)
-        if self.track.swings and abs(self.track.pivot - half) < reach:
-            half = self.track.pivot + reach
+        if self.track.swings:
+            for aside in sorted(abs(at.real) for at in self.bracket_pins):
+                if abs(aside - half) < reach:
+                    half = aside + reach
         return half
 
     @property
@@ -162,7 +191,8 @@ class Bench:
             arm = track.geometry.follower.arm or 0.0
             tips = [track.height + arm * math.sin(track.start + s) for s in (low, high)]
             ends += [tip + side * self.arm_hub for tip in tips for side in (-1, 1)]
-            ends += [track.height - half, track.height + half]
+            low_pin = min(at.imag for at in self.bracket_pins) - self.pin / 2 - self.sizes.wall
+            ends += [track.height + min(-half, low_pin), track.height + half]
         else:
             ends += [track.height + low - half, track.height + high + half]
         room = self._wound.shortest - _AIR if self._wound is not None else 0.0
@@ -171,7 +201,7 @@ class Bench:
     @cached_property
     def _wound(self) -> WorkingSpring | None:
         """Either spring with the least room over the carriage where it is highest; DesignError where none can be."""
-        if self.pressing is None:
+        if self.pressing is None or self.track.swings:
             return None
         force, rate = (each / 2 for each in self.pressing)
         low, high = self.track.program.extremes
@@ -188,9 +218,34 @@ class Bench:
             )
         return found
 
+    @cached_property
+    def hung(self) -> tuple[ReturnSpring, ExtensionSpring] | None:
+        """What pulls an arm down: where it hangs, in the arm's plane about its pivot, and the spring; DesignError where none can be."""
+        if self.pressing is None or not self.track.swings:
+            return None
+        track = self.track
+        low, high = track.program.extremes
+        arm = cmath.rect(track.geometry.follower.arm or 0.0, track.start)
+        middle = arm * cmath.exp(0.5j * (low + high))
+        length = _HANGING + abs(arm) * (high - low)
+        preload, rate = self.pressing
+        cam = DiscCam(track.program, SwingingArm(0j, arm, track.geometry.roller.radius, 1))
+        post = middle - 1j * middle / abs(middle) * length
+        sizes = PinSizes(pin_diameter=self.pin)
+        hung = ReturnSpring(cam, True, sizes, self.fits.slide, rate, preload, post)
+        try:
+            return hung, hung.spring(0.0)
+        except DesignError as error:
+            remedy = "another spring.preload or spring.rate, a smaller lift or a longer arm"
+            raise DesignError(
+                error.quantity, error.value, error.limit, error.unit, error.where, remedy
+            ) from None
+
     @property
     def spring(self) -> WorkingSpring | None:
-        """Either of the springs as it stands on the carriage; None where nothing presses it."""
+        """Either of the springs as it stands on the carriage, or that of an arm; None where nothing presses it."""
+        if self.hung is not None:
+            return WorkingSpring(self.hung[1], *self.hung[0].way)
         wound = self._wound
         if wound is None:
             return None
@@ -390,8 +445,9 @@ class Bench:
         left = min(-half - rim, *(at.real - size / 2 - s.wall for at, size in pins.items()))
         right = max(half + rim, *(at.real + size / 2 + s.wall for at, size in pins.items()))
         tall = self.block_height / 2
+        low = min(-tall, *(at.imag - size / 2 - s.wall for at, size in pins.items()))
         depth = self.block_depth
-        outline = rectangle(complex(left, -tall), complex(right, tall))
+        outline = rectangle(complex(left, low), complex(right, tall))
         holes = tuple(self._hole(at, size, self.fits.press) for at, size in pins.items())
         bores = tuple(
             self._hole(complex(sign * half, depth / 2), s.rod_diameter, fit) for sign in (-1, 1)
@@ -415,11 +471,10 @@ class Bench:
         s = self.sizes
         track = self.track
         arm = complex(track.geometry.follower.arm or 0.0)
-        bracket = self._block(
-            "bracket", "Bracket of the arm", {complex(track.pivot): self.pin}, self.fits.press
-        )
+        bracket = self._block("bracket", "Bracket of the arm", self.bracket_pins, self.fits.press)
         height = self.base + track.height
-        note = "glued on two rods; the pin of the arm glued in"
+        also = "" if self.hung is None else ", and that of its spring"
+        note = f"glued on two rods; the pin of the arm glued in{also}"
         yield (
             replace(bracket, notes=(note,)),
             [
@@ -458,11 +513,32 @@ class Bench:
             self._hole(0j, self.pin, self.fits.slide),
             self._hole(arm, self.pin, self.fits.press),
         )
+        yield from self._hanging()
         layer = Layer(Region(edge, holes), 0.0, s.thickness)
         note = "turns on its pin; that of the roller glued in"
         yield (
             Part("arm", "Arm", (layer,), centres=(0j, arm), notes=(note,)),
             [Mount("arm", _FOLLOWER, 0j, track.start, z=-self.arm_face - s.thickness)],
+        )
+
+    def _hanging(self) -> Iterator[tuple[Part, Sequence[Mount]]]:
+        """Of an arm that a spring pulls: the spring's pin in the bracket, and what keeps the arm off the bracket."""
+        if self.hung is None:
+            return
+        outer = self.arm_face + self.sizes.thickness
+        height = self.base + self.track.height
+        pivot, post = self.bracket_pins
+        length = self.block_face + self.block_depth - outer - _AIR / 2
+        pin = self._pin_part("spring-pin", "Pin of the spring", length, "glued into the bracket")
+        at = complex(outer + _AIR / 2, post.real)
+        turn = math.pi / 2
+        yield pin, [Mount("spring-pin", GROUND, at, turn, z=height + post.imag, upright=True)]
+        washer = Region(circle(0j, self.arm_hub), (self._hole(0j, self.pin, self.fits.press),))
+        layer = Layer(washer, 0.0, self.bracket_gap - END_PLAY)
+        at = complex(outer + END_PLAY, pivot.real)
+        yield (
+            Part("sleeve", "Sleeve between arm and bracket", (layer,), centres=(0j,)),
+            [Mount("sleeve", GROUND, at, turn, z=height, upright=True)],
         )
 
     def _pin_part(self, name: str, title: str, length: float, note: str) -> Part:
@@ -477,6 +553,7 @@ class Bench:
         face = self.arm_face if track.swings else self.block_face
         holder = face + (self.sizes.thickness if track.swings else self.block_depth)
         middle = cmath.rect(track.geometry.follower.arm or 0.0, track.start) if track.swings else 0j
+        holder += self.hook
         places = [middle + 1j * z for z in self.rollers]
         holds = "arm" if track.swings else "carriage"
         pin = self._pin_part(
@@ -518,7 +595,12 @@ class Bench:
         return self.carriage_top(float(self.track.program(np.zeros(1))[0]))
 
     def wires(self) -> list[Floats]:
-        """Line of either spring's wire at cam angle 0, (n, 3) mm: round its rod, its ends closed; nothing without them."""
+        """Line of each spring's wire at cam angle 0, (n, 3) mm: round its rod, its ends closed, or between both pins; nothing
+        without one."""
+        if self.hung is not None:
+            line, deep = self._hanging_wire(np.zeros(1))
+            across = np.full(line.shape[1], self._hanging_depth) - deep
+            return [np.column_stack([across, -line[0].real, line[0].imag])]
         if self.spring is None:
             return []
         spring = self.spring.spring
@@ -532,8 +614,40 @@ class Bench:
             np.column_stack([(at + round_).real, (at + round_).imag, z]) for at in self.rods[:2]
         ]
 
+    @property
+    def _hanging_depth(self) -> float:
+        """Distance of the middle line of an arm's spring from the drum's axis, along x."""
+        return self.arm_face + self.sizes.thickness + self.bracket_gap / 2
+
+    def _hanging_wire(self, theta: Floats) -> tuple[Points, Floats]:
+        """The wire of an arm's spring at cam angles, (n, k) complex mm in the plane that stands, and how far each of its points lies
+        nearer to the drum's axis than its middle line, (k,) mm."""
+        assert self.hung is not None, "no spring pulls the arm"
+        hung, spring = self.hung
+        ends = (Place(GROUND, hung.post), Place(_FOLLOWER, hung.hooked))
+        coil = Coil("spring", "Spring", ends, ("", ""), spring.outside, (0.0, 0.0), ((), ()), False)
+        still = Pose(np.zeros(1, complex), np.zeros(1))
+        s = self.track.program(theta)
+        wires = np.array(
+            [
+                coil.wire({GROUND: still, _FOLLOWER: Pose(still.place, np.array([angle]))})
+                for angle in s
+            ]
+        )
+        pivot = complex(-self.track.pivot, self.base + self.track.height)
+        return pivot + wires[..., 0] + 1j * wires[..., 1], wires[0, :, 2]
+
     def sketches(self) -> list[Sketch]:
-        """Springs as the report shows them: their wire round each rod, in a plane that stands."""
+        """Springs as the report shows them: their wire round each rod or between its pins, in a plane that stands."""
+        if self.hung is not None:
+            return [
+                Sketch(
+                    "spring",
+                    course=lambda theta: self._hanging_wire(theta)[0],
+                    swell=self._hanging_wire(np.zeros(1))[1],
+                    upright=Upright(self._hanging_depth, self._hanging_depth),
+                )
+            ]
         wires = self.wires()
         if not wires:
             return []

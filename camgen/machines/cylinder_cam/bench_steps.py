@@ -65,6 +65,8 @@ class BenchSteps:
     def _row(self, act: _Act) -> tuple[object, ...]:
         """What the table says of a step, but for its number."""
         if act.wire is not None:
+            if self.bench.hung is not None:
+                return "extension spring", "Extension spring", act.place, 1, "", "on its side"
             spring = "compression spring", "Compression spring"
             return (*spring, act.place, 1, round(self.bench.carriage_rest, 3), "upright")
         part, mounts = next(each for each in self.bench.made if each[0].name == act.part)
@@ -122,10 +124,13 @@ class BenchSteps:
         pin = f"{pins} × roller-pin" if pins > 1 else "roller-pin"
         roller = "a roller on each pin" if pins > 1 else "the roller on its pin"
         yield self._laid_aside(self._held)
+        flush, where = "flush outside", "flush with its outer side"
+        if self.bench.hung is not None:
+            flush = where = f"{self.bench.hook:.3g} mm of it out of its outer side"
         yield self._act(
             "roller-pin",
-            f"glued into the {self._held}, flush outside",
-            f"glue {pin} into the {self._held}, flush with its outer side",
+            f"glued into the {self._held}, {flush}",
+            f"glue {pin} into the {self._held}, {where}",
         )
         yield self._act(
             "roller",
@@ -140,12 +145,34 @@ class BenchSteps:
             "glued into the bracket, flush outside",
             "glue the pivot into the bracket, flush with its outer side",
         )
-        yield self._act("arm", "on its pin", "put the arm on the pivot, no glue")
+        yield from self._hanging_acts()
+        eye = (
+            "" if self.bench.hung is None else ", the roller-pin through the free eye of the spring"
+        )
+        yield self._act("arm", f"on its pin{eye}", f"put the arm on the pivot{eye}; no glue")
         yield self._act(
             "cap",
             "glued on the pin, the arm free",
             "glue the cap on the pivot; the arm must turn freely",
         )
+
+    def _hanging_acts(self) -> Iterator[_Act]:
+        """Of a spring that pulls the arm: its pin, what keeps the arm off the bracket, and the spring."""
+        if self.bench.hung is None:
+            return
+        yield self._act(
+            "spring-pin",
+            "glued into the bracket, flush outside",
+            "glue the spring-pin into the bracket, flush with its outer side",
+        )
+        yield self._act(
+            "sleeve",
+            "glued on the pivot, down on the bracket",
+            "glue the sleeve on the pivot, down on the bracket",
+        )
+        where = "one eye on the spring-pin"
+        (wire,) = self.bench.wires()
+        yield _Act("spring", where, f"put the extension spring with {where}", wire=wire)
 
     def _drum_acts(self) -> Iterator[_Act]:
         """The shaft, and on it the drum, which takes the follower along."""
@@ -166,6 +193,8 @@ class BenchSteps:
         driver = {"plain": "glue", "d-flat": "flat", "keyway": "key"}[self.bench.sizes.bore_shape]
         fixed = "glue in its bore" if driver == "glue" else f"no glue, the {driver} drives it"
         end = "bracket" if self.bench.track.swings else self._held
+        if self.bench.hung is not None:
+            into += "; lift the arm against its spring till the roller stands there"
         yield _Act(
             "drum",
             f"lowered over the shaft together with the {self._held}, {into}",
@@ -179,7 +208,8 @@ class BenchSteps:
 
     def _upper_acts(self) -> Iterator[_Act]:
         """Springs, and the upper plate with its bearing."""
-        for where, wire in zip(self._springs_places, self.bench.wires(), strict=True):
+        wires = self.bench.wires() if self._springs_places else []
+        for where, wire in zip(self._springs_places, wires, strict=True):
             yield _Act("spring", where, f"put a compression spring {where}", wire=wire)
         yield self._act(
             "spacer-above",
@@ -190,7 +220,7 @@ class BenchSteps:
         other = "put the other ball bearing on the shaft, no glue"
         yield _Act("bearing", "on the shaft", other, ["bearing-2"])
         rods = len(self._copies["rod"])
-        pressing = f"; {self._pressed}" if self.bench.spring is not None else ""
+        pressing = f"; {self._pressed}" if self._springs_places else ""
         yield _Act(
             "end-plate",
             f"seat down, over bearing and rods at once, glued on the rods, flush above{pressing}",
@@ -206,7 +236,7 @@ class BenchSteps:
     @property
     def _springs_places(self) -> list[str]:
         """Where both go; nothing without them."""
-        if self.bench.spring is None:
+        if self.bench.spring is None or self.bench.hung is not None:
             return []
         free = self.bench.spring.spring.free
         return [

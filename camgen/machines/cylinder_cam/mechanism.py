@@ -106,7 +106,8 @@ class CylinderCam(Mechanism):
     spring: SpringTable | None = Field(
         default=None,
         description='track "end": the spring that presses the follower on the cam; the report says what is '
-        "needed; a printed machine with a slide has two on its rods, which share both; 0: as strong as is needed",
+        "needed; a printed machine with a slide has two on its rods, which share both, with an arm one that pulls it; "
+        "0: as strong as is needed",
     )
     making: Annotated[DrumParts, Field(alias="parts")] = DrumParts.model_construct()
     allowed: Annotated[DrumLimits, Field(alias="limits")] = DrumLimits.model_construct()
@@ -358,16 +359,18 @@ class CylinderCam(Mechanism):
         """What presses the follower of a printed machine on its cam, where that is an end cam."""
         if self.geometry.track != "end":
             return
-        if self._pressing is None:
-            yield "Bring a spring that presses the arm down on the drum's upper end."
-        elif self._sprung:
+        if self._pressing is not None and self._sprung:
             low, high = self.program.extremes
             most = self._pressing.preload + self._pressing.rate * (high - low)
-            unknown = (
-                ""
-                if self.load
-                else ", whatever mass and speed need: with [load] they are as strong as that"
-            )
+            needed = ", whatever mass and speed need: with [load]"
+            unknown = "" if self.load else f"{needed} they are as strong as that"
+            if self.geometry.follower.swings:
+                unknown = "" if self.load else f"{needed} it is as strong as that"
+                yield (
+                    f"An extension spring between the roller's pin and one in the bracket pulls the arm down, with {self._pressing.preload:.4g} "
+                    f"N m where it is lowest and {most:.4g} N m where it is highest{unknown}."
+                )
+                return
             yield (
                 f"Two compression springs round the front rods press the carriage down, with {self._pressing.preload:.4g} N where it is "
                 f"lowest and {most:.4g} N where it is highest{unknown}. The rods guide them, so that they cannot buckle."
@@ -375,9 +378,8 @@ class CylinderCam(Mechanism):
 
     @property
     def _sprung(self) -> bool:
-        """Whether springs are made that press a carriage on an end cam."""
-        ends = self.geometry.track == "end" and not self.geometry.follower.swings
-        return ends and self.making.make == "printed"
+        """Whether springs are made that press a carriage, or an arm, on an end cam."""
+        return self.geometry.track == "end" and self.making.make == "printed"
 
     @cached_property
     def _pressing(self) -> SpringTable | None:
@@ -385,8 +387,13 @@ class CylinderCam(Mechanism):
         if not self._sprung:
             return self.spring
         given = self.spring or SpringTable()
-        preload = given.preload or max(_LEAST_PRESS, _OVER * self._missing(given.rate))
+        lever = MM * (self.geometry.follower.arm or 0.0) if self.geometry.follower.swings else 1.0
+        preload = given.preload or max(lever * _LEAST_PRESS, _OVER * self._missing(given.rate))
         low, high = self.program.extremes
+        if self.geometry.follower.swings and not given.rate:
+            hung = self._bench((), (preload, 0.0)).hung
+            assert hung is not None, "a spring pulls the arm"
+            return SpringTable(rate=hung[0].borne(hung[1])[1], preload=preload)
         return SpringTable(rate=given.rate or preload / (high - low), preload=preload)
 
     def _missing(self, rate: float) -> float:
@@ -427,7 +434,7 @@ class CylinderCam(Mechanism):
         if pieces is not None:
             made = replace(made, work=Later(lambda: [pieces.steps()]))
         if p.make == "printed":
-            bench = self._bench([part, *rings])
+            bench = self._bench([part, *rings], self._springs)
             made = replace(
                 self._assembly(bench.parts, bench.mounts),
                 planes={_FOLLOWER: bench.plane},
@@ -458,12 +465,16 @@ class CylinderCam(Mechanism):
         fits = self.print
         return Pieces(self.track, self.making.reach, fits.slide_clearance, fits.press_clearance)
 
-    def _bench(self, drum: Sequence[Part]) -> Bench:
-        """The machine round the pieces of the drum."""
+    @property
+    def _springs(self) -> tuple[float, float] | None:
+        """What the machine's springs press with, as its bench takes it; None where it has none."""
+        pressing = self._pressing if self._sprung else None
+        return None if pressing is None else (pressing.preload, pressing.rate)
+
+    def _bench(self, drum: Sequence[Part], pressing: tuple[float, float] | None) -> Bench:
+        """The machine round the pieces of the drum; pressing: of its springs."""
         fits = Fits(self.print.press_clearance, self.print.slide_clearance)
         cranked = self.motor.model == "hand crank"
-        springs = self._pressing if self._sprung else None
-        pressing = None if springs is None else (springs.preload, springs.rate)
         return Bench(self.track, self.making, fits, drum, cranked, pressing)
 
     def _bought(self) -> list[Bought]:
@@ -702,7 +713,7 @@ class CylinderCam(Mechanism):
     def _sketches(self) -> list[Sketch]:
         """The rollers, and the slide or arm that carries them beside the drum, at s = 0; of a machine its springs."""
         if self.making.make == "printed":
-            return self._bench(()).sketches()
+            return self._bench((), self._springs).sketches()
         track = self.track
         g = self.geometry
         f = g.follower

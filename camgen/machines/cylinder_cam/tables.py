@@ -99,7 +99,7 @@ class DrumParts(ShaftBore):
         default="drum",
         description='"drum": the drum alone\n'
         '"printed": the machine as well: end plates on four rods, shaft in ball bearings, carriage or arm with\n'
-        "its roller, hand crank; on an end cam two springs that press the carriage down",
+        "its roller, hand crank; on an end cam two springs that press the carriage down, or one that pulls the arm",
     )
     pieces: Literal[1, 2] = Field(
         default=1,
