@@ -180,6 +180,15 @@ def test_where_facets_may_lean_arcs_may_not() -> None:
     assert "normal_deg" in told(judged(form, late, ring))
 
 
+def test_the_normal_of_a_facet_elsewhere_is_told() -> None:
+    """All rows lean by half a radian, which is as facets lie 32 further on."""
+    form, ring = FORMS["roller"], polygon(disc(400).points)
+    table = profile(form)
+    late = replace(table, normal=table.normal * np.exp(2j * math.pi * 32 / 400))
+    assert "normal_deg" not in told(judged(form, table, ring))
+    assert "normal_deg" in told(judged(form, late, ring))
+
+
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_a_row_of_another_cam_angle_puts_the_roller_elsewhere(sign: int) -> None:
     """Places of an angle 0.01 rad late: each lies on the outline, but the roller is not there."""

@@ -130,6 +130,29 @@ def test_a_circle_lifts_a_sliding_roller_as_the_triangle_says() -> None:
     assert np.max(np.abs(motion.samples.low - ECCENTRICITY * np.sin(TURN) - reach)) < 1e-13
 
 
+@pytest.mark.parametrize(("drop", "told"), [(0.0, False), (1e-4, False), (4e-4, True)])
+def test_a_tip_that_drops_by_more_than_rounding_jumps(drop: float, told: bool) -> None:
+    """Off the end of a spiral of two half circles, rad: where it falls, and from where to where, by the triangle of its axles."""
+
+    def opening(radius: float) -> float:
+        return math.acos((DISTANCE**2 + ARM**2 - radius**2) / (2 * DISTANCE * ARM))
+
+    high = -opening(RADIUS)
+    low = math.sqrt(DISTANCE**2 + ARM**2 - 2 * DISTANCE * ARM * math.cos(high + drop))
+    step = low - RADIUS
+    points = np.array([RADIUS, -RADIUS, RADIUS + step] if drop else [RADIUS, -RADIUS], complex)
+    spiral = Ring(points, np.array([1.0, 1.0, 0.0] if drop else [1.0, 1.0]))
+    away = (DISTANCE - ARM * np.exp(1j * high)) / RADIUS * np.exp(-1j * high)
+    tip = -ARM + np.array([0, 10 * away * np.exp(-0.2j), 10 * away * np.exp(0.2j)])
+    pair = OutlinePair(Body([spiral]), Body([Ring(tip, np.zeros(3))]), pivots_apart(DISTANCE))
+    found = pair.follow(TURN, high - 0.1).jumps("high")
+    assert bool(found) is told
+    for jump in found:
+        at = math.acos((DISTANCE**2 + RADIUS**2 - ARM**2) / (2 * DISTANCE * RADIUS))
+        assert jump.theta == pytest.approx(at, abs=1e-6)
+        assert (jump.before, jump.after) == pytest.approx((high, high + drop), abs=1e-6)
+
+
 def test_a_circle_swings_a_roller_on_an_arm_as_the_triangle_says() -> None:
     arm = Body([circle(-ARM, ROLLER)])
     motion = OutlinePair(ECCENTRIC, arm, pivots_apart(DISTANCE)).follow(TURN, -0.6)

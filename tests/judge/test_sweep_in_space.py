@@ -11,8 +11,17 @@ import pytest
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.rings import Floats
 from camgen.judge.interference import GRID
-from camgen.judge.sweep_in_space import _apart, _Body, _least_radius, _overlap, _searched
-from camgen.machine.model import GROUND
+from camgen.judge.sweep_in_space import (
+    _apart,
+    _Body,
+    _clearances,
+    _from_start,
+    _least_radius,
+    _overlap,
+    _searched,
+)
+from camgen.machine.features import SweptMachine
+from camgen.machine.model import GROUND, Pose
 
 THETA = np.linspace(0, math.tau, GRID + 1)
 
@@ -140,3 +149,47 @@ def test_what_two_bodies_have_in_common_is_told_by_its_mean_thickness() -> None:
     assert _overlap(low, high) == pytest.approx(2 * 10 / (2 * 100 + 4), rel=1e-6)
     assert _overlap(low, body("slide", ((0, 0, 4), (10, 10, 9)))) == 0.0
     assert _overlap(low, body("slide", ((11, 0, 0), (12, 10, 9)))) == 0.0
+
+
+@pytest.mark.parametrize("stands", [False, True])
+def test_a_course_begins_where_the_file_shows_its_body(stands: bool) -> None:
+    """A point of a body that turns and shifts, in a plane that lies, or that stands: its x as -y, its y as z, its z as -x."""
+    machine = SweptMachine(
+        [],
+        lambda theta: {"arm": Pose(7 - 2j + 3 * theta, 0.3 + 2 * theta)},
+        [],
+        [],
+        0.5,
+        0.01,
+        planes={"arm": 5 + 6j} if stands else {},
+    )
+    theta = np.array([0.0, 0.4, 1.9])
+    plane = np.exp(1j * (0.3 + 2 * theta)) * (1 + 2j) + 7 - 2j + 3 * theta
+    places = np.column_stack([plane.real, plane.imag, np.full(3, 4.0)])
+    if stands:
+        plane = plane + 5 + 6j
+        places = np.column_stack([np.full(3, -4.0), -plane.real, plane.imag])
+    found = _from_start(machine, theta, "arm")
+    assert found[:, :, :3] @ places[0] + found[:, :, 3] == pytest.approx(places, abs=1e-12)
+
+
+def test_each_pair_is_judged_as_it_is_meant() -> None:
+    """Two parts pressed together, two that touch by intent as they stand, two far apart, and two that are searched."""
+    slab = 2 * 10 / 204  # mm, mean thickness of 10 x 10 x 0.1
+    plate = body(GROUND, ((0, 0, 0), (10, 10, 4)))
+    pressed = body(GROUND, ((0, 0, 3.9), (10, 10, 6)))
+    slide = body("slide", ((0, 0, -6), (10, 10, 0.1)))
+    carriage = body("carriage", ((0, 0, -16), (10, 10, -8.3)))
+    machine = SweptMachine([], lambda theta: {}, [], [], 0.5, 0.01, touching=[("slide", GROUND)])
+    found = list(_clearances([plate, pressed, slide], machine, THETA))
+    assert [each.gap for each in found] == pytest.approx([-slab, -slab, 0.0], abs=1e-9)
+    assert [each.allowed for each in found] == pytest.approx([0.05] * 3)
+    assert [(each.at_rest, each.standing) for each in found] == [
+        (True, False),
+        (False, True),
+        (False, True),
+    ]
+    # 8.3 mm below the plate, and 0.3 mm below the slide where that is lowest
+    far, near, _ = _clearances([carriage, plate, slide], machine, THETA)
+    assert far.gap == far.proven == pytest.approx(8.3) and far.evaluations == 0
+    assert 0.3 <= near.gap < 0.5 and near.proven == near.gap and near.allowed is None
