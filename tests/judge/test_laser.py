@@ -45,11 +45,15 @@ def plate(*holes, outer=None):
     )
 
 
-def written(folder, part, kerf=KERF, places=((0.5, 50 + 45j), (-2.0, 140 + 50j))):
+def written(folder, part, kerf=KERF, places=((0.5, 50 + 45j), (-2.0, 140 + 50j)), engraved=()):
     """A sheet with copies of a part, and what is found on it."""
     path = compensated(part, Compensation(hole=-kerf / 2, profile=-kerf / 2)).region
     pieces = [
-        Piece(f"plate-{k + 1}", path.moved(np.exp(1j * angle), at))
+        Piece(
+            f"plate-{k + 1}",
+            path.moved(np.exp(1j * angle), at),
+            tuple(each.moved(np.exp(1j * angle), at) for each in engraved),
+        )
         for k, (angle, at) in enumerate(places)
     ]
     files = [folder / f"s.{ending}" for ending in ("dxf", "svg")]
@@ -283,6 +287,17 @@ def test_a_layer_for_another_tool_is_told(sheet, tmp_path):
         assert {f.code for f in judge_sheet(other, svg, laid, meant, BEAM)[0] if not f.ok} == {
             "DXF_CLOSED"
         }
+
+
+def test_engraving_in_the_colour_of_cuts_is_told(tmp_path):
+    """Blue is engraved; a mark in red would be cut out, and one in magenta is left to the program."""
+    mark = polygon([10 + 0j, 14 + 0j, 12 + 3j])
+    (dxf, svg), laid, meant, _ = written(tmp_path, plate(), engraved=[mark])
+    for color, told in ((5, set()), (1, {"DXF_CLOSED"}), (6, {"DXF_CLOSED"})):
+        drawing = ezdxf.readfile(dxf)
+        drawing.layers.get("ENGRAVE").color = color
+        drawing.saveas(other := tmp_path / "o.dxf")
+        assert failing((other, svg), laid, meant) == told
 
 
 def test_pieces_over_the_edge_or_too_near_are_told(tmp_path):
