@@ -324,9 +324,12 @@ class Map:
         """Those that run its line, the quickest first, of `most` seconds together; of a line that is run on import those that
         run any line with the name it begins with, or any line of its file."""
         lines = self.lines.get(mutant.file, {})
-        if any(begin <= mutant.line <= end for begin, end in self.bodies.get(mutant.file, ())):
+        bodies = self.bodies.get(mutant.file, ())
+        begins = [begin for begin, end in bodies if begin <= mutant.line <= end]
+        if begins:
             # of a statement over several lines not every one is told
-            near = (lines.get(line) for line in range(mutant.line, mutant.line - _LONGEST, -1))
+            first = max(*begins, mutant.line - _LONGEST + 1)
+            near = (lines.get(line) for line in range(mutant.line, first - 1, -1))
             own = set(next(filter(None, near), ()))
         else:
             name = re.match(r"\w+", mutant.text)
