@@ -66,7 +66,7 @@ def of_layer(sections: Sections, layer: tuple[int, int] | None) -> Sections:
     """The sections of one of a part's layers, given by its number from the bottom and how many there are; of None all, and of fewer
     sections than layers, which are those of that layer alone."""
     number, layers = layer or (0, 1)
-    if layer is None or len(sections) < layers:
+    if len(sections) < layers:
         return sections
     cuts = len(sections) // layers
     return sections[cuts * number : cuts * (number + 1)]

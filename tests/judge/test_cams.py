@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -116,16 +117,20 @@ def test_play_between_two_outlines_is_the_gap_between_them(gap: float) -> None:
     ) and finding.ok is (gap > 0)
 
 
-def test_of_a_copy_that_is_turned_over_the_play_is_judged_alone() -> None:
-    """The second of three outlines, on the first one's part; the motion is judged on the third."""
-    bodies = Body("cam"), Body("follower")
-    joints = (
+LIFTED = Machine(
+    (Body("cam"), Body("follower")),
+    (
         Pin("O", Place(GROUND), Place("cam")),
         Slide("stem", Place(GROUND), Place("follower")),
         CAM,
-    )
-    starts = dict.fromkeys(("cam", "follower"), Pose(0j, 0.0))
-    machine = Machine(bodies, joints, (Drive("motor", "cam"),), starts)
+    ),
+    (Drive("motor", "cam"),),
+    dict.fromkeys(("cam", "follower"), Pose(0j, 0.0)),
+)
+
+
+def test_of_a_copy_that_is_turned_over_the_play_is_judged_alone() -> None:
+    """The second of three outlines, on the first one's part; the motion is judged on the third."""
     ring = disc(4 + 0j, 16.0)
     first = outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), ring)
     copy = outline("cam", SlideFace(-16.1 + 0j, 1 + 0j, -1), ring, copy=1)
@@ -137,7 +142,7 @@ def test_of_a_copy_that_is_turned_over_the_play_is_judged_alone() -> None:
         return at_most("MOTION_ERROR", 0.0, 1.0, "mm", where, "")
 
     files = Files("DXF", Where(file="x-*.dxf"), {})
-    verdict = judge_cams(files, machine, {"lift": [first, copy, other]}, OFF, True, motion)
+    verdict = judge_cams(files, LIFTED, {"lift": [first, copy, other]}, OFF, True, motion)
     assert moved == [other] and verdict.sound
     lash = [each.value for each in verdict.figures if each.quantity == "lash {of}"]
     assert lash == pytest.approx([0.1, 0.2], abs=1e-6)
@@ -348,6 +353,28 @@ def test_what_is_lost_of_the_wanted_motion_counts_where_the_exact_outline_loses_
         ).undercut()
         is None
     )
+
+
+def test_of_the_findings_on_an_outline_the_undercut_is_a_figure() -> None:
+    """0.4 mm lost; how far contact stays within the face is none."""
+
+    def lower(theta: Floats, order: int = 0) -> Floats:
+        return Harmonic()(theta, order) - 0.4 * (order == 0)
+
+    made = outline(
+        "cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 0j, 15.6), nominal=NominalCam(law=lower)
+    )
+    face = replace(made, feature=replace(made.feature, tip=Flat(None, 0j, math.pi, 30.0)))
+    verdict = judge_cams(
+        Files("DXF", Where(file="x.dxf"), {}), LIFTED, {"lift": [face]}, OFF, True, unmoved
+    )
+    assert {each.code for each in verdict.findings} == {"UNDERCUT", "FACE_WIDTH"}
+    lost = [each.value for each in verdict.figures if each.quantity == "undercut {of}"]
+    assert lost == pytest.approx([0.4], abs=1e-6)
+
+
+def unmoved(driven: Mapping[str, Outline], own: bool, where: Where) -> Finding:
+    return at_most("MOTION_ERROR", 0.0, 1.0, "mm", where, "")
 
 
 def test_a_parts_own_tip_may_be_off_by_the_tolerance_as_well() -> None:

@@ -21,6 +21,7 @@ from camgen.judge.measured import (
     measure_bore,
     measure_end,
     measure_faces,
+    of_layer,
     read,
 )
 from camgen.machine.features import (
@@ -475,3 +476,11 @@ def test_a_wheel_that_is_lost_is_told() -> None:
     )
     assert list(found.wheels) == [a]
     assert found.lost == ["mesh: the outline of b is lost"]
+
+
+def test_a_layer_has_the_sections_of_its_own_heights() -> None:
+    """Two of six in each of three; all of a part without layers; and what a file shows of one layer alone."""
+    heights = [[Shape(facets(0j, k, 8), ())] for k in range(5, 11)]
+    assert [of_layer(heights, (k, 3)) for k in range(3)] == [heights[:2], heights[2:4], heights[4:]]
+    assert of_layer(heights, None) == heights
+    assert of_layer(heights[:1], (1, 3)) == heights[:1]
