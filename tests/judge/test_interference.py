@@ -114,6 +114,27 @@ def test_a_piece_is_halved_across_its_longer_side(wide: bool) -> None:
     assert [part.guest.bounds for part in whole.divided()] == [flat, other]
 
 
+@pytest.mark.parametrize(
+    "home",
+    [
+        (103, 1.2, 105, 2),  # beside its way
+        (103, -2, 105, -0.2),
+        (90, 0, 99.8, 1),  # behind its start
+        (111.2, 0, 120, 1),  # ahead of its end
+    ],
+)
+def test_what_slides_straight_leaves_the_gap_beside_all_its_way(
+    home: tuple[float, float, float, float],
+) -> None:
+    """A square of 1 mm, 100 to 110 mm from the origin of its body, and a bar 0.2 mm beside what it sweeps."""
+    theta = np.linspace(0, math.tau, 1441)
+    motion = Motion(
+        about(np.zeros_like), lambda t: (np.zeros_like(t), 105 - 5 * np.cos(t) + 0j), theta
+    )
+    way = _Approach(motion, shapely.box(*home), shapely.box(0, 0, 1, 1), 0.0, 0.0, 0.0)
+    assert way.slides_clear(0.19) and not way.slides_clear(0.21)
+
+
 def test_shifted_by_a_hair() -> None:
     """A shaft with 0.1 mm of air keeps 0.05 mm; moved by 0.04 mm further than it may, it does not."""
     cam = Body("cam", slabs(disc(0, 20), disc(0, 4)), SPIN)
