@@ -37,7 +37,7 @@ from camgen.files.dimensions import (
     standing_of,
     zero_of,
 )
-from camgen.files.labels import Label, Obstacles, along, callouts, leader
+from camgen.files.labels import Label, Obstacles, along, callouts, leader, upper_mark
 from camgen.files.limits import decimals, in_limits
 from camgen.files.measures import REFERENCE, Measure, dimension
 from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
@@ -253,6 +253,7 @@ class _Layout:
         self._surface()
         self._run_out()
         self._hole_datums()
+        self._upper_side()
         self._labels()
         self._table()
         self._bore_detail()
@@ -500,6 +501,17 @@ class _Layout:
         met = obstacles.crossed(boxes) + 100 * ~obstacles.free(boxes) + ~obstacles.off_axes(boxes)
         k = int(np.argmin(met))
         datum(self.sheet, complex(tips[k]), complex(ways[k]), letter)
+
+    def _upper_side(self) -> None:
+        """UP, where whoever makes the part is to mark its upper side."""
+        if self.part.to_mark:
+            import shapely
+
+            area = views.area(self.part.region, self.tolerance)
+            origin = np.array([self.datum.real, self.datum.imag])
+            face = shapely.transform(area, lambda points: self.scale * points + origin)
+            mark = upper_mark(self.sheet, face, self.datum)
+            self.sheet.things += [mark] if mark else []
 
     def _labels(self) -> None:
         """Names of holes and of what stands on the part, where paper is free, some with leaders."""

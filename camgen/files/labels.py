@@ -24,6 +24,7 @@ from camgen.files.sheet import Fill, Sheet, Stroke, Text, arrowhead
 from camgen.geometry.outlines import Contour, Line, Piece, Points
 
 HEIGHT = 2.5
+_GRID = 41  # places across a face for a mark
 _AIR = 0.5  # round a text
 _HIGH = 1.2  # from an edge to a label beside it
 _NEAR = (0.0, 1.2, 2.5)  # further than that, without a leader
@@ -61,6 +62,22 @@ def _boxes(text: Text, places: Points, air: float) -> Any:
     wide = room + 2 * air
     corners = np.stack([low, low + wide * u, high, high - wide * u], axis=-1)
     return shapely.polygons(np.stack([corners.real, corners.imag], axis=-1))
+
+
+def upper_mark(sheet: Sheet, face: Any, middle: complex) -> Text | None:
+    """UP on a face, a polygon of shapely on paper, where that is free: as near to a point as can be; None without such a place."""
+    import shapely
+
+    x0, y0, x1, y1 = face.bounds
+    across, up = np.meshgrid(np.linspace(x0, x1, _GRID), np.linspace(y0, y1, _GRID))
+    places = (across + 1j * up).ravel()
+    places = places[np.argsort(np.round(np.abs(places - middle), 6), kind="stable")]
+    mark = Text(0j, "UP", 1.4 * HEIGHT, "centre")
+    boxes = _boxes(mark, places, 2 * _AIR)
+    obstacles = Obstacles()
+    obstacles.add(sheet.primitives)
+    good = shapely.contains(face, boxes) & obstacles.free(boxes) & obstacles.unlined(boxes)
+    return replace(mark, at=complex(places[int(np.argmax(good))])) if good.any() else None
 
 
 def _line(points: Points) -> Any:

@@ -70,7 +70,8 @@ def engraved(part: Part, letters: bool, text: str = "", key: str = "") -> Part:
 
 
 def with_upper_side(part: Part, mark: bool) -> Part:
-    """The part, which fits turned over as well, with a note that says its upper side, and UP engraved there if it has room.
+    """The part, which fits turned over as well, with UP engraved on its upper side if it has room, else with a note that orders a mark
+    there, which its drawing shows.
 
     mark: whether it may be engraved.
     """
@@ -84,8 +85,10 @@ def with_upper_side(part: Part, mark: bool) -> Part:
             layers = [Layer(region, face.z1 - DEPTH, face.z1) for region in _regions(free.taken[0])]
             note = HoldingNote("UP on its upper side")
             return replace(part, engraved=(*part.engraved, *layers), notes=(*part.notes, note))
-    note = HoldingNote("this side up as in its drawing; turned over it fits too, and moves wrongly")
-    return replace(part, notes=(*part.notes, note))
+    note = HoldingNote(
+        "mark it UP where its drawing has that; turned over it fits too, and moves wrongly"
+    )
+    return replace(part, notes=(*part.notes, note), to_mark=True)
 
 
 def with_upper_sides(parts: Sequence[Part], features: Sequence[Feature]) -> list[Part]:

@@ -91,6 +91,8 @@ class Part:
     points: tuple[tuple[str, complex], ...] = ()  # of the spec, mm, which a drawing calls by name
     role: Role = ""  # what it is in a machine, where a machine has many of its kind
     drum: Drum | None = None  # what its track leaves of the layers, which are its blank
+    # whether it fits turned over too, moves wrongly then, and no engraving says which side is up: whoever makes it marks that
+    to_mark: bool = False
     stacked: bool = (
         False  # whether each of its layers has an outline of its own, none of which is the part's
     )

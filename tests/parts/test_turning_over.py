@@ -9,11 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 import trimesh
 
 import camgen
 from camgen import starters
+from camgen.files.drawing import _Layout
 from camgen.files.dxf import read_dxf
+from camgen.files.sheet import Text
+from camgen.files.views import area
 from camgen.geometry.outlines import Contour, Region, circle, polygon
 from camgen.machine.features import CamOutline, Eye
 from camgen.machines.sources import read_mechanism
@@ -21,6 +25,7 @@ from camgen.parts.assembly import order_of_assembly
 from camgen.parts.engraving import DEPTH, with_upper_side
 from camgen.parts.part import Layer, Part, d_bore
 from camgen.parts.turning_over import fit_turned_over
+from camgen.pipeline.drawings import facts_of
 
 CAM = CamOutline("contact", "cam", "shaft", None, Eye(None, 40j, 10.0))
 KITE = (30 + 0j, 18j, -15 + 0j, -18j)  # its own image in Ox, and in no other line
@@ -101,7 +106,7 @@ def test_without_room_or_leave_a_note_names_the_drawing(part: Part, mark: bool) 
     plain = with_upper_side(part, mark)
     assert not plain.engraved
     assert plain.notes == (
-        "this side up as in its drawing; turned over it fits too, and moves wrongly",
+        "mark it UP where its drawing has that; turned over it fits too, and moves wrongly",
     )
 
 
@@ -132,7 +137,7 @@ def test_a_machines_cam_has_up_in_its_files_and_in_its_step(tmp_path: Path) -> N
     assert set(np.unique(plain.vertices[:, 2].round(3))) == {0.0, 4.0}
     letters = trimesh.load(next(folder.rglob("*-ground.stl")))
     assert 5 - DEPTH in letters.vertices[:, 2].round(3), "hole_letters act in this machine too"
-    assert "this side up as in its drawing" in next(folder.rglob("report.html")).read_text(
+    assert "Mark it UP where its drawing has that" in next(folder.rglob("report.html")).read_text(
         encoding="utf-8"
     )
 
@@ -149,10 +154,23 @@ def test_a_machines_cam_has_up_in_its_files_and_in_its_step(tmp_path: Path) -> N
 def test_a_cam_alone_says_which_side_is_up_where_it_matters(
     name: str, settings: tuple[str, ...], told: set[str]
 ) -> None:
-    made = read_mechanism(starters.folder() / f"{name}.toml", settings).assembly
-    assert {p.name for p in made.parts if any("this side up" in n for n in p.notes)} == told
-    said = {row[1] for row in order_of_assembly(made).rows if "this side up" in str(row[2])}
+    machine = read_mechanism(starters.folder() / f"{name}.toml", settings)
+    made = machine.assembly
+    assert {p.name for p in made.parts if any("mark it UP" in n for n in p.notes)} == told
+    said = {row[1] for row in order_of_assembly(made).rows if "ark it UP" in str(row[2])}
     assert said == told
+    for part in made.parts:
+        layout = _Layout(part, "d", 1e-3, facts_of(machine, part))
+        marks = [
+            each.at
+            for each in layout.sheet.primitives
+            if isinstance(each, Text) and each.text == "UP"
+        ]
+        assert len(marks) == (part.name in told)
+        face = area(part.region, 1e-3)
+        for at in marks:
+            z = (at - layout.datum) / layout.scale
+            assert face.contains(shapely.Point(z.real, z.imag)), "on the face, and in no hole"
 
 
 def test_walls_of_a_groove_go_on_their_back_in_one_way() -> None:
