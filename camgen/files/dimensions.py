@@ -270,9 +270,9 @@ def layer_rows(
                 )
             )
         elif free(outer):
-            rows.append(("", "", "", f"Profile by DXF, {span}"))
+            rows.append(("", "", "", f"Profile by {_source(part)}, {span}"))
         else:
-            edges = edge_rows(outer, sloped)
+            edges = edge_rows(outer, sloped, _source(part))
             same = spans.setdefault(tuple(edges), span)
             rows.append(
                 ("", "", "", f"Edges, {span}:" if same is span else f"Edges, {span}: as {same}")
@@ -297,10 +297,18 @@ def layer_rows(
     return rows
 
 
-def edge_rows(contour: Contour, sloped: bool = False) -> list[tuple[str, str, str]]:
+def _source(part: Part) -> str:
+    """Kind of the file that has the outlines of all of its layers."""
+    return "STL" if part.stacked else "DXF"
+
+
+def edge_rows(
+    contour: Contour, sloped: bool = False, source: str = "DXF"
+) -> list[tuple[str, str, str]]:
     """X, Y and what is there, of an outline of lines and arcs: a rectangle, or else every rounding and every sharp corner.
 
-    With these, and tangents between roundings, the outline can be drawn. sloped: tells the slope of each slanted edge too.
+    With these, and tangents between roundings, the outline can be drawn. sloped: tells the slope of each slanted edge too; source: kind of the
+    file that has what is too much for a table.
     """
     circle = as_circle(contour)
     if circle:
@@ -323,7 +331,7 @@ def edge_rows(contour: Contour, sloped: bool = False) -> list[tuple[str, str, st
             rows.append((number(foot.real), number(foot.imag), deep))
         return rows
     if free(contour):
-        return [("", "", "a curve by DXF")]
+        return [("", "", f"a curve by {source}")]
     pieces = [
         piece for piece in contour.pieces if abs(start_point(piece) - end_point(piece)) > _ALIKE
     ]
@@ -357,7 +365,11 @@ def edge_rows(contour: Contour, sloped: bool = False) -> list[tuple[str, str, st
     for k, slope in slopes.items():
         rows[k] = (*rows[k][:2], rows[k][2] + slope)
     rows = _paired(dict.fromkeys(rows))
-    return rows if len(rows) <= _EDGES else [("", "", f"{len(rows)} roundings and corners: by DXF")]
+    return (
+        rows
+        if len(rows) <= _EDGES
+        else [("", "", f"{len(rows)} roundings and corners: by {source}")]
+    )
 
 
 def _slope(line: Line) -> str:

@@ -52,7 +52,8 @@ from camgen.files.symbols import (
     width_of,
 )
 from camgen.files.title_block import WIDTH, Facts, title_block
-from camgen.files.track_tables import track_table
+from camgen.files.track_tables import ROW as _ROW
+from camgen.files.track_tables import grid, tables_sheet, track_tables
 from camgen.files.tracks import (
     SECTION_ROOM,
     development,
@@ -73,7 +74,6 @@ _SIZES = {"A4": (297.0, 210.0), "A3": (420.0, 297.0)}
 _FILING = 20.0
 _MARGIN = 10.0
 _TABLE_WIDTHS = (10.0, 17.0, 17.0, 58.0)
-_ROW = 5.0
 _NOTES = (
     _SIZES["A4"][0] - _FILING - _MARGIN - WIDTH - 6
 )  # width of the notes, beside the title block of an A4 sheet
@@ -101,7 +101,8 @@ _OVER = (
 def write_drawing(
     folder: Path, prefix: str, part: Part, tolerance: float, facts: Facts
 ) -> list[Path]:
-    """Write `<prefix>-<part>-drawing.dxf` and `.pdf` into folder; returns their paths.
+    """Write `<prefix>-<part>-drawing.dxf` and `.pdf` into folder, of several tracks their tables on a sheet of their own,
+    `-tracks-drawing`; returns their paths.
 
     tolerance: mm, of the arcs that stand for the exact outline. An OSError means that a file could not be written.
     """
@@ -110,6 +111,13 @@ def write_drawing(
     paths = [folder / f"{stem}-drawing.dxf", folder / f"{stem}-drawing.pdf"]
     write_dxf_sheet(paths[0], layout.sheet, layout.scale, layout.datum)
     write_pdf(paths[1], layout.sheet)
+    if len(layout.track_tables) > 1:
+        own = replace(facts, number=facts.number or f"{stem}-drawing")
+        title = f"Tracks of {part.title} ({stem})"
+        tables = tables_sheet(layout.track_tables, part, own, title)
+        paths += [folder / f"{stem}-tracks-drawing.dxf", folder / f"{stem}-tracks-drawing.pdf"]
+        write_dxf_sheet(paths[2], tables, 1.0, 0j)
+        write_pdf(paths[3], tables)
     return paths
 
 
@@ -206,7 +214,9 @@ class _Layout:
         self.engraved = _contours(part.engraved, tolerance)
         self.rows = self._rows()
         self.polar = self._radii_of_profile()
-        self.track_table = track_table(facts, self.polar, part.drum)
+        self.track_tables = track_tables(facts, self.polar, part.drum)
+        alone = len(self.track_tables) == 1
+        self.track_table = self.track_tables[0] if alone else None  # on the sheet itself
         surface = (self.polar or facts.levels) and (facts.profile or facts.roughness)
         self.over = _ABOVE + (_SURFACE if surface else 0.0)
         self.angle_letter = ""
@@ -768,7 +778,7 @@ class _Layout:
                 ),
             )
             widths = (first, *_TABLE_WIDTHS[1:3], sum(_TABLE_WIDTHS[::3]) - first)
-            self._grid(top, [head, *rows], widths, (1, 2))
+            grid(self.sheet, complex(self.table_x, top), [head, *rows], widths, (1, 2))
         self.free = top - (len(rows) + 1 if rows else 0) * _ROW
         if table is None:
             return
@@ -777,32 +787,12 @@ class _Layout:
         beside = table.beside(width)
         lines = [list(table.heads * beside), *table.lines(width)]
         numbers = range(len(table.heads) * beside)
-        self._grid(top, lines, table.widths * beside, numbers)
+        grid(self.sheet, complex(self.table_x, top), lines, table.widths * beside, numbers)
         self.free = top - len(lines) * _ROW
 
     def _track_lines(self) -> int:
         """Rows that a track's table takes, with its title and head."""
         return self.track_table.count(sum(_TABLE_WIDTHS)) + 2 if self.track_table else 0
-
-    def _grid(
-        self,
-        top: float,
-        rows: Sequence[Sequence[str]],
-        widths: Sequence[float],
-        numbers: Sequence[int],
-    ) -> None:
-        """A table at the right edge, from its top down; numbers: columns that are set to the right."""
-        edges = self.table_x + np.cumsum((0.0, *widths))
-        for i, row in enumerate(rows):
-            y = top - (i + 1) * _ROW
-            for k, cell in enumerate(row):
-                at = complex(edges[k + 1] - 1.5 if k in numbers else edges[k] + 1.5, y + 1.3)
-                self.sheet.text(
-                    at, cell, 2.5, "right" if k in numbers else "left", room=widths[k] - 2
-                )
-            self.sheet.line(complex(edges[0], y), complex(edges[-1], y), layer="TEXT")
-        for x in edges[:-1]:
-            self.sheet.line(complex(x, top), complex(x, top - len(rows) * _ROW), layer="TEXT")
 
     def _surface(self) -> None:
         """Tolerance and roughness of a cam's track: over the view, with a leader onto the track."""
@@ -827,8 +817,13 @@ class _Layout:
         sheet.line(start, start + wide + 2, layer="DIM")
         if not facts.levels:
             all_round(sheet, start)
+        several = len(self.track_tables) > 1
+        end = start + wide + 2
         if facts.profile:
-            line_profile(sheet, start + wide + 2 - 1j * FRAME / 2, facts.profile, datums)
+            corner = end - 1j * FRAME / 2
+            end = line_profile(sheet, corner, facts.profile, datums, several) + 1j * FRAME / 2
+        if several:
+            sheet.text(end + 2 - 1.2j, "each track", 2.5)
 
     def _run_out(self) -> None:
         """Run-out of a cam's face at z = 0: to the left of it in the view from the left, where paper is free."""
@@ -899,6 +894,8 @@ class _Layout:
             exact = f"Profile: {self.stem}.dxf, within {tolerance:g} of the exact curve"
             lines.append(exact if curved else f"Outlines: {self.stem}.dxf")
         elif part.stacked:
+            if len(self.track_tables) > 1:
+                lines.append(f"Tables of the tracks: {self.stem}-tracks-drawing.pdf")
             low, high = number(part.drawn.z0), number(part.drawn.z1)
             lines.append(f"Drawn thick: the layer z {low} to {high}; all outlines: {self.stem}.stl")
         elif self.facts.heights:
@@ -945,7 +942,7 @@ class _Layout:
         """Faces that have a roughness of their own, such as "track and bore"."""
         facts = self.facts
         faces = (
-            ("track", facts.roughness and self.track_table),
+            ("track", facts.roughness and self.track_tables),
             ("bore", facts.bore_roughness and self.bored),
             (self._rim, facts.bore_roughness and self.rim_letter),
         )

@@ -47,10 +47,15 @@ def position(sheet: Sheet, corner: complex, diameter: float, datums: Sequence[st
     return frame(sheet, corner, [f"Ø{number(diameter)}", *datums])
 
 
-def line_profile(sheet: Sheet, corner: complex, width: float, datums: Sequence[str]) -> complex:
-    """Tolerance of a line's profile: the width of its zone, mm. [ISO 1101: a half circle, open below]"""
+def line_profile(
+    sheet: Sheet, corner: complex, width: float, datums: Sequence[str], combined: bool = False
+) -> complex:
+    """Tolerance of a line's profile: the width of its zone, mm. [ISO 1101: a half circle, open below]
+
+    combined: whether zones of several lines keep their places to each other. [ISO 1101: CZ]
+    """
     sheet.arc(corner + _LEAST / 2 + 1.8j, 2.2, 0.0, math.pi, "TEXT")
-    return frame(sheet, corner, [number(width), *datums])
+    return frame(sheet, corner, [f"{number(width)}{' CZ' if combined else ''}", *datums])
 
 
 def symmetry(sheet: Sheet, corner: complex, width: float, datum: str) -> complex:

@@ -51,8 +51,8 @@ class Facts:
     dowel: float = 0.0  # diameter of the dowels that join a groove's plates, mm
     bore_fit: str = ""  # of the bore, such as "H7"
     key_fit: str = ""  # of a keyway's width
-    # by cam angle, deg, where its follower touches the track: complex mm, in the sense in which it turns
-    track: Sequence[tuple[float, complex]] = ()
+    # of each track its name, and by cam angle, deg, where its follower touches it: complex mm, in the sense in which it turns
+    tracks: Sequence[tuple[str, Sequence[tuple[float, complex]]]] = ()
     # by the angle by which a drum has turned, deg, where its roller's axis is: angle from X, deg, and height, mm
     heights: Sequence[tuple[float, float, float]] = ()
     # kinds of a follower's segments, and by which angles the drum has turned where each begins and ends, deg

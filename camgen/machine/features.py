@@ -183,6 +183,7 @@ class CamOutline:
     nominal: NominalCam = NominalCam()
     # of a part that has one in each of its layers: which layer, from the bottom, of how many; None: the part's largest
     layer: tuple[int, int] | None = None
+    track: str = ""  # what its spec calls it, of a part that has several
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from camgen.parts import materials
 from camgen.parts.assembly import Assembly, cut_of_sheet
 from camgen.parts.catalogue import CUT, TURNED
 from camgen.parts.materials import STEEL, Material
-from camgen.parts.part import Part
+from camgen.parts.part import Layer, Part
 from camgen.parts.standing import Round, standing
 from camgen.tolerances import SAME_POINT
 
@@ -99,7 +99,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         dowel=mechanism.assembly.dowel,
         bore_fit=bore_fit,
         key_fit=sheet.key_fit or ("JS9" if metal else ""),
-        track=tuple(_track(mechanism, part, sheet.profile_step_deg)),
+        tracks=tuple(_tracks(mechanism, part, sheet.profile_step_deg)),
         heights=tuple(_heights(mechanism, part, sheet.profile_step_deg)),
         segments=tuple(_segments(mechanism, part)),
         sense=mechanism.assembly.cycle.sense,
@@ -189,17 +189,26 @@ def _cams(mechanism: Mechanism) -> set[str]:
     return {each.part for each in features if isinstance(each, CamOutline)}
 
 
-def _track(mechanism: Mechanism, part: Part, step: float) -> Iterator[tuple[float, complex]]:
-    """Where a cam's follower touches its outline, by the angle by which the cam has turned, deg; nothing of another part."""
+def _tracks(
+    mechanism: Mechanism, part: Part, step: float
+) -> Iterator[tuple[str, tuple[tuple[float, complex], ...]]]:
+    """Of each of a cam's tracks, from the bottom, its name with its heights, "" of one alone, and where its follower touches it, by the
+    angle by which the cam has turned, deg; nothing of another part."""
+    outlines = mechanism.assembly.outlines.values()
+    own = [each for each in outlines if each.part == part.name and not each.inside]
+    for outline in sorted(own, key=lambda each: each.layer or (0, 0)):
+        layer = part.drawn if outline.layer is None else part.layers[outline.layer[0]]
+        points = tuple(_track(mechanism, part, outline, layer, step))
+        if points:
+            heights = f", z {number(layer.z0)} to {number(layer.z1)}"
+            yield f"{outline.track}{heights if outline.track else ''}", points
+
+
+def _track(
+    mechanism: Mechanism, part: Part, outline: CamOutline, layer: Layer, step: float
+) -> Iterator[tuple[float, complex]]:
+    """Where a follower touches the outline of one of its layers; nothing where that is not known."""
     assembly = mechanism.assembly
-    outlines = [
-        each
-        for each in assembly.outlines.values()
-        if each.part == part.name and (each.layer is None or each.layer[0] == part.drawn_layer)
-    ]
-    outline = next(iter(outlines), None)
-    if outline is None or outline.inside:
-        return
     joint = assembly.machine.joint(outline.joint)
     assert isinstance(joint, Cam)
     mounts = [each for each in assembly.mounts if each.part == part.name and each.body == joint.cam]
@@ -210,7 +219,7 @@ def _track(mechanism: Mechanism, part: Part, step: float) -> Iterator[tuple[floa
     places = joint.touches[0](np.radians(turned) * assembly.cycle.sense - joint.phase)[0]
     own = (places - mount.at) * np.exp(-1j * mount.angle)
     own = -own.conj() if mount.flipped else own
-    rim = facet_contour(part.region.outer, _FINE)
+    rim = facet_contour(layer.region.outer, _FINE)
     if max(abs(_off(z, rim)) for z in own) < 10 * _FINE:
         yield from zip(turned.tolist(), own.tolist(), strict=True)
 

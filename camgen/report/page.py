@@ -256,8 +256,9 @@ def _parts(report: Report) -> str:
         listed = part.get("files", ())
         assert isinstance(listed, Sequence)
         links = [_link(report, str(file), str(file).rpartition(".")[2].upper()) for file in listed]
-        drawing = f"{report.name}-{label}-drawing.pdf"
-        links += [_link(report, drawing, "PDF")] if drawing in report.files else []
+        for kind, said in (("", "PDF"), ("-tracks", "PDF of its tracks")):
+            drawing = f"{report.name}-{label}{kind}-drawing.pdf"
+            links += [_link(report, drawing, said)] if drawing in report.files else []
         facts = [str(part["title"])] if part.get("title") else []
         facts += (
             [f"{rounded(_float(part['thickness_mm']), 3)} mm high"]

@@ -539,7 +539,7 @@ def test_a_keyway_is_enlarged_with_its_fits_and_datums(tmp_path):
 
 def test_a_track_s_tolerance_stands_once_and_its_radii_are_exact(tmp_path):
     """A tolerance at the nominal radii would be a second one beside that of the profile [ISO 1101, theoretically exact]."""
-    facts = replace(SHOP, track=[(0.0, 25 + 0j), (10.0, 25j)])
+    facts = replace(SHOP, tracks=[("", [(0.0, 25 + 0j), (10.0, 25j)])])
     texts = texts_of(write_drawing(tmp_path, "d", keyed_cam(), TOLERANCE, facts)[0])
     assert "Theoretically exact track: where the follower touches, from X, ccw" in texts
     assert not [text for text in texts if "%%p" in text and "JS9" not in text]
@@ -802,13 +802,14 @@ def test_radii_by_cam_angle_are_where_the_follower_touches(root, tmp_path):
     machine = read_mechanism(root / "specs" / "disc-cam.toml").resolved()
     (part,) = machine.assembly.parts
     facts = facts_of(machine, part)
-    assert [angle for angle, _ in facts.track] == [10.0 * k for k in range(36)]
+    ((name, track),) = facts.tracks
+    assert name == "" and [angle for angle, _ in track] == [10.0 * k for k in range(36)]
     rim = shapely.LinearRing([(z.real, z.imag) for z in facet_contour(part.region.outer, 1e-4)])
-    assert max(rim.distance(shapely.Point(z.real, z.imag)) for _, z in facts.track) < 1e-3
-    assert abs(facts.track[0][1]) == pytest.approx(25.0)  # the base radius, in the dwell
+    assert max(rim.distance(shapely.Point(z.real, z.imag)) for _, z in track) < 1e-3
+    assert abs(track[0][1]) == pytest.approx(25.0)  # the base radius, in the dwell
     texts = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, facts)[0])
     assert "Track by cam angle: where the follower touches, from X, ccw" in texts
-    angle, place = facts.track[4]
+    angle, place = track[4]
     at = math.degrees(cmath.phase(place)) % 360
     k = texts.index("40%%d")
     assert texts[k : k + 3] == ["40%%d", f"{at:.2f}%%d", f"{abs(place):.3f}"]

@@ -180,7 +180,7 @@ FEATURES = (
 
 
 def names(record: Any) -> list[str]:
-    """Every text in a record, however deep; units aside."""
+    """Every text in a record, however deep; units aside, and what a spec calls a track."""
     found: list[str] = []
     values = (
         record
@@ -188,7 +188,7 @@ def names(record: Any) -> list[str]:
         else [
             getattr(record, field.name)
             for field in fields(record)
-            if field.name not in ("unit", "closure")
+            if field.name not in ("unit", "closure", "track")
         ]
     )
     for value in values:

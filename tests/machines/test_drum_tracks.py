@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import ezdxf
 import numpy as np
 import pytest
 import shapely
 
 import camgen
 from camgen.errors import DesignError, SpecError
+from camgen.files.drawing import write_drawing
 from camgen.files.stl import write_stl
 from camgen.findings import Finding
 from camgen.geometry.mesh import Mesh, slice_mesh
@@ -21,6 +24,7 @@ from camgen.machines.drum.mechanism import CamDrum
 from camgen.parts import solids
 from camgen.parts.solids import solid
 from camgen.pipeline.build import build
+from camgen.pipeline.drawings import facts_of
 from camgen.pipeline.shown import animation
 from camgen.settings import assigned
 from camgen.spec import validate
@@ -142,6 +146,34 @@ def test_each_follower_rests_on_its_section_where_its_program_wants_it() -> None
         edges = np.roll(tail, -1) - tail
         dense = np.concatenate([tail + share * edges for share in np.linspace(0, 1, 20)])
         assert np.abs(dense * np.exp(1j * angle) - centre).min() == pytest.approx(5, abs=2 * FINE)
+
+
+def test_each_track_has_its_table_with_its_name(tmp_path: Path) -> None:
+    """Tracks of the gallery's drum begin and end on their base circles, which are their own; all are on one sheet, whose zones keep
+    their places to each other, and none on the drum's own sheet."""
+    machine = drum({"material.name": "C45"}).resolved()
+    (part,) = machine.assembly.parts
+    facts = facts_of(machine, part)
+    names = [name for name, _ in facts.tracks]
+    assert names == ["wing, z 0 to 6", "tail, z 6 to 12", "beak, z 12 to 18"]
+    starts = [abs(points[0][1]) for _, points in facts.tracks]
+    assert starts == pytest.approx([disc.geometry.base_radius for disc in machine.discs.values()])
+    assert starts[:2] == pytest.approx([26, 19])
+    paths = write_drawing(tmp_path, "d", part, 1e-3, facts)
+    assert [path.name for path in paths[2:]] == [
+        "d-drum-tracks-drawing.dxf",
+        "d-drum-tracks-drawing.pdf",
+    ]
+    own, tables = (
+        [e.dxf.text for e in ezdxf.readfile(path).modelspace().query("TEXT")] for path in paths[::2]
+    )
+    for (name, points), start in zip(facts.tracks, starts, strict=True):
+        first = tables.index(f"Track {name}: theoretically exact")
+        angle = math.degrees(cmath.phase(points[0][1])) % 360
+        assert tables[first + 1 : first + 4] == ["Cam", "At", "Radius"]
+        assert tables[first + 4 : first + 7] == ["0%%d", f"{angle:.2f}%%d", f"{start:.3f}"]
+    assert {"0.05 CZ", "each track", "Profile by STL, z 0 to 6"} <= set(own)
+    assert "Radius" not in own and not [text for text in own if "DXF" in text]
 
 
 def test_each_follower_is_shown_as_high_as_its_track() -> None:

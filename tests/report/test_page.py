@@ -154,6 +154,8 @@ def test_parts_plates_and_steps_have_their_files_and_their_views(page: str) -> N
         links
     )
     assert links.count("demo-cam-drawing.pdf") == 1 and EVIL not in page
+    more = replace(solid(), files=["demo-cam-drawing.pdf", "demo-cam-tracks-drawing.pdf"])
+    assert "PDF of its tracks" in to_html(more) and "PDF of its tracks" not in page
 
 
 @pytest.mark.parametrize(

@@ -321,7 +321,14 @@ class CamDrum(Mechanism):
             bore = None if own.bore is None else replace(own.bore, part=_DRUM)
             named = self._module(name).renamed(own)
             found.append(
-                replace(named, part=_DRUM, turns="shaft", bore=bore, layer=self._number(name))
+                replace(
+                    named,
+                    part=_DRUM,
+                    turns="shaft",
+                    bore=bore,
+                    layer=self._number(name),
+                    track=name,
+                )
             )
         return found
 
