@@ -377,6 +377,13 @@ def _indexing() -> Iterator[Row]:
 
 def _take_up() -> Iterator[Row]:
     printed = TakeUp(30.0, 30.0, 19.0, 9.0, 52.0, math.radians(90), 1, (40 + 15j, -80 + 160j))
+    yield from _take_up_formulas(printed)
+    yield from _take_up_paths(printed)
+    yield from _take_up_masses(printed)
+
+
+def _take_up_formulas(printed: TakeUp) -> Iterator[Row]:
+    """Formulas (1) to (3), of the chain as printed."""
     theta = np.radians([0.0, 60.0, 200.0])
     side = np.sqrt(81 + 900 - 540 * np.cos(theta))
 
@@ -429,6 +436,10 @@ def _take_up() -> Iterator[Row]:
         peak(at(meant[0], -meant[1]) - printed.path(theta)),
         refuted="it is a reflection, no turn: y' counts to the other side",
     )
+
+
+def _take_up_paths(printed: TakeUp) -> Iterator[Row]:
+    """What is said of the eye's path and of the second crank's turning."""
     yield Row(
         "T double points of the eye's path",
         "1",
@@ -448,6 +459,10 @@ def _take_up() -> Iterator[Row]:
     yield Row(
         "T a longer frame turns BC less evenly, of 4 steps", "4", float(np.sum(np.diff(spread) > 0))
     )
+
+
+def _take_up_masses(printed: TakeUp) -> Iterator[Row]:
+    """Balance, reactions and wear, and the same of a crank-rocker."""
     speed = math.tau * 5000 / 60
     masses = Masses(
         coupler_g=6.3,

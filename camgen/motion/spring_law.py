@@ -36,6 +36,7 @@ Characteristic = Callable[[Floats], Floats]
 _POSITIONS = 121
 # A slope of G is taken over this share of the stroke: short against what a spring's torque changes over.
 _SLOPE = 1e-6
+_STEPS = 300  # of a search, at most
 
 
 @dataclass(frozen=True)
@@ -104,8 +105,6 @@ def synthesise(
     SpecError where weight is negative or the law has fewer than two terms; DesignError where the spring does not pull
     or the search does not settle.
     """
-    from scipy.optimize import minimize
-
     faults = (
         [Fault(("weight",), f"{weight:g}", "a number >= 0")] if not 0 <= weight < math.inf else []
     )
@@ -119,86 +118,110 @@ def synthesise(
         )
     if faults:
         raise SpecError(faults)
-    kappa = np.linspace(0, 0.5, _POSITIONS)
-    w, z = harmonics(sines, cosines)
-    # a = kappa + moves x, c = pulls x, linear in the coefficients x.
-    x_w = np.multiply.outer(kappa, w)
-    x_z = np.multiply.outer(kappa, z)
-    moves = np.hstack((-np.sin(x_w) / w**2, (1 - 2 * kappa[:, None] - np.cos(x_z)) / z**2))
-    pulls = np.hstack((np.sin(x_w), np.cos(x_z)))
-    closes = np.concatenate((1 / w, 2 / z**2))
-    n = sines + cosines
-    size = float(np.max(np.abs(torque(kappa))))
-    if not 0 < size < math.inf:
-        raise DesignError(
-            "spring torque", size, 0.0, "", "the run-up", "give a spring that pulls over the stroke"
-        )
+    program = _Program(torque, weight, sines, cosines)
+    x = program.solved(program.first if start is None else program.variables(start))
+    n = program.terms
+    # the search closes to its tolerance, this to rounding
+    best = [float(c) for c in x[:n] / (program.closes @ x[:n])]
+    return judged(torque, best[:sines], best[sines:], weight, float(x[n]) / program.size)
 
-    def effort(x: Floats) -> tuple[Floats, Floats]:
+
+class _Program:
+    """The search for the coefficients as a nonlinear program.
+
+    x: its variables, coefficients, factor * size, C, Y. With the coefficients alone a = kappa + moves x, c = pulls x, and the
+    law closes where closes x = 1. size: greatest torque of the run-up.
+    """
+
+    def __init__(self, torque: Characteristic, weight: float, sines: int, cosines: int) -> None:
+        """DesignError where the spring does not pull."""
+        self.torque = torque
+        self.weight = weight
+        self.terms = sines + cosines
+        self.kappa = np.linspace(0, 0.5, _POSITIONS)
+        w, z = harmonics(sines, cosines)
+        x_w = np.multiply.outer(self.kappa, w)
+        x_z = np.multiply.outer(self.kappa, z)
+        fall = 1 - 2 * self.kappa[:, None]
+        self.moves = np.hstack((-np.sin(x_w) / w**2, (fall - np.cos(x_z)) / z**2))
+        self.pulls = np.hstack((np.sin(x_w), np.cos(x_z)))
+        self.closes = np.concatenate((1 / w, 2 / z**2))
+        self.size = float(np.max(np.abs(torque(self.kappa))))
+        if not 0 < self.size < math.inf:
+            remedy = "give a spring that pulls over the stroke"
+            raise DesignError("spring torque", self.size, 0.0, "", "the run-up", remedy)
+
+    @property
+    def first(self) -> Floats:
+        """The cycloidal law."""
+        x = np.zeros(self.terms + 3)
+        x[0] = 2 * math.pi
+        x[self.terms :] = 2 * math.pi
+        return x
+
+    def variables(self, law: Synthesis) -> Floats:
+        """Those of a law that was found."""
+        return np.array([*law.sines, *law.cosines, law.factor * self.size, law.peak, law.rest])
+
+    def effort(self, x: Floats) -> tuple[Floats, Floats]:
         """G / size at the positions, and its slope over a."""
-        a = np.clip(kappa + moves @ x[:n], 0.0, 0.5)
+        a = np.clip(self.kappa + self.moves @ x[: self.terms], 0.0, 0.5)
         near = np.maximum(a - _SLOPE, 0)
         far = np.minimum(a + _SLOPE, 0.5)
-        return torque(a) / size, (torque(far) - torque(near)) / size / (far - near)
+        rise = self.torque(far) - self.torque(near)
+        return self.torque(a) / self.size, rise / self.size / (far - near)
 
-    # Variables: coefficients, factor * size, C, Y; all margins are to be 0 or more.
-    def margins(x: Floats) -> Floats:
-        c = pulls @ x[:n]
-        balance = pulls @ x[:n] - x[n] * effort(x)[0]
+    def margins(self, x: Floats) -> Floats:
+        """Of C and Y over what they bound, to either side: to be 0 or more."""
+        n = self.terms
+        c = self.pulls @ x[:n]
+        balance = c - x[n] * self.effort(x)[0]
         return np.concatenate((x[n + 1] - c, x[n + 1] + c, x[n + 2] - balance, x[n + 2] + balance))
 
-    def margin_slopes(x: Floats) -> Floats:
-        g, slope = effort(x)
-        balance = np.hstack((pulls - x[n] * slope[:, None] * moves, -g[:, None]))
+    def margin_slopes(self, x: Floats) -> Floats:
+        """Their derivatives to the variables."""
+        g, slope = self.effort(x)
+        balance = np.hstack((self.pulls - x[self.terms] * slope[:, None] * self.moves, -g[:, None]))
         zero = np.zeros((_POSITIONS, 1))
         one = np.ones((_POSITIONS, 1))
         return np.block(
-            [[sign * pulls, zero, one, zero] for sign in (-1, 1)]
+            [[sign * self.pulls, zero, one, zero] for sign in (-1, 1)]
             + [[sign * balance, zero, one] for sign in (-1, 1)]
         )
 
-    # Q is scaled by a weight of its own, so that a search with a large q is as well conditioned as one with a small.
-    scale = 1 / (36 * (1 + weight))
-    if start is None:
-        x = np.zeros(n + 3)
-        x[0] = 2 * math.pi
-        x[n] = x[n + 1] = x[n + 2] = 2 * math.pi
-    else:
-        x = np.array([*start.sines, *start.cosines, start.factor * size, start.peak, start.rest])
-    optimum: Any = minimize(
-        lambda x: scale * (x[n + 1] ** 2 + weight * x[n + 2] ** 2),
-        x,
-        jac=lambda x: np.concatenate(
-            (np.zeros(n + 1), 2 * scale * np.array([x[n + 1], weight * x[n + 2]]))
-        ),
-        constraints=(
-            {"type": "ineq", "fun": margins, "jac": margin_slopes},
-            {
-                "type": "eq",
-                "fun": lambda x: closes @ x[:n] - 1,
-                "jac": lambda x: np.concatenate((closes, np.zeros(3))),
-            },
-        ),
-        method="SLSQP",
-        options={"ftol": 1e-12, "maxiter": 300},
-    )
-    x = optimum.x
-    if not optimum.success or not np.all(np.isfinite(x)):
-        message = (
-            f"no law was found for the weight {weight:g} in {optimum.nit} steps: {optimum.message}"
+    def solved(self, start: Floats) -> Floats:
+        """The variables at the least Q, from a start; DesignError where the search does not settle."""
+        from scipy.optimize import minimize
+
+        n = self.terms
+        # Q is scaled by a weight of its own, so that a search with a large q is as well conditioned as one with a small.
+        scale = 1 / (36 * (1 + self.weight))
+        optimum: Any = minimize(
+            lambda x: scale * (x[n + 1] ** 2 + self.weight * x[n + 2] ** 2),
+            start,
+            jac=lambda x: np.concatenate(
+                (np.zeros(n + 1), 2 * scale * np.array([x[n + 1], self.weight * x[n + 2]]))
+            ),
+            constraints=(
+                {"type": "ineq", "fun": self.margins, "jac": self.margin_slopes},
+                {
+                    "type": "eq",
+                    "fun": lambda x: self.closes @ x[:n] - 1,
+                    "jac": lambda x: np.concatenate((self.closes, np.zeros(3))),
+                },
+            ),
+            method="SLSQP",
+            options={"ftol": 1e-12, "maxiter": _STEPS},
         )
-        raise DesignError(
-            "steps of the search",
-            optimum.nit,
-            300,
-            "",
-            f"weight {weight:g}",
-            "use another weight",
-        ).saying(message)
-    best = [
-        float(c) for c in x[:n] / (closes @ x[:n])
-    ]  # the search closes to its tolerance, this to rounding
-    return judged(torque, best[:sines], best[sines:], weight, float(x[n]) / size)
+        if optimum.success and np.all(np.isfinite(optimum.x)):
+            return np.asarray(optimum.x)
+        where = f"weight {self.weight:g}"
+        error = DesignError(
+            "steps of the search", optimum.nit, _STEPS, "", where, "use another weight"
+        )
+        raise error.saying(
+            f"no law was found for the {where} in {optimum.nit} steps: {optimum.message}"
+        )
 
 
 def judged(

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
 from camgen.findings import Finding, Where, at_least
 from camgen.machines.uniform_swing.printed import SwingMachine
 from camgen.parts.catalogue import DOWEL_STANDARD, SCREWS, Bought, fixed_motor, nut
@@ -65,112 +68,119 @@ def bought(machine: SwingMachine) -> tuple[Bought, ...]:
     return (*found, Bought("glue", "", "for all that is pressed", 1))
 
 
+@dataclass(frozen=True)
+class _Act:
+    """One step."""
+
+    part: str  # as its files name it
+    how: str
+    laid: tuple[str, ...] = ()  # what of the parts it lays
+    height: float = 0.0  # mm, at which a layer is laid
+
+
 def steps(machine: SwingMachine) -> Table:
     """In which order the machine goes together: from the base up, each part laid on from above, one operation a step."""
-    m = machine
-    sizes = machine.sizes
     things = {each.name: each for each in bought(machine)}
-    motor = ", ".join(each.text for each in things.values() if each.role.startswith("drive"))
-    nuts = things["nut of the nozzle"].text
-    # height, part as its files name it, how, what of the parts is laid
-    layers: list[tuple[float, str, str, tuple[str, ...]]] = [
-        (
-            m.low,
-            "cam",
-            f"put the cam on the motor's shaft, arrow up, {m.low - sizes.base.thickness:.3g} mm over the base",
-            ("cam-1",),
-        )
+    layers = [
+        *_lower(machine, things["nut of the nozzle"].text),
+        *(_second(machine) if machine.sizes.pair else ()),
+        _flush(machine),
     ]
-    if m.cam_pin_length:
-        layers.append((m.low, "cam-pin", "press each cam-pin into a hole of the cam", ("cam-pin",)))
-    layers.append(
-        (m.foot, "frame", "press and glue the frame on both axles, as drawn", ("frame-1",))
-    )
-    if sizes.seat:
-        layers.append((m.foot, "dowel pin of the tip", _TIP, ()))
-    if sizes.frame.bearing:
-        layers.append((m.foot, "bearing of the tip", _BEARING, ()))
-    layers.append(
-        (
-            m.foot,
-            "nut of the nozzle",
-            f"lay {nuts} in the pockets of the frame{'' if sizes.pair else ', below'}",
-            (),
-        )
-    )
-    top = m.foot
-    if sizes.pair:
-        top = m.foot + m.thickness
-        layers.append(
-            (
-                top,
-                "frame, second copy",
-                "put the second frame on the first, turned over about the line of the axles",
-                ("frame-2",),
-            )
-        )
-        if sizes.seat:
-            layers.append((top, "dowel pin of the tip", _TIP, ()))
-        if sizes.frame.bearing:
-            layers.append((top, "bearing of the tip", _BEARING, ()))
-        if sizes.making.pin_diameter:
-            layers.append(
-                (
-                    top,
-                    "frame-pin",
-                    "press each frame-pin into the holes of both frames",
-                    ("frame-pin",),
-                )
-            )
-        second = m.top - m.thickness
-        layers += [
-            (second, "cam-spacer", "put cam-spacer on the first cam and its pins", ("cam-spacer",)),
-            (
-                second,
-                "cam, second copy",
-                "put the second cam on the pins, turned over about Oy: its arrow down",
-                ("cam-2",),
-            ),
-        ]
-    said = "the frame" if not sizes.pair else "both frames"
-    flush = (
-        f"press {said} on until the axles end flush, which leaves them {m.play:g} mm of end float"
-    )
-    layers.append((top + 1e-3, "frame" if not sizes.pair else "both frames", flush, ()))
-    rows: list[tuple[str, str, tuple[str, ...]]] = [
-        ("base", f"screw the base on the motor, heads in the pockets: {motor}", ("base",)),
-        (
-            "axle",
-            "push 2 × axle from below, one through the hole, one through the arc slot; a tape holds both",
-            ("axle",),
-        ),
-        ("axle-washer", "put an axle-washer on each axle", ("axle-washer",)),
-    ]
-    if m.base_plate.mounts:
-        free = f"{sizes.frame.flange_thickness + m.play:g} mm free below for the axles"
-        screws = things["screw of the base"].text
-        said = f"screw the base on your stand with {screws}, {free}, before the frames cover the screws"
-        rows.append(("base", said, ("stand-rail",)))
-    rows += [(what, how, laid) for _, what, how, laid in sorted(layers, key=lambda each: each[0])]
-    if sizes.plain:
-        rows += [
-            ("collet", "glue the collet on the upper cam", ("collet",)),
-            (
-                "clamp-ring",
-                "push the clamp-ring over the collet, wide end first, until it is home",
-                ("clamp-ring",),
-            ),
-        ]
-    rows.append(
-        (
+    screws = things["screw of the nozzle"].text
+    acts = [
+        *_ground(machine, things),
+        *sorted(layers, key=lambda each: each.height),
+        *(_COLLET if machine.sizes.plain else ()),
+        _Act(
             "nozzle-foot",
-            f"screw your nozzle on the frames with {things['screw of the nozzle'].text} from above into the nuts",
+            f"screw your nozzle on the frames with {screws} from above into the nuts",
             ("nozzle-foot",),
-        )
-    )
+        ),
+    ]
     return Table(
         "Assembly, step by step",
         ("step", "part", "how"),
-        [(k, what, how) for k, (what, how, _) in enumerate(rows, 1)],
-        [Step([Doing(how)], laid, 1 if "axle" in laid else -1) for _, how, laid in rows],
+        [(k, each.part, each.how) for k, each in enumerate(acts, 1)],
+        [Step([Doing(each.how)], each.laid, 1 if "axle" in each.laid else -1) for each in acts],
     )
+
+
+_COLLET = (
+    _Act("collet", "glue the collet on the upper cam", ("collet",)),
+    _Act(
+        "clamp-ring",
+        "push the clamp-ring over the collet, wide end first, until it is home",
+        ("clamp-ring",),
+    ),
+)
+
+
+def _ground(machine: SwingMachine, things: Mapping[str, Bought]) -> Iterator[_Act]:
+    """Base and axles, before all layers."""
+    motor = ", ".join(each.text for each in things.values() if each.role.startswith("drive"))
+    yield _Act("base", f"screw the base on the motor, heads in the pockets: {motor}", ("base",))
+    yield _Act(
+        "axle",
+        "push 2 × axle from below, one through the hole, one through the arc slot; a tape holds both",
+        ("axle",),
+    )
+    yield _Act("axle-washer", "put an axle-washer on each axle", ("axle-washer",))
+    if machine.base_plate.mounts:
+        free = (
+            f"{machine.sizes.frame.flange_thickness + machine.play:g} mm free below for the axles"
+        )
+        screws = things["screw of the base"].text
+        said = f"screw the base on your stand with {screws}, {free}, before the frames cover the screws"
+        yield _Act("base", said, ("stand-rail",))
+
+
+def _lower(machine: SwingMachine, nuts: str) -> Iterator[_Act]:
+    """The first cam and the first frame with its tip; nuts: of the nozzle."""
+    low = machine.low
+    over = low - machine.sizes.base.thickness
+    turned = f"put the cam on the motor's shaft, arrow up, {over:.3g} mm over the base"
+    yield _Act("cam", turned, ("cam-1",), low)
+    if machine.cam_pin_length:
+        yield _Act("cam-pin", "press each cam-pin into a hole of the cam", ("cam-pin",), low)
+    foot = machine.foot
+    yield _Act("frame", "press and glue the frame on both axles, as drawn", ("frame-1",), foot)
+    yield from _tip(machine, foot)
+    below = "" if machine.sizes.pair else ", below"
+    said = f"lay {nuts} in the pockets of the frame{below}"
+    yield _Act("nut of the nozzle", said, (), foot)
+
+
+def _tip(machine: SwingMachine, height: float) -> Iterator[_Act]:
+    """The tip of the frame at a height, mm, where it is no part of the frame."""
+    if machine.sizes.seat:
+        yield _Act("dowel pin of the tip", _TIP, (), height)
+    if machine.sizes.frame.bearing:
+        yield _Act("bearing of the tip", _BEARING, (), height)
+
+
+def _second(machine: SwingMachine) -> Iterator[_Act]:
+    """The second frame and the second cam of a pair, turned over."""
+    top = _top(machine)
+    over = "put the second frame on the first, turned over about the line of the axles"
+    yield _Act("frame, second copy", over, ("frame-2",), top)
+    yield from _tip(machine, top)
+    if machine.sizes.making.pin_diameter:
+        pins = "press each frame-pin into the holes of both frames"
+        yield _Act("frame-pin", pins, ("frame-pin",), top)
+    cam = machine.top - machine.thickness
+    spacer = "put cam-spacer on the first cam and its pins"
+    yield _Act("cam-spacer", spacer, ("cam-spacer",), cam)
+    over = "put the second cam on the pins, turned over about Oy: its arrow down"
+    yield _Act("cam, second copy", over, ("cam-2",), cam)
+
+
+def _top(machine: SwingMachine) -> float:
+    """Height at which the last frame is laid, mm."""
+    return machine.foot + machine.thickness if machine.sizes.pair else machine.foot
+
+
+def _flush(machine: SwingMachine) -> _Act:
+    """What sets the end float, once the last frame lies."""
+    frames = "both frames" if machine.sizes.pair else "the frame"
+    said = f"press {frames} on until the axles end flush, which leaves them {machine.play:g} mm of end float"
+    return _Act(frames.removeprefix("the "), said, (), _top(machine) + 1e-3)
