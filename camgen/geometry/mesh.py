@@ -166,15 +166,13 @@ def mesh_faults(mesh: Mesh) -> MeshFaults:
     starts = np.flatnonzero(np.diff(key[order], prepend=-1))
     uses = np.diff(starts, append=len(key))
     balance = np.add.reduceat(np.where(a < b, 1, -1)[order], starts) if len(key) else uses
-    face = order // 3
-    shared = np.flatnonzero(np.diff(key[order]) == 0)
     return MeshFaults(
         open_edges=int(np.count_nonzero(uses == 1)),
         flipped_edges=int(np.count_nonzero((uses == 2) & (balance != 0))),
         crowded_edges=int(np.count_nonzero(uses > 2)),
         degenerate=int(np.count_nonzero(~mesh.across.any(axis=1))),
         turned_normals=0 if mesh.normals is None else _wrong_normals(mesh.normals, mesh.across),
-        bodies=len(distinct(components(len(mesh.faces), face[shared], face[shared + 1]))),
+        bodies=len(distinct(joined_by_edges(mesh.faces))),
         volume=mesh.volume,
     )
 
@@ -184,6 +182,16 @@ def _wrong_normals(normals: Floats, directions: Floats) -> int:
     size = np.linalg.norm(directions, axis=1, keepdims=True)
     off = np.linalg.norm(normals - directions / np.where(size == 0, 1, size), axis=1)
     return int(np.count_nonzero(~(off <= NORMAL_ROUNDING) & (size[:, 0] > 0)))
+
+
+def joined_by_edges(faces: Ints) -> Ints:
+    """A number for each triangle, (n,): the same of all that edges join; faces: (n, 3) vertices."""
+    a = faces.ravel()
+    b = np.roll(faces, -1, axis=1).ravel()
+    key = np.minimum(a, b) * (int(faces.max(initial=0)) + 1) + np.maximum(a, b)
+    order = np.argsort(key, kind="stable")
+    shared = np.flatnonzero(np.diff(key[order]) == 0)
+    return components(len(faces), order[shared] // 3, order[shared + 1] // 3)
 
 
 def components(count: int, a: Ints, b: Ints) -> Ints:

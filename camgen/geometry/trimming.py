@@ -57,14 +57,14 @@ def trim(pieces: Sequence[Piece]) -> tuple[list[Piece], list[Cut]]:
         first, t0 = cut.end
         last, t1 = following.start
         if first == last and _fraction(pieces[first], t0) < _fraction(pieces[first], t1):
-            outline.append(_part(pieces[first], t0, t1))
+            outline.append(part_between(pieces[first], t0, t1))
             continue
-        outline.append(_part(pieces[first], t0, pieces[first].t1))
+        outline.append(part_between(pieces[first], t0, pieces[first].t1))
         k = (first + 1) % len(pieces)
         while k != last:
             outline.append(pieces[k])
             k = (k + 1) % len(pieces)
-        outline.append(_part(pieces[last], pieces[last].t0, t1))
+        outline.append(part_between(pieces[last], pieces[last].t0, t1))
     size = max(abs(start_point(p)) for p in pieces)
     for here_piece, next_piece in zip(outline, outline[1:] + outline[:1], strict=True):
         gap = abs(end_point(here_piece) - start_point(next_piece))
@@ -85,7 +85,8 @@ def _fraction(piece: Piece, t: float) -> float:
     return (t - piece.t0) / (piece.t1 - piece.t0)
 
 
-def _part(piece: Piece, t0: float, t1: float) -> Piece:
+def part_between(piece: Piece, t0: float, t1: float) -> Piece:
+    """The part of a piece from one parameter to another."""
     if isinstance(piece, Arc):
         return Arc(piece.centre, piece.radius, t0, t1 - t0)
     if isinstance(piece, Line):

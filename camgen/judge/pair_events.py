@@ -19,7 +19,8 @@ Of both roots the sign tells which one is closing. A root counts where the norma
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -51,15 +52,7 @@ class Meetings:
 
     def take(self, index: Ints) -> Meetings:
         """Those with the given places."""
-        return Meetings(
-            self.a,
-            self.b,
-            self.i[index],
-            self.j[index],
-            self.y[index],
-            self.e[index],
-            self.gap,
-        )
+        return replace(self, i=self.i[index], j=self.j[index], y=self.y[index], e=self.e[index])
 
 
 @dataclass(frozen=True)
@@ -80,16 +73,7 @@ class Couples:
 
     def take(self, index: Ints) -> Couples:
         """Those with the given places."""
-        return Couples(
-            self.a,
-            self.b,
-            self.i[index],
-            self.j[index],
-            self.block[index],
-            self.place,
-            self.e,
-            self.gap,
-        )
+        return replace(self, i=self.i[index], j=self.j[index], block=self.block[index])
 
     def met(self, row: Ints, column: Ints) -> Meetings:
         """Pairs of these rows in the poses of these columns of their block."""
@@ -128,6 +112,16 @@ class Events:
     def take(self, index: Ints | np.ndarray) -> Events:
         """Those with the given places, or for which a mask holds."""
         return Events(self.index[index], self.closing[index], self.phi[index], self.normal[index])
+
+    @classmethod
+    def joined(cls, events: Sequence[Events]) -> Events:
+        """All of some."""
+        return cls(
+            np.concatenate([np.zeros(0, np.int64), *(each.index for each in events)]),
+            np.concatenate([np.zeros(0, bool), *(each.closing for each in events)]),
+            np.concatenate([np.zeros(0), *(each.phi for each in events)]),
+            np.concatenate([np.zeros(0, complex), *(each.normal for each in events)]),
+        )
 
 
 class Freedom(Protocol):
@@ -206,13 +200,7 @@ def touches(c: Couples, freedom: Freedom) -> tuple[Meetings, Ints, Events]:
     none = np.zeros(0, np.int64)
     row = np.concatenate([none, *pairs])
     column = np.concatenate([none, *columns])
-    every = Events(
-        np.concatenate([none, *(each.index for each in found)]),
-        np.concatenate([none.astype(bool), *(each.closing for each in found)]),
-        np.concatenate([none.astype(float), *(each.phi for each in found)]),
-        np.concatenate([none.astype(complex), *(each.normal for each in found)]),
-    )
-    return c.met(row, column), c.pose(row, column), every
+    return c.met(row, column), c.pose(row, column), Events.joined(found)
 
 
 def in_range(
@@ -224,16 +212,6 @@ def in_range(
         return np.asarray(chord <= features.chord[place])
     limit = np.minimum(features.half[place] + SAME_NORMAL + spare, np.pi)
     return np.asarray(chord <= 2 * np.sin(limit / 2))
-
-
-def _both(events: list[Events]) -> Events:
-    first, second = events
-    return Events(
-        np.concatenate([first.index, second.index]),
-        np.concatenate([first.closing, second.closing]),
-        np.concatenate([first.phi, second.phi]),
-        np.concatenate([first.normal, second.normal]),
-    )
 
 
 def _reach(m: Meetings | Couples) -> tuple[Floats, np.ndarray]:
@@ -313,7 +291,7 @@ class Turn:
             local = normal * np.conj(turn) / np.abs(turn)
             valid = in_range(m.b, m.j, local) & in_range(m.a, m.i, -normal * np.conj(m.e))
             events.append(_of_turn(kept, valid, sign > 0, turn, normal))
-        return _both(events)
+        return Events.joined(events)
 
     def driver_lines(self, m: Meetings) -> Events:
         """The round's centre comes to the line, moved out by the radius, from either side."""
@@ -333,13 +311,9 @@ class Turn:
             foot = sign * w - local_y.imag
             turn = n * (h + 1j * sign * w) / m.b.centre[m.j]
             local = -n * np.conj(turn) / np.abs(turn)
-            valid = (
-                (foot >= -SAME_FOOT)
-                & (foot <= m.a.length[m.i] + SAME_FOOT)
-                & in_range(m.b, m.j, local)
-            )
+            valid = _on_line(foot, m.a.length[m.i]) & in_range(m.b, m.j, local)
             events.append(_of_turn(kept, valid, sign > 0, turn, -n))
-        return _both(events)
+        return Events.joined(events)
 
     def driven_lines(self, m: Meetings) -> Events:
         """The same, seen from the driven body."""
@@ -359,13 +333,10 @@ class Turn:
             foot = -sign * w - local_p.imag
             turn = m.y / (n * (h - 1j * sign * w))
             normal = n * turn / np.abs(turn)
-            valid = (
-                (foot >= -SAME_FOOT)
-                & (foot <= m.b.length[m.j] + SAME_FOOT)
-                & in_range(m.a, m.i, -normal * np.conj(m.e))
-            )
+            on = _on_line(foot, m.b.length[m.j])
+            valid = on & in_range(m.a, m.i, -normal * np.conj(m.e))
             events.append(_of_turn(kept, valid, sign > 0, turn, normal))
-        return _both(events)
+        return Events.joined(events)
 
 
 def _out(features: Features, centre: Points, distance: Floats) -> tuple[Floats, Floats]:
@@ -381,6 +352,11 @@ def _out(features: Features, centre: Points, distance: Floats) -> tuple[Floats, 
     square = centre.real**2 + centre.imag**2 + distance**2 + along.real * (1 + cosine)
     spread = np.abs(along.real) * (1 - cosine) + 2 * np.abs(along.imag) * sine
     return square, spread + _ROUNDING
+
+
+def _on_line(foot: Floats, length: Floats) -> np.ndarray:
+    """Whether the foot on a line from its first point is on it, (m,) mm each."""
+    return np.asarray((foot >= -SAME_FOOT) & (foot <= length + SAME_FOOT))
 
 
 def _foot_reach(squared: Floats, begin: Floats, length: Floats) -> np.ndarray:
@@ -447,7 +423,7 @@ class Slide:
             chosen = np.flatnonzero(valid)
             sense = np.full(len(chosen), sign > 0)
             events.append(Events(kept[chosen], sense, phi[chosen], normal[chosen]))
-        return _both(events)
+        return Events.joined(events)
 
     def driver_lines(self, m: Meetings) -> Events:
         """One place, unless the line runs along the slide."""
@@ -460,9 +436,7 @@ class Slide:
         off = np.conj(n) * (m.b.centre[m.j] - m.y)
         phi = (m.b.radius[m.j] + m.gap - off.real) / rate
         foot = off.imag + phi * np.imag(np.conj(n) * self.along)
-        valid = (
-            (foot >= -SAME_FOOT) & (foot <= m.a.length[m.i] + SAME_FOOT) & in_range(m.b, m.j, -n)
-        )
+        valid = _on_line(foot, m.a.length[m.i]) & in_range(m.b, m.j, -n)
         chosen = np.flatnonzero(valid)
         return Events(kept[chosen], rate[chosen] < 0, phi[chosen], -n[chosen])
 
@@ -477,10 +451,6 @@ class Slide:
         off = np.conj(n) * (m.y - m.b.centre[m.j])
         phi = (off.real - m.a.radius[m.i] - m.gap) / rate
         foot = off.imag - phi * np.imag(np.conj(n) * self.along)
-        valid = (
-            (foot >= -SAME_FOOT)
-            & (foot <= m.b.length[m.j] + SAME_FOOT)
-            & in_range(m.a, m.i, -n * np.conj(m.e))
-        )
+        valid = _on_line(foot, m.b.length[m.j]) & in_range(m.a, m.i, -n * np.conj(m.e))
         chosen = np.flatnonzero(valid)
         return Events(kept[chosen], rate[chosen] > 0, phi[chosen], n[chosen])

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from camgen.geometry.mesh import Mesh, components
+from camgen.geometry.mesh import Mesh, joined_by_edges
 from camgen.numerics import Floats, distinct
 
 Ints = np.ndarray[tuple[int, ...], np.dtype[np.int64]]
@@ -86,13 +86,7 @@ def walls(mesh: Mesh, inner: float) -> list[Wall]:
 
 def _joined(mesh: Mesh, rows: Ints) -> Iterator[Ints]:
     """The triangles of these that hang together by edges."""
-    faces = mesh.faces[rows]
-    a = faces.ravel()
-    b = np.roll(faces, -1, axis=1).ravel()
-    key = np.minimum(a, b) * len(mesh.vertices) + np.maximum(a, b)
-    order = np.argsort(key, kind="stable")
-    shared = np.flatnonzero(np.diff(key[order]) == 0)
-    label = components(len(rows), order[shared] // 3, order[shared + 1] // 3)
+    label = joined_by_edges(mesh.faces[rows])
     for each in distinct(label):
         yield rows[label == each]
 

@@ -12,12 +12,12 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from pathlib import Path
-from typing import TYPE_CHECKING, Self, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -67,6 +67,9 @@ class Remarks:
 class Mechanism(Spec, ABC):
     """Base of all mechanisms; theta is the input angle, rad, counter-clockwise."""
 
+    # keys of every spec that this machine has no use for: table, key, what would be right
+    no_use: ClassVar[Sequence[tuple[str, str, str]]] = ()
+
     load: Weight | None = Field(default=None, description="loads on the machine")
 
     def __repr__(self) -> str:
@@ -113,6 +116,15 @@ class Mechanism(Spec, ABC):
         if not all(isinstance(value, float | int) for value in changes.values()):
             data = with_tables(data, Path())
         return made(type(self), data, like=(before, self))
+
+    def unused_faults(self) -> Iterator[Fault]:
+        """Keys that are set and of no use to this machine."""
+        fields = {each.alias or name: name for name, each in type(self).model_fields.items()}
+        for table, key, right in self.no_use:
+            record = getattr(self, fields[table])
+            value = getattr(record, key, None)
+            if value is not None and value != type(record).model_fields[key].default:
+                yield Fault((table, key), shown(value), right)
 
     @abstractmethod
     def _unloaded(self) -> Machine:

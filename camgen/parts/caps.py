@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from camgen.geometry.mesh import Mesh, components
+from camgen.geometry.mesh import Mesh, joined_by_edges
 from camgen.geometry.outlines import Points
 from camgen.numerics import among, distinct
 
@@ -144,12 +144,7 @@ def recap(mesh: Mesh) -> Mesh:
 
 def _patches(faces: Faces) -> list[Faces]:
     """Level faces that edges join, together."""
-    a = faces.ravel()
-    b = np.roll(faces, -1, axis=1).ravel()
-    key = np.minimum(a, b) * (int(faces.max(initial=0)) + 1) + np.maximum(a, b)
-    order = np.argsort(key, kind="stable")
-    shared = np.flatnonzero(np.diff(key[order]) == 0)
-    label = components(len(faces), order[shared] // 3, order[shared + 1] // 3)
+    label = joined_by_edges(faces)
     return [faces[label == k] for k in distinct(label)]
 
 

@@ -23,6 +23,7 @@ from camgen.geometry.outlines import (
     kidney,
     polygon,
 )
+from camgen.geometry.trimming import part_between
 from camgen.tolerances import SAME_POINT
 
 
@@ -339,14 +340,14 @@ def with_bar(
         for k in range(1, (first - last) % len(pieces) or len(pieces))
     ]
     rest_of_edge = [
-        _part(pieces[last], s, pieces[last].t1),
+        part_between(pieces[last], s, pieces[last].t1),
         *rest,
-        _part(pieces[first], pieces[first].t0, t),
+        part_between(pieces[first], pieces[first].t0, t),
     ]
     if (
         first == last and (t - s) * (pieces[last].t1 - pieces[last].t0) > 0
     ):  # round from one side to the other
-        rest_of_edge = [_part(pieces[last], s, t)]
+        rest_of_edge = [part_between(pieces[last], s, t)]
     straight = length - 2 * half * pointed
     tip, corner, end = (
         origin + z * direction for z in (length, straight - 1j * half, straight + 1j * half)
@@ -424,14 +425,6 @@ def _crossings(
                 )
             )
     return crossings
-
-
-def _part(piece: Piece, t0: float, t1: float) -> Piece:
-    """A line or arc from one parameter to another."""
-    if isinstance(piece, Line):
-        return Line(complex(piece.at(t0)), complex(piece.at(t1)))
-    assert isinstance(piece, Arc)
-    return Arc(piece.centre, piece.radius, t0, t1 - t0)
 
 
 def rod(name: str, title: str, diameter: float, length: float) -> Part:

@@ -24,6 +24,7 @@ import numpy as np
 
 from camgen.errors import FileError
 from camgen.files.dxf import CUT_LAYER, add_contour, document, read_contours
+from camgen.files.rows import write_rows
 from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.drum_walls import DrumWall
@@ -99,19 +100,19 @@ def judge_developments(case: Case) -> Iterator[Finding]:
 def _write_path(path: Path, drum: Drum, cutter: float) -> None:
     """Along each wall the cutter touches it half way along the roller, where the roller does."""
     theta = np.linspace(0, math.tau, _ROWS)
-    with open(path, "w", encoding="utf-8", newline="") as file:
-        lines = csv.writer(file, lineterminator="\n")
-        lines.writerow(_PATH)
-        for wall in drum.walls:
-            psi = wall.contact(-theta, np.full(_ROWS, drum.roller.middle))
-            beyond = wall.roller.radius - cutter
-            z = wall.path.height(-theta, 0) + beyond * np.cos(psi)
-            y = wall.path.beside(-theta, 0) + beyond * np.sin(psi)
-            rows = zip(np.degrees(theta).tolist(), z.tolist(), y.tolist(), strict=True)
-            lines.writerows(
-                [_SIDES[wall.side], f"{a:g}", f"{a:g}", f"{high:z.6f}", f"{aside:z.6f}"]
-                for a, high, aside in rows
+    rows: list[list[object]] = []
+    for wall in drum.walls:
+        psi = wall.contact(-theta, np.full(_ROWS, drum.roller.middle))
+        beyond = wall.roller.radius - cutter
+        z = wall.path.height(-theta, 0) + beyond * np.cos(psi)
+        y = wall.path.beside(-theta, 0) + beyond * np.sin(psi)
+        rows += [
+            [_SIDES[wall.side], f"{a:g}", f"{a:g}", f"{high:z.6f}", f"{aside:z.6f}"]
+            for a, high, aside in zip(
+                np.degrees(theta).tolist(), z.tolist(), y.tolist(), strict=True
             )
+        ]
+    write_rows(path, _PATH, rows)
 
 
 def _judged_path(case: Case, part: str, drum: Drum, cutter: float) -> Finding:

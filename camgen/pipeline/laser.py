@@ -14,6 +14,7 @@ import numpy as np
 from camgen.bounds import Bound, bounded
 from camgen.errors import DesignError, FileError
 from camgen.files.cutting import Piece, write_sheet
+from camgen.files.rows import write_rows
 from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.facets import facet_contour
 from camgen.judge.measured import Sections
@@ -102,14 +103,18 @@ def make_sheets(case: Case) -> None:
                 laser.sheet,
                 mechanism.accuracy.chord_tolerance,
             )
-    with open(case.file("sheets", "csv"), "w", encoding="utf-8", newline="") as file:
-        lines = csv.writer(file, lineterminator="\n")
-        lines.writerow(_COLUMNS)
-        for (name, copy), s in placements:
-            angle = f"{math.degrees(s.angle):z.9g}"
-            lines.writerow(
-                [s.sheet + 1, name, copy, f"{s.place.real:z.6f}", f"{s.place.imag:z.6f}", angle]
-            )
+    lines = (
+        [
+            s.sheet + 1,
+            name,
+            copy,
+            f"{s.place.real:z.6f}",
+            f"{s.place.imag:z.6f}",
+            f"{math.degrees(s.angle):z.9g}",
+        ]
+        for (name, copy), s in placements
+    )
+    write_rows(case.file("sheets", "csv"), _COLUMNS, lines)
 
 
 def sheet_files(case: Case) -> list[Path]:

@@ -18,6 +18,7 @@ import numpy as np
 from camgen.bounds import Bound, bounded
 from camgen.errors import DesignError, FileError
 from camgen.files.dxf import read_dxf, write_dxf
+from camgen.files.rows import write_rows
 from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.outlines import Arc, Piece, Region, end_point, start_point
@@ -109,12 +110,8 @@ def make_tables(case: Case) -> None:
 
 
 def _write(path: Path, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    with open(path, "w", encoding="utf-8", newline="") as file:
-        lines = csv.writer(file, lineterminator="\n")
-        lines.writerow(columns)
-        lines.writerows(
-            [_text(cell) if isinstance(cell, float) else cell for cell in row] for row in rows
-        )
+    said = ([_text(cell) if isinstance(cell, float) else cell for cell in row] for row in rows)
+    write_rows(path, columns, said)
 
 
 def _text(value: float) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.files.formats import EXACT, FORMATS, Job, write_part
+from camgen.files.rows import write_rows
 from camgen.machine.features import PartPose
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
@@ -307,13 +308,9 @@ def _lying(side: Side | None) -> tuple[object, ...]:
 
 def write_parts_list(path: Path, mechanism: Mechanism, sides: Mapping[str, Side]) -> None:
     """Write the parts list as CSV, its estimates to three digits."""
-    import csv
-
     table = parts_table(mechanism, sides)
-    with open(path, "w", encoding="utf-8", newline="") as file:
-        rows = csv.writer(file, lineterminator="\n")
-        rows.writerow(table.columns)
-        rows.writerows(
-            [f"{float(f'{cell:.3g}'):zg}" if isinstance(cell, float) else cell for cell in row]
-            for row in table.rows
-        )
+    rows = (
+        [f"{float(f'{cell:.3g}'):zg}" if isinstance(cell, float) else cell for cell in row]
+        for row in table.rows
+    )
+    write_rows(path, table.columns, rows)

@@ -10,19 +10,15 @@ from typing import Any
 
 from camgen.errors import Fault, FileError, SpecError, file_errors
 from camgen.extras import install_line
+from camgen.files.rows import write_rows
 
 Row = dict[str, Any]
 
 
 def _write_csv(path: Path, columns: Sequence[str], rows: Iterator[Row]) -> None:
-    import csv
-
     with file_errors():
         part = path.with_name(path.name + ".part")
-        with open(part, "w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(columns)
-            writer.writerows([row.get(name) for name in columns] for row in rows)
+        write_rows(part, columns, ([row.get(name) for name in columns] for row in rows))
         os.replace(part, path)
 
 

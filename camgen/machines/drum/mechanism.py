@@ -47,7 +47,6 @@ from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import Bought, shaft_and_bearings
 from camgen.parts.disc_cams import turning_note
 from camgen.parts.part import Layer, Part
-from camgen.schemas import shown
 from camgen.spec import validate
 from camgen.study import Figure, Figures, Later, Study, Table, together
 from camgen.vocabulary import OldWords
@@ -56,16 +55,6 @@ _DRUM = "drum"
 _OFF = 0.05  # mm along the turn, by which a print may put a pin off: its time is told
 _NO_TABLE = "nothing here: a drum has no outline to cut; a disc-cam of a track's segments has one"
 _RIGID = "nothing here: the followers of a drum count as rigid, and no force presses them on it"
-# keys of every spec that a drum has no use for, and what would be right
-_UNUSED = (
-    ("files", "profile_step_deg", _NO_TABLE),
-    ("files", "cutter_radius", _NO_TABLE),
-    ("load", "stiffness", _RIGID),
-    ("load", "damping_ratio", _RIGID),
-    ("load", "restitution", _RIGID),
-    ("load", "spring_error", _RIGID),
-    ("load", "cam_follower", _RIGID),
-)
 _OVER = 2.0  # chord tolerances, by which a pin reaches over its tooth: facets of its end take one
 _FARTHER = (
     "pins that stand farther apart, a shorter tooth.return_ms or a lower motor.speed_rpm widen it"
@@ -79,6 +68,15 @@ class CamDrum(Mechanism):
         **Mechanism.old_words,
         ("motor", "shaft_diameter"): ("parts", "bore"),
     }
+    no_use = (
+        ("files", "profile_step_deg", _NO_TABLE),
+        ("files", "cutter_radius", _NO_TABLE),
+        ("load", "stiffness", _RIGID),
+        ("load", "damping_ratio", _RIGID),
+        ("load", "restitution", _RIGID),
+        ("load", "spring_error", _RIGID),
+        ("load", "cam_follower", _RIGID),
+    )
 
     geometry: DrumBody
     track: Annotated[tuple[TrackTable, ...], Field(min_length=1, max_length=40)] = Field(
@@ -98,11 +96,7 @@ class CamDrum(Mechanism):
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
         found = [*self.making.misfits(), *self._place_faults(), *self._pin_faults()]
-        for table, key, right in _UNUSED:
-            record = getattr(self, table)
-            value = getattr(record, key, None)
-            if value is not None and value != type(record).model_fields[key].default:
-                found.append(Fault((table, key), shown(value), right))
+        found += self.unused_faults()
         found += thin_walls(self.allowed.min_wall, self.print.nozzle)
         for k, track in enumerate(self.track):
             try:

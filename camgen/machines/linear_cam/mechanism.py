@@ -43,36 +43,15 @@ from camgen.parts import materials
 from camgen.parts.assembly import Assembly, Cycle
 from camgen.parts.disc_cams import roller_note
 from camgen.parts.part import Layer, Part
-from camgen.schemas import shown
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study
 
 _SMOOTHER = "a law that ends smoother joins them"
 _FLATTER = "a longer span or a smaller lift"
 _AS_DRAWN = "0: the edge of a linear cam is in its files as drawn; let the slicer compensate"
 _NO_TURN = "nothing here: a plate that slides has no cam angle"
-# keys of every spec that a plate has no use for, and what would be right
 _RIGID = "nothing here: a plate's follower counts as rigid"
 _NOT_MADE = "nothing here: the plate alone is made, with no pin, bearing or gear"
 _NO_SHAFT = "nothing here: no shaft turns"
-_UNUSED = (
-    ("print", "profile_compensation", _AS_DRAWN),
-    ("print", "shrinkage", _AS_DRAWN),
-    ("load", "stiffness", _RIGID),
-    ("load", "damping_ratio", _RIGID),
-    ("load", "polydyne", _RIGID),
-    ("load", "restitution", "nothing here: hops are worked out for cams that turn evenly"),
-    ("load", "spring_error", "nothing here: a spring's error is judged for cams that turn"),
-    ("load", "cam_follower", "nothing here: the roller counts as steel, its life is not judged"),
-    ("limits", "frequency_ratio", _RIGID),
-    ("limits", "bearing_life_h", _NOT_MADE),
-    ("limits", "pin_stress_mpa", _NOT_MADE),
-    ("limits", "tooth_stress_mpa", _NOT_MADE),
-    ("limits", "pv_mpa_m_s", _NOT_MADE),
-    ("limits", "run_up_s", _NO_SHAFT),
-    ("limits", "speed_swing", _NO_SHAFT),
-    ("files", "profile_step_deg", _NO_TURN),
-    ("files", "cutter_radius", "nothing here: no path of a cutter is made along a plate"),
-)
 _SAMPLES = 1441  # of the way, in curves
 _COARSE = 0.01  # mm, by which edges may be off where it is asked whether holes lie in them
 _BY_WAY: dict[str, Any] = {"angle": "way of the plate", "unit": "mm"}  # how places are told
@@ -80,6 +59,30 @@ _BY_WAY: dict[str, Any] = {"angle": "way of the plate", "unit": "mm"}  # how pla
 
 class LinearCamDrive(Mechanism):
     """Spec and answers of a linear cam; the output is the follower's displacement s, mm or rad."""
+
+    no_use = (
+        ("print", "profile_compensation", _AS_DRAWN),
+        ("print", "shrinkage", _AS_DRAWN),
+        ("load", "stiffness", _RIGID),
+        ("load", "damping_ratio", _RIGID),
+        ("load", "polydyne", _RIGID),
+        ("load", "restitution", "nothing here: hops are worked out for cams that turn evenly"),
+        ("load", "spring_error", "nothing here: a spring's error is judged for cams that turn"),
+        (
+            "load",
+            "cam_follower",
+            "nothing here: the roller counts as steel, its life is not judged",
+        ),
+        ("limits", "frequency_ratio", _RIGID),
+        ("limits", "bearing_life_h", _NOT_MADE),
+        ("limits", "pin_stress_mpa", _NOT_MADE),
+        ("limits", "tooth_stress_mpa", _NOT_MADE),
+        ("limits", "pv_mpa_m_s", _NOT_MADE),
+        ("limits", "run_up_s", _NO_SHAFT),
+        ("limits", "speed_swing", _NO_SHAFT),
+        ("files", "profile_step_deg", _NO_TURN),
+        ("files", "cutter_radius", "nothing here: no path of a cutter is made along a plate"),
+    )
 
     geometry: PlateGeometry
     segment: Annotated[tuple[StrokeSegment, ...], Field(min_length=1, max_length=100)] = Field(
@@ -123,11 +126,7 @@ class LinearCamDrive(Mechanism):
         if self.making.hole > max(widest, 0.0):
             right = f"at most {max(widest, 0.0):.4g}: geometry.height and twice parts.ends, less two of limits.min_wall; 0: no holes"
             found.append(Fault(("parts", "hole"), f"{self.making.hole:g}", right))
-        for table, key, right in _UNUSED:
-            record = self.allowed if table == "limits" else getattr(self, table)
-            value = getattr(record, key, None)
-            if value is not None and value != type(record).model_fields[key].default:
-                found.append(Fault((table, key), shown(value), right))
+        found += self.unused_faults()
         found += load_faults(self.load, self.spring, not f.swings, True, False)
         try:
             self.program  # noqa: B018

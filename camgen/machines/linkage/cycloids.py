@@ -13,6 +13,17 @@ Points = Mapping[str, tuple[float, float]]
 Links = Mapping[str, Sequence[str]]
 
 
+def drawn_arm(
+    points: Points, lengths: Mapping[str, float], centre: str, point: str
+) -> tuple[complex, complex]:
+    """A centre, and the way from there to a point: as long as a length between both says, where one is given; mm."""
+    origin = complex(*points[centre])
+    arm = complex(*points[point]) - origin
+    given = (lengths.get(f"{a}-{b}") for a, b in ((centre, point), (point, centre)))
+    length = next((each for each in given if each is not None), abs(arm))
+    return origin, arm * (length / abs(arm))
+
+
 def expanded(
     rows: Sequence[t.Cycloid], points: Points, links: Links, lengths: Mapping[str, float]
 ) -> tuple[dict[str, tuple[float, float]], dict[str, tuple[str, ...]]]:
@@ -27,13 +38,9 @@ def expanded(
         shaft = next((p for p in links.get(row.crank, ()) if p in links.get(GROUND, ())), None)
         if twin is None or shaft is None or not {shaft, row.at} <= points.keys():
             continue
-        origin = complex(*points[shaft])
-        arm = complex(*points[row.at]) - origin
-        if abs(arm) < SAME_POINT:
+        if abs(complex(*points[row.at]) - complex(*points[shaft])) < SAME_POINT:
             continue
-        given = (lengths.get(f"{a}-{b}") for a, b in ((shaft, row.at), (row.at, shaft)))
-        length = next((each for each in given if each is not None), abs(arm))
-        arm *= length / abs(arm)
+        origin, arm = drawn_arm(points, lengths, shaft, row.at)
         all_points[row.at] = ((origin + arm).real, (origin + arm).imag)
         opposite = origin - arm
         all_points.setdefault(twin.at, (opposite.real, opposite.imag))

@@ -14,6 +14,7 @@ from typing import cast
 from camgen.errors import Fault, Key
 from camgen.machine.model import GROUND
 from camgen.machines.linkage import tables as t
+from camgen.machines.linkage.cycloids import drawn_arm
 from camgen.parts.gears import MOST_TEETH
 from camgen.parts.generator.gears import PlanetWish
 from camgen.parts.wheels.planets import Member, seats
@@ -52,11 +53,7 @@ def expanded(
         unsound = any(faults(("planets",), row, points, links))
         if unsound or centre is None or not {centre, row.at} <= points.keys():
             continue
-        origin = complex(*points[centre])
-        arm = complex(*points[row.at]) - origin
-        given = (lengths.get(f"{a}-{b}") for a, b in ((centre, row.at), (row.at, centre)))
-        length = next((each for each in given if each is not None), abs(arm))
-        arm *= length / abs(arm)
+        origin, arm = drawn_arm(points, lengths, centre, row.at)
         for pin, seat in zip(row.pins, seats(row.all_teeth, row.count), strict=True):
             place = origin + arm * cmath.exp(1j * seat)
             all_points[pin] = (place.real, place.imag)
