@@ -8,6 +8,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -253,59 +254,10 @@ def read_dxf(path: str | Path, engraving: bool = False, any_curves: bool = False
     will cut it, or leave it out.
     """
     drawing = _opened(path)
-    rings: list[Ring] = []
-    engraved: list[Ring] = []
-    edges: dict[str, list[Any]] = {}
-    curves: Curves = "bulge"
-    marks: list[tuple[complex, complex]] = []
-    faults = [*_hidden_layers(drawing), *_elsewhere(drawing)]
+    taken = _Taken(engraving, any_curves, [*_hidden_layers(drawing), *_elsewhere(drawing)])
     for entity in drawing.modelspace():
-        layer = str(entity.dxf.layer).upper() if entity.dxf.is_supported("layer") else "?"
-        kind = entity.dxftype()
-        if (layer, kind) == (MARK_LAYER, "LINE"):
-            start = entity.dxf.start
-            end = entity.dxf.end
-            marks.append((complex(*start.vec2), complex(*end.vec2)))
-            if start.z or end.z:
-                faults.append(
-                    DrawingFault(
-                        "plane", 1, f"LINE #{entity.dxf.handle} is raised off the plane z = 0"
-                    )
-                )
-        elif layer != CUT_LAYER and not (engraving and layer == ENGRAVE_LAYER):
-            faults.append(
-                DrawingFault(
-                    "entity", 1, f"{kind} #{entity.dxf.handle} on layer {layer} is no part of a cut"
-                )
-            )
-            continue
-        elif any_curves and kind in ("LINE", "ARC"):
-            curves = "arcs"
-            edges.setdefault(layer, []).append(entity)
-            places = ("center",) if kind == "ARC" else ("start", "end")
-            raised = any(entity.dxf.get(place).z for place in places)
-            if raised or tuple(entity.dxf.extrusion) != (0, 0, 1):
-                message = f"{kind} #{entity.dxf.handle} is mirrored or raised off the plane z = 0"
-                faults.append(DrawingFault("plane", 1, message))
-        else:
-            spline = ring_of_spline(entity) if any_curves and kind == "SPLINE" else None
-            curves = curves if spline is None else "spline"
-            ring, ring_faults = _ring_of(entity) if spline is None else (spline, [])
-            faults += ring_faults
-            if ring is not None:
-                faults += _repeated(ring, rings, f"#{entity.dxf.handle}")
-                (rings if layer == CUT_LAYER else engraved).append(ring)
-        faults += _looks(entity)
-    for layer, pieces in edges.items():
-        closed, gaps = rings_of_edges(path, pieces)
-        for ring in closed:
-            faults += _repeated(ring, rings, "a ring of lines and arcs")
-            (rings if layer == CUT_LAYER else engraved).append(ring)
-        for gap in gaps:
-            message = f"lines and arcs on {layer} are open, with a gap of {gap:.6g} mm"
-            faults.append(DrawingFault("open", gap, message))
-    units = drawing.header.get("$INSUNITS")
-    ends = np.array(marks, complex).reshape(-1, 2)
+        taken.entity(entity)
+    taken.close(path)
     layers = {
         layer.dxf.name.upper(): (layer.dxf.color, layer.dxf.lineweight) for layer in drawing.layers
     }
@@ -314,7 +266,85 @@ def read_dxf(path: str | Path, engraving: bool = False, any_curves: bool = False
         for name, look in layers.items()
         if name in (CUT_LAYER, MARK_LAYER, ENGRAVE_LAYER)
     }
-    return Drawing(units, tuple(rings), ends, tuple(faults), tuple(engraved), ours, curves)
+    return Drawing(
+        drawing.header.get("$INSUNITS"),
+        tuple(taken.rings),
+        np.array(taken.marks, complex).reshape(-1, 2),
+        tuple(taken.faults),
+        tuple(taken.engraved),
+        ours,
+        taken.curves,
+    )
+
+
+@dataclass
+class _Taken:
+    """What is taken of a drawing, entity by entity; engraving, any_curves: as in `read_dxf`."""
+
+    engraving: bool
+    any_curves: bool
+    faults: list[DrawingFault]
+    rings: list[Ring] = field(default_factory=list)
+    engraved: list[Ring] = field(default_factory=list)
+    marks: list[tuple[complex, complex]] = field(default_factory=list)
+    edges: dict[str, list[Any]] = field(default_factory=dict)  # lines and arcs of each layer
+    curves: Curves = "bulge"
+
+    def entity(self, entity: Any) -> None:
+        """Take an entity by its layer and kind."""
+        layer = str(entity.dxf.layer).upper() if entity.dxf.is_supported("layer") else "?"
+        kind = entity.dxftype()
+        if (layer, kind) == (MARK_LAYER, "LINE"):
+            self._mark(entity)
+        elif layer != CUT_LAYER and not (self.engraving and layer == ENGRAVE_LAYER):
+            message = f"{kind} #{entity.dxf.handle} on layer {layer} is no part of a cut"
+            self.faults.append(DrawingFault("entity", 1, message))
+            return
+        elif self.any_curves and kind in ("LINE", "ARC"):
+            self._edge(entity, layer, kind)
+        else:
+            self._contour(entity, layer, kind)
+        self.faults += _looks(entity)
+
+    def _mark(self, line: Any) -> None:
+        start = line.dxf.start
+        end = line.dxf.end
+        self.marks.append((complex(*start.vec2), complex(*end.vec2)))
+        if start.z or end.z:
+            message = f"LINE #{line.dxf.handle} is raised off the plane z = 0"
+            self.faults.append(DrawingFault("plane", 1, message))
+
+    def _edge(self, entity: Any, layer: str, kind: str) -> None:
+        self.curves = "arcs"
+        self.edges.setdefault(layer, []).append(entity)
+        places = ("center",) if kind == "ARC" else ("start", "end")
+        raised = any(entity.dxf.get(place).z for place in places)
+        if raised or tuple(entity.dxf.extrusion) != (0, 0, 1):
+            message = f"{kind} #{entity.dxf.handle} is mirrored or raised off the plane z = 0"
+            self.faults.append(DrawingFault("plane", 1, message))
+
+    def _contour(self, entity: Any, layer: str, kind: str) -> None:
+        spline = ring_of_spline(entity) if self.any_curves and kind == "SPLINE" else None
+        if spline is not None:
+            self.curves = "spline"
+        ring, faults = _ring_of(entity) if spline is None else (spline, [])
+        self.faults += faults
+        if ring is not None:
+            self._ring(ring, layer, f"#{entity.dxf.handle}")
+
+    def _ring(self, ring: Ring, layer: str, what: str) -> None:
+        self.faults += _repeated(ring, self.rings, what)
+        (self.rings if layer == CUT_LAYER else self.engraved).append(ring)
+
+    def close(self, path: str | Path) -> None:
+        """Make rings of lines and arcs end on end."""
+        for layer, pieces in self.edges.items():
+            closed, gaps = rings_of_edges(path, pieces)
+            for ring in closed:
+                self._ring(ring, layer, "a ring of lines and arcs")
+            for gap in gaps:
+                message = f"lines and arcs on {layer} are open, with a gap of {gap:.6g} mm"
+                self.faults.append(DrawingFault("open", gap, message))
 
 
 def read_contours(path: Path) -> tuple[list[Ring], list[str]]:

@@ -127,6 +127,16 @@ class _Extent:
         )
 
 
+@dataclass(frozen=True)
+class StandParts:
+    """What a stand is made of, where the copies stand, the table, and what the steps say of each part."""
+
+    parts: Sequence[Part]
+    mounts: Sequence[Mount]
+    table: StandIn
+    steps: Sequence[tuple[str, str]]
+
+
 @dataclass(frozen=True, eq=False)
 class TableStand:
     """A stand of a machine; up: unit complex that points away from the table, of a board."""
@@ -283,8 +293,8 @@ class TableStand:
         by = complex(self.fit, self.fit) / 2
         return rectangle(low - by, high + by)
 
-    def made(self) -> tuple[list[Part], list[Mount], StandIn, list[tuple[str, str]]]:
-        """Its parts, where their copies stand, the table, and what the steps say of each part."""
+    def made(self) -> StandParts:
+        """All that it is."""
         return _board(self) if self.kind == "board" else _box(self)
 
     def bought(self) -> list[Bought]:
@@ -305,15 +315,15 @@ class TableStand:
 def on_stand(stand: TableStand) -> Assembly:
     """The machine with its stand, and the table, which is in the way."""
     made = stand.assembly
-    parts, mounts, table, steps = stand.made()
+    own = stand.made()
     down = (-stand.up.real, -stand.up.imag, 0.0) if stand.kind == "board" else (0.0, 0.0, -1.0)
     return replace(
         made,
-        parts=[*made.parts, *parts],
-        mounts=[*made.mounts, *mounts],
-        stand_ins=[*made.stand_ins, table],
+        parts=[*made.parts, *own.parts],
+        mounts=[*made.mounts, *own.mounts],
+        stand_ins=[*made.stand_ins, own.table],
         bought=stand.bought(),
-        support=Support(down, tuple(steps), frozenset(part.name for part in parts)),
+        support=Support(down, tuple(own.steps), frozenset(part.name for part in own.parts)),
     )
 
 
@@ -353,96 +363,161 @@ def _window(name: str, low: complex, high: complex, edge: float) -> dict[str, Co
     return {} if small else {name: rectangle(low, high)}
 
 
-def _board(stand: TableStand) -> tuple[list[Part], list[Mount], StandIn, list[tuple[str, str]]]:
-    t = stand.thick
-    rim = stand.rim
-    centre, high = stand.centres
-    lowest = min(
-        each.box[0].imag - (stand.hand if each.low < -t and each.moves else 0.0)
-        for each in stand.swept
-    )
-    floor = min(lowest, stand.held.low.imag) - _AIR
-    top = stand.held.high.imag
-    lean = _LEAN * (float(centre.imag.max()) - floor + t)
-    left = min(stand.held.low.real, float(centre.real.min()) - lean)
-    right = max(stand.held.high.real, float(centre.real.max()) + lean)
-    for each in stand.behind:
-        air = _AIR + (stand.hand if each.moves else 0.0)
-        left = min(left, each.box[0].real - air)
-        right = max(right, each.box[1].real + air)
-    # the gussets stand outside of left and right
-    hanging = [-each.low - t for each in stand.behind if not each.moves]  # a motor
-    deep = max(_DEEP * (top - floor), lean - t - high, _SHALLOW, *hanging)
-    front = max(*(each.high for each in stand.swept), high + lean)
-    tall = 0.6 * (top - floor)
-    foot_tab = -t - deep / 2 - deep / 6, -t - deep / 2 + deep / 6
-    panel_tab = floor + tall / 2 - tall / 6, floor + tall / 2 + tall / 6
-    wide = right - left
-    tabs = [
-        (left + wide * share - wide / 12, left + wide * share + wide / 12) for share in (0.25, 0.75)
-    ]
-    gussets = left - t, right
-    # panel
-    outer = _box_of(complex(left - t - rim, floor), complex(right + t + rim, top))
-    for a, b in tabs:
-        outer = outer.union(_box_of(complex(a, floor - t), complex(b, floor)))
-    slots = {
-        f"slot {k}": stand._slot(complex(x, panel_tab[0]), complex(x + t, panel_tab[1]))
-        for k, x in enumerate(gussets, 1)
-    }
-    edge = stand.frame
-    under = stand.held.low.imag + rim  # of its lowest hole
-    slots |= _window("window", complex(left, floor), complex(right, under), edge)
-    panel = stand._panel("stand-panel", "Panel of the stand", outer, slots)
-    # foot: its y is the machine's height over the plate
-    low = complex(left - t - rim, -t - deep - rim)
-    slots = {
-        f"slot {k}": stand._slot(complex(a, -t), complex(b, 0)) for k, (a, b) in enumerate(tabs, 1)
-    }
-    slots |= {
-        f"slot {k}": stand._slot(complex(x, foot_tab[0]), complex(x + t, foot_tab[1]))
-        for k, x in enumerate(gussets, 3)
-    }
-    outer_foot = rectangle(low, complex(right + t + rim, front))
-    slots |= _window("window 1", complex(left, -t - deep), complex(right, -t), edge)
-    slots |= _window("window 2", complex(left, 0), complex(right, front), edge)
-    foot = stand._sheet(
-        "stand-foot",
-        "Foot of the stand",
-        plate("foot of the stand", outer_foot, slots, stand.min_wall),
-    )
-    # gusset: its x is up
-    corner = min(2 * rim + t, deep / 2)
-    web = polygon(
-        [
-            complex(floor, -t - deep),
-            complex(floor + corner, -t - deep),
-            complex(floor + tall, -t - corner),
-            complex(floor + tall, -t),
-            complex(floor, -t),
+@dataclass(frozen=True)
+class _Board:
+    """Sizes of a board, mm, local: x along the table, y up, and z from the plate's underside to the front."""
+
+    thick: float
+    rim: float
+    left: float  # between the gussets, which stand outside of left and right
+    right: float
+    floor: float  # underside of the panel, upper side of the foot
+    top: float
+    tall: float  # of the gussets
+    deep: float  # how far they reach behind the panel
+    front: float  # of the foot
+
+    @classmethod
+    def of(cls, stand: TableStand) -> _Board:
+        """So large that it holds all holes, stays under the centre of mass and clear of what moves."""
+        t = stand.thick
+        centre, high = stand.centres
+        lowest = min(
+            each.box[0].imag - (stand.hand if each.low < -t and each.moves else 0.0)
+            for each in stand.swept
+        )
+        floor = min(lowest, stand.held.low.imag) - _AIR
+        top = stand.held.high.imag
+        lean = _LEAN * (float(centre.imag.max()) - floor + t)
+        left = min(stand.held.low.real, float(centre.real.min()) - lean)
+        right = max(stand.held.high.real, float(centre.real.max()) + lean)
+        for each in stand.behind:
+            air = _AIR + (stand.hand if each.moves else 0.0)
+            left = min(left, each.box[0].real - air)
+            right = max(right, each.box[1].real + air)
+        hanging = [-each.low - t for each in stand.behind if not each.moves]  # a motor
+        deep = max(_DEEP * (top - floor), lean - t - high, _SHALLOW, *hanging)
+        front = max(*(each.high for each in stand.swept), high + lean)
+        return cls(t, stand.rim, left, right, floor, top, 0.6 * (top - floor), deep, front)
+
+    @property
+    def back(self) -> float:
+        """Of the foot, in z."""
+        return -self.thick - self.deep - self.rim
+
+    @property
+    def tabs(self) -> list[tuple[float, float]]:
+        """Ends in x of the panel's tabs in the foot."""
+        wide = self.right - self.left
+        return [
+            (self.left + wide * share - wide / 12, self.left + wide * share + wide / 12)
+            for share in (0.25, 0.75)
         ]
-    ).counter_clockwise()
-    area = _area(web)
-    area = area.union(_box_of(complex(floor - t, foot_tab[0]), complex(floor, foot_tab[1])))
-    area = area.union(_box_of(complex(panel_tab[0], -t), complex(panel_tab[1], 0)))
-    gusset = stand._sheet("stand-gusset", "Gusset of the stand", Region(_contour(area)))
+
+    @property
+    def gussets(self) -> tuple[float, float]:
+        """Their left sides, in x."""
+        return self.left - self.thick, self.right
+
+    @property
+    def foot_tab(self) -> tuple[float, float]:
+        """Ends in z of a gusset's tab in the foot."""
+        middle = -self.thick - self.deep / 2
+        return middle - self.deep / 6, middle + self.deep / 6
+
+    @property
+    def panel_tab(self) -> tuple[float, float]:
+        """Ends in y of a gusset's tab in the panel."""
+        middle = self.floor + self.tall / 2
+        return middle - self.tall / 6, middle + self.tall / 6
+
+    def panel(self, stand: TableStand) -> Part:
+        """What the machine's plate is screwed on."""
+        t = self.thick
+        outer = _box_of(
+            complex(self.left - t - self.rim, self.floor),
+            complex(self.right + t + self.rim, self.top),
+        )
+        for a, b in self.tabs:
+            outer = outer.union(_box_of(complex(a, self.floor - t), complex(b, self.floor)))
+        low, high = self.panel_tab
+        slots = {
+            f"slot {k}": stand._slot(complex(x, low), complex(x + t, high))
+            for k, x in enumerate(self.gussets, 1)
+        }
+        under = complex(self.right, stand.held.low.imag + self.rim)  # of its lowest hole
+        slots |= _window("window", complex(self.left, self.floor), under, stand.frame)
+        return stand._panel("stand-panel", "Panel of the stand", outer, slots)
+
+    def foot(self, stand: TableStand) -> Part:
+        """What lies on the table; its y is the machine's height over the plate."""
+        t = self.thick
+        slots = {
+            f"slot {k}": stand._slot(complex(a, -t), complex(b, 0))
+            for k, (a, b) in enumerate(self.tabs, 1)
+        }
+        low, high = self.foot_tab
+        slots |= {
+            f"slot {k}": stand._slot(complex(x, low), complex(x + t, high))
+            for k, x in enumerate(self.gussets, 3)
+        }
+        outer = rectangle(
+            complex(self.left - t - self.rim, self.back),
+            complex(self.right + t + self.rim, self.front),
+        )
+        behind = complex(self.left, -t - self.deep), complex(self.right, -t)
+        slots |= _window("window 1", *behind, stand.frame)
+        before = complex(self.left, 0), complex(self.right, self.front)
+        slots |= _window("window 2", *before, stand.frame)
+        region = plate("foot of the stand", outer, slots, stand.min_wall)
+        return stand._sheet("stand-foot", "Foot of the stand", region)
+
+    def gusset(self, stand: TableStand) -> Part:
+        """What holds the panel upright, twice; its x is up."""
+        t = self.thick
+        corner = min(2 * self.rim + t, self.deep / 2)
+        back = -t - self.deep
+        high = self.floor + self.tall
+        web = polygon(
+            [
+                complex(self.floor, back),
+                complex(self.floor + corner, back),
+                complex(high, -t - corner),
+                complex(high, -t),
+                complex(self.floor, -t),
+            ]
+        ).counter_clockwise()
+        low, up = self.foot_tab
+        area = _area(web).union(_box_of(complex(self.floor - t, low), complex(self.floor, up)))
+        low, up = self.panel_tab
+        area = area.union(_box_of(complex(low, -t), complex(up, 0)))
+        made = stand._sheet("stand-gusset", "Gusset of the stand", Region(_contour(area)))
+        return replace(made, count=2)
+
+
+def _board(stand: TableStand) -> StandParts:
+    sizes = _Board.of(stand)
+    panel = sizes.panel(stand)
+    gusset = sizes.gusset(stand)
+    foot = sizes.foot(stand)
     turn = cmath.phase(stand.turn)
     mounts = [
-        Mount(panel.name, GROUND, angle=turn, z=-t),
+        Mount(panel.name, GROUND, angle=turn, z=-stand.thick),
         *(
             Mount(gusset.name, GROUND, stand.turn * x, turn + math.pi / 2, upright=True)
-            for x in gussets
+            for x in sizes.gussets
         ),
-        Mount(foot.name, GROUND, stand.turn * 1j * floor, turn, upright=True),
+        Mount(foot.name, GROUND, stand.turn * 1j * sizes.floor, turn, upright=True),
     ]
-    west, east = (stand.turn * complex(x, floor - t - _TABLE) for x in _along(stand))
-    ends = min(-t - deep - rim, *(each.low for each in stand.swept)), front
+    under = sizes.floor - stand.thick - _TABLE
+    west, east = (stand.turn * complex(x, under) for x in _along(stand))
+    ends = min(sizes.back, *(each.low for each in stand.swept)), sizes.front
     table = StandIn(TABLE, GROUND, (), bars=((west, east, _TABLE, *ends),))
     steps = [
         (gusset.name, "behind the panel: a tab of each glued into its slot"),
         (foot.name, "glued on the tabs of panel and gussets, flush below"),
     ]
-    return [panel, replace(gusset, count=2), foot], mounts, table, steps
+    return StandParts([panel, gusset, foot], mounts, table, steps)
 
 
 def _along(stand: TableStand) -> tuple[float, float]:
@@ -456,7 +531,7 @@ def _along(stand: TableStand) -> tuple[float, float]:
 # ---- a box -----------------------------------------------------------------------------------------------------------
 
 
-def _box(stand: TableStand) -> tuple[list[Part], list[Mount], StandIn, list[tuple[str, str]]]:
+def _box(stand: TableStand) -> StandParts:
     t = stand.thick
     centre, high = stand.centres
     depth = max(_SHALLOW, -t - min(each.low for each in stand.swept) + _AIR)
@@ -514,7 +589,7 @@ def _box(stand: TableStand) -> tuple[list[Part], list[Mount], StandIn, list[tupl
         (end.name, "under the lid: tabs glued into its notches"),
         (side.name, "fingers glued into those of the ends, tabs into the lid"),
     ]
-    return [panel, side, end], mounts, table, steps
+    return StandParts([panel, side, end], mounts, table, steps)
 
 
 def _with_window(wall: Any, edge: Sequence[float], depth: float, stand: TableStand) -> Region:
