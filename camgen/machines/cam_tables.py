@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 from camgen.errors import Fault
 from camgen.machines.linkage import sheets
 from camgen.machines.mechanism import Remarks
+from camgen.machines.metal import bore_notes, motor_notes
 from camgen.machines.template import Template
 from camgen.parts.disc_cams import OLD_BORES, ShaftHole
 from camgen.parts.generator.sizes import Parts
@@ -118,9 +119,12 @@ class CamTables(Template):
         return faults
 
     def remarks(self) -> Remarks:
-        """Keys of [parts] that are set, not as the starter sets them, and that are those of cams alone."""
+        """Of cams alone what does not hold on their shaft; else keys of [parts] that are set, not as the starter sets them, and
+        that are those of cams alone."""
         if not self.standing:
-            return Remarks()
+            model = getattr(self.motor, "model", None)
+            notes = motor_notes(self.sizes.bore, model)
+            return Remarks(warnings=[*bore_notes(self.sizes, self.material.name), *notes])
         unused = [
             f"parts.{key}"
             for key, field in type(self.sizes).model_fields.items()

@@ -9,6 +9,8 @@ from typing import Any
 from camgen.parts import materials
 from camgen.parts.catalogue import CAM_FOLLOWERS, DOWELS
 from camgen.parts.disc_cams import CamParts, ShaftBore
+from camgen.parts.keyways import keyway
+from camgen.parts.motors import SHAFTS, STEPPERS
 
 _FACE = 0.6  # of the bore: least thickness
 _HUB = 1.8  # of the bore: diameter
@@ -33,7 +35,8 @@ def with_close_groove(data: Any) -> Any:
 def filled(data: Any) -> Any:
     """A spec's tables with these sizes; as they are where nothing is cut of metal or a whole machine is made.
 
-    Thickness: as the roller of the catalogue, at least 0.6 bores. With a keyway a hub of 1.8 bores, so high that the key is as
+    Thickness: as the roller of the catalogue, at least 0.6 bores. The bore has the keyway of DIN 6885 where the norm has one and the
+    base circle leaves a wall of half the bore about it. With a keyway a hub of 1.8 bores, so high that the key is as
     long as the bore is wide; none in a groove, or where the base circle has no room for it. A groove has a back of half the
     thickness, dowels as thick at least, as far as the base circle has room for them, and a rim of 2.5 dowels.
     """
@@ -53,9 +56,14 @@ def filled(data: Any) -> Any:
     least = CamParts.model_fields["thickness"].default
     thickness = max(least, float(math.ceil(_FACE * bore)), _ring(geometry, load))
     hub = float(math.ceil(_HUB * bore))
-    sizes = {"thickness": thickness, "hub_diameter": hub}
-    keyed = parts.get("bore_shape") == "keyway"
-    if keyed and not grooved and not _too_small(geometry, parts.get("hub_diameter", hub)):
+    sizes: dict[str, float | str] = {"thickness": thickness, "hub_diameter": hub}
+    shape = parts.get("bore_shape", "keyway" if _is_keyed(bore, geometry) else "plain")
+    sizes["bore_shape"] = shape
+    if (
+        shape == "keyway"
+        and not grooved
+        and not _too_small(geometry, parts.get("hub_diameter", hub))
+    ):
         given = parts.get("thickness", thickness)
         sizes["hub_height"] = max(0.0, bore - given) if isinstance(given, int | float) else 0.0
     if grooved:
@@ -63,7 +71,7 @@ def filled(data: Any) -> Any:
         sizes |= _grooved(given, geometry.get("base_radius"), bore)
         pin = parts.get("pin_diameter", sizes["pin_diameter"])
         if isinstance(pin, int | float):
-            sizes["rim"] = max(sizes["rim"], float(math.ceil(_RIM * pin)))
+            sizes["rim"] = max(CamParts.model_fields["rim"].default, float(math.ceil(_RIM * pin)))
     made = {**data, "parts": {**sizes, **parts}}
     return {**made, "print": {"slide_clearance": _GROOVE, **fits}} if grooved else made
 
@@ -83,6 +91,27 @@ def _grooved(thickness: Any, base: Any, bore: float) -> dict[str, float]:
     sold = [each for each in DOWELS if usual["pin_diameter"] <= each <= room]
     pin = next((each for each in sold if each >= _BACK * thickness), max(sold, default=0.0))
     return {**usual, "back": back, "pin_diameter": pin or usual["pin_diameter"]}
+
+
+def _is_keyed(bore: float, geometry: Mapping[str, Any]) -> bool:
+    """Whether a bore left open has a keyway: one of the standard, with half the bore about it where the base circle is given."""
+    usual = keyway(bore)
+    base = geometry.get("base_radius")
+    if usual is None:
+        return False
+    return not isinstance(base, int | float) or base >= bore + usual[1]
+
+
+def motor_notes(bore: float, model: str | None) -> list[str]:
+    """A sentence on a cam that does not fit the shaft of the motor that is named."""
+    row = STEPPERS.get(model or "")
+    shaft = SHAFTS[row.frame][0] if row else bore
+    if bore == shaft:
+        return []
+    return [
+        f"parts.bore is {bore:g} mm, the shaft of {model} {shaft:g} mm: "
+        f"parts.bore = {shaft:g} fits it; else the cam needs a shaft of its own and a coupling from {shaft:g} to {bore:g} mm."
+    ]
 
 
 def bore_notes(bore: ShaftBore, material: str) -> list[str]:

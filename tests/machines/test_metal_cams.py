@@ -172,7 +172,7 @@ def test_a_milled_groove_of_a_drum_is_as_close_as_that_of_a_plate() -> None:
 @pytest.mark.parametrize("spec", ["disc-cam.toml", "cylinder-cam.toml"])
 def test_a_bore_in_metal_that_turns_nothing_or_is_hard_to_cut_is_told(spec: str) -> None:
     def told(*settings: str) -> list[str]:
-        notes = read_mechanism(STARTER.with_name(spec), settings).study().notes
+        notes = read_mechanism(STARTER.with_name(spec), settings).remarks().warnings
         return [note for note in notes if "parts.bore_shape" in note]
 
     steel = "material.name=C45"
@@ -182,6 +182,43 @@ def test_a_bore_in_metal_that_turns_nothing_or_is_hard_to_cut_is_told(spec: str)
     assert "wire erosion" in flat
     assert not told(steel, "parts.bore_shape=keyway", "parts.bore=10")
     assert not told("parts.bore_shape=plain")
+
+
+@pytest.mark.parametrize(
+    ("settings", "shape"),
+    [
+        (("parts.bore=20",), ("keyway", 6, 2.8)),  # DIN 6885: 6 x 6, t2 2.8
+        (("parts.bore=5",), ("plain",)),  # under 6 mm the norm has no key
+        (
+            ("parts.bore=20", "geometry.base_radius=22"),
+            ("plain",),
+        ),  # less than half the bore about it
+        (("parts.bore=20", "parts.bore_shape=plain"), ("plain",)),
+        (("parts.bore=20", "material.name=PLA"), ("plain",)),
+    ],
+)
+def test_a_bore_in_metal_that_is_left_open_has_a_keyway(
+    settings: tuple[str, ...], shape: tuple[str | float, ...]
+) -> None:
+    bare = (*KEYED[:2], "parts.bore_shape=", "material.name=C45", "geometry.base_radius=40")
+    made: Any = read_mechanism(STARTER, [*bare, *settings])
+    parts = made.making
+    assert (parts.bore_shape, parts.key_width, parts.key_depth)[: len(shape)] == shape
+    assert made.resolved().making.bore_shape == shape[0]
+
+
+def test_a_bore_that_does_not_fit_the_shaft_of_the_motor_is_told() -> None:
+    """Shaft of a NEMA 17: 5 mm."""
+
+    def told(*settings: str) -> list[str]:
+        notes = read_mechanism(STARTER, settings).remarks().warnings
+        return [note for note in notes if "coupling" in note]
+
+    (said,) = told()
+    assert said.startswith("parts.bore is 8 mm, the shaft of 42STH48-2004AC 5 mm: parts.bore = 5 ")
+    assert "a coupling from 5 to 8 mm" in said
+    assert not told("parts.bore=5") and not told("motor.model=hand crank")
+    assert not told("parts.make=printed"), "a machine says what its shaft is"
 
 
 def test_what_is_found_stays_as_it_is_written_out() -> None:

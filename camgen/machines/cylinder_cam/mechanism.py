@@ -57,7 +57,7 @@ from camgen.machines.disc_cam.tables import DiscCamMotor, LoadTable, SpringTable
 from camgen.machines.loads.lift_off import bounce_figures, bounce_of
 from camgen.machines.loads.tables import thin_walls
 from camgen.machines.loads.weights import gravity
-from camgen.machines.mechanism import Mechanism
+from camgen.machines.mechanism import Mechanism, Remarks
 from camgen.machines.metal import bore_notes, with_close_groove
 from camgen.machines.pairs import still_faults
 from camgen.motion.program import Program
@@ -670,6 +670,12 @@ class CylinderCam(Mechanism):
                 )
         return replace(study, numbers=study.numbers | Figures(borne), notes=notes)
 
+    def remarks(self) -> Remarks:
+        """What does not hold a drum alone on its shaft."""
+        if self.making.make == "printed":
+            return Remarks()
+        return Remarks(warnings=bore_notes(self.making, self.material.name))
+
     def study(self) -> Study:
         """Sizes, motion and its derivatives, pressure angle, forces."""
         unit, scale = self.geometry.follower.unit
@@ -760,5 +766,4 @@ class CylinderCam(Mechanism):
         return [
             f"The drum is what is made. Bring the follower, its guide, the roller, shaft and bearings: {place}, the roller's inner end {track.inner:.4g} mm from the drum's axis.",
             "theta is counter-clockwise as seen from above; at 0 the follower stands at +x of the drum's files.",
-            *bore_notes(self.making, self.material.name),
         ]

@@ -70,7 +70,7 @@ from camgen.machines.free_play import between
 from camgen.machines.loads.lift_off import bounce_figures, bounce_of
 from camgen.machines.loads.tables import CamLimitsTable, thin_walls
 from camgen.machines.loads.weights import gravity
-from camgen.machines.metal import bore_notes, filled
+from camgen.machines.metal import filled
 from camgen.machines.pairs import air_faults, still_faults
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
@@ -570,8 +570,6 @@ class DiscCamDrive(CamTables):
             notes.append(
                 "You hold the follower on the cam: with [load] and [spring], LIFT_OFF and HERTZ judge how."
             )
-        if self.making.make == "cams":
-            notes += bore_notes(self.making, self.material.name)
         if self.allowed.continuous < 0:
             notes.append("Jumps of the motion are not judged: limits.continuous = -1.")
         return notes
