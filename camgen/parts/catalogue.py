@@ -316,6 +316,21 @@ def ball_roller(diameter: float, width: float) -> Bearing | None:
     return next(fitting, None)
 
 
+def no_ball_roller(diameter: float) -> str:
+    """Why a roller of this diameter, mm, is no ball bearing, and which size of [geometry.roller] would be one."""
+    widths = sorted({each.width for each in BEARINGS.values() if each.outside == diameter})
+    if widths:
+        sold = " or ".join(f"{width:g}" for width in widths)
+        return (
+            f"ball bearings of {diameter:g} are {sold} wide: geometry.roller.length = {widths[0]:g}"
+        )
+    near = min(BEARINGS.values(), key=lambda each: abs(each.outside - diameter))
+    return (
+        f"no ball bearing is {diameter:g} across, the nearest one {near.outside:g} x {near.width:g}: "
+        f"geometry.roller.radius = {near.outside / 2:g}, geometry.roller.length = {near.width:g}"
+    )
+
+
 DOWEL_STANDARD = "ISO 2338"
 # Of hardened steel, m6, 1 to 20 mm thick [ISO 8734:1997, scope: scribd.com/document/429524111]; in lengths of ISO 2338.
 HARD_DOWEL_STANDARD = "ISO 8734"

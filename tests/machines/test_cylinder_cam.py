@@ -507,6 +507,26 @@ def test_the_list_has_what_turns_and_what_rolls() -> None:
     assert "bearing of the shaft" not in found
 
 
+@pytest.mark.parametrize(
+    ("radius", "said"),
+    [
+        # MR105 and 623 are 10 across and 4 wide, a 624 is 13 x 5
+        (5.0, "10 x 6, turned (ball bearings of 10 are 4 wide: geometry.roller.length = 4)"),
+        (
+            6.0,
+            "12 x 6, turned (no ball bearing is 12 across, the nearest one 13 x 5: "
+            "geometry.roller.radius = 6.5, geometry.roller.length = 5)",
+        ),
+    ],
+)
+def test_a_roller_that_is_no_ball_bearing_is_told_with_one_that_is(
+    radius: float, said: str
+) -> None:
+    made = drum(geometry={"roller": {"radius": radius, "length": 6.0}})
+    (roller,) = (each for each in made.assembly.bought if each.name == "roller")
+    assert roller.size == said
+
+
 def test_what_is_wrong_is_told_by_its_keys() -> None:
     wrong = {
         "geometry": {"track": "rib", "follower": {"motion": "oscillating", "offset": 2.0}},

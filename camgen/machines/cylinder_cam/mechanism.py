@@ -70,6 +70,7 @@ from camgen.parts.catalogue import (
     DOWELS,
     Bought,
     ball_roller,
+    no_ball_roller,
     shaft_and_bearings,
 )
 from camgen.parts.disc_cams import turning_note
@@ -491,7 +492,8 @@ class CylinderCam(Mechanism):
                 "roller", "", f"{size}, a cone of {roller.cone_deg:g} deg half angle", count
             )
         elif ball is None:
-            rolls = Bought("roller", "", f"{size}, turned: no ball bearing is so wide", count)
+            why = no_ball_roller(2 * roller.radius)
+            rolls = Bought("roller", "", f"{size}, turned ({why})", count)
         else:
             rolls = Bought("roller", ball.standard, f"{ball.name}, {ball.size}", count)
         rolls = replace(rolls, how="on your follower, in the track")
