@@ -62,6 +62,9 @@ def text_of_form(form: str, pattern: str, max_length: int | None = None) -> Any:
 
 
 Length = Annotated[float, quantity("mm", ge=1e-3, le=1e6)]  # none makes less than a thousandth
+Size = Annotated[
+    float, quantity("mm", ge=0.1, le=1e6)
+]  # of a hole or shaft: smaller ones are in metres
 Distance = Annotated[float, quantity("mm", ge=0, le=1e6)]
 Angle = Annotated[float, quantity("deg", ge=0, le=180)]
 Force = Annotated[float, quantity("N or N m", ge=0, le=1e6)]
@@ -642,12 +645,34 @@ def validate(
     like: tables and the record that was made of them: what is the same object in both tables is not checked again.
     """
     words = cls.wording(data)
+    hints = (*hints, *_radians(cls, words.data))
     before = None if like is None else (cls.wording(like[0]).data, like[1])
     try:
         return _checked(cls, words.data, (*hints, *words.notes), before)
     except SpecError as error:
         faults = list(map(words.as_typed, error.faults))
     raise SpecError(faults, source)
+
+
+def _radians(cls: type[Checked], data: Data) -> Iterator[str]:
+    """A sentence for each angle in degrees whose value is a known angle in radians, to four digits: 1.5708."""
+    for path, value in _floats(data):
+        deg = math.degrees(value)
+        known = 15 * round(deg / 15)
+        if not known or abs(deg - known) >= _AS_RADIANS or round(value, 2) == value:
+            continue
+        root = _json_schema(cls)
+        if unit_of(_locate(path, data, root)[1] or {}) == "deg":
+            yield f"{dotted(path)} = {value:g} is read in degrees; {value:g} rad are {known} deg"
+
+
+def _floats(tables: Any, path: Key = ()) -> Iterator[tuple[Key, float]]:
+    """All finite numbers with decimals in tables and lists, each with its key."""
+    if isinstance(tables, dict | list):
+        for step, value in tables.items() if isinstance(tables, dict) else enumerate(tables):
+            yield from _floats(value, (*path, step))
+    elif isinstance(tables, float) and math.isfinite(tables):
+        yield path, tables
 
 
 def _checked(
@@ -780,15 +805,7 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
         misspelt = bool(other) and tables and not isinstance(value, dict | list)
         no_such = item["type"] == "extra_forbidden" or misspelt
         if no_such:  # a union's other tables may know it
-            keys = [each for each in keys if each != path[-1]]
-            close = get_close_matches(str(path[-1]), keys, 1) or likely_key(str(path[-1]), keys)
-            close = close or _in_another(path, root)
-            nearest = next(iter(close or _longer(str(path[-1]), keys)), None)
-            expected = f"{UNKNOWN}; known here: {', '.join(keys)}"
-            radius = re.sub("diameter$", "radius", str(path[-1]))
-            if radius != path[-1] and radius in keys and isinstance(value, int | float):
-                nearest = None
-                expected = f"{UNKNOWN}; write {radius} = {value / 2:g}, which is half of it"
+            nearest, expected = _no_such(path, value, keys, root)
         elif key:
             held = members_of(_locate(item["loc"][:-2], data, root)[1] or {}, root)
             expected = next(
@@ -837,6 +854,25 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
     return list(found.values())
 
 
+def _no_such(
+    path: Sequence[str | int], value: object, keys: Sequence[str], root: Data
+) -> tuple[str | None, str]:
+    """The key that is meant by one that a table, with these keys, does not have, and what else to say."""
+    name = str(path[-1])
+    keys = [each for each in keys if each != name]
+    radius = re.sub("diameter$", "radius", name)
+    if radius != name and radius in keys and isinstance(value, int | float):
+        return None, f"{UNKNOWN}; write {radius} = {value / 2:g}, which is half of it"
+    close = get_close_matches(name, keys, 1) or likely_key(name, keys)
+    elsewhere = _in_others(path, root)
+    bare = len(path) == 1 and not isinstance(value, dict | list)  # without its table
+    if len(elsewhere) > 1 and (bare or not close):
+        return None, f"{UNKNOWN}; did you mean {_any_of(elsewhere)}?"
+    close = elsewhere or close if bare else close or elsewhere
+    nearest = next(iter(close or _longer(name, keys)), None)
+    return nearest, f"{UNKNOWN}; known here: {', '.join(keys)}"
+
+
 def _needed(node: Data | None, root: Data) -> str:
     """What a table has to have, of which other keys may be left out; "" of all else."""
     for member in members_of(node or {}, root):
@@ -850,14 +886,23 @@ def _needed(node: Data | None, root: Data) -> str:
     return ""
 
 
-def _in_another(path: Sequence[str | int], root: Data) -> list[str]:
-    """The key at a path as another table of the spec has it, where just one has: motor.speed_rpm as drive.speed_rpm."""
-    holders = [
-        table
-        for table, node in keys_of(root, root).items()
-        if len(path) <= 2 and path[-1] in keys_of(node, root)
-    ]
-    return [f"{holders[0]}.{path[-1]}"] if len(holders) == 1 else []
+def _in_others(path: Sequence[str | int], root: Data) -> list[str]:
+    """The key at a path as other tables of the spec have it: motor.speed_rpm as drive.speed_rpm, lift as segment.0.lift."""
+    if len(path) > 2:
+        return []
+    found = []
+    for table, node in keys_of(root, root).items():
+        if path[-1] in keys_of(node, root):
+            found.append(f"{table}.{path[-1]}")
+        elif path[-1] in keys_of(step_below(node, 0, root), root):
+            found.append(f"{table}.0.{path[-1]}")
+    return found
+
+
+def _any_of(keys: Sequence[str]) -> str:
+    """Keys of which one is meant, at most five of them."""
+    quoted = [f"'{key}'" for key in keys[:5]]
+    return f"{', '.join(quoted[:-1])} or {quoted[-1]}"
 
 
 def _longer(name: str, keys: Sequence[str]) -> list[str]:
@@ -865,6 +910,7 @@ def _longer(name: str, keys: Sequence[str]) -> list[str]:
     return sorted((key for key in keys if len(name) > 2 and name in key), key=len)[:1]
 
 
+_AS_RADIANS = 0.003  # deg, half of the fourth digit of an angle in radians
 _NUMBER = re.compile(r"([+-]?\d+(?:[.,]\d+)?)\s*(\S*)")
 _FIGURE = re.compile(r"[+-]?\d+(?:\.\d+)?")
 _LISTED = re.compile(
@@ -891,7 +937,15 @@ def _scalar(node: Data) -> bool:
 
 
 def _meant_list(value: object, node: Data) -> str:
-    """What to write in place of a list that is a text, of a text in a list, or of decimal commas in one; or "" """
+    """What to write in place of a list that is a text, of a text in a list, of decimal commas in one, or of a square's side; or "" """
+    sides = node.get("prefixItems", ())
+    if (
+        isinstance(value, int | float)
+        and not isinstance(value, bool)
+        and len(sides) == 2
+        and all(side.get("minimum", 0.0) > 0 for side in sides)
+    ):
+        return f"a list of two sizes: write [{value:g}, {value:g}]"
     if isinstance(value, list) and len(node.get("prefixItems", ())) + 1 == len(value) == 3:
         a, b, c = map(str, value)
         if f"{a}{b}{c}".lstrip("-").isdigit() and b.isdigit():
@@ -932,6 +986,11 @@ def _meant(path: Sequence[str | int], value: object, node: Data, root: Data) -> 
     if said := _meant_list(value, node) or _meant_table(value, node, root):
         return said
     unit = unit_of(node)
+    if isinstance(value, bool) and unit and _scalar(node):
+        return f"{in_words(node, root)}, in {unit}"
+    least = max((each.get("minimum", 0.0) for each in members_of(node, root)), default=0.0)
+    if unit == "mm" and isinstance(value, int | float) and 0 < value < least:
+        return f"{in_words(node, root)}; lengths are in mm: {1e3 * value:.6g}?"
     found = _NUMBER.fullmatch(value.strip()) if isinstance(value, str) and unit else None
     if found is None or unit is None:
         return ""

@@ -100,7 +100,13 @@ def faults(data: dict[str, Any]) -> dict[str, Fault]:
         ({"width": -1}, "shape.width", "-1", "a number >= 0.001 and <= 1000000"),
         ({"width": 0}, "shape.width", "0", "a number >= 0.001 and <= 1000000"),
         ({"width": "2"}, "shape.width", "'2'", "a number without quotes: write 2"),
-        ({"width": True}, "shape.width", "true", "a number >= 0.001 and <= 1000000"),
+        ({"width": True}, "shape.width", "true", "a number >= 0.001 and <= 1000000, in mm"),
+        (
+            {"width": 8e-4},
+            "shape.width",
+            "0.0008",
+            "a number >= 0.001 and <= 1000000; lengths are in mm: 0.8?",
+        ),
         ({"width": float("nan")}, "shape.width", "nan", "a number >= 0.001 and <= 1000000"),
         ({"width": float("-inf")}, "shape.width", "-inf", "a number >= 0.001 and <= 1000000"),
         (
@@ -1049,3 +1055,61 @@ def test_the_shaft_of_the_motor_is_the_machines(mechanism: str, make: str, key: 
     root = schema(load(mechanism), mechanism)
     keys = keys_of(step_below(root, "motor", root), root)
     assert "shaft_diameter" in keys
+
+
+@pytest.mark.parametrize(
+    ("spec", "setting", "said"),
+    [
+        (
+            "disc-cam",
+            "parts.bore=0.008",
+            "parts.bore: 0.008 - expected a number >= 0.1 and <= 1000000; lengths are in mm: 8?",
+        ),
+        ("disc-cam", "geometry.base_radius=0.025", "lengths are in mm: 25?"),
+        ("linkage", "parts.thickness=0.004", "lengths are in mm: 4?"),
+        (
+            "linkage",
+            "parts.hand_crank=true",
+            "parts.hand_crank: true - expected a number >= 0 and <= 1000000, in mm",
+        ),
+        (
+            "disc-cam",
+            "print.bed=220",
+            "print.bed: 220 - expected a list of two sizes: write [220, 220]",
+        ),
+        ("disc-cam", "lift=3", "lift: unknown key; did you mean 'segment.0.lift'?"),
+        (
+            "linkage",
+            "pin_diameter=4",
+            "did you mean 'counterweight.pin_diameter' or 'parts.pin_diameter'?",
+        ),
+        # both sizes of the hub may be what is wrong: that which was set is told first
+        (
+            "disc-cam",
+            "parts.bore=60",
+            "parts.bore: 60 - expected at most 14.4 mm, by limits.min_wall in a hub of parts.hub_diameter = 16; or parts.hub_diameter = 61.6 or more",
+        ),
+        (
+            "disc-cam",
+            "parts.hub_diameter=9",
+            "parts.hub_diameter: 9 - expected at least 9.6 mm: limits.min_wall round parts.bore = 8",
+        ),
+    ],
+)
+def test_a_slip_is_told_by_the_key_that_was_typed_and_what_to_write(
+    root: Path, spec: str, setting: str, said: str
+) -> None:
+    with pytest.raises(SpecError) as caught:
+        read_mechanism(root / "specs" / f"{spec}.toml", [setting])
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("span", "known"),
+    [("1.5708", 90), ("3.14159", 180), ("1.57", None), ("90", None), ("1.6", None)],
+)
+def test_an_angle_that_looks_like_radians_is_told(root: Path, span: str, known: int | None) -> None:
+    found = read_mechanism(root / "specs" / "disc-cam.toml", [f"segment.0.span_deg={span}"])
+    said = [hint for hint in found.hints if " rad are " in hint]
+    key = "segment.0.span_deg"
+    assert said == [f"{key} = {span} is read in degrees; {span} rad are {known} deg"] * bool(known)

@@ -83,8 +83,17 @@ def hub_faults(p: DiscCamParts, closure: str, wall: float) -> Iterator[Fault]:
     # a bore that is wrong by itself asks for no hub
     round_hub = 0.0 if p.misfits() else 2 * (p.reach + wall)
     if p.hub_height and p.hub_diameter < round_hub:
-        right = f"at least {round_hub:g} mm: the bore and limits.min_wall round it"
-        yield Fault(("parts", "hub_diameter"), f"{p.hub_diameter:g}", right)
+        usual = {key: field.default for key, field in type(p).model_fields.items()}
+        if p.hub_diameter == usual["hub_diameter"] and p.bore != usual["bore"]:
+            most = p.bore - (round_hub - p.hub_diameter)
+            right = (
+                f"at most {most:.4g} mm, by limits.min_wall in a hub of parts.hub_diameter = "
+                f"{p.hub_diameter:g}; or parts.hub_diameter = {round_hub:.4g} or more"
+            )
+            yield Fault(("parts", "bore"), f"{p.bore:g}", right)
+        else:
+            right = f"at least {round_hub:.4g} mm: limits.min_wall round parts.bore = {p.bore:g}"
+            yield Fault(("parts", "hub_diameter"), f"{p.hub_diameter:g}", right)
     if p.hub_height and closure == "groove":
         right = "0: a groove's plates have no hub"
         yield Fault(("parts", "hub_height"), f"{p.hub_height:g}", right)
