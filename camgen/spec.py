@@ -323,7 +323,8 @@ class Files(Record):
         description="false: no UP engraved on the upper side of a machine's cam or wheel that also fits upside down",
     )
     step: bool | None = Field(
-        default=None, description="true: a whole build makes exact solids as well (STEP)"
+        default=None,
+        description="true: a whole build makes exact solids as well (STEP); unless given, of metals",
     )
     profile_step_deg: Annotated[float | None, quantity("deg", ge=0.01, le=90)] = Field(
         default=None,

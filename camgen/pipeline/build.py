@@ -22,8 +22,10 @@ from camgen.files.formats import ANY_KIND, FORMATS
 from camgen.files.formats import KINDS as KINDS
 from camgen.files.shelves import put_away
 from camgen.findings import at_most, in_file
+from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import Source
 from camgen.machines.sources import read_mechanism as read_mechanism
+from camgen.parts import materials
 from camgen.pipeline.case import Case, cores
 from camgen.pipeline.judging import judge, read_parts
 from camgen.pipeline.making import make_parts, put_together
@@ -71,7 +73,7 @@ def build(
         else ""
     )
     mechanism = mechanism.resolved()
-    if only >= frozenset(KINDS) and mechanism.files.step:
+    if only >= frozenset(KINDS) and has_exact_solids(mechanism):
         only |= {"step"}
     staged = StagingFolder(out / mechanism.name)
     number_of_cores = cores(jobs, mechanism, only)
@@ -196,3 +198,9 @@ def _refuse_lost(folder: Path, lost: Sequence[str]) -> None:
         f"{files} missing: {', '.join(names)}; put back what was moved or deleted, or build the folder again: "
         f"camgen build {folder / SPEC} --out {folder.parent}",
     )
+
+
+def has_exact_solids(mechanism: Mechanism) -> bool:
+    """Whether a whole build makes STEP as well: where the spec says so, or leaves it open and names a metal."""
+    asked = mechanism.files.step
+    return materials.of(mechanism.material.name).metal if asked is None else asked

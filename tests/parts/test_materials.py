@@ -16,7 +16,7 @@ from camgen.machines.loads.assess import Assessment, assess
 from camgen.machines.sources import read_mechanism
 from camgen.parts.assembly import printed_parts
 from camgen.parts.materials import FRICTION_METAL, MATERIALS, friction_of
-from camgen.pipeline.build import build
+from camgen.pipeline.build import build, has_exact_solids
 from camgen.tolerance.spread import sizes_of
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -105,7 +105,22 @@ def test_nothing_of_a_cut_cam_speaks_of_printers(tmp_path: Path) -> None:
     words = json.dumps([said[key] for key in said if key not in ("spec",)]).lower()
     assert not [word for word in ("print", "nozzle", "plate.3mf", "bed_fit") if word in words]
     assert not list(folder.glob("*plate*.3mf"))
+    assert (folder / "disc-cam-cam.step").exists() and "STEP" not in json.dumps(said["not_judged"])
     rows = (folder / "disc-cam-parts.csv").read_text(encoding="utf-8").splitlines()
     assert rows[0] == 'how,part,what,count,"material, mm^3","mass in C45, g"'
     mass = float(rows[1].split(",")[-1])
     assert rows[1].startswith("made of C45,cam") and 130 < mass < 160
+
+
+@pytest.mark.parametrize(
+    ("settings", "exact"),
+    [
+        (("material.name=C45",), True),
+        (("material.name=aluminium",), True),
+        (("material.name=C45", "files.step=false"), False),
+        ((), False),
+        (("files.step=true",), True),
+    ],
+)
+def test_what_is_cut_of_metal_has_exact_solids(settings: tuple[str, ...], exact: bool) -> None:
+    assert has_exact_solids(read_mechanism(CAM, settings)) == exact
