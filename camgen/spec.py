@@ -821,7 +821,7 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
                 else []
             )
             close = get_close_matches(str(path[-1]), map(str, extra), 1)
-            expected = _needed(node, root) or expected
+            expected = _needed(node, root) or _described(node, expected)
             expected = f"missing: {expected}" + (f" ('{close[0]}' is no key)" if close else "")
         elif (
             item["type"] not in get_args(ErrorType) or node is None
@@ -872,6 +872,12 @@ def _no_such(
     close = elsewhere or close if bare else close or elsewhere
     nearest = next(iter(close or _longer(name, keys)), None)
     return nearest, f"{UNKNOWN}; known here: {', '.join(keys)}"
+
+
+def _described(node: Data | None, expected: str) -> str:
+    """What a key is that is missing, and what its value has to be."""
+    described = (node or {}).get("description", "").partition("\n")[0]
+    return f"{described} ({expected})" if described else expected
 
 
 def _needed(node: Data | None, root: Data) -> str:

@@ -1113,3 +1113,12 @@ def test_an_angle_that_looks_like_radians_is_told(root: Path, span: str, known: 
     said = [hint for hint in found.hints if " rad are " in hint]
     key = "segment.0.span_deg"
     assert said == [f"{key} = {span} is read in degrees; {span} rad are {known} deg"] * bool(known)
+
+
+def test_a_key_that_is_missing_is_told_by_what_it_is(root: Path) -> None:
+    data = read(root / "specs" / "gallery" / "geneva-table.toml")
+    del data["geneva"][0]["pin_radius"]
+    with pytest.raises(SpecError) as caught:
+        read_mechanism(data)
+    said = "geneva.0.pin_radius - missing: radius of the roller on the pin (a number >= 0.001 and <= 1000000)"
+    assert said in str(caught.value)

@@ -592,13 +592,9 @@ def _levels(
                 )
             end = level
         elif (table.lift is None) == (to is None):
-            faults.append(
-                Fault(
-                    (*at, lift),
-                    "" if table.lift is None else f"{table.lift:g}",
-                    f"either {lift} or {goal}",
-                )
-            )
+            given = "" if table.lift is None else f"{table.lift:g}"
+            back = f"; {goal} = 0 goes back to where the turn begins" if sign < 0 else ""
+            faults.append(Fault((*at, lift), given, f"either {lift} or {goal}{back}"))
         elif table.lift is not None:
             end = level + sign * table.lift
         elif sign * (end - level) <= 0:
@@ -627,6 +623,8 @@ def _level_of_any(table: SegmentTable, level: float, path: Key, faults: list[Fau
     if table.to == level and not table.lift:
         return level
     right = 'missing: "rise", "dwell" or "return", or where it ends'
+    if table.lift is not None:
+        right += f'; "rise" goes up by {table.lift:g}, "return" down'
     faults.append(Fault((*path, "kind"), "", right))
     return math.nan
 

@@ -212,6 +212,16 @@ def test_a_dwell_without_a_span_takes_the_rest() -> None:
         ),
         ((RISE + "\nto = 10", DWELL, BACK), "segment.0.lift", "10 | either lift or to"),
         ((RISE.replace("lift = 10\n", ""), DWELL, BACK), "segment.0.lift", "either lift or to"),
+        (
+            (RISE, DWELL, BACK.replace("to = 0\n", "")),
+            "segment.2.lift",
+            "either lift or to; to = 0 goes back to where the turn begins",
+        ),
+        (
+            (RISE.replace('kind = "rise"\n', ""), DWELL, BACK),
+            "segment.0.kind",
+            'or where it ends; "rise" goes up by 10, "return" down',
+        ),
         ((RISE.replace("3-4-5", "cycloidl"), DWELL, BACK), "segment.0.law", "| cycloidal"),
         (
             (
