@@ -15,6 +15,7 @@ import tomli_w
 
 from camgen.errors import DesignError, SpecError
 from camgen.machines.linkage.mechanism import Linkage
+from camgen.parts.generator.stacking import lacking
 from camgen.pipeline.build import build, check
 from camgen.spec import validate
 from camgen.tolerance.report import PrintRun, tolerance
@@ -259,6 +260,11 @@ def test_a_roller_without_a_wall_is_refused_with_a_radius_that_has_one() -> None
     told = float(str(caught.value).split("at least ")[1].split(",")[0])
     assert least <= told <= least + 0.01 + 1e-9
     assert validate(Linkage, plate(radius=told)).assembly.parts
+    thin = float(str(caught.value).split("parts.pin_diameter at most ")[1])
+    assert thin == 2.1  # under 2 x (2 - 0.8) less the play of 0.2
+    thinner = {**PLATE.get("parts", {}), "pin_diameter": thin}
+    slim = validate(Linkage, {**plate(radius=2.0), "parts": thinner})
+    assert lacking(slim.construction.layout) is None
     with pytest.raises(DesignError, match="wall round the pin"):
         validate(Linkage, plate(radius=told - 0.02)).assembly  # noqa: B018
 

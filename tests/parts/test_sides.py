@@ -261,6 +261,15 @@ def test_shafts_and_crank_pins_are_of_steel_beside_pins_of_steel(
     assert {part.process for part in rods} == {made}
 
 
+def test_two_sides_have_two_plates_and_a_shaft_that_goes_on_unless_the_spec_says_otherwise() -> (
+    None
+):
+    bare = validate(Linkage, {**WALKER, "parts": {"sides": 2, "side_phase_deg": 90}})
+    assert bare == walker()
+    with pytest.raises(SpecError, match="parts.plates = 2"):
+        validate(Linkage, {**WALKER, "parts": {"sides": 2, "plates": 1}})
+
+
 def test_the_rod_of_both_sides_is_as_long_as_the_shaft_that_is_cut_of_it() -> None:
     """Its length is that of the solid; the flat of each side ends where the other one begins."""
     machine = walker({"shaft_made": "steel"})

@@ -236,7 +236,7 @@ class Parts(Record):
     sides: Literal[1, 2] = Field(
         default=1,
         description="2: the machine and its mirror image behind its second plate, on one shaft, as a "
-        "walker with legs on both sides",
+        "walker with legs on both sides; then plates is 2 and shaft interrupted unless given",
     )
     side_phase_deg: Annotated[float, quantity("deg", ge=-360, le=360)] = Field(
         default=180.0, description="how far the far side is ahead of the near side"
@@ -310,7 +310,8 @@ class Parts(Record):
     @model_validator(mode="before")
     @classmethod
     def _of_other_keys(cls, data: Any) -> Any:
-        """The shaft is the motor's, and of steel where pins are, where nothing else is said."""
+        """The shaft is the motor's, of steel where pins are, and goes on between two plates into a second side, where nothing
+        else is said."""
         if not isinstance(data, Mapping):
             return data
         decided: dict[str, Any] = {}
@@ -321,6 +322,8 @@ class Parts(Record):
                 decided["shaft_flat"] = face.flat
         if data.get("pin") in _STEEL_PINS:
             decided["shaft_made"] = "steel"
+        if data.get("sides") == 2:
+            decided |= {"plates": 2, "shaft": "interrupted"}
         return {**decided, **data}
 
     @property

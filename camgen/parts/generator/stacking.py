@@ -21,6 +21,8 @@ from camgen.parts.generator.things import things
 from camgen.parts.level_rules import NoPassage, Things, span
 from camgen.parts.levels import cuts, levels, quick_levels
 
+_THINNEST = 1.0  # mm, of a pin that is advised
+
 
 @dataclass(frozen=True)
 class _Laid:
@@ -188,7 +190,10 @@ def lacking(layout: Layout) -> DesignError | None:
         wall = roller.radius - hole / 2
         if wall < layout.min_wall:
             least = math.floor(100 * (hole / 2 + layout.min_wall) + 1) / 100
-            remedy = f"make its radius at least {least:g}, or the pin in it smaller"
+            widest = 2 * (roller.radius - layout.min_wall) - layout.fits.slide_clearance
+            most = math.floor(10 * widest - 1e-6) / 10
+            thinner = f", or parts.pin_diameter at most {most:g}" if most >= _THINNEST else ""
+            remedy = f"make its radius at least {least:g}{thinner}"
             where = f"roller of {roller.about}"
             return DesignError("wall round the pin", wall, layout.min_wall, "mm", where, remedy)
     slid = next((tip for tip in layout.tips if tip.hung and tip.joint.slide is not None), None)
