@@ -109,8 +109,8 @@ def motor_notes(bore: float, model: str | None) -> list[str]:
     if bore == shaft:
         return []
     return [
-        f"parts.bore is {bore:g} mm, the shaft of {model} {shaft:g} mm: "
-        f"parts.bore = {shaft:g} fits it; else the cam needs a shaft of its own and a coupling from {shaft:g} to {bore:g} mm."
+        f'motor.model = "{model}": its shaft is {shaft:g} mm thick, parts.bore {bore:g} mm. '
+        f"parts.bore = {shaft:g} fits it; else couple it to a shaft of {bore:g} mm"
     ]
 
 

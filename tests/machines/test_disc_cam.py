@@ -887,3 +887,14 @@ def test_undercuts_between_the_knots_of_a_table_are_all_found() -> None:
     middles = [(cut.begin + cut.end) / 2 for cut in cam.undercuts]
     inside = [np.any(room[(theta > cut.begin) & (theta < cut.end)] < 0) for cut in cam.undercuts]
     assert all(inside) and middles == sorted(middles)
+
+
+def test_a_base_radius_that_is_too_small_may_be_left_out_as_its_advice_says() -> None:
+    """The advice has been tried: with the radius that is found pressure angle and curvature hold."""
+    small = mechanism("geometry.base_radius=10", "segment.0.span_deg=60").limits()
+    failing = [each for each in small if not each.ok]
+    assert {each.code for each in failing} == {"PRESSURE_ANGLE", "CURVATURE"}
+    said = "a larger base_radius (left out, the smallest that holds is found)"
+    assert all(said in each.message.lower() for each in failing)
+    found = mechanism("geometry.base_radius=", "segment.0.span_deg=60").limits()
+    assert all(each.ok for each in found)

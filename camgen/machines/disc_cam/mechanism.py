@@ -437,9 +437,10 @@ class DiscCamDrive(CamTables):
         """Pressure angle, undercut, curvature, face width and jumps of the motion against the spec's limits."""
         f = self.geometry.follower
         further = "an offset towards the rise" if not f.swings else "another arm or pivot_distance"
+        larger = "a larger base_radius (left out, the smallest that holds is found)"
         advice = Advice(
-            f"a larger base_radius, a longer span or {further}",
-            "a larger base_radius" + (" or a smaller radius" if f.shape == "roller" else ""),
+            f"{larger}, a longer span or {further}",
+            larger + (" or a smaller radius" if f.shape == "roller" else ""),
         )
         cams = [
             ExactCam(f"exact profile{name}", cam, advice)
