@@ -122,7 +122,7 @@ class CamTables(Template):
         """Of cams alone what does not hold on their shaft; else keys of [parts] that are set, not as the starter sets them, and
         that are those of cams alone."""
         if not self.standing:
-            model = getattr(self.motor, "model", None)
+            model = getattr(getattr(self, "motor", None), "model", None)
             notes = motor_notes(self.sizes.bore, model)
             return Remarks(warnings=[*bore_notes(self.sizes, self.material.name), *notes])
         unused = [
