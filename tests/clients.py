@@ -293,7 +293,7 @@ def gdal(path: Path) -> Problem:
         if layer == "CUT"
     ]
     developed = path.stem.endswith("-developed")
-    told = {"PITCH", "SCALE"} if developed else set()  # nobody cuts a drum from it
+    told = {"PATH", "PITCH", "SCALE"} if developed else set()  # nobody cuts a drum from it
     wrong = [f"layer {layer}" for layer in sorted(set(layers) - {"CUT", *told})]
     wrong += ["an open contour" for contour in contours if not contour.is_closed]
     wrong += [

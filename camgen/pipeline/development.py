@@ -8,6 +8,7 @@ x       along the drum's axis from its lower end, mm
 y       round the drum on the cylinder half way along the roller, counter-clockwise from where the follower stands at cam angle 0
 CUT     one closed contour: what a groove takes away, what of a rib or below an end cam is left
 PITCH   where the roller's axis runs
+PATH    where the axis of that cutter runs along each wall, for a machine that wraps drawings and keeps its cutter radial
 SCALE   the drum's ends, and cam angles at which the follower stands there
 """
 
@@ -40,6 +41,7 @@ _SIDES = {-1: "below", 1: "above"}  # of the roller
 _ROWS = 1441  # of a wall's path: a quarter degree
 _HELD = 360  # points of a wall, against which a path is held
 _LAYERS = {CUT_LAYER: (7, 25), "PITCH": (1, 13), "SCALE": (5, 13)}
+_CUTTER = {"PATH": (3, 13)}
 _ROUNDS = 40  # of the depth at which a wall's point lies on a cylinder
 _STEP = 1e-5  # rad, over which the slope's own slope is taken: it places arcs, and makes none
 _APART = 1e-6  # rad, between joints that are two
@@ -97,15 +99,21 @@ def judge_developments(case: Case) -> Iterator[Finding]:
 # ---- the cutter ------------------------------------------------------------------------------------------------------
 
 
+def _cutter_axis(wall: DrumWall, theta: Floats, cutter: float) -> tuple[Floats, Floats]:
+    """Height and place beside the drum's axis, (n,) mm each, of a cutter that touches a wall half way along the roller, where the
+    roller does."""
+    psi = wall.contact(-theta, np.full(len(theta), wall.roller.middle))
+    beyond = wall.roller.radius - cutter
+    z = wall.path.height(-theta, 0) + beyond * np.cos(psi)
+    return z, np.asarray(wall.path.beside(-theta, 0) + beyond * np.sin(psi))
+
+
 def _write_path(path: Path, drum: Drum, cutter: float) -> None:
-    """Along each wall the cutter touches it half way along the roller, where the roller does."""
+    """Along each wall."""
     theta = np.linspace(0, math.tau, _ROWS)
     rows: list[list[object]] = []
     for wall in drum.walls:
-        psi = wall.contact(-theta, np.full(_ROWS, drum.roller.middle))
-        beyond = wall.roller.radius - cutter
-        z = wall.path.height(-theta, 0) + beyond * np.cos(psi)
-        y = wall.path.beside(-theta, 0) + beyond * np.sin(psi)
+        z, y = _cutter_axis(wall, theta, cutter)
         rows += [
             [_SIDES[wall.side], f"{a:g}", f"{a:g}", f"{high:z.6f}", f"{aside:z.6f}"]
             for a, high, aside in zip(
@@ -247,6 +255,13 @@ class _Development:
             high = complex(walls[0][-1].at(math.tau))
         return Contour((*up, Line(top, high), *back, Line(low, complex(up[0].at(0.0)))))
 
+    def path(self, wall: DrumWall, cutter: float) -> Points:
+        """Where the axis of a cutter runs along a wall, wrapped, (n,) complex mm."""
+        theta = np.linspace(math.tau, 0, _PITCH)
+        z, y = _cutter_axis(wall, theta, cutter)
+        turned = math.tau - theta + np.arctan2(y, self.radius)
+        return np.asarray(z + 1j * self.radius * turned)
+
     @property
     def pitch(self) -> Points:
         """Where the roller's axis runs, (n,) complex mm."""
@@ -259,11 +274,18 @@ def _write(case: Case, part: str, development: _Development, tolerance: float) -
     """A drum's drawing; both rollers of a rib have their own line."""
     drum = development.drum
     box = (-12 - 24j, complex(drum.length + 4, development.around + 4))
-    with document(case.file(f"{part}-developed", "dxf"), _LAYERS, box) as space:
+    cutter = case.mechanism.files.cutter_radius
+    layers = _LAYERS if cutter is None else {**_LAYERS, **_CUTTER}
+    with document(case.file(f"{part}-developed", "dxf"), layers, box) as space:
         add_contour(space, fit_arcs(development.contour, tolerance), CUT_LAYER)
         for shift in dict.fromkeys((-drum.pitch / 2, drum.pitch / 2)):
             line = [(z.real + shift, z.imag) for z in development.pitch.tolist()]
             space.add_lwpolyline(line, dxfattribs={"layer": "PITCH"})
+        if cutter is not None:
+            for wall in drum.walls:
+                axis = development.path(wall, cutter)
+                points = list(zip(axis.real.tolist(), axis.imag.tolist(), strict=True))
+                space.add_lwpolyline(points, dxfattribs={"layer": "PATH"})
         scale = {"layer": "SCALE"}
         for x in (0.0, drum.length):
             space.add_line((x, 0), (x, development.around), dxfattribs=scale)

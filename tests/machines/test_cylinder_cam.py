@@ -13,10 +13,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+import ezdxf
 import numpy as np
 import pytest
 
 from camgen.errors import DesignError, SpecError
+from camgen.files.dxf import read_contours
 from camgen.files.formats import Job, write_part
 from camgen.files.stl import write_stl
 from camgen.findings import Finding
@@ -254,6 +256,35 @@ def test_a_smaller_cutter_leaves_what_the_reference_says(tmp_path: Path) -> None
     file.write_text("\n".join(rows) + "\n", encoding="utf-8")
     _, path = judge_developments(case)
     assert not path.ok
+
+
+def test_a_wrapped_path_keeps_its_cutter_at_both_walls(tmp_path: Path) -> None:
+    """Of the drawing alone: a cutter of 3 mm, radial on a cylinder of r, unrolls to at most r asin(3 / r) to either side."""
+    machine = drum(files={"cutter_radius": 3.0}, accuracy={"chord_tolerance": 0.002})
+    case = Case(machine, tmp_path)
+    make_developments(case)
+    file = case.file("drum-developed", "dxf")
+    space = ezdxf.readfile(file).modelspace()  # type: ignore[attr-defined]
+    (contour,), faults = read_contours(file)
+    assert not faults
+    radius = machine.track.roller.middle
+    edge = contour.facetted(1e-3)
+    ends = np.roll(edge, -1)
+    paths = space.query('LWPOLYLINE[layer=="PATH"]')
+    assert len(paths) == 2
+    for each in paths:
+        path = np.array([complex(x, y) for x, y, *_ in each.get_points()])
+        inside = (path.imag > 6) & (path.imag < math.tau * radius - 6)
+        assert inside.sum() > 600
+        way = ends - edge
+        share = ((path[inside, None] - edge) * way.conj()).real / np.abs(way) ** 2
+        nearest = edge + np.clip(share, 0, 1) * way
+        apart = np.abs(path[inside, None] - nearest).min(axis=1)
+        assert apart.min() > 3 - 0.004
+        assert apart.max() < radius * math.asin(3 / radius) + 0.004
+    plain = Case(drum(), tmp_path)
+    make_developments(plain)
+    assert not ezdxf.readfile(file).modelspace().query('*[layer=="PATH"]')  # type: ignore[attr-defined]
 
 
 @pytest.mark.long
