@@ -377,6 +377,7 @@ def test_the_spring_of_an_arm_has_room_and_comes_before_the_arm() -> None:
     steps = order_of_assembly(made.assembly).steps
     (coming,) = (k for k, step in enumerate(steps) if step.wire is not None)
     assert "spring-pin-1" in steps[coming - 2].copies and "arm-1" in steps[coming + 1].copies
+    assert steps[coming + 1].dry and "no glue" in steps[coming + 1].title
     wire = steps[coming].wire
     assert wire is not None
     assert float(np.ptp(wire[:, 0])) == pytest.approx(thick, abs=0.1)

@@ -149,7 +149,8 @@ class BenchSteps:
         eye = (
             "" if self.bench.hung is None else ", the roller-pin through the free eye of the spring"
         )
-        yield self._act("arm", f"on its pin{eye}", f"put the arm on the pivot{eye}; no glue")
+        put = f"put the arm on the pivot{eye}, no glue"
+        yield self._act("arm", f"on its pin{eye}", put, dry=True)
         yield self._act(
             "cap",
             "glued on the pin, the arm free",
