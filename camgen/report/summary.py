@@ -33,6 +33,8 @@ _OTHERS = (
     ("Dwell", "DWELL", ""),
     ("Free play", "LASH", ""),
     ("Pressure angle", "PRESSURE_ANGLE", ""),
+    ("Base radius", "", "base radius"),
+    ("Drum radius", "", "drum radius"),
     ("Transmission angle", "TRANSMISSION_ANGLE", ""),
     ("", "", ""),  # what of _STRENGTH is used most
     ("Torque needed", "DRIVE_TORQUE", "drive torque"),

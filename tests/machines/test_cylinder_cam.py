@@ -606,6 +606,9 @@ def test_a_track_that_leaves_its_drum_is_told_before_the_spec_is_filled_in(
 def test_no_drum_is_told_as_such() -> None:
     with pytest.raises(DesignError, match="pressure angle"):
         drum(60.0, geometry={"follower": ARM}, limits={"pressure_angle_deg": 20.0}).track  # noqa: B018
+    # a slope of 0.001 asks for a drum of many metres
+    with pytest.raises(DesignError, match="looked for, radius 500 mm, limit 0.05 deg"):
+        drum(limits={"pressure_angle_deg": 0.05}).track  # noqa: B018
     with pytest.raises(DesignError, match="the bore reaches the track"):
         drum(geometry={"radius": 11.0}).track  # noqa: B018
     with pytest.raises(DesignError, match=r"the track takes 25\.2 mm of the drum's 20"):

@@ -298,6 +298,15 @@ def test_a_torque_of_no_load_and_a_play_of_zero_give_way_to_the_next_figure() ->
     ]
 
 
+def test_a_cam_tells_its_size_after_its_pressure_angle() -> None:
+    """Whether given or found: a large one is seen at once."""
+    figures = Figures([Figure("stroke", 12.0, "mm"), Figure("base radius", 30.0, "mm")])
+    angle = at_most("PRESSURE_ANGLE", 25.0, 30.0, "deg", Where(), "")
+    first = summary(Report("m", "disc-cam", (angle,), figures)).figures
+    assert [each.name for each in first] == ["Stroke", "Pressure angle", "Base radius"]
+    assert first[-1].value == 30.0
+
+
 def test_what_is_strained_stands_before_torque_and_error() -> None:
     """Contact pressure of a steel cam, not a gap of 103 mm; of a printed one, which bears little, after them."""
     always = (

@@ -37,6 +37,8 @@ _CUSP = (
 _GROWTH = 1.25  # from one try to the next, until a size is large enough
 _STEPS = 60
 _SETTLED = 1e-13  # of the size
+_LARGEST = 500.0  # mm, a radius that is looked for, and in strokes, whichever is more
+_STROKES = 10.0
 _STEP = math.radians(1.5)  # of a survey
 _INSIDE = 1e-9  # of a segment, from its ends to the first and last place that is surveyed
 
@@ -145,8 +147,9 @@ def smallest(
                 best,
                 math.degrees(pressure),
                 "deg",
-                f"the largest cam, {high:.6g} mm",
-                "no base_radius keeps to limits.pressure_angle_deg and limits.least_radius: allow more, or change the follower",
+                f"the largest cam that is looked for, {high:.4g} mm",
+                "no base_radius keeps to limits.pressure_angle_deg and limits.least_radius: allow more, spread the motion over more "
+                "of the turn, or change the follower",
             )
         before = size
         short = value
@@ -169,6 +172,11 @@ def smallest(
             value = value / 2 if last < 0 else value
             last = -1
     return size
+
+
+def largest(stroke: float) -> float:
+    """Up to which radius a cam is looked for that moves its follower by a stroke, both mm; a larger one is the user's to give."""
+    return max(_LARGEST, _STROKES * stroke)
 
 
 def least_base_radius(cam: DiscCam[Any], limits: CamLimits, room: float) -> float:
@@ -199,7 +207,7 @@ def least_base_radius(cam: DiscCam[Any], limits: CamLimits, room: float) -> floa
             high = 0.999 * float(np.max(away))
         case _:
             low = radius + 1e-3 * stroke
-            high = 1e3 * (stroke + radius)
+            high = largest(stroke + radius)
 
     def base(size: float) -> float:
         return math.hypot(size, beside) - radius

@@ -23,6 +23,7 @@ from camgen.geometry.drum_walls import (
     swing_path,
 )
 from camgen.geometry.drums import Drum
+from camgen.machine.cams.sizing import largest
 from camgen.machine.features import DrumTrack
 from camgen.machines.cylinder_cam.tables import DrumGeometry
 from camgen.motion.program import Program
@@ -32,7 +33,6 @@ _SAMPLES = 2881  # of the turn, and both sides of each break of the program
 _BESIDE = 1e-9  # rad
 _GROWTH = 1.25  # from one try of a radius to the next
 _BEYOND = 1.001  # of the offset, that the floor under the track stands from the axis
-_TRIES = 60
 _BISECTIONS = 50
 
 
@@ -266,22 +266,28 @@ def smallest(track: Track, steepest: float) -> float:
     def fits(radius: float) -> bool:  # takes ten times as long
         return smooth(radius) and of(radius).regular
 
-    found = _least(smooth, least)
+    low, high = track._reach
+    most = max(largest(high - low), least)
+    found = _least(smooth, least, most)
     if math.isfinite(found) and not fits(found):
-        found = _least(fits, least)
+        found = _least(fits, least, most)
     if not math.isfinite(found):
-        worst = of(least * _GROWTH**_TRIES).steepest
-        remedy = "no drum is large enough: a smaller swing, a longer arm, or a larger limits.pressure_angle_deg"
-        raise DesignError("pressure angle", worst, steepest, "deg", "any radius", remedy)
+        where = f"the largest drum that is looked for, radius {most:.4g} mm"
+        remedy = (
+            "spread the motion over more of the turn, or allow a larger limits.pressure_angle_deg"
+        )
+        if track.swings:
+            remedy = f"a smaller swing or a longer arm; or {remedy}"
+        raise DesignError("pressure angle", of(most).steepest, steepest, "deg", where, remedy)
     return found
 
 
-def _least(fits: Callable[[float], bool], least: float) -> float:
-    """The least radius that fits, from the least one on; inf where none does."""
+def _least(fits: Callable[[float], bool], least: float, most: float) -> float:
+    """The least radius that fits, from the least to the greatest one; inf where none does."""
     low = high = least
-    for _ in range(_TRIES):
-        if fits(high):
-            return high if high == least else halved(fits, low, high, _BISECTIONS)
+    while not fits(high):
+        if high >= most:
+            return math.inf
         low = high
-        high *= _GROWTH
-    return math.inf
+        high = min(high * _GROWTH, most)
+    return high if high == least else halved(fits, low, high, _BISECTIONS)

@@ -18,8 +18,9 @@ from camgen.machine.cams.followers import (
     SwingingArm,
     SwingingFace,
 )
+from camgen.machine.cams.limits import CamLimits
 from camgen.machine.cams.profile import DiscCam
-from camgen.machine.cams.sizing import smallest, survey
+from camgen.machine.cams.sizing import largest, least_base_radius, smallest, survey
 from camgen.motion.laws import LAWS, UNIFORM
 from camgen.motion.program import Program, Segment
 
@@ -234,6 +235,16 @@ def test_no_size_keeps_to_the_limits() -> None:
         smallest(
             lambda d: DiscCam(program, SlidingTip(1j * d, 1j, 5.0)), math.radians(5), 0.0, 6.0, 20.0
         )
+
+
+def test_no_cam_is_sought_that_is_larger_than_a_workshop() -> None:
+    """At 0.05 deg a rise of 10 mm in 90 deg asks for ten metres."""
+    cam = DiscCam(double_dwell("cycloidal", 10.0), SlidingTip(30j, 1j, 5.0))
+    limits = CamLimits(pressure_angle=0.05)
+    with pytest.raises(DesignError, match="looked for, 500 mm.*no base_radius"):
+        least_base_radius(cam, limits, 5.0)
+    assert largest(12.0) == 500.0
+    assert largest(80.0) == 800.0  # ten strokes
 
 
 def test_a_flat_face_has_no_pitch_curve() -> None:
