@@ -170,6 +170,7 @@ ROUTINE = frozenset(
         "ROUND_TRIP",
         "MIN_WALL",
         "BED_FIT",
+        "COPIES",
         "SHEET_FIT",
         "KERF",
     }

@@ -71,15 +71,6 @@ def test_a_place_between_two_things_is_told_so() -> None:
     )
 
 
-# Codes that count things beside what they measure.
-SEVERAL_UNITS = {
-    "BED_FIT": {"mm", "copies"},
-    "SHEET_FIT": {"mm", "copies", "pieces"},
-    "ROUND_TRIP": {"mm", "copies", "rows", "bodies", "warnings"},
-    "INTERFERENCE": {"mm", "percent"},
-}
-
-
 def test_a_code_has_one_unit_wherever_it_is_found() -> None:
     """As far as the source names both; an output's own unit, mm or deg, stands in a variable."""
     units = defaultdict[str, set[str]](set)
@@ -95,4 +86,4 @@ def test_a_code_has_one_unit_wherever_it_is_found() -> None:
             if isinstance(code, ast.Constant) and isinstance(unit, ast.Constant):
                 units[code.value].add(unit.value)
     assert len(units) > 60
-    assert {code: each for code, each in units.items() if len(each) > 1} == SEVERAL_UNITS
+    assert not {code: each for code, each in units.items() if len(each) > 1}

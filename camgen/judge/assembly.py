@@ -62,18 +62,18 @@ def standing(package: Package, machine: SweptMachine) -> Iterator[tuple[str, Ite
 
 
 def complete(path: Path, package: Package, machine: SweptMachine) -> Finding:
-    """ROUND_TRIP: how many copies of the machine an assembly's file lacks or has too many."""
+    """COPIES: how many copies of the machine an assembly's file lacks or has too many."""
     mounts = Counter(mount.part for mount in machine.mounts)
     there = Counter(item.name for item in package.items)
     missing = sum(((mounts - there) + (there - mounts)).values())
     remark = f"{counted(sum(mounts.values()), 'copy', 'copies')} of {counted(len(mounts), 'part')} in place"
-    return at_most("ROUND_TRIP", missing, 0, "copies", in_file(path), remark)
+    return at_most("COPIES", missing, 0, "copies", in_file(path), remark)
 
 
 def sweep(path: Path, machine: SweptMachine) -> tuple[list[Finding], list[Row]]:
     """Read an assembly file, set it in motion: INTERFERENCE findings, and rows (COLUMNS) of moving pairs that come nearest.
 
-    The file shows theta = 0. A file that does not hold just the copies of the machine is a ROUND_TRIP that fails.
+    The file shows theta = 0. A file that does not hold just the copies of the machine fails COPIES.
     """
     package = read_3mf(path)
     where = in_file(path)

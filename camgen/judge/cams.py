@@ -184,10 +184,9 @@ class FollowerOnOutline:
 def _overlap(
     joint: Cam, drive: Outline, other: Outline, where: Where, off: float
 ) -> tuple[Finding, float]:
-    """INTERFERENCE of a follower that two outlines hold, and its largest play, rad or mm; the limit is what outlines that are
-    off by so much, mm, may overlap. Of a pair with preload it is the overlap of tips that are smaller by that."""
+    """INTERFERENCE of a follower that two outlines hold, mm at its tips, and its largest play, rad or mm; the limit is what outlines
+    that are off by so much, mm, may overlap. Of a pair with preload it is the overlap of tips that are smaller by that."""
     theta = judged_angles()
-    (unit, scale) = s_unit(joint)
     play = drive.play(other, theta)
     largest = float(np.max(play))
     air_text = ""
@@ -199,15 +198,13 @@ def _overlap(
         air_text = f" beyond the preload, {-air:g} mm at each tip"
     least = int(np.argmin(play))
     there = theta[least : least + 1]
-    allowed = sum(
-        off * (1 + tolerances.BOUND_SPARE) / float(law.lever(there)[0])
-        for law in (drive.tight, other.tight)
-    )
+    # mm of both tips together for a mm or rad of the follower
+    lever = 2 / sum(1 / float(law.lever(there)[0]) for law in (drive.tight, other.tight))
     finding = at_most(
         "INTERFERENCE",
-        scale * max(0.0, -float(play[least])),
-        scale * allowed,
-        unit,
+        lever * max(0.0, -float(play[least])),
+        2 * off * (1 + tolerances.BOUND_SPARE),
+        "mm",
         replace(where, theta=float(theta[least] + joint.phase)),
         f"largest overlap of the follower with both outlines{air_text}; the limit is the outline tolerance at both",
     )

@@ -72,9 +72,9 @@ def judge_profile(
         return [
             at_most(
                 "ROUND_TRIP",
-                abs(len(profile.theta) - len(angles)),
+                math.nan,
                 0,
-                "rows",
+                "mm",
                 in_file(table),
                 remark,
             )
@@ -526,7 +526,8 @@ def _same_path(table: Where, pieces: Sequence[Step], ring: Ring) -> list[Finding
     remark = "line, arc ccw or arc cw, as the other cells of the row say" + (
         f"; not row {faults[0]}" if faults else ""
     )
-    kinds = at_most("ROUND_TRIP", len(faults), 0, "rows", replace(table, thing="piece"), remark)
+    off = math.nan if faults else 0.0
+    kinds = at_most("ROUND_TRIP", off, 0, "mm", replace(table, thing="piece"), remark)
     if faults or not pieces:
         return [
             kinds,

@@ -329,8 +329,9 @@ def _fit(rolled: Rolled, table: RollerTable, where: Where, clearance: float) -> 
 
 def _interference(rolled: Rolled, where: Where) -> Finding:
     """INTERFERENCE: whether the roller has room beside its walls."""
-    message = "of the turn the roller cuts into the drum beside its walls"
+    share = 100 * float(np.mean(rolled.cut))
+    message = f"over {share:.3g} % of the turn the roller cuts into the drum beside its walls"
     if rolled.cut.any():
         where = replace(where, theta=float(rolled.theta[np.flatnonzero(rolled.cut)[0]]))
         message += ", such as into the floor: check inner, length and at_deg"
-    return at_most("INTERFERENCE", 100 * float(np.mean(rolled.cut)), 0, "percent", where, message)
+    return at_most("INTERFERENCE", math.nan if share else 0.0, 0, "mm", where, message)

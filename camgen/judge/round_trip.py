@@ -282,7 +282,7 @@ def strange(path: Path, remarks: Sequence[str]) -> Finding:
     """ROUND_TRIP of a file that is not as it was written; the first remarks say how."""
     more = len(remarks) - _REMARKS
     said = "; ".join([*remarks[:_REMARKS], *([f"and {more} more"] if more > 0 else [])])
-    return at_most("ROUND_TRIP", len(remarks), 0, "warnings", in_file(path), said)
+    return at_most("ROUND_TRIP", math.nan, 0, "mm", in_file(path), said)
 
 
 def _volume(volume: float, expected: NominalPart, where: Where) -> Finding:

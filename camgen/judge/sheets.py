@@ -121,7 +121,7 @@ def judge_sheet(
 
 
 def _fit(pieces: Sequence[Shape], beam: Beam, count: int, where: Where) -> list[Finding]:
-    """SHEET_FIT of the pieces of a sheet."""
+    """SHEET_FIT of the pieces of a sheet, and COPIES."""
     import shapely
 
     boxes = np.array([shape.outer.box for shape in pieces]).reshape(-1, 4)
@@ -131,10 +131,10 @@ def _fit(pieces: Sequence[Shape], beam: Beam, count: int, where: Where) -> list[
     width, height = beam.sheet
     findings = [
         at_most(
-            "SHEET_FIT",
+            "COPIES",
             abs(len(pieces) - count),
             0,
-            "pieces",
+            "copies",
             where,
             f"{len(pieces)} pieces, {count} in the list",
         ),

@@ -33,7 +33,7 @@ def judge_sliced_copies(
     remarks = [f"too few for the parts list: {_listed(missing)}"] if missing else []
     remarks += [f"too many, as if sliced twice: {_listed(surplus)}"] if surplus else []
     finding = at_most(
-        "ROUND_TRIP",
+        "COPIES",
         (missing + surplus).total(),
         0,
         "copies",

@@ -505,12 +505,11 @@ def _with_comparison(
 def _overlap(where: Where, play: Floats, motion: Recovered, follower: FollowerTable) -> Finding:
     """Whether the pair leaves room for both tips everywhere, but for what facets and decimals feign."""
     least = int(np.nanargmin(play))
-    name, scale = follower.unit
     return at_most(
         "INTERFERENCE",
-        max(0.0, -play[least]) * scale,
-        _OVERLAP / max(motion.lever, 1e-9) * scale,
-        name,
+        max(0.0, -play[least]) * motion.lever,
+        _OVERLAP,
+        "mm",
         replace(where, theta=float(motion.theta[least])),
         f"largest overlap of both tips with the pair; the limit is {_OVERLAP:g} mm at the tips",
     )

@@ -475,7 +475,7 @@ def judge_threads(case: Case, kinds: Sequence[str]) -> Outcome:
 
 
 def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
-    """BED_FIT: every part fits the bed, every copy is on a plate, and the plates are as a printer needs them."""
+    """BED_FIT and COPIES: every part fits the bed, every copy is on a plate, and the plates are as a printer needs them."""
     from camgen.files.plates import bed_fit, within
     from camgen.files.threemf import read_3mf
     from camgen.judge.slabs import judge_plate
@@ -498,11 +498,13 @@ def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
     fits = [bed_fit(part.name, part.count, vertices, room, height)[1] for part, vertices in clouds]
     if not plates and not any(fit.ok for fit in fits):
         return Outcome(fits)
-    short = (Counter({part.name: part.count for part in parts}) - copies).total()
+    large = {fit.where.part for fit in fits if not fit.ok}  # of which no copy is laid out
+    wanted = Counter({part.name: part.count for part in parts if part.name not in large})
+    short = (wanted - copies).total()
     are = "is" if copies.total() == 1 else "are"
     remark = f"{counted(copies.total(), 'copy', 'copies')} {are} on the plates, {short} missing"
     where = Where(counted(len(plates), "plate"))
-    missing = at_most("BED_FIT", short, 0, "copies", where, remark)
+    missing = at_most("COPIES", short, 0, "copies", where, remark)
     on_plates = [
         f
         for path in plates

@@ -217,14 +217,14 @@ def _rows(number: int, copies: Sequence[SheetCopy], laser: Laser) -> list[tuple[
 def _copies(
     sheets: dict[int, list[SheetCopy]], parts: dict[str, Part], case: Case
 ) -> list[Finding]:
-    """SHEET_FIT of all sheets together: copies that are missing, too many or wrongly numbered."""
+    """COPIES of all sheets together: those that are missing, too many or wrongly numbered."""
     present = Counter((copy.part, copy.copy) for copies in sheets.values() for copy in copies)
     expected_copies = Counter(
         (name, k + 1) for name, part in parts.items() for k in range(part.count)
     )
     off = max((expected_copies - present).total(), (present - expected_copies).total())
     remark = f"{present.total()} copies of {len(parts)} parts on {len(sheets)} sheet{'' if len(sheets) == 1 else 's'}"
-    return [at_most("SHEET_FIT", off, 0, "copies", in_file(case.file("sheets", "csv")), remark)]
+    return [at_most("COPIES", off, 0, "copies", in_file(case.file("sheets", "csv")), remark)]
 
 
 def _density(sheets: dict[int, list[SheetCopy]], parts: dict[str, Part], laser: Laser) -> float:

@@ -131,7 +131,7 @@ def check_gcode(
         copies = [copy_of(body, models) for body in found]
         strange = copies.count(None)
         remark = f"of {counted(len(copies), 'body', 'bodies')} are like no part of {mechanism.name} by height, area and outline"
-        findings.append(at_most("ROUND_TRIP", strange, 0, "bodies", in_file(path), remark))
+        findings.append(at_most("COPIES", strange, 0, "copies", in_file(path), remark))
         for copy in (copy for copy in copies if copy is not None):
             name = copy.known.part
             findings += copy.complete(in_file(path))

@@ -356,6 +356,11 @@ def test_lash_of_a_yoke(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
             capsys, path, "--follower", first, "--second-follower", second, "-o", tmp_path
         )
         assert code == (0 if ok else 1) and codes(report)["INTERFERENCE"] is ok
+        overlap = next(f for f in report["findings"] if f["code"] == "INTERFERENCE")
+        assert (overlap["measured"], overlap["unit"]) == (
+            pytest.approx(0 if ok else 0.1, abs=1e-9),
+            "mm",
+        )
         for key in ("lash_min_mm", "lash_max_mm"):
             assert report["numbers"][key] == pytest.approx(at - 30, abs=1e-9)
 
