@@ -2,15 +2,14 @@
 
     u           the driver's angle, v the wheel's, rad; both turn so that what is between the axes goes up
     w           place on the wheel, rad, up from the line of both axes: -radius exp(-i w) from its axis
-    x, y        angles of a tooth of the driver and of the one of the wheel that it pushes, as u and w; so one law serves all teeth
+    x, y        angles of a tooth of the driver and of the one of the wheel that it pushes, as u and w: see `tooth_contact`
     block       teeth of the wheel without gaps between them, hollowed by the driver's rim; one at each station
     lock        the driver's rim without teeth, in a hollow: the wheel stands
     free        air of a flank, and of the lock in its hollow, on either side, mm
 
-At first the corner of the wheel's tooth slides on the flank of the driver's, then both flanks mesh, and at last the driver's corner
-slides on the wheel's flank and round its tip. The last tooth is as low as it must be to leave the wheel at a station: as it
+The last tooth is as low as it must be to leave the wheel at a station: as it
 passes, the corner of the wheel's tooth is `free` beyond its circle. The first one is as low as it must be to get in beside a tooth
-that stands. Where a corner z, seen from a flank's axis, touches it: arg z + inv(arccos(base / |z|)) is the flank's angle.
+that stands.
 """
 
 from __future__ import annotations
@@ -20,27 +19,17 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.geometry.outlines import Arc, Contour, Floats, Line, Piece, Points
+from camgen.geometry.outlines import Arc, Contour, Floats, Line, Piece
 from camgen.parts.wheels.involute import LEAST_TIP, BasicRack, Wheel
+from camgen.parts.wheels.tooth_contact import Tip, ToothContact
 
 _MOST_JOINED = 8  # teeth of a block
-_NEWTON = 40  # steps at most
-_HAIR = 1e-24  # least square of a slope: there neither formula counts
 _ROUNDING = 0.2  # modules, of the corner that lets go last: a sharp one wears, or is printed round
-
-
-@dataclass(frozen=True)
-class _Tip:
-    """Of a tooth on Ox on its left: the middle of its rounding."""
-
-    reach: float  # from the axis, mm
-    half: float  # angle, rad
-    rounding: float  # radius, mm; 0: a corner
 
 
 @dataclass(frozen=True)
@@ -51,7 +40,7 @@ class MutilatedPair:
     stations: int  # of the wheel
     distance: float  # of the axes, mm
     backlash: float  # mm along the pitch circles; each tooth is thinner by half of it
-    pressure: float = math.radians(20)
+    pressure: ClassVar[float] = math.radians(20)
 
     def __post_init__(self) -> None:
         if self.teeth[1] % self.stations:
@@ -75,11 +64,14 @@ class MutilatedPair:
 
     def _refuse_low_tips(self) -> None:
         """DesignError where the first or the last tooth is so low that its flank never meshes with the wheel's."""
-        least = {"first": self._base_pitch - self._approach, "last": -self._approach}
+        least = {
+            "first": self.contact.base_pitch - self.contact.approach,
+            "last": -self.contact.approach,
+        }
         for name, wheel in {"first": self.first, "last": self.last}.items():
-            if self._recess(wheel) <= least[name]:
+            if self.contact.recess(wheel) <= least[name]:
                 said = f"the driver's {name} tooth, as low as it must be, lets go before another one holds the wheel"
-                need = math.hypot(self.driver.base, self._foot(self.driver) + least[name])
+                need = math.hypot(self.driver.base, self.contact.foot(self.driver) + least[name])
                 what = f"radius of the {name} tooth's tip"
                 remedy = "use more teeth on both"
                 raise DesignError(what, wheel.tip, need, "mm", "", remedy).saying(said)
@@ -88,8 +80,8 @@ class MutilatedPair:
         """DesignError where a tip reaches below the other wheel's flanks."""
         wheel = self.wheel
         reached = {
-            "driver": self._seen(self.driver, self._approach),
-            "wheel": self._seen(wheel, self._recess(self.driver)),
+            "driver": self.contact.seen(self.driver, self.contact.approach),
+            "wheel": self.contact.seen(wheel, self.contact.recess(self.driver)),
         }
         for name, least in reached.items():
             own = self.driver if name == "driver" else wheel
@@ -119,11 +111,6 @@ class MutilatedPair:
         return self.backlash / 2 * math.cos(self.pressure)
 
     @property
-    def ratio(self) -> float:
-        """Angle of the wheel over the driver's while flanks mesh."""
-        return self.teeth[0] / self.teeth[1]
-
-    @property
     def pitch(self) -> float:
         """Angle from station to station, rad."""
         return math.tau / self.stations
@@ -146,9 +133,10 @@ class MutilatedPair:
     def _wheel(self, k: int) -> Wheel:
         return Wheel(self.teeth[k], BasicRack(self.module, self.pressure), 0.0, self.backlash / 2)
 
-    def _base_angle(self, wheel: Wheel) -> float:
-        """Half of a tooth's angle at its base circle, rad, of one that is wider by the air."""
-        return wheel.half_angle(wheel.base) + self.free / wheel.base
+    @cached_property
+    def contact(self) -> ToothContact:
+        """Of one tooth of each."""
+        return ToothContact(self.driver, self.wheel, self.distance, self.free)
 
     @cached_property
     def joined(self) -> int:
@@ -165,7 +153,7 @@ class MutilatedPair:
         """Tip of the driver's last tooth with blocks of so many teeth, mm."""
         wheel = self.wheel
         return (
-            abs(complex(self._corner((joined + 1) / 2 * wheel.pitch - wheel.half_top, 0)))
+            abs(complex(self.contact.corner((joined + 1) / 2 * wheel.pitch - wheel.half_top, 0)))
             - self.free
         )
 
@@ -174,7 +162,7 @@ class MutilatedPair:
         """The driver's first tooth, which passes the upper corner of the wheel's second one."""
         wheel = self.wheel
         place = -(self.joined + 1) / 2 * wheel.pitch + wheel.half_top
-        return self._lowered(abs(complex(self._corner(place, 0))) - self.free)
+        return self._lowered(abs(complex(self.contact.corner(place, 0))) - self.free)
 
     @cached_property
     def last(self) -> Wheel:
@@ -193,85 +181,6 @@ class MutilatedPair:
         other = (self.joined - 1) / 2 + past
         return -own * self.driver.pitch, -other * self.wheel.pitch
 
-    # ---- along the line on which flanks touch, mm from the pitch point
-
-    @property
-    def _base_pitch(self) -> float:
-        return self.driver.pitch * self.driver.base
-
-    def _foot(self, wheel: Wheel) -> float:
-        """From the pitch point to where the line touches a wheel's base circle, mm."""
-        return wheel.base * math.tan(self.pressure)
-
-    def _recess(self, wheel: Wheel) -> float:
-        """Where a tooth of the driver lets go, mm."""
-        return wheel.tangent(wheel.tip) - self._foot(wheel)
-
-    @property
-    def _approach(self) -> float:
-        """From where the wheel's tips are touched to the pitch point, mm."""
-        return self.wheel.tangent(self.wheel.tip) - self._foot(self.wheel)
-
-    def _seen(self, wheel: Wheel, beyond: float) -> float:
-        """Least radius at which a wheel is touched by tips that reach so far beyond the pitch point, mm."""
-        return math.hypot(wheel.base, self._foot(wheel) - beyond)
-
-    # ---- the law of a pair of teeth
-
-    def _corner(self, w: Any, order: int) -> Points:
-        """Of the wheel's tip circle the place w, or a derivative, order 0..3, complex mm from the driver's axis."""
-        spoke = -self.wheel.tip * np.exp(-1j * np.asarray(w, float)) * (-1j) ** order
-        return np.asarray(spoke + self.distance if order == 0 else spoke)
-
-    def _mesh(self, x: Floats) -> Floats:
-        """y while both flanks touch."""
-        return np.asarray(self.ratio * x + self.wheel.pitch / 2)
-
-    @cached_property
-    def _meets(self) -> float:
-        """y from which on both flanks touch."""
-        wheel = self.wheel
-        return self.pressure - math.acos(wheel.base / wheel.tip) + wheel.half_top
-
-    def _before(self, y: Any, order: int = 0) -> Floats:
-        """x while the corner of the wheel's tooth slides on the driver's flank, or a derivative to y."""
-        w = np.asarray(y, float) - self.wheel.half_top
-        spots = [self._corner(w, k) for k in range(order + 1)]
-        angle = _angle(spots, _on_flank(spots[0], self.driver.base))
-        return angle - self._base_angle(self.driver) if order == 0 else angle
-
-    def _lets_go(self, tip: _Tip) -> float:
-        """x up to which both flanks touch."""
-        driver = self.driver
-        reached = driver.tangent(tip.reach) + tip.rounding
-        radius = math.hypot(driver.base, reached)
-        return math.acos(driver.base / radius) - self.pressure - driver.half_angle(radius)
-
-    def _after(self, tip: _Tip, x: Any, order: int = 0) -> Floats:
-        """y while the corner of a tooth of the driver slides on the wheel's flank, then round its tip, or a derivative to x."""
-        own = self.wheel
-        end = self._passes(tip)
-        far = self.free + tip.rounding
-        within = np.minimum(np.asarray(x, float), end)
-        place = -tip.reach * np.exp(1j * (within + tip.half))
-        spots = [place * 1j**k + (self.distance if k == 0 else 0) for k in range(order + 1)]
-        radius = np.abs(spots[0])
-        flat = radius <= math.hypot(own.base, own.tangent(own.tip) + far)
-        flank = -_angle(spots, _on_flank(spots[0], own.base))
-        round_tip = -_angle(spots, _round_corner(radius, own.tip, far))
-        if order == 0:
-            flank = flank + own.half_angle(own.base) + far / own.base
-            round_tip = round_tip + own.half_top
-        found = np.where(flat, flank, round_tip)
-        return found if order == 0 else np.where(np.asarray(x) > end, 0.0, found)
-
-    def _passes(self, tip: _Tip) -> float:
-        """x at which a tooth of the driver has left that of the wheel behind: both corners lie on one line from its axis."""
-        own = self.wheel
-        reach = tip.reach + tip.rounding + self.free
-        beside = self.distance**2 + reach**2 - own.tip**2
-        return math.acos(beside / (2 * self.distance * reach)) - tip.half
-
     # ---- the law of both wheels
 
     @cached_property
@@ -279,11 +188,13 @@ class MutilatedPair:
         """u at which the wheel starts and stands again."""
         start, place = self._places(1)
         begin = (
-            float(self._before(place))
-            if place < self._meets
-            else (place - self.wheel.pitch / 2) / self.ratio
+            float(self.contact.before(place))
+            if place < self.contact.meets
+            else (place - self.wheel.pitch / 2) / self.contact.ratio
         )
-        return begin - start, self._passes(self._tip(self.pushing)) - self._places(self.pushing)[0]
+        return begin - start, self.contact.passes(self._tip(self.pushing)) - self._places(
+            self.pushing
+        )[0]
 
     @property
     def half(self) -> float:
@@ -310,18 +221,18 @@ class MutilatedPair:
     def held(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Ranges of the driver's angle from the middle of a rest in which lock or flanks hold the wheel on both sides, rad."""
         base = self.driver.base
-        step = self._base_pitch
+        step = self.contact.base_pitch
         # of the first tooth along the line; the back of a tooth is touched half a base pitch later
-        begin = step / 2 - self._recess(self.first)
+        begin = step / 2 - self.contact.recess(self.first)
         end = begin
         for k in range(self.pushing):
             wheel = self._tooth(k + 1)
-            if k * step + step / 2 - self._recess(wheel) > end + 1e-9:
+            if k * step + step / 2 - self.contact.recess(wheel) > end + 1e-9:
                 break
-            end = k * step + step / 2 + self._approach
-        begin = max(begin, -self._approach)
+            end = k * step + step / 2 + self.contact.approach
+        begin = max(begin, -self.contact.approach)
         tip = self._tip(self.pushing)
-        last = self.driver.tangent(tip.reach) + tip.rounding - self._foot(self.driver)
+        last = self.driver.tangent(tip.reach) + tip.rounding - self.contact.foot(self.driver)
         end = min(end, (self.pushing - 1) * step + last)
         zero = -self._places(1)[0] - self.driver.pitch / 4 - self.middle + math.pi
         return (-self.rest, self.rest), (begin / base + zero, end / base + zero)
@@ -330,64 +241,40 @@ class MutilatedPair:
         """The driver's k-th, from 1."""
         return {1: self.first, self.pushing: self.last}.get(k, self.driver)
 
-    def _tip(self, k: int) -> _Tip:
+    def _tip(self, k: int) -> Tip:
         """Of the driver's k-th, on the side that pushes."""
         wheel = self._tooth(k)
         rounding = _ROUNDING * self.module if k == self.pushing else 0.0
         reach = wheel.tip - rounding
-        return _Tip(reach, wheel.half_angle(reach) - rounding / wheel.base, rounding)
+        return Tip(reach, wheel.half_angle(reach) - rounding / wheel.base, rounding)
 
     def motion(self, u: Any, order: int = 0) -> Floats:
         """The wheel's angle v within `drive`, or its derivative, order 0..3; rad."""
         u = np.asarray(u, float)
         start, place = self._places(1)
-        meshes = self._mesh(u + start) - place
+        meshes = self.contact.mesh(u + start) - place
         if order == 0:
             found = meshes
         else:
-            found = np.full(u.shape, self.ratio if order == 1 else 0.0)
-        early = self._entered(u + start)
-        if place < self._meets:
-            entering = early < self._meets
+            found = np.full(u.shape, self.contact.ratio if order == 1 else 0.0)
+        early = self.contact.entered(u + start, place)
+        if place < self.contact.meets:
+            entering = early < self.contact.meets
             found = np.where(
-                entering, early - place if order == 0 else self._entering(early, order), found
+                entering,
+                early - place if order == 0 else self.contact.entering(early, order),
+                found,
             )
         best = np.full(u.shape, -np.inf)
         last = self.pushing
         for k in (last - 1, last):
             x = u + self._places(k)[0]
             tip = self._tip(k)
-            v = self._after(tip, x) - self._places(k)[1]
-            taken = (u > self._lets_go(self._tip(last)) - self._places(last)[0]) & (v > best)
+            v = self.contact.after(tip, x) - self._places(k)[1]
+            taken = (u > self.contact.lets_go(self._tip(last)) - self._places(last)[0]) & (v > best)
             best = np.where(taken, v, best)
-            found = np.where(taken, v if order == 0 else self._after(tip, x, order), found)
+            found = np.where(taken, v if order == 0 else self.contact.after(tip, x, order), found)
         return np.asarray(found)
-
-    def _entered(self, x: Floats) -> Floats:
-        """y of the first tooth at x; where both flanks touch what meets."""
-        low = self._places(1)[1]
-        high = self._meets
-        if low >= high:
-            return np.full(x.shape, high)
-        ends = float(self._before(low)), float(self._before(high))
-        wanted = np.clip(x, *ends)
-        y = low + (high - low) * (wanted - ends[0]) / (ends[1] - ends[0])
-        for _ in range(_NEWTON):
-            step = (self._before(y) - wanted) / self._before(y, 1)
-            y = np.clip(y - step, low, high)
-            if np.max(np.abs(step), initial=0.0) < 1e-15:
-                break
-        return np.where(x >= ends[1], high, y)
-
-    def _entering(self, y: Floats, order: int) -> Floats:
-        """Derivatives of y to x from those of x to y."""
-        first = self._before(y, 1)
-        if order == 1:
-            return np.asarray(1 / first)
-        second = self._before(y, 2)
-        if order == 2:
-            return np.asarray(-second / first**3)
-        return np.asarray((3 * second**2 - first * self._before(y, 3)) / first**5)
 
     # ---- edges
 
@@ -404,7 +291,7 @@ class MutilatedPair:
     @property
     def hollow(self) -> float:
         """Radius of the blocks' hollows, mm."""
-        return abs(complex(self._corner(self._corner_angle, 0)))
+        return abs(complex(self.contact.corner(self._corner_angle, 0)))
 
     @property
     def lock(self) -> float:
@@ -414,7 +301,7 @@ class MutilatedPair:
     @property
     def _hollow_half(self) -> float:
         """Half of a hollow's angle about the driver's axis, rad."""
-        return abs(cmath.phase(complex(self._corner(self._corner_angle, 0))))
+        return abs(cmath.phase(complex(self.contact.corner(self._corner_angle, 0))))
 
     def driver_edge(self) -> Contour:
         """The driver's edge, counter-clockwise about its axis; the wheel lies on Ox, in the middle of a rest."""
@@ -491,44 +378,6 @@ def _moved(angle: float, pieces: Sequence[Piece]) -> list[Piece]:
     """Pieces turned about the axis."""
     turn = cmath.exp(1j * angle)
     return [piece.moved(turn) for piece in pieces]
-
-
-Slopes = tuple[Floats, Floats, Floats, Floats]
-
-
-def _on_flank(z: Points, base: float) -> Slopes:
-    """inv(arccos(base / |z|)) and its derivatives to log |z|, rad."""
-    t = np.sqrt(np.maximum((np.abs(z) / base) ** 2 - 1, _HAIR))
-    bend = (1 + t**2) / t
-    return t - np.arctan(t), t, bend, (1 - 1 / t**2) * bend
-
-
-def _round_corner(radius: Floats, tip: float, free: float) -> Slopes:
-    """Less the angle between two points at a radius and at the tip's that are `free` apart, and derivatives to log radius, rad."""
-    cosine = np.clip((tip**2 + radius**2 - free**2) / (2 * tip * radius), -1.0, 1.0)
-    rate = (radius**2 - tip**2 + free**2) / (2 * tip * radius)
-    sine = np.sqrt(np.maximum(1 - cosine**2, _HAIR))
-    second = cosine / sine + cosine * rate**2 / sine**3
-    third = rate / sine + (3 * cosine**2 * rate + rate**3) / sine**3
-    third = third + 3 * cosine**2 * rate**3 / sine**5
-    return -np.arccos(cosine), rate / sine, second, third
-
-
-def _angle(spots: Sequence[Points], added: Slopes) -> Floats:
-    """Of the last order of `spots`, a point and its derivatives, arg z + added(log |z|), or its derivative, order 0..3."""
-    z = spots[0]
-    order = len(spots) - 1
-    if order == 0:
-        return np.asarray(np.angle(z) + added[0])
-    first = spots[1] / z
-    if order == 1:
-        return np.asarray(first.imag + added[1] * first.real)
-    second = spots[2] / z - first**2
-    if order == 2:
-        return np.asarray(second.imag + added[2] * first.real**2 + added[1] * second.real)
-    third = spots[3] / z - first * spots[2] / z - 2 * first * second
-    way = added[3] * first.real**3 + 3 * added[2] * first.real * second.real
-    return np.asarray(third.imag + way + added[1] * third.real)
 
 
 @dataclass(frozen=True)
