@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from camgen.motion.program import Program
 from camgen.motion.segments import program
 from camgen.motion.stroke import StrokeSegment, stroke
 from camgen.parts.generator.cycloids import CycloidWish
+from camgen.parts.generator.genevas import GenevaWish
 from camgen.parts.generator.ratchets import RatchetWish
 from camgen.parts.generator.wheels import SECOND, Ridden, level_of, naming
 from camgen.parts.wheels.cycloid import CycloidDisc, OutputWish
@@ -171,27 +172,29 @@ class Drawing:
         return abs(complex(exact[ends[1]] - exact[ends[0]]))
 
     @cached_property
-    def noncircular_pairs(self) -> dict[str, NoncircularPair]:
-        """Wheels that are not round, by their joints; DesignError where there are none such."""
-        made = {}
-        for each in self.noncirculars:
-            backlash = 2 * self.geneva_sizes[0] if each.backlash is None else each.backlash
-            with naming(f"noncircular {each.joint}"):
-                centrodes = Centrodes(each.law, self._shafts_apart(each.a, each.b))
-                made[each.joint] = NoncircularPair(centrodes, each.teeth, backlash)
-        return made
+    def edge_wishes(self) -> dict[str, Any]:
+        """What is asked of each pair that drives by its edge, by its joint; DesignError where there is none such."""
+        return {
+            **{each.joint: GenevaWish(self.geneva_of(each), each.pin) for each in self.genevas},
+            **{each.joint: self._noncircular_pair(each) for each in self.noncirculars},
+            **{each.joint: self._mutilated_law(each) for each in self.mutilated},
+            **{each.joint: self.ratchet_of(each) for each in self.ratchets},
+        }
 
-    @cached_property
-    def mutilated_laws(self) -> dict[str, MutilatedLaw]:
-        """Mutilated gears, by their joints; DesignError where there are none such."""
-        made = {}
-        for each in self.mutilated:
-            backlash = 2 * self.geneva_sizes[0] if each.backlash is None else each.backlash
-            apart = self._shafts_apart(each.a, each.b)
-            with naming(f"mutilated {each.joint}"):
-                pair = MutilatedPair(each.teeth, each.stations, apart, backlash)
-            made[each.joint] = MutilatedLaw(pair, self._way(each.a))
-        return made
+    def _backlash(self, table: t.Noncircular | t.Mutilated) -> float:
+        """Play of its teeth, mm."""
+        return 2 * self.geneva_sizes[0] if table.backlash is None else table.backlash
+
+    def _noncircular_pair(self, table: t.Noncircular) -> NoncircularPair:
+        with naming(f"noncircular {table.joint}"):
+            centrodes = Centrodes(table.law, self._shafts_apart(table.a, table.b))
+            return NoncircularPair(centrodes, table.teeth, self._backlash(table))
+
+    def _mutilated_law(self, table: t.Mutilated) -> MutilatedLaw:
+        apart = self._shafts_apart(table.a, table.b)
+        with naming(f"mutilated {table.joint}"):
+            pair = MutilatedPair(table.teeth, table.stations, apart, self._backlash(table))
+        return MutilatedLaw(pair, self._way(table.a))
 
     def _way(self, link: str) -> Literal[1, -1]:
         """The sense in which a link turns."""
@@ -206,11 +209,6 @@ class Drawing:
             wheel = RatchetWheel(table.teeth, table.radius, table.radius - table.deep)
             pawl = pawl_of(wheel, distance, table.end_radius, math.radians(table.draw_deg))
         return RatchetWish(PawlLaw(pawl, way), table.friction)
-
-    @cached_property
-    def ratchet_wishes(self) -> dict[str, RatchetWish]:
-        """What is asked of each ratchet, by its joint."""
-        return {each.joint: self.ratchet_of(each) for each in self.ratchets}
 
     def cycloid_of(self, row: t.Cycloid) -> CycloidWish:
         """What is asked of its disc and pins; DesignError where there is none."""
@@ -237,11 +235,6 @@ class Drawing:
             if row.twin is not None:
                 wishes.append(replace(self.cycloid_of(row.twin), opposite=first))
         return wishes
-
-    @cached_property
-    def named_genevas(self) -> dict[str, tuple[Geneva | InnerGeneva, str]]:
-        """Each Geneva drive with its pin, by the name of its joint."""
-        return {each.joint: (self.geneva_of(each), each.pin) for each in self.genevas}
 
     def pivot(self, link: str) -> str | None:
         """The point at which a link is pinned to the ground."""

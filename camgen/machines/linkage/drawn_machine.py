@@ -373,7 +373,7 @@ class DrawnMachine:
     def _geneva(self, table: t.Geneva) -> m.Cam:
         """The joint; its angle is 0 in the middle of a drive: the pin is on the line of both axes, towards that of the wheel, but
         away from that of an inner one."""
-        law = GenevaLaw(self.drawing.geneva_of(table))
+        law = GenevaLaw(self.drawing.edge_wishes[table.joint].geneva)
         ground = self.bodies[GROUND].points
         axes = [complex(ground[self.drawing.pivot(link) or ""]) for link in (table.a, table.b)]
         crank = self.bodies[table.a].points
@@ -385,12 +385,12 @@ class DrawnMachine:
         return m.Cam(name, table.a, table.b, law, phase=phase, rest=rest)
 
     def _noncircular(self, table: t.Noncircular) -> m.Cam:
-        law = self.drawing.noncircular_pairs[table.joint].centrodes.law.reversed
+        law = self.drawing.edge_wishes[table.joint].centrodes.law.reversed
         return self._from_rest(table, law)
 
     def _mutilated(self, table: t.Mutilated) -> m.Cam:
         """The joint; as drawn it is in the middle of a rest."""
-        return self._from_rest(table, self.drawing.mutilated_laws[table.joint])
+        return self._from_rest(table, self.drawing.edge_wishes[table.joint])
 
     def _from_rest(self, table: t.Noncircular | t.Mutilated, law: m.Law) -> m.Cam:
         """A joint whose angle is 0 as drawn."""
@@ -399,7 +399,7 @@ class DrawnMachine:
 
     def _ratchet(self, table: t.Ratchet) -> m.Cam:
         """The joint; its angle is 0 in the seat of a tooth, and as drawn the pawl is halfway from drop to drop."""
-        law = self.drawing.ratchet_wishes[table.joint].law
+        law = self.drawing.edge_wishes[table.joint].law
         pawl = law.pawl
         angle = law.way * (pawl.dropping - pawl.wheel.pitch / 2)
         phase = self.start[table.a].angle - angle

@@ -11,6 +11,8 @@ import numpy as np
 from camgen.machine.model import GROUND
 from camgen.parts.generator.gears import PlanetWish
 from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.mutilated import MutilatedDrive
+from camgen.parts.generator.noncircular import NoncircularDrive
 from camgen.parts.wheels.planets import Member, seats, turns
 from camgen.study import Figure, Plot
 
@@ -28,7 +30,7 @@ def figures(layout: Layout) -> list[Figure]:
     ]
     for wish in layout.planets:
         found.append(Figure("ratio {of}", _ratio(wish), "", wish.level))
-    for drive in layout.noncircular_drives:
+    for drive in layout.drives_of(NoncircularDrive):
         centrodes = drive.pair.centrodes
         speed = centrodes.law(_TURN, 1)
         leans = math.degrees(drive.pair.pressure + float(np.abs(centrodes.lean(_TURN)).max()))
@@ -39,7 +41,7 @@ def figures(layout: Layout) -> list[Figure]:
             Figure("least speed ratio {of}", float(speed.min()), "", of),
             Figure("greatest pressure angle {of}", leans, "deg", of),
         ]
-    for mutilated in layout.mutilated_drives:
+    for mutilated in layout.drives_of(MutilatedDrive):
         begin, end = mutilated.law.pair.jumps
         of = mutilated.joint.name
         found += [
@@ -68,7 +70,7 @@ def plots(layout: Layout) -> list[Plot]:
             [(link, curve.real, curve.imag) for link, curve in drive.curves(_TURN)],
             equal=True,
         )
-        for drive in layout.noncircular_drives
+        for drive in layout.drives_of(NoncircularDrive)
     ]
 
 
@@ -101,7 +103,7 @@ def notes(layout: Layout) -> Iterator[str]:
             f"Cycloidal drive {asked.joint}: {disc.pins} pins, {disc.lobes} lobes; {asked.crank} turns {disc.lobes} times for one "
             f"turn of {asked.output or asked.link}, the other way. The disc has a play of {least:.4g} to {most:.4g} deg."
         )
-    for mutilated in layout.mutilated_drives:
+    for mutilated in layout.drives_of(MutilatedDrive):
         law = mutilated.law
         pair = law.pair
         links = mutilated.links

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
@@ -22,7 +22,7 @@ from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.gears import GearWish
 from camgen.parts.generator.cycloids import CycloidWish
 from camgen.parts.generator.gears import DowelledWheel, GearPair, GearWheel, PlanetWish, gear_pairs
-from camgen.parts.generator.genevas import DowelledEdge, GenevaDrive
+from camgen.parts.generator.genevas import DowelledEdge, GenevaDrive, GenevaWish
 from camgen.parts.generator.mutilated import MutilatedDrive
 from camgen.parts.generator.noncircular import NoncircularDrive
 from camgen.parts.generator.ratchets import RatchetDrive, RatchetWish
@@ -43,13 +43,19 @@ from camgen.parts.generator.wheels import (
 )
 from camgen.parts.hardware import FACETS
 from camgen.parts.part import Layer, Part
-from camgen.parts.wheels.geneva import Geneva, InnerGeneva
 from camgen.parts.wheels.involute import Ring
 from camgen.parts.wheels.mutilated import MutilatedLaw
 from camgen.parts.wheels.noncircular import NoncircularPair
 from camgen.spec import Print
 
 GROUND = m.GROUND
+D = TypeVar("D", bound=EdgeDrive)
+_DRIVES: Mapping[type, type[EdgeDrive]] = {
+    GenevaWish: GenevaDrive,
+    NoncircularPair: NoncircularDrive,
+    MutilatedLaw: MutilatedDrive,
+    RatchetWish: RatchetDrive,
+}
 
 
 @dataclass(frozen=True)
@@ -136,11 +142,9 @@ class Connections:
     gears: Mapping[str, GearWish] = field(default_factory=dict)  # what is asked of each pair
     planets: Sequence[PlanetWish] = ()
     cycloids: Sequence[CycloidWish] = ()
-    # wheel and disc of each Geneva drive, and the point of its pin
-    genevas: Mapping[str, tuple[Geneva | InnerGeneva, str]] = field(default_factory=dict)
-    noncirculars: Mapping[str, NoncircularPair] = field(default_factory=dict)
-    mutilated: Mapping[str, MutilatedLaw] = field(default_factory=dict)
-    ratchets: Mapping[str, RatchetWish] = field(default_factory=dict)
+    # what is asked of pairs that drive by their edges: wishes of Geneva drives and ratchets, wheels that are not round,
+    # laws of mutilated gears
+    edges: Mapping[str, object] = field(default_factory=dict)
     stems: Mapping[str, str] = field(default_factory=dict)  # how slides' runners reach their rails
     sunk: bool = False  # whether the ground's pins turn in the plate, heads under it
     springs: Mapping[str, StretchedSpring] = field(default_factory=dict)
@@ -273,7 +277,11 @@ class Connections:
     def dowelled(self) -> list[DowelledWheel | DowelledEdge]:
         """What dowels hold: rings of inner teeth, suns that stand still, inner Geneva wheels and their locks."""
         rim = groove_rim(self.sizes) + self.fits.press_clearance
-        edges = (each for drive in self.geneva_drives for each in drive.dowelled(self.machine, rim))
+        edges = (
+            each
+            for drive in self.drives_of(GenevaDrive)
+            for each in drive.dowelled(self.machine, rim)
+        )
         return [*self.dowelled_wheels, *edges]
 
     @cached_property
@@ -312,44 +320,22 @@ class Connections:
         """Suns on the ground, through which a shaft goes."""
         return [each.wheel for each in self.dowelled_wheels if not each.within]
 
-    @cached_property
-    def geneva_drives(self) -> list[GenevaDrive]:
-        """Geneva drives."""
-        return [
-            GenevaDrive(self._cam(name), geneva, pin)
-            for name, (geneva, pin) in self.genevas.items()
-        ]
-
-    @cached_property
-    def noncircular_drives(self) -> list[NoncircularDrive]:
-        """Pairs of wheels that are not round."""
-        return [NoncircularDrive(self._cam(name), pair) for name, pair in self.noncirculars.items()]
-
-    @cached_property
-    def mutilated_drives(self) -> list[MutilatedDrive]:
-        """Mutilated gears."""
-        return [MutilatedDrive(self._cam(name), law) for name, law in self.mutilated.items()]
-
-    @cached_property
-    def ratchet_drives(self) -> list[RatchetDrive]:
-        """Ratchets; the pawl's boss is a hub round its shaft."""
-        hub = (self.sizes.shaft_diameter + self.fits.press_clearance) / 2 + self.rim
-        return [RatchetDrive(self._cam(name), wish, hub) for name, wish in self.ratchets.items()]
-
     def _cam(self, name: str) -> m.Cam:
         joint = self.machine.joint(name)
         assert isinstance(joint, m.Cam)
         return joint
 
-    @property
-    def edge_drives(self) -> Sequence[EdgeDrive]:
+    @cached_property
+    def edge_drives(self) -> list[EdgeDrive]:
         """Pairs whose wheels drive each other by their edges."""
+        hub = (self.sizes.shaft_diameter + self.fits.press_clearance) / 2 + self.rim
         return [
-            *self.geneva_drives,
-            *self.noncircular_drives,
-            *self.mutilated_drives,
-            *self.ratchet_drives,
+            _DRIVES[type(wish)](self._cam(name), wish, hub) for name, wish in self.edges.items()
         ]
+
+    def drives_of(self, kind: type[D]) -> list[D]:
+        """Those of one kind."""
+        return [each for each in self.edge_drives if isinstance(each, kind)]
 
     @cached_property
     def rollers(self) -> list[Roller]:
@@ -357,7 +343,7 @@ class Connections:
         return [
             *(tip.roller for tip in self.tips if tip.rolls),
             *(plate.roller for plate in self.plates),
-            *(each.roller for each in self.geneva_drives),
+            *(each.roller for each in self.drives_of(GenevaDrive)),
         ]
 
     @cached_property

@@ -34,13 +34,25 @@ class DowelledEdge:
 
 
 @dataclass(frozen=True)
-class GenevaDrive(EdgeDrive):
-    """A Geneva drive of a machine."""
+class GenevaWish:
+    """What is asked of a Geneva drive."""
 
     geneva: Geneva | InnerGeneva
     point: str  # of the crank, where its roller is
+
+
+@dataclass(frozen=True)
+class GenevaDrive(EdgeDrive):
+    """A Geneva drive of a machine."""
+
+    wish: GenevaWish
     kind = "geneva"
     remedy = "put the shafts further apart, or use a smaller pin_radius"
+
+    @property
+    def geneva(self) -> Geneva | InnerGeneva:
+        """Its wheel and disc."""
+        return self.wish.geneva
 
     def part_on(self, link: str) -> str:
         """Name of the part on the shaft of one of its links: the slotted wheel, or the disc that locks it."""
@@ -105,7 +117,9 @@ class GenevaDrive(EdgeDrive):
         about = f"Geneva drive {self.joint.name}"
         joint = self.joint
         lock = self.lock
-        return Roller(self.level, joint.name, joint.cam, self.point, self.geneva.pin, lock, about)
+        return Roller(
+            self.level, joint.name, joint.cam, self.wish.point, self.geneva.pin, lock, about
+        )
 
     def edges(self, machine: m.Machine) -> tuple[Contour, Contour]:
         """Of disc and wheel about their axes, as drawn at theta = 0."""

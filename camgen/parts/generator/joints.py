@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 from camgen.machine import model as m
 from camgen.machine.cams.machine import nominal_cam
@@ -132,10 +133,7 @@ def features_of(layout: Layout, pins: Sequence[Mount]) -> Sequence[Feature]:
         implied = each.joint if each.implied else None
         angle = each.mesh.working_angle
         found.append(GearTeeth(each.joint.name, *both, turns, angle, implied))
-    found += [_geneva(layout, drive) for drive in layout.geneva_drives]
-    found += [_noncircular(layout, drive) for drive in layout.noncircular_drives]
-    found += [_mutilated(layout, drive) for drive in layout.mutilated_drives]
-    found += [_ratchet(layout, drive) for drive in layout.ratchet_drives]
+    found += [_JUDGED[type(drive)](layout, drive) for drive in layout.edge_drives]
     found += [pair for drive in layout.cycloid_drives for pair in _cycloid(layout, drive)]
     found += [outline for tip in layout.tips for outline in _outlines(layout, tip)]
     found += [_plate_outline(layout, plate) for plate in layout.plates]
@@ -314,14 +312,14 @@ def _stud_edge(layout: Layout, stud: Stud) -> Edge:
 
 def _geneva(layout: Layout, drive: GenevaDrive) -> EngagedPair:
     """What a Geneva drive is judged on."""
-    hole = layout.turning(drive.point) + layout.fits.slide_clearance
+    hole = layout.turning(drive.wish.point) + layout.fits.slide_clearance
     geneva = drive.geneva
     parts = [drive.part_on(link) for link in drive.links]
     lock, slotted = (_edge(layout, part) for part in parts)
     if drive.inner:  # both about the middle of their drawings: they have no bore
         lock, slotted = (Edge(part, Eye(part, 0j, 0.0)) for part in parts)
         slotted = replace(slotted, hole=0j)
-    seat = _eye(layout, drive.point, drive.joint.cam)
+    seat = _eye(layout, drive.wish.point, drive.joint.cam)
     return EngagedPair(
         drive.joint.name,
         (
@@ -364,6 +362,15 @@ def _ratchet(layout: Layout, drive: RatchetDrive) -> PawlPair:
         lost=pawl.dropping,
         friction=drive.wish.friction,
     )
+
+
+# what a pair that drives by its edge is judged on
+_JUDGED: Mapping[type[EdgeDrive], Callable[[Layout, Any], Feature]] = {
+    GenevaDrive: _geneva,
+    NoncircularDrive: _noncircular,
+    MutilatedDrive: _mutilated,
+    RatchetDrive: _ratchet,
+}
 
 
 def _both_edges(layout: Layout, drive: EdgeDrive) -> tuple[str, tuple[Edge], tuple[Edge], str, str]:

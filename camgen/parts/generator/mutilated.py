@@ -15,9 +15,14 @@ from camgen.parts.wheels.mutilated import MutilatedLaw
 class MutilatedDrive(EdgeDrive):
     """A pair of a machine, drawn in the middle of a rest."""
 
-    law: MutilatedLaw
+    wish: MutilatedLaw
     kind = "mutilated"
     remedy = "put the shafts further apart, or use more teeth"
+
+    @property
+    def law(self) -> MutilatedLaw:
+        """Of both wheels."""
+        return self.wish
 
     @property
     def wheels(self) -> tuple[Wheel, Wheel]:

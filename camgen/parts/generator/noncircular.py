@@ -16,9 +16,14 @@ from camgen.parts.wheels.noncircular import NoncircularPair
 class NoncircularDrive(EdgeDrive):
     """A pair of a machine, drawn as t = 0."""
 
-    pair: NoncircularPair
+    wish: NoncircularPair
     kind = "noncircular"
     remedy = "put the shafts further apart, or use more teeth"
+
+    @property
+    def pair(self) -> NoncircularPair:
+        """Both wheels."""
+        return self.wish
 
     @property
     def wheels(self) -> tuple[Wheel, Wheel]:

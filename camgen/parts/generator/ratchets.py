@@ -22,10 +22,9 @@ class RatchetWish:
 
 @dataclass(frozen=True)
 class RatchetDrive(EdgeDrive):
-    """A ratchet of a machine; hub: radius of the pawl's boss, mm."""
+    """A ratchet of a machine; the pawl's boss is a hub."""
 
     wish: RatchetWish
-    hub: float
     kind = "ratchet"
     remedy = "use a greater radius, or a smaller depth"
 

@@ -18,7 +18,7 @@ from camgen.numerics import Points
 from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.cures import slimmer, slimmer_pin
 from camgen.parts.generator.gears import DowelledWheel
-from camgen.parts.generator.genevas import DowelledEdge
+from camgen.parts.generator.genevas import DowelledEdge, GenevaDrive
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.link_outlines import arm_band, link_hubs, own_contours, tip_bar
 from camgen.parts.generator.pins import levels_beyond
@@ -185,7 +185,7 @@ def _genevas(courses: _Courses) -> tuple[list[Band], Over]:
     layout = courses.layout
     bands = []
     over = Over()
-    for drive in layout.geneva_drives:
+    for drive in layout.drives_of(GenevaDrive):
         bands += [_wheel(courses, wheel, GROUND, _NEARER) for wheel in drive.wheels]
         bands.append(_rolling(courses, drive.roller))
         over.append((drive.level, drive.joint.cam))
@@ -205,8 +205,8 @@ def _gears(courses: _Courses) -> list[Band]:
     """Wheels of gears, counterweights."""
     layout = courses.layout
     others = [tip.wheel for tip in layout.tips]
-    others += [drive.wheels[1] for drive in layout.ratchet_drives]
-    bands = [_pawl(courses, drive) for drive in layout.ratchet_drives]
+    others += [drive.wheels[1] for drive in layout.drives_of(RatchetDrive)]
+    bands = [_pawl(courses, drive) for drive in layout.drives_of(RatchetDrive)]
     for wheel in (each for each in layout.wheels if each not in others):
         weighs = wheel in layout.weights
         how = 'counterweight.made = "steel", or a greater thickness' if weighs else _NEARER

@@ -559,6 +559,8 @@ class EdgeDrive(ABC):
     """Two parts of a machine, on their links' shafts and on one level, of which one drives the other by its edge."""
 
     joint: m.Cam
+    wish: Any  # what is asked of both
+    hub: float  # radius of a boss round a shaft, mm
     kind: ClassVar[str]  # its table in a spec
     remedy: ClassVar[str]  # where one of both has no room
 
