@@ -211,8 +211,7 @@ def judge_exact(path: Path, expected: NominalPart) -> PartVerdict:
             (section, body.section(z)) for section in expected.sections for z in section.heights
         ]
     except ValueError as error:
-        findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
-        return PartVerdict(tuple(findings))
+        return _unread(findings, where, error)
     return _judge_sections(
         sections, expected, where, 0.0, findings, _level_error(body.heights, expected)
     )
@@ -247,8 +246,7 @@ def judge_solid(mesh: Mesh, expected: NominalPart, where: Where, rounding: float
     try:
         sections = _cut(mesh, expected.sections)
     except ValueError as error:
-        findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
-        return PartVerdict(tuple(findings))
+        return _unread(findings, where, error)
     return _judge_sections(sections, expected, where, rounding, findings, level_error)
 
 
@@ -276,6 +274,11 @@ def _level_error(heights: Floats, expected: NominalPart) -> tuple[float, float]:
     off = np.concatenate([np.min(distances, axis=0), np.min(distances, axis=1)])
     worst = int(np.argmax(off))
     return float(off[worst]), float(np.concatenate([nominal, levels])[worst])
+
+
+def _unread(findings: Sequence[Finding], where: Where, error: ValueError) -> PartVerdict:
+    """What was found until nothing more could be read, and why it could not."""
+    return PartVerdict((*findings, at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error))))
 
 
 def strange(path: Path, remarks: Sequence[str]) -> Finding:
@@ -310,8 +313,7 @@ def _judge_sections(
     try:
         sections = _shapes(rings_by_section, undo)
     except ValueError as error:
-        findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
-        return PartVerdict(tuple(findings))
+        return _unread(findings, where, error)
     steps = 4.0
     if not expected.levels_complete:  # corners near each other are one
         steps += math.sqrt(2) * tolerances.MERGED_STEPS

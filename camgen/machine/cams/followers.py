@@ -94,6 +94,21 @@ class Follower(ABC):
         return np.asarray(np.abs(np.angle(self.leaves * self.velocity(s, point) * np.conj(normal))))
 
 
+class OnSlide(Follower):
+    """Of any form, at start + along * s, along a unit vector of the ground, s in mm."""
+
+    start: complex
+    along: complex
+
+    def velocity(self, s: Any, point: Any = 0) -> Points:
+        """The slide's direction."""
+        return np.full(np.shape(s), self.along)
+
+    def ahead_of(self, other: Self) -> float:
+        """Along the slide."""
+        return ((self.start - other.start) * self.along.conjugate()).real
+
+
 # ---- round tips ------------------------------------------------------------------------------------------------------
 
 
@@ -234,7 +249,7 @@ class SwingingArm(RoundTip):
 
 
 @dataclass(frozen=True)
-class SlidingTip(RoundTip):
+class SlidingTip(OnSlide, RoundTip):
     """Round tip on a slide: trace point = start + along * s, s in mm, along a unit vector of the ground."""
 
     start: complex
@@ -262,10 +277,6 @@ class SlidingTip(RoundTip):
             rows.append(place[0])
         return [np.asarray(each * turn) for each in rows]
 
-    def velocity(self, s: Any, point: Any = 0) -> Points:
-        """The slide's direction."""
-        return np.full(np.shape(s), self.along)
-
     def resting_on(self, point: Any) -> Floats:
         """Displacement at which the tip touches a point of the ground, (n,) mm; nan out of reach."""
         spoke = (np.asarray(point) - self.start) * self.along.conjugate()
@@ -280,10 +291,6 @@ class SlidingTip(RoundTip):
         if room <= 0:
             raise ValueError("the slide passes beside the pitch circle")
         return replace(self, start=(self.leaves * math.sqrt(room) + 1j * beside) * self.along)
-
-    def ahead_of(self, other: Self) -> float:
-        """Along the slide."""
-        return ((self.start - other.start) * self.along.conjugate()).real
 
 
 # ---- flat faces ------------------------------------------------------------------------------------------------------
@@ -353,7 +360,7 @@ class FlatFace(Follower):
 
 
 @dataclass(frozen=True)
-class SlidingFace(FlatFace):
+class SlidingFace(OnSlide, FlatFace):
     """Face through start + along * s (the stem's axis), s in mm, square to its slide but for `lean`, by which its normal is turned
     from there, rad; leaves -1: on the other side."""
 
@@ -389,10 +396,6 @@ class SlidingFace(FlatFace):
         place = self.start + self.along * np.asarray(s)
         return place, np.full(place.shape, self.ahead)
 
-    def velocity(self, s: Any, point: Any = 0) -> Points:
-        """The slide's direction."""
-        return np.full(np.shape(s), self.along)
-
     def resting_on(self, point: Any) -> Floats:
         """Displacement at which the face touches a point of the ground, (n,) mm."""
         across = self.ahead.conjugate()
@@ -405,10 +408,6 @@ class SlidingFace(FlatFace):
         beside = (self.start * self.along.conjugate()).imag
         high = (self.leaves * radius - beside * math.sin(self.lean)) / math.cos(self.lean)
         return replace(self, start=(high + 1j * beside) * self.along)
-
-    def ahead_of(self, other: Self) -> float:
-        """Along the slide."""
-        return ((self.start - other.start) * self.along.conjugate()).real
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,7 @@ from camgen.machine.cams.followers import (
     FlatFace,
     Follower,
     Motion,
+    OnSlide,
     RoundTip,
     SlidingFace,
     SlidingTip,
@@ -376,7 +377,7 @@ class Shoe(Follower):
 
 
 @dataclass(frozen=True)
-class SlidingShoe(Shoe):
+class SlidingShoe(OnSlide, Shoe):
     """Shoe on a slide: its origin is at start + along * s, along a unit vector of the ground, s in mm; that way is its own +y."""
 
     start: complex
@@ -413,14 +414,6 @@ class SlidingShoe(Shoe):
     def standing(self, part: RoundTip | FlatFace, radius: float) -> float:
         """Along its slide."""
         return part.on_base(radius).ahead_of(part)  # type: ignore[arg-type]
-
-    def velocity(self, s: Any, point: Any = 0) -> Points:
-        """The slide's direction."""
-        return np.full(np.shape(s), self.along)
-
-    def ahead_of(self, other: Self) -> float:
-        """Along the slide."""
-        return ((self.start - other.start) * self.along.conjugate()).real
 
 
 @dataclass(frozen=True)
