@@ -28,6 +28,16 @@ _DEPENDENT = (
 )
 
 
+def coordinates(z: Points) -> Floats:
+    """Places as rows of x and y, (n, 2); z: (n,) complex."""
+    return np.column_stack([z.real, z.imag])
+
+
+def from_zero(steps: Floats) -> Floats:
+    """What steps come to before, between and after them: (n + 1,) of (n,), the first 0."""
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
 def peak(values: ArrayLike) -> float:
     """Largest magnitude of real or complex values, those that are nan left out; 0 of none."""
     return float(np.nanmax(np.abs(values), initial=0.0))

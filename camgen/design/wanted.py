@@ -17,7 +17,7 @@ from camgen.design.fourbars import Room
 from camgen.errors import Fault, SpecError
 from camgen.machines.spec_files import rows_of, strokes_of
 from camgen.motion.pen import Corners, closed_line, strokes_in_order
-from camgen.numerics import Floats, Points
+from camgen.numerics import Floats, Points, from_zero
 from camgen.reading import Data, references
 from camgen.spec import Checked, Length, Record, validate
 from camgen.tolerances import SAME_POINT
@@ -127,7 +127,7 @@ class PathWish(Wish):
         """Points on it, dense, for the search."""
         if not self.joined:
             return line
-        at = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(line)))])
+        at = from_zero(np.abs(np.diff(line)))
         along = np.linspace(0.0, at[-1], max(_DENSE, 2 * line.size))
         return np.asarray(np.interp(along, at, line.real) + 1j * np.interp(along, at, line.imag))
 

@@ -22,6 +22,7 @@ from camgen.bounds import bounded
 from camgen.errors import FileError
 from camgen.files.formats import READABLE
 from camgen.geometry.rings import Floats, Points, Ring, fit_circle
+from camgen.numerics import coordinates
 
 _MARK = re.compile(r"; ?(?:TYPE|FEATURE):\s*(.*)")
 _WIDTH = re.compile(r"; ?(?:WIDTH|LINE_WIDTH):\s*([\d.]+)")
@@ -70,15 +71,13 @@ class Wall:
         side = -1 if hole else 1
         halves = self.widths / 2 + further
         z = self.ring.facetted(_CHORDS)
-        within = shapely.Polygon(np.column_stack([z.real, z.imag]))
+        within = shapely.Polygon(coordinates(z))
         if np.ptp(halves) < _SAME_WIDTH:
             parts = shapely.get_parts(within.buffer(side * float(halves[0]), quad_segs=_ROUND))
         else:
             bead = shapely.union_all(
                 [
-                    shapely.LineString(np.column_stack([run.real, run.imag])).buffer(
-                        half, quad_segs=_ROUND
-                    )
+                    shapely.LineString(coordinates(run)).buffer(half, quad_segs=_ROUND)
                     for run, half in self._runs(halves)
                 ]
             )
@@ -89,7 +88,7 @@ class Wall:
         if largest is None or largest.is_empty:  # nothing has one part, which is empty
             return None
         edge: Points = shapely.get_coordinates(largest.exterior)[:-1] @ np.array([1, 1j])
-        return Ring(edge, np.zeros(len(edge))).counter_clockwise()
+        return Ring.straight(edge).counter_clockwise()
 
     def _runs(self, halves: Floats) -> Iterator[tuple[Points, float]]:
         """The pieces of the centre line, (k,) points, along which the bead is as wide, and half of its width."""
@@ -345,8 +344,7 @@ def hole_walls(walls: Sequence[Wall]) -> list[bool]:
     import shapely
 
     flat = [
-        shapely.Polygon(np.column_stack([z.real, z.imag]))
-        for z in (wall.ring.facetted(_CHORDS) for wall in walls)
+        shapely.Polygon(coordinates(z)) for z in (wall.ring.facetted(_CHORDS) for wall in walls)
     ]
     areas = shapely.area(flat)
     starts = [shapely.Point(wall.ring.points[0].real, wall.ring.points[0].imag) for wall in walls]

@@ -22,6 +22,7 @@ import numpy as np
 from camgen.files.dimensions import Hole
 from camgen.files.sheet import Fill, Sheet, Stroke, Text, arrowhead
 from camgen.geometry.outlines import Contour, Line, Piece, Points
+from camgen.numerics import coordinates
 
 HEIGHT = 2.5
 _GRID = 41  # places across a face for a mark
@@ -83,7 +84,7 @@ def upper_mark(sheet: Sheet, face: Any, middle: complex) -> Text | None:
 def _line(points: Points) -> Any:
     import shapely
 
-    return shapely.LineString(np.column_stack([points.real, points.imag]))
+    return shapely.LineString(coordinates(points))
 
 
 @dataclass

@@ -25,6 +25,7 @@ import numpy as np
 from camgen.findings import Finding, Where, at_most
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Floats, Points
+from camgen.numerics import coordinates
 from camgen.parts.part import Part
 
 if TYPE_CHECKING:
@@ -167,7 +168,7 @@ def footprint(points: Points, bed: tuple[float, float]) -> Footprint:
     """
     import shapely
 
-    cloud = shapely.multipoints(np.column_stack([points.real, points.imag]))
+    cloud = shapely.multipoints(coordinates(points))
     hull = shapely.get_coordinates(shapely.convex_hull(cloud)) @ np.array([1, 1j])
     sides = np.diff(hull)
     rectangles = _framed(

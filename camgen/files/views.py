@@ -21,7 +21,7 @@ from camgen.files.dimensions import hole_of, turns
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Floats, Region, extent, polygon, rectangle
-from camgen.numerics import distinct
+from camgen.numerics import coordinates, distinct
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
 
@@ -35,7 +35,7 @@ _SHARP = 0.05  # rad, by which an outline turns where faces of it meet in an edg
 def corners(contour: Contour, tolerance: float) -> Floats:
     """Corners of a contour as a polygon, (n, 2) mm."""
     z = facet_contour(contour, tolerance)
-    return np.column_stack([z.real, z.imag])
+    return coordinates(z)
 
 
 def area(region: Region, tolerance: float) -> Any:

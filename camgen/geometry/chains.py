@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgen.geometry.rings import Floats, Points, Ring
+from camgen.numerics import coordinates
 from camgen.tolerances import CHAIN_GAP, SAME_POINT
 
 
@@ -49,7 +50,7 @@ def joined(chains: Sequence[Chain]) -> tuple[list[Ring], list[Chain]]:
     if not pieces:
         return rings, []
     ends = np.array([z for chain in pieces for z in (chain.points[0], chain.points[-1])])
-    places = np.column_stack([ends.real, ends.imag])
+    places = coordinates(ends)
     apart, near = cKDTree(places).query(places, 3, distance_upper_bound=np.nextafter(CHAIN_GAP, 1))
     meets_one = np.isfinite(apart).sum(axis=1) == 2  # each end and one other
     number = np.arange(len(ends))
@@ -99,7 +100,7 @@ def nearest_gap(loose: Sequence[Chain]) -> str:
     ends = np.array([z for chain in loose for z in (chain.points[0], chain.points[-1])])
     from scipy.spatial import cKDTree
 
-    rows = np.column_stack([ends.real, ends.imag])
+    rows = coordinates(ends)
     apart, near = cKDTree(rows).query(rows, 2)
     a = int(np.argmin(apart[:, 1]))
     b = int(near[a, 0] if near[a, 0] != a else near[a, 1])

@@ -188,7 +188,7 @@ def crossed_at(
 
     def ring(line: shapely.LinearRing) -> Ring:
         points = shapely.get_coordinates(line)[:-1] @ np.array([1, 1j])
-        return Ring(points, np.zeros(len(points))).counter_clockwise()
+        return Ring.straight(points).counter_clockwise()
 
     _, low, _, high = shape.outer.box
     face = area(crossed)

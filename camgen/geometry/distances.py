@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from camgen.numerics import Floats, Points
+from camgen.numerics import Floats, Points, coordinates
 
 if TYPE_CHECKING:
     import shapely
@@ -19,7 +19,7 @@ _FEW = 200  # edges of a ring that are gone through one by one in less time than
 def _polygon(ring: Points) -> shapely.Polygon:
     import shapely
 
-    return shapely.Polygon(np.column_stack([ring.real, ring.imag]))
+    return shapely.Polygon(coordinates(ring))
 
 
 def _edges(rings: Sequence[Points]) -> shapely.STRtree:
@@ -77,9 +77,7 @@ def segments_to_sections(a: Points, b: Points, sections: Sequence[Sequence[Point
 
     if not sections:
         return np.full(len(a), np.inf)
-    ways = shapely.linestrings(
-        np.stack([np.column_stack([a.real, a.imag]), np.column_stack([b.real, b.imag])], axis=1)
-    )
+    ways = shapely.linestrings(np.stack([coordinates(a), coordinates(b)], axis=1))
     _, least = _edges([ring for rings in sections for ring in rings]).query_nearest(
         ways, return_distance=True, all_matches=False
     )

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from camgen.errors import DesignError
 from camgen.geometry.drum_walls import DrumRoller, DrumWall, RollerPath, WallPoints, undercut
 from camgen.geometry.mesh import MOST_TRIANGLES
-from camgen.numerics import Floats
+from camgen.numerics import Floats, from_zero
 
 Track = Literal["groove", "rib", "end"]
 
@@ -224,7 +224,7 @@ class Drum:
         if found is None or found[0] > _MOST:
             raise self._too_fine(tolerance)
         _, density, rows = found
-        filled = np.concatenate([[0.0], np.cumsum(density)]) * math.tau / _FINE
+        filled = from_zero(density) * math.tau / _FINE
         count = max(math.ceil(filled[-1]), 12)
         shares = np.arange(count) / count * filled[-1]
         return np.interp(shares, filled, np.linspace(0, math.tau, _FINE + 1)), rows

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.geometry.outlines import Arc, Contour, Floats, Line, Piece, Points, Smooth
-from camgen.numerics import distinct, roots
+from camgen.numerics import distinct, from_zero, roots
 
 # (turn of the tangent, length, change of curvature) of many short panels -> their shares.
 ShareLaw = Callable[[Floats, Floats, Floats], Floats]
@@ -85,7 +85,7 @@ class Track:
             rough = np.sort(np.concatenate([first_half[again], first_half[again] + 1]))
         self.t = t
         self.share = share
-        self.turned = np.concatenate([[0.0], np.cumsum(turn)])
+        self.turned = from_zero(turn)
         kappa = nodes[2].real
         flips = np.flatnonzero(kappa[:-1] * kappa[1:] < 0)
         radians = np.floor(self.turned[1:])
@@ -130,7 +130,7 @@ class Track:
 
 def _spread(t: Floats, share: Floats, n: int) -> Floats:
     """Ends of n stretches of equal share when those between the given ends have `share`, (n + 1,)."""
-    sums = np.concatenate([[0.0], np.cumsum(share)])
+    sums = from_zero(share)
     if sums[-1] == 0:
         return np.linspace(t[0], t[-1], n + 1)
     even = np.interp(np.linspace(0, sums[-1], n + 1), sums, t)

@@ -276,4 +276,4 @@ def _without_idle(z: Points) -> Ring | None:
         length, np.concatenate([length[1:], length[:1]])
     )
     z = z[~(idle & (turn.real > 0))]
-    return Ring(z, np.zeros(len(z))) if len(z) > 2 else None
+    return Ring.straight(z) if len(z) > 2 else None

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from camgen.geometry.rings import Floats, Points
-from camgen.numerics import least_squares
+from camgen.numerics import coordinates, least_squares
 
 _ANGLES = 16384  # over the turn, at which radii are compared
 _BACKWARDS = (
@@ -175,9 +175,9 @@ class _Target:
         shape = straighten(self.shown, m)
         along = straighten(self._along, m)
         if self._tree is None or abs(m - self._m) > 1e-6:
-            self._tree = cKDTree(np.column_stack([shape.real, shape.imag]))
+            self._tree = cKDTree(coordinates(shape))
             self._m = m
-        near = self._tree.query(np.column_stack([at.real, at.imag]))[1]
+        near = self._tree.query(coordinates(at))[1]
         normal = -1j * along[near] / np.abs(along[near])
         return near, normal, np.real(np.conj(normal) * (at - shape[near]))
 

@@ -32,6 +32,11 @@ class Ring:
     points: Points  # (n,) complex mm
     bulges: Floats  # (n,) tan(sweep / 4), 0 for a straight edge, positive where it turns left
 
+    @classmethod
+    def straight(cls, points: Points) -> Ring:
+        """With straight edges alone; points: (n,) complex mm."""
+        return cls(points, np.zeros(len(points)))
+
     @property
     def ends(self) -> Points:
         """Last point of each edge, (n,)."""

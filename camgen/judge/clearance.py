@@ -24,7 +24,7 @@ from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import Floats, Points
 from camgen.machine.features import Passing, Poses
-from camgen.numerics import crests
+from camgen.numerics import coordinates, crests
 from camgen.study import Figure
 
 _CHORDS = 90  # of the turn, to begin with
@@ -69,7 +69,7 @@ def convex_pieces(ring: Points) -> list[Points]:
         return [ring]
     import mapbox_earcut
 
-    xy = np.column_stack([ring.real, ring.imag])
+    xy = coordinates(ring)
     return list(
         ring[
             mapbox_earcut.triangulate_float64(xy, np.array([len(ring)], np.uint32))
@@ -88,10 +88,10 @@ def meeting(a: Sequence[Points], b: Sequence[Points]) -> Any:
     shifts = [
         np.round(np.subtract.outer(one, other).ravel(), 12) for one in ones for other in others
     ]
-    z = np.concatenate(shifts)
+    z: Points = np.concatenate(shifts)
     hulls = shapely.convex_hull(
         shapely.linestrings(
-            np.column_stack([z.real, z.imag]),
+            coordinates(z),
             indices=np.repeat(np.arange(len(shifts)), [len(each) for each in shifts]),
         )
     )

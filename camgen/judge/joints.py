@@ -734,7 +734,7 @@ class _Builder:
         points = ring.facetted(_PLATE_CHORD)
         swings = feature.swings is not None
         ground = GroundTip(radius, start, way, swings, feature.leaves, travel)
-        return PlateLaw(Ring(points, np.zeros(len(points))), ground, feature.way)
+        return PlateLaw(Ring.straight(points), ground, feature.way)
 
     def _turning(self, feature: CamOutline, joint: Cam) -> tuple[Ring, complex, complex]:
         """A cam's outline about its shaft at theta = 0, and how it is turned and then shifted there from its part's frame."""

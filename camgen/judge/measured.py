@@ -28,6 +28,7 @@ from camgen.machine.features import (
     Teeth,
     eyes,
 )
+from camgen.numerics import coordinates
 
 Sections = Sequence[Sequence[Shape]]  # of a part: shapes at each height
 
@@ -359,9 +360,7 @@ def _together(rings: Sequence[Ring], inside: bool) -> Ring:
     import shapely
 
     edges = [ring.facetted(_FINE) for ring in rings]
-    polygons = [
-        shapely.make_valid(shapely.Polygon(np.column_stack([z.real, z.imag]))) for z in edges
-    ]
+    polygons = [shapely.make_valid(shapely.Polygon(coordinates(z))) for z in edges]
     joined = shapely.intersection_all(polygons) if inside else shapely.union_all(polygons)
     whole = max(shapely.get_parts(joined), key=lambda each: each.area)
     x, y = shapely.get_coordinates(whole.exterior)[:-1].T

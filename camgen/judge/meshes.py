@@ -14,7 +14,7 @@ from camgen.findings import Finding, Where, at_most
 from camgen.geometry.rings import Floats, Ring
 from camgen.judge.pairs import Body, OutlinePair, PairMotion, pivots_apart
 from camgen.machine.features import Mount, Teeth
-from camgen.numerics import least_squares
+from camgen.numerics import coordinates, least_squares
 
 _A_TOOTH = 16  # angles of the driver
 _FINE = 1e-5  # mm, to which arcs are taken as facets where areas are compared
@@ -187,7 +187,7 @@ def _oddest(wheel: MeshedWheel) -> OddTooth:
 
     teeth = wheel.teeth
     z = wheel.ring.facetted(_FINE)
-    outline = shapely.make_valid(shapely.Polygon(np.column_stack([z.real, z.imag])))
+    outline = shapely.make_valid(shapely.Polygon(coordinates(z)))
     half = math.pi / teeth.count
     edges = teeth.tooth + half * np.arange(2 * teeth.count + 1) - half
     rim = 2 * float(np.abs(z).max()) * np.exp(1j * edges)

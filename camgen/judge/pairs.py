@@ -36,7 +36,7 @@ from camgen.geometry.rings import Floats, Ints, Points, Ring
 from camgen.judge.pair_events import Events, Freedom, Turn, touches
 from camgen.judge.pair_features import EVERYWHERE, Features, Heights, features
 from camgen.judge.pair_search import Bodies, Poses, greatest_way, nearing, partners
-from camgen.numerics import least_squares
+from camgen.numerics import coordinates, least_squares
 
 # place, mm, complex, and angle, rad, of the driver over theta, or their derivatives, each (n,)
 Pose = Callable[[Floats, int], tuple[Points, Floats]]
@@ -86,7 +86,7 @@ class _Area:
 
         def there(points: Floats) -> Floats:
             z = place + turn * (points[:, 0] + 1j * points[:, 1])
-            return np.column_stack([z.real, z.imag])
+            return coordinates(z)
 
         return replace(self, polygon=shapely.transform(self.polygon, there))
 
@@ -112,7 +112,7 @@ class Body:
         holes: dict[Heights, list[Any]] = {}
         for k, ring in enumerate(self.rings):
             z = ring.facetted(_FACETS)
-            area = shapely.make_valid(shapely.Polygon(np.column_stack([z.real, z.imag])))
+            area = shapely.make_valid(shapely.Polygon(coordinates(z)))
             span = self.heights[k] if self.heights else EVERYWHERE
             if ring.area > 0:
                 solid.append(_Area(area, False, *span))

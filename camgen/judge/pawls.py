@@ -20,6 +20,7 @@ from camgen.judge.locking import Lock, locks
 from camgen.judge.pairs import Body, Jump, OutlinePair, PairMotion, pivots_apart
 from camgen.machine.features import PawlPair
 from camgen.machine.model import Law
+from camgen.numerics import coordinates
 from camgen.study import Figure
 
 _STEPS = 1440  # of a turn, at which the distance is measured
@@ -105,7 +106,7 @@ class PawlMotion:
         z = (self.line + turned * corners) * np.exp(-1j * self._theta)[:, None]
         z = z.ravel()
         copies = np.repeat(np.array([core]), len(self._theta))
-        return shapely.set_coordinates(copies, np.column_stack([z.real, z.imag]))
+        return shapely.set_coordinates(copies, coordinates(z))
 
     def tooth(self, place: complex) -> int:
         """Number of the tooth that has a place of the wheel: one from its tip to the next root.
@@ -159,7 +160,7 @@ def _polygon(ring: Ring) -> Any:
     import shapely
 
     z = ring.facetted(_FACETS)
-    return shapely.Polygon(np.column_stack([z.real, z.imag]))
+    return shapely.Polygon(coordinates(z))
 
 
 def judge_pawl(pawl: PawlMotion, off: float, where: Where) -> Iterator[Finding]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from camgen.geometry.rings import Floats, Ints, Points
 from camgen.judge.slabs import Course
+from camgen.numerics import from_zero
 
 AT_REST = 1e-6  # mm, a path that is no motion
 STRAIGHT = 1e-6  # mm, and share of a turn, by which a guest that slides may be off its straight way
@@ -179,4 +180,4 @@ def _path_bound(places: Points) -> Floats:
     chords = np.diff(places)
     bends = np.pad(np.abs(np.diff(chords)), 2, mode="edge")
     near = np.max([bends[k : k + len(chords)] for k in range(4)], axis=0)
-    return np.concatenate([[0.0], np.cumsum(np.abs(chords) + near)])
+    return from_zero(np.abs(chords) + near)

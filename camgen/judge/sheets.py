@@ -23,6 +23,7 @@ from camgen.findings import Finding, Where, at_least, at_most, in_file
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.rings import Points, Ring, Shape
 from camgen.judge.round_trip import MILLIMETRES, NominalPart, PartVerdict, judge_cut, pieces_of
+from camgen.numerics import coordinates
 from camgen.tolerances import WAY_BACK
 
 if TYPE_CHECKING:
@@ -204,7 +205,7 @@ def _area(ring: Ring, tolerance: float = FACETS) -> Any:
     import shapely
 
     z = ring.facetted(tolerance)
-    return shapely.Polygon(np.column_stack([z.real, z.imag]))
+    return shapely.Polygon(coordinates(z))
 
 
 def widened(ring: Ring, distance: float, sharp: bool = True) -> Ring:
@@ -218,7 +219,7 @@ def widened(ring: Ring, distance: float, sharp: bool = True) -> Ring:
     if len(parts) != 1:
         raise ValueError(f"{len(parts)} pieces are left of a contour moved by {distance:g} mm")
     z: Points = shapely.get_coordinates(parts[0].exterior)[:-1] @ np.array([1, 1j])
-    return Ring(z, np.zeros(len(z)))
+    return Ring.straight(z)
 
 
 def _kerf(path: Shape, expected: NominalPart, kerf: float, where: Where) -> Finding:

@@ -20,6 +20,7 @@ from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_least, at_most, in_file
 from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.geometry.rings import Floats, Points, Ring, fit_circle
+from camgen.numerics import coordinates
 from camgen.tolerances import FLOAT32_ROUNDING
 
 if TYPE_CHECKING:
@@ -97,10 +98,7 @@ def area_of(rings: Sequence[Ring]) -> Any:
     """What an odd number of rings encloses, as a shapely area; ValueError where one crosses itself so that none can say."""
     import shapely
 
-    faces = [
-        shapely.Polygon(np.column_stack([z.real, z.imag]))
-        for z in (ring.facetted(FACETS) for ring in rings)
-    ]
+    faces = [shapely.Polygon(coordinates(z)) for z in (ring.facetted(FACETS) for ring in rings)]
     try:
         return functools.reduce(shapely.symmetric_difference, faces)
     except shapely.errors.GEOSException as error:
@@ -112,7 +110,7 @@ def _rings(area: Any) -> list[Ring]:
 
     loops = [part for face in shapely.get_parts(area) for part in (face.exterior, *face.interiors)]
     points = [shapely.get_coordinates(loop)[:-1] @ PLANE for loop in loops]
-    return [Ring(z, np.zeros(len(z))) for z in points]
+    return [Ring.straight(z) for z in points]
 
 
 def disc_about(area: Any) -> tuple[complex, float] | None:

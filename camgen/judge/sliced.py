@@ -24,6 +24,7 @@ from camgen.geometry.mesh import Mesh, components, slice_mesh
 from camgen.geometry.registration import Registration, dense, deviation, lay
 from camgen.geometry.rings import Floats, Points, Ring, Shape
 from camgen.judge.round_trip import pieces_of
+from camgen.numerics import coordinates
 
 if TYPE_CHECKING:
     from camgen.files.gcode import Wall
@@ -151,8 +152,7 @@ def bodies(walls: Sequence[Wall]) -> list[tuple[Layer, ...]]:
     import shapely
 
     flat = [
-        shapely.Polygon(np.column_stack([z.real, z.imag]))
-        for z in (wall.ring.facetted(_COARSE) for wall in walls)
+        shapely.Polygon(coordinates(z)) for z in (wall.ring.facetted(_COARSE) for wall in walls)
     ]
     tree = shapely.STRtree(flat)
     areas = shapely.area(flat)
@@ -279,18 +279,18 @@ def _laid(
 
 
 def _xy(z: Points) -> Floats:
-    return np.column_stack([z.real, z.imag])
+    return coordinates(z)
 
 
 def _net(edges: Sequence[Points]) -> float:
     """Area of the largest outlines less their holes, mm^2."""
-    shapes = pieces_of([Ring(z, np.zeros(len(z))) for z in edges])
+    shapes = pieces_of([Ring.straight(z) for z in edges])
     return sum(shape.area for shape in shapes)
 
 
 def _centre(edges: Sequence[Points]) -> complex:
     """Centre of the largest outline, mm."""
-    largest = max((Ring(z, np.zeros(len(z))) for z in edges), key=lambda ring: abs(ring.area))
+    largest = max((Ring.straight(z) for z in edges), key=lambda ring: abs(ring.area))
     return largest.centroid
 
 
@@ -310,12 +310,12 @@ def envelope(layers: Sequence[Sequence[Shape]]) -> tuple[Shape, ...]:
 
     def polygon(shape: Shape) -> shapely.Polygon:
         rings = [ring.facetted(_CHORDS) for ring in (shape.outer, *shape.holes)]
-        outer, *holes = (np.column_stack([z.real, z.imag]) for z in rings)
+        outer, *holes = (coordinates(z) for z in rings)
         return shapely.Polygon(outer, holes)
 
     whole = shapely.union_all([polygon(shape) for shapes in layers for shape in shapes])
     rings = [
-        Ring(z, np.zeros(len(z)))
+        Ring.straight(z)
         for piece in shapely.get_parts(whole)
         for ring in (piece.exterior, *piece.interiors)
         if len(z := shapely.get_coordinates(ring)[:-1] @ np.array([1, 1j]))

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from camgen.numerics import Floats
+from camgen.numerics import Floats, from_zero
 
 
 def energy_swing(theta: Floats, torque: Floats) -> float:
     """Greatest swing of the energy, J, about the mean torque; theta: (n,) rad over a whole period, both ends; torque: N m."""
     steps = np.diff(theta)
-    work = np.concatenate([[0.0], np.cumsum((torque[1:] + torque[:-1]) / 2 * steps)])
+    work = from_zero((torque[1:] + torque[:-1]) / 2 * steps)
     energy = work - work[-1] * (theta - theta[0]) / (theta[-1] - theta[0])
     return float(np.ptp(energy))
 

@@ -22,7 +22,7 @@ from camgen.errors import Fault, Key
 from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.convex import hull_corners
 from camgen.geometry.hausdorff import Edges, stray
-from camgen.numerics import Floats, Points
+from camgen.numerics import Floats, Points, from_zero
 from camgen.spec import Coordinate, Record, quantity
 
 _FINE = 8  # places between two samples at which a dwell is looked for
@@ -659,7 +659,7 @@ def breadth(places: Points) -> float:
     if length == 0.0:
         return 0.0
     turned = places * np.exp(-1j * direction)
-    travelled = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(turned)))])
+    travelled = from_zero(np.abs(np.diff(turned)))
     even = np.linspace(0.0, travelled[-1], _ALONG_PATH)
     along = np.interp(even, travelled, turned.real)
     across = np.interp(even, travelled, turned.imag)

@@ -16,6 +16,7 @@ from camgen.geometry.chains import Chain, joined, nearest_gap
 from camgen.geometry.distances import inside
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.motion.tables import load_table, read_points, read_table
+from camgen.numerics import coordinates
 from camgen.reading import Data, Reference, references, too_large
 
 _READ = ("law", "load", "outline", "line")
@@ -214,7 +215,7 @@ def _nested(path: Path, rings: list[Ring]) -> list[Ring]:
         )
     edges: list[Points] = [ring.facetted(_FINE) for ring in (outer, *holes)]
     for edge in edges:
-        reason = shapely.is_valid_reason(shapely.Polygon(np.column_stack([edge.real, edge.imag])))
+        reason = shapely.is_valid_reason(shapely.Polygon(coordinates(edge)))
         if reason != "Valid Geometry":
             place = reason.replace("[", " at (").replace("]", ") mm")
             raise FileError(path, f"has a contour that meets itself: {place}")

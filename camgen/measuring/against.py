@@ -76,7 +76,7 @@ def compare(
     told.append(_compensation(mechanism.print, wide, float(np.mean(outside)), off))
     angle = np.degrees(np.angle(z) % (2 * np.pi))
     order = np.argsort(angle)
-    measured, nominal = (Ring(each, np.zeros(len(each))) for each in (z, best.cam.outline))
+    measured, nominal = (Ring.straight(each) for each in (z, best.cam.outline))
     return Comparison(
         measured.counter_clockwise(),
         nominal,
@@ -216,4 +216,4 @@ def _reflected(z: Points) -> Points:
 
 
 def _middle(edge: Points) -> complex:
-    return Ring(edge, np.zeros(len(edge))).centroid
+    return Ring.straight(edge).centroid

@@ -33,6 +33,7 @@ from camgen.measuring.scan import (
     Scanning,
     scanned,
 )
+from camgen.numerics import coordinates
 from camgen.study import Figure, Figures
 from camgen.tolerances import CURVE_CHORDS
 
@@ -235,7 +236,7 @@ def _crossing(ring: Ring) -> str:
     import shapely
 
     z = ring.facetted(CURVE_CHORDS)
-    polygon = shapely.Polygon(np.column_stack([z.real, z.imag]))
+    polygon = shapely.Polygon(coordinates(z))
     return "" if shapely.is_valid(polygon) else str(shapely.is_valid_reason(polygon))
 
 

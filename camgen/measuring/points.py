@@ -20,6 +20,7 @@ import numpy as np
 from camgen.bounds import Bound
 from camgen.errors import FileError, counted
 from camgen.geometry.rings import Floats, Points, Ring
+from camgen.numerics import coordinates, from_zero
 
 # Names of columns, less their unit, in the order in which a pair is looked for.
 _PAIRS = (("x", "y"), ("angle", "radius"), ("theta", "radius"), ("angle", "r"), ("theta", "r"))
@@ -85,7 +86,7 @@ def read_points(path: Path, content: bytes, probe: float = 0.0) -> tuple[Ring, f
     if probe:
         edge = _further_in(path, edge, probe)
         remark += f"; they are centres of a probe's ball, whose radius of {probe:g} mm is taken off"
-    return Ring(edge, np.zeros(len(edge))), off, remark
+    return Ring.straight(edge), off, remark
 
 
 def _places(path: Path, content: bytes) -> Points:
@@ -169,9 +170,7 @@ def _further_in(path: Path, edge: Points, distance: float) -> Points:
     """An outline moved inwards, mm; FileError where not one piece is left."""
     import shapely
 
-    area = shapely.Polygon(np.column_stack([edge.real, edge.imag])).buffer(
-        -distance, quad_segs=_ROUND
-    )
+    area = shapely.Polygon(coordinates(edge)).buffer(-distance, quad_segs=_ROUND)
     if not isinstance(area, shapely.Polygon) or area.is_empty:
         raise FileError(
             path,
@@ -221,7 +220,7 @@ class Curve:
         first = 0 if not corners else (corners[-1].span + 1) % len(z)
         points = np.roll(z, -first)
         closed = np.append(points, points[0])
-        knots = np.concatenate([[0], np.cumsum(np.abs(np.diff(closed)))])
+        knots = from_zero(np.abs(np.diff(closed)))
         if not corners:
             return cls(knots, 0, [(0, len(z), _spline(knots, closed, "periodic"))], [])
         corners = [replace(each, span=(each.span - first) % len(z)) for each in corners]
@@ -278,7 +277,7 @@ def _spline(knots: Floats, z: Points, ends: str) -> Spline:
     """Cubic spline through points, with their ways along them."""
     from scipy.interpolate import CubicSpline
 
-    return CubicSpline(knots, np.column_stack([z.real, z.imag]), bc_type=ends)  # type: ignore[no-any-return]
+    return CubicSpline(knots, coordinates(z), bc_type=ends)  # type: ignore[no-any-return]
 
 
 def _corners(z: Points) -> list[Corner]:
@@ -336,7 +335,7 @@ def _side(z: Points, end: int, step: int) -> tuple[Spline, float]:
     """The spline through the points on one side of a span, by the way from the one at its end, and what the same through all
     but that one misses of it, mm. step: +1 for the points that follow."""
     points = z[(end + step * np.arange(_SIDE + 1)) % len(z)]
-    ways = step * np.concatenate([[0], np.cumsum(np.abs(np.diff(points)))])
+    ways = step * from_zero(np.abs(np.diff(points)))
     order = slice(None, None, step)
     whole = _spline(ways[:-1][order], points[:-1][order], "not-a-knot")
     less = _spline(ways[1:][order], points[1:][order], "not-a-knot")

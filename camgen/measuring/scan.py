@@ -29,7 +29,7 @@ from camgen.errors import FileError, counted
 from camgen.extras import install_line
 from camgen.geometry.registration import lay, middle, star, straighten
 from camgen.geometry.rings import Floats, Points, Ring, fit_circle
-from camgen.numerics import least_squares
+from camgen.numerics import coordinates, least_squares
 from camgen.study import Figure, Figures, figures_in
 
 PICTURES = {".png": ".png", ".jpg": ".jpg", ".jpeg": ".jpg", ".tif": ".tif", ".tiff": ".tif"}
@@ -119,7 +119,7 @@ def read_scan(path: Path, dpi: float | None = None) -> Scan:
         if len(line) > 8 and np.array_equal(line[0], line[-1]):
             closed.append((line[:-1, 0] + column + 1j * (height - 1 - row - line[:-1, 1])) * pitch)
     rings = sorted(
-        (Ring(z, np.zeros(len(z))).counter_clockwise() for z in closed), key=lambda ring: -ring.area
+        (Ring.straight(z).counter_clockwise() for z in closed), key=lambda ring: -ring.area
     )
     if not rings:
         raise FileError(
@@ -338,7 +338,7 @@ def scanned(path: Path, how: Scanning) -> Scanned:
             f"the scanner's own scale may be off by {100 * unknown:g} %, {off:.3f} mm at the "
             f"farthest point: measure it by {' and '.join(needs)}"
         )
-    rings = [Ring(z, np.zeros(len(z))) for z in (outline, *holes)]
+    rings = [Ring.straight(z) for z in (outline, *holes)]
     level_off = _LEVEL * first.width
     figures.append(Figure(WALL_OFF, level_off, "mm", "edge level"))
     figures.append(Figure("bore", diameter, "mm"))
@@ -404,7 +404,7 @@ def _widest(outline: Points) -> float:
     """Greatest distance between two points of an outline, mm, as a caliper reads it."""
     from scipy.spatial import ConvexHull
 
-    hull = outline[ConvexHull(np.column_stack([outline.real, outline.imag])).vertices]
+    hull = outline[ConvexHull(coordinates(outline)).vertices]
     return float(np.max(np.abs(hull[:, None] - hull)))
 
 
@@ -428,7 +428,7 @@ def _round_ones(holes: Sequence[Points]) -> list[tuple[complex, float]]:
     circles = []
     for hole in holes:
         centre, radius, off = _round(hole)
-        area = abs(Ring(hole, np.zeros(len(hole))).area)
+        area = abs(Ring.straight(hole).area)
         if off <= _ROUND * radius and abs(area / (math.pi * radius**2) - 1) < 4 * _ROUND:
             circles.append((centre, 2 * radius))
     return circles
@@ -436,7 +436,7 @@ def _round_ones(holes: Sequence[Points]) -> list[tuple[complex, float]]:
 
 def _bore(path: Path, outline: Points, holes: Sequence[Points]) -> tuple[complex, float]:
     """Centre and diameter of the round hole nearest the middle of an outline; specks at its edge do not count."""
-    middle = Ring(outline, np.zeros(len(outline))).centroid
+    middle = Ring.straight(outline).centroid
     round_ones = _round_ones(holes)
     if not round_ones:
         reason = f"shows no bore, {counted(len(holes), 'hole')}, none of them round"

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgen.geometry.rings import Ring
+from camgen.numerics import coordinates
 
 _LEAST = 5  # teeth
 _AROUND = 4096  # directions in which the radius is seen
@@ -47,7 +48,7 @@ def unlike_tooth(ring: Ring) -> UnlikeTooth | None:
     count = int(np.argmax(strength))
     if count < _LEAST:
         return None
-    line = shapely.LinearRing(np.column_stack([z.real, z.imag]))
+    line = shapely.LinearRing(coordinates(z))
     ends = np.append(z, z[:1])
     corners = np.stack([ends[:-1], ends[1:]], axis=1)
     edges = shapely.STRtree(shapely.linestrings(np.stack([corners.real, corners.imag], axis=2)))

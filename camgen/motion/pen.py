@@ -20,7 +20,7 @@ from typing import Literal
 
 import numpy as np
 
-from camgen.numerics import Floats, Indices, Points, halved
+from camgen.numerics import Floats, Indices, Points, coordinates, from_zero, halved
 from camgen.tolerances import SAME_POINT
 
 _PLACES = 8192  # of the line, and of the turn
@@ -216,7 +216,7 @@ def _sharp(line: Points) -> Indices:
 def _ways(line: Points, stops: Indices) -> tuple[list[_Way], Points]:
     """Of a closed line between its stops, the first of which it begins with, and its places, among them all corners."""
     closed = np.append(line, line[0])
-    length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(closed)))])
+    length = from_zero(np.abs(np.diff(closed)))
     along = np.linspace(0, length[-1], _PLACES, endpoint=False)
     exact = _between(np.unique(np.concatenate([along, length[:-1]])), length, closed)
     if not stops.size:
@@ -245,8 +245,8 @@ def apart(one: Points, other: Points) -> float:
 
     def off(places: Points, line: Points) -> float:
         ends = np.roll(line, -1)
-        tree = cKDTree(np.column_stack([line.real, line.imag]))
-        nearest = tree.query(np.column_stack([places.real, places.imag]))[1]
+        tree = cKDTree(coordinates(line))
+        nearest = tree.query(coordinates(places))[1]
         distance = np.full(places.shape, math.inf)
         for k in (nearest - 1, nearest):
             edge = ends[k] - line[k]
@@ -334,7 +334,7 @@ class _TimeLaw:
         for k in np.flatnonzero(slow).tolist():
             span = self.spans[k]
             steps[bounds[span.first] : bounds[span.last]] *= least[k] * whole / times[k]
-        return np.concatenate([[0.0], np.cumsum(steps)]), rests
+        return from_zero(steps), rests
 
 
 def _time_law(ways: Sequence[_Way], rests: Floats, spans: tuple[_Span, ...]) -> _TimeLaw:
@@ -363,7 +363,7 @@ def _fastest(fastest: Floats, curvature: Floats, steps: Floats) -> Floats:
     mean = (speed + np.roll(speed, -1)) / 2
     # from rest to rest: where a line turns back, neighbours may both be at rest
     stopped = 2 * np.sqrt(steps)
-    return np.concatenate([[0.0], np.cumsum(np.minimum(steps / mean, stopped))])
+    return from_zero(np.minimum(steps / mean, stopped))
 
 
 def _run_up(fastest: Floats, curvature: Floats, steps: Floats) -> Floats:

@@ -229,7 +229,7 @@ class Assembly:
             return None
         rim = self.by_name[outline.tip.part].region.outer.counter_clockwise()
         points = facet_contour(rim, self.process.tolerance)
-        return Ring(points, np.zeros(len(points)))
+        return Ring.straight(points)
 
     @cached_property
     def by_name(self) -> Mapping[str, Part]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from camgen.geometry.mesh import Mesh, joined_by_edges
 from camgen.geometry.outlines import Points
-from camgen.numerics import among, distinct
+from camgen.numerics import among, coordinates, distinct
 
 Faces = NDArray[np.int64]
 
@@ -52,7 +52,7 @@ def triangles(loops: Sequence[Points], fine: bool = True) -> tuple[Points, Faces
         ) - 2 and np.all(twice_area > 0)
         if complete and abs(np.sum(twice_area) / 2 - region_area) <= 1e-9 * region_area:
             return points, faces
-    corners = [np.column_stack([loop.real, loop.imag]) for loop in loops]
+    corners = [coordinates(loop) for loop in loops]
     return z, np.asarray(manifold3d.triangulate(corners), np.int64)
 
 
@@ -62,11 +62,7 @@ def _earcut(loops: Sequence[Points]) -> tuple[Points, Faces]:
 
     z = np.concatenate(loops)
     ends = np.cumsum([len(loop) for loop in loops]).astype(np.uint32)
-    faces = (
-        mapbox_earcut.triangulate_float64(np.column_stack([z.real, z.imag]), ends)
-        .reshape(-1, 3)
-        .astype(np.int64)
-    )
+    faces = mapbox_earcut.triangulate_float64(coordinates(z), ends).reshape(-1, 3).astype(np.int64)
     a, b, c = z[faces].T
     return z, np.where(((np.conj(b - a) * (c - a)).imag > 0)[:, None], faces, faces[:, ::-1])
 
@@ -113,11 +109,11 @@ def _delaunay(loops: Sequence[Points]) -> tuple[Points, Faces]:
     import shapely
 
     z = np.concatenate(loops)
-    outer, *holes = [np.column_stack([loop.real, loop.imag]) for loop in loops]
-    coordinates = shapely.get_coordinates(
+    outer, *holes = [coordinates(loop) for loop in loops]
+    places = shapely.get_coordinates(
         shapely.constrained_delaunay_triangles(shapely.Polygon(outer, holes))
     )
-    corners = (coordinates[:, 0] + 1j * coordinates[:, 1]).reshape(-1, 4)[:, :3]
+    corners = (places[:, 0] + 1j * places[:, 1]).reshape(-1, 4)[:, :3]
     order = np.argsort(z)
     faces = order[np.minimum(np.searchsorted(z[order], corners), len(z) - 1)]
     if not np.array_equal(z[faces], corners):

@@ -20,6 +20,7 @@ from camgen.errors import DesignError
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Points, Region, polygon
 from camgen.machine.features import Feature
+from camgen.numerics import coordinates
 from camgen.parts.part import HoldingNote, Layer, Part
 from camgen.parts.standing import discs
 from camgen.parts.turning_over import fit_turned_over
@@ -133,7 +134,7 @@ class _Inscription:
         half = (high - low) / 2 * scale
         corners = np.array([-half.real - 1j * half.imag, half.real - 1j * half.imag])
         ring = self.middle + self.direction * np.concatenate([corners, -corners])
-        return shapely.Polygon(np.column_stack([ring.real, ring.imag]))
+        return shapely.Polygon(coordinates(ring))
 
     def placed(self, points: Points) -> Points:
         """Points of its glyphs where it stands, to a ten-thousandth of a millimetre."""
@@ -205,7 +206,7 @@ def _shape(region: Region) -> Any:
 
     def corners(contour: Contour) -> Any:
         ring = facet_contour(contour, _COARSE)
-        return np.column_stack([ring.real, ring.imag])
+        return coordinates(ring)
 
     return shapely.Polygon(corners(region.outer), [corners(hole) for hole in region.holes])
 

@@ -33,6 +33,7 @@ from camgen.geometry.outlines import (
     start_point,
 )
 from camgen.geometry.trimming import trim
+from camgen.numerics import coordinates
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
 
@@ -97,7 +98,7 @@ def _offset_area(contour: Contour, distance: float, name: str) -> tuple[float, f
     size = math.sqrt(abs(contour.area))
     tolerance = _CHECK * size
     ring = facet_contour(contour, tolerance)
-    face = shapely.Polygon(np.column_stack([ring.real, ring.imag]))
+    face = shapely.Polygon(coordinates(ring))
     outline = face.buffer(distance, quad_segs=128)
     if outline.is_empty:
         room = shapely.length(shapely.maximum_inscribed_circle(face))

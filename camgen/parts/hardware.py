@@ -21,6 +21,7 @@ from camgen.errors import DesignError
 from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Arc, Contour, Line, Points, Region, circle
+from camgen.numerics import coordinates
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
 
@@ -101,7 +102,7 @@ def _check_simple(name: str, rim: Points) -> None:
     """Raise DesignError where an edge crosses itself."""
     import shapely
 
-    reason = shapely.is_valid_reason(shapely.Polygon(np.column_stack([rim.real, rim.imag])))
+    reason = shapely.is_valid_reason(shapely.Polygon(coordinates(rim)))
     if reason != "Valid Geometry":
         place = reason.replace("[", " at (").replace("]", ") mm")
         message = f"the edge of the {name} crosses itself: {place}"

@@ -23,7 +23,7 @@ from camgen.geometry.drums import Drum
 from camgen.geometry.facets import facet_circle, facet_contour
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Contour, Floats, Points, Region
-from camgen.numerics import among, distinct
+from camgen.numerics import among, coordinates, distinct
 from camgen.parts.caps import Faces, area, recap, triangles
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import FLOAT32_ROUNDING, MERGED_STEPS
@@ -212,7 +212,7 @@ def _check_rings(loops: Sequence[Points], name: str) -> None:
     """Raise DesignError, with the place, unless the rings bound one connected region."""
     import shapely
 
-    outer, *holes = [np.column_stack([loop.real, loop.imag]) for loop in loops]
+    outer, *holes = [coordinates(loop) for loop in loops]
     reason = shapely.is_valid_reason(shapely.Polygon(outer, holes)) if len(outer) > 2 else "No area"
     if reason != "Valid Geometry":
         place = reason.replace("[", " at (").replace("]", ") mm")

@@ -176,5 +176,5 @@ def facetted(region: Region, tolerance: float) -> Shape:
         facet_contour(contour.counter_clockwise(), tolerance)
         for contour in (region.outer, *region.holes)
     ]
-    outer, *holes = (Ring(points, np.zeros(len(points))) for points in rings)
+    outer, *holes = (Ring.straight(points) for points in rings)
     return Shape(outer, tuple(holes))

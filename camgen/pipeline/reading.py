@@ -287,8 +287,6 @@ def _facets(part: Part, tolerance: float, fit: Compensation | None) -> Ring:
     """The facets of a part's outline, as they print."""
     if fit is None:
         points = facet_contour(part.region.outer, tolerance)
-        return Ring(points, np.zeros(len(points)))
+        return Ring.straight(points)
     points = facet_contour(compensated(part, fit).region.outer, tolerance)
-    return printed(
-        Shape(Ring(points, np.zeros(len(points))), ()), fit.hole, fit.profile, fit.shrinkage
-    ).outer
+    return printed(Shape(Ring.straight(points), ()), fit.hole, fit.profile, fit.shrinkage).outer

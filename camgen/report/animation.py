@@ -14,6 +14,7 @@ import numpy as np
 
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine.features import PartPose
+from camgen.numerics import from_zero
 from camgen.report.colours import part_colour
 
 Ring = tuple[Points, Floats]
@@ -111,7 +112,7 @@ def _coarse(ring: Ring) -> Ring:
     bulges = np.asarray(ring[1], float)
     if len(points) <= DRAWN_VERTICES:
         return points, bulges
-    along = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(points)))])
+    along = from_zero(np.abs(np.diff(points)))
     step = np.floor(along / along[-1] * (DRAWN_VERTICES / 2))
     points = points[np.concatenate([[True], np.diff(step) > 0])]
     return points, np.zeros(len(points))

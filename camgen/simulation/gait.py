@@ -21,7 +21,7 @@ from camgen.extras import install_line
 from camgen.files import mjcf
 from camgen.machine.model import MM, Machine
 from camgen.machine.run import solve
-from camgen.numerics import Floats, Points
+from camgen.numerics import Floats, Points, from_zero
 
 LOOSE = 0.1  # mm
 _SAMPLE = 4e-3  # s
@@ -155,7 +155,7 @@ class Gait:
         total = self.load.sum(axis=1)
         share = self.load / np.where(total > 0, total, 1.0)[:, None]
         speed = np.sum(share * self.sliding, axis=1)
-        path = np.concatenate([[0.0], np.cumsum(speed[1:] * np.diff(self.time))])
+        path = from_zero(speed[1:] * np.diff(self.time))
         return float(np.mean(np.diff(self._between(path))))
 
     @property

@@ -285,7 +285,7 @@ def _section(part: Part, height: float) -> list[Points]:
 
     def fine(region: Region) -> Shape:
         points = facet_contour(region.outer.counter_clockwise(), _EXACT)
-        return Shape(Ring(points, np.zeros(len(points))), ())
+        return Shape(Ring.straight(points), ())
 
     shapes = [fine(layer.region) for layer in part.layers if layer.z0 <= height < layer.z1]
     if part.side_profile is not None:

@@ -23,6 +23,7 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Points, Region, circle, polygon, rectangle
 from camgen.machine.features import Mount, StandIn, heights
 from camgen.machine.model import GROUND, MM
+from camgen.numerics import coordinates
 from camgen.parts.assembly import Assembly, Support, bodies_in_motion
 from camgen.parts.catalogue import CORE_HOLES, SCREWS, Bought, screw_for
 from camgen.parts.generator.sizes import Parts
@@ -106,7 +107,7 @@ def _round(at: complex, radius: float) -> Points:
 def _convex(rim: Points) -> list[complex]:
     import shapely
 
-    hull_of = shapely.MultiPoint(np.column_stack([rim.real, rim.imag])).convex_hull
+    hull_of = shapely.MultiPoint(coordinates(rim)).convex_hull
     return [complex(x, y) for x, y in shapely.get_coordinates(hull_of).tolist()]
 
 
@@ -331,7 +332,7 @@ def _area(contour: Contour) -> Any:
     import shapely
 
     rim = facet_contour(contour, _FACETS)
-    return shapely.Polygon(np.column_stack([rim.real, rim.imag]))
+    return shapely.Polygon(coordinates(rim))
 
 
 def _box_of(low: complex, high: complex) -> Any:

@@ -14,7 +14,7 @@ from camgen.geometry.convex import hull_corners
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour
 from camgen.machine.run import Run
-from camgen.numerics import Points
+from camgen.numerics import Points, coordinates
 from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.cures import slimmer, slimmer_pin
 from camgen.parts.generator.gears import DowelledWheel
@@ -131,7 +131,7 @@ def _round_hull(outline: Contour) -> list[tuple[complex, float]]:
     import shapely
 
     edge = facet_contour(outline, _COARSE)
-    hull = shapely.MultiPoint(np.column_stack([edge.real, edge.imag])).convex_hull
+    hull = shapely.MultiPoint(coordinates(edge)).convex_hull
     corners = shapely.get_coordinates(hull.exterior.simplify(_COARSE))[:-1]
     return [(complex(x, y), 2 * _COARSE) for x, y in corners.tolist()]
 
