@@ -17,8 +17,9 @@ def bought_things(mechanism: Mechanism) -> list[Bought]:
     assembly = mechanism.assembly
     things = [*assembly.bought, *parallel_keys(assembly.parts, bool(assembly.dowel))]
     rollers = [cam.roller for cam in assembly.outlines.values()]
-    if mechanism.load is not None and mechanism.load.cam_follower and not any(rollers):
-        rolls = CAM_FOLLOWERS[mechanism.load.cam_follower].bought(len(rollers))
+    named = None if mechanism.load is None else mechanism.load.cam_follower
+    if named and rollers and not any(rollers):
+        rolls = CAM_FOLLOWERS[named].bought(len(rollers))
         things.append(replace(rolls, how="in your follower, its ring on the cam"))
     return things
 

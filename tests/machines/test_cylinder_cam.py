@@ -35,6 +35,7 @@ from camgen.pipeline import build as pipeline
 from camgen.pipeline.case import Case
 from camgen.pipeline.development import judge_developments, make_developments
 from camgen.pipeline.drums import judge_drums
+from camgen.pipeline.shopping import bought_things
 from camgen.pipeline.shown import animation
 from camgen.report.animation import still_svg
 from camgen.spec import validate
@@ -601,6 +602,50 @@ def test_a_track_that_leaves_its_drum_is_told_before_the_spec_is_filled_in(
         drum(geometry=geometry).resolved()
     assert refused.value.value == pytest.approx(value, abs=1e-6)
     assert remedy in str(refused.value)
+
+
+KR19 = {"radius": 9.5, "length": 11.0}  # its ring
+
+
+def named(track: str = "groove", **roller: float) -> CylinderCam:
+    """A drum whose load names a KR19 as its roller."""
+    geometry: dict[str, Any] = {"track": track, "roller": KR19 | roller}
+    if track == "rib":
+        geometry["distance"] = 30.0
+    load = {"cam_follower": "KR19", "mass_kg": 50.0}
+    return drum(
+        geometry=geometry, load=load, limits={"bearing_life_h": 100.0}, motor={"speed_rpm": 600.0}
+    )
+
+
+def test_the_life_of_a_bought_roller_by_hand() -> None:
+    """(C / P)^(10/3) million turns of a ring that rolls along its own way, C = 4.25 kN [INA]."""
+    machine = named()
+    (life,) = (each for each in machine.limits() if each.code == "BEARING_LIFE")
+    theta = np.linspace(0, math.tau, 20001)
+    r = machine.track.inner + KR19["length"] / 2
+    way = np.sum(np.hypot(r * np.diff(theta), np.diff(machine.motion(theta))))
+    mean = float(life.message.split("mean of ")[1].split(" N")[0])
+    turns = 600 / 60 * way / (math.tau * KR19["radius"])  # a second
+    hours = (4250 / mean) ** (10 / 3) * 1e6 / turns / 3600
+    assert life.measured == pytest.approx(hours, rel=2e-3)
+    assert "KR19" in life.message
+    lives = [each for each in named("rib").limits() if each.code == "BEARING_LIFE"]
+    assert {each.where.thing for each in lives} == {
+        "bearing of lower roller",
+        "bearing of upper roller",
+    }
+
+
+def test_a_bought_roller_is_listed_once_and_fits_its_track() -> None:
+    count = {each.name: each.count for each in bought_things(named("rib"))}
+    assert count["cam follower"] == 2 and "roller" not in count
+    for key, value in {"radius": 19.0, "length": 12.0, "cone_deg": 3.0}.items():
+        with pytest.raises(SpecError) as refused:
+            named(**{key: value}).resolved()
+        assert [fault.path for fault in refused.value.faults] == [("geometry", "roller", key)]
+    with pytest.raises(SpecError, match="parts.make"):
+        drum(load={"cam_follower": "KR19"}, parts={"make": "printed"}).resolved()
 
 
 def test_no_drum_is_told_as_such() -> None:

@@ -103,7 +103,10 @@ def test_a_cam_follower_of_another_size_than_the_roller_is_refused() -> None:
     with pytest.raises(SpecError) as refused:
         made("disc-cam", *CAM, "load.cam_follower=KR19", "geometry.follower.radius=8")
     (fault,) = refused.value.faults
-    assert fault.path == ("load", "cam_follower") and "9.5 mm" in fault.expected
+    assert fault.path == ("geometry", "follower", "radius") and fault.value == "8"
+    assert fault.expected == "9.5, as load.cam_follower = 'KR19': half of its diameter"
+    with pytest.raises(SpecError, match="19 - expected 9.5, .* 19 is its diameter"):
+        made("disc-cam", *CAM, "load.cam_follower=KR19", "geometry.follower.radius=19")
     made("disc-cam", *CAM, "load.cam_follower=KR19", "geometry.follower.radius=9.5")
 
 

@@ -53,7 +53,9 @@ from camgen.machines.cylinder_cam.pieces import DRUM, Pieces, ring_mount
 from camgen.machines.cylinder_cam.tables import DrumGeometry, DrumLimits, DrumParts
 from camgen.machines.cylinder_cam.track import Track, smallest
 from camgen.machines.disc_cam.curves import motion_plots, peak_figures, segments_table
+from camgen.machines.disc_cam.faults import bought_faults
 from camgen.machines.disc_cam.tables import DiscCamMotor, LoadTable, SpringTable
+from camgen.machines.loads.bearing import BallLoad, LoadCheck, bearing_life
 from camgen.machines.loads.lift_off import bounce_figures, bounce_of
 from camgen.machines.loads.tables import thin_walls
 from camgen.machines.loads.weights import gravity
@@ -67,8 +69,10 @@ from camgen.parts import materials
 from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import (
     BEARINGS,
+    CAM_FOLLOWERS,
     DOWELS,
     Bought,
+    CamFollower,
     ball_roller,
     no_ball_roller,
     shaft_and_bearings,
@@ -142,6 +146,7 @@ class CylinderCam(Mechanism):
             if value:
                 right = "0: a drum's walls lean to the bed, so its files are as drawn; let the slicer compensate"
                 found.append(Fault(("print", key), f"{value:g}", right))
+        found += self._bought_faults()
         found += self._cutter_faults()
         found += self._pieces_faults() if self.making.pieces == 2 else []
         found += self._bench_faults() if self.making.make == "printed" else []
@@ -183,6 +188,31 @@ class CylinderCam(Mechanism):
                 right = "nothing here: of an oscillating follower"
                 found.append(Fault((*key, name), f"{value:g}", right))
         return found
+
+    def _bought_faults(self) -> Iterator[Fault]:
+        """What no bought cam follower can be."""
+        named = self._cam_follower
+        if named is None:
+            return
+        roller = self.geometry.roller
+        key = ("geometry", "roller")
+        if self.making.make == "printed":
+            right = 'missing: the machine has a roller of its own; or parts.make = "drum"'
+            yield Fault(("load", "cam_follower"), repr(named.name), right)
+            return
+        yield from bought_faults(named.name, roller.radius, (*key, "radius"))
+        if roller.cone_deg:
+            right = f"0: {named.name} is a cylinder"
+            yield Fault((*key, "cone_deg"), f"{roller.cone_deg:g}", right)
+        if roller.length > named.width:
+            right = f"at most {named.width:g}, the ring of {named.name}"
+            yield Fault((*key, "length"), f"{roller.length:g}", right)
+
+    @property
+    def _cam_follower(self) -> CamFollower | None:
+        """The bought roller that the load names."""
+        name = None if self.load is None else self.load.cam_follower
+        return None if name is None else CAM_FOLLOWERS[name]
 
     def _cutter_faults(self) -> list[Fault]:
         """What no cutter does, and no table tells."""
@@ -487,7 +517,9 @@ class CylinderCam(Mechanism):
         count = 2 if self.geometry.track == "rib" else 1
         size = f"{2 * roller.radius:g} x {roller.length:g}"
         ball = ball_roller(2 * roller.radius, roller.length)
-        if roller.cone_deg:
+        if self._cam_follower is not None:
+            rolls = self._cam_follower.bought(count)
+        elif roller.cone_deg:
             rolls = Bought(
                 "roller", "", f"{size}, a cone of {roller.cone_deg:g} deg half angle", count
             )
@@ -502,8 +534,8 @@ class CylinderCam(Mechanism):
     # ---- checks and figures -----------------------------------------------------------------------------------------
 
     def limits(self) -> Sequence[Finding]:
-        """PRESSURE_ANGLE, UNDERCUT, CURVATURE, MIN_WALL of the drum, those of the program; with [load] HERTZ, and LIFT_OFF of an
-        end cam."""
+        """PRESSURE_ANGLE, UNDERCUT, CURVATURE, MIN_WALL of the drum, those of the program; with [load] HERTZ, LIFT_OFF of an end
+        cam, and BEARING_LIFE of a bought roller."""
         track = self.track
         low, high = track.drum.span
         areas, bends = track.walls
@@ -578,6 +610,7 @@ class CylinderCam(Mechanism):
             ),
             *walls,
             *air,
+            *self._lives.findings,
         ]
 
     @cached_property
@@ -645,6 +678,31 @@ class CylinderCam(Mechanism):
         """HERTZ of a material of which no limit is known."""
         return [self._hertz] if isinstance(self._hertz, NotJudged) else []
 
+    @cached_property
+    def _lives(self) -> LoadCheck:
+        """How long bought rollers last, each on the wall that it bears on: of a rib one below and one above, else one on both."""
+        check = LoadCheck()
+        if self._cam_follower is None or self._loaded is None:
+            return check
+        borne = pressed(self.track, self._effort)
+        force = np.sqrt(borne.outward**2 + borne.onward**2 + borne.upward**2)
+        roller = self.track.roller
+        sides = {"roller": (-1, np.ones_like(force))}
+        if self.geometry.track == "rib":
+            lifts = self._effort >= 0
+            sides = {"lower roller": (1, ~lifts), "upper roller": (-1, lifts)}
+        for name, (side, bears) in sides.items():
+            turning = abs(self._speed) * self._roller.pace(side, roller.middle) / roller.radius
+            load = BallLoad(name, self._cam_follower, force * bears, turning, "bearing")
+            bearing_life(check, load, self.allowed.bearing_life_h)
+        return check
+
+    @property
+    def _effort(self) -> Floats:
+        """What the follower needs along its way over the track's angles, (n,) N, of an arm N mm."""
+        assert self._loaded is not None
+        return np.asarray((1e3 if self.geometry.follower.swings else 1.0) * self._loaded.effort)
+
     @property
     def _roller(self) -> Roller:
         return Roller(self.track, self._speed)
@@ -657,10 +715,9 @@ class CylinderCam(Mechanism):
         load = self._load or FollowerLoad()
         slides = not self.geometry.follower.swings
         study = force_study(self._loaded, load, slides, pushed, bool(gravity(self.load)))
-        scale = 1.0 if slides else 1e3  # N m over mm
-        effort = scale * self._loaded.effort
+        effort = self._effort
         guide = self.geometry.follower.guide or self.track.radius
-        borne = [*pressed(self.track, effort).figures(guide)]
+        borne = [*pressed(self.track, effort).figures(guide), *self._lives.figures]
         notes = [*study.notes]
         if self.geometry.track == "groove":
             spins = self._roller.reversals(effort)

@@ -102,11 +102,12 @@ def hub_faults(p: DiscCamParts, closure: str, wall: float) -> Iterator[Fault]:
         yield Fault(("parts", "pin_diameter"), f"{p.pin_diameter:g}", right)
 
 
-def bought_faults(name: str, radius: float) -> Iterator[Fault]:
-    """A bought cam follower of another size than the roller for which the cam is made, mm."""
-    bought = CAM_FOLLOWERS[name].outside / 2
-    if abs(bought - radius) > SAME_POINT:
-        expected = (
-            f"a radius of {radius:g} mm, as geometry.follower.radius; {name} has {bought:g} mm"
-        )
-        yield Fault(("load", "cam_follower"), name, expected)
+def bought_faults(name: str, radius: float, path: tuple[str, ...]) -> Iterator[Fault]:
+    """A bought cam follower of another size than the roller for which the cam is made, mm; path: of that roller's radius."""
+    right = CAM_FOLLOWERS[name].outside / 2
+    if abs(right - radius) <= SAME_POINT:
+        return
+    doubled = abs(right - radius / 2) <= SAME_POINT
+    why = f"{radius:g} is its diameter" if doubled else "half of its diameter"
+    expected = f"{right:g}, as load.cam_follower = {name!r}: {why}"
+    yield Fault(path, f"{radius:g}", expected)

@@ -136,7 +136,7 @@ class DiscCamDrive(CamTables):
         found += still_faults(("segment",), [table.kind for table in self.segment])
         name = None if self.load is None else self.load.cam_follower
         if name and not self.standing and g.follower.shape == "roller" and g.follower.radius:
-            found += bought_faults(name, g.follower.radius)
+            found += bought_faults(name, g.follower.radius, ("geometry", "follower", "radius"))
         return found
 
     # ---- motion -----------------------------------------------------------------------------------------------------

@@ -144,7 +144,7 @@ def plain_bearings(
             check.findings.append(pin.finding())
         if journal.ball is not None:
             ball = BallLoad(name, journal.ball, force, turning)
-            _bearing_life(check, ball, limits(name).bearing_life)
+            bearing_life(check, ball, limits(name).bearing_life)
             continue
         friction = circle(1.0, coefficient(journal, load))
         slides = strength.sliding(force, turning, journal.diameter, journal.length, friction)
@@ -293,7 +293,7 @@ def contacts(run: Run, forces: Forces, assembly: Assembly, load: Weight | None) 
             turns = float(np.sum(np.abs(np.diff(profile)))) / (math.pi * roller.outside)
             turning = turns * math.tau * run.machine.speed / float(np.ptp(theta))
             ball = BallLoad(joint.name, roller, force, turning, "roller")
-            _bearing_life(check, ball, limits.bearing_life)
+            bearing_life(check, ball, limits.bearing_life)
     return check
 
 
@@ -424,8 +424,8 @@ def _misfit(follower: CamFollower, outline: CamOutline, joint: Cam) -> tuple[str
     return None
 
 
-def _bearing_life(check: LoadCheck, load: BallLoad, least: float | None) -> None:
-    """BEARING_LIFE of a rolling bearing; one that goes to and fro wears by the way that it goes. least: limit of the spec, h."""
+def bearing_life(check: LoadCheck, load: BallLoad, least: float | None) -> None:
+    """Put into a check BEARING_LIFE of a rolling bearing; one that goes to and fro wears by the way that it goes. least: limit of the spec, h."""
     bearing = load.bearing
     if not bearing.rating:
         if least is not None:
