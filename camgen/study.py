@@ -178,12 +178,15 @@ class Step:
     copies: Sequence[
         str
     ] = ()  # that come, by name, such as cam-1; none where nothing is made for it
-    way: Literal[-1, 1] = -1  # along z, in which they come: from above, or from below
+    way: Literal[-1, 1] = -1  # in which they come on the bench: from above, or from below
     mates: Sequence[Mate] = ()
     group: str = ""  # the sub-assembly
-    # what is built by itself from many steps, such as a far side; the step that names it, without copies and group, joins it
-    apart: str = ""
+    apart: str = ""  # what is built by itself from several steps, such as "far side"
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)  # what is up as that lies on the bench
+    joins: str = ""  # what was built apart and comes too
     wire: Floats | None = None  # line of a spring that comes, (n, 3) mm
+    # of what is bought and comes, such as a motor: corners of each prism, complex mm, and from where to where it reaches, mm
+    shapes: Sequence[tuple[Sequence[complex], float, float]] = ()
     what: str = ""  # the parts that come, for people
     small: bool = False  # whether all that come are spacers, caps or nuts
     follows: bool = False  # whether it is done in one go with the step before it

@@ -193,11 +193,11 @@ class Tab:
 
 
 @contextmanager
-def tab() -> Iterator[Tab]:
-    """A page of a browser of its own."""
+def tab(*flags: str) -> Iterator[Tab]:
+    """A page of a browser of its own; flags: more of them."""
     (theirs_in, ours_out), (ours_in, theirs_out) = os.pipe(), os.pipe()
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-        words = ["chromium", *FLAGS, "--remote-debugging-pipe", f"--user-data-dir={folder}"]
+        words = ["chromium", *FLAGS, *flags, "--remote-debugging-pipe", f"--user-data-dir={folder}"]
         start = f'exec "$@" 3<&{theirs_in} 4>&{theirs_out}'
         quiet: dict[str, Any] = {
             "stdin": subprocess.DEVNULL,
@@ -261,6 +261,37 @@ def chromium(path: Path) -> str:
     full = columns >= min(3, curves) and lacks <= 1
     wrong += [] if full else [f"{curves} curves in {columns} columns, {lacks} pixels left empty"]
     return "; ".join(wrong + ([f"{found['wide']} pixels too wide"] if found["wide"] > 0 else []))
+
+
+# Of a page whose browser has no WebGL: pixels of the bench and of the first picture of a step, and what it says of that.
+FLAT = """(async () => {
+  const wait = ms => new Promise(done => setTimeout(done, ms)), bench = document.getElementById("bench");
+  for (let k = 0; k < 300 && !document.querySelector(".bench:not([hidden])"); k++) await wait(50);
+  bench.scrollIntoView();
+  for (let k = 0; k < 300 && !bench.dataset.drawn; k++) await wait(50);
+  document.querySelector(".steps details").open = true;
+  const small = document.querySelector(".steps .small");
+  small.scrollIntoView();
+  for (let k = 0; k < 300 && !small.dataset.seen; k++) await wait(50);
+  await wait(200);
+  const ink = canvas => canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.filter((value, k) => k % 4 == 3 && value > 0).length;
+  return [ink(bench), ink(small), document.querySelector(".steps .flat")?.textContent || ""];
+})()"""
+
+
+def without_webgl(path: Path) -> str:
+    """report.html in a browser without WebGL: it says so, and its steps have pictures all the same."""
+    try:
+        with tab("--disable-3d-apis") as page:
+            page.show(path, 1000)
+            bench, small, said = page.run(FLAT)
+            wrong = [error.splitlines()[0] for error in page.errors]
+    except (RuntimeError, TimeoutError, OSError) as error:
+        return str(error).splitlines()[0]
+    wrong += [] if "WebGL 2 switched off" in said else ["it does not say that WebGL is off"]
+    wrong += [] if bench > 2000 else [f"bench: {bench} pixels drawn"]
+    wrong += [] if small > 500 else [f"a step's picture: {small} pixels drawn"]
+    return "; ".join(wrong)
 
 
 if __name__ == "__main__":

@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import chromium
+from browser import chromium, without_webgl
 
 from camgen.files.stl import read_stl
 from camgen.geometry.mesh import slice_mesh
@@ -753,6 +753,18 @@ def test_the_page_places_a_dragged_linkage_as_camgen_does(name: str) -> None:
     script = (ROOT / "camgen" / "live" / "apexes.js").read_text(encoding="utf-8")
     assert page_off_camgen(script, name) < 6e-4
     assert page_off_camgen(script.replace("? -1 : 1", "? 1 : -1"), name) > 1
+
+
+def test_a_browser_without_webgl_shows_pictures_of_steps(tmp_path: Path) -> None:
+    """It says what is missing; a page whose painter draws nothing is seen."""
+    needed(chromium)
+    spec = ROOT / "specs" / "gallery" / "four-bar.toml"
+    flat = ROOT / "tests" / "flat.py"
+    said(sys.executable, flat, "build", spec, "-o", tmp_path, "--only", "3mf,report", limit=600)
+    page = tmp_path / "four-bar" / "report.html"
+    assert without_webgl(page) == ""
+    edited_text(page, "all.sort((a, b)", "[].sort((a, b)")
+    assert "pixels drawn" in without_webgl(page)
 
 
 # ---- each client is seen to fail -------------------------------------------------------------------------------------

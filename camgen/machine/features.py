@@ -394,6 +394,7 @@ class StandIn:
     body: str  # of the model
     discs: tuple[tuple[complex, float, float, float], ...]  # centre, radius, z0, z1, mm
     rolls: bool = False  # whether it is a tip that rolls on parts
+    drives: bool = False  # whether it is a motor
     # bands with round ends: both centres, radius, z0, z1, mm
     bars: tuple[tuple[complex, complex, float, float, float], ...] = ()
     whole: str = ""  # what it is a piece of, such as one end of a spring: its pieces may overlap

@@ -6,17 +6,19 @@ makes one machine of several, `renamed` puts a machine where it stands in anothe
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import takewhile
 from typing import Any
 
 import numpy as np
 
 from camgen.findings import NotJudged
 from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Floats, Region
+from camgen.geometry.outlines import Floats, Region, start_point
 from camgen.geometry.rings import Ring
 from camgen.machine.features import (
     Balance,
@@ -44,12 +46,12 @@ from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.coils import Coil
 from camgen.parts.inertia import Solids
 from camgen.parts.journals import Journal, MaterialLimits, Post, journals
-from camgen.parts.part import GLUED_BELOW, Part
+from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.sheets import why_not
 from camgen.parts.springs import WorkingSpring
 from camgen.parts.standing import standing_copies
-from camgen.parts.steps import Fixing, called, mated, order
+from camgen.parts.steps import Fixing, called, holding_notes, listed, mated, order
 from camgen.study import Doing, Later, Step, Table
 from camgen.tolerances import SAME_POINT
 
@@ -100,6 +102,7 @@ class MotorSeat:
     reach: float | None = None  # mm, of its shaft over its face, that is needed
     hub: SetScrewHub | None = None  # that a set screw holds on its shaft
     crank: float = 0.0  # mm, from the shaft to the knob of the hand crank; 0: none
+    shaft: float = 0.0  # diameter of the motor's, mm
 
 
 @dataclass(frozen=True)
@@ -542,13 +545,18 @@ def _with_spring(rows: Sequence[_Row], coil: Coil, poses: Mapping[str, Pose]) ->
     return found
 
 
+_UNDER = ("motor-bar", "battery-frame")  # roles of what goes under a plate as soon as that is there
+
+
 def by_heights(assembly: Assembly, before: Mapping[str, int] | None = None) -> Table:
     """The order by height of its own parts but the stand's; before: how many copies of each part are numbered already."""
     standing = {name for name, _ in assembly.support.steps} if assembly.support else set()
+    roles = {part.name: part.role for part in assembly.parts}
     mounts = [mount for mount in assembly.mounts if mount.part not in standing]
+    over = [mount for mount in mounts if roles[mount.part] not in _UNDER]
     poses = assembly.poses(np.zeros(1))
     fixing = assembly.process.fixing
-    table = order(assembly.parts, mounts, poses, assembly.features, fixing, before)
+    table = order(assembly.parts, over, poses, assembly.features, fixing, before)
     rows: list[_Row] = []
     there = set[str]()
     for cells, step in zip(table.rows, table.steps, strict=True):
@@ -570,13 +578,14 @@ def _on_plate(rows: Sequence[_Row], assembly: Assembly, mounts: Sequence[Mount])
     plates = [mount.z for mount in mounts if mount.part == name]
     if not plates:
         return rows
-    glued = [row for row in rows if f": {GLUED_BELOW}" in str(row[0][2])]
-    rows = [row for row in rows if row not in glued]
     last = max(k for k, (cells, _) in enumerate(rows) if cells[1] == name)
-    rows = [*rows[: last + 1], *glued, *rows[last + 1 :]]
+    last += sum(1 for _ in takewhile(lambda row: row[1].follows, rows[last + 1 :]))
+    under = [
+        _glued_below(part, assembly) for part in assembly.parts if part.role == "battery-frame"
+    ]
     if assembly.motor.reach is not None:
-        rows = _with_motor(rows, assembly)
-        last += 1
+        under = [*_motor_rows(assembly), *under]
+    rows = [*rows[: last + 1], *under, *rows[last + 1 :]]
     ends = [mount.z for mount in mounts]
     ends += [
         low
@@ -592,18 +601,87 @@ def _on_plate(rows: Sequence[_Row], assembly: Assembly, mounts: Sequence[Mount])
     return rows
 
 
-def _with_motor(rows: Sequence[_Row], assembly: Assembly) -> list[_Row]:
-    """Rows with a motor under the plate as soon as that is there: later parts cover its screws."""
-    assert assembly.frame is not None, "a motor is screwed on a plate"
-    plate = assembly.frame.part
-    said = "Motor: under the plate, its shaft through it; screw it on now, before parts cover the screws"
+def _row_of(part: Part, assembly: Assembly, doing: Doing) -> _Row:
+    """A row of all copies of a part that comes from below."""
+    stands = [mount for mount in assembly.mounts if mount.part == part.name]
+    copies = [f"{part.name}-{k}" for k in range(1, len(stands) + 1)]
+    row = (0, part.name, holding_notes(part), "", len(copies), stands[0].z, "as drawn")
+    return row, Step([doing], copies, 1, what=called(part, len(copies)).removeprefix("the "))
+
+
+def _plate(assembly: Assembly) -> tuple[Part, Mount]:
+    """The plate of the frame, and how it stands."""
+    assert assembly.frame is not None, "nothing goes under no plate"
+    name = assembly.frame.part
+    return assembly.by_name[name], next(each for each in assembly.mounts if each.part == name)
+
+
+def _motor_rows(assembly: Assembly) -> Iterator[_Row]:
+    """A motor under the plate as soon as that is there, for later parts cover its screws; with the bar that holds it, as one step."""
+    plate, stands = _plate(assembly)
+    bars = [part for part in assembly.parts if part.role == "motor-bar"]
+    for part in bars:
+        mounts = [each for each in assembly.mounts if each.part == part.name]
+        on_it = mounts[0].z + part.thickness > stands.z - SAME_POINT
+        bar = called(part, len(mounts))
+        doing = Doing("put ", bar, " behind the motor")
+        if on_it:
+            doing = Doing(
+                "press ", bar, " on the motor's gearbox from the shaft's end, flush with its front"
+            )
+        yield _row_of(part, assembly, doing)
+    motors = [thing for thing in assembly.stand_ins if thing.drives]
+    discs = [disc for thing in motors for disc in thing.discs]
+    points = {name: stands.place(z) for name, z in plate.points}
+    letters = [name for at, *_ in discs for name, z in points.items() if abs(z - at) < SAME_POINT]
     count = sum(each.count for each in assembly.bought if each.role == "drive") or 1
-    screws = [each for each in assembly.bought if each.role == "drive screw"]
-    motor = with_things(
-        ((0, "motor", said, "", count, 0.0, "as bought"), Step([Doing(said)])), screws
+    through = f" through {listed(letters)}" if letters else ""
+    one = f"the motor under the plate, its shaft up{through}"
+    many = f"{count} motors under the plate, their shafts up{through}"
+    now = f", and screw {'it' if count == 1 else 'them'} on now, from above: later parts cover the screws"
+    step = Step(
+        [Doing("hold ", one if count == 1 else many, now)],
+        way=1,
+        shapes=[*_motor_shapes(discs, stands.z, assembly.motor)],
+        follows=bool(bars),
+        what="motor",
     )
-    after = 1 + max(k for k, (each, _) in enumerate(rows) if each[1] == plate)
-    return [*rows[:after], motor, *rows[after:]]
+    said = "Motor: under the plate, its shaft through it; screw it on now, before parts cover the screws"
+    screws = [each for each in assembly.bought if each.role == "drive screw"]
+    yield with_things(((0, "motor", said, "", count, 0.0, "as bought"), step), screws)
+
+
+def _motor_shapes(
+    discs: Iterable[tuple[complex, float, float, float]], plate: float, motor: MotorSeat
+) -> Iterator[tuple[Sequence[complex], float, float]]:
+    """Each motor and its shaft as prisms; plate: height of the plate's underside, mm."""
+    for at, radius, low, high in discs:
+        yield round_prism(at, radius), low, high
+        if motor.shaft and motor.reach is not None:
+            yield round_prism(at, motor.shaft / 2), high, plate + motor.reach
+
+
+def round_prism(at: complex, radius: float) -> list[complex]:
+    """Corners of a round thing as the pictures of steps have it."""
+    return [at + cmath.rect(radius, math.tau * k / 48) for k in range(48)]
+
+
+def _glued_below(part: Part, assembly: Assembly) -> _Row:
+    """A row of what is glued under the plate, with its place by distances that one measures: of two corners of its opening from
+    the two lettered holes of the plate that are next to each."""
+    plate, stands = _plate(assembly)
+    mount = next(each for each in assembly.mounts if each.part == part.name)
+    points = [(stands.place(z), name) for name, z in plate.points]
+    near = list[tuple[float, str]]()
+    for piece in part.drawn.region.holes[0].pieces:
+        corner = mount.place(start_point(piece))
+        (a, one), (b, other) = sorted((abs(z - corner), name) for z, name in points)[:2]
+        near.append(
+            (a + b, f"one {a:.1f} mm from the middle of {one} and {b:.1f} mm from that of {other}")
+        )
+    told = listed(said for _, said in sorted(near)[:2])
+    rest = f" under the plate: two inner corners are, {told}"
+    return _row_of(part, assembly, Doing("glue ", called(part), rest))
 
 
 def _last_rows(assembly: Assembly) -> Iterator[_Row]:

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import takewhile
 
+from camgen.parts.sides import PREFIX
 from camgen.parts.steps import ON_BENCH, listed
 from camgen.study import Doing, Step, Table
 
@@ -80,6 +81,8 @@ def _one(run: Sequence[Step]) -> Step:
         last.way,
         mates,
         apart=last.apart,
+        up=last.up,
+        shapes=[shape for step in run for shape in step.shapes],
         what=f"{run[0].what} with {others}" if built else listed(step.what for step in run),
     )
 
@@ -87,15 +90,15 @@ def _one(run: Sequence[Step]) -> Step:
 def _built(run: Sequence[Step]) -> Iterator[Doing]:
     """What is done with a sub-assembly: what it is laid on is said where it stays there."""
     first, *inner, last = run
-    stays = all(each.rest == ON_BENCH for each in last.doings)
+    begins, *more = last.doings
+    stays = begins.rest == ON_BENCH
     lies = [each for each in first.doings if each.rest == ON_BENCH]
     yield from lies if stays else ()
     yield from (doing for step in inner for doing in step.doings)
     yield from (each for each in first.doings if each not in lies)
     if not stays:
-        begins, *more = last.doings
         yield replace(begins, verb=f"then {begins.verb}" if begins.verb else "")
-        yield from more
+    yield from more
 
 
 # ---- a side that is like another one ---------------------------------------------------------------------------------
@@ -118,14 +121,14 @@ def _said_once(runs: Sequence[_Run]) -> Iterator[_Run]:
             after = number + 1
             again.append((number, (step, rows)))
         else:
-            yield (_of_side(step), rows) if step.apart and step.copies else (step, rows)
+            yield (_of_side(step), rows) if step.apart else (step, rows)
     if again:
         yield _again(again)
 
 
 def _words(step: Step) -> str:
     """What a step says, without the names of its side and the numbers of copies."""
-    said = step.title.replace(f"{step.apart}-", "") if step.apart else step.title
+    said = step.title.replace(f"{PREFIX}-", "") if step.apart else step.title
     return re.sub(r"\{([\w-]+)-\d+\}", r"{\1}", said)
 
 
@@ -136,22 +139,24 @@ def _again(run: Sequence[tuple[int, _Run]]) -> _Run:
     if len(run) == 1:
         return _of_side(steps[0]), rows
     first, last = run[0][0] + 1, run[-1][0] + 1
-    side = f"{steps[0].apart} side"
     ticks = "".join(f"\n☐ {step.what}" for step in steps)
     doings = [
-        Doing(f"{side}: do steps {first} to {last} again, as the picture shows them, mirrored"),
+        Doing(
+            f"{steps[0].apart}: do steps {first} to {last} again, as the picture shows them, mirrored"
+        ),
         Doing(f"tick off:{ticks}"),
     ]
     copies = list(dict.fromkeys(copy for step in steps for copy in step.copies))
     mates = [mate for step in steps for mate in step.mates]
-    return Step(doings, copies, steps[-1].way, mates, apart=steps[0].apart), rows
+    whole = Step(doings, copies, steps[-1].way, mates, apart=steps[0].apart, up=steps[0].up)
+    return whole, rows
 
 
 def _of_side(step: Step) -> Step:
     """A step that says of which side it is."""
     begins = (step.doings[0].verb, step.doings[0].rest)
     alike = [*takewhile(lambda each: (each.verb, each.rest) == begins, step.doings)]
-    verb = f"{step.apart} side: {begins[0]}"
+    verb = f"{step.apart}: {begins[0]}"
     first = [replace(each, verb=verb) for each in alike]
     return replace(step, doings=[*first, *step.doings[len(alike) :]])
 

@@ -53,10 +53,9 @@ Role = Literal[
     "keeper",
     "counterweight",
     "thread-post",
+    "motor-bar",
+    "battery-frame",
 ]
-
-
-GLUED_BELOW = "glued under the plate"  # as a holding note begins
 
 
 class SizeNote(str):

@@ -11,7 +11,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -253,6 +253,21 @@ def _greased(step: Step) -> Step:
     return replace(step, doings=doings)
 
 
+def _fed(step: Step, far: Assembly, mirror: Mirror) -> Step:
+    """The step that puts the batteries into their frame on the far side, with what they take of it."""
+    shapes = []
+    for mount in far.mounts:
+        part = far.by_name[mount.part]
+        if part.role == "battery-frame":
+            stands = mirror.mount(part, mount)
+            corners = [start_point(each) for each in part.drawn.region.holes[0].pieces]
+            shapes.append(([*map(stands.place, corners)], stands.z, stands.z + part.thickness))
+    if not shapes:
+        return step
+    said = "if the machine goes backwards, swap the motor's two wires"
+    return replace(step, shapes=shapes).also(said)
+
+
 def _order(near: Assembly, far: Assembly, mirror: Mirror, taker: str) -> Table:
     """The near side from the bottom up, the far one likewise on its own plate, then one on the other, by the shaft of both.
 
@@ -275,8 +290,8 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, taker: str) -> Table:
     )
     rows = [(tuple(row), step) for row, step in zip(first.rows, first.steps, strict=True)]
     for row, step in zip(second.rows, second.steps, strict=True):
-        way: Literal[-1, 1] = 1 if step.way < 0 else -1
-        rows.append((tuple(row), replace(_greased(step), way=way, apart=PREFIX)))
+        there = replace(_greased(step), apart=f"{PREFIX} side", up=(0.0, 0.0, -1.0))
+        rows.append((tuple(row), there))
     on = "spacers" if mirror.gap else "second plate of the near side"
     doings = [
         Doing("turn ", "the far side over", f" and lower it on the {on}"),
@@ -287,6 +302,7 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, taker: str) -> Table:
         ),
         Doing("move everything slowly through its whole motion: no joint may be stiff"),
     ]
-    joining = (last, Step(doings, apart=PREFIX))
-    rows += [with_things(joining, coupled(near)), *further_rows(near)]
+    joining = (last, Step(doings, joins=f"{PREFIX} side"))
+    rows += [with_things(joining, coupled(near))]
+    rows += [(row, _fed(step, far, mirror)) for row, step in further_rows(near)]
     return numbered(replace(first, title="Assembly, side by side"), rows)

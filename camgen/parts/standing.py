@@ -8,6 +8,8 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from camgen.geometry.outlines import Arc, Contour
 from camgen.machine.features import Mount, PartPose, heights
 from camgen.parts.part import Layer, Part
@@ -28,6 +30,7 @@ class Round:
     high: float
     diameter: float
     name: str
+    flat: bool = False  # whether it is no whole circle
 
     def in_line(self, other: Round) -> bool:
         """Whether both have one axis."""
@@ -93,16 +96,33 @@ def standing_copies(
         pose = poses[mount.part][number[mount.part]]
         number[mount.part] += 1
         name = f"{mount.part}-{first.get(mount.part, 0) + number[mount.part]}"
-        copies.append(_standing_copy(name, by_name[mount.part], mount, pose))
+        part = by_name[mount.part]
+        if not pose.upright:
+            copies.append(_standing_copy(name, part, mount, pose))
+        elif (level := _in_standing_plane(part, pose)) is not None:
+            copies.append(_standing_copy(name, part, mount, level))
+        else:
+            copies.append(StandingCopy(name, part, mount, pose, (), (), ()))
     return copies
 
 
-def standing(part: Part, pose: PartPose, layer: Layer, at: complex, radius: float) -> Round:
+def _in_standing_plane(part: Part, pose: PartPose) -> PartPose | None:
+    """The pose of a part that is stood up with its top along x, in the plane that stands; None of any other one."""
+    if abs(cmath.exp(1j * float(pose.angle[0])) - 1j) > SAME_POINT:
+        return None
+    x, y = complex(pose.place[0]).real, complex(pose.place[0]).imag
+    place = np.array([complex(-y, pose.z)])
+    return PartPose(place, np.zeros(1), True, -x - part.thickness, standing=True)
+
+
+def standing(
+    part: Part, pose: PartPose, layer: Layer, at: complex, radius: float, flat: bool = False
+) -> Round:
     """A circle of a part's layer, its centre and radius in the part's frame, mm, where a copy stands."""
     centre = -at.conjugate() if pose.flipped else at
     place = complex(pose.place[0]) + cmath.exp(1j * float(pose.angle[0])) * centre
     name = next((name for name, point in part.points if abs(point - at) < SAME_POINT), "")
-    return Round(place, *heights(pose, part.thickness, layer.z0, layer.z1), 2 * radius, name)
+    return Round(place, *heights(pose, part.thickness, layer.z0, layer.z1), 2 * radius, name, flat)
 
 
 @dataclass(frozen=True)
@@ -122,6 +142,12 @@ class StandingCopy:
         own = -z.conjugate() if self.pose.flipped else z
         return complex(self.pose.place[0]) + cmath.exp(1j * float(self.pose.angle[0])) * own
 
+    def in_space(self, at: complex, height: float) -> tuple[float, float, float]:
+        """Where a place at a height is, mm: of what is in a plane that stands, on the ground."""
+        if self.pose.standing:
+            return -height, -at.real, at.imag
+        return at.real, at.imag, height
+
     @property
     def slender(self) -> bool:
         """Whether it is a shaft or a pin: its longest outline alone is long."""
@@ -131,13 +157,13 @@ class StandingCopy:
 def _standing_copy(name: str, part: Part, mount: Mount, pose: PartPose) -> StandingCopy:
     """A copy's round things where it stands; of a hole through several layers the lowest and highest end."""
     outlines = [
-        standing(part, pose, layer, *disc)
+        standing(part, pose, layer, *disc, has_flat(layer.region.outer))
         for layer in part.layers
         for disc in discs(layer.region.outer)
     ]
     holes: list[Round] = []
     bored = (
-        (layer, disc)
+        (layer, (*disc, has_flat(hole)))
         for layer in part.layers
         for hole in layer.region.holes
         for disc in discs(hole)
@@ -180,6 +206,11 @@ def _stadium(contour: Contour) -> Iterator[tuple[complex, complex, float]]:
         and all(abs(sweep - math.pi) < _HALF_TURN for sweep in sweeps.values())
     ):
         yield a, others[0][0], radius
+
+
+def has_flat(contour: Contour) -> bool:
+    """Whether a round contour has a flat or a keyway."""
+    return any(not isinstance(piece, Arc) for piece in contour.pieces)
 
 
 def discs(contour: Contour) -> Iterator[tuple[complex, float]]:

@@ -16,12 +16,13 @@ import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import takewhile
 from typing import Literal
 
 from camgen.machine.features import CamOutline, Mount, PartPose, PinEyes, SlideFaces
 from camgen.machine.model import GROUND
 from camgen.parts.part import HoldingNote, Part
-from camgen.parts.standing import Round, Slot, StandingCopy, standing_copies
+from camgen.parts.standing import Round, Slot, StandingCopy, has_flat, standing_copies
 from camgen.study import Doing, Mate, Step, Table
 from camgen.tolerances import SAME_POINT
 
@@ -83,22 +84,34 @@ def listed(names: Iterable[str]) -> str:
     return " and ".join(filter(None, (", ".join(most), last)))
 
 
-_SHEET = 0.1  # mm, of a sheet of paper, about
+_SHEET = 0.1  # mm, of a sheet of paper of 80 g, about
+_FOIL = 0.05  # mm, of a freezer bag or a strong plastic bag, about
 _SHEETS = (
     "",
     "one sheet of paper",
     "two sheets of paper",
     "three sheets of paper",
     "four sheets of paper",
+    "five sheets of paper",
 )
+_STRIP = "a strip of a plastic bag"
+_FEELER = "a feeler gauge"
 
 
-def paper(gap: float) -> str:
-    """How a gap, mm, is set at the bench: by sheets of paper; "" where no few whole sheets are as thick."""
-    count = round(gap / _SHEET)
-    if not 0 < count < len(_SHEETS) or abs(gap - count * _SHEET) > SAME_POINT:
-        return ""
-    return f" ({_SHEETS[count]} between, then pull {'it' if count == 1 else 'them'} out)"
+def thickness_gauge(gap: float) -> str:
+    """What at hand is as thick as a gap, mm: sheets of paper, a strip of a plastic bag, both, or else a feeler gauge."""
+    halves = round(gap / _FOIL)
+    count = halves // 2
+    if not 0 < halves < 2 * len(_SHEETS) or abs(gap - halves * _FOIL) > SAME_POINT:
+        return _FEELER
+    return listed(filter(None, (_SHEETS[count], _STRIP if halves % 2 else "")))
+
+
+def between(gap: float) -> str:
+    """How a gap, mm, is set at the bench, in brackets."""
+    gauge = thickness_gauge(gap)
+    several = gauge.startswith(_SHEETS[2:]) or " and " in gauge
+    return f" ({gauge} between, then pull {'them' if several else 'it'} out)"
 
 
 ON_BENCH = " on the bench"
@@ -146,7 +159,7 @@ def order(
     poses: of each part's copies, at one angle; pairs: what joints are measured on; before: copies that are numbered already, by
     part.
     """
-    fixing = _with_joints(fixing, pairs)
+    fixing = with_joints(fixing, pairs)
     copies = standing_copies(parts, mounts, poses, before)
     rows = list[tuple[object, ...]]()
     steps = list[Step]()
@@ -163,7 +176,8 @@ def order(
         begun = any(copy in there for copy in cluster)
         alone = bool(bench) or (bool(cluster and there) and not begun)
         group = cluster[0].part.name if alone else ""
-        begins = False  # whether it comes on a shaft that the step before has brought
+        # whether it comes on what the step before has brought: a shaft, or a plate that came first
+        begins = bool(there) and all(copy in cluster for copy in there) and not bench
         if all(copy.name in stops for copy in laying.copies):
             shafts = {stops[copy.name].shaft.name: stops[copy.name].shaft for copy in laying.copies}
             places = [_loosely(laying, [each.part.name for each in shafts.values()])]
@@ -172,7 +186,7 @@ def order(
         else:
             places = _places(laying.copies, bench if alone else there, fixing)
             if not alone:
-                places = _on_motor(laying.copies, fixing, places)
+                places = _on_motor(laying.copies, fixing, places, there)
             if not places and alone:
                 places = [_ON_BENCH]
             elif not places and (there or not laying.copies[0].holes):
@@ -183,7 +197,7 @@ def order(
         row: tuple[object, ...]
         row = (
             part.name,
-            _holding_notes(part),
+            holding_notes(part),
             _where_all(places),
             len(laying.copies),
             laying.z,
@@ -228,7 +242,9 @@ class _Stop:
 
     def place(self) -> _Place:
         """Where the part is glued."""
-        near = f"{self.gap:.2g} mm under" if self.gap > SAME_POINT else "against"
+        near, gauge = "against", ""
+        if self.gap > SAME_POINT:
+            near, gauge = f"{self.gap:.2g} mm under", between(self.gap)
         at = f"on {self.shaft.part.name}, {near} {self.name}"
         return _Place(
             f"{_WORDS['glue']} {at}",
@@ -236,7 +252,7 @@ class _Stop:
                 Doing(
                     f"push {_WHAT} up: press and glue it ",
                     f"on {self.shaft.part.name}",
-                    f", {near} {self.name}{paper(self.gap)}",
+                    f", {near} {self.name}{gauge}",
                 ),
             ),
         )
@@ -389,8 +405,26 @@ def _loose(
         head = low.diameter - min(each.diameter for each in first.outlines) > SAME_POINT
         down = f", {listed(dict.fromkeys(each.part.name for each in foot))} down" if foot else ""
         down = down or (", head down" if head else "")
+        down = down or _end_down(first)
         doing = replace(doing, verb="stand ", thing=f"{_WHAT} upright{below}{down}")
     return _Place(f"loose until {until}", (doing,))
+
+
+def _end_down(shaft: StandingCopy) -> str:
+    """Which end of a shaft is down, as ", its flat end down"; "" where both ends are alike."""
+    layers = sorted(shaft.part.layers, key=lambda each: each.z0)
+    low, high = (
+        sum(
+            each.z1 - each.z0
+            for each in takewhile(lambda each: has_flat(each.region.outer), ordered)
+        )
+        for ordered in ((layers[::-1], layers) if shaft.mount.flipped else (layers, layers[::-1]))
+    )
+    if abs(low - high) < _RESTS / 2:
+        return ""
+    if not (low and high):
+        return f", its flat end {'down' if low else 'up'}"
+    return f", its {'longer' if low > high else 'shorter'} flat, of {low:.3g} mm, down"
 
 
 def _stands_over(shaft: StandingCopy, there: Sequence[StandingCopy]) -> str:
@@ -433,7 +467,7 @@ def _put_in(
         if copy.part.name != own:
             found = [_Place(f"{copy.part.name} {each.where}", each.doings) for each in found]
         places += [each for each in found if each not in places]
-    places = _on_motor(cluster, fixing, places)
+    places = _on_motor(cluster, fixing, places, there)
     if not places and there and (first.mount.body != GROUND or not first.holes):
         places = _fixed_by(later, cluster, there, fixing)  # a plate lies as it is
     places = [each.lettered("", called(first.part)) for each in places or [_ON_BENCH]]
@@ -443,27 +477,41 @@ def _put_in(
 
 
 def _on_motor(
-    copies: Sequence[StandingCopy], fixing: Fixing, places: Sequence[_Place]
+    copies: Sequence[StandingCopy],
+    fixing: Fixing,
+    places: Sequence[_Place],
+    there: Sequence[StandingCopy],
 ) -> list[_Place]:
     """Where copies go, with the motor's shaft if one of them is fixed on that."""
-    if not any(copy.part.name in fixing.driven and copy.mount.body != GROUND for copy in copies):
+    driven = [
+        hole
+        for copy in copies
+        if copy.part.name in fixing.driven and copy.mount.body != GROUND
+        for hole in copy.holes
+    ]
+    if not driven:
         return [*places]
     shaft = "on the motor's shaft"
+    flat = ", flat on flat" if any(hole.flat for hole in driven) else ""
+    gap, under = min(
+        (each for hole in driven if (each := _under(hole, there))[1]), default=(0.0, "")
+    )
+    high = f", {gap:.3g} mm over {under}{between(gap)}" if gap > SAME_POINT else ""
     where = ", ".join(filter(None, (shaft, _where_all(places))))
     named = called(copies[0].part)
     doings = [one for each in places for one in each.doings]
     on = doings.pop(0).thing.removeprefix(named) if doings and doings[0].verb == "set " else ""
-    push = Doing("push ", f"{named} {shaft}{f',{on}' if on else ''}")
+    push = Doing("push ", f"{named} {shaft}{f',{on}' if on else ''}{flat}{high}")
     return [_Place(f"pushed {where}", (push, *doings))]
 
 
-def _with_joints(fixing: Fixing, pairs: Sequence[object]) -> Fixing:
+def with_joints(fixing: Fixing, pairs: Sequence[object]) -> Fixing:
     """The fixing that knows the ball bearings of joints, and what is on the shaft of a motor, which no part is."""
     eyes = [each for each in pairs if isinstance(each, PinEyes)]
     driving = (each for each in eyes if each.pin is not None and each.pin.part is None)
     driven = {eye.part for each in driving for eye in (each.a, each.b) if eye.part is not None}
     rings = frozenset(ring.part for each in eyes for ring in each.rings)
-    return replace(fixing, rings=rings, driven=frozenset(driven))
+    return replace(fixing, rings=fixing.rings | rings, driven=frozenset(driven))
 
 
 def _doings(laying: _Laying, places: Sequence[_Place], led: str, first: bool) -> list[Doing]:
@@ -593,7 +641,7 @@ def _carries(copy: StandingCopy, cluster: Sequence[StandingCopy], fixing: Fixing
     )
 
 
-def _holding_notes(part: Part) -> str:
+def holding_notes(part: Part) -> str:
     """What a part is, and what its notes say of how it is held."""
     notes = [note for note in part.notes if isinstance(note, HoldingNote)]
     return f"{part.title}: {'; '.join(notes)}" if notes else part.title
@@ -612,7 +660,7 @@ def mated(
 
     A copy that comes twice is loose at first: its place is fixed when it comes again.
     """
-    fixing = _with_joints(fixing, pairs)
+    fixing = with_joints(fixing, pairs)
     slides = [each for each in pairs if isinstance(each, SlideFaces)]
     built = defaultdict[str, list[StandingCopy]](list)  # by what is built apart
     bench = list[StandingCopy]()  # the sub-assembly
@@ -629,9 +677,7 @@ def mated(
         else:
             if not coming and step.group:
                 coming = bench
-            elif not coming and step.apart:
-                coming = there
-                there = built[""]
+            coming = [*built.pop(step.joins, []), *coming] if step.joins else coming
             mates = [*_mates(coming, there, fixing), *_sliding(coming, there, slides)]
             there += [copy for copy in coming if copy not in there]
             bench = [] if step.group else bench
@@ -662,7 +708,8 @@ def _mates(
     for copy in coming:
         for other in there:
             for holder, held in ((copy, other), (other, copy)):
-                for mate in _through(holder, held, fixing, held is copy):
+                alike = holder.pose.standing == held.pose.standing
+                for mate in _through(holder, held, fixing, held is copy) if alike else ():
                     if mate.how != "free" or copy.mount.body != other.mount.body:
                         x, y, z = (round(value, 3) for value in mate.place)
                         mates.setdefault((mate.how, x, y, z), mate)
@@ -680,7 +727,7 @@ def _through(
                 continue
             low = max(hole.low, outline.low)
             high = min(hole.high, outline.high)
-            place = (outline.at.real, outline.at.imag, (low + high) / 2)
+            place = held.in_space(outline.at, (low + high) / 2)
             label = hole.name if isinstance(hole, Round) else ""
             how = (
                 fixing.how(hole, holder.part, outline, held.part)
@@ -752,6 +799,8 @@ class _Meeting:
     set_by: str = ""  # how that is set, by sheets of paper
     lies: str = ""  # on what it lies
     shaft: bool = False
+    flat: str = ""  # that a flat goes on a flat
+    hangs: str = ""  # the pin on which it is fixed, where that is held by nothing but its head
 
     @property
     def where(self) -> str:
@@ -788,10 +837,15 @@ def _meeting(
         gap, name = _under(hole, below)
         told = _WORDS[fit] and (long or gap > SAME_POINT)
         high = f", {_height(hole, shaft, below)}" if told else ""
-        set_by = paper(gap) if " mm over " in high else ""
+        set_by = between(gap) if " mm over " in high else ""
+        if set_by and any(_lies(each, below) for each in copy.holes):
+            high, set_by = f"; {gap:.3g} mm over {name} are left by what it lies on", ""
+        flat = ", flat on flat" if _WORDS[fit] and hole.flat and outline.flat else ""
         lies = f", down on {name}" if name and gap <= SAME_POINT else ""
         at = "" if hole.name or shaft.part.count == 1 else _joint(hole, shaft, below)
-        return _Meeting(letter, f"on {shaft.part.name}{at}", fit, high, set_by, lies, True)
+        hangs = shaft.part.name if _WORDS[fit] and _hangs(shaft, below, fixing) else ""
+        on = f"on {shaft.part.name}{at}"
+        return _Meeting(letter, on, fit, high, set_by, lies, True, flat, hangs)
     under = [
         (each.high, other.part.name, each.name)
         for other in below
@@ -832,12 +886,16 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
         lies = next((each.lies for each in tight if each.lies), "")
         told = next((each for each in tight if each.high), tight[0])
         of = f"{told.place.removeprefix('on ')}'s"
+        flat = max(each.flat for each in tight)
         high = "" if told.high == lies else told.high.replace(" its ", f" {of} ") + told.set_by
-        yield Doing(_VERBS[tight[0].fit], f"{_WHAT} on {pins}", f", all at once{lies}{high}")
+        yield Doing(_VERBS[tight[0].fit], f"{_WHAT} on {pins}", f", all at once{lies}{flat}{high}")
         return
     if len(shafts) > 2:
-        ends = (" ".join(filter(None, (each.letter, each.place))) for each in shafts)
-        said = listed(dict.fromkeys(ends))
+        ends = Counter((each.letter, each.place) for each in shafts)
+        said = listed(
+            f"{letter or ('one' if count == 1 else count)} {place}"
+            for (letter, place), count in ends.items()
+        )
         rest = f", each in its hole before you press: {said}"
         yield Doing("lower ", f"{_WHAT} over all ends at once", rest)
         whole = "it"
@@ -849,15 +907,37 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
         whole = "it"
     for each in bare if whole == _WHAT else ():
         if each.shaft or not shafts:
-            flat = not each.shaft and " of " not in each.place
-            place = each.place.replace("over ", "on ", 1) if flat else each.place
-            yield Doing("put ", f"{_WHAT} {place}", ", hole over hole" if flat else "")
+            bare_hole = not each.shaft and " of " not in each.place
+            place = each.place.replace("over ", "on ", 1) if bare_hole else each.place
+            yield Doing("put ", f"{_WHAT} {place}", ", hole over hole" if bare_hole else "")
     fixed = [each for each in meetings if each.fit != "free"]
     highs = [each.high for each in fixed]
     for each in sorted(fixed, key=lambda each: highs.index(each.high)):
         thing = each.letter if whole == "it" else f"{each.letter} of {_WHAT}"
         thing = thing if each.letter else whole
-        yield Doing(_VERBS[each.fit], f"{thing} {each.place}", f"{each.high}{each.set_by}")
+        yield Doing(
+            _VERBS[each.fit], f"{thing} {each.place}", f"{each.flat}{each.high}{each.set_by}"
+        )
+    hanging = listed(dict.fromkeys(each.hangs for each in fixed if each.hangs))
+    if hanging:
+        yield Doing("hold ", hanging, " from below by the head while you press")
+
+
+def _lies(hole: Round, below: Sequence[StandingCopy]) -> bool:
+    """Whether what has a hole lies on something round it."""
+    gap, name = _under(hole, below)
+    return bool(name) and gap <= SAME_POINT
+
+
+def _hangs(pin: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> bool:
+    """Whether a pin stands on its head, and nothing else there is fixed on it."""
+    fixed = [
+        other
+        for other in below
+        for mate in _mates([other], [pin], fixing)
+        if mate.how != "free" and other is not pin
+    ]
+    return bool(fixed) and all(other.part.role == "cap" for other in fixed)
 
 
 def _joint(hole: Round, pin: StandingCopy, below: Sequence[StandingCopy]) -> str:
@@ -874,7 +954,10 @@ def _joint(hole: Round, pin: StandingCopy, below: Sequence[StandingCopy]) -> str
 def _height(hole: Round, shaft: StandingCopy, below: Sequence[StandingCopy]) -> str:
     """How high a part is fixed on a shaft: flush with an end, or over what lies there, or as far as one measures."""
     low = min(each.low for each in shaft.outlines)
-    return _support(hole, shaft, below) or f"underside {hole.low - low:.4g} mm from its lower end"
+    over = hole.low - low
+    gauge = thickness_gauge(over)
+    under = f" ({gauge} under it)" if gauge != _FEELER else ""
+    return _support(hole, shaft, below) or f"underside {over:.4g} mm from its lower end{under}"
 
 
 def _support(hole: Round, shaft: StandingCopy, below: Sequence[StandingCopy]) -> str:
@@ -940,11 +1023,13 @@ def _pin_words(
         for other in reversed(below)
         if any(slot.holds(outline) for slot in other.slots for outline in copy.outlines)
     )
-    fixed = [
-        (hole, other)
-        for hole, other, outline in round_holes
-        if fixing.how(hole, other.part, outline, copy.part) != "free"
+    tight = [
+        each
+        for each in round_holes
+        if fixing.how(each[0], each[1].part, each[2], copy.part) != "free"
     ]
+    fixed = [(hole, other) for hole, other, _ in tight]
+    flats = ["flat on flat"] if any(hole.flat and each.flat for hole, _, each in tight) else []
     if copy.mount.flipped:  # from above, where a head may be in the way
         side = "flush with its upper side"
         top = max((each.high for each in copy.outlines), default=0.0)
@@ -958,7 +1043,7 @@ def _pin_words(
         gaps = [(hole.low - other.mount.z, hole.low - foot) for hole, other in fixed]
     ways += [side] if any(max(map(abs, gap)) < SAME_POINT for gap in gaps) else []
     in_slots = [f"in the slot of {name}" for name in slots]
-    flush = [side] if len(ways) > len(words) else []
+    flush = [*flats, *([side] if len(ways) > len(words) else [])]
     said = ", ".join([*ways, *in_slots])
     rest = ", ".join(filter(None, (more, *flush, *in_slots)))
     if point:

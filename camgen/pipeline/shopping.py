@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.assembly import order_of_assembly
 from camgen.parts.bench_steps import at_bench
 from camgen.parts.catalogue import CAM_FOLLOWERS, Bought
 from camgen.parts.keyways import parallel_keys
+from camgen.parts.reaming import with_reaming
+from camgen.parts.standing import standing_copies
+from camgen.parts.steps import with_joints
 from camgen.study import Table
 
 
@@ -26,4 +31,7 @@ def bought_things(mechanism: Mechanism) -> list[Bought]:
 
 def steps_of_assembly(mechanism: Mechanism) -> Table:
     """In which order a machine goes together, with all that is bought for it, as a person at the bench takes it."""
-    return at_bench(order_of_assembly(replace(mechanism.assembly, bought=bought_things(mechanism))))
+    assembly = replace(mechanism.assembly, bought=bought_things(mechanism))
+    copies = standing_copies(assembly.parts, assembly.mounts, assembly.poses(np.zeros(1)))
+    fixing = with_joints(assembly.process.fixing, assembly.features)
+    return at_bench(with_reaming(order_of_assembly(assembly), copies, fixing))

@@ -155,8 +155,16 @@ def _on_bench(step: Step, place: Mapping[str, int]) -> dict[str, object]:
     ]
     copies = [place[copy] for copy in step.copies]
     wire = [] if step.wire is None else step.wire.round(2).tolist()
+    shapes = [
+        [[[round(z.real, 2), round(z.imag, 2)] for z in corners], low, high]
+        for corners, low, high in step.shapes
+    ]
     said = {"copies": copies, "way": step.way, "mates": mates, "wire": wire}
-    return said | ({"apart": step.apart} if step.apart else {})
+    if shapes:
+        said |= {"shapes": shapes}
+    if step.apart:
+        said |= {"apart": step.apart, "up": step.up}
+    return said | ({"joins": step.joins} if step.joins else {})
 
 
 # ---- pieces of text ----
@@ -353,7 +361,7 @@ def _steps(scene: Scene | None) -> str:
     if scene is None or len(scene.steps) < 2:
         return ""
     cards = [
-        _card(f"Step {k + 1}", step.title, [], f"step-{k}", _has_picture(step))
+        _card(f"Step {k + 1}", step.title, [], f"step-{k}", not k or _has_picture(step))
         for k, step in enumerate(scene.steps)
     ]
     all_steps = f"<details open><summary>All steps</summary>{_cards(cards)}</details>"
@@ -362,8 +370,7 @@ def _steps(scene: Scene | None) -> str:
 
 def _has_picture(step: Step) -> bool:
     """Whether something comes in it that can be shown."""
-    joins = bool(step.apart and not step.group)
-    return bool(step.copies or step.wire is not None or joins)
+    return bool(step.copies or step.wire is not None or step.joins or step.shapes)
 
 
 # Steps one after the other, as the script shows them; without it the cards below remain.
@@ -374,7 +381,8 @@ _BENCH = (
     '<div id="marks" aria-hidden="true"></div></div>'
     '<p id="said" aria-live="polite"></p><div class="controls"><button id="back">Back</button><button id="next">Next</button>'
     '<input id="seek" type="range" min="1" value="1" aria-label="step"><output id="count"></output><button id="again">Show again</button>'
-    '<p class="glues"><span class="glue">glue here</span><span class="free">no glue: it moves</span></p></div></div>'
+    '<p class="glues"><span class="glue">glue here</span><span class="free">no glue: it moves</span>'
+    '<span class="below">seen from below</span></p></div></div>'
 )
 
 

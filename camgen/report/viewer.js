@@ -1,5 +1,5 @@
 // The machine in three dimensions, on three.js: read from the same GLB that lies beside the report, turned with theta.
-// It starts after the page's first paint; without WebGL the drawing stays.
+// It starts after the page's first paint; without WebGL the drawing stays, and pictures of parts and steps are painted here.
 (() => {
   const byId = id => document.getElementById(id), text = id => byId(id).textContent;
   const bytes = packed => Uint8Array.from(atob(packed), c => c.charCodeAt(0));
@@ -9,17 +9,20 @@
   async function start() {
     const canvas = byId("machine");
     const context = canvas && picture(canvas);  // at first: the browser makes it ready while the library is unpacked
-    if (canvas && !context) {
-      const flat = "This browser has WebGL 2 switched off: the machine is drawn flat, and steps of assembly have no pictures.";
-      document.querySelector(".legend").append(Object.assign(document.createElement("p"), { className: "flat", textContent: flat }));
+    if (!canvas) return;
+    if (!context) {
+      const flat = "This browser has WebGL 2 switched off: the machine is drawn flat, and pictures of parts and steps are drawn slowly.";
+      const say = () => Object.assign(document.createElement("p"), { className: "flat", textContent: flat });
+      document.querySelector(".legend").append(say());
+      byId("bench")?.closest(".bench").before(say());
     }
-    if (!context) return;
     const library = document.createElement("script"), machine = unpacked("glb").arrayBuffer();
     library.textContent = await unpacked("three").text();
     document.head.append(library);
-    const renderer = new THREE.WebGLRenderer({ canvas, context });
-    show(renderer, canvas, read(await machine), JSON.parse(text("lying")));
+    if (context) drawing = asked => new THREE.WebGLRenderer(asked);
+    show(drawing({ canvas, context }), canvas, read(await machine), JSON.parse(text("lying")), Boolean(context));
   }
+  let drawing = painter;  // what makes a renderer for a canvas
 
   let slow = false;  // whether a processor draws: then edges are not smoothed
   function picture(canvas) {
@@ -27,6 +30,69 @@
     const fast = canvas.getContext("webgl2", { ...asked, antialias: true, failIfMajorPerformanceCaveat: true });
     slow = !fast;
     return fast || canvas.getContext("webgl2", { ...asked, antialias: false });
+  }
+
+  // ---- without WebGL: triangles and lines with their depths, of pixels ----
+
+  function painter({ canvas }) {
+    let frame = null;  // left, top, width and height of what is painted
+    const size = (width, height) => { Object.assign(canvas, { width, height }); frame = [0, 0, width, height]; };
+    size(canvas.width, canvas.height);
+    return {
+      domElement: canvas, setPixelRatio() {}, setSize: size, setScissor() {}, setScissorTest() {},
+      setViewport(left, low, width, height) { frame = [left, canvas.height - low - height, width, height].map(Math.round); },
+      render(scene, camera) {
+        scene.updateMatrixWorld();
+        camera.updateMatrixWorld();
+        const [left, top, width, height] = frame, picture = new ImageData(width, height), depths = new Float32Array(width * height).fill(1);
+        const all = [];
+        scene.traverse(thing => { if (thing.geometry?.attributes.position) all.push(thing); });
+        const late = ({ material }) => 2 * (material.depthTest === false) + material.transparent;  // what is seen through comes last
+        all.sort((a, b) => late(a) - late(b)).forEach(thing => paintThing(thing, camera, picture, depths));
+        canvas.getContext("2d").putImageData(picture, left, top);
+      },
+    };
+  }
+  function paintThing({ geometry, material, matrixWorld, isLineSegments }, camera, { data, width, height }, depths) {
+    const { array, count } = geometry.attributes.position, m = camera.matrixWorldInverse.clone().multiply(matrixWorld).elements, p = camera.projectionMatrix.elements;
+    const seen = new Float32Array(3 * count), screen = new Float32Array(3 * count);
+    for (let k = 0; k < 3 * count; k += 3) {
+      const [x, y, z] = [0, 1, 2].map(n => m[n] * array[k] + m[n + 4] * array[k + 1] + m[n + 8] * array[k + 2] + m[n + 12]);
+      seen.set([x, y, z], k);
+      screen.set([(1 - p[0] * x / z) * width / 2, (1 + p[5] * y / z) * height / 2, -(p[10] * z + p[14]) / z], k);
+    }
+    const hex = material.color.getHex(), tone = [hex >> 16, hex >> 8 & 255, hex & 255], opaque = material.opacity, tested = material.depthTest !== false;
+    const dot = (x, y, z, light) => {
+      if (x < 0 || y < 0 || x >= width || y >= height) return;
+      const at = y * width + x;
+      if (tested && z > depths[at]) return;
+      if (tested && material.depthWrite !== false) depths[at] = z;
+      const own = opaque, under = (1 - own) * data[4 * at + 3] / 255, cover = own + under;
+      tone.forEach((value, n) => { data[4 * at + n] = (own * Math.min(255, light * value) + under * data[4 * at + n]) / cover; });
+      data[4 * at + 3] = 255 * cover;
+    };
+    const point = k => screen.subarray(3 * k, 3 * k + 3);
+    if (isLineSegments) {
+      for (let k = 0; k < count; k += 2) {
+        const [ax, ay, az] = point(k), [bx, by, bz] = point(k + 1), steps = Math.ceil(Math.max(Math.abs(bx - ax), Math.abs(by - ay))) || 1;
+        for (let n = 0; n <= steps; n++) dot(Math.floor(ax + (bx - ax) * n / steps), Math.floor(ay + (by - ay) * n / steps), az + (bz - az) * n / steps - 1e-4, 1);
+      }
+      return;
+    }
+    const lit = material.isMeshLambertMaterial;
+    for (let k = 0; k < count; k += 3) {
+      const [ax, ay, az] = point(k), [bx, by, bz] = point(k + 1), [cx, cy, cz] = point(k + 2), area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
+      if (!area || (area > 0 && material.side === THREE.FrontSide)) continue;  // y runs down
+      const side = (n, j) => seen[3 * (k + n) + j] - seen[3 * k + j];
+      const normal = [0, 1, 2].map(j => side(1, (j + 1) % 3) * side(2, (j + 2) % 3) - side(1, (j + 2) % 3) * side(2, (j + 1) % 3));
+      const light = lit ? 0.55 + 0.5 * Math.max(0, (0.5 * normal[1] + 0.86 * normal[2]) / Math.hypot(...normal)) : 1;
+      const high = Math.min(height - 1, Math.floor(Math.max(ay, by, cy))), right = Math.min(width - 1, Math.floor(Math.max(ax, bx, cx)));
+      for (let y = Math.max(0, Math.floor(Math.min(ay, by, cy))); y <= high; y++) for (let x = Math.max(0, Math.floor(Math.min(ax, bx, cx))); x <= right; x++) {
+        const u = x + 0.5, v = y + 0.5;
+        const b = ((u - ax) * (cy - ay) - (v - ay) * (cx - ax)) / area, c = ((bx - ax) * (v - ay) - (by - ay) * (u - ax)) / area;
+        if (b >= 0 && c >= 0 && b + c <= 1) dot(x, y, az + b * (bz - az) + c * (cz - az), light);
+      }
+    }
   }
 
   // ---- reading the GLB ----
@@ -129,6 +195,7 @@
   const colour = k => new THREE.Color(variable("--p" + k) || "#888888");
   // The first view: from the front, above and right. stands: turns y up and z forward into the machine's axes.
   const ahead = stands => new THREE.Vector3(0.55, 0.9, 1).normalize().applyQuaternion(stands);
+  const seen = way => ahead(lain()).multiply(new THREE.Vector3(1, 1, -way));  // a step: what comes from below is seen from there
   const lain = () => new THREE.Quaternion(Math.SQRT1_2, 0, 0, Math.SQRT1_2);  // z is up: parts by themselves, and what is on the bench
   function eye(stands) {
     const camera = new THREE.PerspectiveCamera(28, 1, 1, 1000);
@@ -162,13 +229,17 @@
   }
 
   // Corners of triangles: bands of half a width along lines, and discs, from a height to another one.
-  function bands(lines, discs, half, low, high) {
-    const out = [];
-    const prism = ring => ring.forEach(([x, y], k) => {
+  function walled(ring, low, high, out) {  // a prism, or what it stands on where it has no height; out: its corners
+    ring.forEach(([x, y], k) => {
       const [u, v] = ring[(k + 1) % ring.length];
-      if (k > 1) [high, low].slice(0, 1 + (high > low)).forEach(z => out.push(...ring[0], z, ...ring[k - 1], z, x, y, z));
+      if (k > 1) out.push(...ring[0], high, ...ring[k - 1], high, x, y, high);
+      if (k > 1 && high > low) out.push(...ring[0], low, x, y, low, ...ring[k - 1], low);
       if (high > low) out.push(x, y, low, u, v, low, u, v, high, x, y, low, u, v, high, x, y, high);
     });
+    return out;
+  }
+  function bands(lines, discs, half, low, high) {
+    const out = [], prism = ring => walled(ring, low, high, out);
     lines.forEach(line => line.slice(1).forEach(([u, v], k) => {
       const [x, y] = line[k], size = Math.hypot(u - x, v - y) || 1, a = half * (y - v) / size, b = half * (u - x) / size;
       prism([[x - a, y - b], [u - a, v - b], [u + a, v + b], [x + a, y + b]]);
@@ -233,7 +304,7 @@
     return hand;
   }
 
-  function show(renderer, canvas, machine, lying) {
+  function show(renderer, canvas, machine, lying, solid) {
     const { parts, copies, bodies, stands } = machine;
     const scene = new THREE.Scene(), camera = eye(stands), sun = lit(scene);
     const plane = new THREE.Plane(), cut = { axis: "", share: 0.5 };
@@ -248,7 +319,7 @@
       copy.home = new THREE.Matrix4().fromArray(copy.matrix);
       // exploded by steps, those of what is built apart the other way round, for it is turned over; within a step by height
       const last = lying.steps.length, step = lying.steps.findIndex(step => step.copies.includes(k));
-      const place = step < 0 ? last : lying.steps[step].apart ? 2 * last - step : step;
+      const place = step < 0 ? last : lying.steps[step].up?.[2] < 0 ? 2 * last - step : step;
       copy.order = 1e9 * place + Math.round(1e3 * copy.matrix[14]);
       copy.group.add(copy.shown);
     });
@@ -483,7 +554,7 @@
       flat.setAttribute("aria-pressed", drawing);
       if (drawing) camgen.draw(); else fit();
     }
-    document.querySelector(".tools").hidden = false;
+    document.querySelector(".tools").hidden = !solid;
     flat.addEventListener("click", () => plain(!canvas.hidden));
     byId("home").addEventListener("click", home);
     const player = document.querySelector(".player"), full = byId("full");
@@ -523,10 +594,10 @@
     const standing = copies.map(({ group, home }) => new THREE.Matrix4().compose(group.position, group.quaternion, group.scale).multiply(home));
     const built = bench(copies, standing, lying);
     dress();
-    plain(false);
+    plain(!solid);
     spread(0);
     frame(ahead(stands));
-    if (matchMedia("(pointer: coarse)").matches) {
+    if (solid && matchMedia("(pointer: coarse)").matches) {
       name.textContent = "Tap, then turn and zoom";
       name.hidden = false;
     }
@@ -538,30 +609,35 @@
     let small;
     function paint(target) {
       if (!target.dataset.seen) return;
-      small ||= new THREE.WebGLRenderer({ canvas: Object.assign(document.createElement("canvas"), { width: 320, height: 220 }), alpha: true, antialias: !slow });
+      small ||= drawing({ canvas: Object.assign(document.createElement("canvas"), { width: 320, height: 220 }), alpha: true, antialias: !slow });
       const [what, number] = target.dataset.view.split("-"), scene = new THREE.Scene(), sun = lit(scene);
-      const line = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.6, color: variable("--ink") }), ends = [];
+      const line = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.6, color: variable("--ink") }), reach = [];
       const put = (part, matrix, faint) => {
         const more = faint ? { transparent: true, opacity: 0.25, depthWrite: false } : {};
         const item = object(part, surface({ color: colour(part.number), ...more }), line);
         item.matrix.copy(matrix);
-        ends.push(...part.ends.map(end => end.clone().applyMatrix4(matrix)));
+        reach.push(...part.ends.map(end => end.clone().applyMatrix4(matrix)));
         if (faint) item.remove(item.children[1]);
         scene.add(item);
       };
       if (what === "part") put(parts[number], new THREE.Matrix4(), false);
       if (what === "plate") lying.plates[number].forEach(([k, ...m]) => put(parts[k], new THREE.Matrix4().set(...m, 0, 0, 0, 1), false));
       if (what === "step") {
-        const { coming, there, spring, springs, over } = onBench(lying.steps, Number(number)), some = spring.length || springs.length;
-        there.forEach(k => put(copies[k].part, onTable(standing[k], over), true));
-        coming.forEach(k => put(copies[k].part, onTable(standing[k], over), false));
+        const { coming, there, spring, springs, shapes, bought, begun, lies } = onBench(lying.steps, Number(number)), some = spring.length || springs.length;
+        there.forEach(k => put(copies[k].part, lies.clone().multiply(standing[k]), begun));
+        coming.forEach(k => put(copies[k].part, lies.clone().multiply(standing[k]), false));
         if (some) [spring, ...springs].forEach((wire, k) => {
           scene.add(new THREE.Mesh(tube(wire), surface({ color: variable(k ? "--plain" : "--new") })));
-          ends.push(...points(wire));
+          reach.push(...points(wire));
         });
+        [...shapes, ...bought].forEach((shape, k) => {
+          const more = k < shapes.length ? { color: variable("--new") } : { color: variable("--plain"), transparent: true, opacity: 0.25, depthWrite: false };
+          scene.add(new THREE.Mesh(block(shape), surface(more)));
+        });
+        reach.push(...ends([...shapes, ...bought]));
       }
       const view = Object.assign(eye(lain()), { aspect: 320 / 220 });
-      look(view, ends, ahead(lain()));
+      look(view, reach, seen(what === "step" ? lying.steps[number].way : -1));
       sun.position.copy(view.position).addScaledVector(view.up, 50);
       small.render(scene, view);
       const context = target.getContext("2d");
@@ -582,15 +658,29 @@
 
   // ---- on the bench: one step of assembly after the other ----
 
-  // Copies that come in a step, and those that are there, with the wires of springs: of what is built by itself its own alone.
-  // over: whether that hangs in the whole machine, so that it is shown turned over, as it lies on the bench.
+  // Copies that come in a step, and those that are there, with the wires of springs: of what is built by itself its own alone,
+  // turned as it lies on the bench. own: copies that come and were not built apart before.
   function onBench(steps, number) {
-    const { copies, apart, wire } = steps[number], over = Boolean(apart && copies.length);
-    const before = steps.slice(0, number).filter(step => !over || step.apart === apart);
-    const joins = apart && !copies.length && !wire.length;  // all that was built apart comes
-    const coming = joins ? [...new Set(before.filter(step => step.apart === apart).flatMap(step => step.copies))] : copies;
-    const there = [...new Set(before.flatMap(step => step.copies))].filter(k => !coming.includes(k));
-    return { coming, there, spring: steps[number].wire, springs: before.map(step => step.wire).filter(wire => wire.length), over, joins };
+    const { copies, apart = "", up, joins, wire, shapes = [] } = steps[number], past = steps.slice(0, number);
+    const whole = new Map(past.filter(step => step.joins).map(step => [step.joins, step.apart || ""]));  // of what it is by now
+    const built = name => past.filter(step => {
+      let own = step.apart || "";
+      while (whole.has(own)) own = whole.get(own);
+      return own === name;
+    });
+    const before = built(apart), taken = joins ? [...new Set(built(joins).flatMap(step => step.copies))] : [], coming = [...taken, ...copies];
+    const begun = coming.length || before.length || wire.length, all = begun ? before : steps;  // at first what is going to be
+    const there = [...new Set(all.flatMap(step => step.copies))].filter(k => !coming.includes(k));
+    const bought = before.flatMap(step => step.shapes || []), springs = before.map(step => step.wire).filter(wire => wire.length);
+    const lies = turning(up), laid = line => line.map(place => new THREE.Vector3(...place).applyMatrix4(lies).toArray());
+    return { coming, taken, own: copies, there, spring: laid(wire), springs: springs.map(laid), shapes, bought, begun, lies };
+  }
+  // A turn of the machine by which a direction in it comes up on the bench.
+  function turning(up) {
+    const turn = new THREE.Matrix4();
+    if (!up) return turn;
+    const z = new THREE.Vector3(...up), x = Math.abs(z.x) < 0.5 ? new THREE.Vector3(1, 0, 0) : new THREE.Vector3(0, -1, 0);
+    return turn.makeBasis(x, new THREE.Vector3().crossVectors(z, x), z).transpose();
   }
 
   // A body about z: triangles between rings of a radius and a height each.
@@ -604,7 +694,13 @@
     return body;
   }
 
-  const onTable = (matrix, over) => over ? new THREE.Matrix4().set(1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1).multiply(matrix) : matrix;
+  const ends = shapes => shapes.flatMap(([ring, low, high]) => ring.flatMap(([x, y]) => [new THREE.Vector3(x, y, low), new THREE.Vector3(x, y, high)]));
+  function block([ring, low, high]) {  // what is bought, such as a motor
+    const body = new THREE.BufferGeometry();
+    body.setAttribute("position", new THREE.BufferAttribute(new Float32Array(walled(ring, low, high, [])), 3));
+    body.computeVertexNormals();
+    return body;
+  }
   const points = wire => wire.map(place => new THREE.Vector3(...place));
   // The wire of a spring: rings of six corners along its line, each turned as little against the one before as can be.
   function tube(wire) {
@@ -636,8 +732,8 @@
     const scene = new THREE.Scene(), camera = eye(lain()), sun = lit(scene);
     const plain = surface(), fresh = surface(), edge = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.5 }), coming = new THREE.Group(), there = new THREE.Group();
     const wait = 700, way = 1500;  // ms, before a part moves, and until it is in
-    let hangs = false;  // whether this step's parts hang in the whole machine
-    const stand = k => onTable(standing[k], hangs);
+    let lies = new THREE.Matrix4();  // how what is shown is turned
+    const stand = k => lies.clone().multiply(standing[k]);
     const corners = (numbers, more = 0) => numbers.flatMap(k => copies[k].part.ends.map(end => {
       const place = end.clone().applyMatrix4(stand(k));
       return place.setZ(place.z + more);
@@ -667,33 +763,33 @@
       back.disabled = !number;
       next.disabled = number === steps.length - 1;
       dress();
-      aim();
+      aim(hand.held ? undefined : first());
       again();
     }
     function aim(from) {
       if (renderer && near.length) hand.aim(near, from);
     }
     // What fills the picture: what comes with some of its surroundings, or all where that is not much more.
-    function focus({ coming, there, spring, springs }, mates) {
-      whole = [...corners([...there, ...coming]), ...[spring, ...springs].flatMap(points)];
+    function focus({ coming, there, spring, springs, shapes, bought }, mates) {
+      whole = [...corners([...there, ...coming]), ...[spring, ...springs].flatMap(points), ...ends([...shapes, ...bought])];
       const all = new THREE.Box3().setFromPoints(whole.length ? whole : corners([0])), size = new THREE.Vector3();
-      const close = new THREE.Box3().setFromPoints([...corners(coming), ...points(spring), ...mates.map(({ place }) => new THREE.Vector3(...place))]);
+      const close = new THREE.Box3().setFromPoints([...corners(coming), ...points(spring), ...ends(shapes), ...mates.map(({ place }) => new THREE.Vector3(...place))]);
       close.expandByScalar(Math.max(least, close.getSize(size).length() / 4));
-      inset.hidden = !(coming.length || spring.length) || close.getSize(size).length() > 0.5 * all.getSize(size).length();
+      inset.hidden = !(coming.length || spring.length || shapes.length) || close.getSize(size).length() > 0.5 * all.getSize(size).length();
       const shown = inset.hidden ? all.expandByScalar(Math.max(0, least - all.getSize(size).length() / 4)) : close;
       radius = shown.getSize(size).length() / 2;
       return shown;
     }
     function dress() {  // what is seen of this step, in the colours of the page
-      const now = onBench(steps, number), comes = now.coming.length || now.spring.length;
-      hangs = now.over;
-      const sense = hangs ? -steps[number].way : steps[number].way;
-      const mates = steps[number].mates.map(({ place: [x, y, z], ...mate }) => ({ ...mate, place: hangs ? [x, -y, -z] : [x, y, z] }));
+      const now = onBench(steps, number), comes = now.coming.length || now.spring.length || now.shapes.length;
+      lies = now.lies;
+      const sense = steps[number].way;
+      const mates = steps[number].mates.map(({ place, ...mate }) => ({ ...mate, place: new THREE.Vector3(...place).applyMatrix4(lies).toArray() }));
       [there, coming].forEach(group => group.clear());
-      const shown = focus(now, mates), box = new THREE.Box3().setFromPoints([...corners(now.coming), ...points(now.spring)]), high = comes ? box.max.z - box.min.z : 0;
+      const shown = focus(now, mates), box = new THREE.Box3().setFromPoints([...corners(now.coming), ...points(now.spring), ...ends(now.shapes)]), high = comes ? box.max.z - box.min.z : 0;
       lift = comes && now.there.length ? -sense * Math.max(1.3 * high, 0.45 * radius) : 0;
       near = inset.hidden ? [...whole, shown.min, shown.max] : [0, 1, 2, 3, 4, 5, 6, 7].map(k => new THREE.Vector3(...["x", "y", "z"].map((axis, n) => shown[k >> n & 1 ? "max" : "min"][axis])));
-      near.push(...corners(now.coming, lift), ...points(now.spring).map(place => place.setZ(place.z + lift)));
+      near.push(...corners(now.coming, lift), ...[...points(now.spring), ...ends(now.shapes)].map(place => place.setZ(place.z + lift)));
       plain.color.set(variable("--plain"));
       fresh.color.set(variable("--new"));
       edge.color.set(variable("--ink"));
@@ -701,16 +797,19 @@
       now.coming.forEach(k => put(coming, k, fresh));
       now.springs.forEach(wire => there.add(new THREE.Mesh(tube(wire), plain)));
       coming.add(new THREE.Mesh(tube(now.spring), fresh));
-      if (lift) arrows(box, sense, now.spring.length ? [] : [...mates.filter(({ within }) => !within), ...(now.joins ? [] : unmet(now.coming, mates))]);
+      now.bought.forEach(shape => there.add(new THREE.Mesh(block(shape), plain)));
+      now.shapes.forEach(shape => coming.add(new THREE.Mesh(block(shape), fresh)));
+      const loose = [...unmet(now.own.map(k => [k]), mates), ...(now.taken.length ? unmet([now.taken], mates) : [])];
+      if (lift) arrows(box, sense, now.spring.length ? [] : [...mates.filter(({ within }) => !within), ...loose]);
       mates.forEach(({ how, place, diameter, height, comes, within }) => {
         const wide = diameter / 2 + 0.05, half = height / 2;
         if (diameter) mark(comes || within ? coming : there, turned([wide, -half], [wide, half]), place, how === "free" ? "--free" : "--glue", { transparent: true, opacity: 0.75, depthTest: false });
       });
-      name(now.joins ? [] : now.coming, mates);
+      name(now.own, mates);
       ask();
     }
-    function unmet(numbers, mates) {  // middles of parts that come and are nowhere fixed on or loose against another
-      const boxes = numbers.map(k => new THREE.Box3().setFromPoints(corners([k])));
+    function unmet(things, mates) {  // middles of what comes and is nowhere fixed on or loose against another; things: by their copies
+      const boxes = things.map(numbers => new THREE.Box3().setFromPoints(corners(numbers)));
       const meets = box => mates.some(({ place: [x, y] }) => x > box.min.x && x < box.max.x && y > box.min.y && y < box.max.y);
       return boxes.filter(box => !meets(box)).map(box => ({ diameter: 1, place: box.getCenter(new THREE.Vector3()).toArray() }));
     }
@@ -738,6 +837,7 @@
         return Object.assign(document.createElement("b"), { textContent: text, className: how });
       }));
       ["glue", "free"].forEach(how => { frame.querySelector(".glues ." + how).hidden = !mates.some(mate => mate.how === how); });
+      frame.querySelector(".below").hidden = steps[number].way < 0;
     }
     function again() { begun = performance.now(); ask(); }
     function ask() {
@@ -786,7 +886,7 @@
       event.preventDefault();
       go(number + turn);
     });
-    const home = () => { hand.held = false; aim(ahead(lain())); };
+    const first = () => seen(steps[number].way), home = () => { hand.held = false; aim(first()); };
     const hand = steered(canvas, camera, { moved: ask, home, tap() {} });
     back.addEventListener("click", () => go(number - 1));
     next.addEventListener("click", () => go(number + 1));
@@ -799,12 +899,12 @@
       renderer.setSize(width, height, false);
       camera.aspect = width / height;
       camera.updateProjectionMatrix();
-      aim(hand.held ? undefined : ahead(lain()));
+      aim(hand.held ? undefined : first());
     }).observe(canvas);
     new IntersectionObserver((entries, watch) => {  // made when it comes into sight
       if (!entries.some(entry => entry.isIntersecting)) return;
       watch.disconnect();
-      renderer = new THREE.WebGLRenderer({ canvas, alpha: true, antialias: !slow });
+      renderer = drawing({ canvas, alpha: true, antialias: !slow });
       renderer.setPixelRatio(slow ? 1 : Math.min(2, devicePixelRatio));
       renderer.setSize(canvas.clientWidth, canvas.clientHeight, false);
       camera.aspect = canvas.clientWidth / canvas.clientHeight;

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import tomllib
 from collections.abc import Callable
 from dataclasses import replace
@@ -25,6 +26,7 @@ from camgen.machines.loads.assess import assess
 from camgen.parts.assembly import bodies_in_motion, order_of_assembly
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.making import assembly_copies
+from camgen.pipeline.shopping import steps_of_assembly
 from camgen.pipeline.shown import animation
 from camgen.spec import validate
 
@@ -194,11 +196,76 @@ def test_the_machine_is_built_listed_and_judged(kind: str, tmp_path: Path) -> No
     assert {*named} == {
         f"{part.name}-{k + 1}" for part in made.assembly.parts for k in range(part.count)
     }
-    # what something is glued into is laid first, and comes again where it is put in
-    again = {copy for copy in named if named.count(copy) > 1}
-    waits = {"arm-1", "bracket-1"} if kind == "arm" else {"carriage-1"}
-    assert again == waits
+    # what is built beside the machine comes once, and is taken along by name
+    assert len(named) == len({*named})
+    beside = ["arm", "bracket"] if kind == "arm" else ["carriage"]
+    assert [step.joins for step in steps if step.joins] == [
+        f"{name} beside the machine" for name in beside
+    ]
     assert pipeline.check(folder).ok
+
+
+@pytest.mark.parametrize("kind", ["slide", "arm"])
+def test_what_is_built_beside_the_machine_is_shown_as_it_lies_there(kind: str) -> None:
+    """A pin is glued where its bore is, on the axis that is up as its holder lies: places from the solids themselves."""
+    made = machine(**FOLLOWERS[kind])
+    steps = steps_of_assembly(made).steps
+    scene = made.scene(0.0)
+    for pin, holder in (
+        ("roller-pin", "arm" if kind == "arm" else "carriage"),
+        ("pivot", "bracket"),
+    ):
+        if f"{pin}-1" not in scene.graph.nodes:
+            continue
+        step = next(each for each in steps if f"{pin}-1" in each.copies)
+        laid = next(each for each in steps if f"{holder}-1" in each.copies)
+        assert step.apart == laid.apart and step.up == laid.up and step.way == -1
+        (mate,) = step.mates
+        assert mate.how == "glue"
+        matrix, _ = scene.graph[f"{pin}-1"]
+        axis = matrix[:3, 2]
+        assert abs(abs(axis @ step.up) - 1) < 1e-9
+        off = np.array(mate.place) - matrix[:3, 3]
+        assert np.linalg.norm(off - (off @ axis) * axis) < 1e-3  # on the pin's axis
+        solids = scene.geometry[holder].copy().apply_transform(scene.graph[f"{holder}-1"][0])
+        low, high = solids.bounds[:, 0]
+        assert (
+            low - 1e-6
+            <= mate.place[0] - mate.height / 2
+            < mate.place[0] + mate.height / 2
+            <= high + 1e-6
+        )
+
+
+def test_words_of_a_drum_s_machine_say_which_end_is_up_and_how_high_all_is() -> None:
+    """Heights from the solids: of the groove at the bore's flat, of the bracket over its plate, of the crank on its shaft."""
+    made = machine(**FOLLOWERS["slide"])
+    titles = [step.title for step in steps_of_assembly(made).steps]
+    corners = made._solids["drum"].vertices
+    radius, angle = np.hypot(*corners[:, :2].T), np.arctan2(corners[:, 1], corners[:, 0])
+    floor = (np.abs(radius - made.track.floor) < 0.5) & (np.abs(angle - math.pi / 2) < 0.03)
+    low, high = np.min(corners[floor, 2]), np.max(corners[floor, 2])
+    (told,) = re.findall(
+        r"bore's flat the middle of its groove is ([\d.]+) mm from the lower", " ".join(titles)
+    )
+    assert float(told) == pytest.approx((low + high) / 2, abs=0.2)
+    scene = made.scene(0.0)
+    top = {
+        name: scene.geometry[name].copy().apply_transform(scene.graph[f"{name}-1"][0]).bounds[1, 2]
+        for name in ("crank", "shaft")
+    }
+    assert top["crank"] == pytest.approx(top["shaft"])
+    assert any("crank on the shaft, flush with its upper end" in title for title in titles)
+    arm = machine(**FOLLOWERS["arm"])
+    scene = arm.scene(0.0)
+    under = (
+        scene.geometry["bracket"].copy().apply_transform(scene.graph["bracket-1"][0]).bounds[0, 2]
+    )
+    plate = scene.geometry["end-plate"].bounds[1, 2]
+    said = " ".join(step.title for step in steps_of_assembly(arm).steps)
+    assert f"its underside {under - plate:.4g} mm over the lower end plate" in said
+    end = " ".join(step.title for step in steps_of_assembly(machine(**FOLLOWERS["end"])).steps)
+    assert "its wavy end up" in end
 
 
 LOADED = {"mass_kg": 0.2, "gravity_deg": -90.0}

@@ -537,7 +537,10 @@ def test_the_walker_buys_one_motor_by_its_model_and_one_holder() -> None:
     (holder,) = (each for each in made.bought if each.role == "supply")
     assert (holder.count, holder.size[:7]) == (1, "52 x 48")
     rows = order_of_assembly(made).rows
-    motors = [row[0] for row in rows if row[1] == "motor"]
-    plate = [row[0] for row in rows if row[1] == "ground"]
-    assert motors == [plate[-1] + 1], "one for both sides, when the plate with its pins is put on"
-    assert str(rows[0][2]).startswith("Motor bar: round the motor's gearbox")
+    names = [str(row[1]) for row in rows]
+    assert names.count("motor") == 1, "one for both sides"
+    begin = names[names.index("ground") : names.index("motor") + 1]
+    pins = [name for name in begin if name.startswith("pin-")]
+    assert begin == ["ground", *pins, "motor-bar", "motor"], "when the plate has its pins"
+    bar = str(rows[names.index("motor-bar")][2])
+    assert bar.startswith("Motor bar: round the motor's gearbox, pressed, flush with its front")

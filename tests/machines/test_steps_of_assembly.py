@@ -29,7 +29,8 @@ from camgen.parts.catalogue import SCREWS
 from camgen.parts.generator import bodies as body_parts
 from camgen.parts.generator import plates as plate_parts
 from camgen.parts.part import Layer, Part
-from camgen.parts.steps import Fixing, order, paper
+from camgen.parts.reaming import reamer_size
+from camgen.parts.steps import Fixing, between, order, thickness_gauge
 from camgen.pipeline.making import parts_table
 from camgen.pipeline.shopping import steps_of_assembly
 from camgen.study import Mate
@@ -147,12 +148,15 @@ def test_a_height_over_what_lies_there_is_said_by_the_gap() -> None:
     assert [row[3] for row in rows[2:]] == [f"pressed and glued on shaft, {each}" for each in said]
 
 
-def test_a_gap_is_set_by_whole_sheets_of_paper() -> None:
-    """Of 0.1 mm each: 1 to 4 of them; none where the gap is no whole number of them, and none where many would be needed."""
-    assert paper(0.2) == " (two sheets of paper between, then pull them out)"
-    assert paper(0.1) == " (one sheet of paper between, then pull it out)"
-    assert "four sheets" in paper(0.4)
-    assert [paper(gap) for gap in (0.0, 0.05, 0.15, 0.25, 0.5)] == [""] * 5
+def test_a_gap_is_set_by_what_is_at_hand() -> None:
+    """Paper of 0.1 mm, up to five sheets, a strip of a bag of 0.05 mm, or a feeler gauge where no few of them are as thick."""
+    assert between(0.2) == " (two sheets of paper between, then pull them out)"
+    assert between(0.1) == " (one sheet of paper between, then pull it out)"
+    assert between(0.05) == " (a strip of a plastic bag between, then pull it out)"
+    both = "one sheet of paper and a strip of a plastic bag"
+    assert between(0.15) == f" ({both} between, then pull them out)"
+    assert thickness_gauge(0.5) == "five sheets of paper"
+    assert {thickness_gauge(gap) for gap in (0.0, 0.02, 0.12, 0.6, 0.99)} == {"a feeler gauge"}
 
 
 def test_walls_of_a_groove_lie_on_their_back_plate_and_gaps_are_set_by_paper() -> None:
@@ -167,7 +171,9 @@ def test_walls_of_a_groove_lie_on_their_back_plate_and_gaps_are_set_by_paper() -
     assert top["cam-contact-inner"] == pytest.approx(top["shaft"])
     titles = [step.title for step in steps_of_assembly(machine).steps]
     (inner,) = (title for title in titles if "the inner wall of" in title)
-    assert inner.endswith("all at once, down on cam-contact-back, flush with shaft's upper end.")
+    assert inner.endswith(
+        "all at once, down on cam-contact-back, flat on flat, flush with shaft's upper end."
+    )
     (outer,) = (title for title in titles if "the outer wall of" in title)
     assert outer.endswith("all at once, down on cam-contact-back.")
     sheets = " (two sheets of paper between, then pull them out)."
@@ -390,8 +396,7 @@ def steps(machine: Mechanism) -> Iterator[tuple[int, str, set[str], set[str]]]:
     built, bench = defaultdict[str, set[str]](set), set[str]()
     for row, step in zip(table.rows, table.steps, strict=True):
         laid, there = set(step.copies), built[step.apart]
-        if step.apart and not laid and not step.group:
-            laid, there = built.pop(step.apart), built[""]
+        laid |= built.pop(step.joins) if step.joins else set()
         if step.group and laid:
             yield int(str(row[0])), str(row[3]), laid, set(bench)
             bench |= laid
@@ -538,7 +543,7 @@ def misglued(machine: Mechanism) -> list[str]:
         if any(set(step.copies) & set(later.copies) for later in all_steps[number + 1 :]):
             found += [f"{step.title}: {mate}" for mate in step.mates if mate.how != "free"]
             continue
-        for mate in (each for each in step.mates if each.height):
+        for mate in (each for each in step.mates if each.height and not step.dry):
             at, z = complex(*mate.place[:2]), mate.place[2]
             through = [
                 ring
@@ -747,10 +752,93 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     (slips,) = (title for title in titles if "spacer-1 over O of crank_web3" in title)
     assert "spacer-1 over O of crank_web3, stuck there with a dot of grease." in slips
     deep = {each.name: each for each in walker.assembly.stand_ins}["motor"]
-    (motor,) = (title for title in titles if title.startswith("Motor: under the plate"))
-    assert f"two blocks at least {math.ceil(-min(disc[2] for disc in deep.discs))} mm" in motor
+    (plate,) = (title for title in titles if title.startswith("Lay the ground plate on the bench"))
+    assert f"two blocks at least {math.ceil(-min(disc[2] for disc in deep.discs))} mm" in plate
     numbers = {str(row[1]): row[0] for row in table.rows}
     assert numbers["far-battery-frame"] > numbers["far-ground"]
+
+
+def test_a_walker_s_motor_and_batteries_come_from_where_they_go_and_are_seen() -> None:
+    """The motor from below, with the bar that holds it, the frame likewise, the holder into it; sizes and places as in its spec."""
+    walker = built("walker")
+    steps = steps_of_assembly(walker).steps
+    (motor,) = (step for step in steps if "motor-bar-1" in step.copies)
+    assert motor.way == 1 and "flush with its front. Hold the motor under the plate" in motor.title
+    assert "its shaft up through O" in motor.title
+    (body, low, high), (shaft, foot, end) = motor.shapes
+    can = walker.making.can
+    assert can is not None
+    assert low == -can.length and max(abs(z) for z in body) == pytest.approx(can.diameter / 2)
+    assert max(abs(z) for z in shaft) == pytest.approx(1.5) and foot == high < 0 < end
+    plate = next(k for k, step in enumerate(steps) if "ground-1" in step.copies)
+    assert steps[plate + 1] is motor
+    (frame,) = (step for step in steps if "far-battery-frame-1" in step.copies)
+    assert frame.way == 1 and frame.up == (0.0, 0.0, -1.0)
+    play = walker.print.slide_clearance + walker.print.press_clearance
+    half = complex(52 + play, 48 + play) / 2
+    points = dict(walker.assembly.by_name["ground"].points)
+    told = re.findall(r"([\d.]+) mm from (?:the middle|that) of (\w+)", frame.title)
+    assert len(told) == 4
+    for away, hole in told:
+        corners = [31j + complex(x * half.real, y * half.imag) for x in (-1, 1) for y in (-1, 1)]
+        assert min(abs(abs(z - points[hole]) - float(away)) for z in corners) < 0.06
+    holder = steps[-1]
+    assert (
+        holder.title.startswith("Battery holder") and "swap the motor's two wires" in holder.title
+    )
+    ((ring, below, above),) = holder.shapes
+    stands = next(each for each in walker.assembly.mounts if each.part == "far-battery-frame")
+    assert (below, above - below) == (stands.z, walker.assembly.by_name[stands.part].thickness)
+    assert np.ptp([z.real for z in ring]) == pytest.approx(52 + play)
+
+
+def test_a_walker_s_steps_say_what_the_hands_do() -> None:
+    """Pins that hang by their heads are held, flats go on flats, a gap that posts leave is not set, the crank's height is."""
+    titles = [step.title for step in steps_of_assembly(built("walker")).steps]
+    (lid,) = (title for title in titles if title.startswith("Lower the second plate"))
+    assert "Hold pin-2 and pin-4 from below by the head while you press." in lid
+    assert "0.05 mm over spacer-3 are left by what it lies on" in lid and "plastic bag" not in lid
+    (web,) = (title for title in titles if "M of crank_web2" in title)
+    assert "into N of crank_web2, flat on flat" in web and "on crank-pin-1, flat on flat" in web
+    (crank,) = (title for title in titles if "on the motor's shaft" in title)
+    assert crank.endswith(
+        "flat on flat, 0.05 mm over ground (a strip of a plastic bag between, then pull it out)."
+    )
+
+
+def test_a_step_says_which_end_is_down_and_counts_what_has_no_letter() -> None:
+    """The clutches of a dial table run on the round end of their shaft; its plate has a hole whose name is that of the shaft."""
+    machine = built("dial-table")
+    round_below = machine.assembly.by_name["shaft-driven_link"].layers[0].region.outer
+    assert len(round_below.pieces) == 1, "no flat at its lower end"
+    titles = [step.title for step in steps_of_assembly(machine).steps]
+    (shaft,) = (
+        title for title in titles if title.startswith("Stand the shaft of link driven_link")
+    )
+    assert "upright, its flat end up; loose" in shaft
+    (plain,) = (title for title in titles if title.startswith("Stand the shaft of link follower"))
+    assert "upright; loose" in plain, "both ends are alike"
+    (plate,) = (
+        title for title in titles if "lower the ground plate over all ends at once" in title
+    )
+    assert ": one on shaft, pivot on shaft-follower and crank on shaft-unloader." in plate
+
+
+def test_holes_in_which_something_turns_are_opened_first() -> None:
+    """Jansen's leg as its spec has it: of each link the holes by which it turns, and of the plate that of its shaft."""
+    spec = Path(__file__).parents[2] / "specs" / "gallery" / "four-bar.toml"
+    machine = read_mechanism(spec)
+    first = steps_of_assembly(machine).steps[0]
+    head, *lines = first.title.split("\n")
+    play = machine.print.slide_clearance
+    assert play == 0.15 and machine.making.pin_diameter == 5 and machine.making.shaft_diameter == 6
+    assert head.startswith("Open all 4 holes in which something turns") and not first.copies
+    assert lines == ["☐ 5.1 mm: A and B of coupler and C of rocker", "☐ 6.1 mm: O of ground."]
+    walker = steps_of_assembly(built("walker")).steps[0]
+    assert "☐ 4 mm: M and C1 of conn1 (2 ×), " in walker.title, "4.05 is what a reamer of 4 leaves"
+    cam = read_mechanism(spec.with_name("groove.toml"))
+    assert not steps_of_assembly(cam).steps[0].title.startswith("Open"), "nothing turns in it"
+    assert [reamer_size(4.0, play) for play in (0.05, 0.1, 0.15, 0.2)] == [4.0, 4.1, 4.1, 4.2]
 
 
 def test_blocks_under_a_plate_are_as_high_as_what_hangs_below_it(leg: Mechanism) -> None:

@@ -73,7 +73,7 @@ def test_spacers_and_caps_are_put_on_a_few_at_a_time_and_nothing_else() -> None:
 def test_a_far_side_repeats_steps_that_are_alike_by_their_numbers() -> None:
     near = [step("lay", "base-1", what="base"), step("set", "link-1", what="link")]
     near.append(step("glue", "cap-1", what="cap"))
-    far = [replace(each, apart="far", copies=["far-" + each.copies[0]]) for each in near]
+    far = [replace(each, apart="far side", copies=["far-" + each.copies[0]]) for each in near]
     found = at_bench(table([*near, *far])).steps
     assert len(found) == 4 and found[3].copies == [copy for each in far for copy in each.copies]
     assert found[3].title.startswith("Far side: do steps 1 to 3 again")

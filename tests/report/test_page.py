@@ -383,11 +383,13 @@ def test_what_is_built_apart_is_told_to_the_view() -> None:
     assert report.scene is not None
     steps = [
         Step([Doing("near")], ["cam-1"]),
-        Step([Doing("far")], ["cam-2"], apart="far"),
-        Step([Doing("on")], apart="far"),
+        Step([Doing("far")], ["cam-2"], apart="far", up=(0.0, 0.0, -1.0)),
+        Step([Doing("on")], joins="far"),
     ]
     page = to_html(replace(report, scene=replace(report.scene, steps=steps)))
     said = json.loads(script(page, "lying"))["steps"]
-    assert [step.get("apart", "") for step in said] == ["", "far", "far"]
+    assert [step.get("apart", "") for step in said] == ["", "far", ""]
+    assert [step.get("joins", "") for step in said] == ["", "", "far"]
+    assert said[1]["up"] == [0.0, 0.0, -1.0]
     views = re.findall(r'data-view="([^"]*)"', page)
     assert [view for view in views if view.startswith("step-")] == ["step-0", "step-1", "step-2"]

@@ -39,7 +39,7 @@ from camgen.study import Sketch, Upright
 
 CAM = "cam"
 _FOLLOWER = "follower"
-_AIR = 1.0  # between bodies that pass each other
+AIR = 1.0  # between bodies that pass each other
 END_PLAY = 0.1  # between a spacer and its bearing
 _LIP = 1.5  # of a plate under its bearing
 PIN_SHARE = 0.4  # diameter of a roller's pin as a share of the roller's, at most
@@ -115,24 +115,24 @@ class Bench:
     @property
     def arm_face(self) -> float:
         """Distance of an arm's inner face from the drum's axis."""
-        return self.track.radius + _AIR + _CAP
+        return self.track.radius + AIR + _CAP
 
     @property
     def block_face(self) -> float:
         """Distance of the inner face of carriage or bracket from the drum's axis."""
         if not self.track.swings:
-            return self.track.radius + _AIR
+            return self.track.radius + AIR
         return self.arm_face + self.sizes.thickness + self.bracket_gap
 
     @cached_property
     def bracket_gap(self) -> float:
         """Between an arm and its bracket: room for the spring that pulls it."""
-        return _AIR / 2 if self.hung is None else self.hung[1].outside + _AIR
+        return AIR / 2 if self.hung is None else self.hung[1].outside + AIR
 
     @property
     def hook(self) -> float:
         """How far the roller's pin stands out of an arm for its spring; 0 without one."""
-        return 0.0 if self.hung is None else self.bracket_gap - _AIR / 2
+        return 0.0 if self.hung is None else self.bracket_gap - AIR / 2
 
     @cached_property
     def bracket_pins(self) -> dict[complex, float]:
@@ -159,9 +159,14 @@ class Bench:
     def rods(self) -> tuple[complex, ...]:
         """Places of the rods, x + iy of the drum; the first two are on the follower's side."""
         front = self.block_face + self.block_depth / 2
-        back = -self.track.radius - _AIR - self.sizes.rod_diameter / 2
+        back = -self.track.radius - AIR - self.sizes.rod_diameter / 2
         half = self.rod_spacing
         return tuple(complex(x, side * half) for x in (front, back) for side in (-1, 1))
+
+    @property
+    def pin_below(self) -> float:
+        """How far the roller's pin ends before the roller's inner end."""
+        return min(AIR, self.track.geometry.roller.length / 4)
 
     @property
     def rollers(self) -> tuple[float, ...]:
@@ -195,8 +200,8 @@ class Bench:
             ends += [track.height + min(-half, low_pin), track.height + half]
         else:
             ends += [track.height + low - half, track.height + high + half]
-        room = self._wound.shortest - _AIR if self._wound is not None else 0.0
-        return min(ends) - _AIR, max(*ends, track.height + high + half + room) + _AIR
+        room = self._wound.shortest - AIR if self._wound is not None else 0.0
+        return min(ends) - AIR, max(*ends, track.height + high + half + room) + AIR
 
     @cached_property
     def _wound(self) -> WorkingSpring | None:
@@ -375,7 +380,7 @@ class Bench:
         for ring in rings:
             yield ring, [ring_mount(ring, self.base + self.track.length)]
         low = FOOT
-        over = _AIR + s.thickness if self.cranked else _OUT
+        over = AIR + s.thickness if self.cranked else _OUT
         length = self.top - low + over
         shape = "plain" if s.bore_shape == "keyway" else s.bore_shape
         own = s.model_copy(update={"bore_shape": shape})
@@ -422,7 +427,7 @@ class Bench:
         layer = Layer(Region(hull(hubs), (s.hole(), stub)), 0.0, s.thickness)
         note = "glued on the shaft, the knob into its other hole"
         crank = Part("crank", "Hand crank", (layer,), centres=(0j, arm), notes=(note,))
-        under = self.top + _AIR
+        under = self.top + AIR
         yield crank, [Mount("crank", CAM, z=under)]
         wide, tall = _KNOB
         layers = (
@@ -484,7 +489,7 @@ class Bench:
             ],
         )
         cap = self.arm_face - END_PLAY
-        inner = self.track.radius + _AIR
+        inner = self.track.radius + AIR
         length = self.block_face + self.block_depth - inner
         yield (
             self._pin_part("pivot", "Pin of the arm", length, "glued into bracket and cap"),
@@ -528,9 +533,9 @@ class Bench:
         outer = self.arm_face + self.sizes.thickness
         height = self.base + self.track.height
         pivot, post = self.bracket_pins
-        length = self.block_face + self.block_depth - outer - _AIR / 2
+        length = self.block_face + self.block_depth - outer - AIR / 2
         pin = self._pin_part("spring-pin", "Pin of the spring", length, "glued into the bracket")
-        at = complex(outer + _AIR / 2, post.real)
+        at = complex(outer + AIR / 2, post.real)
         turn = math.pi / 2
         yield pin, [Mount("spring-pin", GROUND, at, turn, z=height + post.imag, upright=True)]
         washer = Region(circle(0j, self.arm_hub), (self._hole(0j, self.pin, self.fits.press),))
@@ -559,7 +564,7 @@ class Bench:
         pin = self._pin_part(
             "roller-pin",
             "Pin of the roller",
-            holder - track.inner - min(_AIR, roller.length / 4),
+            holder - track.inner - self.pin_below,
             f"glued into the {holds}",
         )
         yield pin, [Mount("roller-pin", _FOLLOWER, at, z=-holder) for at in places]

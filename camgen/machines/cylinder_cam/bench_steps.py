@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+import numpy as np
+
 from camgen.machine.model import GROUND
-from camgen.machines.cylinder_cam.bench import CAM, END_PLAY, FOOT, Bench
+from camgen.machines.cylinder_cam.bench import AIR, CAM, END_PLAY, FOOT, Bench
 from camgen.machines.cylinder_cam.pieces import SEAT
 from camgen.numerics import Floats
-from camgen.parts.steps import COLUMNS, paper
+from camgen.parts.reaming import reamer_size
+from camgen.parts.steps import COLUMNS, between, thickness_gauge
 from camgen.study import Doing, Step, Table
 
 _FIRST = "on the table, its key up"
-_ASIDE = "on the table beside the machine; step {step} puts it in"
+_TELLS = 1.0  # mm, by which a track is nearer to one end than to the other one, so that one sees it
+_INWARDS = (-1.0, 0.0, 0.0)  # from the roller's side to the drum
 
 
 @dataclass(frozen=True)
 class _Act:
     """A step of assembly: which part comes where, as the table says it, and what is done.
 
-    aside: laid down beside the machine at first; dry: held without glue, however tight it is; wire: of a spring, (n, 3) mm.
+    apart: what is built beside the machine, its outer side down; joins: what was, and comes too; first: its copies come
+    once more; dry: held without glue, however tight it is; wire: of a spring, (n, 3) mm.
     """
 
     part: str
@@ -29,13 +35,28 @@ class _Act:
     done: str
     copies: Sequence[str] = ()
     dry: bool = False
-    aside: bool = False
+    first: bool = False
+    apart: str = ""
+    joins: str = ""
     wire: Floats | None = None
 
-    def with_step(self, number: int) -> _Act:
-        """The same with the number of the step that takes along what lies beside the machine."""
-        place = self.place.format(step=number)
-        return replace(self, place=place, done=self.done.format(step=number))
+    @property
+    def step(self) -> Step:
+        """For the pictures."""
+        return Step(
+            [Doing(self.done)],
+            self.copies,
+            apart=self.apart,
+            up=_INWARDS if self.apart else Step.up,
+            joins=self.joins,
+            wire=self.wire,
+            dry=self.dry,
+        )
+
+
+def _beside(part: str) -> str:
+    """What is built beside the machine, by its first part."""
+    return f"{part} beside the machine"
 
 
 @dataclass(frozen=True)
@@ -54,12 +75,8 @@ class BenchSteps:
             *self._upper_acts(),
             *(self._crank_acts() if self.bench.cranked else ()),
         ]
-        taken = max(k for k, act in enumerate(acts, 1) if act.part == "drum")
-        numbered = [act.with_step(taken) for act in acts]
-        rows = [(k, *self._row(act)) for k, act in enumerate(numbered, 1)]
-        steps = [
-            Step([Doing(act.done)], act.copies, wire=act.wire, dry=act.dry) for act in numbered
-        ]
+        rows = [(k, *self._row(act)) for k, act in enumerate(acts, 1)]
+        steps = [act.step for act in acts]
         return Table("Assembly of the machine, from the lower plate up", COLUMNS, rows, steps)
 
     def _row(self, act: _Act) -> tuple[object, ...]:
@@ -70,10 +87,13 @@ class BenchSteps:
             spring = "compression spring", "Compression spring"
             return (*spring, act.place, 1, round(self.bench.carriage_rest, 3), "upright")
         part, mounts = next(each for each in self.bench.made if each[0].name == act.part)
-        own = [copy for copy in act.copies if copy in self._copies[act.part]]
-        mount = mounts[self._copies[act.part].index(own[0])]
+        copies = self._copies[act.part]
+        own = [
+            copy for copy in act.copies if copy in copies
+        ] or copies  # all, where they were built
+        mount = mounts[copies.index(own[0])]
         level = mount.body in (GROUND, CAM) and not mount.upright
-        z: object = round(mount.z, 3) if level and not act.aside else ""
+        z: object = round(mount.z, 3) if level and not act.first else ""
         lies = ("turned over" if mount.flipped else "as drawn") if level else "on its side"
         return act.part, part.title, act.place, len(own), z, lies
 
@@ -89,15 +109,11 @@ class BenchSteps:
         """A step in which all copies of a part come."""
         return _Act(part, place, done, self._copies[part], dry)
 
-    def _laid_aside(self, part: str) -> _Act:
-        """A step in which what the drum takes along later is laid beside the machine."""
-        return _Act(part, _ASIDE, f"lay the {part} {_ASIDE}", self._copies[part], aside=True)
-
     def _ring_acts(self) -> Iterator[_Act]:
         """Of a drum in two pieces: they become one."""
         on = SEAT.removesuffix(", glued")
         for ring in self.bench.drum[1:]:
-            yield _Act("drum", _FIRST, f"lay the drum {_FIRST}", self._copies["drum"], aside=True)
+            yield _Act("drum", _FIRST, f"lay the drum {_FIRST}", self._copies["drum"], first=True)
             yield self._act(ring.name, SEAT, f"glue the ring on the drum, {on}")
 
     def _lower_acts(self) -> Iterator[_Act]:
@@ -110,7 +126,8 @@ class BenchSteps:
         yield self._act(
             "rod",
             "glued into the plate, flush below",
-            f"glue {rods} × rod upright into the lower end plate, flush with its underside",
+            f"glue {rods} × rod upright into the lower end plate, flush with its underside; "
+            "the two that stand farther from the bearing are the front rods",
         )
 
     @property
@@ -119,93 +136,157 @@ class BenchSteps:
         return "arm" if self.bench.track.swings else "carriage"
 
     def _follower_acts(self) -> Iterator[_Act]:
-        """What carries the roller, and an arm on its bracket, beside the machine."""
+        """What carries the roller, and an arm on its bracket, each built beside the machine."""
+        held = self._held
+        lying = "on the table, the bore for the pin upright"
+        yield self._beside(held, held, lying, f"{self._reamed}lay it {lying}")
         pins = len(self._copies["roller-pin"])
         pin = f"{pins} × roller-pin" if pins > 1 else "roller-pin"
-        roller = "a roller on each pin" if pins > 1 else "the roller on its pin"
-        yield self._laid_aside(self._held)
-        flush, where = "flush outside", "flush with its outer side"
-        if self.bench.hung is not None:
-            flush = where = f"{self.bench.hook:.3g} mm of it out of its outer side"
-        yield self._act(
+        bore = "its narrower bore" if self.bench.track.swings else "it"
+        hook = self.bench.hook
+        stands = f"{hook:.3g} mm of it out" if hook else "flush"
+        down = f"till {stands} below" if hook else f"down to the table: {stands} below"
+        yield self._beside(
             "roller-pin",
-            f"glued into the {self._held}, {flush}",
-            f"glue {pin} into the {self._held}, {where}",
+            held,
+            f"glued into the {held}, {stands} outside",
+            f"glue {pin} into {bore} from above, {down}, on its outer side",
         )
-        yield self._act(
-            "roller",
-            "on its pin, its inner end a little over the pin's",
-            f"put {roller}: its inner end stands a little over the pin's",
-        )
+        place, said = self._roller_words(pins > 1)
+        yield self._beside("roller", held, place, said)
         if not self.bench.track.swings:
             return
-        yield self._laid_aside("bracket")
-        yield self._act(
+        yield self._beside("bracket", "bracket", lying, f"lay it {lying}")
+        yield self._beside(
             "pivot",
+            "bracket",
             "glued into the bracket, flush outside",
-            "glue the pivot into the bracket, flush with its outer side",
+            f"glue the pivot into its {self._pivot_bore}bore from above, down to the table: flush below, on its outer side",
         )
         yield from self._hanging_acts()
-        eye = (
-            "" if self.bench.hung is None else ", the roller-pin through the free eye of the spring"
-        )
-        put = f"put the arm on the pivot{eye}, no glue"
-        yield self._act("arm", f"on its pin{eye}", put, dry=True)
-        yield self._act(
+        hung = self.bench.hung is not None
+        eye = ", the roller-pin through the free eye of the spring" if hung else ""
+        on = f"put the arm on the pivot, its roller up{eye}, no glue"
+        arm = self._beside("arm", "bracket", f"on its pin{eye}", on)
+        yield replace(arm, copies=(), joins=_beside("arm"), dry=True)
+        yield self._beside(
             "cap",
-            "glued on the pin, the arm free",
-            "glue the cap on the pivot; the arm must turn freely",
+            "bracket",
+            "glued on the pin, flush with its end, the arm free",
+            "glue the cap on the pivot, flush with its upper end; the arm must turn freely",
         )
+
+    @property
+    def _reamed(self) -> str:
+        """What is done first with the bores of a carriage; "" of an arm, which has none."""
+        if self.bench.track.swings:
+            return ""
+        size = reamer_size(self.bench.sizes.rod_diameter, self.bench.fits.slide)
+        return f"open its two bores with a drill or reamer of {size:g} mm: it must slide on the rods by its own weight. Then "
+
+    def _beside(self, part: str, built: str, place: str, done: str) -> _Act:
+        """A step in which all copies of a part come, of what is built beside the machine; built: by the name of its first part."""
+        return replace(self._act(part, place, done), apart=_beside(built))
+
+    def _roller_words(self, several: bool) -> tuple[str, str]:
+        """Where the roller goes on its pin, and what is done."""
+        roller = "a roller on each pin" if several else "the roller on its pin"
+        over = self.bench.pin_below
+        if next(part for part, _ in self.bench.made if part.name == "roller").process == "bought":
+            place = f"glued on its pin, its inner end {over:.3g} mm over the pin's"
+            return place, (
+                f"glue {roller}, by its inner ring: its upper end stands {over:.3g} mm over the pin's"
+            )
+        place = f"on its pin, its inner end {over:.3g} mm over the pin's"
+        return place, (
+            f"put {roller}, its narrow collar down, no glue: it must turn freely. Its upper end stands {over:.3g} mm over "
+            "the pin's; the drum keeps it there later"
+        )
+
+    @property
+    def _pivot_bore(self) -> str:
+        """Which of a bracket's bores is the pivot's; "" where there is no other one."""
+        return "" if self.bench.hung is None else "upper "
 
     def _hanging_acts(self) -> Iterator[_Act]:
         """Of a spring that pulls the arm: its pin, what keeps the arm off the bracket, and the spring."""
         if self.bench.hung is None:
             return
-        yield self._act(
+        yield self._beside(
             "spring-pin",
+            "bracket",
             "glued into the bracket, flush outside",
-            "glue the spring-pin into the bracket, flush with its outer side",
+            "glue the spring-pin into its lower bore from above, down to the table",
         )
-        yield self._act(
+        yield self._beside(
             "sleeve",
+            "bracket",
             "glued on the pivot, down on the bracket",
             "glue the sleeve on the pivot, down on the bracket",
         )
         where = "one eye on the spring-pin"
         (wire,) = self.bench.wires()
-        yield _Act("spring", where, f"put the extension spring with {where}", wire=wire)
+        said = f"put the extension spring with {where}"
+        yield _Act("spring", where, said, wire=wire, apart=_beside("bracket"))
 
     def _drum_acts(self) -> Iterator[_Act]:
         """The shaft, and on it the drum, which takes the follower along."""
-        below = self.bench.plate_thickness - self.bench.bearing.width - FOOT
         yield self._act(
             "shaft",
             "upright in the bearing",
-            f"stand the shaft upright in the bearing: it stands out by {below:.3g} mm below that, its lower end {FOOT:g} mm over the table; put a strip that thick under it",
+            f"lay {thickness_gauge(FOOT)}, {FOOT:g} mm, under the bearing's bore, and stand the shaft upright in the "
+            "bearing, down on the paper; take that away at the end",
         )
         yield self._act(
             "spacer-below",
             "glued on the shaft over the bearing",
-            f"glue spacer-below on the shaft, {END_PLAY:g} mm over the bearing{paper(END_PLAY)}",
+            f"glue spacer-below on the shaft, {END_PLAY:g} mm over the bearing{between(END_PLAY)}",
         )
         track = "on the drum's end" if self.bench.track.geometry.track == "end" else "in the track"
-        bored = "bracket" if self.bench.track.swings else "bores of the carriage"
-        into = f"the roller {track} and the {bored} on the two front rods"
+        end = "bracket" if self.bench.track.swings else self._held
+        into = f"the roller {track} and the bores of the {end} on the two front rods"
         driver = {"plain": "glue", "d-flat": "flat", "keyway": "key"}[self.bench.sizes.bore_shape]
         fixed = "glue in its bore" if driver == "glue" else f"no glue, the {driver} drives it"
-        end = "bracket" if self.bench.track.swings else self._held
         if self.bench.hung is not None:
             into += "; lift the arm against its spring till the roller stands there"
         yield _Act(
             "drum",
-            f"lowered over the shaft together with the {self._held}, {into}",
-            f"lower the drum over the shaft ({fixed}), down on spacer-below, together with the {end}: both at once, {into}",
-            [
-                *(name for part in self.bench.drum for name in self._copies[part.name]),
-                *self._copies[end],
-            ],
+            f"lowered over the shaft together with the {end}, {into}",
+            f"lower the drum over the shaft ({fixed}), {self._end_up}, down on spacer-below, together with the {end}: "
+            f"both at once, {into}{self._bracket_high}",
+            [name for part in self.bench.drum for name in self._copies[part.name]],
             dry=driver != "glue",
+            joins=_beside(end),
         )
+
+    @property
+    def _end_up(self) -> str:
+        """Which end of the drum is up, and how one sees it."""
+        bench = self.bench
+        geometry = bench.track.geometry
+        if geometry.track == "end":
+            return "its wavy end up"
+        if len(bench.drum) > 1:
+            return "its ring up"
+        said = "the end up that was up as it was printed"
+        if bench.sizes.bore_shape == "plain":
+            return said
+        flat = bench.track.height + float(bench.track.program(np.array([1.5 * math.pi]))[0])
+        if abs(2 * flat - bench.track.length) < 2 * _TELLS:
+            return said
+        where = {"d-flat": "flat", "keyway": "keyway"}[bench.sizes.bore_shape]
+        return f"{said}: in line with the bore's {where} the middle of its {geometry.track} is {flat:.3g} mm from the lower end"
+
+    @property
+    def _bracket_high(self) -> str:
+        """How high a bracket is glued on its rods; "" of a carriage, which runs on them."""
+        bench = self.bench
+        if not bench.track.swings:
+            return "; the carriage must slide on them freely"
+        deepest = min(at.imag for at in bench.bracket_pins) - bench.pin / 2 - bench.sizes.wall
+        under = min(-bench.block_height / 2, deepest)
+        over = bench.base + bench.track.height + under - bench.plate_thickness
+        return f"; glue the bracket on them, its underside {over:.4g} mm over the lower end plate"
 
     def _upper_acts(self) -> Iterator[_Act]:
         """Springs, and the upper plate with its bearing."""
@@ -225,13 +306,16 @@ class BenchSteps:
         yield _Act(
             "end-plate",
             f"seat down, over bearing and rods at once, glued on the rods, flush above{pressing}",
-            f"lower the upper end plate, seat down, over the bearing and all {rods} rods at once; glue it on the rods, flush above{pressing}",
+            f"lower the upper end plate, seat down, over the bearing and all {rods} rods at once; glue it on the rods, flush above{pressing}. "
+            f"The shaft must turn freely: {END_PLAY:g} mm of play along it is left by itself",
             ["end-plate-2"],
         )
 
     def _crank_acts(self) -> Iterator[_Act]:
         """The crank that a hand turns."""
-        yield self._act("crank", "glued on the shaft", "glue the hand crank on the shaft")
+        flush = "flush with its upper end"
+        said = f"glue the hand crank on the shaft, {flush}: it is {AIR:.3g} mm over the upper end plate"
+        yield self._act("crank", f"glued on the shaft, {flush}", said)
         yield self._act("knob", "glued into the crank", "glue the knob into the crank")
 
     @property

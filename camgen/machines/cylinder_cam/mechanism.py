@@ -466,8 +466,11 @@ class CylinderCam(Mechanism):
             made = replace(made, work=Later(lambda: [pieces.steps()]))
         if p.make == "printed":
             bench = self._bench([part, *rings], self._springs)
+            made = self._assembly(bench.parts, bench.mounts)
+            fixing = replace(made.process.fixing, rings=frozenset({"bearing"}))
             made = replace(
-                self._assembly(bench.parts, bench.mounts),
+                made,
+                process=replace(made.process, fixing=fixing),
                 planes={_FOLLOWER: bench.plane},
                 touching=bench.touching,
                 work=Later(lambda: [BenchSteps(bench).table()]),

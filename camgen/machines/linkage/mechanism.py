@@ -216,7 +216,7 @@ class Linkage(LinkageSpec):
         motor = (
             MotorSeat(crank=sizes.hand_crank)
             if sizes.face is None
-            else MotorSeat(frame, bodies.shaft_reach, bodies.collar)
+            else MotorSeat(frame, bodies.shaft_reach, bodies.collar, shaft=sizes.shaft_diameter)
         )
         feet = len(bodies.layout.feet)
         ends = bodies.parts[0].centres[-sizes.mount_screws - feet :]

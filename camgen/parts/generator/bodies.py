@@ -266,7 +266,10 @@ class Bodies:
         low = -(face.length or 2 * face.half)
         names = ["motor", *(f"motor of {link}" for link in self.layout.further)]
         motors = zip(names, axes, strict=True)
-        return [*(StandIn(name, GROUND, ((at, wide, low, high),)) for name, at in motors), *own]
+        return [
+            *(StandIn(name, GROUND, ((at, wide, low, high),), drives=True) for name, at in motors),
+            *own,
+        ]
 
     # ---- links and plate --------------------------------------------------------------------------------------------
 

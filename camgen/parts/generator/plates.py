@@ -35,7 +35,7 @@ from camgen.parts.generator.sizes import SUNK, Parts
 from camgen.parts.generator.troughs import rails
 from camgen.parts.hardware import plate, spacer
 from camgen.parts.level_rules import Axis, Thing, ways
-from camgen.parts.part import GLUED_BELOW, HoldingNote, Layer, Part, d_bore, hull
+from camgen.parts.part import HoldingNote, Layer, Part, d_bore, hull
 
 SECOND = "second-plate"
 # mm, between places that are tried for a post, and how far beyond the ground's points at first
@@ -268,7 +268,7 @@ def motor_bar(layout: Layout) -> Iterator[tuple[Part, Mount]]:
         round_it = [(z, rim) for z in (corner, -corner, corner.conjugate(), -corner.conjugate())]
         opening = rectangle(-corner, corner)
         z = -s.base_thickness
-        said = "round the motor's gearbox, pressed; two screws draw it to the plate"
+        said = "round the motor's gearbox, pressed, flush with its front; two screws draw it to the plate"
     else:
         boss = (face.boss + layout.fits.slide_clearance) / 2
         round_it = [(0j, boss + rim)]
@@ -284,6 +284,7 @@ def motor_bar(layout: Layout) -> Iterator[tuple[Part, Mount]]:
         centres=(0j, *face.screws),
         min_wall=layout.min_wall,
         notes=(HoldingNote(said),),
+        role="motor-bar",
     )
     for link in layout.drivers:
         yield part, Mount(part.name, GROUND, layout.at(GROUND, layout.shaft_of(link)), z=z)
@@ -317,7 +318,8 @@ def with_battery(layout: Layout) -> Layout:
         (Layer(region, 0.0, battery.height),),
         centres=(0j,),
         min_wall=layout.min_wall,
-        notes=(HoldingNote(f"{GLUED_BELOW}; the holder lies in it"),),
+        notes=(HoldingNote("glued under the plate; the holder lies in it"),),
+        role="battery-frame",
     )
     mount = Mount(part.name, GROUND, at, z=-battery.height)
     fitted = layout.fitted
@@ -406,7 +408,7 @@ def _second_plate(layout: Layout) -> Part:
         drawn_layer=len(heights) - 2,
         centres=tuple(points.values()),
         min_wall=layout.min_wall,
-        notes=(HoldingNote(f"screwed on {len(posts)} posts, over all"), *notes),
+        notes=(HoldingNote(f"screwed on {len(posts)} posts, over all, tight crosswise"), *notes),
         points=tuple(points.items()),
     )
 
