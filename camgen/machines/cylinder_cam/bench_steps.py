@@ -145,7 +145,11 @@ class BenchSteps:
         bore = "its narrower bore" if self.bench.track.swings else "it"
         hook = self.bench.hook
         stands = f"{hook:.3g} mm of it out" if hook else "flush"
-        down = f"till {stands} below" if hook else f"down to the table: {stands} below"
+        down = (
+            f"till {hook:.3g} mm of it stand out below"
+            if hook
+            else f"down to the table: {stands} below"
+        )
         yield self._beside(
             "roller-pin",
             held,
