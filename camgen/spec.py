@@ -862,7 +862,7 @@ def _no_such(
     name = str(path[-1])
     keys = [each for each in keys if each != name]
     radius = re.sub("diameter$", "radius", name)
-    if radius != name and radius in keys and isinstance(value, int | float):
+    if radius != name and radius in keys and isinstance(value, int | float) and abs(value) < 1e9:
         return None, f"{UNKNOWN}; write {radius} = {value / 2:g}, which is half of it"
     close = get_close_matches(name, keys, 1) or likely_key(name, keys)
     elsewhere = _in_others(path, root)
@@ -889,7 +889,8 @@ def _needed(node: Data | None, root: Data) -> str:
             and "form" not in {**(node or {}), **member}
             and len(needed) < len(member.get("properties", ()))
         ):
-            return f"a table with {' and '.join(needed)}; other keys may be left out"
+            listed = " and ".join(filter(None, [", ".join(needed[:-1]), needed[-1]]))
+            return f"a table with {listed}; other keys may be left out"
     return ""
 
 
@@ -950,7 +951,7 @@ def _meant_list(value: object, node: Data) -> str:
         isinstance(value, int | float)
         and not isinstance(value, bool)
         and len(sides) == 2
-        and all(side.get("minimum", 0.0) > 0 for side in sides)
+        and all(0 < each.get("minimum", 0) <= value <= each.get("maximum", 0) for each in sides)
     ):
         return f"a list of two sizes: write [{value:g}, {value:g}]"
     if isinstance(value, list) and len(node.get("prefixItems", ())) + 1 == len(value) == 3:

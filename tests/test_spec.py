@@ -841,6 +841,7 @@ def test_what_should_be_a_table_is_told_as_one(tables: dict[str, Any], said: str
         ("motor.rpm=20", "did you mean 'speed_rpm'?"),
         ("geometry.follower.diameter=16", "write radius = 8, which is half of it"),
         ("geometry.base_diameter=50", "write base_radius = 25, which is half of it"),
+        (f"geometry.base_diameter={10**400}", "known here: follower, base_radius"),
         ("segment.0.type=rise", "unknown key; did you mean 'kind'?"),
         ("segment.0.angle=100", "unknown key; did you mean 'span_deg'?"),
         ("segment.0.stroke=12", "unknown key; did you mean 'lift'?"),
@@ -1067,6 +1068,13 @@ def test_the_shaft_of_the_motor_is_the_machines(mechanism: str, make: str, key: 
         ),
         ("disc-cam", "geometry.base_radius=0.025", "lengths are in mm: 25?"),
         ("linkage", "parts.thickness=0.004", "lengths are in mm: 4?"),
+        ("disc-cam", "geometry.follower.radius=0.005", "lengths are in mm: 5?"),
+        ("cylinder-cam", "geometry.roller.length=0.006", "lengths are in mm: 6?"),
+        (
+            "eccentric-drive",
+            "geometry=",
+            "a table with eccentricity, rod, eccentric_diameter and shaft_diameter; other keys",
+        ),
         (
             "linkage",
             "parts.hand_crank=true",
@@ -1076,6 +1084,11 @@ def test_the_shaft_of_the_motor_is_the_machines(mechanism: str, make: str, key: 
             "disc-cam",
             "print.bed=220",
             "print.bed: 220 - expected a list of two sizes: write [220, 220]",
+        ),
+        (
+            "disc-cam",
+            f"print.bed={10**400}",
+            "print.bed: a number of about 1e400 - expected a list",
         ),
         ("disc-cam", "lift=3", "lift: unknown key; did you mean 'segment.0.lift'?"),
         (

@@ -26,7 +26,7 @@ class TrackFollower(MovingFollower):
     shape: Literal["roller", "flat", "knife"] = Field(
         description='"roller" (with its radius), "flat" or "knife"; there is no default'
     )
-    radius: Length | None = Field(default=None, description="radius of the roller")
+    radius: Size | None = Field(default=None, description="radius of the roller")
     offset: Coordinate = Field(
         default=0.0,
         description="translating: how far the slide is to the right of the shaft (below 0: to the "
