@@ -43,6 +43,16 @@ def peak(values: ArrayLike) -> float:
     return float(np.nanmax(np.abs(values), initial=0.0))
 
 
+def magnitude(values: ArrayLike) -> float:
+    """Largest magnitude of real or complex values; nan where one is nan, ValueError of none."""
+    return float(np.max(np.abs(values)))
+
+
+def spread(z: Points) -> float:
+    """The longer side of the box round places, (n,) complex, along x and y."""
+    return float(max(np.ptp(z.real), np.ptp(z.imag)))
+
+
 def latest(function: Callable[[Floats], _Result], count: int = 1) -> Callable[[ArrayLike], _Result]:
     """A function that keeps its last results, for callers that ask for the same values several times in a row.
 

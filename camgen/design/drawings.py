@@ -49,7 +49,7 @@ from camgen.errors import CamgenError, DesignError, SpecError
 from camgen.findings import Finding
 from camgen.machines.sources import changed, read_mechanism
 from camgen.motion.pen import peak_acceleration, pen_motion, strokes_motion
-from camgen.numerics import Floats, Points
+from camgen.numerics import Floats, Points, magnitude
 from camgen.reading import Data
 from camgen.spec import dump
 
@@ -195,7 +195,7 @@ def _joint(start: complex, end: Points, first: float, second: float, side: int) 
 
 def plotters(line: Points, radius: float) -> list[Plotter]:
     """Those whose estimates hold, the smallest first; line: as of `Plotter`."""
-    reach = float(np.abs(line).max())
+    reach = magnitude(line)
     found_likely = []
     arm = max(_LEAST_ARM, 2 * reach)
     while arm <= max(_LONGEST_ARM, 2.1 * reach):
@@ -306,7 +306,7 @@ def machine_tables(
         if not failing:
             return tables, found
         worst = failing[0]
-    size = 2 * float(np.abs(moved).max())
+    size = 2 * magnitude(moved)
     said = "" if worst is None else f": {worst.code if isinstance(worst, Finding) else worst}"
     arms = ', wanted.follower = "arm"' if wish.follower == "slides" else ""
     remedy = f"a smaller drawing, fewer loops{arms} or a greater wanted.tolerance{said}"

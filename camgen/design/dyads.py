@@ -15,7 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
-from camgen.numerics import Floats, Points, solve
+from camgen.numerics import Floats, Points, magnitude, solve
 
 _REAL = 1e-6  # imaginary part of an eigenvalue, of the poses' size, that counts as rounding
 _FARTHEST = 1e6  # of the poses' size: what is farther away is at infinity
@@ -44,7 +44,7 @@ class Poses:
     @cached_property
     def size(self) -> float:
         """Largest shift, mm; 1 of a body that turns on the spot."""
-        return float(np.max(np.abs(self.shifts))) or 1.0
+        return magnitude(self.shifts) or 1.0
 
     def carried(self, points: Points) -> Points:
         """Where points of the body, (m,) as at the first pose, are at all poses: (n, m)."""

@@ -26,7 +26,7 @@ from camgen.design.wanted import FunctionWish
 from camgen.design.weighing import Designs
 from camgen.errors import DesignError
 from camgen.machine.targets import Function
-from camgen.numerics import Floats, solve
+from camgen.numerics import Floats, magnitude, solve
 from camgen.reading import Data
 from camgen.report.sketches import Sketch
 from camgen.workers import Workers
@@ -135,7 +135,7 @@ def search(wish: FunctionWish) -> list[Generator]:
     steep_enough = transmission >= least
     nearest = float(np.min(error[steep_enough] if steep_enough.any() else error))
     allowance = math.radians(wish.tolerance or 0)
-    useless = 0.5 * float(np.max(np.abs(pairs[:, 1])))  # a rocker that rests is off by twice that
+    useless = 0.5 * magnitude(pairs[:, 1])  # a rocker that rests is off by twice that
     if nearest > 0.98 * allowance:  # none wanted, or none within it
         allowance = min(max(_WIDE, _TIMES * nearest), useless)
     order = np.lexsort([error, np.maximum(0, least - transmission)])

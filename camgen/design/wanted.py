@@ -17,7 +17,7 @@ from camgen.design.fourbars import Room
 from camgen.errors import Fault, SpecError
 from camgen.machines.spec_files import rows_of, strokes_of
 from camgen.motion.pen import Corners, closed_line, strokes_in_order
-from camgen.numerics import Floats, Points, from_zero
+from camgen.numerics import Floats, Points, from_zero, magnitude, spread
 from camgen.reading import Data, references
 from camgen.spec import Checked, Length, Record, validate
 from camgen.tolerances import SAME_POINT
@@ -105,7 +105,7 @@ class PathWish(Wish):
         )
         z = np.array([complex(*place) for place in corners], complex)
         z = z[np.abs(np.diff(z, prepend=np.nan)) != 0] if self.joined else np.unique(z)
-        box = max(np.ptp(z.real), np.ptp(z.imag)) if z.size else 0.0
+        box = spread(z) if z.size else 0.0
         if z.size < 3 or box < 1e-3:
             raise SpecError(
                 [
@@ -532,7 +532,7 @@ class FourBarWish(LinkWish):
     @property
     def size(self) -> float:
         """Largest distance of two places, mm."""
-        return float(np.max(np.abs(self.places[:, None] - self.places)))
+        return magnitude(self.places[:, None] - self.places)
 
     @property
     def further(self) -> str:

@@ -24,6 +24,7 @@ from camgen.files.threemf import PartCopy
 from camgen.geometry.brep import Brep, Edge, Face, Loop
 from camgen.geometry.outlines import Floats
 from camgen.geometry.splines import DEGREE, Patch, Spline
+from camgen.numerics import magnitude
 from camgen.parts.exact import SAME, exact
 
 _SCHEMA = "AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }"
@@ -609,7 +610,7 @@ class _Reader:
         _, place, radius = self.get(surface, "CYLINDRICAL_SURFACE")
         at, z, _ = self.frame(place)
         around = np.concatenate(runs)
-        self.off(float(np.max(np.abs(np.hypot(around[:, 0], around[:, 1]) - radius))), *at[:2])
+        self.off(magnitude(np.hypot(around[:, 0], around[:, 1]) - radius), *at[:2])
         turn = np.unwrap(np.arctan2(around[:, 1], around[:, 0]))
         height = around[:, 2]
         if (

@@ -21,7 +21,7 @@ import numpy as np
 from camgen.geometry.facets import LAST_STEP, ShareLaw, Track, cross, dot, facet, fewest
 from camgen.geometry.outlines import Arc, Contour, Floats, Line, Piece, Points, Smooth, start_point
 from camgen.geometry.rings import Ring
-from camgen.numerics import roots
+from camgen.numerics import magnitude, roots
 
 # A biarc turns by no more than this, rad, however loose the tolerance: each of its arcs stays well below a half circle.
 _BIARC_TURN = 2 * math.pi / 3
@@ -241,7 +241,7 @@ def _family_fit(
     w = seen - np.where(second, fit.joint[:, None], fit.z0[:, None])
     f = cross(tangent, w) - kappa * np.abs(w) ** 2 / 2
     off = 2 * f / (1 + np.sqrt(np.maximum(1 - 2 * kappa * f, 0)))
-    return fit, float(np.abs(off).max())
+    return fit, magnitude(off)
 
 
 def _below_half(arc: Arc) -> list[Arc]:

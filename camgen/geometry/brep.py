@@ -21,6 +21,7 @@ from camgen.errors import DesignError
 from camgen.geometry.mesh import Mesh, components, weld
 from camgen.geometry.rings import Floats, Ring, Shape, shape_of
 from camgen.geometry.splines import Patch, Spline
+from camgen.numerics import magnitude
 
 _FEWEST = 4  # cells of a patch each way
 _ASLANT = 0.8  # square roots of tolerance over radius, of a cell of a cylinder across
@@ -261,7 +262,7 @@ class _Band:
         A chord over the angle a lies radius a^2 / 8 inside the cylinder. Along the rows a is at most 2 sqrt(tolerance / radius), and a
         diagonal goes over that and one cell across: (2 + 0.8)^2 / 8 < 1.
         """
-        widest = float(np.max(np.abs(self._turn[1])))
+        widest = magnitude(self._turn[1])
         return max(1, math.ceil(widest / (_ASLANT * math.sqrt(tolerance / radius))))
 
     def grid(self, radius: float, steps: int) -> Floats:

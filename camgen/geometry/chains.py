@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgen.geometry.rings import Floats, Points, Ring
-from camgen.numerics import coordinates
+from camgen.numerics import coordinates, spread
 from camgen.tolerances import CHAIN_GAP, SAME_POINT
 
 
@@ -30,7 +30,7 @@ class Chain:
         a = self.points[:-1]
         b = self.points[1:]
         z = np.concatenate([self.points, (a + b) / 2 - 0.5j * self.bulges * (b - a)])
-        return float(max(np.ptp(z.real), np.ptp(z.imag)))
+        return spread(z)
 
     @property
     def straight(self) -> bool:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from camgen.errors import counted
 from camgen.numerics import Floats as Floats
 from camgen.numerics import Points as Points
-from camgen.numerics import least_squares
+from camgen.numerics import least_squares, magnitude
 
 Ints = NDArray[np.int64]
 
@@ -242,7 +242,7 @@ def fit_circle(points: Points, weights: Floats | None = None) -> tuple[complex, 
         radius = radius + float(dr)
         if abs(complex(dx, dy)) + abs(dr) < 1e-15 * radius:
             break
-    return complex(centre + origin), radius, float(np.max(np.abs(np.abs(z - centre) - radius)))
+    return complex(centre + origin), radius, magnitude(np.abs(z - centre) - radius)
 
 
 def _circle(ring: Ring, points: Points, weights: Floats | None = None) -> Circle:

@@ -15,7 +15,7 @@ from camgen.judge.cams import judged_angles, judged_way, outline_and_law, s_unit
 from camgen.judge.joints import Nominal
 from camgen.judge.measured import Sections
 from camgen.machine.features import CamOutline
-from camgen.machine.model import Cam
+from camgen.numerics import magnitude
 from camgen.study import Table
 
 
@@ -40,8 +40,7 @@ def error_budget(
     files: sections of the part that drives, by kind of FORMATS; numbers: the report's, with what the spec itself undercuts.
     The outline error is the largest anywhere along the exact outline, that of s over the judged cam angles.
     """
-    joint = nominal.machine.joint(drive.joint)
-    assert isinstance(joint, Cam), f"{drive.joint} is no cam"
+    joint = nominal.machine.cam(drive.joint)
     unit, scale = s_unit(joint)
     theta = judged_angles() if drive.way is None else judged_way(drive.way)
 
@@ -93,4 +92,4 @@ def _moved(before: Ring, after: Ring) -> float:
 
     tree = shapely.STRtree(shapely.points(before.points.real, before.points.imag))
     nearest = before.points[tree.nearest(shapely.points(after.points.real, after.points.imag))]
-    return float(np.max(np.abs(after.points - nearest)))
+    return magnitude(after.points - nearest)

@@ -20,7 +20,7 @@ from camgen.judge.joints import Outline, PlateLaw, RollingLaw, measured_machine
 from camgen.judge.measured import Files, Sections, read
 from camgen.machine.features import CamOutline, Edge, Flat, Mount, OwnTip
 from camgen.machine.model import Cam, Law, Machine
-from camgen.numerics import Floats
+from camgen.numerics import Floats, magnitude
 from camgen.study import Figure
 
 _PLATE_WINDOW = 1.0  # mm of a plate's way, over which a speed is a mean
@@ -109,7 +109,7 @@ class FollowerOnOutline:
     @property
     def pressure_angle(self) -> float:
         """The largest, deg; nan where the follower misses the outline."""
-        return math.degrees(float(np.max(np.abs(self.touch.pressure_angle))))
+        return math.degrees(magnitude(self.touch.pressure_angle))
 
     def undercut(self) -> Finding | None:
         """UNDERCUT: what is lost of the wanted motion; None where the exact outline loses nothing."""
@@ -164,7 +164,7 @@ class FollowerOnOutline:
         worst = int(np.argmax(off))
         return at_most(
             "SPEED_RIPPLE",
-            float(off[worst]) / float(np.max(np.abs(wanted_turn))),
+            float(off[worst]) / magnitude(wanted_turn),
             self.nominal.ripple,
             "share",
             self.place(worst),
@@ -249,8 +249,7 @@ def judge_cams(
     figures: list[Figure] = []
     all_right = sound
     for cam, outlines in measured.items():
-        joint = machine.joint(cam)
-        assert isinstance(joint, Cam), f"{cam} is no cam"
+        joint = machine.cam(cam)
         name = "" if len(first) == 1 else cam
         (unit, scale) = s_unit(joint)
         right = dict[str, bool]()

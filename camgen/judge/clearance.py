@@ -24,7 +24,7 @@ from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import Floats, Points
 from camgen.machine.features import Passing, Poses
-from camgen.numerics import coordinates, crests
+from camgen.numerics import coordinates, crests, magnitude
 from camgen.study import Figure
 
 _CHORDS = 90  # of the turn, to begin with
@@ -285,7 +285,7 @@ def judge_clearance(
             area = meeting(a, b)
             nearest = least_distance(area, way)
             least = min(least, nearest, key=lambda each: each.distance)
-            size = max(float(np.max(np.abs(ring))) for ring in (*a, *b))
+            size = max(magnitude(ring) for ring in (*a, *b))
             slack = max(slack, 2 * chord_tolerance + 4 * FORMATS[kind].rounding * size)
             curve = np.minimum(curve, signed_distances(area, way(turn)))
         else:

@@ -8,6 +8,7 @@ import numpy as np
 
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.rings import Points, Ring
+from camgen.numerics import magnitude
 from camgen.tolerances import SAME_POINT
 
 _ALONG = 0.25  # mm, between points of a straight edge that are compared: less than any wall, so no slit leaps over them
@@ -31,7 +32,7 @@ def contour_error(contour: Ring, nominal: Ring, tolerance: float) -> float:
 def _deviation(first: bytes, second: bytes) -> float:
     """The largest distance either way of points along the edges of two polygons, given as their vertices' bytes, mm."""
     a, b = (np.frombuffer(vertices, complex) for vertices in (first, second))
-    if len(a) == len(b) and (off := float(np.max(np.abs(a - b)))) <= SAME_POINT:
+    if len(a) == len(b) and (off := magnitude(a - b)) <= SAME_POINT:
         return off
     return max(
         float(np.max(point_to_ring(_along(a), b))), float(np.max(point_to_ring(_along(b), a)))

@@ -15,7 +15,7 @@ from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.rings import Floats
 from camgen.judge.round_trip import strange
-from camgen.numerics import product
+from camgen.numerics import magnitude, product
 
 Copies = Sequence[tuple[str, Floats]]  # names of parts, (3, 4) transforms
 
@@ -49,18 +49,16 @@ def judge_copies(
     if remarks:
         return strange(path, remarks)
     size = max(float(np.max(np.abs(mesh.vertices), initial=0.0)) for mesh in originals.values())
-    shift = max((float(np.max(np.abs(item.transform))) for item in package.items), default=0.0)
+    shift = max((magnitude(item.transform) for item in package.items), default=0.0)
     limit = tolerances.TRANSFORM_ROUNDING * (size + shift)
     faults = [
         (
-            float(np.max(np.abs(mesh.vertices - originals[name].vertices))),
+            magnitude(mesh.vertices - originals[name].vertices),
             f"{name} is not as in its own file",
         )
         for name, mesh in package.meshes.items()
     ]
-    strains = (
-        (float(np.max(np.abs(product(turn, turn.T) - np.eye(3)))), name) for name, turn in turns
-    )
+    strains = ((magnitude(product(turn, turn.T) - np.eye(3)), name) for name, turn in turns)
     faults += [(off * size, f"a copy of {name} is deformed") for off, name in strains]
     if places is not None:
         copies = [(item.name, item.transform) for item in package.items]
@@ -100,7 +98,7 @@ def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Copies) ->
             continue
         faults.append(
             (
-                float(np.max(np.abs(original.corners - body.corners))),
+                magnitude(original.corners - body.corners),
                 f"{name} is not as in its own file",
             )
         )
@@ -121,7 +119,7 @@ def _astray(copies: Copies, places: Copies) -> list[tuple[float, str]]:
     of transforms, with the part's name: no copy astray, no place empty. There are as many of each part."""
 
     def nearest(name: str, at: Floats, others: Copies) -> float:
-        return min(float(np.max(np.abs(at - place))) for other, place in others if other == name)
+        return min(magnitude(at - place) for other, place in others if other == name)
 
     return [
         (nearest(name, at, others), name)

@@ -39,6 +39,7 @@ from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.rings import Floats, Ints, Points
 from camgen.judge.relative_motion import AT_REST, ROUNDING, STRAIGHT, Motion
 from camgen.judge.slabs import PLANE, Body, Section, covered, sections_of, shadow_of, shrunk
+from camgen.numerics import magnitude
 
 RESOLUTION = 0.005  # mm, to which the smallest gap of a pair is found where it matters
 _SHARE = 0.25  # ... and the share of what it has to spare to which it is found elsewhere
@@ -150,7 +151,7 @@ class _Approach:
         after = np.clip(np.searchsorted(self.path, places), 1, len(self.path) - 1)
         before = after - 1
         nodes = np.where(places - self.path[before] < self.path[after] - places, before, after)
-        off = float(np.max(np.abs(self.path[nodes] - places)))
+        off = magnitude(self.path[nodes] - places)
         motion = self.motion
         if off <= max(_OFF * half, AT_REST):
             return _Looks(motion.theta[nodes], motion.turns[nodes], motion.shifts[nodes], off)

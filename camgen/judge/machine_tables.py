@@ -30,6 +30,7 @@ from camgen.judge.contours import contour_error
 from camgen.judge.joints import RollingLaw
 from camgen.judge.round_trip import MILLIMETRES, PART_LAYERS
 from camgen.judge.sheets import FACETS, along, widened
+from camgen.numerics import magnitude
 from camgen.tolerances import BOUND_SPARE
 
 _DIGIT = 1e-9  # mm or deg, of a cell: it has nine decimals
@@ -151,7 +152,7 @@ class _Edges:
         """How far the curve's curvature may be off that of each edge, (n,) 1/mm."""
         if self.ring.bulges.any():
             return _BEND * self.tolerance / self.length**2
-        return np.full(self.count, _ROUGH * float(np.max(np.abs(self.curvature))))
+        return np.full(self.count, _ROUGH * magnitude(self.curvature))
 
     def distances(self, z: Points) -> tuple[Floats, Points]:
         """Distance of each place from each edge, mm, and the outward normal there, (m, n)."""

@@ -28,7 +28,7 @@ from camgen.machine.features import (
     Teeth,
     eyes,
 )
-from camgen.numerics import coordinates
+from camgen.numerics import coordinates, magnitude
 
 Sections = Sequence[Sequence[Shape]]  # of a part: shapes at each height
 
@@ -94,7 +94,7 @@ def measure(eye: Eye, sections: Sections) -> MeasuredEye | None:
         return None
     centres = np.array([c.centre for c, _ in circles_of_eye])
     sizes = [c.diameter if eye.shaft else free for c, free in circles_of_eye]
-    spread = float(np.max(np.abs(centres - centres[0])))
+    spread = magnitude(centres - centres[0])
     size = max(each for each in sizes if each <= min(sizes) + _SHANK) if eye.shaft else min(sizes)
     return MeasuredEye(complex(centres.mean()), size, spread)
 
@@ -123,7 +123,7 @@ def measure_end(eye: Eye, sections: Sections) -> MeasuredEye | None:
     return MeasuredEye(
         complex(centres.mean()),
         2 * max(r for _, r in circles),
-        float(np.max(np.abs(centres - centres[0]))),
+        magnitude(centres - centres[0]),
     )
 
 

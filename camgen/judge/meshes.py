@@ -14,7 +14,7 @@ from camgen.findings import Finding, Where, at_most
 from camgen.geometry.rings import Floats, Ring
 from camgen.judge.pairs import Body, OutlinePair, PairMotion, pivots_apart
 from camgen.machine.features import Mount, Teeth
-from camgen.numerics import coordinates, least_squares
+from camgen.numerics import coordinates, least_squares, magnitude
 
 _A_TOOTH = 16  # angles of the driver
 _FINE = 1e-5  # mm, to which arcs are taken as facets where areas are compared
@@ -190,7 +190,7 @@ def _oddest(wheel: MeshedWheel) -> OddTooth:
     outline = shapely.make_valid(shapely.Polygon(coordinates(z)))
     half = math.pi / teeth.count
     edges = teeth.tooth + half * np.arange(2 * teeth.count + 1) - half
-    rim = 2 * float(np.abs(z).max()) * np.exp(1j * edges)
+    rim = 2 * magnitude(z) * np.exp(1j * edges)
     corners = np.stack([np.zeros(2 * teeth.count), rim[:-1], rim[1:]], axis=1)
     wedges = shapely.polygons(np.stack([corners.real, corners.imag], axis=2))
     areas = shapely.area(shapely.intersection(outline, wedges))

@@ -23,7 +23,7 @@ from camgen.judge.pin_tracks import TrackedPins, judge_tracks
 from camgen.judge.proof import Proof, strokes, with_laws
 from camgen.machine.features import CamOutline, Demand, judged_outputs, parts_of
 from camgen.machine.model import GROUND, Cam, Clutch, Output, bodies_of, unit_of
-from camgen.numerics import Floats
+from camgen.numerics import Floats, magnitude
 from camgen.study import Figure, Figures, Table
 
 _STILL = 1e-9  # mm or rad, the stroke of an output that does not move
@@ -388,7 +388,7 @@ def _table(kind: str, judged: Sequence[_OutputResult], proof: Proof) -> Table:
 
 def _size(files: Sequence[Sections]) -> float:
     return max(
-        float(np.abs(shape.outer.points).max())
+        magnitude(shape.outer.points)
         for sections in files
         for shapes in sections
         for shape in shapes

@@ -21,7 +21,7 @@ from camgen.judge.joints import Closable, PlateLaw, RollingLaw
 from camgen.machine.closing import LoopClosure, close
 from camgen.machine.constraints import Constraints
 from camgen.machine.model import Cam, Law, Machine
-from camgen.numerics import Floats
+from camgen.numerics import Floats, spread
 
 _KNOWN = 721  # angles at which the machine as meant is closed, from which all others start: half a degree of a turn apart
 _SECANTS = 8  # steps towards an output's extreme
@@ -231,7 +231,7 @@ def strokes(
     them at once, not for each.
     """
     paths = {name: value for name, value in outputs.items() if np.iscomplexobj(value)}
-    found = {name: float(max(np.ptp(z.real), np.ptp(z.imag))) for name, z in paths.items()}
+    found = {name: spread(z) for name, z in paths.items()}
     names = [name for name in outputs if name not in paths]
     if not names:
         return found

@@ -8,7 +8,7 @@ import numpy as np
 
 from camgen.geometry.rings import Floats, Ints, Points
 from camgen.judge.slabs import Course
-from camgen.numerics import from_zero
+from camgen.numerics import from_zero, magnitude
 
 AT_REST = 1e-6  # mm, a path that is no motion
 STRAIGHT = 1e-6  # mm, and share of a turn, by which a guest that slides may be off its straight way
@@ -112,13 +112,13 @@ class Motion:
         first = self.shifts[np.argmax(np.abs(self.shifts - self.shifts[0]))]
         last = self.shifts[np.argmax(np.abs(self.shifts - first))]
         way = complex(last - first)
-        if not abs(way) > AT_REST or float(np.max(np.abs(self.turns - self.turns[0]))) > STRAIGHT:
+        if not abs(way) > AT_REST or magnitude(self.turns - self.turns[0]) > STRAIGHT:
             return None
         along = way / abs(way)
         beside = ((self.shifts - first) * along.conjugate()).imag
-        if float(np.max(np.abs(beside))) > STRAIGHT:
+        if magnitude(beside) > STRAIGHT:
             return None
-        bend = float(np.max(np.abs(np.diff(self.shifts, 2)))) * along
+        bend = magnitude(np.diff(self.shifts, 2)) * along
         return complex(first) - bend, complex(last) + bend
 
     def path(self, centre: complex, reach: float) -> Floats:

@@ -23,7 +23,7 @@ from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.rings import Floats, Points, Ring, Shape, shape_of
 from camgen.judge.as_printed import printed
 from camgen.judge.contours import contour_error
-from camgen.numerics import distinct
+from camgen.numerics import distinct, magnitude
 
 MILLIMETRES = 4  # $INSUNITS of DXF
 _REMARKS = 3  # of a file that are told, at most
@@ -241,7 +241,7 @@ def judge_solid(mesh: Mesh, expected: NominalPart, where: Where, rounding: float
     if count:
         return PartVerdict(tuple(findings))
     findings.append(_volume(faults.volume, expected, where))
-    rounding *= float(np.max(np.abs(mesh.vertices)))
+    rounding *= magnitude(mesh.vertices)
     level_error = _level_error(mesh.vertices[:, 2], expected)
     try:
         sections = _cut(mesh, expected.sections)
@@ -494,7 +494,7 @@ def _aside(
     rigid = (
         np.exp(1j * np.angle(np.vdot(arms, measured - measured.mean()))) * arms + measured.mean()
     )
-    common, rest = (float(np.max(np.abs(off))) for off in (rigid - nominal, measured - rigid))
+    common, rest = (magnitude(off) for off in (rigid - nominal, measured - rigid))
     return common if common > 2 * rest else 0.0
 
 

@@ -14,6 +14,7 @@ from camgen.errors import counted
 from camgen.files.gltf import read_glb
 from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.rings import Floats, Points
+from camgen.numerics import magnitude
 from camgen.tolerances import FLOAT32_ROUNDING
 
 if TYPE_CHECKING:
@@ -100,7 +101,7 @@ def _off(course: Course, transform: Floats, flight: Flight, seconds: float) -> t
     """How far a copy's points are out of their places, and may be, mm; inf where its body moves at other times."""
     frames = len(flight.angle)
     size = flight.reach + float(np.nanmax(np.abs(flight.place), initial=abs(flight.z)))
-    limit = _STEPS * FLOAT32_ROUNDING * (size + float(np.max(np.abs(course.place))))
+    limit = _STEPS * FLOAT32_ROUNDING * (size + magnitude(course.place))
     even = len(course.angle) == frames and np.allclose(
         course.seconds, np.linspace(0, seconds, frames), rtol=1e-6
     )

@@ -20,7 +20,7 @@ from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_least, at_most, in_file
 from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.geometry.rings import Floats, Points, Ring, fit_circle
-from camgen.numerics import coordinates
+from camgen.numerics import coordinates, magnitude
 from camgen.tolerances import FLOAT32_ROUNDING
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def slabs_of(mesh: Mesh) -> tuple[Slab, ...]:
     """
     import shapely
 
-    size = float(np.max(np.abs(mesh.vertices)))
+    size = magnitude(mesh.vertices)
     heights = np.unique(mesh.vertices[:, 2])
     heights = heights[np.append(np.diff(heights) > 8 * FLOAT32_ROUNDING * size, True)]
     corners = mesh.vertices[mesh.faces]
@@ -125,7 +125,7 @@ def disc_about(area: Any) -> tuple[complex, float] | None:
         return None
     z = shapely.get_coordinates(area)[:-1] @ PLANE
     centre, _, _ = fit_circle(z)
-    radius = float(np.max(np.abs(z - centre)))
+    radius = magnitude(z - centre)
     inside = float(shapely.boundary(area).distance(shapely.Point(centre.real, centre.imag)))
     return (complex(centre), radius) if radius - inside <= ROUND else None
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from camgen.machine.constraints import Constraints
 from camgen.machine.elimination import Row
-from camgen.numerics import Floats
+from camgen.numerics import Floats, magnitude
 
 # Steps of Newton's method; five are needed from a near guess.
 STEPS = 20
@@ -107,7 +107,7 @@ def _follow(system: Constraints, theta: Floats) -> tuple[Floats, Floats]:
         mine = np.flatnonzero(theta * sign >= 0 if sign > 0 else theta < 0)
         if not mine.size:
             continue
-        far = float(np.abs(theta[mine]).max())
+        far = magnitude(theta[mine])
         step = 2 * np.pi / FOLLOWED
         angle = 0.0
         q = origin

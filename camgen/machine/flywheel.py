@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from camgen.numerics import Floats, from_zero
+from camgen.numerics import Floats, from_zero, magnitude
 
 
 def energy_swing(theta: Floats, torque: Floats) -> float:
@@ -33,5 +33,5 @@ def spring_on_shaft(angle: Floats, torque: Floats) -> tuple[float, float, float]
     return (
         float(np.abs(first)),
         float(np.angle(1j * np.conj(first)) % (2 * np.pi)),
-        float(np.max(np.abs(rest))),
+        magnitude(rest),
     )

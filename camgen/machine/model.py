@@ -450,6 +450,10 @@ class Machine:
         """The named pin."""
         return _named(name, [joint for joint in self.joints if isinstance(joint, Pin)], "pin")
 
+    def cam(self, name: str) -> Cam:
+        """The named cam, or pair that turns by a law."""
+        return _named(name, [joint for joint in self.joints if isinstance(joint, Cam)], "cam")
+
     def slide(self, name: str) -> Slide | Slot:
         """The named slide or slot."""
         return _named(

@@ -22,7 +22,7 @@ from camgen.errors import Fault, Key
 from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.convex import hull_corners
 from camgen.geometry.hausdorff import Edges, stray
-from camgen.numerics import Floats, Points, from_zero
+from camgen.numerics import Floats, Points, from_zero, magnitude
 from camgen.spec import Coordinate, Record, quantity
 
 _FINE = 8  # places between two samples at which a dwell is looked for
@@ -446,7 +446,7 @@ class Straight(Record):
             over = f"the straightest {self.length:g} mm, from {math.degrees(begins):.1f} to {math.degrees(ends):.1f} {course.by}"
             if math.isnan(width):
                 way = course.at(course.theta[:: max(1, len(course.theta) // _WINDOWS)])
-                most = float(np.max(np.abs(way[:, None] - way)))
+                most = magnitude(way[:, None] - way)
                 message = f"the path has no stretch of {self.length:g} mm, its places are at most {most:.4g} mm apart: ask for less"
                 return at_most(self.code, width, self.tolerance, "mm", where, message)
         return at_most(
@@ -641,7 +641,7 @@ def rectangle(places: Points) -> tuple[float, float]:
     """Longer and smaller side of the narrowest rectangle that holds all places, mm: of that strip."""
     hull = places[hull_corners(places.tolist())]
     if len(hull) < 3:
-        return float(np.max(np.abs(hull - hull[0]))), 0.0
+        return magnitude(hull - hull[0]), 0.0
     sides = []
     for a, b in pairwise([*hull, hull[0]]):
         along_edge = (hull - a) * np.conj((b - a) / abs(b - a))
@@ -682,7 +682,7 @@ def extent(places: Points) -> tuple[float, float]:
     row, column = np.nonzero(squares >= squares.max() * (1 - 4 * _ROUND))
     across = hull[row] - hull[column]
     across = np.where((across.real > 0) | ((across.real == 0) & (across.imag > 0)), across, -across)
-    size = float(np.abs(across).max())
+    size = magnitude(across)
     longest = across[np.abs(across) >= size * (1 - _ROUND)]
     return size, float(np.angle(longest).min()) if size else 0.0
 

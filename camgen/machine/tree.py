@@ -29,6 +29,7 @@ from camgen.machine.model import (
     Slide,
     Slot,
 )
+from camgen.numerics import magnitude
 from camgen.tolerances import SAME_POINT
 
 _EVEN = 1e-9  # share by which the speed of a drive may differ over a turn and be even
@@ -177,7 +178,7 @@ def _drives(machine: Machine) -> tuple[dict[tuple[str, str], str], list[Coupling
 def _rate(drive: Drive) -> float | None:
     """How fast a drive goes over theta; None where that is not even."""
     rates = np.asarray(drive.law(np.linspace(0.0, 2 * np.pi, _LOOKED_AT), 1))
-    even = float(np.ptp(rates)) <= _EVEN * float(np.max(np.abs(rates)))
+    even = float(np.ptp(rates)) <= _EVEN * magnitude(rates)
     return float(rates[0]) if even and rates[0] else None
 
 

@@ -23,7 +23,7 @@ from camgen.machine.cams.followers import (
 )
 from camgen.machine.cams.limits import swings
 from camgen.machine.cams.profile import DiscCam
-from camgen.numerics import Floats
+from camgen.numerics import Floats, magnitude
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.springs import EYE, ExtensionSpring, extension_spring, pulling
 
@@ -94,7 +94,7 @@ class ReturnSpring:
         """In line with the pull at half of the way, beyond the cam."""
         at, slope = self._moved(np.ptp(self._s) / 2 + np.min(self._s))
         way = complex(-self.cam.follower.leaves * slope / abs(slope))
-        rim = float(np.abs(self.cam.profile(SAMPLES)).max())
+        rim = magnitude(self.cam.profile(SAMPLES))
         clear = rim + self.sizes.pin_diameter / 2 + self.sizes.head + self.play + _AIR
         beside = (at * way.conjugate()).imag
         length = math.sqrt(max(0.0, clear**2 - beside**2)) - (at * way.conjugate()).real

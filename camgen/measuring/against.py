@@ -20,6 +20,7 @@ from camgen.geometry.rings import Floats, Points, Ring
 from camgen.machine.features import CamOutline
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
+from camgen.numerics import magnitude
 from camgen.spec import Print
 from camgen.study import Figure, Figures, figures_in
 
@@ -55,7 +56,7 @@ def compare(
     """
     mechanism = read_mechanism(spec)
     best = _best_fit(ring, mechanism, spec, scanner_unknown)
-    size = float(np.max(np.abs(best.cam.outline)))
+    size = magnitude(best.cam.outline)
     if not best.laid.off <= _ALIKE * size:
         remedy = (
             "name the spec of this part, and the unit and the dots per inch that it was measured in"

@@ -31,6 +31,7 @@ from camgen.machine.features import PartPose
 from camgen.measuring.folder import OUTLINE_PACKAGES, write_folder
 from camgen.measuring.outlines import AS_IT_IS, Hints, Outline, read_outline
 from camgen.measuring.teeth import UnlikeTooth, unlike_tooth
+from camgen.numerics import magnitude
 from camgen.report.animation import Animation, Body
 from camgen.report.report import Report
 from camgen.study import Figure, Plot, Table
@@ -250,7 +251,7 @@ def driven_by(driver: Ring, driven: Ring, drive: Drive) -> Driven:
     throughout, or one is to turn round a place that is outside of it."""
     _refuse_outside(drive, driver, driven)
     driver, driven = (with_arcs(ring, _SAME_OUTLINE) for ring in (driver, driven))
-    reach = [float(np.max(np.abs(ring.samples()))) for ring in (driver, driven)]
+    reach = [magnitude(ring.samples()) for ring in (driver, driven)]
     if drive.distance is not None and drive.distance > sum(reach):
         remedy = "they never touch: bring the pivots together"
         raise DesignError(

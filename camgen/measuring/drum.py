@@ -21,7 +21,7 @@ from camgen.judge.follower_table import inline_tables
 from camgen.judge.rolled_drum import Rolled, RollerTable, roll, track_findings
 from camgen.measuring.folder import write_folder
 from camgen.measuring.meshes import MESH_SIZES, ForeignMesh, read_mesh
-from camgen.numerics import Floats
+from camgen.numerics import Floats, magnitude
 from camgen.report.report import Report
 from camgen.study import Figure, Plot
 
@@ -145,12 +145,12 @@ def _figures(rolled: Rolled, table: RollerTable, triangles: int) -> list[Figure]
         figures.append(Figure("play least", float(play.min()), name))
         figures.append(Figure("play most", float(play.max()), name))
     if np.isfinite(rolled.speed).all():
-        steepest = float(np.max(np.abs(rolled.pressure_angle)))
+        steepest = magnitude(rolled.pressure_angle)
         figures += [
-            Figure("peak speed", float(np.max(np.abs(rolled.speed))) * scale, f"{name}/rad"),
+            Figure("peak speed", magnitude(rolled.speed) * scale, f"{name}/rad"),
             Figure(
                 "peak acceleration",
-                float(np.max(np.abs(rolled.acceleration))) * scale,
+                magnitude(rolled.acceleration) * scale,
                 f"{name}/rad²",
             ),
             Figure("pressure angle", math.degrees(steepest), "deg"),

@@ -26,7 +26,7 @@ from camgen.machine.features import PartPose
 from camgen.measuring.folder import OUTLINE_PACKAGES, write_folder
 from camgen.measuring.outlines import Hints, Outline, read_outline
 from camgen.measuring.scan import PICTURES, WALL_OFF, Scanning
-from camgen.numerics import STEEPNESS, low_passed
+from camgen.numerics import STEEPNESS, low_passed, magnitude
 from camgen.report.animation import Animation, Body
 from camgen.report.report import Report
 from camgen.study import Figure, Figures, Plot, Table, figures_in
@@ -403,7 +403,7 @@ def _extremes(rolling: _Rolling) -> list[Figure]:
     name, scale = follower.unit
     smooth_angle = low_passed(motion.pressure_angle, 0, rolling.harmonics)
     speed, acceleration, smooth = (
-        float(np.max(np.abs(each))) for each in (motion.speed, motion.acceleration, smooth_angle)
+        magnitude(each) for each in (motion.speed, motion.acceleration, smooth_angle)
     )
     way = float(np.nanmax(motion.s) - np.nanmin(motion.s))
     steepest = float(np.nanmax(np.abs(motion.pressure_angle)))
@@ -526,7 +526,7 @@ def _animation(rolling: _Rolling) -> Animation:
     at = follower.reference
     still = np.zeros(len(theta), complex)
     circles = [(at, follower.radius)] if follower.radius else []
-    size = 0.6 * float(np.max(np.abs(outline.points)))
+    size = 0.6 * magnitude(outline.points)
     if follower.motion == "oscillating":
         pose = PartPose(still + follower.axle, s)
         strokes = [np.array([0, at])]

@@ -29,7 +29,7 @@ from camgen.errors import FileError, counted
 from camgen.extras import install_line
 from camgen.geometry.registration import lay, middle, star, straighten
 from camgen.geometry.rings import Floats, Points, Ring, fit_circle
-from camgen.numerics import coordinates, least_squares
+from camgen.numerics import coordinates, least_squares, magnitude
 from camgen.study import Figure, Figures, figures_in
 
 PICTURES = {".png": ".png", ".jpg": ".jpg", ".jpeg": ".jpg", ".tif": ".tif", ".tiff": ".tif"}
@@ -330,7 +330,7 @@ def scanned(path: Path, how: Scanning) -> Scanned:
     outline = outline - centre
     holes = [hole - centre for hole in holes]
     if unknown:
-        off = unknown * float(np.max(np.abs(outline)))
+        off = unknown * magnitude(outline)
         figures.append(Figure(WALL_OFF, off, "mm", "scanner"))
         needs = ["a scan turned by 90 deg (--second-scan)"] * (unknown == _SCANNER)
         needs += ["a caliper (--across)"] * (how.across is None)
@@ -371,7 +371,7 @@ def _together(
         remarks.append(
             "the scans lie alike on the glass, so they do not show the scanner's scale and skew: turn one of them by 90 deg"
         )
-    size = float(np.max(np.abs(shapes[0][0])))
+    size = magnitude(shapes[0][0])
     for file, each in zip(files[1:], placements, strict=True):
         if each.off > _ONE_PART * size:
             raise FileError(
@@ -405,7 +405,7 @@ def _widest(outline: Points) -> float:
     from scipy.spatial import ConvexHull
 
     hull = outline[ConvexHull(coordinates(outline)).vertices]
-    return float(np.max(np.abs(hull[:, None] - hull)))
+    return magnitude(hull[:, None] - hull)
 
 
 def _round(hole: Points) -> tuple[complex, float, float]:

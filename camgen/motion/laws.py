@@ -26,7 +26,7 @@ import numpy as np
 from camgen.errors import Fault, SpecError
 from camgen.motion.halves import MODIFIED_SINE, PARABOLA, TRAPEZOID, Halves
 from camgen.numerics import Floats as Floats
-from camgen.numerics import greatest
+from camgen.numerics import greatest, magnitude
 from camgen.tolerances import LAW_CLOSES
 
 Ends = tuple[tuple[float, ...], tuple[float, ...]]
@@ -452,7 +452,7 @@ def table_law(points: Sequence[tuple[float, float]], source: str, rest: bool = T
             bend[:-1] - bend[1:]
         )  # where the acceleration passes 0 the speed is extreme
     at = np.concatenate((u, turns[(turns > 0) & (turns < 1)]))
-    v, a, j = (float(np.max(np.abs(spline(at, order)))) for order in (1, 2, 3))
+    v, a, j = (magnitude(spline(at, order)) for order in (1, 2, 3))
 
     def formula(u: Floats, order: int) -> Floats:
         return np.asarray(spline(u, order))

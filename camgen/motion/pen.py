@@ -20,7 +20,16 @@ from typing import Literal
 
 import numpy as np
 
-from camgen.numerics import Floats, Indices, Points, coordinates, from_zero, halved
+from camgen.numerics import (
+    Floats,
+    Indices,
+    Points,
+    coordinates,
+    from_zero,
+    halved,
+    magnitude,
+    spread,
+)
 from camgen.tolerances import SAME_POINT
 
 _PLACES = 8192  # of the line, and of the turn
@@ -42,12 +51,12 @@ def closed_line(places: Points, width: float | None = None) -> Points | None:
     places: of a line in order, (n,) complex mm; an open one is drawn there and back. width: its width, mm, in place of its own.
     """
     z = places[np.abs(np.diff(places, prepend=np.nan)) != 0]
-    size = max(np.ptp(z.real), np.ptp(z.imag)) if z.size else 0.0
+    size = spread(z) if z.size else 0.0
     if z.size < 3 or size < _SMALLEST:
         return None
     if width is not None:
         z = z * (width / np.ptp(z.real))
-        size = max(np.ptp(z.real), np.ptp(z.imag))
+        size = spread(z)
     gap = abs(z[-1] - z[0])
     if gap < _NEAR * size:
         return np.asarray(z[:-1] if gap < SAME_POINT else z)
@@ -261,7 +270,7 @@ def apart(one: Points, other: Points) -> float:
 def peak_acceleration(places: Points) -> float:
     """Greatest acceleration of places at even angles of a turn, mm/rad^2."""
     k = np.fft.fftfreq(len(places), 1 / len(places))
-    return float(np.abs(np.fft.ifft(-(k**2) * np.fft.fft(places))).max())
+    return magnitude(np.fft.ifft(-(k**2) * np.fft.fft(places)))
 
 
 def _smoothed(places: Points, window: float) -> Points:

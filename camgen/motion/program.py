@@ -25,7 +25,7 @@ from camgen.motion.laws import (
     polynomial,
     reversed_law,
 )
-from camgen.numerics import distinct, product, solve
+from camgen.numerics import distinct, magnitude, product, solve
 from camgen.tolerances import LAW_CLOSES
 
 
@@ -253,7 +253,7 @@ def _quintic(span: float, s0: float, s1: float, start: Floats, end: Floats) -> S
     rates = np.array(
         [s1 - s0, start[0] * span, start[1] * span**2, end[0] * span, end[1] * span**2]
     )
-    scale = float(np.max(np.abs(rates))) or 1.0
+    scale = magnitude(rates) or 1.0
     rates = rates / scale
     high = product(_QUINTIC, rates[:, None])[:, 0]
     formula = polynomial(0.0, rates[1], rates[2] / 2, *high)

@@ -29,6 +29,7 @@ import numpy as np
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.motion.laws import Floats, Law, fourier, harmonics, largest
+from camgen.numerics import magnitude
 
 Characteristic = Callable[[Floats], Floats]
 
@@ -146,7 +147,7 @@ class _Program:
         self.moves = np.hstack((-np.sin(x_w) / w**2, (fall - np.cos(x_z)) / z**2))
         self.pulls = np.hstack((np.sin(x_w), np.cos(x_z)))
         self.closes = np.concatenate((1 / w, 2 / z**2))
-        self.size = float(np.max(np.abs(torque(self.kappa))))
+        self.size = magnitude(torque(self.kappa))
         if not 0 < self.size < math.inf:
             remedy = "give a spring that pulls over the stroke"
             raise DesignError("spring torque", self.size, 0.0, "", "the run-up", remedy)

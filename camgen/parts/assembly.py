@@ -290,8 +290,7 @@ def tips(
         if cam.own or cam.inside:
             continue
         part = next(part for part in parts if part.name == cam.part)
-        joint = machine.joint(cam.joint)
-        assert isinstance(joint, Cam), f"{cam.joint} is no cam"
+        joint = machine.cam(cam.joint)
         mount = [mount for mount in mounts if mount.part == cam.part][cam.copy]
         layer = part.drawn if cam.layer is None else part.layers[cam.layer[0]]
         high = heights(mount, part.thickness, layer.z0, layer.z1)

@@ -14,6 +14,7 @@ from camgen.errors import DesignError, Fault
 from camgen.geometry.distances import point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Points, Region, circle
+from camgen.numerics import magnitude
 from camgen.parts.keyways import RANGE, keyway
 from camgen.parts.part import Layer, Part, d_bore, keyed_bore
 from camgen.parts.set_screws import SetScrewHub
@@ -292,7 +293,7 @@ def _plates(
     """Inner cam and outer ring, pinned to a back plate."""
     bore = sizes.hole()
     beside = pins_beside(sizes, min_wall)
-    radius = float(np.max(np.abs(facet_contour(wall, LAYOUT)))) + sizes.rim
+    radius = magnitude(facet_contour(wall, LAYOUT)) + sizes.rim
     inner = [_pin(sizes, beside, angle) for angle in _INNER_PINS]
     outer = [_pin(sizes, radius - sizes.rim / 2, angle) for angle in _OUTER_PINS]
     notes = (

@@ -24,6 +24,7 @@ from camgen.geometry.outlines import (
     polygon,
 )
 from camgen.geometry.trimming import part_between
+from camgen.numerics import magnitude
 from camgen.tolerances import SAME_POINT
 
 
@@ -221,10 +222,10 @@ def windows(
         return slots
     first = _direction(complex(rim[np.argmax(np.abs(rim))]))
     sector = math.pi / count
-    radii = np.linspace(hub + wall, float(np.max(np.abs(rim))), 48)[:, None, None]
+    radii = np.linspace(hub + wall, magnitude(rim), 48)[:, None, None]
     spreads = np.linspace(0, sector, 24)[None, :, None]
     # an edge of the rim comes nearer than its ends by at most this, since both are at least a wall away
-    slack = float(np.max(np.abs(np.diff(rim, append=rim[:1])))) ** 2 / (8 * wall)
+    slack = magnitude(np.diff(rim, append=rim[:1])) ** 2 / (8 * wall)
 
     # distance of a window's end from the line half way to its neighbour, or to its own other end
     beside = np.minimum(sector - spreads, math.pi / 2)

@@ -23,7 +23,7 @@ from camgen.geometry.drums import Drum
 from camgen.geometry.facets import facet_circle, facet_contour
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Contour, Floats, Points, Region
-from camgen.numerics import among, coordinates, distinct
+from camgen.numerics import among, coordinates, distinct, magnitude
 from camgen.parts.caps import Faces, area, recap, triangles
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import FLOAT32_ROUNDING, MERGED_STEPS
@@ -256,7 +256,7 @@ def _cross(layers: Sequence[Mesh], part: Part, tolerance: float) -> Mesh:
     import manifold3d
 
     stack = manifold3d.Manifold.batch_boolean([_manifold(m) for m in layers], manifold3d.OpType.Add)
-    reach = 1 + max(float(np.max(np.abs(m.vertices[:, 1]))) for m in layers)
+    reach = 1 + max(magnitude(m.vertices[:, 1]) for m in layers)
     assert part.side_profile is not None
     upright = _prism(Layer(part.side_profile, -reach, reach), tolerance, part.name, pocket=False)
     # (x, y, z) to (x, z, y) is a mirror image, so the faces turn round
@@ -280,7 +280,7 @@ def _cross(layers: Sequence[Mesh], part: Part, tolerance: float) -> Mesh:
     # Where cuts nearly meet, edges are a few float32 steps long: no two readers agree on the normal of a face with one.
     start = faces.ravel()
     end = np.roll(faces, -1, axis=1).ravel()
-    step = MERGED_STEPS * FLOAT32_ROUNDING * float(np.abs(vertices).max())
+    step = MERGED_STEPS * FLOAT32_ROUNDING * magnitude(vertices)
     for k in np.flatnonzero(
         (start < end) & (np.abs(vertices[start] - vertices[end]).max(axis=1) <= step)
     ):
@@ -327,7 +327,7 @@ def _upright(plan: Points, reference: Points) -> Points:
     first value.
     """
     new = np.flatnonzero(~among(plan, reference))
-    same = 4 * FLOAT32_ROUNDING * max(1.0, float(np.max(np.abs(plan))))
+    same = 4 * FLOAT32_ROUNDING * max(1.0, magnitude(plan))
     result = plan.copy()
     low = np.searchsorted(reference.real, plan[new].real - same)
     high = np.searchsorted(reference.real, plan[new].real + same, side="right")

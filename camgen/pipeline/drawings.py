@@ -209,8 +209,7 @@ def _track(
 ) -> Iterator[tuple[float, complex]]:
     """Where a follower touches the outline of one of its layers; nothing where that is not known."""
     assembly = mechanism.assembly
-    joint = assembly.machine.joint(outline.joint)
-    assert isinstance(joint, Cam)
+    joint = assembly.machine.cam(outline.joint)
     mounts = [each for each in assembly.mounts if each.part == part.name and each.body == joint.cam]
     if not joint.touches or joint.over is not None or len(mounts) != 1:
         return

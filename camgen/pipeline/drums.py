@@ -28,7 +28,7 @@ from camgen.judge.rolled_drum import (
 from camgen.machine.features import DrumTrack
 from camgen.machine.model import Cam, Output, unit_of
 from camgen.machines.mechanism import Mechanism
-from camgen.numerics import Floats, low_passed, peak
+from camgen.numerics import Floats, low_passed, magnitude, peak
 from camgen.pipeline.case import Case
 from camgen.pipeline.scope import Outcome
 from camgen.study import Figure, Figures, Plot
@@ -63,8 +63,7 @@ class _Follower:
 
 
 def _follower(mechanism: Mechanism, track: DrumTrack) -> _Follower:
-    joint = mechanism.model.joint(track.joint)
-    assert isinstance(joint, Cam), f"{track.joint} is no cam"
+    joint = mechanism.model.cam(track.joint)
     output = mechanism.model.outputs[0]
     lash = next(
         (each.lash for each in mechanism.assembly.demands if each.output == output.name), math.inf
@@ -106,7 +105,7 @@ def _judged(case: Case, track: DrumTrack, kinds: Sequence[str]) -> Outcome:
             continue
         wanted = follower.law.law(rolled.theta, 0)
         error = rolled.motion - track.rest - wanted
-        rounding = _ROUNDING * FORMATS[kind].rounding * float(np.max(np.abs(mesh.vertices)))
+        rounding = _ROUNDING * FORMATS[kind].rounding * magnitude(mesh.vertices)
         findings += _findings(rolled, table, follower, error, where, rounding)
         findings += track_findings(rolled, table, where, track.clearance)
         degrees = np.degrees(rolled.theta)

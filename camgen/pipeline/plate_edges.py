@@ -18,7 +18,7 @@ from camgen.judge.edge_runs import Tip, pressure_angle, run
 from camgen.machine.features import PlateEdge
 from camgen.machine.model import unit_of
 from camgen.machines.linear_cam.mechanism import LinearCamDrive
-from camgen.numerics import Floats, peak
+from camgen.numerics import Floats, magnitude, peak
 from camgen.pipeline.case import Case
 from camgen.pipeline.scope import Outcome
 from camgen.study import Plot
@@ -87,7 +87,7 @@ def _judged(
         except (FileError, ValueError, OverflowError) as fault:
             findings.append(at_least("CONTACT", 0.0, 100, "percent", where, str(fault)))
             continue
-        rounding = _ROUNDING * FORMATS[kind].rounding * float(np.max(np.abs(ring.points)))
+        rounding = _ROUNDING * FORMATS[kind].rounding * magnitude(ring.points)
         findings += _findings(
             ran, tip, wanted, where, mechanism.accuracy.chord_tolerance + rounding
         )

@@ -145,8 +145,7 @@ def _followers(
     """Of each cam its follower on the displaced outline; first: what it is held against, where that is not the wanted motion."""
     followers = {}
     for name, (outline, law) in laws_of(spread, errors, shifted).items():
-        joint = spread.mechanism.model.joint(name)
-        assert isinstance(joint, Cam)
+        joint = spread.mechanism.model.cam(name)
         if first is not None:
             outline = replace(
                 outline, nominal=replace(outline.nominal, law=first[name].outline.law)

@@ -21,7 +21,7 @@ import numpy as np
 from camgen.machine.forces import Forces
 from camgen.machine.model import Cam
 from camgen.machine.run import Run
-from camgen.numerics import Floats, halved
+from camgen.numerics import Floats, halved, magnitude
 
 TURNS = 2  # a hop may reach into the next turn
 _STEP = math.radians(0.1)  # of the cam, at which contact and flight are looked at
@@ -141,7 +141,7 @@ class Contact:
     def springs(self, theta: Floats, push: Floats) -> tuple[float, float]:
         """Rate and preload of what pushes the follower at rest on its cam so at theta, both (n,)."""
         lift = self.lift(self.sense * (self.rate * theta + self.begin), 0)
-        rate, preload = _shares([lift, np.ones_like(push)], push, float(np.max(np.abs(push))))
+        rate, preload = _shares([lift, np.ones_like(push)], push, magnitude(push))
         return rate, preload
 
     def _theta(self, angle: float) -> float:
@@ -187,7 +187,7 @@ def fitted_spring(
     lift: it and its derivatives by the cam's angle, (n,) each; speed: of the cam, rad/s; still, effort: what presses at rest and at
     this speed, (n,).
     """
-    largest = float(np.max(np.abs(effort)))
+    largest = magnitude(effort)
     if not np.all(np.isfinite(effort)) or not largest:
         return None
     rate, preload = _shares([lift[0], np.ones_like(still)], still, largest)
@@ -201,7 +201,7 @@ def fitted_spring(
 
 def _shares(of: Sequence[Floats], total: Floats, largest: float) -> list[float]:
     """By how much two curves make up a third; 0 of one that makes up nothing of the largest."""
-    sizes = [float(np.max(np.abs(each))) or 1.0 for each in of]
+    sizes = [magnitude(each) or 1.0 for each in of]
     columns = np.stack([each / size for each, size in zip(of, sizes, strict=True)], axis=1)
     found = np.linalg.lstsq(columns, total, rcond=None)[0]
     pairs = zip(found.tolist(), sizes, strict=True)
@@ -237,7 +237,7 @@ def _hops(
 ) -> Iterator[Hop]:
     """Flights from an angle to another; knocks: speed and restitution."""
     speed, restitution = knocks
-    stays = _STAYS * speed * float(np.max(np.abs(lift(np.arange(0, math.tau, _STEP), 1))))
+    stays = _STAYS * speed * magnitude(lift(np.arange(0, math.tau, _STEP), 1))
     velocity = None  # of a follower that springs back
     while angle < end:
         if velocity is None:

@@ -16,8 +16,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.facets import facet_contour
 from camgen.machine.cams.followers import SwingingArm, SwingingFace
@@ -25,6 +23,7 @@ from camgen.machine.cams.linear import LinearCam
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.cams.shoes import SwingingShoe
 from camgen.motion.program import Program
+from camgen.numerics import magnitude
 from camgen.study import Figure, Figures
 
 # deg, that a pressure angle may reach by usual advice
@@ -200,7 +199,7 @@ def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) 
     ]
     if chord_tolerance is not None and swings(cam):
         axle = abs(cam.follower.pivot)
-        reach = float(np.max(np.abs(facet_contour(cam.outline, chord_tolerance))))
+        reach = magnitude(facet_contour(cam.outline, chord_tolerance))
         message = (
             f"the cam reaches {reach:.2f} mm from its shaft, the follower's pivot is at {axle:g} mm"
         )

@@ -45,7 +45,7 @@ from camgen.machine.model import (
 )
 from camgen.machine.run import solve
 from camgen.motion.program import Program
-from camgen.numerics import Floats, Points, distinct
+from camgen.numerics import Floats, Points, distinct, magnitude
 
 SHOE = "shoe"  # the part with a follower's own outline
 ROUNDING = 1e-12  # share of the greatest effort below which a spring that is needed is none
@@ -287,7 +287,7 @@ class Loaded:
         if self.kick:
             return math.inf, math.inf
         missing = load.rate * self.lift - self.effort
-        rounding = ROUNDING * float(np.max(np.abs(self.effort)))
+        rounding = ROUNDING * magnitude(self.effort)
         short = missing >= -rounding
         least = load.preload - float(np.min(self.effort))
         least = least if least > rounding else 0.0

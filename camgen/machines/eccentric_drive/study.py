@@ -10,6 +10,7 @@ import numpy as np
 from camgen.machine.landmarks import zeros
 from camgen.machine.model import Floats, Machine
 from camgen.machine.run import solve
+from camgen.numerics import magnitude
 from camgen.study import Figure, Figures, Plot, Study, Table
 
 Motion = Callable[[Floats, int], Floats]
@@ -92,9 +93,9 @@ def study(
         forces = solve(machine, theta).forces()
         (torque,) = forces.drives.values()
         for name, force in forces.reactions.items():
-            peak = float(np.max(np.abs(force)))
+            peak = magnitude(force)
             figures.append(Figure("peak force {joint}", peak, "N", joint=name))
-        figures.append(Figure("peak torque", float(np.max(np.abs(torque))), "N m"))
+        figures.append(Figure("peak torque", magnitude(torque), "N m"))
         plots += [
             Plot(
                 "Joint forces",

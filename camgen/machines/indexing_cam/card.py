@@ -13,6 +13,7 @@ import numpy as np
 
 from camgen.machines.indexing_cam.unloader import CrankSpring
 from camgen.motion.laws import Floats, Law
+from camgen.numerics import magnitude
 from camgen.study import Figure, Plot, Table, figures_in
 
 # printed with MR-13; 0.3141592 is pi / 10 cut off
@@ -44,7 +45,7 @@ def card(law: Law) -> tuple[Table, list[Plot], list[Figure]]:
     values.append(effort(values[0]))
     whole = np.arange(2 * ROWS - 1) / (2 * (ROWS - 1))  # the source's peaks are those of its table
     apart = effort(law(whole)) - law(whole, 2)
-    peak = float(np.max(np.abs(effort(law(whole)))))
+    peak = magnitude(effort(law(whole)))
     fine = np.linspace(0, 1, 601)
     c = law(fine, 2)
     p = effort(law(fine))
@@ -57,7 +58,7 @@ def card(law: Law) -> tuple[Table, list[Plot], list[Figure]]:
             card_y_ratio=Y,
             card_effort_start_ratio=float(p[0]),
             card_effort_peak_ratio=peak,
-            card_difference_max_ratio=float(np.max(np.abs(apart))),
+            card_difference_max_ratio=magnitude(apart),
         ),
     ]
     return (

@@ -18,7 +18,7 @@ from camgen.machine.cams.sizing import survey
 from camgen.machines.indexing_cam.driver import TwoCranks
 from camgen.motion.laws import Floats
 from camgen.motion.program import Program
-from camgen.numerics import halved
+from camgen.numerics import halved, magnitude
 from camgen.study import Table
 
 _SHARES = (0.0, 0.2, 0.3, 0.4)
@@ -88,7 +88,7 @@ class Comparison:
             math.degrees(survey(cam).pressure),
             self._least_base(chain),
             self._least_ratio(share),
-            math.degrees(float(np.abs(swing[2]).max())) * self.ratio * self.speed**2,
+            math.degrees(magnitude(swing[2])) * self.ratio * self.speed**2,
             *torques,
         ]
 

@@ -20,6 +20,7 @@ from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques, p
 from camgen.motion.laws import Floats, Law, largest
 from camgen.motion.program import Program
 from camgen.motion.spring_law import trade_off
+from camgen.numerics import magnitude
 from camgen.study import ROWS, Figure, Figures, Later, Plot, Study, Table, figures_in
 from camgen.tolerances import LAW_CLOSES
 
@@ -200,7 +201,7 @@ class IndexingStudy:
             Where("follower's axle", theta=float(theta[worst]), angle=self.angle),
             f"torque between roller and cam with a closing torque of {self.closing:g} N m; "
             f"more than {max(0.0, self.closing - float(seat[worst])):.4g} N m would keep it from leaving the cam",
-        ).within(-ROUNDING * float(np.max(np.abs(seat))))
+        ).within(-ROUNDING * magnitude(seat))
 
     def _pushing(self) -> tuple[Floats, Floats]:
         """Torque in the freewheel that turns the link, with the unloader and without it, (n,) N m, nan while it runs free."""
@@ -282,7 +283,7 @@ class IndexingStudy:
             energy = float(np.trapezoid(self.spring(a), a)) * stroke
             listed += [
                 Figure("residual share", 100 * self.residual, "%"),
-                Figure("spring torque peak", float(np.max(np.abs(self.spring(a)))), "N m"),
+                Figure("spring torque peak", magnitude(self.spring(a)), "N m"),
                 Figure("spring energy", energy, "J"),
                 Figure("spring torque in dwell", float(self.spring(np.zeros(1))[0]), "N m"),
                 Figure("follower torque in dwell", peak(found.follower, still), "N m"),
@@ -359,7 +360,7 @@ class IndexingStudy:
             ("power |b c|", lambda u: law(u, 1) * law(u, 2)),
         )
         for name, f in curves:
-            rows.append([name, float(np.max(np.abs(f(points)))), largest(f, breaks)])
+            rows.append([name, magnitude(f(points)), largest(f, breaks)])
         return Table(
             f"Peaks of the law {law.name}",
             ("invariant", f"{len(points)}-point table", "continuum"),

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from camgen.motion.laws import Floats, Law
+from camgen.numerics import magnitude
 
 LINK = "driven_link"
 SpringTorque = Callable[[Floats], Floats]
@@ -112,7 +113,7 @@ def fitting(spring: CrankSpring, law: Law, unit: float) -> CrankSpring:
     asked = unit * law(kappa, 2)
     size = float(np.abs(asked).max() / np.abs(pull).max())  # convex in the stiffness: one least
     found = minimize_scalar(
-        lambda share: float(np.abs(asked - share * size * pull).max()),
+        lambda share: magnitude(asked - share * size * pull),
         bounds=(0.0, 4.0),
         method="bounded",
         options={"xatol": 1e-9},

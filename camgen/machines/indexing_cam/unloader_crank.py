@@ -25,6 +25,7 @@ from camgen.geometry.convex import hull_corners
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machines.indexing_cam.drawing import Drawing
 from camgen.machines.indexing_cam.unloader import LINK, CrankSpring
+from camgen.numerics import magnitude
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.springs import EYE, extension_spring
 
@@ -89,7 +90,7 @@ class UnloaderCrank:
         """What else moves, as discs on the ground: the cams, the follower with its rollers."""
         wide = self.sizes.wall + self.sizes.pin_diameter
         found = [
-            (0j, max(float(np.abs(cam.profile(_ROUND)).max()) for cam in self.cams)),
+            (0j, max(magnitude(cam.profile(_ROUND)) for cam in self.cams)),
             (self._pivot, wide),
         ]
         for follower in (cam.follower for cam in self.cams):

@@ -116,8 +116,7 @@ class DrawnMachine:
     def _follower(self, cam: t.Cam) -> tuple[m.Cam, Follower]:
         """A cam's joint, and its follower as drawn, about the cam's axis."""
         name = cam.joint
-        joint = self.open.joint(name)
-        assert isinstance(joint, m.Cam)
+        joint = self.open.cam(name)
         sign: Literal[1, -1] = 1 if joint.leaves > 0 else -1
         return joint, follower_of(self.open, joint, self.drawing.ridden[name], cam.at, sign)
 
@@ -176,8 +175,7 @@ class DrawnMachine:
         """The model not yet closed, each follower that says its base radius on that; DesignError where it cannot stand there."""
         machine = self.open
         for name, shift in self.shifts.items():
-            joint = self.open.joint(name)
-            assert isinstance(joint, m.Cam)
+            joint = self.open.cam(name)
             machine = _moved(machine, joint, shift)
         return machine
 

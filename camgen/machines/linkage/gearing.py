@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from camgen.machine.model import GROUND
+from camgen.numerics import magnitude
 from camgen.parts.generator.gears import PlanetWish
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.mutilated import MutilatedDrive
@@ -33,7 +34,7 @@ def figures(layout: Layout) -> list[Figure]:
     for drive in layout.drives_of(NoncircularDrive):
         centrodes = drive.pair.centrodes
         speed = centrodes.law(_TURN, 1)
-        leans = math.degrees(drive.pair.pressure + float(np.abs(centrodes.lean(_TURN)).max()))
+        leans = math.degrees(drive.pair.pressure + magnitude(centrodes.lean(_TURN)))
         of = drive.joint.name
         found += [
             Figure("module {of}", drive.pair.module, "mm", of),

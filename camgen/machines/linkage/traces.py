@@ -18,7 +18,7 @@ from camgen.machine.run import solve
 from camgen.machines.linkage import motors, pens
 from camgen.machines.linkage.drawn_machine import DrawnMachine
 from camgen.machines.linkage.mechanism import Linkage
-from camgen.numerics import Floats, Points
+from camgen.numerics import Floats, Points, magnitude
 
 _SEEN = 0.05  # mm, that an outline on a screen may be off
 COUNT = 73  # angles of a turn, both ends included: a path is smooth to the eye
@@ -140,7 +140,7 @@ def idle(linkage: Linkage) -> list[str]:
             place = list(linkage.points[name])
             place[axis] += 1e-3 * size
             after = traces(linkage, theta, {**linkage.points, name: (place[0], place[1])})
-            moved = max(float(np.max(np.abs(after[each] - before[each]))) for each in before)
+            moved = max(magnitude(after[each] - before[each]) for each in before)
             if moved <= 1e-9 * size:
                 found.append(f"{name}.{axis}")
     return found

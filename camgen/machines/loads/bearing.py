@@ -24,7 +24,7 @@ from camgen.machine.run import Run
 from camgen.machines.loads.pins import STILL, PinLoad
 from camgen.machines.loads.rubbing import coefficient
 from camgen.machines.loads.tables import Weight
-from camgen.numerics import Floats
+from camgen.numerics import Floats, magnitude
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import BEARINGS, CAM_FOLLOWERS, Bearing, CamFollower
@@ -194,7 +194,7 @@ def bent_posts(
     for post in posts:
         force = post.pull
         if post.by in forces.pressing:
-            force = float(np.max(np.abs(_finite(forces.pressing[post.by]))))
+            force = magnitude(_finite(forces.pressing[post.by]))
         name = f"{post.name}, under {post.by}"
         journal = Journal(
             post.by,
@@ -402,8 +402,8 @@ def edges(run: Run, forces: Mapping[str, Floats], assembly: Assembly) -> LoadChe
             curvature = feature.tracks.curvature
             remark += ", as if one pin alone held all"
         else:
-            joint = run.machine.joint(feature.joint)
-            assert isinstance(joint, Cam) and isinstance(joint.law, GenevaLaw)
+            joint = run.machine.cam(feature.joint)
+            assert isinstance(joint.law, GenevaLaw)
             curvature = 1 / joint.law.geneva.pin
         pressure = float(strength.line_contact(force, width, curvature, own, own)[0])
         part = feature.b[0].part

@@ -102,8 +102,7 @@ def bounce_of(machine: Machine, found: Loaded, load: Weight | None) -> Bounce | 
         or np.any(np.isnan(found.force))
     ):
         return None
-    cam = machine.joint("contact")
-    assert isinstance(cam, Cam)
+    cam = machine.cam("contact")
     still = solve(slow(machine), found.theta).forces()
     contact = contact_of(cam, solve(machine, found.theta), still)
     return None if contact is None else contact.bounce(machine.speed, restitution)

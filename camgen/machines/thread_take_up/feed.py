@@ -45,6 +45,7 @@ from camgen.machine.model import (
     Pose,
 )
 from camgen.machine.run import Run, solve
+from camgen.numerics import magnitude
 
 
 @dataclass(frozen=True)
@@ -258,7 +259,7 @@ class TakeUp:
         spans = near_stops(curve, stop.centre, radius)
         if not len(spans):  # always within, or for less than the search resolves
             whole = path(np.linspace(0, TURN, 720, endpoint=False), 0)
-            return TURN if float(np.max(np.abs(whole - stop.centre))) <= radius else 0.0
+            return TURN if magnitude(whole - stop.centre) <= radius else 0.0
         half = (stop.leaves - stop.enters) / 2
         held = spans[
             (spans[:, 0] <= math.pi + half + 1e-9) & (spans[:, 1] >= math.pi - half - 1e-9)

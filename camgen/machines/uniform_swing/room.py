@@ -20,6 +20,7 @@ from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points
 from camgen.machines.uniform_swing.tables import SwingSizes
+from camgen.numerics import magnitude
 from camgen.parts.catalogue import DOWELS
 from camgen.parts.disc_cams import LAYOUT
 from camgen.parts.hardware import Collet
@@ -76,7 +77,7 @@ class Pins:
         first, lowest = (
             max(self.reach + wall, self.sleeve) + radius for wall in (self.wall, self.least)
         )
-        outwards = np.linspace(first, max(first, float(np.max(np.abs(rim)))), _OUTWARDS)
+        outwards = np.linspace(first, max(first, magnitude(rim)), _OUTWARDS)
         radii = np.concatenate([outwards, np.linspace(first, lowest, _INWARDS)])
         places = (np.exp(1j * _TURNS)[:, None] * radii).ravel()
 

@@ -22,7 +22,7 @@ from camgen.machines.loads.lift_off import bounce_figures
 from camgen.machines.uniform_swing.pictures import Model, pictures
 from camgen.machines.uniform_swing.tables import SwingGeometry
 from camgen.machines.uniform_swing.web_thickness import BAND, STRIPS, blend_choice, canvas
-from camgen.numerics import greatest
+from camgen.numerics import greatest, magnitude
 from camgen.study import ROWS, Figure, Figures, Plot, Sketch, Study, Table, figures_in
 
 _BLENDS = (
@@ -135,7 +135,7 @@ def figures(cam: DiscCam, g: SwingGeometry, rpm: float) -> Study:
     """The source's angles, speeds at so many turns a minute, sizes of the cam, its pressure angle, undercut and figures 2 to 5."""
     theta = np.linspace(0, math.tau, ROWS)
     swing = math.radians(g.swing_deg)
-    speed = float(np.max(np.abs(cam.program(theta, 1))))
+    speed = magnitude(cam.program(theta, 1))
     radius = np.abs(cam.pitch(theta))
     rise, back = pressure_angles(cam)
     turning = rpm * math.tau / 60

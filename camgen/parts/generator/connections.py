@@ -320,17 +320,13 @@ class Connections:
         """Suns on the ground, through which a shaft goes."""
         return [each.wheel for each in self.dowelled_wheels if not each.within]
 
-    def _cam(self, name: str) -> m.Cam:
-        joint = self.machine.joint(name)
-        assert isinstance(joint, m.Cam)
-        return joint
-
     @cached_property
     def edge_drives(self) -> list[EdgeDrive]:
         """Pairs whose wheels drive each other by their edges."""
         hub = (self.sizes.shaft_diameter + self.fits.press_clearance) / 2 + self.rim
         return [
-            _DRIVES[type(wish)](self._cam(name), wish, hub) for name, wish in self.edges.items()
+            _DRIVES[type(wish)](self.machine.cam(name), wish, hub)
+            for name, wish in self.edges.items()
         ]
 
     def drives_of(self, kind: type[D]) -> list[D]:

@@ -23,7 +23,7 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Points, Region, circle, polygon, rectangle
 from camgen.machine.features import Mount, StandIn, heights
 from camgen.machine.model import GROUND, MM
-from camgen.numerics import coordinates
+from camgen.numerics import coordinates, magnitude
 from camgen.parts.assembly import Assembly, Support, bodies_in_motion
 from camgen.parts.catalogue import CORE_HOLES, SCREWS, Bought, screw_for
 from camgen.parts.generator.sizes import Parts
@@ -83,7 +83,7 @@ def sweeps(assembly: Assembly, turn: complex = 1 + 0j) -> list[Sweep]:
         low_left = complex(moved.real.min(), moved.imag.min())
         high_right = complex(moved.real.max(), moved.imag.max())
         moves = bool(np.ptp(moved.real, axis=1).max() + np.ptp(moved.imag, axis=1).max() > 1e-9)
-        reach = float(np.abs(moved - centre).max())
+        reach = magnitude(moved - centre)
         found.append(Sweep(low, high, centre, reach, (low_left, high_right), moves))
 
     for mount in assembly.mounts:

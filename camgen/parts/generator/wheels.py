@@ -350,8 +350,7 @@ def with_seconds(machine: m.Machine, cams: Mapping[str, Ridden]) -> m.Machine:
     """The machine with a further point on each follower of a conjugate pair, where its second roller sits."""
     bodies = {body.name: body for body in machine.bodies}
     for name, spec in cams.items():
-        joint = machine.joint(name)
-        assert isinstance(joint, m.Cam)
+        joint = machine.cam(name)
         if spec.closure == "conjugate" and spec.shape == "roller":
             place = _second(machine, joint, spec)
             body = bodies[joint.follower]
@@ -418,8 +417,8 @@ def tips(
     made = []
     rim = groove_rim(sizes) + clearance
     for name, spec in cams.items():
-        joint = machine.joint(name)
-        assert isinstance(joint, m.Cam) and isinstance(joint.law, CamLaw)
+        joint = machine.cam(name)
+        assert isinstance(joint.law, CamLaw)
         if joint.over is not None:
             continue
         senses: tuple[Literal[1, -1], ...] = (1, -1) if joint.law.sign > 0 else (-1, 1)
@@ -456,8 +455,7 @@ def plates(machine: m.Machine, cams: Mapping[str, Ridden]) -> list[PlateTip]:
     """Cams that slide, and what runs on them; DesignError of a second one on the same side of its plate."""
     made: list[PlateTip] = []
     for name, spec in cams.items():
-        joint = machine.joint(name)
-        assert isinstance(joint, m.Cam)
+        joint = machine.cam(name)
         if joint.over is None:
             continue
         cam = plate_of(machine, joint, spec)
