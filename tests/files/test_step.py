@@ -197,7 +197,8 @@ def test_a_build_with_exact_solids_is_proved_by_them(tmp_path, root):
 
 @pytest.mark.long
 def test_a_whole_build_makes_them_where_the_spec_asks(tmp_path, root):
-    settings = ("output.step=true", "print.hole_compensation=0.05")
+    motor = "motor.model=hand crank"  # whose shaft is as thick as the bore
+    settings = ("output.step=true", "print.hole_compensation=0.05", motor)
     report = build(root / "specs" / "disc-cam.toml", tmp_path, frozenset(KINDS), settings)
     assert report.ok and {path.suffix for path in report.folder.iterdir()} > {
         ".step",

@@ -264,7 +264,7 @@ def test_what_was_not_judged_is_said_by_name_in_terminal_and_page(
 def test_key_that_cannot_act_on_a_file_is_told(
     make: Make, capsys: pytest.CaptureFixture[str], kinds: str, setting: str, told: str
 ) -> None:
-    report = make("disc-cam", kinds, setting, "parts.hub_height=0")
+    report = make("disc-cam", kinds, setting, "parts.hub_height=0", "motor.model=hand crank")
     print_report(report)
     assert told in " ".join(report.warnings) and len(report.warnings) == bool(told)
     assert ("note: " in capsys.readouterr().out) is bool(told)
