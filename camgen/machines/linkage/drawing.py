@@ -123,7 +123,7 @@ class Drawing:
         return levels
 
     @property
-    def pairs(self) -> Sequence[t.Gear | t.Geneva | t.Noncircular | t.Mutilated]:
+    def pairs(self) -> Sequence[t.Pair]:
         """Links a and b that turn each other."""
         return [*self.gears, *self.genevas, *self.noncirculars, *self.mutilated]
 

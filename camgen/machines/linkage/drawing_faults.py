@@ -240,9 +240,7 @@ def _gear_faults(drawing: Drawing, path: Key, gear: t.Gear) -> Iterable[Fault]:
             yield Fault((*path, key), f"{value:g}", 'nothing: shift = "balanced" finds both')
 
 
-def shaft_faults(
-    drawing: Drawing, path: Key, pair: t.Geneva | t.Noncircular | t.Mutilated | t.Ratchet
-) -> Iterable[Fault]:
+def shaft_faults(drawing: Drawing, path: Key, pair: t.Pair) -> Iterable[Fault]:
     """What is wrong with the links of wheels that turn on the ground."""
     for key, name in {"a": pair.a, "b": pair.b}.items():
         wrong = _link_fault(drawing, (*path, key), name)

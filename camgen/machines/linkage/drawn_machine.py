@@ -390,7 +390,7 @@ class DrawnMachine:
         """The joint; as drawn it is in the middle of a rest."""
         return self._from_rest(table, self.drawing.edge_wishes[table.joint])
 
-    def _from_rest(self, table: t.Noncircular | t.Mutilated, law: m.Law) -> m.Cam:
+    def _from_rest(self, table: t.Pair, law: m.Law) -> m.Cam:
         """A joint whose angle is 0 as drawn."""
         phase, rest = (self.start[link].angle for link in (table.a, table.b))
         return m.Cam(table.joint, table.a, table.b, law, phase=phase, rest=rest)

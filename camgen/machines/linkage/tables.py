@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import Annotated, Any, ClassVar, Literal, Protocol
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -283,6 +283,20 @@ class Jointed(Protocol):
         """Its name."""
 
 
+class Pair(Record):
+    """Two links, a and b, of which one turns the other."""
+
+    if TYPE_CHECKING:
+        a: Name
+        b: Name
+        name: JointName
+
+    @property
+    def joint(self) -> str:
+        """Name of its joint."""
+        return self.name or f"{self.a} to {self.b}"
+
+
 class Slide(Record):
     """A link that moves along a line of another; it keeps its drawn angle to it and distance from it."""
 
@@ -318,7 +332,7 @@ class Slot(Record):
         return self.name or f"{self.pin} in {self.link}"
 
 
-class Gear(Record):
+class Gear(Pair):
     """Two links that turn at a ratio: angle of b = ratio * angle of a, seen from the link that carries both."""
 
     a: Name = Field(description="the first link")
@@ -357,11 +371,6 @@ class Gear(Record):
     name: JointName = None
 
     @property
-    def joint(self) -> str:
-        """Name of its joint."""
-        return self.name or f"{self.a} to {self.b}"
-
-    @property
     def wish(self) -> GearWish:
         """What is asked of its wheels."""
         given = self.shift_a or 0.0, self.shift_b or 0.0
@@ -369,7 +378,7 @@ class Gear(Record):
         return GearWish(self.teeth, shifts, self.relief, self.spokes or 0, self.inner)
 
 
-class Geneva(Record):
+class Geneva(Pair):
     """A Geneva drive: the pin of link a takes the slotted wheel of link b on by one slot a turn; a disc on a's shaft holds it."""
 
     a: Name = Field(description="the crank: a link that turns on the ground, with the pin")
@@ -391,13 +400,8 @@ class Geneva(Record):
     )
     name: JointName = None
 
-    @property
-    def joint(self) -> str:
-        """Name of its joint."""
-        return self.name or f"{self.a} to {self.b}"
 
-
-class Noncircular(Record):
+class Noncircular(Pair):
     """Two toothed wheels that are not round: link a turns link b against it, at a ratio that varies over the turn."""
 
     a: Name = Field(description="the driver: a link that turns on the ground")
@@ -432,11 +436,6 @@ class Noncircular(Record):
         description="play of the teeth along their pitch lines; print.slide_clearance unless given",
     )
     name: JointName = None
-
-    @property
-    def joint(self) -> str:
-        """Name of its joint."""
-        return self.name or f"{self.a} to {self.b}"
 
     @property
     def law(self) -> WaveLaw:
@@ -526,7 +525,7 @@ class Cycloid(Record):
         return self.model_copy(update=changes | {"name": name})
 
 
-class Mutilated(Record):
+class Mutilated(Pair):
     """Mutilated gears: link a has teeth on a part of its rim, which turn link b by one station a turn; the rest of its rim holds b."""
 
     a: Name = Field(description="the driver: a link that turns on the ground, always in one sense")
@@ -545,13 +544,8 @@ class Mutilated(Record):
     )
     name: JointName = None
 
-    @property
-    def joint(self) -> str:
-        """Name of its joint."""
-        return self.name or f"{self.a} to {self.b}"
 
-
-class Ratchet(Record):
+class Ratchet(Pair):
     """A ratchet: the wheel of link a turns one way past the pawl of link b, which falls behind each tooth and holds it the other way."""
 
     a: Name = Field(description="the wheel: a link that turns on the ground, one way only")
@@ -573,11 +567,6 @@ class Ratchet(Record):
         description="friction coefficient of tooth and pawl at which the pawl is to hold without its spring",
     )
     name: JointName = None
-
-    @property
-    def joint(self) -> str:
-        """Name of its joint."""
-        return self.name or f"{self.a} to {self.b}"
 
     @property
     def deep(self) -> float:
