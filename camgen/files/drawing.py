@@ -63,6 +63,7 @@ from camgen.files.tracks import (
 )
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.outlines import Contour, Floats, extent, rectangle
+from camgen.numerics import coordinates
 from camgen.parts.keyways import keyed
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
@@ -85,6 +86,8 @@ _ABOVE = 24.0
 _BESIDE = 12.0
 _DIMENSION_GAP = 24.0
 _ASIDE = 0.6  # rad, of a leader from the lines of overall sizes
+# where the sense of turning goes, the best first: dimensions are below and to the left
+_ARROWS = np.radians([45, 135, -45, -135, 65, 25, 115, 155, -25, -65, -115, -155, 90, 0, -90, 180])
 _LETTERS = 2  # of a hole's name that is a datum's
 _RIM = "h7"  # fit of a rim that is a datum
 _FACE = 0.7  # of the radius of a drum's lower end: where its datum is in the view from the left
@@ -263,6 +266,8 @@ class _Layout:
         self._surface()
         self._run_out()
         self._hole_datums()
+        if self.turns:
+            self._turning()
         self._upper_side()
         self._labels()
         self._table()
@@ -575,23 +580,18 @@ class _Layout:
                 sheet.line(at - reach * direction, at + reach * direction, layer="CENTER")
 
     def _radii(self) -> None:
-        """Least and greatest distance of a curve from the datum, or the diameter of a circle; sense of turning of a cam."""
-        angles: list[float] = []
+        """Least and greatest distance of a curve from the datum, or the diameter of a circle."""
         circle = as_circle(self.outer)
         if circle and (self.disc is None or abs(circle[1] - self.disc) > SAME_POINT):
             centre, radius = circle
             aside = cmath.exp(0.25j * math.pi)
             self._leader(centre + radius * aside, aside, f"Ø{number(2 * radius)}")
-            angles.append(math.pi / 4)
         if free(self.part.region.outer) and not self.facts.levels:
             for point, word in zip(
                 nearest_and_farthest(self.outer), ("smallest", "largest"), strict=True
             ):
                 way = point / abs(point) if point else 1
                 self._leader(point, way, f"(R{number(abs(point))}) {word}")
-                angles.append(cmath.phase(point))
-        if self.turns:
-            self._turning(angles)
 
     def _leader(self, point: complex, direction: complex, text: str) -> None:
         """Arrow from outside onto a point of the outline, with the text along it, aside from the overall sizes."""
@@ -607,31 +607,33 @@ class _Layout:
 
         self.sheet.things += leader(self.sheet, self.paper(point), direction, clear, text)
 
-    def _turning(self, angles: Sequence[float]) -> None:
-        """Arc with an arrow outside the part: the positive sense, counter-clockwise, in the freest diagonal."""
+    def _turning(self) -> None:
+        """Arc with an arrow outside the part: the positive sense, counter-clockwise, where paper is free, on a diagonal if it can."""
+        import shapely
 
-        def free(angle: float) -> float:
-            return min(
-                (abs(cmath.phase(cmath.exp(1j * (angle - other)))) for other in angles),
-                default=math.pi,
-            )
-
-        # Dimensions are below and to the left.
-        upper = max((math.pi / 4, 3 * math.pi / 4), key=free)
-        angle = upper if free(upper) > 0.6 else max((-math.pi / 4, -3 * math.pi / 4), key=free)
         ring = along([self.outer, *self.above])
-        near: Floats = np.abs(np.angle(ring * cmath.exp(-1j * angle)))
-        reach = float(np.max(np.abs(ring)[near < 0.5], initial=float(np.min(np.abs(ring)))))
-        radius = self.scale * reach + 5
-        half = min(0.4, 9 / radius)
+        places = []
+        strips = []
+        for angle in _ARROWS.tolist():
+            near: Floats = np.abs(np.angle(ring * cmath.exp(-1j * angle)))
+            reach = float(np.max(np.abs(ring)[near < 0.5], initial=float(np.min(np.abs(ring)))))
+            radius = self.scale * reach + 5
+            half = min(0.4, 9 / radius)
+            turned = angle + np.linspace(-half, half + 5 / radius, 9)  # with room for the sign
+            arc = self.datum + radius * np.exp(1j * turned)
+            places.append((angle, radius, half))
+            strips.append(shapely.buffer(shapely.linestrings(coordinates(arc)), 2.0))
+        right = complex(self.table_x, self.sheet.height - _MARGIN)
+        obstacles = Obstacles((complex(_FILING, _MARGIN), right))
+        obstacles.add(self.sheet.primitives)
+        taken = ~obstacles.free(strips) | ~obstacles.within(strips)
+        k = int(np.argmin(100 * taken + obstacles.crossed(strips) + ~obstacles.off_axes(strips)))
+        angle, radius, half = places[k]
         self.sheet.arc(self.datum, radius, angle - half, 2 * half, "TEXT")
         tip = self.datum + cmath.rect(radius, angle + half)
         self.sheet.arrow(tip, 1j * cmath.exp(1j * (angle + half - 1.5 / radius)), "TEXT")
         sign = tip + 2.5j * cmath.exp(1j * (angle + half)) - 1.2j
-        inside = complex(
-            max(sign.real, _FILING + 4), min(sign.imag, self.sheet.height - _MARGIN - 6)
-        )
-        self.sheet.text(inside, "+", 3.5, "centre")
+        self.sheet.text(sign, "+", 3.5, "centre")
 
     def _side(self) -> None:
         """Edge view, heights growing to the right, with the thickness."""

@@ -200,6 +200,40 @@ def test_labels_that_do_collide_are_found(tmp_path: Path) -> None:
     assert ("B2", "edge") in collisions(space)
 
 
+CHART = {"at_deg": (90, 150, 250, 360), "to": (24, 24, 0, 0)}
+
+
+@pytest.mark.parametrize(("radius", "at"), [(9.5, 90), (9.5, 60), (8.0, 90), (16.0, 120)])
+def test_the_sense_of_turning_stands_clear_of_all_else(
+    radius: float, at: int, tmp_path: Path
+) -> None:
+    """A steel cam with the tolerance of its track and the diameters of its radii, where paper is scarce."""
+    angles = (at, *CHART["at_deg"][1:])
+    rows = zip(angles, CHART["to"], strict=True)
+    data: dict[str, Any] = {
+        "mechanism": "disc-cam",
+        "name": "feeder",
+        "geometry": {"follower": {"motion": "translating", "shape": "roller", "radius": radius}},
+        "segment": [{"at_deg": angle, "to": to, "law": "modified-sine"} for angle, to in rows],
+        "parts": {"bore": 20},
+        "material": {"name": "16MnCr5"},
+    }
+    for row in (1, 3):
+        del data["segment"][row]["law"]
+    machine = read_mechanism(data, ()).resolved()
+    (part,) = machine.assembly.parts
+    file = write_drawing(tmp_path, "d", part, 0.001, facts_of(machine, part))[0]
+    space = ezdxf.readfile(file).modelspace()
+    assert collisions(space) == []
+    arc = max(space.query("ARC[layer=='TEXT']"), key=lambda each: each.dxf.radius)
+    sign = next(each for each in space.query("TEXT") if each.dxf.text == "+")
+    arrow = shapely.union(outline_of(arc), text_box(sign))
+    others = [text_box(each) for each in space.query("TEXT") if each is not sign]
+    lines = space.query("LINE ARC CIRCLE LWPOLYLINE[layer!='CENTER']")
+    others += [outline_of(each) for each in lines if each is not arc]
+    assert min(arrow.distance(each) for each in others) > 0.5
+
+
 @pytest.mark.long
 def test_only_cams_have_a_table_of_radii() -> None:
     """Of a machine with cams and wheels: the wheels' teeth are told in their notes."""
