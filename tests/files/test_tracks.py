@@ -189,12 +189,15 @@ def test_the_tolerance_of_the_walls_points_at_the_upper_one() -> None:
     assert " +0.05/0" in {each.fit for each in sizes}
 
 
-@pytest.mark.parametrize(("material", "play", "off"), [("C45", 0.05, " +0.05/0"), ("PLA", 0.2, "")])
+@pytest.mark.parametrize(
+    ("material", "play", "off", "keyway"), [("C45", 0.05, " +0.05/0", 1.4), ("PLA", 0.2, "", 0.0)]
+)
 def test_walls_of_a_plate_groove_are_cut_and_show_its_width(
-    material: str, play: float, off: str
+    material: str, play: float, off: str, keyway: float
 ) -> None:
     """A roller of 10 with its play; the cut runs along y through the dwells: the inner wall is 30 and 45 from the axis, the outer one
-    a groove's width farther; both are 6 thick, on the back plate. No edge is dashed."""
+    a groove's width farther; both are 6 thick, on the back plate. No edge is dashed. In metal the bore of 10 has a keyway 1.4 deep
+    [DIN 6885]."""
     settings = [f"material.name={material}"]
     machine = read_mechanism(SPECS / "gallery" / "groove.toml", settings).resolved()
     parts = {part.name: part for part in machine.assembly.parts}
@@ -205,7 +208,10 @@ def test_walls_of_a_plate_groove_are_cut_and_show_its_width(
     }
     rim = layouts["outer"].disc
     assert rim is not None
-    cuts = {"inner": [(-45, -5), (5, 30)], "outer": [(-rim, -45 - width), (30 + width, rim)]}
+    cuts = {
+        "inner": [(-45, -5), (5 + keyway, 30)],
+        "outer": [(-rim, -45 - width), (30 + width, rim)],
+    }
     for name, spans in cuts.items():
         layout = layouts[name]
         assert layout.upright is not None
