@@ -646,8 +646,11 @@ def validate(
     like: tables and the record that was made of them: what is the same object in both tables is not checked again.
     """
     words = cls.wording(data)
-    hints = (*hints, *_radians(cls, words.data))
-    before = None if like is None else (cls.wording(like[0]).data, like[1])
+    before = None
+    if like is None:
+        hints = (*hints, *_radians(cls, words.data))
+    else:
+        before = (cls.wording(like[0]).data, like[1])
     try:
         return _checked(cls, words.data, (*hints, *words.notes), before)
     except SpecError as error:

@@ -158,7 +158,10 @@ OTHERS = {
     "settled_tables",
     "limits_of",
     "toml",
-}  # what gives another machine, some of its limits, and its spec
+    "weighed",
+    "no_use",
+    "unused_faults",
+}  # what gives another machine, some of its limits, its spec, a model with its masses, and keys of no use to it
 
 
 def test_a_mechanism_answers_a_dozen_questions() -> None:

@@ -126,7 +126,11 @@ def test_a_cam_follower_is_in_the_list_of_parts_where_the_roller_is_not_made() -
         ("linkage", ("motor.model=N20-100:1",), "parts.can, with its sizes, makes one"),
         ("quick-return", (), None),
         ("stitch-head", (), None),
-        ("disc-cam", ("parts.hub_height=", "parts.make=printed"), 'parts.motor = "nema-17"'),
+        (
+            "disc-cam",
+            ("parts.hub_height=", "parts.make=printed", "motor.model=42STH48-2004AC"),
+            'parts.motor = "nema-17"',
+        ),
         ("disc-cam", (), None),
         ("gallery/beak", (), None),
     ],
