@@ -36,8 +36,11 @@ def with_reaming(table: Table, copies: Sequence[StandingCopy], fixing: Fixing) -
 
 
 def reamer_size(diameter: float, play: float) -> float:
-    """Of a drill or reamer for a hole with play round a diameter, mm: in whole tenths, no narrower than that."""
-    return max(math.floor(10 * (diameter + play + SAME_POINT)) / 10, diameter)
+    """Of a drill or reamer for a hole with play round a diameter, mm: in tenths, as drills are, where one of these is wider than
+    the diameter, else in hundredths, as reamers are."""
+    size = diameter + play + SAME_POINT
+    drill = math.floor(10 * size) / 10
+    return drill if drill > diameter else math.floor(100 * size) / 100
 
 
 def _tool(size: float) -> str:
@@ -83,7 +86,7 @@ def _away(hole: Round, holder: StandingCopy) -> float:
 def _turning_in(
     hole: Round, holder: StandingCopy, copies: Sequence[StandingCopy], fixing: Fixing
 ) -> float:
-    """The size of a drill or reamer for a hole, mm, in whole tenths and as wide as what turns in it; 0 where nothing does."""
+    """The size of a drill or reamer for a hole, mm, as wide as what turns in it; 0 where nothing does."""
     widest = max(
         (
             outline.diameter

@@ -688,7 +688,7 @@ def test_steps_of_a_drum_machine_give_a_height_to_what_lies_level_alone() -> Non
     drum = [row for row in rows if row["part"] == "drum"][-1]
     assert below == 0 and set(above) == {above[0]} and above[0] > drum["underside at z, mm"]  # type: ignore[operator]
     aside = next(row for row in rows if row["part"] == "carriage")
-    assert aside["where"] == f"on the table beside the machine; step {drum['step']} puts it in"
+    assert aside["where"] == "on the table, the bore for the pin upright"
     titles = [step.title for step in table.steps]
     lower, upper = (title for title in titles if "er end plate" in title and "rod upr" not in title)
     assert lower.startswith("Lay the lower") and upper.startswith("Lower the upper")
@@ -723,10 +723,13 @@ def test_steps_of_a_drum_machine_say_where_the_shaft_stands_and_what_is_glued(
         title for title in glued if "no glue" in title
     ]  # the picture says what the words say
     assert [title for title in glued if "glue spacer-below" in title.lower()]
-    (shaft,) = (title for title in titles if title.startswith("Stand the shaft"))
-    assert f"out by {low['bearing'] - low['shaft']:.3g} mm below" in shaft
-    assert f"its lower end {low['shaft']:g} mm over the table" in shaft
-    (drum,) = (title for title in titles if title.startswith("Lower the drum"))
+    (shaft,) = (title for title in titles if "stand the shaft upright" in title)
+    # sheets of paper of 0.1 mm hold the shaft's lower end over the table
+    assert (
+        shaft.startswith(f"Lay five sheets of paper, {low['shaft']:g} mm, under")
+        and low["shaft"] == 0.5
+    )
+    (drum,) = (title for title in titles if title.startswith("Try the drum"))
     assert said in drum
     assert "Put spacer-above on the shaft, down on the drum, no glue." in titles
     (under,) = (title for title in titles if "spacer-below on the shaft, 0.1" in title)

@@ -463,7 +463,7 @@ def test_a_copy_that_is_missing_is_told(tmp_path: Path) -> None:
     copies = assembly_copies(made)
     write_3mf(path, dict(made._solids), copies[:-1], "0" * 32)
     (found,) = sweep_in_space(path, bodies_in_motion(made.assembly))[0]
-    assert (found.code, found.ok, found.measured) == ("ROUND_TRIP", False, 1)
+    assert (found.code, found.ok, found.measured) == ("COPIES", False, 1)
     moved = [replace(copies[0], transform=copies[0].transform + np.eye(3, 4, 3) * 9), *copies[1:]]
     assert isinstance(moved[0], PartCopy)
     write_3mf(path, dict(made._solids), moved, "0" * 32)

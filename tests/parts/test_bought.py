@@ -120,7 +120,12 @@ def test_a_cam_follower_is_in_the_list_of_parts_where_the_roller_is_not_made() -
 @pytest.mark.parametrize(
     ("name", "settings", "key"),
     [
-        ("linkage", (), 'parts.motor = "nema-17" makes one, for its shaft of 5 mm'),
+        (
+            "linkage",
+            ("motor.model=42STH48-2004AC",),
+            'parts.motor = "nema-17" makes one, for its shaft of 5 mm',
+        ),
+        ("linkage", (), None),
         ("linkage", ("parts.motor=nema-17",), None),
         ("linkage", ("parts.hand_crank=40",), None),
         ("linkage", ("motor.model=N20-100:1",), "parts.can, with its sizes, makes one"),
@@ -146,5 +151,6 @@ def test_a_motor_for_which_the_parts_have_no_place_is_told(
 
 
 def test_a_drive_that_is_joined_to_the_shaft_has_its_model_in_the_list() -> None:
-    (drive,) = (each for each in made("linkage").assembly.bought if each.role == "drive")
+    machine = made("linkage", "motor.model=42STH48-2004AC")
+    (drive,) = (each for each in machine.assembly.bought if each.role == "drive")
     assert drive.size.startswith("42STH48-2004AC, 60 rpm, for a shaft of 6")

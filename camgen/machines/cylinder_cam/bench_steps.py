@@ -256,7 +256,8 @@ class BenchSteps:
         yield _Act(
             "drum",
             f"lowered over the shaft together with the {end}, {into}",
-            f"lower the drum over the shaft ({fixed}), {self._end_up}, down on spacer-below, together with the {end}: "
+            "try the drum on the shaft, and scrape its bore till it slides on by hand; then "
+            f"lower it over the shaft ({fixed}), {self._end_up}, down on spacer-below, together with the {end}: "
             f"both at once, {into}{self._bracket_high}",
             [name for part in self.bench.drum for name in self._copies[part.name]],
             dry=driver != "glue",
