@@ -62,9 +62,6 @@ def text_of_form(form: str, pattern: str, max_length: int | None = None) -> Any:
 
 
 Length = Annotated[float, quantity("mm", ge=1e-3, le=1e6)]  # none makes less than a thousandth
-Size = Annotated[
-    float, quantity("mm", ge=0.1, le=1e6)
-]  # of a hole or shaft: smaller ones are in metres
 Distance = Annotated[float, quantity("mm", ge=0, le=1e6)]
 Angle = Annotated[float, quantity("deg", ge=0, le=180)]
 Force = Annotated[float, quantity("N or N m", ge=0, le=1e6)]

@@ -1062,15 +1062,6 @@ def test_the_shaft_of_the_motor_is_the_machines(mechanism: str, make: str, key: 
     ("spec", "setting", "said"),
     [
         (
-            "disc-cam",
-            "parts.bore=0.008",
-            "parts.bore: 0.008 - expected a number >= 0.1 and <= 1000000; lengths are in mm: 8?",
-        ),
-        ("disc-cam", "geometry.base_radius=0.025", "lengths are in mm: 25?"),
-        ("linkage", "parts.thickness=0.004", "lengths are in mm: 4?"),
-        ("disc-cam", "geometry.follower.radius=0.005", "lengths are in mm: 5?"),
-        ("cylinder-cam", "geometry.roller.length=0.006", "lengths are in mm: 6?"),
-        (
             "eccentric-drive",
             "geometry=",
             "a table with eccentricity, rod, eccentric_diameter and shaft_diameter; other keys",

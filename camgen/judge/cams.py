@@ -253,9 +253,10 @@ def judge_cams(
         name = "" if len(first) == 1 else cam
         (unit, scale) = s_unit(joint)
         right = dict[str, bool]()
-        # of a copy that is turned over the play tells
-        for outline in (each for each in outlines if each.feature.copy == 0):
+        for outline in outlines:
             part = outline.feature.part
+            if part in right:  # of a copy that is turned over, and of a second face, the play tells
+                continue
             driven = first | {cam: outline}
             file = named(where, {part})
             drives = outline is first[cam]

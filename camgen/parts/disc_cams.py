@@ -18,11 +18,11 @@ from camgen.numerics import magnitude
 from camgen.parts.keyways import RANGE, keyway
 from camgen.parts.part import Layer, Part, d_bore, keyed_bore
 from camgen.parts.set_screws import SetScrewHub
-from camgen.spec import Length, Record, Size, quantity
+from camgen.spec import Length, Record, quantity
 from camgen.vocabulary import OldWords
 
 Thickness = Annotated[float, quantity("mm", ge=0.1, le=1000)]
-Bore = Annotated[Size, Field(description="diameter of the shaft's hole")]
+Bore = Annotated[Length, Field(description="diameter of the shaft's hole")]
 BoreShape = Annotated[
     Literal["plain", "keyway", "d-flat"],
     Field(description='"plain", "keyway" (key_width, key_depth) or "d-flat" (flat_depth), on +y'),

@@ -30,7 +30,9 @@ def with_reaming(table: Table, copies: Sequence[StandingCopy], fixing: Fixing) -
         f"open {f'all {count} holes' if count > 1 else 'the hole'} in which something turns, by hand and straight, with a "
         f"drill or reamer of this size; what goes in must then drop through by its own weight{ticks}"
     )
-    row = (1, "", "Holes in which something turns", "; ".join(lines), count, "", "")
+    cells = {"step": 1, "what": "Holes in which something turns", "count": count}
+    cells |= {"where": "; ".join(lines), "how": said}
+    row = tuple(cells.get(column, "") for column in table.columns)
     rows = [row, *((int(str(step)) + 1, *cells) for step, *cells in table.rows)]
     return replace(table, rows=rows, steps=[Step([Doing(said)]), *table.steps])
 

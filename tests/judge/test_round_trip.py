@@ -342,7 +342,7 @@ def test_what_a_way_back_leaves_nothing_of_is_told() -> None:
 
 def test_of_many_remarks_on_a_file_the_first_are_told() -> None:
     found = strange(Path("x.dxf"), [f"line {k} is open" for k in range(5)])
-    assert not found.ok and found.measured == 5
+    assert not found.ok and math.isnan(found.measured)
     assert found.message == "line 0 is open; line 1 is open; line 2 is open; and 2 more"
     assert strange(Path("x.dxf"), ["a", "b", "c"]).message == "a; b; c"
 

@@ -366,7 +366,7 @@ def test_a_lost_copy(tmp_path: Path) -> None:
     whole, path = machine(), tmp_path / "x.3mf"
     mesh = solid(whole.assembly.parts[0], 0.01)
     write_3mf(path, {"cam": mesh}, [PartCopy("cam", "cam-1")], "key")
-    assert [said.split()[0] for said in swept(path, whole)] == ["ROUND_TRIP"]
+    assert [said.split()[0] for said in swept(path, whole)] == ["COPIES"]
 
 
 def edited(folder: Path, part: str, change: Any) -> None:

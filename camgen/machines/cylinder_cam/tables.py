@@ -8,7 +8,7 @@ from pydantic import Field
 
 from camgen.machines.loads.tables import CamLimitsTable, MovingFollower
 from camgen.parts.disc_cams import ShaftBore
-from camgen.spec import Coordinate, Length, MinWall, Record, Size, quantity
+from camgen.spec import Coordinate, Length, MinWall, Record, quantity
 
 
 class DrumFollower(MovingFollower):
@@ -52,8 +52,8 @@ class DrumFollower(MovingFollower):
 class DrumRollerTable(Record):
     """The roller in the track; its axis points to the drum's."""
 
-    radius: Size = Field(description="radius of the roller, of a cone half way along it")
-    length: Size = Field(description="length of the roller")
+    radius: Length = Field(description="radius of the roller, of a cone half way along it")
+    length: Length = Field(description="length of the roller")
     cone_deg: Annotated[float, quantity("deg", ge=-45, le=45)] = Field(
         default=0.0,
         description="half angle of a conical roller, above 0 where it grows outwards; in a groove 0 or more",

@@ -14,7 +14,7 @@ from camgen.machines.pairs import Air
 from camgen.motion.polydyne import Lag
 from camgen.parts.disc_cams import CamParts
 from camgen.parts.generator.sizes import Contours
-from camgen.spec import Coordinate, Force, Length, MinWall, Record, Rpm, Size, quantity, turning
+from camgen.spec import Coordinate, Force, Length, MinWall, Record, Rpm, quantity, turning
 
 
 class TrackFollower(MovingFollower):
@@ -26,7 +26,7 @@ class TrackFollower(MovingFollower):
     shape: Literal["roller", "flat", "knife"] = Field(
         description='"roller" (with its radius), "flat" or "knife"; there is no default'
     )
-    radius: Size | None = Field(default=None, description="radius of the roller")
+    radius: Length | None = Field(default=None, description="radius of the roller")
     offset: Coordinate = Field(
         default=0.0,
         description="translating: how far the slide is to the right of the shaft (below 0: to the "
@@ -86,7 +86,7 @@ class DiscCamGeometry(Record):
     """The cam and its follower; without base_radius the cam is the smallest that keeps to the limits."""
 
     follower: FollowerTable = Field(description="what rides on the cam")
-    base_radius: Size | None = Field(
+    base_radius: Length | None = Field(
         default=None,
         description="radius of the circle that touches the cam from within; left out: the smallest "
         "that keeps to [limits] and holds its shaft",

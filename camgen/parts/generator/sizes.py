@@ -26,7 +26,7 @@ from camgen.parts.catalogue import (
 )
 from camgen.parts.part import SizeNote
 from camgen.parts.set_screws import SetScrewHub
-from camgen.spec import Coordinate, Distance, Length, Record, Size, quantity, text_of_form, unknown
+from camgen.spec import Coordinate, Distance, Length, Record, quantity, text_of_form, unknown
 
 SUNK = 0.2  # mm, by which a screw's head lies below the surface
 HOOK_ROOM = 0.5  # mm, from what holds the eye of a spring to its coils
@@ -195,7 +195,7 @@ class Parts(Record):
         description='"printed"; or "laser": in layers of the sheet of [laser], with pins and shaft of '
         "steel",
     )
-    thickness: Size = Field(default=4.0, description="thickness of links, cams and followers")
+    thickness: Length = Field(default=4.0, description="thickness of links, cams and followers")
     pin: PinKind = Field(
         default="printed",
         description='"printed": with a head; "turned": the same of steel; "dowel": bought, of steel, with a '
@@ -205,7 +205,7 @@ class Parts(Record):
     pins: dict[Name, PinKind] = Field(
         default={}, description='in place of pin, for single points: { A = "bearing" }'
     )
-    pin_diameter: Size = Field(default=5.0, description="diameter of the pins")
+    pin_diameter: Length = Field(default=5.0, description="diameter of the pins")
     discs: Annotated[dict[Name, Length], Field(min_length=1)] | None = Field(
         default=None,
         description="diameter of pins so large that a shaft goes through them: eccentrics, or pivots of "
@@ -215,8 +215,8 @@ class Parts(Record):
     head: Length = Field(
         default=1.5, description="height of a pin's head, and how far it stands out all round"
     )
-    base_thickness: Size = Field(default=5.0, description="thickness of the ground's plate")
-    shaft_diameter: Size = Field(
+    base_thickness: Length = Field(default=5.0, description="thickness of the ground's plate")
+    shaft_diameter: Length = Field(
         default=6.0,
         description="diameter of the drive shaft; a flat on it turns the driven link",
     )
