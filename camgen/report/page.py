@@ -151,12 +151,13 @@ def _viewer(report: Report, scene: Scene) -> str:
 def _on_bench(step: Step, place: Mapping[str, int]) -> dict[str, object]:
     """A step of assembly for the script; place: number of each copy."""
     mates = [
-        {**asdict(mate), "place": [round(value, 3) for value in mate.place]} for mate in step.mates
+        {**asdict(mate), "place": [round(value, 3) + 0.0 for value in mate.place]}  # no -0
+        for mate in step.mates
     ]
     copies = [place[copy] for copy in step.copies]
-    wire = [] if step.wire is None else step.wire.round(2).tolist()
+    wire = [] if step.wire is None else (step.wire.round(2) + 0.0).tolist()
     shapes = [
-        [[[round(z.real, 2), round(z.imag, 2)] for z in corners], low, high]
+        [[[round(z.real, 2) + 0.0, round(z.imag, 2) + 0.0] for z in corners], low, high]
         for corners, low, high in step.shapes
     ]
     said = {"copies": copies, "way": step.way, "mates": mates, "wire": wire}

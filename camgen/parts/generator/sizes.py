@@ -119,7 +119,7 @@ class Shape(Record):
 
 
 PinKind = Literal["printed", "turned", "dowel", "shoulder", "bearing"]
-_STEEL_PINS = ("turned", "dowel", "shoulder")
+_STEEL_PINS = ("turned", "dowel", "shoulder", "steel")  # the last is an old word for dowel
 
 
 class Can(Record):
