@@ -530,7 +530,9 @@ EVERY = sorted(
 def test_every_part_is_accepted(client: Client, built: list[Path]) -> None:
     needed(client)
     work = [each for each in tasks(built) if each[1] is client]
-    assert {path.parent for path, _ in work} == set(built)  # each spec has files of all kinds
+    # each spec has files of all kinds, but a drum of discs nothing to cut
+    judged = {folder for folder in built if client is not gdal or folder.name != "drum"}
+    assert {path.parent for path, _ in work} == judged
     refused = {
         path.name: problem
         for (path, _), problem in zip(work, answers(work), strict=True)
