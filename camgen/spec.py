@@ -44,7 +44,16 @@ from camgen.schemas import (
     tables_of,
     unit_of,
 )
-from camgen.vocabulary import OldWords, Wording, example, kind_of, likely, likely_key, wording
+from camgen.vocabulary import (
+    OldWords,
+    Wording,
+    example,
+    kind_of,
+    likely,
+    likely_key,
+    other_words,
+    wording,
+)
 
 _WIDE = 110  # characters of a line of TOML
 # Tables whose keys no other key depends on: a wrong value of one hides no other fault.
@@ -567,6 +576,7 @@ S = TypeVar("S", bound=Checked)
 # ---- checking --------------------------------------------------------------------------------------------------------
 
 
+_NEAR = 0.8  # likeness of a key to one that is not known, where another table has that very key
 _OTHER_BEGINNING = (
     0.75  # likeness of names that do not begin alike, where one may stand for the other
 )
@@ -864,14 +874,25 @@ def _no_such(
     radius = re.sub("diameter$", "radius", name)
     if radius != name and radius in keys and isinstance(value, int | float) and abs(value) < 1e9:
         return None, f"{UNKNOWN}; write {radius} = {value / 2:g}, which is half of it"
-    close = get_close_matches(name, keys, 1) or likely_key(name, keys)
-    elsewhere = _in_others(path, root)
-    bare = len(path) == 1 and not isinstance(value, dict | list)  # without its table
-    if len(elsewhere) > 1 and (bare or not close):
-        return None, f"{UNKNOWN}; did you mean {_any_of(elsewhere)}?"
-    close = elsewhere or close if bare else close or elsewhere
-    nearest = next(iter(close or _longer(name, keys)), None)
-    return nearest, f"{UNKNOWN}; known here: {', '.join(keys)}"
+    called = likely_key(name, keys)
+    close = called or get_close_matches(name, keys, 1)
+    words = (
+        name,
+        *(() if called else other_words(name)),
+        *(value if isinstance(value, dict) else ()),
+    )
+    elsewhere = next(filter(None, (_in_others(key, path, root) for key in words)), [])
+    if len(path) > 1:
+        close = called or get_close_matches(name, keys, 1, _NEAR if elsewhere else 0.6)
+        meant = [*close, *elsewhere]
+    elif isinstance(value, dict | list):
+        meant = close or elsewhere
+    else:  # without its table
+        meant = elsewhere or close
+    meant = meant or _longer(name, keys)
+    if len(meant) > 1:
+        return None, f"{UNKNOWN}; did you mean {_any_of(meant)}?"
+    return next(iter(meant), None), f"{UNKNOWN}; known here: {', '.join(keys)}"
 
 
 def _described(node: Data | None, expected: str) -> str:
@@ -894,17 +915,18 @@ def _needed(node: Data | None, root: Data) -> str:
     return ""
 
 
-def _in_others(path: Sequence[str | int], root: Data) -> list[str]:
-    """The key at a path as other tables of the spec have it: motor.speed_rpm as drive.speed_rpm, lift as segment.0.lift."""
-    if len(path) > 2:
-        return []
-    found = []
+def _in_others(name: str, path: Sequence[str | int], root: Data) -> list[str]:
+    """A key as other tables than the one at a path have it: speed_rpm as drive.speed_rpm, lift as segment.0.lift."""
+    found = [name] if name in keys_of(root, root) else []
     for table, node in keys_of(root, root).items():
-        if path[-1] in keys_of(node, root):
-            found.append(f"{table}.{path[-1]}")
-        elif path[-1] in keys_of(step_below(node, 0, root), root):
-            found.append(f"{table}.0.{path[-1]}")
-    return found
+        tables = {f"{table}.{key}": each for key, each in keys_of(node, root).items()}
+        if f"{table}.{name}" in tables:
+            found.append(f"{table}.{name}")
+        elif name in keys_of(step_below(node, 0, root), root):
+            found.append(f"{table}.0.{name}")
+        else:
+            found += [f"{key}.{name}" for key in tables if name in keys_of(tables[key], root)]
+    return [key for key in found if key != dotted(tuple(path))]
 
 
 def _any_of(keys: Sequence[str]) -> str:

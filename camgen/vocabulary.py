@@ -90,6 +90,7 @@ _LIKELY: dict[str, dict[str, tuple[str, ...]]] = {
     },
     "material": {
         **dict.fromkeys(("steel", "stahl", "mild-steel", "iron", "metal", "s235"), _STEELS),
+        **dict.fromkeys(("hardened-steel", "tool-steel", "hardened"), ("16MnCr5", "42CrMo4")),
         **dict.fromkeys(("aluminum", "alu", "al", "6061"), ("aluminium",)),
         # numbers of EN 10027-2, as the sources of the materials have them
         "1.0503": ("C45",),
@@ -103,7 +104,7 @@ _LIKELY: dict[str, dict[str, tuple[str, ...]]] = {
         **dict.fromkeys(("inox", "stainless-steel", "304", "316"), ("stainless",)),
     },
     "model": {
-        **dict.fromkeys(("nema17", "nema-17", "stepper", "stepper-motor"), _NEMA_17),
+        **dict.fromkeys(("nema", "nema17", "nema-17", "stepper", "stepper-motor"), _NEMA_17),
         **dict.fromkeys(("servo", "hobby-servo"), ("SG90", "MG90S")),
         **dict.fromkeys(("tt", "gearmotor", "gear-motor"), ("TT-1:48", "N20-100:1")),
         **dict.fromkeys(("n20",), ("N20-100:1", "N20-298:1", "N20-1000:1")),
@@ -154,6 +155,7 @@ _KEYS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("body", "bodies"), ("link", "links")),
     **dict.fromkeys(("joint", "joints"), ("points",)),
     **dict.fromkeys(("tolerance", "accuracy"), ("chord_tolerance",)),
+    **dict.fromkeys(("base_circle", "base_circle_radius", "prime_radius"), ("base_radius",)),
 }
 # Machines that are no mechanism but an example of one: their words, and which example.
 _EXAMPLES: dict[str, str] = {
@@ -179,7 +181,12 @@ def likely(kind: str, value: object, known: Sequence[str]) -> tuple[str, ...]:
 
 def likely_key(name: str, known: Collection[str]) -> list[str]:
     """The key that a person may mean by another word, if one is known."""
-    return [key for key in _KEYS.get(name.lower(), ()) if key in known][:1]
+    return [key for key in other_words(name) if key in known][:1]
+
+
+def other_words(name: str) -> tuple[str, ...]:
+    """Keys that a person may mean by a word that is none."""
+    return _KEYS.get(name.lower(), ())
 
 
 def example(kind: str, value: object) -> str:
