@@ -202,6 +202,7 @@ def drum(**geometry: object) -> Part:
     """That of the starter, with other keys in its geometry."""
     data = tomllib.loads((SPECS / "cylinder-cam.toml").read_text(encoding="utf-8"))
     data["geometry"] |= geometry
+    data["parts"]["pieces"] = 1
     (part,) = read_mechanism(data).assembly.parts
     return part
 

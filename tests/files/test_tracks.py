@@ -33,7 +33,7 @@ KINDS = [(), RIB, ("geometry.track=end",), SWING, ("geometry.follower.offset=8",
 @cache
 def sheet_of(*settings: str, metal: bool = True) -> tuple[_Layout, Drum, Facts]:
     """The sheet of the starter's drum: a rise of 15 over 120 deg, dwell 60, return 120, dwell 60; the roller 10 x 6 with 0.2 of play."""
-    usual = ["print.slide_clearance=0.2"]
+    usual = ["print.slide_clearance=0.2", "parts.pieces=1"]
     material = ["material.name=42CrMo4"] if metal else []
     machine = read_mechanism(SPECS / "cylinder-cam.toml", [*usual, *material, *settings]).resolved()
     (part,) = machine.assembly.parts

@@ -50,7 +50,7 @@ def machine(rows: list[dict[str, Any]] | None = None, **tables: dict[str, Any]) 
     """The starter's motion, or other segments; tables: keys in place of the starter's."""
     data = tomllib.loads(SPEC.read_text(encoding="utf-8"))
     data["accuracy"] = {"chord_tolerance": 0.02}
-    tables["parts"] = {"make": "printed", **tables.get("parts", {})}
+    tables["parts"] = {"make": "printed", "pieces": 1, **tables.get("parts", {})}
     for name, keys in tables.items():
         data[name] = {**data.get(name, {}), **keys}
     if rows is not None:

@@ -197,7 +197,7 @@ def test_the_keys_play_is_told(tmp_path: Path) -> None:
 
 @pytest.mark.long
 def test_a_build_has_both_pieces_and_their_steps(tmp_path: Path) -> None:
-    settings = [f"accuracy.chord_tolerance={TOLERANCE}", "parts.pieces=2"]
+    settings = [f"accuracy.chord_tolerance={TOLERANCE}"]
     report = pipeline.build(SPEC, tmp_path, frozenset({"stl", "3mf"}), settings)
     assert [each for each in report.findings if not each.ok] == []
     told = json.loads((tmp_path / "cylinder-cam" / "report.json").read_text())
@@ -210,6 +210,27 @@ def test_a_build_has_both_pieces_and_their_steps(tmp_path: Path) -> None:
     assert isinstance(again, CylinderCam)
     assert again.track.length == pytest.approx(told["numbers"]["drum_length_mm"], abs=1e-9)
     assert pipeline.check(tmp_path / "cylinder-cam").ok
+
+
+@pytest.mark.parametrize(
+    "settings, count",
+    [
+        ([], 2),
+        (["geometry.track=end"], 1),
+        (["geometry.track=rib", "geometry.distance=16"], 1),
+        (["material.name=42CrMo4"], 1),
+        (["files.cutter_radius=4"], 1),
+        (["geometry.roller.end_clearance=0.05"], 1),
+        (["parts.pieces=1"], 1),
+    ],
+)
+def test_a_printed_groove_is_in_two_pieces_unless_the_spec_says_one(
+    settings: list[str], count: int
+) -> None:
+    """A support in the groove stands where the roller runs; a cutter leaves a metal drum whole; the rest has no upper wall."""
+    made = pipeline.read_mechanism(SPEC, settings)
+    assert len(made.assembly.parts) == count
+    assert made.resolved().making.pieces == count  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize(

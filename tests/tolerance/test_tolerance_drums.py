@@ -41,6 +41,7 @@ def drum(**geometry: Any) -> CylinderCam:
     data = tomllib.loads(SPEC.read_text(encoding="utf-8"))
     data["geometry"] |= geometry
     data["accuracy"] = {"chord_tolerance": 0.005}
+    data["parts"]["pieces"] = 1
     return validate(CylinderCam, data)
 
 

@@ -245,7 +245,7 @@ class CylinderCam(Mechanism):
             right = "nothing here: a drum in two pieces is printed, and no cutter goes round it"
             yield Fault(("files", "cutter_radius"), f"{self.files.cutter_radius:g}", right)
         play = self.print.slide_clearance / 2
-        if self.geometry.roller.end_clearance < play:
+        if self._tight:
             right = f"at least {play:g} mm, half of print.slide_clearance: the ring begins outside of the core by that"
             value = f"{self.geometry.roller.end_clearance:g}"
             yield Fault(("geometry", "roller", "end_clearance"), value, right)
@@ -313,7 +313,9 @@ class CylinderCam(Mechanism):
         p = self.making
         clearance = self.print.slide_clearance
         given = self.geometry.radius
-        key = p.wall if p.pieces == 2 else 0.0  # takes as much of the core as of its height
+        key = (
+            p.wall if self._piece_count == 2 else 0.0
+        )  # takes as much of the core as of its height
         reach = p.reach + key
         track = Track(self.geometry, self.program, clearance, reach, p.wall, given or 0.0, key)
         if given is None:
@@ -375,6 +377,7 @@ class CylinderCam(Mechanism):
             "geometry.length": track.length,
             "geometry.follower.height": track.height,
             "limits.pressure_angle_deg": self._steepest,
+            "parts.pieces": self._piece_count,
         }
         if self.geometry.follower.swings:
             found["geometry.follower.pivot"] = track.pivot
@@ -491,10 +494,23 @@ class CylinderCam(Mechanism):
             demands=(demand,),
         )
 
+    @property
+    def _piece_count(self) -> int:
+        """Of the drum: as the spec says, else two where a printed groove's upper wall would stand on supports."""
+        if self.making.pieces is not None:
+            return self.making.pieces
+        whole = self.files.cutter_radius is not None or not materials.of(self.material.name).printed
+        return 1 if whole or self.geometry.track != "groove" or self._tight else 2
+
+    @property
+    def _tight(self) -> bool:
+        """Whether the ring of a groove would begin outside of the roller's inner end."""
+        return self.geometry.roller.end_clearance < self.print.slide_clearance / 2
+
     @cached_property
     def pieces(self) -> Pieces | None:
         """Drum and ring; None where the drum is in one piece."""
-        if self.making.pieces == 1:
+        if self._piece_count == 1:
             return None
         fits = self.print
         return Pieces(self.track, self.making.reach, fits.slide_clearance, fits.press_clearance)

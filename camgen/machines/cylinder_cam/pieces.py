@@ -49,7 +49,7 @@ class Pieces:
         track = self.track
         least = self.bore_reach + 2 * track.wall
         if track.floor < least - 1e-9:
-            remedy = "there is no room for the key between bore and track: a larger geometry.radius, or a smaller parts.wall"
+            remedy = "there is no room for the key between bore and track: a larger geometry.radius, a smaller parts.wall, or parts.pieces = 1"
             where = "the floor of the track"
             raise DesignError(
                 "geometry.radius",
@@ -61,7 +61,7 @@ class Pieces:
             )
         room = track.drum.span[1]
         if self.shoulder < room:
-            remedy = "there is no room for the key over the track: a larger geometry.length, or a smaller parts.wall"
+            remedy = "there is no room for the key over the track: a larger geometry.length, a smaller parts.wall, or parts.pieces = 1"
             limit = track.length + room - self.shoulder
             raise DesignError(
                 "geometry.length", track.length, limit, "mm", "the highest wall", remedy

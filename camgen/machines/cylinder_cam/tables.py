@@ -101,10 +101,11 @@ class DrumParts(ShaftBore):
         '"printed": the machine as well: end plates on four rods, shaft in ball bearings, carriage or arm with\n'
         "its roller, hand crank; on an end cam two springs that press the carriage down, or one that pulls the arm",
     )
-    pieces: Literal[1, 2] = Field(
-        default=1,
-        description="2: a groove as two pieces, each printed with its wall up, without supports: the drum with its lower wall,\n"
-        "and a ring with the upper one, glued on its core, whose flat holds the ring's angle",
+    pieces: Literal[1, 2] | None = Field(
+        default=None,
+        description="2: a groove as two pieces, each printed with its wall up, without supports: the drum with its lower "
+        "wall, and a ring with the upper one, glued on its core, whose flat holds the ring's angle; 1: supports stand in "
+        "the groove, where the roller runs; left out: 2 for a groove that is printed, else 1",
     )
     wall: Length = Field(
         default=3.0,
