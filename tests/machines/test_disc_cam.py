@@ -610,6 +610,24 @@ def test_pressure_angle_and_undercut_by_other_routes() -> None:
     np.testing.assert_allclose(np.degrees(cam.pressure_angle(theta)), np.degrees(angle), atol=1e-5)
 
 
+def test_where_the_pressure_angle_is_largest() -> None:
+    """A slide through the shaft, simple harmonic: tan of the angle is s'/(base radius + roller + s), largest of a fine grid."""
+    made = mechanism(
+        "geometry.follower={motion='translating',shape='roller',radius=5}",
+        "geometry.base_radius=25",
+        "segment=[{kind='rise',span_deg=120,lift=12,law='simple-harmonic'},{kind='dwell',span_deg=90},"
+        "{kind='return',span_deg=150,lift=12,law='simple-harmonic'}]",
+    )
+    (found,) = (each for each in made.limits() if each.code == "PRESSURE_ANGLE")
+    turned = np.radians(np.linspace(0, 120, 240001))  # the rise is the steeper one
+    lift = 6 * (1 - np.cos(1.5 * turned))
+    tangent = 9 * np.sin(1.5 * turned) / (30 + lift)
+    best = np.argmax(tangent)
+    assert found.measured == pytest.approx(math.degrees(math.atan(tangent[best])), abs=1e-6)
+    assert math.degrees(found.where.theta) == pytest.approx(math.degrees(turned[best]), abs=0.01)
+    assert str(found.where).startswith("exact profile, cam angle ")
+
+
 # ---- bad input -------------------------------------------------------------------------------------------------------
 
 

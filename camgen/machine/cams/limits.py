@@ -177,7 +177,7 @@ def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) 
             cam.steepest,
             limits.steepest(cam),
             "deg",
-            Where(where),
+            Where(where, theta=cam.steepest_at if cam.steepest else None),
             f"{advice.flatter} lowers it",
         ),
         at_most(

@@ -165,13 +165,22 @@ class DiscCam(Generic[F]):
         """Pressure angle on the untrimmed profile, rad, (n,), 0 or more."""
         return pressure_angle_untrimmed(self.cutter, theta, self.program)
 
-    @cached_property
+    @property
     def steepest(self) -> float:
         """Largest pressure angle over the turn, deg, on the corners of undercuts too."""
-        return self.pressure_angle_between(self.corners[0], self.corners[-1])
+        return self._steepest[1]
 
-    def pressure_angle_between(self, low: float, high: float, riding: bool = True) -> float:
-        """Largest pressure angle between two cam angles, deg; riding: on the corners of undercuts too.
+    @property
+    def steepest_at(self) -> float:
+        """Cam angle of the largest pressure angle, rad."""
+        return self._steepest[0]
+
+    @cached_property
+    def _steepest(self) -> tuple[float, float]:
+        return self.steepest_between(self.corners[0], self.corners[-1])
+
+    def steepest_between(self, low: float, high: float, riding: bool = True) -> tuple[float, float]:
+        """Cam angle, rad, and size, deg, of the largest pressure angle between two cam angles; riding: on the corners of undercuts too.
 
         It jumps where the speed does and at an undercut's ends: they are looked at from either side.
         """
@@ -180,11 +189,12 @@ class DiscCam(Generic[F]):
         ]
         marks = sorted({low, high, *(mark for mark in (*self.corners, *ends) if low < mark < high)})
         peaks = [
-            greatest(self.pressure_angle, a + _ASIDE, b - _ASIDE, self.program.knots(a, b))[1]
+            greatest(self.pressure_angle, a + _ASIDE, b - _ASIDE, self.program.knots(a, b))
             for a, b in pairwise(marks)
             if riding or not self.riding((a + b) / 2)
         ]
-        return math.degrees(max(peaks, default=0.0))
+        place, angle = max(peaks, key=lambda each: each[1], default=(low, 0.0))
+        return place, math.degrees(angle)
 
     @cached_property
     def face_contact(self) -> tuple[float, float]:

@@ -170,8 +170,8 @@ def figures(cam: DiscCam, g: SwingGeometry, rpm: float) -> Study:
 def pressure_angles(cam: DiscCam) -> tuple[float, float]:
     """Largest pressure angle over the rise and over the return, less the undercut, deg."""
     return (
-        cam.pressure_angle_between(0.0, math.pi, riding=False),
-        cam.pressure_angle_between(math.pi, math.tau, riding=False),
+        cam.steepest_between(0.0, math.pi, riding=False)[1],
+        cam.steepest_between(math.pi, math.tau, riding=False)[1],
     )
 
 
