@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +39,7 @@ _HELPING = {
     "FACE_WIDTH": ("geometry.follower.face_width",),
     "FEED": ("geometry.feed_deg",),
     "FORCE_CLOSURE": ("load.friction_n_m",),
+    "HERTZ": ("geometry.follower.radius", "parts.thickness"),
     "LASH": ("limits.lash", "limits.lash_deg", "geometry.follower.arm"),
     "LIFT_OFF": ("spring.preload", "spring.rate", "load.gravity_deg"),
     "MIN_WALL": (
@@ -71,6 +72,7 @@ _HELPING = {
     ),
     "VELOCITY_RATIO": ("geometry.velocity_ratio",),
 }
+_BODIES = 9  # most of a machine whose forces are found anew for each key: of a walker that would take minutes
 _FELT = 1e-4  # least change of a margin that counts, as a share of limit and measured value
 _MOST = 6  # keys that are told, beside those that help
 _LONGEST = 12  # numbers of a list that are changed; longer lists are tables of points
@@ -104,7 +106,7 @@ class Influence:
     """The findings of one code in a spec, and what moves the one that is nearest to its limit."""
 
     findings: Sequence[Finding]  # none: the code is judged on files alone, or not of this machine
-    nearest: Finding | None
+    nearest: Finding | None  # None too where keys are not tried: forces of a large machine
     limit_keys: Sequence[str]
     effects: Sequence[KeyEffect]  # the strongest first
     idle: Sequence[
@@ -125,7 +127,8 @@ def influence(spec: Source, code: str, settings: Sequence[str] = ()) -> Influenc
     judge = _judge(mechanism, code)
     findings = judge(mechanism)
     judged = [k for k, each in enumerate(findings) if math.isfinite(_margin(each))]
-    if not judged or (code == _BED and all(each.ok for each in findings)):
+    large = isinstance(judge, partial) and len(mechanism.model.bodies) > _BODIES
+    if not judged or large or (code == _BED and all(each.ok for each in findings)):
         return Influence(findings, None, (), ())
     number = min(judged, key=lambda k: _margin(findings[k]) / (abs(findings[k].limit) or 1.0))
     template = Template(tables, "spec", Path())
@@ -172,7 +175,7 @@ class _Level:
 
 
 def _judge(mechanism: Mechanism, code: str) -> Callable[[Mechanism], Sequence[Finding]]:
-    """Findings of one code: of the limits alone, where they have it, for what is known of files takes longer."""
+    """Findings of one code: of the limits alone, where they have it, for what is known of files takes longer, and forces longest."""
 
     def limits(each: Mechanism) -> Sequence[Finding]:
         return each.limits_of(code)
@@ -184,7 +187,16 @@ def _judge(mechanism: Mechanism, code: str) -> Callable[[Mechanism], Sequence[Fi
         from camgen.pipeline.judging import room_on_bed
 
         return room_on_bed
-    return limits if limits(mechanism) else forecast
+    if limits(mechanism):
+        return limits
+    return forecast if forecast(mechanism) else partial(_at_work, code)
+
+
+def _at_work(code: str, mechanism: Mechanism) -> Sequence[Finding]:
+    """Findings of one code of what the machine bears at its speed."""
+    from camgen.machines.loads.assess import assess
+
+    return [finding for finding in assess(mechanism).findings if finding.code == code]
 
 
 def _margin(finding: Finding) -> float:

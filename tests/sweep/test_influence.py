@@ -341,3 +341,27 @@ def test_room_on_the_bed_is_told_before_files_are_made() -> None:
         "- Holds (cam): the part takes " in wide and "print.bed has room for 300 x 200 mm" in wide
     )
     assert "Nothing shows it" not in wide
+
+
+def test_what_a_cam_bears_at_its_speed_is_explained_too() -> None:
+    """The greatest acceleration goes by the square of the speed, and by the lift itself: so the values at which it just holds."""
+    found = influence(SPECS / "disc-cam.toml", "FOLLOWER_ACCELERATION", ["limits.acceleration=200"])
+    assert found.nearest is not None and not found.nearest.ok
+    assert found.limit_keys == ["limits.acceleration"]
+    effects = {each.keys[0]: each for each in found.effects}
+    speed = effects["motor.speed_rpm"]
+    share = 200 / found.nearest.measured
+    assert speed.measured == pytest.approx(found.nearest.measured * 1.02**2)
+    assert speed.last == pytest.approx(speed.value * math.sqrt(share), rel=5e-3)
+    lift = effects["segment.0.lift"]
+    assert lift.last == pytest.approx(lift.value * share, rel=5e-3)
+    assert not any(key.startswith("geometry.") for key in effects)
+
+
+def test_what_a_roller_presses_with_is_explained_by_its_radius_and_the_width() -> None:
+    spec = SPECS / "disc-cam.toml"
+    steel = ["material.name=C45", "load.mass_kg=0.3"]
+    text = influence_text(spec, "HERTZ", steel)
+    assert "`limits.hertz_mpa` sets the limit" in text
+    for key in ("`geometry.follower.radius`", "`parts.thickness`"):
+        assert key in text
