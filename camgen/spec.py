@@ -55,6 +55,7 @@ from camgen.vocabulary import (
     wording,
 )
 
+_PROGRAM = "segment"  # the table whose faults do not hang on the machine's sizes
 _WIDE = 110  # characters of a line of TOML
 # Tables whose keys no other key depends on: a wrong value of one hides no other fault.
 _BESIDE = ("accuracy", "drawing", "files", "laser", "limits", "material", "print")
@@ -721,6 +722,7 @@ def _further(cls: type[Checked], data: Data, faults: Sequence[Fault]) -> list[Fa
     """Faults between the keys, beside those of keys one by one: of the tables as they are meant; none where that is not known."""
     tables = deepcopy(data)
     unread = set()  # tables of which a key may mean another one
+    guessed = False  # whether a value of the machine's own stands in for a wrong one
     for fault in faults:
         holder = _at(tables, fault.path[:-1])
         if not isinstance(holder, dict):
@@ -732,13 +734,36 @@ def _further(cls: type[Checked], data: Data, faults: Sequence[Fault]) -> list[Fa
         elif fault.unknown:
             unread.add(fault.path[:-1])
         elif fault.path[0] not in _BESIDE:
-            return []
+            if fault.path[0] == _PROGRAM:
+                return []
+            guessed = True
+            holder[fault.path[-1]] = _any_right(fault.path, data, _json_schema(cls))
     try:
         found = cls.model_validate(_tuples(tables)).faults()
     except (CamgenError, ValidationError):
         return []
     told = {fault.path[:k] for fault in faults for k in range(1, len(fault.path) + 1)}
-    return [each for each in found if each.path not in told and each.path[:-1] not in unread]
+    return [
+        each
+        for each in found
+        if each.path not in told
+        and each.path[:-1] not in unread
+        and (each.path[0] == _PROGRAM or not guessed)
+    ]
+
+
+def _any_right(path: Key, data: Data, root: Data) -> Any:
+    """A value that a key may have: its default, the first of its names, or a number that its bounds let through; None: none is known."""
+    node = _locate(path, data, root)[1] or {}
+    if "default" in node:
+        return node["default"]
+    for each in members_of(node, root):
+        if names := each.get("enum"):
+            return names[0]
+        if each.get("type") in ("number", "integer"):
+            low, high = each.get("minimum", -math.inf), each.get("maximum", math.inf)
+            return type(low)(min(max(1, low), high)) if math.isfinite(low) else 1
+    return None
 
 
 def _respell(cls: type[Checked], data: Data, error: ValidationError) -> list[str]:

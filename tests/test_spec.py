@@ -835,6 +835,26 @@ def test_what_should_be_a_table_is_told_as_one(tables: dict[str, Any], said: str
 
 
 @pytest.mark.parametrize(
+    "wrong",
+    [
+        "geometry.base_radius=a",
+        "geometry.follower.shape=a",
+        "geometry.follower.radius=-3",
+        "parts.bore=a",
+        "motor.speed_rpm=a",
+    ],
+)
+def test_a_wrong_size_hides_no_fault_of_the_program(wrong: str) -> None:
+    data = read(TOP / "specs" / "disc-cam.toml")
+    for setting in (wrong, "segment.0.law=cycloydal"):
+        data = override(data, setting)
+    with pytest.raises(SpecError) as caught:
+        read_mechanism(data)
+    found = [dotted(fault.path) for fault in caught.value.faults]
+    assert found == [wrong.partition("=")[0], "segment.0.law"]
+
+
+@pytest.mark.parametrize(
     "setting, said",
     [
         ("base_radius=20", "did you mean 'geometry.base_radius'?"),
