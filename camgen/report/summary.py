@@ -24,6 +24,7 @@ _COUNT = 5  # of figures
 _NOTHING = (
     1e-6  # of a torque in N m, a mass in g or a time in h: less is none that a person speaks of
 )
+_HEAVY = 1e4  # g, from which a mass is told in kg
 _LEAST_TORQUE = 1e-4  # N m, a gram on an arm of 10 mm: less comes of no load
 _KINDS = ("dxf", "stl", "3mf", "step", "glb", "svg", "png", "gif", "pdf")
 # What is shown beside the stroke, the weightiest first: what it is called, code of its findings, else quantity of a figure.
@@ -163,7 +164,9 @@ def _figures(report: Report) -> Iterator[Headline]:
                 f"{name or _STRENGTH[worst.code]}{of}", worst.measured, worst.unit, worst
             )
         elif worst is None and figure is not None:
-            yield Headline(name, figure.value, figure.unit)
+            heavy = figure.unit == "g" and figure.value >= _HEAVY
+            value, unit = (figure.value / 1000, "kg") if heavy else (figure.value, figure.unit)
+            yield Headline(name, value, unit)
 
 
 def _strained(findings: Sequence[Finding]) -> Finding | None:

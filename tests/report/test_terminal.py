@@ -328,3 +328,13 @@ def test_what_is_strained_stands_before_torque_and_error() -> None:
     assert headlines(*always[:2], pin, steel)[1] == "Stress of a pin"
     asked = at_most("STRAIGHTNESS", 0.4, 0.5, "mm", Where(), "")
     assert headlines(*always, asked)[1] == "Straightness"
+
+
+@pytest.mark.parametrize(
+    ("grams", "told"),
+    [(9_999.0, (9_999.0, "g")), (10_000.0, (10.0, "kg")), (729_700, (729.7, "kg"))],
+)
+def test_a_heavy_machine_is_weighed_in_kg(grams: float, told: tuple[float, str]) -> None:
+    report = Report("m", "linkage", [], Figures([Figure("mass", grams, "g")]))
+    (mass,) = summary(report).figures
+    assert (mass.value, mass.unit) == told
