@@ -1,10 +1,12 @@
-"""The first step at the bench of what is printed: holes in which something turns are opened to their size, and tried."""
+"""The first step at the bench of what is printed: holes in which something turns are opened to their size, and tried; those that
+stay tight are told apart from them."""
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from camgen.parts.part import Part
@@ -17,21 +19,49 @@ _WIDEST = 13.0  # mm, of a drill that people have
 
 
 def with_reaming(table: Table, copies: Sequence[StandingCopy], fixing: Fixing) -> Table:
-    """The order of assembly, begun with the holes that are to be reamed; as it is where there are none."""
-    tools = _holes(copies, fixing)
-    if not tools:
+    """The order of assembly, begun with the holes that are to be reamed and those that stay tight; as it is where there are none."""
+    opened = _holes(copies, fixing, _reamed)
+    dry = {name for step in table.steps if step.dry for name in step.copies}
+    tight = tight_holes([each for each in copies if each.name not in dry], copies, fixing)
+    if not opened and not tight:
         return table
-    lines = [f"{_tool(size)}: {listed(_named(parts))}" for size, parts in sorted(tools.items())]
-    count = sum(
-        part.count * len(holes) for parts in tools.values() for part, holes in parts.values()
-    )
-    ticks = "".join(f"\n☐ {line}" for line in lines)
-    said = (
-        f"open {f'all {count} holes' if count > 1 else 'the hole'} in which something turns, by hand and straight, with a "
-        f"drill or reamer of this size; what goes in must then drop through by its own weight{ticks}"
-    )
-    cells = {"step": 1, "what": "Holes in which something turns", "count": count}
-    cells |= {"where": "; ".join(lines), "how": said}
+    said = []
+    lines = _lines(opened)
+    if lines:
+        count = sum(
+            part.count * len(holes) for parts in opened.values() for part, holes in parts.values()
+        )
+        said = [_OPEN.format(f"all {count} holes" if count > 1 else "the hole") + _ticks(lines)]
+    if tight:
+        said += [_TIGHT + _ticks(_lines(tight))]
+    what = "Holes in which something turns" if lines else "Holes that stay tight"
+    where = "; ".join(lines or _lines(tight))
+    return begun(table, "\n".join(said), what, where, count if lines else "")
+
+
+_OPEN = (
+    "open {} in which something turns, by hand and straight, with a drill or reamer of this size; what goes in must then "
+    "drop through by its own weight"
+)
+_TIGHT = (
+    "These holes stay tight: when their step comes, drive in what belongs there with a vice; if it will not go, scrape the "
+    "hole, or turn a drill of this size in it by hand"
+)
+
+
+def _lines(holes: Mapping[float, _Holes]) -> list[str]:
+    """What opens holes, and which, in words."""
+    return [f"{_tool(size)}: {listed(_named(parts))}" for size, parts in sorted(holes.items())]
+
+
+def _ticks(lines: Sequence[str]) -> str:
+    """Lines to tick off."""
+    return "".join(f"\n☐ {line}" for line in lines)
+
+
+def begun(table: Table, said: str, what: str, where: str, count: int | str = "") -> Table:
+    """The order of assembly with one more step before all others."""
+    cells = {"step": 1, "what": what, "where": where, "count": count, "how": said}
     row = tuple(cells.get(column, "") for column in table.columns)
     rows = [row, *((int(str(step)) + 1, *cells) for step, *cells in table.rows)]
     return replace(table, rows=rows, steps=[Step([Doing(said)]), *table.steps])
@@ -63,16 +93,31 @@ def _named(parts: _Holes) -> Iterator[str]:
         yield f"{listed([*letters, *bare])} of {part.name}{many}"
 
 
-def _holes(copies: Sequence[StandingCopy], fixing: Fixing) -> dict[float, _Holes]:
-    """Holes of printed parts in which another body turns, by the size of what opens them, mm."""
+_Size = Callable[[Round, StandingCopy, Sequence[StandingCopy], Fixing], float]
+
+
+def tight_holes(
+    holders: Sequence[StandingCopy], copies: Sequence[StandingCopy], fixing: Fixing
+) -> dict[float, _Holes]:
+    """Holes of printed parts in which something is fixed, by the diameter of that, mm."""
+    return _holes(copies, fixing, _fixed_in, holders)
+
+
+def _holes(
+    copies: Sequence[StandingCopy],
+    fixing: Fixing,
+    size_of: _Size,
+    holders: Sequence[StandingCopy] | None = None,
+) -> dict[float, _Holes]:
+    """Holes of printed parts by a size, mm, that is 0 of those that do not count."""
     found = defaultdict[float, _Holes](dict)
-    seen = set[tuple[str, str, float, float]]()
-    for holder in copies:
+    seen = set[tuple[object, ...]]()
+    for holder in copies if holders is None else holders:
         if holder.part.process != "printed":
             continue
         for hole in holder.holes:
-            size = _turning_in(hole, holder, copies, fixing)
-            own = (holder.part.name, hole.name, round(hole.diameter, 3), _away(hole, holder))
+            size = size_of(hole, holder, copies, fixing)
+            own = (holder.part.name, hole.name, round(hole.diameter, 3), _own_place(hole, holder))
             if not size or own in seen:
                 continue
             seen.add(own)
@@ -80,25 +125,46 @@ def _holes(copies: Sequence[StandingCopy], fixing: Fixing) -> dict[float, _Holes
     return dict(found)
 
 
-def _away(hole: Round, holder: StandingCopy) -> float:
-    """What tells holes of one part without names apart: how far each is from the part's datum, mm."""
-    return round(abs(hole.at - holder.at(0j)), 3)
+def _own_place(hole: Round, holder: StandingCopy) -> tuple[float, float]:
+    """What tells holes of one part without names apart: where each is in the part's frame, mm."""
+    turned = cmath.exp(-1j * float(holder.pose.angle[0]))
+    at = (hole.at - complex(holder.pose.place[0])) * turned
+    return round((-at if holder.pose.flipped else at).real, 3) + 0.0, round(at.imag, 3) + 0.0
 
 
-def _turning_in(
+def _reamed(
     hole: Round, holder: StandingCopy, copies: Sequence[StandingCopy], fixing: Fixing
 ) -> float:
     """The size of a drill or reamer for a hole, mm, as wide as what turns in it; 0 where nothing does."""
-    widest = max(
+    others = (each for each in copies if each.mount.body != holder.mount.body)
+    widest = _widest(hole, holder, others, fixing, free=True)
+    return reamer_size(round(widest, 3), hole.diameter - widest) if widest else 0.0
+
+
+def _fixed_in(
+    hole: Round, holder: StandingCopy, copies: Sequence[StandingCopy], fixing: Fixing
+) -> float:
+    """The diameter of what is fixed in a hole, mm; 0 where nothing is."""
+    others = (each for each in copies if each is not holder)
+    return round(_widest(hole, holder, others, fixing, free=False), 3)
+
+
+def _widest(
+    hole: Round,
+    holder: StandingCopy,
+    others: Iterable[StandingCopy],
+    fixing: Fixing,
+    free: bool,
+) -> float:
+    """The diameter of what goes through a hole, mm, of what is free there or of what is fixed; 0 of nothing."""
+    return max(
         (
             outline.diameter
-            for held in copies
-            if held.mount.body != holder.mount.body and held.pose.standing == holder.pose.standing
+            for held in others
+            if held.pose.standing == holder.pose.standing
             for outline in held.outlines
-            if hole.holds(outline) and fixing.how(hole, holder.part, outline, held.part) == "free"
+            if hole.holds(outline)
+            and (fixing.how(hole, holder.part, outline, held.part) == "free") == free
         ),
         default=0.0,
     )
-    if not widest:
-        return 0.0
-    return reamer_size(round(widest, 3), hole.diameter - widest)

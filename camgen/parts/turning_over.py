@@ -85,10 +85,10 @@ def _edge(part: Part, hole: complex | None) -> Contour:
         return part.region.outer
     if np.isnan(hole):
         return max(part.region.holes, key=lambda each: abs(each.area))
-    return min(part.region.holes, key=lambda each: abs(_middle(each) - hole))
+    return min(part.region.holes, key=lambda each: abs(middle(each) - hole))
 
 
-def _middle(contour: Contour) -> complex:
+def middle(contour: Contour) -> complex:
     """The middle of the area that a contour encloses."""
     z = facet_contour(contour, _FACETS)
     following = np.roll(z, -1)
@@ -100,7 +100,7 @@ def _moves_wrongly(part: Part, edge: Contour) -> bool:
     """Whether it fits turned over in a way in which its edge has another shape."""
     ring = facet_contour(edge, _FACETS)
     holes = [
-        _Hole(centre, radius, _middle(hole) - centre)
+        _Hole(centre, radius, middle(hole) - centre)
         for hole in part.region.holes
         if hole is not edge
         for centre, radius in discs(hole)

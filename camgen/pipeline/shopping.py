@@ -11,6 +11,7 @@ from camgen.parts.assembly import order_of_assembly
 from camgen.parts.bench_steps import at_bench
 from camgen.parts.catalogue import CAM_FOLLOWERS, Bought
 from camgen.parts.keyways import parallel_keys
+from camgen.parts.look_alikes import with_sorting
 from camgen.parts.reaming import with_reaming
 from camgen.parts.standing import standing_copies
 from camgen.parts.steps import with_joints
@@ -34,4 +35,5 @@ def steps_of_assembly(mechanism: Mechanism) -> Table:
     assembly = replace(mechanism.assembly, bought=bought_things(mechanism))
     copies = standing_copies(assembly.parts, assembly.mounts, assembly.poses(np.zeros(1)))
     fixing = with_joints(assembly.process.fixing, assembly.features)
-    return at_bench(with_reaming(order_of_assembly(assembly), copies, fixing))
+    reamed = with_reaming(order_of_assembly(assembly), copies, fixing)
+    return at_bench(with_sorting(reamed, assembly.parts, copies, fixing))

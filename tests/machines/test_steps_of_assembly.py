@@ -828,18 +828,35 @@ def test_holes_in_which_something_turns_are_opened_first() -> None:
     """Jansen's leg as its spec has it: of each link the holes by which it turns, and of the plate that of its shaft."""
     spec = Path(__file__).parents[2] / "specs" / "gallery" / "four-bar.toml"
     machine = read_mechanism(spec)
-    first = steps_of_assembly(machine).steps[0]
+    sorting, first, *_ = steps_of_assembly(machine).steps
+    assert sorting.title == "Sort what looks alike\n☐ pin-2 9.8 and pin-1 10.8 mm long."
     head, *lines = first.title.split("\n")
     play = machine.print.slide_clearance
     assert play == 0.15 and machine.making.pin_diameter == 5 and machine.making.shaft_diameter == 6
     assert head.startswith("Open all 4 holes in which something turns") and not first.copies
-    assert lines == ["☐ 5.1 mm: A and B of coupler and C of rocker", "☐ 6.1 mm: O of ground."]
-    walker = steps_of_assembly(built("walker")).steps[0]
+    tight = lines.index(next(line for line in lines if line.startswith("These holes stay tight")))
+    assert lines[:tight] == [
+        "☐ 5.1 mm: A and B of coupler and C of rocker",
+        "☐ 6.1 mm: O of ground",
+    ]
+    assert lines[tight + 1 :] == [
+        "☐ 5 mm: C of ground, A of crank, B of rocker and the bore of hand-crank",
+        "☐ 6 mm: O of crank, the bore of collar and the bore of hand-crank.",
+    ], "each of its holes once, those for pins of 5 and those on the shaft of 6"
+    walker = steps_of_assembly(built("walker")).steps[1]
     assert "☐ 4.05 mm: M and C1 of conn1 (2 ×), " in walker.title, (
         "a dowel of 4 m6 drops through no hole of 4"
     )
     cam = read_mechanism(spec.with_name("groove.toml"))
     assert not steps_of_assembly(cam).steps[0].title.startswith("Open"), "nothing turns in it"
+    drum = [
+        step.title
+        for step in steps_of_assembly(read_mechanism(spec.with_name("drum-feeder.toml"))).steps
+    ]
+    (stays,) = (title for title in drum if title.startswith("These holes stay tight"))
+    assert "4 bores of end-plate (2 ×)" in stays and "bore of drum" not in stays, (
+        "its four rods; the drum goes on by hand, for its flat drives it"
+    )
     assert [reamer_size(4.0, play) for play in (0.05, 0.1, 0.17, 0.2)] == [4.05, 4.1, 4.1, 4.2]
 
 

@@ -1,0 +1,86 @@
+"""Parts that look alike are told apart by what differs, and only those that are one and the same stand together."""
+
+from __future__ import annotations
+
+import cmath
+from collections.abc import Sequence
+from typing import Literal
+
+import pytest
+
+from camgen.geometry.outlines import Arc, Contour, Line, Region, circle
+from camgen.parts.look_alikes import with_sorting
+from camgen.parts.part import Layer, Part
+from camgen.parts.steps import COLUMNS, Fixing
+from camgen.study import Doing, Step, Table
+
+FIRST = Table("order", COLUMNS, [(1, *[""] * 6)], [Step([Doing("lay it")])])
+
+
+def bore(at: complex, flat: complex | None = None) -> Contour:
+    """A hole of 5 mm, with a flat 2 mm from its middle in a direction or without."""
+    if flat is None:
+        return circle(at, 2.5)
+    a, b = (at + flat * (2 + 1.5j * side) for side in (-1, 1))
+    start = cmath.phase(flat * (2 + 1.5j))
+    sweep = 2 * cmath.pi - 2 * cmath.phase(2 + 1.5j)
+    return Contour((Arc(at, 2.5, start, sweep), Line(a, b)))
+
+
+def bar(name: str, *places: complex, flat: complex | None = None, wide: float = 40.0) -> Part:
+    """A round plate with lettered holes, the first of them with a flat or without."""
+    holes = tuple(bore(at, flat if not k else None) for k, at in enumerate(places))
+    points = tuple(zip("ABCD", places, strict=False))
+    return Part(name, "Bar", (Layer(Region(circle(0j, wide), holes), 0, 3),), points=points)
+
+
+def lines(parts: Sequence[Part]) -> list[str]:
+    """What the step that comes first says."""
+    found = with_sorting(FIRST, parts, [], Fixing(0.0))
+    assert [row[0] for row in found.rows] == [*range(1, len(found.steps) + 1)]
+    return found.steps[0].title.rstrip(".").split("\n")[1:] if len(found.steps) > 1 else []
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "said"),
+    [
+        (
+            bar("one", 0, 30),
+            bar("other", 0, 32),
+            "one: 30.0 mm from A to B; other: 32.0 mm from A to B",
+        ),
+        (bar("one", 0, 30, 20j), bar("other", 0, 30j, 20), "one or other"),
+        (
+            bar("one", 0, 30, flat=1),
+            bar("other", 0, 30, flat=-1),
+            "one: seen from above flats lie A's 0 deg from B; other: seen from above flats lie A's 180 deg from B",
+        ),
+        (bar("one", 0, 30, flat=1j), bar("other", 0, 30, flat=-1j), "one or other"),
+        (
+            bar("one", 0, 30),
+            bar("other", 0, 30, wide=42),
+            "one: 80.0 x 80.0 mm; other: 84.0 x 84.0 mm",
+        ),
+        (bar("one", 0, 30), bar("other", 0, 36), ""),
+        (bar("one", 0, 30), bar("other", 0, 30, 20j), ""),
+    ],
+)
+def test_what_tells_two_links_apart(one: Part, other: Part, said: str) -> None:
+    """A length, a mirror image, flats to and from the other hole, flats that a turn brings on each other, an outline; what no eye mistakes."""
+    assert lines([one, other]) == ([f"☐ {said}"] if said else [])
+
+
+SIZES: list[tuple[str, Literal["cap", "spacer", "pin"], float, float]] = [
+    ("cap-1", "cap", 3.0, 2.85),
+    ("spacer-1", "spacer", 3.0, 1.9),
+    ("spacer-2", "spacer", 5.0, 1.0),
+    ("pin-1", "pin", 3.0, 12.0),
+]
+
+
+def test_round_parts_of_one_diameter_are_told_apart_by_their_heights() -> None:
+    rounds = [
+        Part(name, name, (Layer(Region(circle(0j, radius)), 0, high),), role=role)
+        for name, role, radius, high in SIZES
+    ]
+    assert lines(rounds) == ["☐ spacer-1 1.9 and cap-1 2.85 mm high"], "a pin is no cap"
