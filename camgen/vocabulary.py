@@ -167,6 +167,7 @@ _EXAMPLES: dict[str, str] = {
     **dict.fromkeys(("cycloidal", "cycloidal-drive", "cycloidal-reducer"), "cycloidal-reducer"),
     **dict.fromkeys(("jansen", "walking-leg", "strandbeest"), "walking-leg"),
     **dict.fromkeys(("klann", "walker"), "walker"),
+    **dict.fromkeys(("bird", "toy", "wings"), "flapping-bird"),
     "ratchet": "ratchet",
     "scotch-yoke": "scotch-yoke",
     "elliptic-trammel": "elliptic-trammel",

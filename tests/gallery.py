@@ -38,6 +38,7 @@ FRAMES = {
     "pencil-cam": 14,
     "plate-gripper": 10,
     "elliptic-wheels": 10,
+    "flapping-bird": 8,
     "ratchet": 20,
     "stepping-gears": 26,
     "cycloidal-reducer": 12,

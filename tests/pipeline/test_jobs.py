@@ -114,6 +114,7 @@ MADE = [
     ("gallery/end-cam", ()),
     ("gallery/end-cam", ("files.step=true", "parts.make='drum'")),
     ("gallery/five-bar", ("files.step=true",)),
+    ("gallery/flapping-bird", ()),
     ("gallery/four-bar", ("files.step=true",)),
     SHEET,
     ("gallery/geneva-table", ("files.step=true",)),
