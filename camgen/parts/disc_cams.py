@@ -14,6 +14,7 @@ from camgen.errors import DesignError, Fault
 from camgen.geometry.distances import point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Points, Region, circle
+from camgen.machine.cams.sizing import written
 from camgen.numerics import magnitude
 from camgen.parts.keyways import RANGE, keyway
 from camgen.parts.part import Layer, Part, d_bore, keyed_bore
@@ -154,7 +155,8 @@ class CamParts(ShaftHole):
     )
     rim: Length = Field(
         default=8.0,
-        description="groove: width of the rim outside its outer wall; of metal at least 2.5 pins, camgen's own rule",
+        description="groove: least width of the rim outside its outer wall, whose diameter is rounded up; of metal at least "
+        "2.5 pins, camgen's own rule",
     )
     back: Thickness = Field(
         default=3.0,
@@ -293,7 +295,7 @@ def _plates(
     """Inner cam and outer ring, pinned to a back plate."""
     bore = sizes.hole()
     beside = pins_beside(sizes, min_wall)
-    radius = magnitude(facet_contour(wall, LAYOUT)) + sizes.rim
+    radius = written(2 * (magnitude(facet_contour(wall, LAYOUT)) + sizes.rim)) / 2
     inner = [_pin(sizes, beside, angle) for angle in _INNER_PINS]
     outer = [_pin(sizes, radius - sizes.rim / 2, angle) for angle in _OUTER_PINS]
     notes = (

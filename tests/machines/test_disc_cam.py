@@ -31,6 +31,7 @@ from camgen.judge.cams import outline_and_law
 from camgen.judge.contact import RollingContact, contact
 from camgen.judge.contact_tips import ArmTip, SlideTip
 from camgen.machine.cams.profile import DiscCam
+from camgen.machine.cams.sizing import least_base_radius
 from camgen.machine.closed_form import slider_travel
 from camgen.machine.features import CamOutline
 from camgen.machines.disc_cam.mechanism import DiscCamDrive
@@ -125,6 +126,7 @@ def norton(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Any]:
             data["limits"]["least_radius"] = 0.0 if roller else 0.25 * INCH
             data["limits"]["pressure_angle_deg"] = 30.0
             out = tmp_path_factory.mktemp(shape)
+            data["geometry"]["base_radius"] = least(specs.validate(DiscCamDrive, data))
             drive = specs.validate(DiscCamDrive, data)
             report = written(out, drive)
             made[shape] = (
@@ -135,6 +137,11 @@ def norton(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Any]:
         return made[shape]
 
     return build
+
+
+def least(made: DiscCamDrive) -> float:
+    """The base radius that its limits ask for, mm, before it is rounded up."""
+    return least_base_radius(made.cam, made.cam_limits, made._room)
 
 
 def on(made: DiscCamDrive, shape: Shape) -> RollingContact:
@@ -521,23 +528,28 @@ def test_an_accepted_undercut_fails_nowhere() -> None:
     assert all(f.ok for f in mechanism(*settings, "limits.least_radius=-50").limits())
 
 
-@pytest.mark.parametrize(("least", "kept"), [(-2.0, -2.0), (0.0, 0.01), (3.0, 3.0)])
+@pytest.mark.parametrize(("bound", "kept"), [(-2.0, -2.0), (0.0, 0.01), (3.0, 3.0)])
 def test_the_base_radius_that_is_found_keeps_to_a_least_radius_of_any_sign(
-    least: float, kept: float
+    bound: float, kept: float
 ) -> None:
-    """Of 0 a hair is kept, for a profile with a cusp has no tangent there."""
-    flat = 'geometry={follower={motion="translating",shape="flat"}}'
-    made = mechanism(
-        flat,
+    """It is rounded up, never down. Of 0 a hair is kept, for a profile with a cusp has no tangent there."""
+    settings = [
+        'geometry={follower={motion="translating",shape="flat"}}',
         "limits.pressure_angle_deg=89",
-        f"limits.least_radius={least}",
+        f"limits.least_radius={bound}",
         "parts.hub_height=0",
         "parts.bore=4",
-    )
+    ]
+    rounded = mechanism(*settings)
+    exact = least(rounded)
+    assert exact <= rounded.base_radius <= 1.02 * exact
+    assert rounded.base_radius == pytest.approx(round(rounded.base_radius, 1), abs=1e-12)
+    assert all(each.ok for each in rounded.limits() if each.code == "CURVATURE") or bound < 0
+    made = mechanism(*settings, f"geometry.base_radius={exact}")
     (curvature,) = [f for f in made.limits() if f.code == "CURVATURE"]
     assert curvature.measured == pytest.approx(kept, abs=1e-6)
-    assert ("the profile is undercut" in curvature.message) == (least < 0)
-    if least >= 0:
+    assert ("the profile is undercut" in curvature.message) == (bound < 0)
+    if bound >= 0:
         assert facet_contour(made.assembly.parts[0].region.outer, 1e-3).size > 100
 
 

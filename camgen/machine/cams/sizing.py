@@ -40,6 +40,9 @@ _SETTLED = 1e-13  # of the size
 _LARGEST = 500.0  # mm, a radius that is looked for, and in strokes, whichever is more
 _STROKES = 10.0
 _STEP = math.radians(1.5)  # of a survey
+_WRITTEN = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)  # mm, steps of sizes as a workshop writes them
+_COARSEST = 0.02  # of the size, such a step
+_EXACT = 1e-9  # of a step, by which a size that is one already may be more
 _INSIDE = 1e-9  # of a segment, from its ends to the first and last place that is surveyed
 
 
@@ -174,9 +177,27 @@ def smallest(
     return size
 
 
+def written(least: float, fits: Callable[[float], bool] = lambda _: True) -> float:
+    """A size as a workshop writes it, not below the least one and not much above: in the coarsest step, of 0.01 to 1 mm and
+    at most 2 % of it, in which the next or the one after fits; the least itself where none does. All mm."""
+    for step in _WRITTEN:
+        if step > _COARSEST * least:
+            continue
+        count = math.ceil(least / step - _EXACT)
+        for size in (round(count * step, 2), round((count + 1) * step, 2)):
+            if fits(size):
+                return size
+    return least
+
+
 def largest(stroke: float) -> float:
     """Up to which radius a cam is looked for that moves its follower by a stroke, both mm; a larger one is the user's to give."""
     return max(_LARGEST, _STROKES * stroke)
+
+
+def written_base_radius(cam: DiscCam[Any], limits: CamLimits, room: float) -> float:
+    """The least base radius as a workshop writes it, mm, which keeps to the limits as well; arguments and errors as of that."""
+    return written(*_least_and_fits(cam, limits, room))
 
 
 def least_base_radius(cam: DiscCam[Any], limits: CamLimits, room: float) -> float:
@@ -184,6 +205,13 @@ def least_base_radius(cam: DiscCam[Any], limits: CamLimits, room: float) -> floa
 
     cam: of any size: its follower's way, shape and program; room: radius of a circle that the cam must hold, mm.
     """
+    return _least_and_fits(cam, limits, room)[0]
+
+
+def _least_and_fits(
+    cam: DiscCam[Any], limits: CamLimits, room: float
+) -> tuple[float, Callable[[float], bool]]:
+    """The least base radius, mm, and whether another one keeps to the limits as well."""
     follower = cam.follower
     radius = 0.0
     beside = 0.0
@@ -212,12 +240,14 @@ def least_base_radius(cam: DiscCam[Any], limits: CamLimits, room: float) -> floa
     def base(size: float) -> float:
         return math.hypot(size, beside) - radius
 
-    def make(size: float) -> DiscCam[Any]:
-        return replace(cam, follower=follower.on_base(base(size)))
+    def on(radius: float) -> DiscCam[Any]:
+        return replace(cam, follower=follower.on_base(radius))
 
     low = min(max(low, math.sqrt(max(0.0, (room + radius) ** 2 - beside**2))), high)
     steepest = math.radians(limits.steepest(cam))
     least = limits.least_radius
     if isinstance(follower, FlatFace | Shoe) and abs(least) < _CUSP:
         least = _CUSP
-    return base(smallest(make, steepest, least, low, high))
+    found = base(smallest(lambda size: on(base(size)), steepest, least, low, high))
+    most = base(high)
+    return found, lambda radius: radius <= most and spare(on(radius), steepest, least) >= 0

@@ -35,7 +35,7 @@ class DrumFollower(MovingFollower):
     height: Length | None = Field(
         default=None,
         description="translating: height of the roller's axis at displacement 0; oscillating: height of the "
-        "pivot; for a rib of the middle of both rollers; from the drum's lower end; left out: the track is in the middle",
+        "pivot; for a rib of the middle of both rollers; from the drum's lower end; left out: parts.wall is left\nunder the track; of a given length, the track is in its middle",
     )
     guide: Length | None = Field(
         default=None,
@@ -81,11 +81,11 @@ class DrumGeometry(Record):
     radius: Length | None = Field(
         default=None,
         description="outer radius of the drum; left out: the smallest that keeps to "
-        "limits.pressure_angle_deg at the roller's inner end, and holds its bore",
+        "limits.pressure_angle_deg at the roller's inner end, and holds its bore, rounded up",
     )
     length: Length | None = Field(
         default=None,
-        description="length of the drum; left out: the track and parts.wall at both ends",
+        description="length of the drum; left out: the track and parts.wall at both ends, rounded up",
     )
     distance: Length | None = Field(
         default=None, description="rib: distance between the axes of both rollers"

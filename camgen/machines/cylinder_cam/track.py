@@ -23,7 +23,7 @@ from camgen.geometry.drum_walls import (
     swing_path,
 )
 from camgen.geometry.drums import Drum
-from camgen.machine.cams.sizing import largest
+from camgen.machine.cams.sizing import largest, written
 from camgen.machine.features import DrumTrack
 from camgen.machines.cylinder_cam.tables import DrumGeometry
 from camgen.motion.program import Program
@@ -103,7 +103,7 @@ class Track:
             return follower.pivot
         low, high = (self.start + s for s in self.program.extremes)
         nearest = 1.0 if low <= 0 <= high else max(math.cos(low), math.cos(high))
-        return (follower.arm or 0.0) * (nearest + min(math.cos(low), math.cos(high))) / 2
+        return round((follower.arm or 0.0) * (nearest + min(math.cos(low), math.cos(high))) / 2, 1)
 
     def _path(self, height: float) -> RollerPath:
         """Of the roller, the follower's height as given."""
@@ -130,18 +130,30 @@ class Track:
         return float(np.min(height)) - beyond, float(np.max(height)) + above
 
     @property
+    def _lowest(self) -> float:
+        """Height of the follower with the least wall under its track."""
+        return written(self.wall - self._reach[0])
+
+    @property
     def length(self) -> float:
         """Of the drum."""
         given = self.geometry.length
+        if given is not None:
+            return given
         low, high = self._reach
-        return high - low + 2 * self.wall + self.key_height if given is None else given
+        lowest = self._lowest if self.geometry.follower.height is None else self.wall - low
+        return written(lowest + high + self.wall + self.key_height)
 
     @property
     def height(self) -> float:
         """Of the roller at displacement 0, or of the arm's axle, over the drum's lower end."""
         given = self.geometry.follower.height
+        if given is not None:
+            return given
         low, high = self._reach
-        return (self.length - self.key_height - high - low) / 2 if given is None else given
+        if self.geometry.length is None:
+            return self._lowest
+        return (self.length - self.key_height - high - low) / 2
 
     @cached_property
     def path(self) -> RollerPath:
@@ -246,8 +258,8 @@ class Track:
 
 
 def smallest(track: Track, steepest: float) -> float:
-    """Least radius of the drum at which the pressure angle at the roller's inner end stays below a limit, deg, no wall is
-    undercut, and its bore has its wall. DesignError where none has."""
+    """Least radius of the drum, as a workshop writes it, at which the pressure angle at the roller's inner end stays below a
+    limit, deg, no wall is undercut, and its bore has its wall. DesignError where none has."""
     roller = track.geometry.roller
     inside = track.bore_reach + track.wall + 2 * roller.end_clearance + roller.length
     # the roller stays clear of the other side of the drum's axis, and of that axis' neighbourhood where walls have no slope
@@ -279,7 +291,7 @@ def smallest(track: Track, steepest: float) -> float:
         if track.swings:
             remedy = f"a smaller swing or a longer arm; or {remedy}"
         raise DesignError("pressure angle", of(most).steepest, steepest, "deg", where, remedy)
-    return found
+    return written(found, fits)
 
 
 def _least(fits: Callable[[float], bool], least: float, most: float) -> float:

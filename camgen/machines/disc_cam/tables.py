@@ -89,7 +89,7 @@ class DiscCamGeometry(Record):
     base_radius: Length | None = Field(
         default=None,
         description="radius of the circle that touches the cam from within; left out: the smallest "
-        "that keeps to [limits] and holds its shaft",
+        "that keeps to [limits] and holds its shaft, rounded up",
     )
     closure: Literal["force", "conjugate", "groove"] = Field(
         default="force",

@@ -37,7 +37,7 @@ class TrackTable(Record):
     base_radius: Length | None = Field(
         default=None,
         description="radius of the circle that touches the track from within; left out: the smallest that keeps to "
-        "[limits] and stands out of the core",
+        "[limits] and stands out of the core, rounded up",
     )
     segment: Annotated[tuple[SegmentTable, ...], Field(min_length=1, max_length=100), WholeTurn] = (
         Field(description="segments of its motion: one after another they make the turn")

@@ -721,7 +721,7 @@ class Cam(Record):
     base_radius: Length | Literal["least"] | None = Field(
         default=None,
         description='radius on which the follower stands at theta = 0; "least": the smallest that '
-        "keeps to [limits]; left out: as drawn",
+        "keeps to [limits], rounded up; left out: as drawn",
     )
     damping: Annotated[float, quantity("N s/mm or N m s/rad", ge=0, le=1e6)] = Field(
         default=0.0, description="damping of the follower, in proportion to its speed"
