@@ -1,8 +1,9 @@
 """Keyways of hubs and the parallel keys in them, after DIN 6885 sheet 1.
 
 Up to a bore of 44: berger-tools.co.uk, Standard_Parts_Catalogue, page 2078 (widths, t2 and its tolerance) and
-engineeringhardware.com, DIN 6885 Parallel Keys (heights of keys); beyond: Siemens, Flender gear units, MD 31.1, 2016, page 7/3,
-which has no tolerance of t2.
+engineeringhardware.com, DIN 6885 Parallel Keys (heights of keys, their lengths up to a bore of 58); beyond: Siemens, Flender gear
+units, MD 31.1, 2016, page 7/3, which has no tolerance of t2; lengths there: blog.csdn.net/weixin_39519072/article/details/111860237,
+table of plain parallel keys, whose other rows are the same.
 """
 
 from __future__ import annotations
@@ -15,30 +16,34 @@ from camgen.parts.catalogue import Bought
 from camgen.parts.part import Part
 from camgen.tolerances import SAME_POINT
 
-# Width and height of the key, depth t2 of the hub's keyway, and what t2 may be deeper, 0 where the source has none; by the bores
-# up to which they are, mm.
+# Width and height of the key, depth t2 of the hub's keyway, what t2 may be deeper, 0 where the source has none, and the shortest and
+# the longest key; by the bores up to which they are, mm.
 _KEYWAYS = (
-    (8.0, 2.0, 2.0, 1.0, 0.1),
-    (10.0, 3.0, 3.0, 1.4, 0.1),
-    (12.0, 4.0, 4.0, 1.8, 0.1),
-    (17.0, 5.0, 5.0, 2.3, 0.1),
-    (22.0, 6.0, 6.0, 2.8, 0.1),
-    (30.0, 8.0, 7.0, 3.3, 0.2),
-    (38.0, 10.0, 8.0, 3.3, 0.2),
-    (44.0, 12.0, 8.0, 3.3, 0.2),
-    (50.0, 14.0, 9.0, 3.8, 0.0),
-    (58.0, 16.0, 10.0, 4.3, 0.0),
-    (65.0, 18.0, 11.0, 4.4, 0.0),
-    (75.0, 20.0, 12.0, 4.9, 0.0),
-    (85.0, 22.0, 14.0, 5.4, 0.0),
-    (95.0, 25.0, 14.0, 5.4, 0.0),
-    (110.0, 28.0, 16.0, 6.4, 0.0),
-    (130.0, 32.0, 18.0, 7.4, 0.0),
-    (150.0, 36.0, 20.0, 8.4, 0.0),
-    (170.0, 40.0, 22.0, 9.4, 0.0),
-    (200.0, 45.0, 25.0, 10.4, 0.0),
-    (230.0, 50.0, 28.0, 11.4, 0.0),
+    (8.0, 2.0, 2.0, 1.0, 0.1, 6.0, 20.0),
+    (10.0, 3.0, 3.0, 1.4, 0.1, 6.0, 36.0),
+    (12.0, 4.0, 4.0, 1.8, 0.1, 8.0, 45.0),
+    (17.0, 5.0, 5.0, 2.3, 0.1, 10.0, 56.0),
+    (22.0, 6.0, 6.0, 2.8, 0.1, 14.0, 70.0),
+    (30.0, 8.0, 7.0, 3.3, 0.2, 18.0, 90.0),
+    (38.0, 10.0, 8.0, 3.3, 0.2, 22.0, 110.0),
+    (44.0, 12.0, 8.0, 3.3, 0.2, 28.0, 140.0),
+    (50.0, 14.0, 9.0, 3.8, 0.0, 36.0, 160.0),
+    (58.0, 16.0, 10.0, 4.3, 0.0, 45.0, 180.0),
+    (65.0, 18.0, 11.0, 4.4, 0.0, 50.0, 200.0),
+    (75.0, 20.0, 12.0, 4.9, 0.0, 56.0, 220.0),
+    (85.0, 22.0, 14.0, 5.4, 0.0, 63.0, 250.0),
+    (95.0, 25.0, 14.0, 5.4, 0.0, 70.0, 280.0),
+    (110.0, 28.0, 16.0, 6.4, 0.0, 80.0, 320.0),
+    (130.0, 32.0, 18.0, 7.4, 0.0, 90.0, 360.0),
+    (150.0, 36.0, 20.0, 8.4, 0.0, 100.0, 400.0),
+    (170.0, 40.0, 22.0, 9.4, 0.0, 100.0, 400.0),
+    (200.0, 45.0, 25.0, 10.4, 0.0, 110.0, 450.0),
+    (230.0, 50.0, 28.0, 11.4, 0.0, 125.0, 500.0),
 )
+# fmt: off
+_LENGTHS = (6, 8, 10, 12, 14, 16, 18, 20, 22, 25, 28, 32, 36, 40, 45, 50, 56, 63, 70, 80, 90, 100, 110, 125, 140, 160, 180, 200, 220,
+            250, 280, 320, 360, 400, 450, 500)  # of keys, mm
+# fmt: on
 _LEAST_KEYED = 6.0  # mm
 RANGE = f"a bore of {_LEAST_KEYED:g} to {_KEYWAYS[-1][0]:g} mm, for which camgen has the keyway of DIN 6885"
 
@@ -78,13 +83,18 @@ def parallel_keys(parts: Sequence[Part], through: bool) -> Iterator[Bought]:
 
 
 def parallel_key(bore: float, width: float, depth: float, length: float, count: int) -> Bought:
-    """The keys for keyways of a width and a depth in hubs with this bore, as long as that, mm."""
+    """The keys for keyways of a width and a depth in hubs with this bore of a length, mm: the longest of the standard that are no
+    longer than the bore, or the shortest one, to be shortened."""
     row = _row(bore)
-    most = f"at most {length:.4g} long, as its bore"
-    if row is not None and abs(row[1] - width) < 1e-6 and abs(row[3] - depth) < 1e-6:
-        return Bought("parallel key", "DIN 6885", f"{width:g} x {row[2]:g}, {most}", count)
-    size = f"{width:g} wide, for a keyway {depth:.4g} deep in the hub, {most}"
-    return Bought("parallel key", "", size, count)
+    if row is None or abs(row[1] - width) > 1e-6 or abs(row[3] - depth) > 1e-6:
+        most = f"at most {length:.4g} long, as its bore"
+        size = f"{width:g} wide, for a keyway {depth:.4g} deep in the hub, {most}"
+        return Bought("parallel key", "", size, count)
+    *_, shortest, longest = row
+    fitting = [each for each in _LENGTHS if shortest <= each <= min(longest, length + 1e-6)]
+    size = f"{width:g} x {row[2]:g} x {max(fitting, default=shortest):g}"
+    cut = "" if fitting else f", shortened to {length:.4g}, as its bore: shorter ones are not sold"
+    return Bought("parallel key", "DIN 6885", size + cut, count)
 
 
 def _row(bore: float) -> tuple[float, ...] | None:

@@ -76,9 +76,16 @@ def test_keys_and_keyways_of_large_bores_too(row: list[float]) -> None:
     for size in (bore, bore - 0.5):
         found = keyway(size)
         assert found is not None and found[:2] == (width, depth)
-    key = parallel_key(bore, width, depth, 20.0, 3)
-    assert key.size == f"{width:g} x {height:g}, at most 20 long, as its bore"
+    key = parallel_key(bore, width, depth, 1e3, 3)
+    assert key.size.startswith(f"{width:g} x {height:g} x ")
     assert (key.standard, key.count) == ("DIN 6885", 3)
+
+
+def test_a_key_is_one_that_is_sold() -> None:
+    """6 x 6 is sold 14 to 70 long, in steps of R20 [DIN 6885, engineeringhardware.com]."""
+    sizes = {length: parallel_key(20.0, 6.0, 2.8, length, 1).size for length in (12, 14, 21, 90)}
+    shortened = "6 x 6 x 14, shortened to 12, as its bore: shorter ones are not sold"
+    assert sizes == {12: shortened, 14: "6 x 6 x 14", 21: "6 x 6 x 20", 90: "6 x 6 x 70"}
 
 
 def test_a_key_for_another_keyway_has_no_standard() -> None:

@@ -73,7 +73,7 @@ def test_a_groove_in_metal_is_joined_as_exactly_as_its_track() -> None:
     assert (sizes.thickness, sizes.back, sizes.pin_diameter, sizes.rim) == (12, 6, 6, 15)
     rows = {row[1]: row[2:4] for row in parts_table(made).rows}
     assert rows["dowel pin"] == ("6 m6 x 18, ISO 8734", 6)
-    assert rows["parallel key"] == ("6 x 6, at most 18 long, as its bore, DIN 6885", 1)
+    assert rows["parallel key"] == ("6 x 6 x 18, DIN 6885", 1)
     for part in made.assembly.parts:
         facts = facts_of(made, part)
         dowels = [fit for fit in facts.fits if "dowel" in fit.words]
@@ -265,7 +265,7 @@ def test_the_list_of_parts_has_the_key_of_each_keyway() -> None:
         table = parts_table(read_mechanism(STARTER, [*KEYED, "material.name=16MnCr5", *settings]))
         return [tuple(row[:4]) for row in table.rows if row[1] == "parallel key"]
 
-    text = "6 x 6, at most 20 long, as its bore, DIN 6885"
+    text = "6 x 6 x 20, DIN 6885"
     assert keys() == [("bought", "parallel key", text, 1)]
     assert keys("geometry.closure=conjugate") == [("bought", "parallel key", text, 2)]
     assert keys("parts.bore_shape=plain") == []
