@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -16,6 +17,7 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Points, Region, circle
 from camgen.machine.cams.sizing import written
 from camgen.numerics import magnitude
+from camgen.parts.catalogue import CORE_HOLES, SCREWS, Screw
 from camgen.parts.keyways import RANGE, keyway
 from camgen.parts.part import Layer, Part, d_bore, keyed_bore
 from camgen.parts.set_screws import SetScrewHub
@@ -57,6 +59,10 @@ OLD_BORES: OldWords = {
 # Places of a groove's pins about its axis, deg: its walls go on the back at one angle only, the outer one not turned over either.
 _INNER_PINS = (0.0, 165.0)
 _OUTER_PINS = (45.0, 135.0, 225.0, 305.0)
+# In metal two dowels place each wall, and screws from below hold it: half way between, and where a turned ring misses them.
+_OUTER_DOWELS = (45.0, 215.0)
+_INNER_SCREWS = (82.5, 262.5)
+_OUTER_SCREWS = (0.0, 85.0, 175.0, 265.0)
 
 
 class ShaftBore(Record):
@@ -163,6 +169,12 @@ class CamParts(ShaftHole):
         description="groove: thickness of the back plate; of metal half that of its walls, camgen's own rule",
     )
 
+    @property
+    def plate_screw(self) -> Screw | None:
+        """What holds the walls of a groove in metal on its back: at most as thick as its dowels."""
+        thin = (each for each in SCREWS.values() if each.nominal <= self.pin_diameter)
+        return max(thin, key=lambda each: each.nominal, default=None)
+
     def hub(self, min_wall: float) -> SetScrewHub | None:
         """The hub with its set screw; None where it has none."""
         if self.set_screw == "none":
@@ -246,13 +258,15 @@ def disc_parts(
     wall: Contour | None,
     groove: tuple[float, float],
     min_wall: float,
+    screw: Screw | None = None,
 ) -> tuple[Part, ...]:
     """Parts of these cam outlines; with a groove's outer wall: inner cam, outer ring and back plate.
 
-    groove: its width and its roller's diameter, mm. DesignError where bore, hub or pins find no room.
+    groove: its width and its roller's diameter, mm; screw: of its plates, in metal. DesignError where bore, hub or pins find no
+    room.
     """
     if wall is not None:
-        return _plates(sizes, outlines[0], wall, groove, min_wall)
+        return _plates(sizes, (outlines[0], wall), groove, min_wall, screw)
     names = (
         [("cam", "Disc cam")]
         if len(outlines) == 1
@@ -284,37 +298,56 @@ def _cam(
     return Part(name, title, tuple(layers), 1, (), centres, sizes.notes(), sizes.bore, min_wall)
 
 
-def _pin(sizes: CamParts, distance: float, angle: float) -> Contour:
-    """The hole of a pin of a groove's plates at a distance from the axis, mm, and an angle, deg."""
-    return circle(cmath.rect(distance, math.radians(angle)), sizes.pin_diameter / 2)
+def _ring(distance: float, angles: Sequence[float], diameter: float) -> list[Contour]:
+    """Holes of a diameter at a distance from the axis, mm, and at angles, deg."""
+    return [circle(cmath.rect(distance, math.radians(angle)), diameter / 2) for angle in angles]
 
 
 def _plates(
-    sizes: CamParts, outline: Contour, wall: Contour, groove: tuple[float, float], min_wall: float
+    sizes: CamParts,
+    walls: tuple[Contour, Contour],
+    groove: tuple[float, float],
+    min_wall: float,
+    screw: Screw | None,
 ) -> tuple[Part, ...]:
-    """Inner cam and outer ring, pinned to a back plate."""
+    """Inner cam and outer ring, pinned to a back plate, in metal screwed as well."""
+    outline, wall = walls
     bore = sizes.hole()
     beside = pins_beside(sizes, min_wall)
     radius = written(2 * (magnitude(facet_contour(wall, LAYOUT)) + sizes.rim)) / 2
-    inner = [_pin(sizes, beside, angle) for angle in _INNER_PINS]
-    outer = [_pin(sizes, radius - sizes.rim / 2, angle) for angle in _OUTER_PINS]
+    middle = radius - sizes.rim / 2
+    inner = _ring(beside, _INNER_PINS, sizes.pin_diameter)
+    outer = _ring(middle, _OUTER_DOWELS if screw else _OUTER_PINS, sizes.pin_diameter)
+    back = [*inner, *outer]
+    tapped: tuple[str, ...] = ()
+    drilled: tuple[str, ...] = ()
+    if screw:
+        core = CORE_HOLES[screw.thread]
+        inner += _ring(beside, _INNER_SCREWS, core)
+        outer += _ring(middle, _OUTER_SCREWS, core)
+        back += _ring(beside, _INNER_SCREWS, screw.clearance)
+        back += _ring(middle, _OUTER_SCREWS, screw.clearance)
+        tapped = (f"thread {screw.thread} through the holes of Ø{core:g}",)
+        drilled = (f"holes of Ø{screw.clearance:g} for screws {screw.thread}, heads below",)
     notes = (
         *sizes.notes(),
         f"with the inner wall a groove {groove[0]:g} wide, for a roller of {groove[1]:g}",
+        *tapped,
     )
 
     def plate(
-        name: str, title: str, holes: Sequence[Contour], height: float, bore: float | None
+        name: str, title: str, middle: Contour, holes: Sequence[Contour], height: float
     ) -> Part:
-        layer = Layer(Region(circle(0j, radius), tuple(holes)), 0.0, height)
-        pins = [pin.centroid for pin in (*inner, *outer) if pin in holes]
-        part_notes = notes if bore is None else sizes.notes()
-        return Part(name, title, (layer,), 1, (), (0j, *pins), part_notes, bore, min_wall)
+        layer = Layer(Region(circle(0j, radius), (middle, *holes)), 0.0, height)
+        centres = (0j, *(hole.centroid for hole in holes))
+        bored = middle is bore
+        part_notes = (*sizes.notes(), *drilled) if bored else notes
+        hole = sizes.bore if bored else None
+        return Part(name, title, (layer,), 1, (), centres, part_notes, hole, min_wall)
 
+    cam = _cam(sizes, "inner", "Inner wall of the groove cam", outline, inner, min_wall)
     return (
-        _cam(sizes, "inner", "Inner wall of the groove cam", outline, inner, min_wall),
-        plate("outer", "Outer wall of the groove cam", (wall, *outer), sizes.thickness, None),
-        plate(
-            "back", "Back plate of the groove cam", (bore, *inner, *outer), sizes.back, sizes.bore
-        ),
+        replace(cam, notes=(*cam.notes, *tapped)),
+        plate("outer", "Outer wall of the groove cam", wall, outer, sizes.thickness),
+        plate("back", "Back plate of the groove cam", bore, back, sizes.back),
     )

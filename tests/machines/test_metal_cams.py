@@ -9,6 +9,7 @@ import pytest
 
 from camgen.files.drawing import _Layout
 from camgen.files.sheet import Text
+from camgen.geometry.arcs import as_circle
 from camgen.machines.sources import read_mechanism
 from camgen.parts.materials import MATERIALS
 from camgen.pipeline.drawings import facts_of
@@ -65,19 +66,23 @@ def test_a_groove_in_metal_is_milled_to_its_roller() -> None:
 
 
 def test_a_groove_in_metal_is_joined_as_exactly_as_its_track() -> None:
-    """Walls of 12 on a back of half of that; dowels of 6 in H7, where they lie no farther off than the track's zone is wide; one
-    key through wall and back. A base circle of 26 has room for dowels of (26 - 0.7 x 20) / 2 = 6, one of 23 for 4."""
+    """Walls of 12 on a back of half of that; two dowels of 6 for each wall in H7, where they lie no farther off than the track's
+    zone is wide; screws M6 from below, 6 + 9 mm at most, into threads of 5 [ISO 2306]; one key through wall and back. A base circle of 26 has room for dowels of (26 - 0.7 x 20) / 2 = 6, one of 23 for 4."""
     groove = (*KEYED, "geometry.closure=groove", "material.name=16MnCr5", "drawing.profile=0.02")
     made: Any = read_mechanism(STARTER, groove)
     sizes = made.making
     assert (sizes.thickness, sizes.back, sizes.pin_diameter, sizes.rim) == (12, 6, 6, 15)
     rows = {row[1]: row[2:4] for row in parts_table(made).rows}
-    assert rows["dowel pin"] == ("6 m6 x 18, ISO 8734", 6)
+    assert rows["dowel pin"] == ("6 m6 x 18, ISO 8734", 4)
+    assert rows["screw of the plates"] == ("M6 x 12, ISO 4762", 6)
     assert rows["parallel key"] == ("6 x 6 x 18, DIN 6885", 1)
     for part in made.assembly.parts:
         facts = facts_of(made, part)
         dowels = [fit for fit in facts.fits if "dowel" in fit.words]
-        assert [fit.diameter for fit in dowels] == [6] * (len(part.centres) - 1)
+        assert [fit.diameter for fit in dowels] == [6] * (4 if part.name == "back" else 2)
+        others = [2 * each[1] for each in map(as_circle, part.region.holes) if each]
+        screwed = {"inner": [5.0] * 2, "outer": [5.0] * 4, "back": [6.6] * 6}[part.name]
+        assert sorted(size for size in others if size in (5.0, 6.6)) == screwed
         assert {fit.words for fit in dowels} == {"H7 (+0.012/0), dowel m6"}  # ISO 286, 3 to 6
         assert facts.position == facts.profile == 0.02
     coarse: Any = read_mechanism(STARTER, [*groove, "drawing.position=0.01"])

@@ -41,7 +41,7 @@ _LARGEST = 500.0  # mm, a radius that is looked for, and in strokes, whichever i
 _STROKES = 10.0
 _STEP = math.radians(1.5)  # of a survey
 _WRITTEN = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)  # mm, steps of sizes as a workshop writes them
-_COARSEST = 0.02  # of the size, such a step
+_COARSEST = 0.025  # of the size, such a step
 _EXACT = 1e-9  # of a step, by which a size that is one already may be more
 _INSIDE = 1e-9  # of a segment, from its ends to the first and last place that is surveyed
 
@@ -179,7 +179,7 @@ def smallest(
 
 def written(least: float, fits: Callable[[float], bool] = lambda _: True) -> float:
     """A size as a workshop writes it, not below the least one and not much above: in the coarsest step, of 0.01 to 1 mm and
-    at most 2 % of it, in which the next or the one after fits; the least itself where none does. All mm."""
+    at most 2.5 % of it, in which the next or the one after fits; the least itself where none does. All mm."""
     for step in _WRITTEN:
         if step > _COARSEST * least:
             continue

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+from camgen.geometry.arcs import as_circle
 from camgen.geometry.outlines import Region
 from camgen.machine.cams.followers import Follower
 from camgen.machine.cams.limits import CamLimits
@@ -22,9 +23,17 @@ from camgen.machines.disc_cam.tables import (
     DiscCamParts,
 )
 from camgen.parts import materials
-from camgen.parts.catalogue import DOWEL_STANDARD, HARD_DOWEL_STANDARD, Bought, dowel
+from camgen.parts.catalogue import (
+    CORE_HOLES,
+    DOWEL_STANDARD,
+    HARD_DOWEL_STANDARD,
+    Bought,
+    Screw,
+    dowel,
+)
 from camgen.parts.disc_cams import disc_parts, roller_note, turning_note
 from camgen.parts.part import Layer, Part
+from camgen.tolerances import SAME_POINT
 
 
 @dataclass(frozen=True)
@@ -47,11 +56,29 @@ class CamsAlone:
         clearance = self.clearance
         wall = self.cams[0].groove(clearance) if self.geometry.closure == "groove" else None
         roller = 2 * (self.geometry.follower.radius or 0.0)
-        made = disc_parts(self.sizes, outlines, wall, (roller + clearance, roller), self.min_wall)
+        groove = (roller + clearance, roller)
+        made = disc_parts(self.sizes, outlines, wall, groove, self.min_wall, self.screw)
         rolls = roller_note(roller) if wall is None else ()
         return tuple(
             replace(part, notes=(turning_note(self.sense), *rolls, *part.notes)) for part in made
         )
+
+    @property
+    def screw(self) -> Screw | None:
+        """Of the plates of a groove in metal."""
+        return self.sizes.plate_screw if materials.of(self.material).metal else None
+
+    def screws(self) -> Sequence[Bought]:
+        """Screws from below the back into the walls of a groove in metal."""
+        screw = self.screw
+        if self.geometry.closure != "groove" or screw is None:
+            return ()
+        core = CORE_HOLES[screw.thread]
+        at = tuple((part.name, _beside(part, core)) for part in self.plates[:-1])
+        length = screw.length(self.sizes.back, self.sizes.thickness)
+        size = f"{screw.thread} x {length:g}"
+        count = sum(each for _, each in at)
+        return (Bought("screw of the plates", "ISO 4762", size, count, at=at),)
 
     def dowels(self) -> Sequence[Bought]:
         """Pins that join the plates of a groove, one through each pair of holes; of rod where none is sold in that size."""
@@ -63,7 +90,7 @@ class CamsAlone:
         length = dowel(p.pin_diameter, through)
         fit = "m6" if length else "rod"
         size = f"{p.pin_diameter:g} {fit} x {length or through:g}"
-        at = tuple((part.name, len(part.centres) - 1) for part in walls)
+        at = tuple((part.name, _beside(part, p.pin_diameter)) for part in walls)
         count = sum(each for _, each in at)
         hard = materials.of(self.material).metal
         standard = HARD_DOWEL_STANDARD if hard else DOWEL_STANDARD
@@ -112,3 +139,9 @@ class CamsAlone:
             case SwingingShoe(turn=turn):
                 return [*plates, Mount(SHOE, "follower", 0j, cmath.phase(turn))]
         return plates
+
+
+def _beside(part: Part, diameter: float) -> int:
+    """How many round holes of a diameter, mm, a part has beside its axis."""
+    circles = filter(None, map(as_circle, part.region.holes))
+    return sum(abs(z) > SAME_POINT and abs(2 * r - diameter) < SAME_POINT for z, r in circles)

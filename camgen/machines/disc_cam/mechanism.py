@@ -370,7 +370,7 @@ class DiscCamDrive(CamTables):
         return replace(
             made,
             springs=spring,
-            bought=[*screw, *to_wind(spring), *alone.dowels()],
+            bought=[*screw, *to_wind(spring), *alone.dowels(), *alone.screws()],
             motor=MotorSeat(hub=hub),
             dowel=self.making.pin_diameter if self.geometry.closure == "groove" else 0.0,
             follower=FollowerFacts(wish=self._spring_wish),
@@ -474,6 +474,7 @@ class DiscCamDrive(CamTables):
                 self.allowed.min_wall,
                 2 * max(WALL_FACETS, self.accuracy.chord_tolerance),
                 lambda: self.assembly.parts,
+                self._alone.screw.clearance if self._alone.screw else 0.0,
             ).findings(),
             *between(self.cams, air, self.allowed.lash / self.geometry.follower.unit[1]),
         ]

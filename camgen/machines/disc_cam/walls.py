@@ -28,6 +28,7 @@ class CamWalls:
     least: float  # mm
     facets: float  # mm, what the files may take of a wall
     plates: Callable[[], Sequence[Part]]  # as they are made
+    screw_hole: float = 0.0  # of a groove's plates in metal, mm across
 
     def findings(self) -> list[Finding]:
         """MIN_WALL of each cam; DesignError where bore, key, pin or hub leaves it."""
@@ -47,7 +48,7 @@ class CamWalls:
                 break
             walls.append(self._wall(wall, Where(f"holes and nearest side of {name}")))
         if self.grooved:
-            rim = (sizes.rim - sizes.pin_diameter) / 2
+            rim = (sizes.rim - max(sizes.pin_diameter, self.screw_hole)) / 2
             remedy = "a wider parts.rim or a smaller parts.pin_diameter widens it"
             walls.append(self._wall(rim, Where("pins and edge of outer"), remedy))
         return walls
