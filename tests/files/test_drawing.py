@@ -654,8 +654,9 @@ def test_a_dowel_or_a_keyway_holds_the_angle_of_a_groove_s_track(root, bore):
         first = next(hole for name, hole in layout.named if name.endswith("1"))
         edge = layout.scale * first.radius
         assert min(abs(at - layout.paper(first.place)) for at in letters) < edge + 10
-        own = ("A", "B1", "B2") if part.name == "inner" else ("A1", "A2", "A3", "A4")
-        assert tuple(names) == own
+        # dowels, then screws
+        own = "A B1 B2 C1 C2" if part.name == "inner" else "A1 A2 B1 B2 B3 B4"
+        assert " ".join(names) == own
         tracks = [row for row in layout.rows if row[3].lower().startswith("profile by dxf")]
         assert [row[:3] for row in tracks] == [("", "", "")]
 
