@@ -15,7 +15,6 @@ from camgen.errors import DesignError, Fault
 from camgen.geometry.distances import point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Points, Region, circle
-from camgen.machine.cams.sizing import written
 from camgen.numerics import magnitude
 from camgen.parts.catalogue import CORE_HOLES, SCREWS, Screw
 from camgen.parts.keyways import RANGE, keyway
@@ -314,7 +313,7 @@ def _plates(
     outline, wall = walls
     bore = sizes.hole()
     beside = pins_beside(sizes, min_wall)
-    radius = written(2 * (magnitude(facet_contour(wall, LAYOUT)) + sizes.rim)) / 2
+    radius = magnitude(facet_contour(wall, LAYOUT)) + sizes.rim
     middle = radius - sizes.rim / 2
     inner = _ring(beside, _INNER_PINS, sizes.pin_diameter)
     outer = _ring(middle, _OUTER_DOWELS if screw else _OUTER_PINS, sizes.pin_diameter)

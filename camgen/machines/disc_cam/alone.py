@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from camgen.geometry.arcs import as_circle
+from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Region
 from camgen.machine.cams.followers import Follower
 from camgen.machine.cams.limits import CamLimits
@@ -17,11 +18,13 @@ from camgen.machine.cams.machine import (
 )
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.cams.shoes import SlidingShoe, SwingingShoe
+from camgen.machine.cams.sizing import written
 from camgen.machine.features import CamOutline, Mount
 from camgen.machines.disc_cam.tables import (
     DiscCamGeometry,
     DiscCamParts,
 )
+from camgen.numerics import magnitude
 from camgen.parts import materials
 from camgen.parts.catalogue import (
     CORE_HOLES,
@@ -31,7 +34,7 @@ from camgen.parts.catalogue import (
     Screw,
     dowel,
 )
-from camgen.parts.disc_cams import disc_parts, roller_note, turning_note
+from camgen.parts.disc_cams import LAYOUT, disc_parts, roller_note, turning_note
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
 
@@ -57,7 +60,12 @@ class CamsAlone:
         wall = self.cams[0].groove(clearance) if self.geometry.closure == "groove" else None
         roller = 2 * (self.geometry.follower.radius or 0.0)
         groove = (roller + clearance, roller)
-        made = disc_parts(self.sizes, outlines, wall, groove, self.min_wall, self.screw)
+        sizes = self.sizes
+        if wall is not None:  # the rim's diameter as a workshop writes it
+            reach = magnitude(facet_contour(wall, LAYOUT))
+            rim = written(2 * (reach + sizes.rim)) / 2 - reach
+            sizes = sizes.model_copy(update={"rim": rim})
+        made = disc_parts(sizes, outlines, wall, groove, self.min_wall, self.screw)
         rolls = roller_note(roller) if wall is None else ()
         return tuple(
             replace(part, notes=(turning_note(self.sense), *rolls, *part.notes)) for part in made
