@@ -260,11 +260,13 @@ class Plate:
 
 @dataclass(frozen=True)
 class HoleLabel:
-    """A hole as its drawing names it: label, shape in words, and the middle of it in the part's frame, mm."""
+    """A hole as its drawing names it: label, shape in words, the middle of it in the part's frame, mm, and whether it is a joint's
+    letter, as steps of assembly use it."""
 
     label: str
     shape: str
     place: tuple[float, float, float]
+    lettered: bool = True
 
 
 @dataclass(frozen=True, eq=False)

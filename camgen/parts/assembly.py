@@ -52,7 +52,7 @@ from camgen.parts.sheets import why_not
 from camgen.parts.springs import WorkingSpring
 from camgen.parts.standing import standing_copies
 from camgen.parts.steps import Fixing, called, holding_notes, listed, mated, order
-from camgen.study import Doing, Later, Step, Table
+from camgen.study import Doing, Later, Mate, Step, Table
 from camgen.tolerances import SAME_POINT
 
 
@@ -579,11 +579,11 @@ def _on_plate(rows: Sequence[_Row], assembly: Assembly, mounts: Sequence[Mount])
         return rows
     last = max(k for k, (cells, _) in enumerate(rows) if cells[1] == name)
     last += sum(1 for _ in takewhile(lambda row: row[1].follows, rows[last + 1 :]))
-    under = [
-        _glued_below(part, assembly) for part in assembly.parts if part.role == "battery-frame"
-    ]
-    if assembly.motor.reach is not None:
-        under = [*_motor_rows(assembly), *under]
+    first = rows[0][0][1] == name  # else a loose shaft stands under it, where no one glues
+    frames = [part for part in assembly.parts if part.role == "battery-frame"]
+    glued = [_glued_below(part, assembly, first) for part in frames]
+    under = [*_motor_rows(assembly)] if assembly.motor.reach is not None else []
+    under += glued if first else []
     rows = [*rows[: last + 1], *under, *rows[last + 1 :]]
     ends = [mount.z for mount in mounts]
     ends += [
@@ -597,7 +597,7 @@ def _on_plate(rows: Sequence[_Row], assembly: Assembly, mounts: Sequence[Mount])
         cells, step = rows[last]
         said = f"put two blocks at least {depth} mm high under the plate: parts hang below it"
         rows[last] = cells, step.also(said)
-    return rows
+    return rows if first else [*glued, *rows]
 
 
 def _row_of(part: Part, assembly: Assembly, doing: Doing) -> _Row:
@@ -634,13 +634,27 @@ def _motor_rows(assembly: Assembly) -> Iterator[_Row]:
     points = {name: stands.place(z) for name, z in plate.points}
     letters = [name for at, *_ in discs for name, z in points.items() if abs(z - at) < SAME_POINT]
     count = sum(each.count for each in assembly.bought if each.role == "drive") or 1
+    middle = stands.z + plate.thickness / 2
     through = f" through {listed(letters)}" if letters else ""
     one = f"the motor under the plate, its shaft up{through}"
     many = f"{count} motors under the plate, their shafts up{through}"
-    now = f", and screw {'it' if count == 1 else 'them'} on now, from above: later parts cover the screws"
+    it = "it" if count == 1 else "them"
+    now = f", and screw {it} on now, from above. Let {it} run on the supply before you go on: later parts cover the screws for good"
     step = Step(
         [Doing("hold ", one if count == 1 else many, now)],
         way=1,
+        mates=[
+            Mate(
+                "free",
+                name,
+                (at.real, at.imag, middle),
+                assembly.motor.shaft or 0.0,
+                plate.thickness,
+                True,
+            )
+            for name, at in points.items()
+            if name in letters
+        ],
         shapes=[*_motor_shapes(discs, stands.z, assembly.motor)],
         follows=bool(bars),
         what="motor",
@@ -665,9 +679,12 @@ def round_prism(at: complex, radius: float) -> list[complex]:
     return [at + cmath.rect(radius, math.tau * k / 48) for k in range(48)]
 
 
-def _glued_below(part: Part, assembly: Assembly) -> _Row:
+def _glued_below(part: Part, assembly: Assembly, there: bool) -> _Row:
     """A row of what is glued under the plate, with its place by distances that one measures: of two corners of its opening from
-    the two lettered holes of the plate that are next to each."""
+    the two lettered holes of the plate that are next to each.
+
+    there: whether the plate is; else it comes too, and once more when it is put in.
+    """
     plate, stands = _plate(assembly)
     mount = next(each for each in assembly.mounts if each.part == part.name)
     points = [(stands.place(z), name) for name, z in plate.points]
@@ -680,7 +697,12 @@ def _glued_below(part: Part, assembly: Assembly) -> _Row:
         )
     told = listed(said for _, said in sorted(near)[:2])
     rest = f" under the plate: two inner corners are, {told}"
-    return _row_of(part, assembly, Doing("glue ", called(part), rest))
+    cells, step = _row_of(part, assembly, Doing("glue ", called(part), rest))
+    if there:
+        return cells, step
+    lay = Doing("lay ", called(plate), " on the bench, its underside up")
+    copies = [f"{plate.name}-1", *step.copies]
+    return cells, replace(step, doings=[lay, *step.doings], copies=copies)
 
 
 def _last_rows(assembly: Assembly) -> Iterator[_Row]:

@@ -293,14 +293,22 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, taker: str) -> Table:
         there = replace(_greased(step), apart=f"{PREFIX} side", up=(0.0, 0.0, -1.0))
         rows.append((tuple(row), there))
     on = "spacers" if mirror.gap else "second plate of the near side"
+    run = "let the motor run on the batteries" if near.motor.reach is not None else "turn the shaft"
     doings = [
-        Doing("turn ", "the far side over", f" and lower it on the {on}"),
+        Doing("turn ", "the far side over", f" and lower it on the {on}, without glue yet"),
         Doing(f"{mirror.shaft} goes into {taker}; turn the far crank until the flat fits"),
-        Doing("press and glue ", f"{taker} on {mirror.shaft} and the far second plate on the {on}"),
         Doing(
-            "glue goes into the crank's hole, none on the shaft: it turns in the far second plate"
+            f"{run}, slowly through the whole motion: no joint may be stiff. Then lift the far side off"
         ),
-        Doing("move everything slowly through its whole motion: no joint may be stiff"),
+        Doing(
+            "put glue into ",
+            taker,
+            f" and on the {on}, none on the shaft: it turns in the far second plate",
+        ),
+        Doing(
+            "lower it again: press ",
+            f"{taker} on {mirror.shaft} and the far second plate on the {on}",
+        ),
     ]
     joining = (last, Step(doings, joins=f"{PREFIX} side"))
     rows += [with_things(joining, coupled(near))]

@@ -397,7 +397,7 @@ def _loose(
         if hole.name and any(map(hole.in_line, other.holes))
     ]
     at = f"with {listed(dict.fromkeys(over))}" if over else "as the picture shows"
-    doing = Doing("lay ", f"{_WHAT} {at}", f"; loose until {steps}")
+    doing = Doing("lay ", f"{_WHAT} {at}", f"; loose until {steps}{_blocks(first, there)}")
     if first.slender or (first.outlines and not first.holes):
         below = _stands_over(first, there)
         foot = [each for each in others if each.mount.z < first.mount.z + SAME_POINT]
@@ -406,8 +406,23 @@ def _loose(
         down = f", {listed(dict.fromkeys(each.part.name for each in foot))} down" if foot else ""
         down = down or (", head down" if head else "")
         down = down or _end_down(first)
-        doing = replace(doing, verb="stand ", thing=f"{_WHAT} upright{below}{down}")
+        doing = Doing("stand ", f"{_WHAT} upright{below}{down}", f"; loose until {steps}")
     return _Place(f"loose until {until}", (doing,))
+
+
+def _blocks(copy: StandingCopy, there: Sequence[StandingCopy]) -> str:
+    """How high what is laid down lies over the plate, and that something goes under it; "" where it lies on something."""
+    plate = min(
+        (each for each in there if each.mount.body == GROUND and each.holes),
+        key=lambda each: each.mount.z,
+        default=None,
+    )
+    if plate is None or not copy.holes or any(_under(hole, there)[1] for hole in copy.holes):
+        return ""
+    over = copy.mount.z - plate.mount.z - plate.part.thickness
+    if over < _RESTS:
+        return ""
+    return f". Lay a block under it: its underside is {over:.3g} mm over the upper side of {plate.part.name}"
 
 
 def _end_down(shaft: StandingCopy) -> str:
@@ -838,8 +853,9 @@ def _meeting(
         told = _WORDS[fit] and (long or gap > SAME_POINT)
         high = f", {_height(hole, shaft, below)}" if told else ""
         set_by = between(gap) if " mm over " in high else ""
-        if set_by and any(_lies(each, below) for each in copy.holes):
-            high, set_by = f"; {gap:.3g} mm over {name} are left by what it lies on", ""
+        lying = [on for each in copy.holes if (on := _lies_on(each, below))]
+        if set_by and lying:
+            high, set_by = f", down on {lying[0]}: {gap:.3g} mm stay free over {name}", ""
         flat = ", flat on flat" if _WORDS[fit] and hole.flat and outline.flat else ""
         lies = f", down on {name}" if name and gap <= SAME_POINT else ""
         at = "" if hole.name or shaft.part.count == 1 else _joint(hole, shaft, below)
@@ -923,10 +939,10 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
         yield Doing("hold ", hanging, " from below by the head while you press")
 
 
-def _lies(hole: Round, below: Sequence[StandingCopy]) -> bool:
-    """Whether what has a hole lies on something round it."""
+def _lies_on(hole: Round, below: Sequence[StandingCopy]) -> str:
+    """On what a part lies round one of its holes; "" where on nothing."""
     gap, name = _under(hole, below)
-    return bool(name) and gap <= SAME_POINT
+    return name if gap <= SAME_POINT else ""
 
 
 def _hangs(pin: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> bool:
@@ -981,6 +997,31 @@ def _under(hole: Round, below: Sequence[StandingCopy]) -> tuple[float, str]:
         if hole.in_line(each) and -SAME_POINT < hole.low - each.high < _RESTS
     ]
     return min(under, default=(0.0, ""))
+
+
+def _depth(
+    pin: StandingCopy, fixed: Sequence[tuple[Round, StandingCopy]], holes: Sequence[Round]
+) -> str:
+    """How deep a pin is driven into what it is fixed in: where the end is that goes in first, and what is left under a head.
+
+    holes: all that it goes through.
+    """
+    if pin.mount.flipped:
+        hole, _ = min(fixed, key=lambda each: each[0].low)
+        out = hole.low - min(each.low for each in pin.outlines)
+        side = "below"
+    else:
+        hole, _ = max(fixed, key=lambda each: each[0].high)
+        out = max(each.high for each in pin.outlines) - hole.high
+        side = "above"
+    end = f"till {out:.3g} mm of it stand out {side}" if out > SAME_POINT else f"flush {side}"
+    if out < -SAME_POINT:
+        end = f"its end {-out:.3g} mm inside"
+    head = max(pin.outlines, key=lambda each: each.diameter)
+    under = [head.low - hole.high for hole in holes if hole.high < head.low - SAME_POINT]
+    if pin.mount.flipped and len(pin.outlines) > 1 and under and min(under) < _RESTS:
+        return f"{end}, {min(under):.3g} mm left under its head{between(min(under))}"
+    return end
 
 
 def _pin_words(
@@ -1041,9 +1082,12 @@ def _pin_words(
         side = "flush with its underside"
         foot = min((each.low for each in copy.outlines), default=0.0)
         gaps = [(hole.low - other.mount.z, hole.low - foot) for hole, other in fixed]
-    ways += [side] if any(max(map(abs, gap)) < SAME_POINT for gap in gaps) else []
+    if any(max(map(abs, gap)) < SAME_POINT for gap in gaps):
+        ways.append(side)
+    elif fixed and (deep := _depth(copy, fixed, [hole for hole, *_ in round_holes])):
+        ways.append(deep)
     in_slots = [f"in the slot of {name}" for name in slots]
-    flush = [*flats, *([side] if len(ways) > len(words) else [])]
+    flush = [*flats, *ways[len(words) :]]
     said = ", ".join([*ways, *in_slots])
     rest = ", ".join(filter(None, (more, *flush, *in_slots)))
     if point:

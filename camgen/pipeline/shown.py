@@ -215,10 +215,10 @@ def hole_labels(part: Part) -> list[HoleLabel]:
     from camgen.files.dimensions import holes_of
 
     layer = part.drawn
+    middle = (layer.z0 + layer.z1) / 2
+    names = {name for name, _ in part.points}
     return [
-        HoleLabel(
-            label, hole.shape, (hole.middle.real, hole.middle.imag, (layer.z0 + layer.z1) / 2)
-        )
+        HoleLabel(label, hole.shape, (hole.middle.real, hole.middle.imag, middle), label in names)
         for label, hole in holes_of(layer.region.holes, part.points)
     ]
 

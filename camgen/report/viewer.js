@@ -643,6 +643,21 @@
       const context = target.getContext("2d");
       context.clearRect(0, 0, target.width, target.height);
       context.drawImage(small.domElement, 0, 0);
+      const own = what === "part" ? letters(lying.parts[number]).map(([label, , at]) => [label, new THREE.Vector3(...at)]) : [];
+      if (what === "step") own.push(...onBench(lying.steps, Number(number)).own.flatMap(k => letters(lying.parts[copies[k].part.number]).map(([label, , at]) => [label, new THREE.Vector3(...at).applyMatrix4(turning(lying.steps[number].up).multiply(standing[k]))])));
+      write(context, own.map(([label, at]) => [label, at.project(view)]));
+    }
+    // Letters of holes in a small picture, clear of each other; few enough to be read.
+    function write(context, own) {
+      const { width, height } = context.canvas, taken = [];
+      Object.assign(context, { font: "bold 12px sans-serif", textAlign: "center", textBaseline: "middle", lineWidth: 3, lineJoin: "round" });
+      own.slice(0, 12).forEach(([label, { x, y }]) => {
+        const wide = context.measureText(label).width + 3, [u, v] = clear([(x + 1) / 2 * width - wide / 2, (1 - y) / 2 * height - 7, wide, 14], taken);
+        context.strokeStyle = variable("--card");
+        context.strokeText(label, u + wide / 2, v + 7);
+        context.fillStyle = variable("--ink");
+        context.fillText(label, u + wide / 2, v + 7);
+      });
     }
     document.body.classList.add("solid");
     const watch = new IntersectionObserver(entries => entries.filter(entry => entry.isIntersecting && !entry.target.dataset.seen).forEach(entry => {
@@ -654,6 +669,19 @@
       target.dataset.seen = "1";
       paint(target);
     }));
+  }
+
+  // Lettered holes of a part: several, by their letters; what its drawing numbers alone has none.
+  const letters = ([, holes] = ["", []]) => {
+    const own = holes.filter(([, , , lettered]) => lettered);
+    return own.length > 1 ? own : [];
+  };
+  // Where a label, [left, top, width, height], lies on none that is taken: as near as can be above or below; it is taken then.
+  function clear([left, top, wide, high], taken) {
+    const free = y => taken.every(([u, v, w, h]) => left >= u + w || left + wide <= u || y >= v + h || y + high <= v);
+    const tries = [...Array(15).keys()].map(n => top + (n % 2 ? -1 : 1) * Math.ceil(n / 2) * high), y = tries.find(free) ?? top;
+    taken.push([left, y, wide, high]);
+    return [left, y];
   }
 
   // ---- on the bench: one step of assembly after the other ----
@@ -822,7 +850,7 @@
     }
     function name(numbers, mates) {  // letters of the holes that come, and of those that they go on or through
       const words = { glue: "glue", press: "pressed, no glue", free: "no glue" };
-      tags = numbers.map(k => [k, lying.parts[copies[k].part.number][1]]).filter(([, holes]) => holes.length > 1).flatMap(([k, holes]) => holes.map(([label, , at]) => ({
+      tags = numbers.flatMap(k => letters(lying.parts[copies[k].part.number]).map(([label, , at]) => ({
         label, how: "", moves: true, at: new THREE.Vector3(...at).applyMatrix4(stand(k)),
       })));
       mates.forEach(({ how, label, place, comes, within }) => {
@@ -864,10 +892,13 @@
         });
         renderer.setScissorTest(false);
       }
-      tags.forEach(({ at, moves, how }, k) => {
+      const taken = [];
+      tags.forEach((tag, k) => {
+        const { at, moves, how } = tag, label = marks.children[k], { wide, high } = tag.size ||= { wide: label.offsetWidth, high: label.offsetHeight };
         place.copy(at).setZ(at.z + (moves ? coming.position.z : 0)).project(camera);
-        const aside = { glue: "-104%", press: "-104%", free: "4%" }[how] || "-50%";
-        marks.children[k].style.transform = "translate(" + (place.x + 1) / 2 * width + "px, " + (1 - place.y) / 2 * height + "px) translate(" + aside + ", -50%)";
+        const aside = { glue: -1.04, press: -1.04, free: 0.04 }[how] || -0.5;
+        const [x, y] = clear([(place.x + 1) / 2 * width + aside * wide, (1 - place.y) / 2 * height - high / 2, wide, high], taken);
+        label.style.transform = "translate(" + x + "px, " + y + "px)";
       });
       canvas.dataset.drawn = Number(canvas.dataset.drawn || 0) + 1;
       if (!calm && share < 1 && lift) ask();

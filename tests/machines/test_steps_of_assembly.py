@@ -61,6 +61,8 @@ def test_each_link_is_said_to_go_over_those_that_it_is_jointed_to(leg: Mechanism
         said["hanger"] == "C pressed and glued on pin-1, flush with its upper end, E over foot"
     )  # its head is under the plate
     fixed = "through {} of {}, pressed and glued into {}"  # of a pin the lowest link
+    fixed += ", flush below, 0.05 mm left under its head (a strip of a plastic bag between, then pull it out)"
+    assert leg.print.slide_clearance == 0.05
     rows = [("B", "upper_rod", "shoulder"), ("D", "link", "shoulder"), ("F", "link", "foot")]
     assert said["pin-3"] == "; ".join(fixed.format(*row) for row in rows)
     rows = [("A", "lower_rod and upper_rod", "crank"), ("E", "lower_rod and hanger", "foot")]
@@ -451,7 +453,7 @@ def unfixed(machine: Mechanism) -> list[str]:
             for pair in tight
             for copy in pair & laid
             for other in pair - {copy}
-            if other in there
+            if other in there - coming
         }
         found += [f"step {count}: {sorted(said)} for {sorted(wanted)}"] if said != wanted else []
     return found
@@ -755,7 +757,20 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     (plate,) = (title for title in titles if title.startswith("Lay the ground plate on the bench"))
     assert f"two blocks at least {math.ceil(-min(disc[2] for disc in deep.discs))} mm" in plate
     numbers = {str(row[1]): row[0] for row in table.rows}
-    assert numbers["far-battery-frame"] > numbers["far-ground"]
+    assert numbers["far-battery-frame"] < numbers["far-shaft"], "no loose shaft is in the way"
+    run = titles[join].index("Let the motor run on the batteries")
+    assert titles[join].index("without glue yet") < run < titles[join].index("Put glue into")
+    (motor,) = (title for title in titles if "Hold the motor under the plate" in title)
+    assert "Let it run on the supply before you go on" in motor
+    over = {mount.part: mount.z for mount in walker.assembly.mounts}
+    for leg in ("leg3", "leg4"):
+        (laid,) = (title for title in titles if f"Then lay {leg} as the picture shows" in title)
+        height = next(each.z for each in walker.assembly.mounts if each.part == leg)
+        height -= over["ground"] + walker.assembly.by_name["ground"].thickness
+        block = (
+            f"Lay a block under it: its underside is {height:.3g} mm over the upper side of ground."
+        )
+        assert block in laid
 
 
 def test_a_walker_s_motor_and_batteries_come_from_where_they_go_and_are_seen() -> None:
@@ -797,13 +812,31 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
     titles = [step.title for step in steps_of_assembly(built("walker")).steps]
     (lid,) = (title for title in titles if title.startswith("Lower the second plate"))
     assert "Hold pin-2 and pin-4 from below by the head while you press." in lid
-    assert "0.05 mm over spacer-3 are left by what it lies on" in lid and "plastic bag" not in lid
+    assert "down on post: 0.05 mm stay free over spacer-3" in lid and "plastic bag" not in lid
     (web,) = (title for title in titles if "M of crank_web2" in title)
     assert "into N of crank_web2, flat on flat" in web and "on crank-pin-1, flat on flat" in web
     (crank,) = (title for title in titles if "on the motor's shaft" in title)
     assert crank.endswith(
         "flat on flat, 0.05 mm over ground (a strip of a plastic bag between, then pull it out)."
     )
+
+
+def test_a_pin_from_above_says_how_deep_it_goes() -> None:
+    """By the solids of a four-bar and a trammel: a shank as long as what it goes through, and one that ends in a slot below."""
+    for name, part, through, end in [
+        ("four-bar", "pin-1", ("rocker", "ground"), "flush below"),
+        ("elliptic-trammel", "pin-3", ("beam",), "till 5 mm of it stand out below"),
+    ]:
+        machine = built(name)
+        made = machine.assembly.by_name
+        play = machine.print.slide_clearance
+        titles = [step.title for step in steps_of_assembly(machine).steps]
+        (said,) = (title for title in titles if re.search(rf"\b{part} from above", title))
+        assert f", {end}, {play:g} mm left under its head" in said
+        shank = max(made[part].layers, key=lambda layer: layer.z1 - layer.z0)
+        stack = sum(made[each].thickness for each in through) + len(through) * play
+        out = 5 if "5 mm" in end else 0
+        assert shank.z1 - shank.z0 == pytest.approx(stack + out)
 
 
 def test_a_step_says_which_end_is_down_and_counts_what_has_no_letter() -> None:

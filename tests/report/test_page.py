@@ -95,7 +95,7 @@ def test_the_machine_is_in_the_page_and_the_library_that_shows_it(page: str) -> 
                 "wire": [[1.0, 2.0, 3.0], [4.5, 5.25, 6.0]],
             },
         ],
-        "parts": [["", [[EVIL, "Ø4", [1, 2, 3]]]]],
+        "parts": [["", [[EVIL, "Ø4", [1, 2, 3], True]]]],
     }
 
 

@@ -68,6 +68,7 @@ class BenchSteps:
     def table(self) -> Table:
         """In which order it goes together."""
         acts = [
+            *self._cleaning_acts(),
             *self._ring_acts(),
             *self._lower_acts(),
             *self._follower_acts(),
@@ -109,6 +110,17 @@ class BenchSteps:
         """A step in which all copies of a part come."""
         return _Act(part, place, done, self._copies[part], dry)
 
+    def _cleaning_acts(self) -> Iterator[_Act]:
+        """Of a drum as it comes from its printer."""
+        track = "wavy end" if self.bench.track.geometry.track == "end" else "track"
+        made = "its pieces" if len(self.bench.drum) > 1 else "the drum"
+        yield _Act(
+            "drum",
+            f"clean, its {track} smooth",
+            f"break what supports there are off {made}, and scrape the {track} clean till the roller runs along all of it by hand",
+            first=True,
+        )
+
     def _ring_acts(self) -> Iterator[_Act]:
         """Of a drum in two pieces: they become one."""
         on = SEAT.removesuffix(", glued")
@@ -127,7 +139,8 @@ class BenchSteps:
             "rod",
             "glued into the plate, flush below",
             f"glue {rods} × rod upright into the lower end plate, flush with its underside; "
-            "the two that stand farther from the bearing are the front rods",
+            "the two that stand farther from the bearing are the front rods. Put the upper end plate loosely on their upper ends, dry, till "
+            "the glue is hard: it keeps them upright and apart; take it off then",
         )
 
     @property
@@ -146,7 +159,7 @@ class BenchSteps:
         hook = self.bench.hook
         stands = f"{hook:.3g} mm of it out" if hook else "flush"
         down = (
-            f"till {hook:.3g} mm of it stand out below"
+            f"down to the table, with the {held} on two strips {hook:.3g} mm thick: so much of it stands out below"
             if hook
             else f"down to the table: {stands} below"
         )
@@ -199,7 +212,8 @@ class BenchSteps:
         if next(part for part, _ in self.bench.made if part.name == "roller").process == "bought":
             place = f"glued on its pin, its inner end {over:.3g} mm over the pin's"
             return place, (
-                f"glue {roller}, by its inner ring: its upper end stands {over:.3g} mm over the pin's"
+                f"put a drop of retaining glue, or of superglue, on the pin, and push {roller.replace(' on ', ', a ball bearing, on ', 1)}: its inner ring "
+                f"alone gets glue, none the balls. Its upper end stands {over:.3g} mm over the pin's"
             )
         place = f"on its pin, its inner end {over:.3g} mm over the pin's"
         return place, (
@@ -251,14 +265,16 @@ class BenchSteps:
         into = f"the roller {track} and the bores of the {end} on the two front rods"
         driver = {"plain": "glue", "d-flat": "flat", "keyway": "key"}[self.bench.sizes.bore_shape]
         fixed = "glue in its bore" if driver == "glue" else f"no glue, the {driver} drives it"
+        lift = ""
         if self.bench.hung is not None:
-            into += "; lift the arm against its spring till the roller stands there"
+            lift = ", the arm lifted against its spring"
+            into += lift
         yield _Act(
             "drum",
             f"lowered over the shaft together with the {end}, {into}",
-            "try the drum on the shaft, and scrape its bore till it slides on by hand; then "
-            f"lower it over the shaft ({fixed}), {self._end_up}, down on spacer-below, together with the {end}: "
-            f"both at once, {into}{self._bracket_high}",
+            "try the drum on the shaft, and scrape its bore till it slides on by hand; take it off again. "
+            f"Hold it, {self._end_up}. Set the roller {track}{lift}. Lower both at once: the drum over the shaft ({fixed}), down on "
+            f"spacer-below, and the bores of the {end} over the two front rods{self._bracket_high}",
             [name for part in self.bench.drum for name in self._copies[part.name]],
             dry=driver != "glue",
             joins=_beside(end),
