@@ -64,13 +64,54 @@ def named(text: str, name: str) -> str:
     return re.sub(r'^name = "[^"]*"( +(?=#))?', line, text, count=1, flags=re.MULTILINE)
 
 
+# What makes a starter one to be cut of steel: a bore with its key, a roller that is sold, pins and shafts of steel.
+_ROLLER = ("load.mass_kg=0.5", "load.cam_follower=KR16", "motor.model=SGMAH-01AJC")
+_SHAFTS = ("material.name=C45", "parts.pin=dowel", "parts.shaft_made=steel")
+METAL = {
+    "disc-cam": (
+        "material.name=C45",
+        "geometry.base_radius=32",
+        "geometry.follower.radius=8",
+        "parts.bore=20",
+        "parts.bore_shape=keyway",
+        "parts.hub_diameter=36",
+        "parts.hub_height=8",
+        "spring.rate=1",
+        "spring.preload=15",
+        *_ROLLER,
+    ),
+    "cylinder-cam": (
+        "material.name=C45",
+        "geometry.roller.radius=8",
+        "geometry.roller.length=11",
+        "parts.bore=20",
+        "parts.bore_shape=keyway",
+        *_ROLLER,
+    ),
+    "indexing-cam": (
+        "material.name=C45",
+        "geometry.follower.roller_radius=9.5",
+        "load.cam_follower=KR19",
+        "parts.thickness=12",
+    ),
+    "geneva-table": _SHAFTS,
+    "linkage": _SHAFTS,
+}
+
 _WIDE = 110  # characters of a line
 
 
-def short(name: str) -> str:
+def in_metal(name: str) -> str:
+    """A starter or an example of METAL, to be cut of steel."""
+    from camgen.edits import edited
+
+    return edited(text(name), METAL[name])
+
+
+def short(whole: str) -> str:
     """The same machine in few lines: no comments, no key that has its default; what is short stands on one line."""
-    title = text(name).partition("\n")[0]
-    data = _without_defaults(tomllib.loads(text(name)))
+    title = whole.partition("\n")[0]
+    data = _without_defaults(tomllib.loads(whole))
     lines: list[str] = []
     tables: list[str] = []
     for key, value in data.items():

@@ -589,10 +589,20 @@ def test_a_result_of_another_spec_built_with_set_is_told_too(run: Run, tmp_path:
 
 def test_new_short_writes_few_lines(run: Run, tmp_path: Path) -> None:
     code, out, _ = run("new", "--short", "disc-cam")
-    assert code == 0 and out == f"#:schema ./disc-cam.schema.json\n{starters.short('disc-cam')}"
+    assert (
+        code == 0
+        and out == f"#:schema ./disc-cam.schema.json\n{starters.short(starters.text('disc-cam'))}"
+    )
     chain = tmp_path / "chain.txt"
     code, _, err = run("new", "--short", "linkage", "--from", chain)
     assert code == 2 and "--short" in err
+
+
+def test_new_metal_writes_a_starter_of_steel(run: Run) -> None:
+    code, out, _ = run("new", "--metal", "--short", "disc-cam")
+    assert code == 0 and 'name = "C45"' in out and 'cam_follower = "KR16"' in out
+    code, _, err = run("new", "--metal", "drum")
+    assert code == 2 and "a form in steel: disc-cam, cylinder-cam" in err
 
 
 def test_list_names_every_mechanism_and_law(run: Run) -> None:

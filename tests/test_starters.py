@@ -13,7 +13,10 @@ from test_cli import run as run  # noqa: F401  a fixture
 
 from camgen import starters
 from camgen.machines import MECHANISMS, load
+from camgen.machines.loads.assess import assess
+from camgen.parts import materials
 from camgen.parts.generator.sizes import Parts
+from camgen.pipeline.making import parts_table
 from camgen.schemas import step_below, tables_of
 from camgen.spec import schema, validate
 
@@ -245,7 +248,7 @@ def test_starter_is_valid(mechanism: str) -> None:
 def test_a_short_starter_is_the_same_machine(name: str) -> None:
     """By the class of the spec: of the same record, without comments but its title."""
     cls = load(starters.kind(name))
-    short = starters.short(name)
+    short = starters.short(starters.text(name))
     title, *lines = short.splitlines()
     assert title[0] == "#" and not any(line.startswith("#") for line in lines)
     long = starters.text(name)
@@ -255,7 +258,7 @@ def test_a_short_starter_is_the_same_machine(name: str) -> None:
 
 
 def test_the_shortest_way_to_a_cam_has_some_fifteen_lines() -> None:
-    assert len(starters.short("disc-cam").splitlines()) == 16
+    assert len(starters.short(starters.text("disc-cam")).splitlines()) == 16
 
 
 @pytest.mark.parametrize("name", [*MECHANISMS, *starters.examples()])
@@ -274,3 +277,19 @@ def test_another_name_leaves_the_comment_in_its_column(name: str) -> None:
 
 def test_a_name_that_fills_its_column_keeps_a_space_before_its_comment() -> None:
     assert starters.named('name = "a"  # folder', "abcde") == 'name = "abcde" # folder'
+
+
+@pytest.mark.parametrize("name", starters.METAL)
+def test_a_starter_of_steel_holds_and_has_what_a_workshop_asks_for(name: str) -> None:
+    """Of C45; a key with its length [DIN 6885] and a roller that is sold; shafts and pins of steel."""
+    machine: Any = validate(load(starters.kind(name)), tomllib.loads(starters.in_metal(name)))
+    assert materials.of(machine.material.name).metal
+    assert all(each.ok for each in [*machine.limits(), *assess(machine).findings])
+    bought = {str(row[1]): str(row[2]) for row in parts_table(machine).rows if row[0] == "bought"}
+    if name in ("geneva-table", "linkage"):
+        made = {str(row[1]): str(row[0]) for row in parts_table(machine).rows}
+        assert made["shaft"] == "turned of steel" and "m6" in bought["pin-1"]
+    else:
+        assert re.search(r"x \d+, DIN 6885", bought["parallel key"])
+        assert bought["cam follower"].startswith("KR")
+        assert not any("plain bore" in note for note in machine.study().notes)

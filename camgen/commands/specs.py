@@ -18,13 +18,18 @@ from camgen.errors import Fault, SpecError, printable
     "--short", is_flag=True, help="Some 15 lines: no comments, no keys with their defaults."
 )
 @click.option(
+    "--metal", is_flag=True, help="Of steel: bore with a key, a roller that is sold, steel pins."
+)
+@click.option(
     "--from",
     "source",
     metavar="CHAIN",
     type=click.Path(path_type=Path),
     help="PMKS lines, or pylinkage's JSON.",
 )
-def new(mechanism: str | None, file: Path | None, short: bool, source: Path | None) -> None:
+def new(
+    mechanism: str | None, file: Path | None, short: bool, metal: bool, source: Path | None
+) -> None:
     """Write a starter spec of a MECHANISM, or an example, to FILE, or print it. It has comments and builds as it is.
 
     Its name, that of the output folder, is FILE's: my-cam.toml gives out/my-cam.
@@ -47,12 +52,18 @@ def new(mechanism: str | None, file: Path | None, short: bool, source: Path | No
         file = None
     kind = starters.kind(known("MECHANISM", mechanism, specs_known(), "camgen list"))
     if source is None:
-        text = starters.short(mechanism) if short else starters.text(mechanism)
+        if metal and mechanism not in starters.METAL:
+            right = f"one that has a form in steel: {', '.join(starters.METAL)}"
+            raise SpecError([Fault(("MECHANISM",), repr(mechanism), right)], "command line")
+        text = starters.in_metal(mechanism) if metal else starters.text(mechanism)
+        text = starters.short(text) if short else text
         if file is not None:
             text = starters.named(text, spec_name(file, mechanism))
-    elif short:
-        alone = "nothing here: a file of another program has no comments"
-        raise SpecError([Fault((), "", alone, source="--short")], "command line")
+    elif short or metal:
+        alone = "nothing here: a file of another program is taken as it is"
+        raise SpecError(
+            [Fault((), "", alone, source="--short" if short else "--metal")], "command line"
+        )
     elif mechanism != "linkage":
         alone = "nothing here: only a linkage is read from another program"
         raise SpecError([Fault((), str(source), alone, source="--from")], "command line")

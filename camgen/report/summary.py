@@ -154,7 +154,7 @@ def _figures(report: Report) -> Iterator[Headline]:
             continue  # such as the torque of a cam on which nothing is known to press
         if figure and figure.unit == "N m" and figure.value < _LEAST_TORQUE:
             continue  # what moves parts of no weight
-        worst = judged.get(code) if code else strained
+        worst = judged.get(code) if code else None if quantity else strained
         if worst is not None and worst.code == "LASH" and worst.ok and not worst.measured:
             continue  # a force holds the joints to one side
         if worst is not None and (not code or worst is not strained):

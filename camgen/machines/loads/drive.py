@@ -115,16 +115,14 @@ class _Motor:
         return Plot(title, axis, unit, curves)
 
     def findings(self, motor: Motor | None) -> Iterator[Finding]:
-        """DRIVE_TORQUE, where it turns and it is known what the motor can give."""
-        if motor is None or self.drive.slide:
+        """DRIVE_TORQUE, where it turns, something loads it, and it is known what the motor can give."""
+        if motor is None or self.drive.slide or peak(self.needed) < _NOTHING:
             return
         theta = self.run.theta
         worst = int(np.argmax(np.abs(self.needed)))
         rate = float(abs(self.drive.law(theta, 1)[worst] * self.run.machine.speed))
         remark = f"needed at {rate * 60 / math.tau:.6g} rpm with the friction of all joints; {motor.said}"
         most = peak(self.needed)
-        if most < _NOTHING:
-            remark += "; no load, mass or friction is known: give them in [load]"
         where = Where(
             self.drive.name if self.name else "drive", theta=float(theta[worst]), angle="", digits=1
         )
