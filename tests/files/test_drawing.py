@@ -667,6 +667,7 @@ def test_a_metal_drum_s_drawing_has_its_track_and_the_datum_of_its_angle(root, t
     drum's point at the follower goes back as it turns. Each wall may be off by half of 0.04, so the width by 0.04."""
     settings = [
         "material.name=16MnCr5",
+        "geometry.roller.length=6",
         "drawing.profile=0.04",
         "print.slide_clearance=0.2",
         "files.cutter_radius=4",

@@ -49,6 +49,7 @@ FOLLOWERS: dict[str, dict[str, Any]] = {
 def machine(rows: list[dict[str, Any]] | None = None, **tables: dict[str, Any]) -> CylinderCam:
     """The starter's motion, or other segments; tables: keys in place of the starter's."""
     data = tomllib.loads(SPEC.read_text(encoding="utf-8"))
+    data["geometry"]["roller"]["length"] = 6.0
     data["accuracy"] = {"chord_tolerance": 0.02}
     tables["parts"] = {"make": "printed", "pieces": 1, **tables.get("parts", {})}
     for name, keys in tables.items():

@@ -42,6 +42,7 @@ Change = Callable[[Mesh], Mesh]
 def drum(pieces: int = 2, **tables: dict[str, Any]) -> CylinderCam:
     """The starter with an unsymmetric rise; tables: keys in place of its own."""
     data = tomllib.loads(SPEC.read_text(encoding="utf-8"))
+    data["geometry"]["roller"]["length"] = 6.0
     data["accuracy"] = {"chord_tolerance": TOLERANCE}
     data["segment"][0] |= {"span_deg": 100.0, "law": "3-4-5"}
     tables["parts"] = {"pieces": pieces, **tables.get("parts", {})}

@@ -144,6 +144,7 @@ def test_a_hand_turns_a_crank() -> None:
     """22 N at the knob: at 25 mm where the machine has no crank of its own, else at that one, which names the hand by itself."""
     by_hand = motor_of(made("linkage", "motor.model=hand crank").motor)
     assert by_hand is not None and by_hand.torque(1.0) == pytest.approx(22 * 0.025)
+    assert not found("DRIVE_TORQUE", "disc-cam", "motor.model=hand crank")  # nothing loads it
     (each,) = found("DRIVE_TORQUE", "linkage", "motor.model=", "parts.hand_crank=40")
     assert each.limit == pytest.approx(22 * 0.040) and each.ok and "a hand" in each.message
     (each,) = found("DRIVE_TORQUE", "linkage", "motor.model=42STH48-2004AC", "parts.hand_crank=40")

@@ -305,6 +305,10 @@ def test_a_cam_tells_its_size_after_its_pressure_angle() -> None:
     first = summary(Report("m", "disc-cam", (angle,), figures)).figures
     assert [each.name for each in first] == ["Stroke", "Pressure angle", "Base radius"]
     assert first[-1].value == 30.0
+    spring = at_most("SPRING_STRESS", 780.0, 891.0, "MPa", Where(), "")
+    strained = summary(Report("m", "disc-cam", (angle, spring), figures)).figures
+    told = [(each.name, each.value) for each in strained]
+    assert told[2:] == [("Base radius", 30.0), ("Stress of the spring", 780.0)]
 
 
 def test_what_is_strained_stands_before_torque_and_error() -> None:

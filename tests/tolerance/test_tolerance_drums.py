@@ -39,6 +39,7 @@ CASES: dict[str, dict[str, Any]] = {
 
 def drum(**geometry: Any) -> CylinderCam:
     data = tomllib.loads(SPEC.read_text(encoding="utf-8"))
+    data["geometry"]["roller"]["length"] = 6.0
     data["geometry"] |= geometry
     data["accuracy"] = {"chord_tolerance": 0.005}
     data["parts"]["pieces"] = 1
