@@ -469,7 +469,11 @@ def order_of_assembly(assembly: Assembly) -> Table:
         poses = assembly.poses(np.zeros(1))
         copies = standing_copies(assembly.parts, assembly.mounts, poses)
         fixing = assembly.process.fixing
-        return replace(table, steps=mated(table.steps, copies, assembly.features, fixing))
+        table = replace(table, steps=mated(table.steps, copies, assembly.features, fixing))
+        told = {row[1] for row in table.rows} | {*assembly.by_name}
+        last = [(row, step) for row, step in further_rows(assembly) if row[1] not in told]
+        own = zip(map(tuple, table.rows), table.steps, strict=True)
+        return numbered(table, [*own, *last])
     table = by_heights(assembly)
     rows: list[_Row] = [
         (tuple(row), step) for row, step in zip(table.rows, table.steps, strict=True)

@@ -673,7 +673,7 @@ def mated(
 ) -> list[Step]:
     """Steps with what comes and goes on what is there; names of parts in them stand for all their copies.
 
-    A copy that comes twice is loose at first: its place is fixed when it comes again.
+    A copy that comes twice is loose at first: its place is fixed when it comes again. A step in which no copy comes keeps its own.
     """
     fixing = with_joints(fixing, pairs)
     slides = [each for each in pairs if isinstance(each, SlideFaces)]
@@ -699,7 +699,7 @@ def mated(
         mates = [mate if mate.label else _of_joint(mate, [*there, *coming]) for mate in mates]
         if named & again or step.dry:
             mates = [replace(mate, how="free") for mate in mates]
-        found.append(replace(step, copies=names, mates=mates))
+        found.append(replace(step, copies=names, mates=mates if coming else step.mates))
     return found
 
 

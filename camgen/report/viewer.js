@@ -650,13 +650,13 @@
     // Letters of holes in a small picture, clear of each other; few enough to be read.
     function write(context, own) {
       const { width, height } = context.canvas, taken = [];
-      Object.assign(context, { font: "bold 12px sans-serif", textAlign: "center", textBaseline: "middle", lineWidth: 3, lineJoin: "round" });
+      Object.assign(context, { font: "bold 20px sans-serif", textAlign: "center", textBaseline: "middle", lineWidth: 4, lineJoin: "round" });
       own.slice(0, 12).forEach(([label, { x, y }]) => {
-        const wide = context.measureText(label).width + 3, [u, v] = clear([(x + 1) / 2 * width - wide / 2, (1 - y) / 2 * height - 7, wide, 14], taken);
+        const wide = context.measureText(label).width + 3, [u, v] = clear([(x + 1) / 2 * width - wide / 2, (1 - y) / 2 * height - 11, wide, 22], taken);
         context.strokeStyle = variable("--card");
-        context.strokeText(label, u + wide / 2, v + 7);
+        context.strokeText(label, u + wide / 2, v + 11);
         context.fillStyle = variable("--ink");
-        context.fillText(label, u + wide / 2, v + 7);
+        context.fillText(label, u + wide / 2, v + 11);
       });
     }
     document.body.classList.add("solid");

@@ -780,6 +780,9 @@ def test_a_walker_s_motor_and_batteries_come_from_where_they_go_and_are_seen() -
     (motor,) = (step for step in steps if "motor-bar-1" in step.copies)
     assert motor.way == 1 and "flush with its front. Hold the motor under the plate" in motor.title
     assert "its shaft up through O" in motor.title
+    (hole,) = motor.mates
+    assert (hole.label, hole.how, hole.diameter) == ("O", "free", 3), "its letter is in the picture"
+    assert 0 < hole.place[2] < walker.assembly.by_name["ground"].thickness
     (body, low, high), (shaft, foot, end) = motor.shapes
     can = walker.making.can
     assert can is not None

@@ -148,11 +148,12 @@ class Pieces:
 
     def steps(self) -> Table:
         """In which order they go together."""
+        on = SEAT.removesuffix(", glued")
+        fixed = f"pressed and glued on {DRUM}, {on}"
         rows = [
             (1, DRUM, "Drum", "on the table, its key up", 1, 0.0, "as drawn"),
-            (2, RING, "Ring", SEAT, 1, self.track.length - self._upper.length, "turned over"),
+            (2, RING, "Ring", fixed, 1, self.track.length - self._upper.length, "turned over"),
         ]
-        on = SEAT.removesuffix(", glued")
         said = (
             (DRUM, "lay the drum on the table, its key up"),
             (RING, f"glue the ring on the drum, {on}"),
