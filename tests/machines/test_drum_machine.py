@@ -19,11 +19,13 @@ from camgen.errors import DesignError, SpecError
 from camgen.files.threemf import PartCopy, read_3mf, write_3mf
 from camgen.findings import Finding
 from camgen.geometry.mesh import Mesh
+from camgen.geometry.outlines import Arc
 from camgen.judge import sweep_in_space as sweep_in_space_module
 from camgen.judge.sweep_in_space import sweep_in_space
 from camgen.machines.cylinder_cam.mechanism import CylinderCam
 from camgen.machines.loads.assess import assess
 from camgen.parts.assembly import bodies_in_motion, order_of_assembly
+from camgen.parts.part import Part
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.making import assembly_copies
 from camgen.pipeline.shopping import steps_of_assembly
@@ -495,3 +497,57 @@ def test_a_motor_has_no_crank() -> None:
 def test_what_no_machine_is_made_of_is_told(tables: dict[str, Any], told: str) -> None:
     with pytest.raises((SpecError, DesignError), match=told.replace(".", r"\.")):
         machine(**tables)
+
+
+@pytest.mark.parametrize("kind", FOLLOWERS)
+def test_loads_and_stands_are_screwed_on_where_there_is_room(kind: str) -> None:
+    """By the solids: each hole is open for the core of an M3, and a ring as wide as parts.wall round it is all material."""
+    made = machine(**FOLLOWERS[kind])
+    wall = made.making.wall
+    assert ("carriage" in made._solids) != kind.endswith("arm")
+    for name, count in (("end-plate", 2), ("carriage", 4)):
+        if name not in made._solids:
+            continue
+        part = made.assembly.by_name[name]
+        cores = [z for z, radius in round_holes(part) if radius == pytest.approx(1.25)]
+        assert len(cores) == count
+        size = complex(np.ptp(np.real(cores)), np.ptp(np.imag(cores)))
+        pitch = f" {size.real:g} x {size.imag:g} apart" if count == 4 else ""
+        assert part.title.endswith(f" holes for M3{pitch}")
+        mesh = made._solids[name]
+        body = manifold3d.Manifold(
+            manifold3d.Mesh64(np.array(mesh.vertices), np.array(mesh.faces, np.uint64))
+        )
+        for at in cores:
+            core, ring = (
+                manifold3d.Manifold.cylinder(part.thickness, size, circular_segments=64).translate(
+                    (at.real, at.imag, 0)
+                )
+                for size in (1.2, 1.25 + wall - 0.05)
+            )
+            assert (core ^ body).volume() == pytest.approx(0, abs=1e-6)
+            hole = math.pi * 1.25**2 * part.thickness
+            assert (ring ^ body).volume() == pytest.approx(ring.volume() - hole, abs=0.05 * hole)
+
+
+@pytest.mark.parametrize("kind", FOLLOWERS)
+def test_what_is_sawn_is_listed_as_long_as_it_is_built(kind: str) -> None:
+    """Rods and shaft in halves of a millimetre, what ends in the track in tenths."""
+    parts = machine(**FOLLOWERS[kind]).assembly.by_name
+    for name, step in (("rod", 0.5), ("shaft", 0.5), ("roller-pin", 0.1)):
+        length = parts[name].thickness
+        assert length / step == pytest.approx(round(length / step), abs=1e-6), name
+        (said,) = re.findall(r"h[89] ([\d.]+)", parts[name].notes[0])
+        assert float(said) == pytest.approx(length, abs=1e-9)
+
+
+def test_where_screws_have_no_room_there_are_none() -> None:
+    """Walls of 8 mm leave 1.2 mm beside the middle of the carriage."""
+    parts = machine(parts={"wall": 8.0}, geometry={"roller": SMALL}).assembly.by_name
+    assert parts["carriage"].title == "Carriage" and len(round_holes(parts["carriage"])) == 1
+
+
+def round_holes(part: Part) -> list[tuple[complex, float]]:
+    """Centres and radii of a part's round holes, mm."""
+    arcs = [hole.pieces[0] for hole in part.drawn.region.holes if len(hole.pieces) == 1]
+    return [(arc.centre, arc.radius) for arc in arcs if isinstance(arc, Arc)]

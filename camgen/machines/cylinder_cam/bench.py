@@ -30,7 +30,7 @@ from camgen.machines.cylinder_cam.tables import DrumParts
 from camgen.machines.cylinder_cam.track import Track
 from camgen.machines.return_spring import ReturnSpring
 from camgen.numerics import Floats, Points
-from camgen.parts.catalogue import BEARINGS, DOWELS, Bearing, ball_roller
+from camgen.parts.catalogue import BEARINGS, CORE_HOLES, DOWELS, Bearing, ball_roller
 from camgen.parts.coils import Coil
 from camgen.parts.generator.sizes import Parts as PinSizes
 from camgen.parts.part import Layer, Part, hull
@@ -50,6 +50,10 @@ _HANGING = 30.0  # from pin to pin of an arm's spring, and as much more as its r
 _ROUND = 12  # points of a spring's wire for each coil
 FOOT = 0.5  # of the shaft over the lower plate's underside
 _OUT = 20.0  # of the shaft over the upper plate, where a motor turns it
+_SCREW = "M3"  # of what is fixed to the carriage, and of what the machine stands on
+_GRID = 5.0  # between the carriage's screws
+_SAWN = 0.5  # step of the length of a rod that a person saws
+_FILED = 0.1  # step of that of a pin, which ends beside the floor of the track
 
 
 def roller_pin(radius: float, length: float) -> float:
@@ -164,9 +168,18 @@ class Bench:
         return tuple(complex(x, side * half) for x in (front, back) for side in (-1, 1))
 
     @property
+    def pin_end(self) -> float:
+        """Distance of the roller's pin's outer end from the drum's axis."""
+        if self.track.swings:
+            return self.arm_face + self.sizes.thickness + self.hook
+        return self.block_face + self.block_depth
+
+    @property
     def pin_below(self) -> float:
-        """How far the roller's pin ends before the roller's inner end."""
-        return min(AIR, self.track.geometry.roller.length / 4)
+        """How far the roller's pin ends before the roller's inner end, at least, so that its length is in steps of a file."""
+        room = self.pin_end - self.track.inner
+        least = min(AIR, self.track.geometry.roller.length / 4)
+        return room - math.floor((room - least) / _FILED + 1e-6) * _FILED
 
     @property
     def rollers(self) -> tuple[float, ...]:
@@ -281,8 +294,9 @@ class Bench:
 
     @property
     def top(self) -> float:
-        """Height of the upper plate's upper side."""
-        return self.base + self._span[1] + self.plate_thickness
+        """Height of the upper plate's upper side, and length of the rods, which are sawn: the carriage has up to a step more room."""
+        least = self.base + self._span[1] + self.plate_thickness
+        return math.ceil(least / _SAWN - 1e-6) * _SAWN
 
     @property
     def plane(self) -> complex:
@@ -323,6 +337,28 @@ class Bench:
     def _hole(self, at: complex, diameter: float, fit: float) -> Contour:
         return circle(at, (diameter + fit) / 2)
 
+    @cached_property
+    def _plate_screws(self) -> tuple[complex, ...]:
+        """Places of the core holes between both front rods and both back ones, by which the machine is screwed on from below."""
+        rim = self.sizes.wall + CORE_HOLES[_SCREW] / 2
+        ends = {complex(at.real) for at in self.rods}
+        free = (
+            self.rod_spacing >= self.sizes.rod_diameter / 2 + rim
+            and min(map(abs, ends)) >= self.bearing.outside / 2 + rim
+        )
+        return tuple(sorted(ends, key=abs)) if free else ()
+
+    def _carriage_screws(self, pins: Mapping[complex, float]) -> tuple[complex, ...]:
+        """Places of four core holes in the carriage, as far apart as the grid allows between its bores; none where no four fit."""
+        rim = self.sizes.wall + CORE_HOLES[_SCREW] / 2
+        wide = self.rod_spacing - (self.sizes.rod_diameter + self.fits.slide) / 2 - rim
+        across, along = (
+            math.floor(2 * room / _GRID) * _GRID / 2 for room in (wide, self.block_height / 2 - rim)
+        )
+        places = tuple(complex(x, y) for x in (-across, across) for y in (-along, along))
+        apart = min(abs(at - pin) - size / 2 for at in places for pin, size in pins.items())
+        return places if min(across, along) > 0 and apart >= rim else ()
+
     def _stand(self) -> Iterator[tuple[Part, Sequence[Mount]]]:
         """Plates, rods and bearings."""
         s = self.sizes
@@ -331,6 +367,7 @@ class Bench:
         hubs.append((0j, ball.outside / 2 + s.wall))
         edge = hull(hubs)
         rods = [self._hole(at, s.rod_diameter, self.fits.press) for at in self.rods]
+        rods += [circle(at, CORE_HOLES[_SCREW] / 2) for at in self._plate_screws]
         floor = self.plate_thickness - ball.width
         layers = (
             Layer(Region(edge, (circle(0j, ball.lip / 2), *rods)), 0.0, floor),
@@ -340,9 +377,19 @@ class Bench:
                 self.plate_thickness,
             ),
         )
-        note = f"the seat of bearing {ball.name} towards the drum"
+        title = "End plate"
+        notes = [f"the seat of bearing {ball.name} towards the drum"]
+        if self._plate_screws:
+            title += f", two holes for {_SCREW}"
+            core = f"{CORE_HOLES[_SCREW]:g} for {_SCREW}"
+            notes.append(f"two holes of {core} screws, from below: what it stands on")
         plate = Part(
-            "end-plate", "End plate", layers, centres=(0j, *self.rods), notes=(note,), drawn_layer=1
+            "end-plate",
+            title,
+            layers,
+            centres=(0j, *self.rods),
+            notes=tuple(notes),
+            drawn_layer=1,
         )
         yield (
             plate,
@@ -439,10 +486,18 @@ class Bench:
             [Mount("knob", CAM, arm, 0.0, True, under)],
         )
 
-    def _block(self, name: str, title: str, pins: Mapping[complex, float], fit: float) -> Part:
+    def _block(
+        self,
+        name: str,
+        title: str,
+        pins: Mapping[complex, float],
+        fit: float,
+        screws: Sequence[complex] = (),
+    ) -> Part:
         """A block on the two rods of the follower's side, its datum between them half way up.
 
-        Its x runs along the turn, its y along the rods; pins: places and diameters of holes square to both; fit: on the rods.
+        Its x runs along the turn, its y along the rods; pins: places and diameters of holes square to both, as those of screws are;
+        fit: on the rods.
         """
         s = self.sizes
         half = self.rod_spacing
@@ -453,7 +508,10 @@ class Bench:
         low = min(-tall, *(at.imag - size / 2 - s.wall for at, size in pins.items()))
         depth = self.block_depth
         outline = rectangle(complex(left, low), complex(right, tall))
-        holes = tuple(self._hole(at, size, self.fits.press) for at, size in pins.items())
+        holes = (
+            *(self._hole(at, size, self.fits.press) for at, size in pins.items()),
+            *(circle(at, CORE_HOLES[_SCREW] / 2) for at in screws),
+        )
         bores = tuple(
             self._hole(complex(sign * half, depth / 2), s.rod_diameter, fit) for sign in (-1, 1)
         )
@@ -465,11 +523,18 @@ class Bench:
         """Of a slide: a block that runs on two rods, with the pins of its rollers."""
         beside = self.track.geometry.follower.offset
         pins = {complex(-beside, z): self.pin for z in self.rollers}
-        part = self._block("carriage", "Carriage", pins, self.fits.slide)
-        note = "runs on two rods; the pin of the roller glued in"
+        screws = self._carriage_screws(pins)
+        title = "Carriage"
+        notes = ["runs on two rods; the pin of the roller glued in"]
+        if screws:
+            pitch = f"{2 * screws[-1].real:g} x {2 * screws[-1].imag:g}"
+            title += f", four holes for {_SCREW} {pitch} apart"
+            size = f"{CORE_HOLES[_SCREW]:g} through its {self.block_depth:.4g}"
+            notes.append(f"four holes of {size}, for {_SCREW} screws: what it moves")
+        part = self._block("carriage", title, pins, self.fits.slide, screws)
         at = complex(beside)
         outside = self.block_face + self.block_depth
-        yield replace(part, notes=(note,)), [Mount("carriage", _FOLLOWER, at, z=-outside)]
+        yield replace(part, notes=tuple(notes)), [Mount("carriage", _FOLLOWER, at, z=-outside)]
 
     def _arm(self) -> Iterator[tuple[Part, Sequence[Mount]]]:
         """Of an arm: a bracket glued on two rods, the pin in it, the arm, and the cap that keeps it there."""
@@ -556,9 +621,8 @@ class Bench:
         track = self.track
         roller = track.geometry.roller
         face = self.arm_face if track.swings else self.block_face
-        holder = face + (self.sizes.thickness if track.swings else self.block_depth)
+        holder = self.pin_end
         middle = cmath.rect(track.geometry.follower.arm or 0.0, track.start) if track.swings else 0j
-        holder += self.hook
         places = [middle + 1j * z for z in self.rollers]
         holds = "arm" if track.swings else "carriage"
         pin = self._pin_part(
