@@ -2,8 +2,8 @@
 
 Views in first-angle projection: the part as its layers lie, seen along z; to its right seen from the left, bores dashed;
 below it seen along y a part that is crossed with a second outline, or a section of one whose layers differ; one through the
-bore of a plate, or through a keyway, takes the place of the view from the left. Of a plate's through holes none is dashed: a note
-says that they go through. Overall sizes, a table of holes with their fits and of the corners and
+bore of a plate or a drum, or through a keyway, takes the place of the view from the left. Of a plate's through holes none is
+dashed: a note says that they go through. Overall sizes, a table of holes with their fits and of the corners and
 roundings of every outline, notes and a title block. An outline that is no chain of lines and arcs, a cam's, is in the part's
 own file; it gets its least and greatest radius, a table of radii, and its overall sizes in parentheses.
 Nothing here knows a mechanism.
@@ -56,12 +56,13 @@ from camgen.files.track_tables import ROW as _ROW
 from camgen.files.track_tables import grid, tables_sheet, track_tables
 from camgen.files.tracks import (
     SECTION_ROOM,
+    axial_section,
     development,
     drum_section,
-    edges_from_left,
     plates_section,
 )
 from camgen.geometry.arcs import as_circle, fit_arcs
+from camgen.geometry.drums import Drum
 from camgen.geometry.outlines import Contour, Floats, extent, rectangle
 from camgen.numerics import coordinates
 from camgen.parts.keyways import keyed
@@ -96,6 +97,8 @@ _HATCH = 2.5  # mm of paper between the lines of a cut face
 _THIRD = 8.0  # from the plan view's dimension to the third view, and from that to what is below
 _BOSS = 10.0  # between the dimensions of bosses, beside the view from the left
 _SURFACE = 10.0  # room above for them
+_TITLE = 4.0  # for the title of a drum's section, over its dimensions
+_WALL = 7.0  # between dimensions of a drum's walls
 _OVER = (
     8.0  # from the upper edge of that room down, of the frame of a track's tolerance over the view
 )
@@ -139,7 +142,8 @@ def _wrapped(note: str) -> list[str]:
 
 
 def _across_bore(part: Part, tolerance: float) -> views.Section | None:
-    """The section along y through the origin, where a keyway is, from the left: y + iz; None of a part that gets no section."""
+    """The section along y through the origin, where a keyway is, from the left: y + iz, of a drum of its blank; None of a part
+    that gets no section."""
 
     def turned(layer: Layer) -> Layer:
         return replace(layer, region=layer.region.moved(-1j))
@@ -203,16 +207,19 @@ class _Layout:
         self.turns = (free(part.region.outer) or drum is not None) and part.bore is not None
         self.chamfer = facts.bore_chamfer if self.turns or self.bored else 0.0
         layered = len({layer.region for layer in part.layers}) > 1
-        across = facts.groove is not None or (self.bored and not drum and (self.key or not layered))
+        plated = self.bored and (self.key or not layered)
+        across = facts.groove is not None or part.drum or plated
         several = len(part.region.holes) - len(self.tracks) > 1
         self.plate = several and not layered and part.side_profile is None
         upright = _across_bore(part, tolerance) if across else None
-        section = None if upright or drum else views.section(part, tolerance)
+        section = None if upright else views.section(part, tolerance)
         self.upright = self._chamfered(upright)
+        if self.upright and part.drum:
+            self.upright = axial_section(part.drum, self.upright)
         self.section = self._chamfered(section)
         self.bosses = bosses(part)
         self.right = _RIGHT + (_RUN_OUT if drum and facts.run_out else 0.0)
-        self.beside = _BESIDE + _BOSS * len(self.bosses)
+        self.beside = _BESIDE + _BOSS * (len(self.bosses) + (part.drum is not None))
         self.depth = part.thickness if part.side_profile or self.section else 0.0
         self.engraved = _contours(part.engraved, tolerance)
         self.rows = self._rows()
@@ -220,8 +227,8 @@ class _Layout:
         self.track_tables = track_tables(facts, self.polar, part.drum)
         alone = len(self.track_tables) == 1
         self.track_table = self.track_tables[0] if alone else None  # on the sheet itself
-        surface = (self.polar or facts.levels) and (facts.profile or facts.roughness)
-        self.over = _ABOVE + (_SURFACE if surface else 0.0)
+        self.surface = bool((self.polar or facts.levels) and (facts.profile or facts.roughness))
+        self.over = _ABOVE + (_SURFACE if self.surface else _TITLE if part.drum else 0.0)
         self.angle_letter = ""
         self.datum_letter = ""
         self.datum_letter = next(
@@ -242,11 +249,11 @@ class _Layout:
         self.angle_letter = self._second if angled else ""
         self.face_letter = self._second if drum and facts.profile else ""
         self.origin = self._origin()
-        self.notes = self._notes(tolerance)
         self.letter = next(
             (c for c in "S Z W V U T R Q".split() if c not in {label for label, _ in self.named}),
             "S-S",
         )
+        self.notes = self._notes(tolerance)
         datums = [each for each in (self.datum_letter, self.angle_letter, self.face_letter) if each]
         wide = _SIZES["A3"][0] - _FILING - _MARGIN - sum(_TABLE_WIDTHS)
         self.unrolled = development(drum, facts, datums, wide, _SCALES) if drum else None
@@ -641,8 +648,9 @@ class _Layout:
         origin = complex(left, self.datum.imag)
         if self.upright:
             self._cut(self.upright, origin, 1j)
-            below = complex(left, self.paper(self.low).imag - 16)
-            self.sheet.text(below, f"{self.letter}-{self.letter}", 3.5)
+            ends = self.paper(self.low).imag - 16, self.paper(self.high).imag + self.over - 6
+            place = complex(left, ends[self.part.drum is not None])
+            self.sheet.text(place, f"{self.letter}-{self.letter}", 3.5)
         else:
             self._edges_from_left(origin)
         self._boss_sizes(origin)
@@ -655,9 +663,13 @@ class _Layout:
             y = self.paper(self.zero).imag
             self.sheet.line(complex(left - 4, y), complex(left + thick + 4, y), layer="CENTER")
         bottom = self.paper(self.low).imag
+        away = -9j if self.part.drum is None else -3j * _WALL
         self._dimension(
-            complex(left, bottom), complex(left + thick, bottom), -9j, Measure(self.part.thickness)
+            complex(left, bottom), complex(left + thick, bottom), away, Measure(self.part.thickness)
         )
+        if self.part.drum:
+            self._walls(origin, self.part.drum)
+            return
         heights = sorted({layer.z1 for layer in self.part.layers} - {self.part.thickness})
         heights = heights if len(heights) <= 2 else []  # no room for more; the table has them all
         for i, height in enumerate(heights, 1):
@@ -666,10 +678,7 @@ class _Layout:
 
     def _edges_from_left(self, origin: complex) -> None:
         """The boxes of the layers and, dashed, of the bores in them; origin: of the part in this view, on paper."""
-        drum = self.unrolled.drum if self.unrolled else None
-        for line in edges_from_left(drum) if drum else ():
-            self.sheet.line(*(origin + self.scale * line), layer="VIEW")
-        for layer in () if drum else self.part.layers:
+        for layer in self.part.layers:
             low, high = extent([fit_arcs(layer.region.outer, self.tolerance)])
             box = rectangle(complex(layer.z0, low.imag), complex(layer.z1, high.imag))
             self.sheet.contour(box.moved(self.scale, origin), "VIEW")
@@ -687,6 +696,20 @@ class _Layout:
             for side in (-1, 1):
                 yield complex(end, side * (radius + c)), complex(inner, side * radius)
             yield complex(inner, -radius), complex(inner, radius)
+
+    def _walls(self, origin: complex, drum: Drum) -> None:
+        """Diameter of a drum's floor in its section, and how far its walls are from its ends there; origin: of the part, on paper."""
+        right = origin + self.scale * self.part.thickness
+        half = 1j * self.scale * drum.floor
+        self._dimension(right - half, right + half, _BOSS + 0j, Measure(2 * drum.floor, "Ø"))
+        for side in (-1, 1):
+            rim = origin + 1j * side * self.scale * drum.outside
+            beta = np.array([side * math.pi / 2])
+            levels = [wall.over(beta, np.array([drum.outside])).z.item() for wall in drum.walls]
+            spans = [(0.0, levels[0]), (levels[-1], drum.length)][: len(levels)]
+            for k, (low, high) in enumerate(spans, 1):
+                ends = rim + self.scale * low, rim + self.scale * high
+                self._dimension(*ends, 1j * side * k * _WALL, Measure(high - low, REFERENCE))
 
     def _boss_sizes(self, origin: complex) -> None:
         """Diameters of the bosses, to the right of the view from the left."""
@@ -799,7 +822,7 @@ class _Layout:
     def _surface(self) -> None:
         """Tolerance and roughness of a cam's track: over the view, with a leader onto the track."""
         facts = self.facts
-        if self.over == _ABOVE:
+        if not self.surface:
             return
         datums = [letter for letter in (self.datum_letter, self.angle_letter) if letter]
         sheet = self.sheet
@@ -903,7 +926,7 @@ class _Layout:
         elif self.facts.heights:
             path = f", the cutter's path: {self.stem}-path.csv" if self.facts.cutter else ""
             lines.append(f"Track: {self.stem}-developed.dxf{path}")
-            lines.append("Z from the lower end, on the left in the view from the left")
+            lines.append(f"Z from the lower end, on the left in {self.letter}-{self.letter}")
         else:
             lines.append(f"The blank is drawn; its track: {self.stem}.stl")
         if self.turns:

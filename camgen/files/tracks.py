@@ -1,4 +1,4 @@
-"""What a sheet shows of a track beside its views: edges of a drum, its track unrolled, and a section of a groove.
+"""What a sheet shows of a track: a drum cut along its axis, its track unrolled, and a section of a groove.
 
 The development lies on the cylinder half way along the roller, as seen from outside the drum: polar angles, counter-clockwise
 from X as seen from above, run to the right, heights upwards. Angles by which a drum has turned stand where its roller then is.
@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +23,14 @@ from camgen.files.symbols import FRAME, line_profile, roughness
 from camgen.files.title_block import Facts, Groove, ratio
 from camgen.geometry.drums import Drum
 from camgen.geometry.outlines import Floats, Points
+from camgen.numerics import coordinates
 from camgen.tolerances import SAME_POINT
 
 _POINTS = 721  # of a curve round a drum
+_RADII = 13  # from the floor of a track to the outside
+_RIM = 361  # points of half a rim
+_DEPTHS = 40  # at which something may hide them
+_STEP = 0.02  # mm, that a rim lies off what would hide it
 _HIGH = 60.0  # of an unrolled drum, at most, mm of paper
 _LEFT = 16.0  # room for the numbers of heights beside it
 _RIGHT = 12.0
@@ -49,53 +53,55 @@ _ASIDE = 14.0  # from a track to the dimension of its width
 _OFF = 9.0  # from there to its dimensions
 
 
-# ---- edges -----------------------------------------------------------------------------------------------------------
+# ---- section along the axis ------------------------------------------------------------------------------------------
 
 
-def edges_from_left(drum: Drum) -> list[Points]:
-    """Edges of a drum in the view from the left, z + iy, mm: rims of its walls on the outside, and what they leave of its outlines.
+def axial_section(drum: Drum, blank: views.Section) -> views.Section:
+    """A drum cut along its axis: what a cut of its blank meets, y + iz in mm as in the view from the left, less its track;
+    and the rims of the track that are seen behind it, at +x."""
+    import shapely
 
-    What is seen of the far side lies where the near side has no material, beside the core.
-    """
-    near = np.linspace(math.pi / 2, 3 * math.pi / 2, _POINTS)
-    y = drum.outside * np.sin(near)
-    solid = _solid(drum, near)
-    lines = [z + 1j * y for z in _rims(drum, near)]
-    for z in _rims(drum, np.pi - near):
-        seen = np.abs(y) > drum.floor
-        seen &= ~np.any([(low <= z) & (z <= high) for low, high in solid], axis=0)
-        lines += _runs(z + 1j * y, seen)
-    for side in (0, -1):
-        lines += [np.array([low[side], high[side]]) + 1j * y[side] for low, high in solid]
-    for level in (-drum.floor, drum.floor):
-        k = int(np.argmin(np.abs(y - level)))
-        ends = np.sort([0.0, *(z[k] for pair in solid for z in pair), drum.length])
-        for low, high in pairwise(ends.tolist()):
-            covered = any(a[k] <= (low + high) / 2 <= b[k] for a, b in solid)
-            if high > low and not covered:
-                lines.append(np.array([low, high]) + 1j * level)
-    bottom = drum.floor if drum.track == "rib" else drum.outside
-    top = drum.outside if drum.track == "groove" else drum.floor
-    for level, reach in ((0.0, bottom), (drum.length, top)):
-        lines.append(level + 1j * np.array([-reach, reach]))
-    return lines
+    faces = blank.faces
+    for side in (-1, 1):
+        radii = np.linspace(drum.floor, drum.outside, _RADII)
+        walls = [wall.over(np.full(_RADII, side * math.pi / 2), radii).z for wall in drum.walls]
+        bottom = np.full(_RADII, -1.0)
+        top = np.full(_RADII, drum.length + 1.0)
+        gap = {
+            "groove": [walls],
+            "rib": [(bottom, walls[0]), (walls[-1], top)],
+            "end": [(walls[0], top)],
+        }[drum.track]
+        for low, high in gap:
+            rim = np.concatenate([radii + 1j * low, (radii + 1j * high)[::-1]])
+            faces = faces.difference(shapely.Polygon(coordinates(side * rim.real + 1j * rim.imag)))
+    beyond = [*blank.beyond]
+    for line in _rims_behind(drum):
+        beyond += zip(line[:-1].tolist(), line[1:].tolist(), strict=True)
+    return replace(blank, faces=faces, beyond=beyond)
 
 
-def _rims(drum: Drum, beta: Floats) -> list[Floats]:
-    """Heights of its walls on the outside, from below upwards."""
-    outside = np.array(drum.outside)
-    return [wall.over(beta, outside).z for wall in drum.walls]
-
-
-def _solid(drum: Drum, beta: Floats) -> list[tuple[Floats, Floats]]:
-    """From which to which height there is material on the outside."""
-    low = np.zeros(len(beta))
-    rims = _rims(drum, beta)
-    if drum.track == "end":
-        return [(low, rims[0])]
-    if drum.track == "rib":
-        return [(rims[0], rims[1])]
-    return [(low, rims[0]), (rims[1], low + drum.length)]
+def _rims_behind(drum: Drum) -> Iterator[Points]:
+    """Rims of its walls at +x that are seen along x from the plane of its axis, y + iz, mm."""
+    beta = np.linspace(-math.pi / 2, math.pi / 2, _RIM)
+    for reach in (drum.outside,) if drum.pocket is None else (drum.outside, drum.floor):
+        y = reach * np.sin(beta)
+        x = reach * np.cos(beta) * (np.arange(_DEPTHS) / _DEPTHS)[:, None]
+        radius = np.hypot(x, y)
+        around = np.arctan2(y, x)
+        walls = [wall.over(around, np.maximum(radius, drum.floor)).z for wall in drum.walls]
+        for wall in drum.walls:
+            z = wall.over(beta, np.full(_RIM, reach)).z
+            low, high = walls[0], walls[-1]
+            free = {
+                "groove": (z > low - _STEP) & (z < high + _STEP),
+                "rib": (z < low + _STEP) | (z > high - _STEP),
+                "end": z > low - _STEP,
+            }[drum.track]
+            core = radius < drum.floor - SAME_POINT
+            free[core] = False if drum.pocket is None else (z > drum.pocket + 0 * x)[core]
+            runs = _runs(y + 1j * z, np.all(free, axis=0))
+            yield from (run for run in runs if abs(run[-1] - run[0]) > 10 * _STEP)
 
 
 def _runs(points: Points, seen: NDArray[np.bool_]) -> Iterator[Points]:
@@ -421,13 +427,12 @@ def drum_section(drum: Drum, facts: Facts, scales: Sequence[float]) -> Section:
     top = walls[-1]
     start = complex(floor, top[2])
     up = scale * (high - top[2]) + _OFF
-    sizes.append((start, complex(outside, top[2]), 1j * up, Measure(outside - floor)))
+    sizes.append((start, complex(outside, top[2]), 1j * up, Measure(outside - floor, REFERENCE)))
     title = f"Section of the track ({ratio(scale)})"
     turned = math.degrees(-float(rest[0]) * facts.sense) % 360
     words = [
         "through the roller's axis,",
         f"drum turned by {number(turned, 1)}°",
-        f"floor of the track on Ø{number(2 * drum.floor)}",
     ]
     if facts.roller:
         diameter, length, _ = facts.roller

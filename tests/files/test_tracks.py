@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, reduce
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +14,11 @@ from camgen.files.drawing import _SCALES, _Layout
 from camgen.files.labels import box
 from camgen.files.sheet import Sheet, Size, Stroke, Text
 from camgen.files.title_block import Facts
-from camgen.files.tracks import Development, development, drum_section, edges_from_left
+from camgen.files.tracks import Development, development, drum_section
 from camgen.geometry.drums import Drum
+from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.machines.sources import read_mechanism
+from camgen.numerics import coordinates
 from camgen.parts.solids import solid
 from camgen.pipeline.drawings import facts_of
 
@@ -114,30 +116,46 @@ def test_a_section_has_the_track_s_width_and_depth() -> None:
         assert [own.distance(each) for each in rollers] == pytest.approx([play] * len(rollers))
 
 
-@pytest.mark.parametrize("settings", KINDS)
-def test_edges_from_the_left_are_those_of_the_body(settings: tuple[str, ...]) -> None:
-    """They lie in its shadow and reach as far; on the line of the axis rims are those of the side at -x."""
+@pytest.mark.parametrize("settings", [*KINDS, ("parts.pieces=2",)])
+def test_a_drum_is_cut_along_its_axis(settings: tuple[str, ...]) -> None:
+    """Faces are those of its mesh cut at x = 0, but for chamfers, which no file has. Rims behind them lie on the mesh at +x."""
+    machine = read_mechanism(SPECS / "cylinder-cam.toml", [*settings, "parts.bore=9"]).resolved()
+    for part in machine.assembly.parts:
+        layout = _Layout(part, "d", 1e-3, facts_of(machine, part))
+        mesh = solid(part, 0.002)
+        turned = Mesh(mesh.vertices[:, [1, 2, 0]], mesh.faces)
+        rings = [shapely.Polygon(coordinates(each.points)) for each in slice_mesh(turned, 0.0)]
+        cut = reduce(shapely.symmetric_difference, rings)
+        assert layout.upright is not None
+        assert layout.upright.faces.symmetric_difference(cut).buffer(-0.005).is_empty
+        assert part.drum is not None
+        place = mesh.vertices[mesh.vertices[:, 0] >= 0]
+        outside = np.abs(np.hypot(place[:, 0], place[:, 1]) - part.drum.outside) < 0.02
+        rim = place[outside, 1] + 1j * place[outside, 2]
+        ends = [z for pair in layout.upright.beyond if pair[0].imag != pair[1].imag for z in pair]
+        if part.drum.pocket is None:  # else there is a rim within it, too
+            assert all(np.min(np.abs(rim - z)) < 0.6 for z in ends)
+            assert bool(ends) == (part.drum.track != "end")  # there both lie behind the cut
+
+
+@pytest.mark.parametrize("settings", [(), RIB, ("geometry.track=end",)])
+def test_a_drum_s_section_is_dimensioned(settings: tuple[str, ...]) -> None:
+    """Diameter of the floor, 7 below the outside, and from both ends to the walls where they meet the outside, by reference."""
     layout, drum, _ = sheet_of(*settings)
-    mesh = solid(layout.part, 0.01)
-    corners = mesh.vertices[mesh.faces][:, :, [2, 1]]
-    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    facing = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) > 1e-9
-    body = shapely.union_all(shapely.buffer(shapely.polygons(corners[facing]), 1e-3))
-    drawn = shapely.MultiLineString(
-        [np.column_stack([z.real, z.imag]) for z in edges_from_left(drum)]
-    )
-    assert drawn.difference(body.buffer(0.02)).is_empty
-    assert drawn.bounds == pytest.approx(body.bounds, abs=0.02)
-    axis = shapely.LineString([(-1, 1e-6), (drum.length + 1, 1e-6)])
-    met = sorted(shapely.get_coordinates(drawn.intersection(axis))[:, 0].tolist())
-    place = mesh.vertices
-    outside = np.abs(np.hypot(place[:, 0], place[:, 1]) - drum.outside) < 1e-3
-    for sign in (-1, 1):
-        near = outside & (np.abs(np.angle(sign * (place[:, 0] + 1j * place[:, 1]))) < 0.04)
-        levels = place[near, 2]
-        rims = [z for z in met if 0.1 < z < drum.length - 0.1]
-        far = max(float(np.min(np.abs(levels - z))) for z in rims)
-        assert (far < 0.05) == (sign < 0)
+    sizes = [each for each in layout.sheet.things if isinstance(each, Size)]
+    floors = [each.value for each in sizes if each.sign == "Ø" and each.a.real == each.b.real]
+    assert floors == pytest.approx([2 * drum.outside - 14])
+    assert layout.upright is not None
+    points = shapely.get_coordinates(layout.upright.faces)
+    wanted = []
+    for side in (-1, 1):
+        levels = np.sort(points[np.abs(points[:, 0] - side * drum.outside) < 2e-3, 1])
+        ends = [z for z in levels if settings == RIB or 1e-6 < z < drum.length - 1e-6]
+        wanted += [ends[0], drum.length - ends[-1]][: 1 if drum.track == "end" else 2]
+    reach = layout.scale * drum.outside
+    off = [each for each in sizes if abs(abs((each.a - layout.datum).imag) - reach) < 0.1]
+    walls = [each.value for each in off if each.sign == "("]
+    assert sorted(walls) == pytest.approx(sorted(wanted), abs=0.01)
 
 
 @pytest.mark.parametrize("metal", [True, False])
