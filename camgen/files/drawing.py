@@ -51,7 +51,7 @@ from camgen.files.symbols import (
     run_out,
     width_of,
 )
-from camgen.files.title_block import WIDTH, Facts, title_block
+from camgen.files.title_block import WIDTH, Facts, Rider, title_block
 from camgen.files.track_tables import ROW as _ROW
 from camgen.files.track_tables import grid, tables_sheet, track_tables
 from camgen.files.tracks import (
@@ -89,6 +89,7 @@ _DIMENSION_GAP = 24.0
 _ASIDE = 0.6  # rad, of a leader from the lines of overall sizes
 # where the sense of turning goes, the best first: dimensions are below and to the left
 _ARROWS = np.radians([45, 135, -45, -135, 65, 25, 115, 155, -25, -65, -115, -155, 90, 0, -90, 180])
+_FACE_SHOWN = 12.0  # half of what is shown of a flat follower, mm of paper
 _LETTERS = 2  # of a hole's name that is a datum's
 _RIM = "h7"  # fit of a rim that is a datum
 _FACE = 0.7  # of the radius of a drum's lower end: where its datum is in the view from the left
@@ -125,6 +126,11 @@ def write_drawing(
         write_dxf_sheet(paths[2], tables, 1.0, 0j)
         write_pdf(paths[3], tables)
     return paths
+
+
+def _tip(rider: Rider) -> float:
+    """Radius of a follower's roller, mm; 0 of an edge or a face."""
+    return rider.radius if math.isfinite(rider.radius) else 0.0
 
 
 def _wrapped(note: str) -> list[str]:
@@ -217,6 +223,7 @@ class _Layout:
         if self.upright and part.drum:
             self.upright = axial_section(part.drum, self.upright)
         self.section = self._chamfered(section)
+        self.riders = facts.riders if self.turns and len(facts.riders) == 1 else ()
         self.bosses = bosses(part)
         self.right = _RIGHT + (_RUN_OUT if drum and facts.run_out else 0.0)
         self.beside = _BESIDE + _BOSS * (len(self.bosses) + (part.drum is not None))
@@ -240,6 +247,8 @@ class _Layout:
             "",
         )
         self.low, self.high = extent([self.outer, *self.above, *self.hidden])
+        tops = [each.centre.imag + _tip(each) - self.high.imag for each in self.riders]
+        self.rise = max([0.0, *tops])  # of a follower over the part, mm of the part
         self.disc = self._disc()
         self.rim_letter = self._rim_letter()
         self.datum_letter = self.datum_letter or self.rim_letter
@@ -383,7 +392,7 @@ class _Layout:
             wide, tall = self._room(size)
             wide -= _LEFT + self.right + self.beside
             tall -= _BELOW + self.over + (2 * _THIRD if self.depth else 0.0)
-            high = span.imag + self.depth
+            high = span.imag + self.depth + self.rise
             fits = (
                 s
                 for s in _SCALES
@@ -409,12 +418,17 @@ class _Layout:
             wide - _LEFT - self.right - self.beside - span.real - self.scale * self.part.thickness
         )
         third = 2 * _THIRD + self.scale * self.depth if self.depth else 0.0
-        spare_y = tall - _BELOW - self.over - span.imag - third
+        spare_y = tall - _BELOW - self._room_above - span.imag - third
         foot = _SIZES[self.size_name][1] - 2 * _MARGIN - tall
         corner = complex(
             _FILING + _LEFT + spare_x / 2, _MARGIN + foot + _BELOW + third + spare_y / 2
         )
         return corner - self.scale * self.low
+
+    @property
+    def _room_above(self) -> float:
+        """Room over the plan view, mm of paper."""
+        return self.over + self.scale * self.rise
 
     def _frame(self) -> None:
         right = self.sheet.width - _MARGIN
@@ -443,6 +457,8 @@ class _Layout:
         for contour in self.engraved:
             put(contour, "TEXT")
         self._centre_lines()
+        for rider in self.riders:
+            self._rider(rider)
         low = self.paper(self.low)
         high = self.paper(self.high)
         span = self.high - self.low
@@ -486,6 +502,8 @@ class _Layout:
         along = (ends[1] - ends[0]) / abs(ends[1] - ends[0])
         for place, out in ((ends[0], -along), (ends[1], along)):
             near = self.paper(place) + 4 * out
+            if self.turns and (out.real + out.imag) > 0:  # past the name of an axis
+                near += (5 + self.scale * self.rise * out.imag) * out
             end = near + 6 * out
             self.sheet.line(near, end, layer="VIEW")
             self.sheet.line(end, end + 5 * view, layer="DIM")
@@ -571,8 +589,13 @@ class _Layout:
         if axes:
             x = self.paper(zero).real
             y = self.paper(zero).imag
-            sheet.line(complex(low.real - over, y), complex(high.real + over, y), layer="CENTER")
-            sheet.line(complex(x, low.imag - over), complex(x, high.imag + over), layer="CENTER")
+            right = complex(high.real + over, y)
+            top = complex(x, high.imag + over + self.scale * self.rise)
+            sheet.line(complex(low.real - over, y), right, layer="CENTER")
+            sheet.line(complex(x, low.imag - over), top, layer="CENTER")
+            for end, way, name in ((right, 1, "X"), (top, 1j, "Y")) if self.turns else ():
+                sheet.arrow(end + 3 * way, way)
+                sheet.text(end + 1.5 + (1.5 if way == 1j else 1.5j), name, 2.5)
         radii = dict.fromkeys(self.part.centres, 1.0)
         circles = [
             as_circle(contour) for contour in (self.part.region.outer, *self.part.region.holes)
@@ -585,6 +608,25 @@ class _Layout:
             reach = self.scale * radius + 2
             for direction in (1, 1j):
                 sheet.line(at - reach * direction, at + reach * direction, layer="CENTER")
+
+    def _rider(self, rider: Rider) -> None:
+        """A follower where the cam has not turned, dashed, and beside it the way in which its displacement s grows."""
+        sheet = self.sheet
+        centre = self.paper(rider.centre)
+        radius = self.scale * _tip(rider)
+        if math.isinf(rider.radius):
+            along = 1j * rider.normal * _FACE_SHOWN
+            sheet.line(centre - along, centre + along, layer="HIDDEN")
+            radius = _FACE_SHOWN
+        elif radius:
+            sheet.arc(centre, radius, 0.0, math.tau, "HIDDEN")
+            for way in (rider.way, 1j * rider.way):
+                sheet.line(centre - (radius + 2) * way, centre + (radius + 2) * way, layer="CENTER")
+        side = 1j * rider.way
+        tip = centre + (radius + 5) * side + 6 * rider.way
+        sheet.line(tip - 10 * rider.way, tip, layer="DIM")
+        sheet.arrow(tip, rider.way)
+        sheet.text(tip + 2.5 * side - 1.2j, "s", 3.5, "centre")
 
     def _radii(self) -> None:
         """Least and greatest distance of a curve from the datum, or the diameter of a circle."""
@@ -648,7 +690,7 @@ class _Layout:
         origin = complex(left, self.datum.imag)
         if self.upright:
             self._cut(self.upright, origin, 1j)
-            ends = self.paper(self.low).imag - 16, self.paper(self.high).imag + self.over - 6
+            ends = self.paper(self.low).imag - 16, self.paper(self.high).imag + self._room_above - 6
             place = complex(left, ends[self.part.drum is not None])
             self.sheet.text(place, f"{self.letter}-{self.letter}", 3.5)
         else:
@@ -827,7 +869,9 @@ class _Layout:
         datums = [letter for letter in (self.datum_letter, self.angle_letter) if letter]
         sheet = self.sheet
         middle = (self.low.real + self.high.real) / 2
-        start = self.paper(complex(middle, self.high.imag)) + 4 + 1j * (self.over - _OVER)
+        start = self.paper(complex(middle, self.high.imag)) + 4 + 1j * (self._room_above - _OVER)
+        beside = [self.paper(each.centre).real + self.scale * _tip(each) for each in self.riders]
+        start = complex(max([start.real, *(x + 5 for x in beside)]), start.imag)
         track = next(
             each for each in (self.part.region.outer, *self.part.region.holes) if free(each)
         )
@@ -931,6 +975,8 @@ class _Layout:
             lines.append(f"The blank is drawn; its track: {self.stem}.stl")
         if self.turns:
             lines.append("+ : positive sense of turning (ccw)")
+        if self.riders:
+            lines.append("Dashed: the follower at cam angle 0; s: the way in which it rises")
         lines += [*self._shop_notes(), *part.notes]
         return [line for note in lines for line in _wrapped(note[:1].upper() + note[1:])]
 

@@ -36,6 +36,21 @@ class Groove:
 
 
 @dataclass(frozen=True)
+class Rider:
+    """A follower where its cam has not turned, in the part's frame, complex mm."""
+
+    place: complex  # where it touches
+    normal: complex  # unit, into it
+    radius: float  # of its tip, mm: 0 of an edge, inf of a flat face
+    way: complex  # unit, in which it moves as its displacement grows
+
+    @property
+    def centre(self) -> complex:
+        """Of its roller; where it touches of an edge or a face."""
+        return self.place + self.normal * (self.radius if math.isfinite(self.radius) else 0.0)
+
+
+@dataclass(frozen=True)
 class Facts:
     """What a drawing says of a part besides its shape; "" or None is left out."""
 
@@ -53,6 +68,7 @@ class Facts:
     key_fit: str = ""  # of a keyway's width
     # of each track its name, and by cam angle, deg, where its follower touches it: complex mm, in the sense in which it turns
     tracks: Sequence[tuple[str, Sequence[tuple[float, complex]]]] = ()
+    riders: Sequence[Rider] = ()  # of these tracks, where the cam has not turned
     # by the angle by which a drum has turned, deg, where its roller's axis is: angle from X, deg, and height, mm
     heights: Sequence[tuple[float, float, float]] = ()
     # kinds of a follower's segments, and by which angles the drum has turned where each begins and ends, deg

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -15,9 +16,10 @@ import numpy as np
 from camgen.files.dimensions import free, number, round_of
 from camgen.files.limits import in_limits
 from camgen.files.timing import Motion
-from camgen.files.title_block import Facts, Fit, Groove
+from camgen.files.title_block import Facts, Fit, Groove, Rider
 from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Points
+from camgen.geometry.outlines import Floats, Points
+from camgen.machine.cams.machine import CamTouch
 from camgen.machine.features import CamOutline, PartPose, PinEyes
 from camgen.machine.model import Cam
 from camgen.machines.follower_motions import follower_motions
@@ -75,6 +77,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     dowelled = cut and mechanism.assembly.dowel and profile
     case = cut and material.case
     runs = part.name in _cams(mechanism) | {each.part for each in mechanism.assembly.tracks}
+    tracks = list(_tracks(mechanism, part, sheet.profile_step_deg))
     return Facts(
         machine=_machine(mechanism),
         material="as the sheet"
@@ -99,7 +102,11 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         dowel=mechanism.assembly.dowel,
         bore_fit=bore_fit,
         key_fit=sheet.key_fit or ("JS9" if metal else ""),
-        tracks=tuple(_tracks(mechanism, part, sheet.profile_step_deg)),
+        tracks=tuple(
+            (each.name, tuple(zip(each.turned.tolist(), each.places.tolist(), strict=True)))
+            for each in tracks
+        ),
+        riders=tuple(each.rider for each in tracks),
         heights=tuple(_heights(mechanism, part, sheet.profile_step_deg)),
         segments=tuple(_segments(mechanism, part)),
         sense=mechanism.assembly.cycle.sense,
@@ -189,25 +196,37 @@ def _cams(mechanism: Mechanism) -> set[str]:
     return {each.part for each in features if isinstance(each, CamOutline)}
 
 
-def _tracks(
-    mechanism: Mechanism, part: Part, step: float
-) -> Iterator[tuple[str, tuple[tuple[float, complex], ...]]]:
-    """Of each of a cam's tracks, from the bottom, its name with its heights, "" of one alone, and where its follower touches it, by the
-    angle by which the cam has turned, deg; nothing of another part."""
-    outlines = mechanism.assembly.outlines.values()
-    own = [each for each in outlines if each.part == part.name and not each.inside]
-    for outline in sorted(own, key=lambda each: each.layer or (0, 0)):
+@dataclass(frozen=True)
+class _Track:
+    """Of a cam's track its name with its heights, "" of one alone; by the angles by which the cam has turned, (n,) deg, where its
+    follower touches it and where its roller's axis is, (n,) complex mm in the part's frame; and how it stands at angle 0."""
+
+    name: str
+    turned: Floats
+    places: Points
+    centres: Points
+    rider: Rider
+
+
+def _tracks(mechanism: Mechanism, part: Part, step: float) -> Iterator[_Track]:
+    """Each of a cam's tracks, from the bottom; nothing of another part."""
+    outlines = [
+        each
+        for each in reversed(mechanism.assembly.features)
+        if isinstance(each, CamOutline) and each.part == part.name and not each.inside
+    ]
+    own = {each.layer or (0, 0): each for each in outlines}  # the first of each layer
+    for _, outline in sorted(own.items()):
         layer = part.drawn if outline.layer is None else part.layers[outline.layer[0]]
-        points = tuple(_track(mechanism, part, outline, layer, step))
-        if points:
-            heights = f", z {number(layer.z0)} to {number(layer.z1)}"
-            yield f"{outline.track}{heights if outline.track else ''}", points
+        heights = f", z {number(layer.z0)} to {number(layer.z1)}"
+        name = f"{outline.track}{heights if outline.track else ''}"
+        yield from _track(mechanism, part, outline, (name, layer), step)
 
 
 def _track(
-    mechanism: Mechanism, part: Part, outline: CamOutline, layer: Layer, step: float
-) -> Iterator[tuple[float, complex]]:
-    """Where a follower touches the outline of one of its layers; nothing where that is not known."""
+    mechanism: Mechanism, part: Part, outline: CamOutline, of: tuple[str, Layer], step: float
+) -> Iterator[_Track]:
+    """What a follower touches of the outline of one of its layers; nothing where that is not known. of: its name, the layer."""
     assembly = mechanism.assembly
     joint = assembly.machine.cam(outline.joint)
     mounts = [each for each in assembly.mounts if each.part == part.name and each.body == joint.cam]
@@ -215,12 +234,25 @@ def _track(
         return
     (mount,) = mounts
     turned = np.arange(0.0, 360.0, step)
-    places = joint.touches[0](np.radians(turned) * assembly.cycle.sense - joint.phase)[0]
-    own = (places - mount.at) * np.exp(-1j * mount.angle)
-    own = -own.conj() if mount.flipped else own
-    rim = facet_contour(layer.region.outer, _FINE)
-    if max(abs(_off(z, rim)) for z in own) < 10 * _FINE:
-        yield from zip(turned.tolist(), own.tolist(), strict=True)
+    theta = np.radians(turned) * assembly.cycle.sense - joint.phase
+    rim = facet_contour(of[1].region.outer, _FINE)
+
+    def own(vectors: Points) -> Points:
+        vectors = vectors * np.exp(-1j * mount.angle)
+        return -vectors.conj() if mount.flipped else vectors
+
+    for touch in joint.touches:
+        places, normals = touch(theta)
+        places = own(places - mount.at)
+        if max(abs(_off(z, rim)) for z in places) >= 10 * _FINE or not isinstance(touch, CamTouch):
+            continue
+        radii = touch.across(theta)
+        ways = own(touch.way(theta[:1]))
+        normals = own(normals)
+        rolls = np.where(np.isfinite(radii), radii, 0.0)
+        rider = Rider(places[0].item(), normals[0].item(), radii[0].item(), ways[0].item())
+        yield _Track(of[0], turned, places, places + rolls * normals, rider)
+        return
 
 
 def _heights(mechanism: Mechanism, part: Part, step: float) -> Iterator[tuple[float, float, float]]:

@@ -817,6 +817,35 @@ def test_radii_by_cam_angle_are_where_the_follower_touches(root, tmp_path):
     assert texts[k : k + 3] == ["40%%d", f"{at:.2f}%%d", f"{abs(place):.3f}"]
 
 
+def test_a_cam_s_sheet_shows_its_follower_at_cam_angle_0(root, tmp_path):
+    """On its base circle: a roller of 5 on a cam of 25, which slides along y; one on an arm of 50, square to it, about a pivot 60 off;
+    of a pair the far one is pushed on to its own cam as the near one rises."""
+    spec = root / "specs" / "disc-cam.toml"
+    arm = [
+        f"geometry.follower.{key}" for key in ("motion=oscillating", "arm=50", "pivot_distance=60")
+    ]
+    machines = [
+        read_mechanism(spec, settings).resolved()
+        for settings in ([], arm, ["geometry.closure=conjugate", "geometry.base_radius=30"])
+    ]
+    slides, swings, pair = ([facts_of(m, part) for part in m.assembly.parts] for m in machines)
+    ((rider,),) = (each.riders for each in slides)
+    assert (rider.centre, rider.way) == (pytest.approx(30j), pytest.approx(1j))
+    ((other,),) = (each.riders for each in swings)
+    assert abs(other.centre) == pytest.approx(30)
+    spoke = next(other.centre - x for x in (60, -60) if abs(abs(other.centre - x) - 50) < 1e-6)
+    assert (spoke * other.way.conjugate()).real == pytest.approx(0, abs=1e-9)
+    near, far = (each.riders[0] for each in pair)
+    assert near.centre == pytest.approx(35j) and near.way == pytest.approx(far.way)
+    assert far.centre.imag < -30 and far.centre.real == pytest.approx(0, abs=1e-9)
+    (part,) = machines[0].assembly.parts
+    path, _ = write_drawing(tmp_path, "d", part, TOLERANCE, slides[0])
+    space = ezdxf.readfile(path).modelspace()
+    circles = [e for e in space.query("ARC[layer=='HIDDEN']") if abs(e.dxf.radius - 5) < 1e-9]
+    assert [complex(*e.dxf.center.vec2) for e in circles] == [pytest.approx(30j)]
+    assert {"X", "Y", "s"} <= set(texts_of(path))
+
+
 def test_a_metal_cam_has_fits_unless_others_are_asked_for(root):
     def bore(*settings):
         machine = read_mechanism(root / "specs" / "disc-cam.toml", settings).resolved()

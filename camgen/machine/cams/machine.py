@@ -84,6 +84,15 @@ class CamTouch:
         radius = self.cam.radius(math.pi - theta if self.mirrored else theta)
         return -(radius + 2 * self.cam.tip.tip_radius) if self.outer else radius
 
+    def way(self, theta: Floats) -> Points:
+        """Unit direction in which the follower moves as s grows, (n,) complex."""
+        theta = math.pi - theta if self.mirrored else theta
+        turned = np.exp(1j * theta)
+        place = self.cam.profile(theta) * turned
+        way = self.cam.follower.velocity(self.cam.program(theta), place) / turned
+        way = -np.conj(way) if self.mirrored else way
+        return np.asarray(self.turn * way / np.abs(way))
+
     def across(self, theta: Floats) -> Floats:
         """Radius of the follower where it touches, mm, (n,): 0 of an edge, inf of a flat face."""
         follower = self.cam.follower
