@@ -53,7 +53,7 @@ from camgen.files.symbols import (
 )
 from camgen.files.title_block import WIDTH, Facts, Rider, title_block
 from camgen.files.track_tables import ROW as _ROW
-from camgen.files.track_tables import grid, tables_sheet, track_tables
+from camgen.files.track_tables import grid, own_tables, sheet_names, tables_sheets, track_tables
 from camgen.files.tracks import (
     SECTION_ROOM,
     axial_section,
@@ -108,8 +108,8 @@ _OVER = (
 def write_drawing(
     folder: Path, prefix: str, part: Part, tolerance: float, facts: Facts
 ) -> list[Path]:
-    """Write `<prefix>-<part>-drawing.dxf` and `.pdf` into folder, of several tracks their tables on a sheet of their own,
-    `-tracks-drawing`; returns their paths.
+    """Write `<prefix>-<part>-drawing.dxf` and `.pdf` into folder, and tables that have sheets of their own as `-tracks-drawing`,
+    `-tracks-2-drawing` and so on; returns their paths.
 
     tolerance: mm, of the arcs that stand for the exact outline. An OSError means that a file could not be written.
     """
@@ -118,13 +118,12 @@ def write_drawing(
     paths = [folder / f"{stem}-drawing.dxf", folder / f"{stem}-drawing.pdf"]
     write_dxf_sheet(paths[0], layout.sheet, layout.scale, layout.datum)
     write_pdf(paths[1], layout.sheet)
-    if len(layout.track_tables) > 1:
-        own = replace(facts, number=facts.number or f"{stem}-drawing")
-        title = f"Tracks of {part.title} ({stem})"
-        tables = tables_sheet(layout.track_tables, part, own, title)
-        paths += [folder / f"{stem}-tracks-drawing.dxf", folder / f"{stem}-tracks-drawing.pdf"]
-        write_dxf_sheet(paths[2], tables, 1.0, 0j)
-        write_pdf(paths[3], tables)
+    own = replace(facts, number=facts.number or f"{stem}-drawing")
+    sheets = tables_sheets(layout.own_tables, part, own, f"Tracks of {part.title} ({stem})")
+    for name, sheet in zip(sheet_names(stem, sheets), sheets, strict=True):
+        paths += [folder / f"{name}.dxf", folder / f"{name}.pdf"]
+        write_dxf_sheet(paths[-2], sheet, 1.0, 0j)
+        write_pdf(paths[-1], sheet)
     return paths
 
 
@@ -234,6 +233,9 @@ class _Layout:
         self.track_tables = track_tables(facts, self.polar, part.drum)
         alone = len(self.track_tables) == 1
         self.track_table = self.track_tables[0] if alone else None  # on the sheet itself
+        full = self._track_lines() >= self._lines_beside("A3")
+        self.track_table = None if full else self.track_table
+        self.own_tables = own_tables(facts, self.track_tables, full)
         self.surface = bool((self.polar or facts.levels) and (facts.profile or facts.roughness))
         self.over = _ABOVE + (_SURFACE if self.surface else _TITLE if part.drum else 0.0)
         self.angle_letter = ""
@@ -825,10 +827,9 @@ class _Layout:
     def _table(self) -> None:
         """Table of holes, at the upper right; rows that do not fit are counted in its last line; then that of a cam's radii."""
         top = self.sheet.height - _MARGIN
-        detail = bore_detail.HEIGHT if self.bored else 0.0
-        room = int((top - _MARGIN - self.facts.height - detail) / _ROW) - 1
+        room = self._lines_beside(self.size_name)
         width = sum(_TABLE_WIDTHS)
-        table = self.track_table if self._track_lines() < room else None
+        table = self.track_table
         rows = self.rows
         room = room - (self._track_lines() if table else 0)
         if len(rows) > room:
@@ -856,6 +857,11 @@ class _Layout:
         numbers = range(len(table.heads) * beside)
         grid(self.sheet, complex(self.table_x, top), lines, table.widths * beside, numbers)
         self.free = top - len(lines) * _ROW
+
+    def _lines_beside(self, size: str) -> int:
+        """Rows that there is room for over the title block and a bore's detail."""
+        detail = bore_detail.HEIGHT if self.bored else 0.0
+        return int((_SIZES[size][1] - 2 * _MARGIN - self.facts.height - detail) / _ROW) - 1
 
     def _track_lines(self) -> int:
         """Rows that a track's table takes, with its title and head."""
@@ -963,8 +969,6 @@ class _Layout:
             exact = f"Profile: {self.stem}.dxf, within {tolerance:g} of the exact curve"
             lines.append(exact if curved else f"Outlines: {self.stem}.dxf")
         elif part.stacked:
-            if len(self.track_tables) > 1:
-                lines.append(f"Tables of the tracks: {self.stem}-tracks-drawing.pdf")
             low, high = number(part.drawn.z0), number(part.drawn.z1)
             lines.append(f"Drawn thick: the layer z {low} to {high}; all outlines: {self.stem}.stl")
         elif self.facts.heights:
@@ -973,6 +977,9 @@ class _Layout:
             lines.append(f"Z from the lower end, on the left in {self.letter}-{self.letter}")
         else:
             lines.append(f"The blank is drawn; its track: {self.stem}.stl")
+        if self.own_tables:
+            what = "Tables of the tracks" if len(self.own_tables) > 1 else "Table of the track"
+            lines.append(f"{what}: {self.stem}-tracks-drawing.pdf")
         if self.turns:
             lines.append("+ : positive sense of turning (ccw)")
         if self.riders:

@@ -69,6 +69,9 @@ class Facts:
     # of each track its name, and by cam angle, deg, where its follower touches it: complex mm, in the sense in which it turns
     tracks: Sequence[tuple[str, Sequence[tuple[float, complex]]]] = ()
     riders: Sequence[Rider] = ()  # of these tracks, where the cam has not turned
+    centres: Sequence[
+        Sequence[complex]
+    ] = ()  # and places of their rollers' axes, by the same angles
     # by the angle by which a drum has turned, deg, where its roller's axis is: angle from X, deg, and height, mm
     heights: Sequence[tuple[float, float, float]] = ()
     # kinds of a follower's segments, and by which angles the drum has turned where each begins and ends, deg

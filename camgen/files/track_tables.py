@@ -20,11 +20,19 @@ _HEIGHT = 2.5  # of its text
 _WIDTH, _HIGH = 420.0, 297.0  # A3
 _FILING = 20.0
 _MARGIN = 10.0
-_COLUMNS = (
-    "Cam: angle by which the part has turned",
-    "At: direction of the point that the follower then touches, from X, ccw",
-    "Radius: distance of that point from the axis, mm",
-)
+# What heads of tables on a sheet of their own mean.
+_COLUMNS = {
+    "Cam": "angle by which the part has turned",
+    "Drum": "angle by which the drum has turned",
+    "Angle": "from X, ccw",
+    "At": "direction of the point that the follower then touches, from X, ccw; on a drum of its roller's axis",
+    "Radius": "distance of that point from the axis, mm",
+    "Axis at": "direction of the axis of the follower's roller then, from X, ccw",
+    "Axis": "distance of that axis from the cam's, mm: the path of a cutter as thick as the roller",
+    "X": "along the plate, mm",
+    "Y": "height of its edge there, mm",
+    "Z": "height of the roller's axis over the lower end, mm",
+}
 
 
 @dataclass(frozen=True)
@@ -70,37 +78,55 @@ def grid(
         sheet.line(complex(x, corner.imag), complex(x, y), layer="TEXT")
 
 
-def tables_sheet(tables: Sequence[TrackTable], part: Part, facts: Facts, title: str) -> Sheet:
-    """The tables of a part's tracks side by side on a sheet of their own; those without room are left out and counted."""
-    sheet = Sheet(_WIDTH, _HIGH, title)
+def tables_sheets(
+    tables: Sequence[TrackTable], part: Part, facts: Facts, title: str
+) -> list[Sheet]:
+    """The tables of a part's tracks side by side on sheets of their own, in columns as long as a sheet is high."""
     right, top = _WIDTH - _MARGIN, _HIGH - _MARGIN
-    corners = (
-        complex(_FILING, _MARGIN),
-        complex(right, _MARGIN),
-        complex(right, top),
-        complex(_FILING, top),
-    )
-    sheet.line(*corners, layer="TEXT", closed=True)
-    left = _FILING + ROW
     most = int((top - _MARGIN - facts.height) / ROW) - 4
-    for k, table in enumerate(tables):
-        beside = -(-len(table.rows) // most)
-        wide = beside * sum(table.widths)
+    columns = [
+        (replace(table, rows=table.rows[k : k + most]), 0 if k else -(-len(table.rows) // most))
+        for table in tables
+        for k in range(0, len(table.rows), most)
+    ]
+    heads = list(dict.fromkeys(head for table in tables for head in table.heads))
+    sheets = list[Sheet]()
+    left = right
+    for column, titled in columns:
+        wide = sum(column.widths)
         if left + wide > right:
-            sheet.text(complex(_FILING + ROW, _MARGIN + ROW), f"{len(tables) - k} more: by STL")
-            break
-        level = top - 2 * ROW
-        sheet.text(complex(left, level + 1.3), table.title, _HEIGHT, room=wide)
-        lines = [list(table.heads * beside), *table.lines(wide)]
-        numbers = range(len(table.heads) * beside)
-        sheet.line(complex(left, level), complex(left + wide, level), layer="TEXT")
-        grid(sheet, complex(left, level), lines, table.widths * beside, numbers)
+            sheets.append(Sheet(_WIDTH, _HIGH, title))
+            _frame(sheets[-1], heads)
+            own = replace(facts, number=f"{facts.number}-tracks{_numbered(len(sheets))}")
+            title_block(sheets[-1], complex(right, _MARGIN), part, own, 0.0, "A3")
+            left = _FILING + ROW
+        level = complex(left, top - 2 * ROW)
+        room = titled * (wide + ROW) - ROW
+        sheets[-1].text(level + 1.3j, column.title if titled else "", _HEIGHT, room=room)
+        sheets[-1].line(level, level + wide, layer="TEXT")
+        lines = [column.heads, *column.rows]
+        grid(sheets[-1], level, lines, column.widths, range(len(column.heads)))
         left += wide + ROW
-    for k, said in enumerate(_COLUMNS):
-        sheet.text(complex(_FILING + ROW, _MARGIN + ROW * (len(_COLUMNS) - k + 1)), said)
-    own = replace(facts, number=f"{facts.number}-tracks")
-    title_block(sheet, complex(right, _MARGIN), part, own, 0.0, "A3")
-    return sheet
+    return sheets
+
+
+def sheet_names(stem: str, sheets: Sequence[Sheet]) -> list[str]:
+    """Names of the files of these sheets without their ends."""
+    return [f"{stem}-tracks{_numbered(k)}-drawing" for k in range(1, len(sheets) + 1)]
+
+
+def _numbered(k: int) -> str:
+    return f"-{k}" if k > 1 else ""
+
+
+def _frame(sheet: Sheet, heads: Sequence[str]) -> None:
+    """Frame of a sheet, and what the heads of its tables mean."""
+    low, high = complex(_FILING, _MARGIN), complex(_WIDTH - _MARGIN, _HIGH - _MARGIN)
+    corners = low, complex(high.real, low.imag), high, complex(low.real, high.imag)
+    sheet.line(*corners, layer="TEXT", closed=True)
+    for k, head in enumerate(heads):
+        at = complex(_FILING + ROW, _MARGIN + ROW * (len(heads) - k))
+        sheet.text(at, f"{head}: {_COLUMNS[head]}")
 
 
 def track_tables(
@@ -117,13 +143,38 @@ def track_tables(
     return [table] if table else []
 
 
-def _touched(points: Sequence[tuple[float, complex]]) -> TrackTable:
-    """Where a follower touches a track."""
-    rows = [
-        (f"{angle:g}°", f"{math.degrees(cmath.phase(z)) % 360:.2f}°", f"{abs(z):.3f}")
-        for angle, z in points
-    ]
-    return TrackTable("", ("Cam", "At", "Radius"), (14.0, 18.5, 18.5), rows)
+def own_tables(facts: Facts, tables: Sequence[TrackTable], full: bool) -> list[TrackTable]:
+    """Those on sheets of their own: of several tracks, of one whose table the sheet has no room for (full), and with the axes of
+    rollers where tracks have a tolerance."""
+    rolls = [0 < each.radius < math.inf for each in facts.riders]
+    if facts.profile and any(rolls):
+        return [
+            replace(
+                _touched(points, centres if rolling else ()),
+                title=f"Track {name}: theoretically exact" if name else "Exact track",
+            )
+            for (name, points), centres, rolling in zip(
+                facts.tracks, facts.centres, rolls, strict=True
+            )
+        ]
+    return list(tables) if full or len(tables) > 1 else []
+
+
+def _touched(
+    points: Sequence[tuple[float, complex]], centres: Sequence[complex] = ()
+) -> TrackTable:
+    """Where a follower touches a track, and where its roller's axis is."""
+    rows: list[tuple[str, ...]] = [(f"{angle:g}°", *_polar(z)) for angle, z in points]
+    if not centres:
+        return TrackTable("", ("Cam", "At", "Radius"), (14.0, 18.5, 18.5), rows)
+    rows = [(*row, *_polar(z)) for row, z in zip(rows, centres, strict=True)]
+    heads = ("Cam", "At", "Radius", "Axis at", "Axis")
+    return TrackTable("", heads, (14.0, 18.5, 18.5, 18.5, 18.5), rows)
+
+
+def _polar(z: complex) -> tuple[str, str]:
+    """Direction and distance of a place from the origin."""
+    return f"{math.degrees(cmath.phase(z)) % 360:.2f}°", f"{abs(z):.3f}"
 
 
 def _table(

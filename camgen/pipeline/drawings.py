@@ -107,6 +107,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
             for each in tracks
         ),
         riders=tuple(each.rider for each in tracks),
+        centres=tuple(tuple(each.centres.tolist()) for each in tracks),
         heights=tuple(_heights(mechanism, part, sheet.profile_step_deg)),
         segments=tuple(_segments(mechanism, part)),
         sense=mechanism.assembly.cycle.sense,

@@ -846,6 +846,28 @@ def test_a_cam_s_sheet_shows_its_follower_at_cam_angle_0(root, tmp_path):
     assert {"X", "Y", "s"} <= set(texts_of(path))
 
 
+def test_tables_of_a_metal_cam_have_the_axis_of_its_roller(root, tmp_path):
+    """A roller of 5 lies 5 behind each point that it touches; after the rise of 12 its axis is 25 + 5 + 12 from the cam's. Rows for which
+    the cam's sheet has no room go on to a second one."""
+    settings = ["material.name=C45", "drawing.profile_step_deg=5"]
+    machine = read_mechanism(root / "specs" / "disc-cam.toml", settings).resolved()
+    (part,) = machine.assembly.parts
+    facts = facts_of(machine, part)
+    paths = write_drawing(tmp_path, "d", part, TOLERANCE, facts)
+    sheet, *tables = (texts_of(path) for path in paths if path.suffix == ".dxf")
+    assert [path.stem for path in paths[2:]] == ["d-cam-tracks-drawing"] * 2
+    assert "Cam" not in sheet and "Table of the track: d-cam-tracks-drawing.pdf" in " ".join(sheet)
+    (own,) = tables
+    k = own.index("130%%d")  # the dwell after the rise is from 100 to 160
+    assert own[k + 3 : k + 5] == ["320.00%%d", "42.000"]
+    assert own.count("Axis at") == 2 and "355%%d" in own
+    (points,) = (each for _, each in facts.tracks)
+    assert all(abs(abs(a - b) - 5) < 1e-9 for (_, a), b in zip(points, *facts.centres, strict=True))
+    plain = read_mechanism(root / "specs" / "disc-cam.toml").resolved()
+    (other,) = plain.assembly.parts
+    assert len(write_drawing(tmp_path, "p", other, TOLERANCE, facts_of(plain, other))) == 2
+
+
 def test_a_metal_cam_has_fits_unless_others_are_asked_for(root):
     def bore(*settings):
         machine = read_mechanism(root / "specs" / "disc-cam.toml", settings).resolved()

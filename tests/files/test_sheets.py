@@ -177,13 +177,13 @@ def test_views_are_the_shadows_of_the_body_that_is_made(
     sheets: list[Drawn], tmp_path: Path
 ) -> None:
     for sheet in sheets:
-        # a drum is drawn as its blank; the next test reads which file has the track
+        # a drum is its blank in the view along z, and cut along its axis with its track
         name, mesh = sheet.part.name, body(replace(sheet.part, drum=None), tmp_path)
         plan, side, above = views(sheet)
         assert unlike(filled(shapely.union_all(plan)), shadow(mesh, 2, (0, 1))) < FACETS, name
         seen = shadow(mesh, 0, (2, 1), 1)
         if any(each.dxf.text == "S-S" for each in sheet.texts) and not above:
-            assert_side_is_cut(side, mesh, name)
+            assert_side_is_cut(side, body(sheet.part, tmp_path), name)
             continue
         drawn_side = shapely.transform(filled(shapely.union_all(side)), lambda points: points)
         assert unlike(moved_to(drawn_side, seen), seen) < FACETS, name

@@ -170,8 +170,13 @@ def test_each_track_has_its_table_with_its_name(tmp_path: Path) -> None:
     for (name, points), start in zip(facts.tracks, starts, strict=True):
         first = tables.index(f"Track {name}: theoretically exact")
         angle = math.degrees(cmath.phase(points[0][1])) % 360
-        assert tables[first + 1 : first + 4] == ["Cam", "At", "Radius"]
-        assert tables[first + 4 : first + 7] == ["0%%d", f"{angle:.2f}%%d", f"{start:.3f}"]
+        rider = facts.riders[names.index(name)]
+        heads = ["Cam", "At", "Radius", *["Axis at", "Axis"][: 2 * (0 < rider.radius < math.inf)]]
+        row = tables[first + 1 + len(heads) :][: len(heads)]
+        assert tables[first + 1 :][: len(heads)] == heads
+        assert row[:3] == ["0%%d", f"{angle:.2f}%%d", f"{start:.3f}"]
+        if row[3:]:  # in a dwell: the axis lies behind the point that it touches
+            assert row[3] == row[1] and float(row[4]) == pytest.approx(start + rider.radius)
     assert {"0.05 CZ", "each track", "Profile by STL, z 0 to 6"} <= set(own)
     assert "Radius" not in own and not [text for text in own if "DXF" in text]
 
