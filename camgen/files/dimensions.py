@@ -96,6 +96,38 @@ def flatted(contour: Contour) -> tuple[complex, float, list[Line]] | None:
     return (centre, radius, flats) if alike else None
 
 
+@dataclass(frozen=True)
+class SlottedWheel:
+    """A wheel about the origin with equal slots that are open at its rim and end round, and hollows between them; mm."""
+
+    slots: tuple[complex, ...]  # middles of their round ends
+    width: float
+    rim: float  # radius
+    hollows: tuple[Arc, ...]
+
+
+def slotted_wheel(contour: Contour) -> SlottedWheel | None:
+    """What such a wheel's edge consists of; None of any other contour."""
+    pieces = contour.pieces
+    around = zip([*pieces[-1:], *pieces[:-1]], pieces, [*pieces[1:], *pieces[:1]], strict=True)
+    ends = [
+        arc
+        for before, arc, after in around
+        if isinstance(arc, Arc) and isinstance(before, Line) and isinstance(after, Line)
+        if abs(abs(arc.sweep) - math.pi) < _ALIKE
+    ]
+    arcs = [arc for arc in _arcs(contour) if arc not in ends]
+    rims = {round(arc.radius, 6): arc.radius for arc in arcs if abs(arc.centre) < SAME_POINT}
+    hollows = tuple(arc for arc in arcs if abs(arc.centre) >= SAME_POINT)
+    alike = {(round(arc.radius, 6), round(abs(arc.centre), 6)) for arc in ends}
+    if len(ends) < 3 or len(alike) != 1 or len(rims) != 1 or free(contour):
+        return None
+    if len({(round(arc.radius, 6), round(abs(arc.centre), 6)) for arc in hollows}) != 1:
+        return None
+    (rim,) = rims.values()
+    return SlottedWheel(tuple(arc.centre for arc in ends), 2 * ends[0].radius, rim, hollows)
+
+
 def zero_of(part: Part, holes: Sequence[tuple[str, Hole]]) -> tuple[complex, str]:
     """Where X and Y of the table are 0, mm, and what is there: the part's origin where that can be touched, else a hole."""
     if free(part.region.outer):

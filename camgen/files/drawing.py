@@ -25,6 +25,7 @@ from camgen.files.bore_detail import BoreDetail, is_flat
 from camgen.files.dimensions import (
     STACK,
     Hole,
+    SlottedWheel,
     bosses,
     flatted,
     free,
@@ -34,6 +35,7 @@ from camgen.files.dimensions import (
     nearest_and_farthest,
     number,
     round_of,
+    slotted_wheel,
     standing_of,
     zero_of,
 )
@@ -59,6 +61,7 @@ from camgen.files.tracks import (
     axial_section,
     development,
     drum_section,
+    looser,
     plates_section,
 )
 from camgen.geometry.arcs import as_circle, fit_arcs
@@ -210,6 +213,8 @@ class _Layout:
         self.bored = self._bored()
         drum = part.drum if facts.heights else None
         self.turns = (free(part.region.outer) or drum is not None) and part.bore is not None
+        contours = (part.region.outer, *part.region.holes)
+        self.slotted = list(filter(None, map(slotted_wheel, contours)))[:1]
         self.chamfer = facts.bore_chamfer if self.turns or self.bored else 0.0
         layered = len({layer.region for layer in part.layers}) > 1
         plated = self.bored and (self.key or not layered)
@@ -469,7 +474,7 @@ class _Layout:
         diameters = [
             2 * each for each in (self.disc, shaft[1] if shaft else None) if each
         ]  # diameters
-        other = REFERENCE if free(self.part.region.outer) else ""
+        other = REFERENCE if free(self.part.region.outer) or self.slotted else ""
         signs = (
             "Ø" if any(abs(size - each) < SAME_POINT for each in diameters) else other
             for size in (span.real, span.imag)
@@ -638,11 +643,67 @@ class _Layout:
             aside = cmath.exp(0.25j * math.pi)
             self._leader(centre + radius * aside, aside, f"Ø{number(2 * radius)}")
         if free(self.part.region.outer) and not self.facts.levels:
+            disc = None if self.facts.profile_step_deg else round_of(self.part.region.outer)
             for point, word in zip(
                 nearest_and_farthest(self.outer), ("smallest", "largest"), strict=True
             ):
                 way = point / abs(point) if point else 1
-                self._leader(point, way, f"(R{number(abs(point))}) {word}")
+                said = f"(R{number(abs(point))}) {word}"
+                if disc and abs(disc[0]) + abs(disc[1] - abs(point)) < SAME_POINT:
+                    said = f"R{number(disc[1])} {looser(self.facts.profile, True)}".rstrip()
+                self._leader(point, way, said)
+        for wheel in self.slotted:
+            self._slots(wheel)
+
+    def _slots(self, wheel: SlottedWheel) -> None:
+        """Width, depth and spacing of a wheel's slots, its hollows and its rim; of those at the top, where one is upright."""
+        sheet = self.sheet
+        count = len(wheel.slots)
+        off = looser(self.facts.profile)
+        slot = max(wheel.slots, key=lambda z: round(z.imag, 6))
+        way = slot / abs(slot)
+        for middle in wheel.slots:
+            along = middle / abs(middle)
+            ends = middle - wheel.width * along, along * max(wheel.rim, abs(middle) + wheel.width)
+            sheet.line(*map(self.paper, ends), layer="CENTER")
+        sheet.arc(self.datum, self.scale * abs(slot), 0.0, math.tau, "CENTER")
+        said = f"{count} × {number(wheel.width)} {off}".rstrip()
+        if abs(way.real) < SAME_POINT:
+            mouth = self.paper(1j * self.high.imag)
+            half = self.scale * wheel.width / 2
+            measure = Measure(wheel.width, f"{count} × ", off)
+            self._dimension(mouth - half, mouth + half, 9j, measure)
+            right = self.paper(self.high.real + 0j)
+            deep = right + 1j * self.scale * abs(slot)
+            self._dimension(right, deep, 9 + 0j, Measure(abs(slot)))
+        else:
+            side = slot + 0.5j * way * wheel.width
+            self._leader(side + way, way, f"{said} wide, ends about R{number(abs(slot))}")
+        hollow = max(
+            wheel.hollows, key=lambda arc: round((arc.centre * (3 + 2j).conjugate()).real, 6)
+        )
+        away = hollow.centre / abs(hollow.centre)
+        far = number(abs(hollow.centre))
+        bottom = hollow.centre - hollow.radius * away
+        said = f"{count} × R{number(hollow.radius)} {off}".rstrip()
+        self._leader(bottom, away, f"{said} about R{far}")
+        rim = cmath.rect(wheel.rim, cmath.phase(hollow.centre) - math.pi / count)
+        rim *= cmath.exp(1j * (wheel.width / 2 + 1) / wheel.rim)
+        self._leader(rim, rim / abs(rim), f"Ø{number(2 * wheel.rim)}")
+        self._spacing(slot, count)
+
+    def _spacing(self, slot: complex, count: int) -> None:
+        """Angle from one of so many even slots to the next one, clockwise."""
+        radius = 0.6 * self.scale * abs(slot)
+        start = cmath.phase(slot)
+        pitch = math.tau / count
+        self.sheet.arc(self.datum, radius, start - pitch, pitch, "DIM")
+        for angle, sense in ((start, 1), (start - pitch, -1)):
+            turn = cmath.exp(1j * angle)
+            lean = cmath.exp(-1j * sense * 1.5 / radius)  # an arrow's half on the arc
+            self.sheet.arrow(self.datum + radius * turn, sense * 1j * turn * lean)
+        said = self.datum + cmath.rect(radius + 3, start - pitch / 2) - 1.2j
+        self.sheet.text(said, f"{count} × {number(360 / count)}°", 2.5, "centre")
 
     def _leader(self, point: complex, direction: complex, text: str) -> None:
         """Arrow from outside onto a point of the outline, with the text along it, aside from the overall sizes."""

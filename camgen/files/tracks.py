@@ -417,7 +417,7 @@ def drum_section(drum: Drum, facts: Facts, scales: Sequence[float]) -> Section:
         (edges if abs(corner.imag - end) < SAME_POINT else breaks).append([edge[k], corner])
     rollers = [_roller(drum, facts.roller, shift) for shift in shifts if facts.roller]
     axes = [(complex(inside, z), complex(outside + 2 * more, z)) for z in shifts]
-    off = _looser(facts.profile, drum.track == "rib")
+    off = looser(facts.profile, drum.track == "rib")
     where = f" on Ø{number(2 * drum.roller.middle)}" if drum.roller.slope else ""
     sizes = []
     if len(walls) == 2:
@@ -467,7 +467,7 @@ def _roller(drum: Drum, roller: tuple[float, float, float], shift: float) -> lis
     return [complex(inner + x, shift + y) for x, y in corners]
 
 
-def _looser(profile: float, rib: bool = False) -> str:
+def looser(profile: float, rib: bool = False) -> str:
     """Deviations of a track's width, to the side that gives the roller more play: both walls may be off by half the zone, mm."""
     if not profile:
         return ""
@@ -490,7 +490,7 @@ def plates_section(groove: Groove, depth: float, facts: Facts, scales: Sequence[
     # from its broken end, which is to the left of an inner wall, round
     edge = own if groove.inner else [own[1], own[0], own[3], own[2]]
     end = -more if groove.inner else width + more
-    off = _looser(facts.profile)
+    off = looser(facts.profile)
     across = complex(0, depth), complex(width, depth), 1j * _OFF, Measure(width, "", off)
     away = complex(math.copysign(_OFF, end))
     deep = complex(end, 0), complex(end, depth), away, Measure(depth, REFERENCE)

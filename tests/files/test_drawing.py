@@ -868,6 +868,28 @@ def test_tables_of_a_metal_cam_have_the_axis_of_its_roller(root, tmp_path):
     assert len(write_drawing(tmp_path, "p", other, TOLERANCE, facts_of(plain, other))) == 2
 
 
+@pytest.mark.parametrize(("material", "off"), [("C45", " +0.05/0"), ("PLA", "")])
+def test_a_geneva_wheel_and_its_lock_are_dimensioned(root, tmp_path, material, off):
+    """Six slots for a roller of 11, axes 70 apart: the pin is on 70 sin 30 deg = 35, slots 0.1 wider than the roller end 0.05 past it, the
+    rim is where the roller's side enters, and hollows are about the crank's axis. In metal they open and the lock shrinks by the
+    track's tolerance."""
+    spec = root / "specs" / "gallery" / "geneva-table.toml"
+    machine = read_mechanism(spec, [f"material.name={material}"]).resolved()
+    parts = {part.name.partition("-")[0]: part for part in machine.assembly.parts}
+    texts = {}
+    for name in ("geneva", "lock"):
+        facts = facts_of(machine, parts[name])
+        texts[name] = texts_of(write_drawing(tmp_path, "d", parts[name], TOLERANCE, facts)[0])
+    rim = 2 * math.hypot(70 * math.cos(math.pi / 6), 5.5)
+    assert {"6 x 60%%d", f"%%c{rim:.3f}", "34.9"} <= set(texts["geneva"])
+    (hollow,) = (t.split()[-1] for t in texts["lock"] if t.startswith("Locks on"))
+    assert f"6 x R{float(hollow):g}{off} about R70" in texts["geneva"]
+    assert any(t.startswith("6 x 11.") and t.endswith(off) for t in texts["geneva"])
+    lock = float(hollow) - 0.1
+    assert f"R{lock:g}{' 0/-0.05' if off else ''}" in texts["lock"]
+    assert "The pin is on R 35.000, its roller 11, axes" in texts["lock"]
+
+
 def test_a_metal_cam_has_fits_unless_others_are_asked_for(root):
     def bore(*settings):
         machine = read_mechanism(root / "specs" / "disc-cam.toml", settings).resolved()

@@ -127,10 +127,13 @@ class GenevaDrive(EdgeDrive):
         return self.geneva.lock_disc().moved(pin), self.geneva.wheel().moved(slot)
 
     def table(self, link: str) -> tuple[str, ...]:
-        """Data of the slotted wheel as a workshop reads them beside its drawing; the lock has none."""
-        if link == self.joint.cam:
-            return ()
+        """Data of the slotted wheel or of its lock as a workshop reads them beside its drawing."""
         geneva = self.geneva
+        if link == self.joint.cam:
+            return (
+                f"locks on R {geneva.lock:.3f} in hollows of R {geneva.hollow:.3f}",
+                f"the pin is on R {geneva.crank:.3f}, its roller {2 * geneva.pin:g}, axes {geneva.distance:.3f} apart",
+            )
         return (
             f"{geneva.stations} slots {2 * (geneva.pin + geneva.slot_air):.3f} wide, middles of their round ends on R {geneva.slot_end:.3f}",
             f"hollows R {geneva.hollow:.3f} about middles on R {geneva.distance:.3f}, rim circle {2 * geneva.rim:.3f}",
