@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgen.files.dimensions import hole_of, number
+from camgen.files.dimensions import flat_of, hole_of, number
 from camgen.files.labels import Obstacles
 from camgen.files.limits import in_limits
 from camgen.files.measures import Measure, dimension
@@ -28,12 +28,7 @@ _TITLE = 24.0  # over its upper edge
 _LEANING = math.radians(197)  # of the leader of its roughness
 _OFF = 10.0  # of a size
 _OFF_KEY = 8.0
-
-
-def is_flat(contour: Contour) -> bool:
-    """Whether a bore has a flat above, which holds its angle, and no keyway."""
-    low = extent([contour])[1].imag < hole_of(contour).radius - SAME_POINT
-    return keyed(contour) is None and low
+_OVER_FLAT = 0.1  # mm, as of keyways up to a bore of 22 [DIN 6885]
 
 
 @dataclass(frozen=True)
@@ -74,7 +69,8 @@ class BoreDetail:
             start = at - scale * radius * way - over
             end = at + scale * (top if way == 1j else radius) * way + over
             sheet.line(start, end, layer="CENTER")
-        title = f"Bore {self.letters[0]} ({number(scale)}:1)".replace("  ", " ")
+        larger = f" ({number(scale)}:1)" if scale > self.scale else ""  # else as the views
+        title = f"Bore {self.letters[0]}".rstrip() + larger
         level = min(high.imag - 6, middle + scale * top + _TITLE)
         sheet.text(complex(low.real + 1.5, level), title, 3.5)
         self._sizes(sheet, at, scale)
@@ -98,16 +94,21 @@ class BoreDetail:
             self._surface(sheet, at + cmath.rect(scale * radius, _LEANING))
         if facts.profile:
             datum(sheet, at + bore, -1j, self.letters[0])
-        if is_flat(self.contour):
-            size(complex(0, -radius), complex(0, top), beside, "", "")
+        flat = flat_of(self.contour)
+        if flat:
+            way, depth = flat
+            ends = -radius * way, (depth - radius) * way
+            upright = abs(way.imag) > 0.5
+            size(*ends, beside if upright else 1j * beside.real, "", over_flat(facts))
+            over = at + scale * ends[1]
         if key:
             half = key[1] / 2
             width = _limits(facts.key_fit, key[1])
             size(complex(-half, top), complex(half, top), 1j * _OFF_KEY, "", width)
             size(complex(0, -radius), complex(0, top), beside, "", self._depth)
             over += 1j * _OFF_KEY
-        if facts.profile and (key or is_flat(self.contour)):
-            datum(sheet, over, 1j, self.letters[1])
+        if facts.profile and (key or flat):
+            datum(sheet, over, flat[0] if flat else 1j, self.letters[1])
         if key and facts.symmetry:
             self._symmetry(sheet, over)
 
@@ -157,6 +158,11 @@ class BoreDetail:
         foot = start - 6 - Text(0j, text, 2.5).room
         sheet.line(start, foot - 2, layer="DIM")
         roughness(sheet, foot, text)
+
+
+def over_flat(facts: Facts) -> str:
+    """Deviations of the distance over a bore's flat, mm: in metal those of a keyway's depth; "" where none is asked for."""
+    return f"+{_OVER_FLAT:g}/0" if facts.key_fit else ""
 
 
 def _limits(fit: str, size: float) -> str:

@@ -183,6 +183,12 @@ def hole_of(contour: Contour) -> Hole:
         size = f"Ø{number(2 * key[0])}, keyway {number(key[1])}, {number(upper.imag - lower.imag)} overall"
         return Hole(0j, size, 0j, key[0])
     box = f"{number(upper.real - lower.real)} × {number(upper.imag - lower.imag)}"
+    if flat := flat_of(contour):
+        hole = round_of(contour)
+        assert hole is not None
+        return Hole(
+            hole[0], f"Ø{number(2 * hole[1])}, {number(flat[1])} over its flat", hole[0], hole[1]
+        )
     if around := round_of(contour):
         centre, radius = around
         return Hole(centre, f"Ø{number(2 * radius)}, {box} overall", centre, radius)
@@ -197,6 +203,19 @@ def round_of(contour: Contour) -> tuple[complex, float] | None:
         return circle
     widest = max(_arcs(contour), key=lambda arc: abs(arc.sweep), default=None)
     return (widest.centre, widest.radius) if widest and abs(widest.sweep) > math.pi else None
+
+
+def flat_of(contour: Contour) -> tuple[complex, float] | None:
+    """Of a round hole with one flat the unit way from its centre to that, and the distance over it from the far side, mm."""
+    flats = [piece for piece in contour.pieces if isinstance(piece, Line)]
+    around = round_of(contour)
+    if len(flats) != 1 or not around or len(_arcs(contour)) + 1 != len(contour.pieces):
+        return None
+    centre, radius = around
+    (flat,) = flats
+    along = (flat.b - flat.a) / abs(flat.b - flat.a)
+    foot = flat.a - centre - ((flat.a - centre) * along.conjugate()).real * along
+    return foot / abs(foot), radius + abs(foot)
 
 
 def _arcs(contour: Contour) -> list[Arc]:

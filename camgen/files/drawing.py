@@ -21,12 +21,13 @@ from string import ascii_uppercase
 import numpy as np
 
 from camgen.files import bore_detail, views
-from camgen.files.bore_detail import BoreDetail, is_flat
+from camgen.files.bore_detail import BoreDetail, over_flat
 from camgen.files.dimensions import (
     STACK,
     Hole,
     SlottedWheel,
     bosses,
+    flat_of,
     flatted,
     free,
     hole_of,
@@ -99,6 +100,7 @@ _FACE = 0.7  # of the radius of a drum's lower end: where its datum is in the vi
 _RUN_OUT = 10.0  # more to the right of a drum's plan view, for the run-out of that end
 _HATCH = 2.5  # mm of paper between the lines of a cut face
 _THIRD = 8.0  # from the plan view's dimension to the third view, and from that to what is below
+_BORE = 21.0  # to the dimension of a round bore there, past the sign of its roughness
 _BOSS = 10.0  # between the dimensions of bosses, beside the view from the left
 _SURFACE = 10.0  # room above for them
 _TITLE = 4.0  # for the title of a drum's section, over its dimensions
@@ -147,6 +149,14 @@ def _wrapped(note: str) -> list[str]:
             else [*lines, word]
         )
     return lines
+
+
+def _two_lines(row: tuple[str, str, str, str]) -> list[tuple[str, str, str, str]]:
+    """A row of the table of holes, on a second line what its last column has no room for."""
+    size, comma, more = row[3].rpartition(", ")
+    if not comma or Text(0j, row[3], 2.5).room <= _TABLE_WIDTHS[3] - 2:
+        return [row]
+    return [(*row[:3], size), ("", "", "", more)]
 
 
 def _across_bore(part: Part, tolerance: float) -> views.Section | None:
@@ -211,6 +221,10 @@ class _Layout:
         )
         self.key = next(filter(None, map(keyed, part.region.holes)), None)
         self.bored = self._bored()
+        flat = self.bored is not None and flat_of(self.bored) is not None
+        self.detailed = bool(
+            self.bored and (self.key or flat)
+        )  # a round bore has its size in a view
         drum = part.drum if facts.heights else None
         self.turns = (free(part.region.outer) or drum is not None) and part.bore is not None
         contours = (part.region.outer, *part.region.holes)
@@ -230,7 +244,8 @@ class _Layout:
         self.riders = facts.riders if self.turns and len(facts.riders) == 1 else ()
         self.bosses = bosses(part)
         self.right = _RIGHT + (_RUN_OUT if drum and facts.run_out else 0.0)
-        self.beside = _BESIDE + _BOSS * (len(self.bosses) + (part.drum is not None))
+        self.inner = _BORE if self.bored and not self.detailed else 0.0
+        self.beside = _BESIDE + self.inner + _BOSS * (len(self.bosses) + (part.drum is not None))
         self.depth = part.thickness if part.side_profile or self.section else 0.0
         self.engraved = _contours(part.engraved, tolerance)
         self.rows = self._rows()
@@ -260,7 +275,6 @@ class _Layout:
         self.rim_letter = self._rim_letter()
         self.datum_letter = self.datum_letter or self.rim_letter
         self.angle_hole = self._angle_hole()
-        flat = self.bored is not None and is_flat(self.bored)
         angled = self.facts.profile and (self.key or self.angle_hole or flat)
         self.angle_letter = self._second if angled else ""
         self.face_letter = self._second if drum and facts.profile else ""
@@ -320,10 +334,12 @@ class _Layout:
         return replace(section, faces=faces, beyond=beyond)
 
     def _bored(self) -> Contour | None:
-        """The bore that gets a detail: one with a keyway, or a round one to which a cam's track refers or the dowels that carry one."""
+        """The bore that is dimensioned: one with a keyway, or a round one to which a cam's track refers or the dowels that carry one,
+        or with a flat, which holds a cam."""
         holes = self.part.region.holes
-        tracked = free(self.part.region.outer) or self.facts.heights or self.facts.dowel
-        datum = self.facts.profile and self.part.bore and tracked
+        tracked = free(self.part.region.outer) or self.part.drum or self.facts.dowel
+        flat = any(flat_of(hole) for hole in holes)
+        datum = (self.facts.profile or flat) and self.part.bore and tracked
         circles = [(hole, round_of(hole)) for hole in holes] if datum else []
         round_ones = [hole for hole, disc in circles if disc and abs(disc[0]) < SAME_POINT]
         return next(iter([hole for hole in holes if keyed(hole)] + round_ones), None)
@@ -413,8 +429,8 @@ class _Layout:
         a3 = best("A3")
         long = (1 + len(self.rows) + self._track_lines()) * _ROW > _SIZES["A4"][
             1
-        ] - 2 * _MARGIN - self.facts.height - (bore_detail.HEIGHT if self.bored else 0.0)
-        tables = self.track_table or self.bored
+        ] - 2 * _MARGIN - self.facts.height - (bore_detail.HEIGHT if self.detailed else 0.0)
+        tables = self.track_table or self.detailed
         return ("A3", a3) if (a4 < 1 and a3 > a4) or (long and tables) else ("A4", a4)
 
     def _datum(self) -> complex:
@@ -643,15 +659,15 @@ class _Layout:
             aside = cmath.exp(0.25j * math.pi)
             self._leader(centre + radius * aside, aside, f"Ø{number(2 * radius)}")
         if free(self.part.region.outer) and not self.facts.levels:
+            ends = nearest_and_farthest(self.outer)
+            ways = [(z / abs(z) if z else 1) for z in ends]
             disc = None if self.facts.profile_step_deg else round_of(self.part.region.outer)
-            for point, word in zip(
-                nearest_and_farthest(self.outer), ("smallest", "largest"), strict=True
-            ):
-                way = point / abs(point) if point else 1
-                said = f"(R{number(abs(point))}) {word}"
-                if disc and abs(disc[0]) + abs(disc[1] - abs(point)) < SAME_POINT:
-                    said = f"R{number(disc[1])} {looser(self.facts.profile, True)}".rstrip()
-                self._leader(point, way, said)
+            if disc and abs(disc[0]) + abs(disc[1] - abs(ends[1])) < SAME_POINT:
+                said = f"R{number(disc[1])} {looser(self.facts.profile, True)}".rstrip()
+                self._leader(ends[1], ways[1], said)
+            else:
+                for point, way, word in zip(ends, ways, ("smallest", "largest"), strict=True):
+                    self._leader(point, way, f"(R{number(abs(point))}) {word}")
         for wheel in self.slotted:
             self._slots(wheel)
 
@@ -806,7 +822,8 @@ class _Layout:
         """Diameter of a drum's floor in its section, and how far its walls are from its ends there; origin: of the part, on paper."""
         right = origin + self.scale * self.part.thickness
         half = 1j * self.scale * drum.floor
-        self._dimension(right - half, right + half, _BOSS + 0j, Measure(2 * drum.floor, "Ø"))
+        away = complex(self.inner + _BOSS)
+        self._dimension(right - half, right + half, away, Measure(2 * drum.floor, "Ø"))
         for side in (-1, 1):
             rim = origin + 1j * side * self.scale * drum.outside
             beta = np.array([side * math.pi / 2])
@@ -821,7 +838,22 @@ class _Layout:
         right = origin + self.scale * self.part.thickness
         for k, radius in enumerate(self.bosses, 1):
             half = 1j * self.scale * radius
-            self._dimension(right - half, right + half, _BOSS * k + 0j, Measure(2 * radius, "Ø"))
+            away = complex(self.inner + _BOSS * k)
+            self._dimension(right - half, right + half, away, Measure(2 * radius, "Ø"))
+        if self.inner:
+            self._bore_size(right)
+
+    def _bore_size(self, right: complex) -> None:
+        """Diameter of a round bore with its fit, datum and roughness; right: its end in the view, on paper."""
+        facts = self.facts
+        size = self.part.bore or 0.0
+        half = 0.5j * self.scale * size
+        fit = in_limits(facts.bore_fit, size) if facts.bore_fit else ""
+        self._dimension(right - half, right + half, complex(self.inner), Measure(size, "Ø", fit))
+        foot = right + self.inner - half - (6j if 2 * half.imag < 12 else 0j)
+        datum(self.sheet, foot, -1j, self.datum_letter)
+        if facts.bore_roughness:
+            roughness(self.sheet, right + half + 3, f"Ra {facts.bore_roughness:g}")
 
     def _cut(self, section: views.Section, origin: complex, turn: complex) -> None:
         """A section on paper: its faces hatched, and the edges behind it; turn: of the view, its z downwards before."""
@@ -853,20 +885,24 @@ class _Layout:
     def _shape(self, hole: Hole) -> str:
         """What a hole is, with its fit; of a bore on whose shaft nothing else is known that of the spec."""
         fit = self.facts.bore_fit
+        off = over_flat(self.facts)
         shape = self.facts.shape(hole)
         bore = hole.radius and self.part.bore and abs(hole.place) < SAME_POINT
-        if not (fit and bore) or shape != hole.shape:
-            return shape
-        size, _, more = hole.shape.partition(",")
-        return f"{size} {fit},{more}" if more else f"{size} {in_limits(fit, 2 * hole.radius)}"
+        if fit and bore and shape == hole.shape:
+            size, _, more = shape.partition(",")
+            shape = f"{size} {fit},{more}" if more else f"{size} {in_limits(fit, 2 * hole.radius)}"
+        return shape.replace(" over its", f" {off} over its") if off else shape
 
     def _rows(self) -> list[tuple[str, str, str, str]]:
         """Rows of the table of holes and edges."""
         places = [(label, h, h.place - self.zero) for label, h in self.named]
         digits = decimals(self.facts.position / 2) if self.placed else 3
         rows = [
-            (label, number(at.real, digits), number(at.imag, digits), self._shape(h))
+            row
             for label, h, at in places
+            for row in _two_lines(
+                (label, number(at.real, digits), number(at.imag, digits), self._shape(h))
+            )
         ]
         rows += [("", "", "", hole_of(track).shape) for track in self.tracks]
         names = {k: name for k, (name, _) in self.standing.items()}
@@ -921,7 +957,7 @@ class _Layout:
 
     def _lines_beside(self, size: str) -> int:
         """Rows that there is room for over the title block and a bore's detail."""
-        detail = bore_detail.HEIGHT if self.bored else 0.0
+        detail = bore_detail.HEIGHT if self.detailed else 0.0
         return int((_SIZES[size][1] - 2 * _MARGIN - self.facts.height - detail) / _ROW) - 1
 
     def _track_lines(self) -> int:
@@ -995,8 +1031,8 @@ class _Layout:
         return next(letter for letter in ascii_uppercase if letter not in taken)
 
     def _bore_detail(self) -> None:
-        """The bore by itself, under the tables."""
-        if self.bored is None:
+        """A bore with a keyway or a flat by itself, under the tables."""
+        if self.bored is None or not self.detailed:
             return
         letters = self.datum_letter, self.angle_letter
         low = complex(self.table_x, _MARGIN + self.facts.height)

@@ -118,7 +118,8 @@ class Facts:
                 abs(fit.at - hole.place) < SAME_POINT
                 and abs(fit.diameter - 2 * hole.radius) < SAME_POINT
             ):
-                return f"{hole.shape} {fit.words}"
+                size, *more = hole.shape.split(", ", 1)
+                return ", ".join([f"{size} {fit.words}", *more])
         return hole.shape
 
 

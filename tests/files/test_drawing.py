@@ -485,6 +485,22 @@ def test_a_cam_s_overall_sizes_are_references(tmp_path):
     assert "%%c18" in texts_of(write_drawing(tmp_path, "d", disc(9), TOLERANCE, META)[0])
 
 
+@pytest.mark.parametrize("at", [90, 0, 270])
+def test_the_flat_of_a_bore_is_dimensioned_over_its_far_side(at):
+    """A bore of 8 whose flat is 0.5 deep: 7.5 over it, whichever way it lies. It is the datum of angles, and no rim is one."""
+    turn = cmath.exp(1j * math.radians(at - 90))
+    hole = d_bore(8.0, 0.5).moved(turn)
+    (layer,) = keyed_cam().layers
+    cut = Layer(Region(layer.region.outer, (hole,)), layer.z0, layer.z1)
+    layout = _Layout(replace(keyed_cam(), layers=(cut,), bore=8.0), "d", TOLERANCE, SHOP)
+    sizes = {
+        (round(each.value, 6), each.fit) for each in layout.sheet.things if isinstance(each, Size)
+    }
+    assert (7.5, " +0.1/0") in sizes
+    assert layout.angle_letter == "B"
+    assert [row[3] for row in layout.rows[:2]] == ["Ø8 H7", "7.5 +0.1/0 over its flat"]
+
+
 def test_a_keyway_s_detail_is_larger_than_the_view():
     layout = _Layout(keyed_cam_with_hub(), "d", TOLERANCE, SHOP)
     texts = [t.text for t in layout.sheet.primitives if isinstance(t, Text)]
@@ -552,8 +568,10 @@ def test_the_bore_of_a_metal_cam_is_its_datum_without_a_keyway_too(tmp_path):
     plain_bore = Region(layer.region.outer, (circle(0, 4),))
     part = replace(part, layers=(replace(layer, region=plain_bore),), bore=8.0)
     texts = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, SHOP)[0])
-    assert texts.count("%%c8 H7 (+0.015/0)") == 2  # in the table and in the detail
-    assert [text for text in texts if text.startswith("Bore A (")]
+    assert texts.count("%%c8 H7 (+0.015/0)") == 2  # in the table and in the view from the left
+    assert (
+        "Ra 1.6" in texts and texts.count("A") > 2
+    )  # beside its label and the frames that refer to it
     assert "0.03" not in texts  # the symmetry of a keyway
     plain = texts_of(write_drawing(tmp_path, "p", part, TOLERANCE, META)[0])
     assert not [text for text in plain if text.startswith("Bore ")]
@@ -849,7 +867,7 @@ def test_a_cam_s_sheet_shows_its_follower_at_cam_angle_0(root, tmp_path):
 def test_tables_of_a_metal_cam_have_the_axis_of_its_roller(root, tmp_path):
     """A roller of 5 lies 5 behind each point that it touches; after the rise of 12 its axis is 25 + 5 + 12 from the cam's. Rows for which
     the cam's sheet has no room go on to a second one."""
-    settings = ["material.name=C45", "drawing.profile_step_deg=5"]
+    settings = ["material.name=C45", "drawing.profile_step_deg=5", "parts.bore_shape=keyway"]
     machine = read_mechanism(root / "specs" / "disc-cam.toml", settings).resolved()
     (part,) = machine.assembly.parts
     facts = facts_of(machine, part)
