@@ -374,7 +374,7 @@ class Drawing(Record):
         ),
     ] = Field(
         default="ISO 2768-m",
-        description="general tolerance: f, m, c or v; then H, K or L for form and position, as in -mK",
+        description="general tolerance: f, m, c or v; then H, K or L for form and position, as in -mK; left out: of metal -mK, else -m",
     )
     number: (
         Annotated[

@@ -28,6 +28,7 @@ from camgen.numerics import magnitude
 from camgen.parts.exact import SAME, exact
 
 _SCHEMA = "AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }"
+_DESCRIPTION = "lengths in mm; no date of writing: the same spec gives the same bytes on any day"
 _UPRIGHT = (0.0, 0.0, 1.0)
 _LEVEL = (1.0, 0.0, 0.0)
 
@@ -55,7 +56,8 @@ def write_step(
     if copies:
         _assembly(out, title, shapes, copies)
     header = (
-        "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\n"
+        "ISO-10303-21;\nHEADER;\n"
+        f"FILE_DESCRIPTION(({_text(_DESCRIPTION)}),'2;1');\n"
         f"FILE_NAME({_text(title)},'1970-01-01T00:00:00',(''),(''),'camgen {__version__}','camgen','');\n"
         f"FILE_SCHEMA(('{_SCHEMA}'));\nENDSEC;\nDATA;\n"
     )

@@ -36,6 +36,7 @@ from camgen.tolerances import SAME_POINT
 _SAMPLES = 1441  # of a turn
 # What a part of metal has unless its spec says other: camgen's own rules, for a milled cam and a reamed bore.
 _IN_METAL = Facts(
+    tolerance="ISO 2768-mK",
     profile=0.05,
     roughness=0.8,
     bore_roughness=1.6,
@@ -81,9 +82,9 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     return Facts(
         machine=_machine(mechanism),
         material="as the sheet"
-        if of_sheet
+        if of_sheet and material.printed
         else _material(material)
-        if printed
+        if printed or of_sheet
         else "steel"
         if steel
         else part.process,
@@ -92,7 +93,9 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         * 1e-6
         if printed or steel
         else None,
-        tolerance=sheet.tolerance,
+        tolerance=_IN_METAL.tolerance
+        if metal and "tolerance" not in sheet.model_fields_set
+        else sheet.tolerance,
         number=f"{sheet.number}-{names.index(part.name) + 1:02d}" if sheet.number else "",
         date=sheet.date or "",
         fits=tuple(_fits(mechanism, part, sheet.seat_fit or bore_fit)),

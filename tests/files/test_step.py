@@ -49,6 +49,7 @@ def test_a_part_comes_back_to_the_bit(tmp_path, part):
     assert sorted(found.corners.tolist()) == sorted(body.corners.tolist())
     first = path.read_bytes()
     assert written(tmp_path, part).read_bytes() == first and b"1970" in first
+    assert b"FILE_DESCRIPTION(('lengths in mm; no date of writing" in first
     assert not failing(written(tmp_path, replace(part, title="It's a \\ µ")), part)
 
 

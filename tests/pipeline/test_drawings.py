@@ -79,11 +79,29 @@ def test_material_mass_number_and_date(tmp_path: Path) -> None:
         assert (one.number, one.date, one.tolerance) == (
             f"K-104-{k:02d}",
             "2026-05-31",
-            "ISO 2768-m",
+            "ISO 2768-m" if printed else "ISO 2768-mK",
         )
     path, _ = write_drawing(tmp_path, "x", parts["output"], 1e-3, found["output"])
     texts = [entity.dxf.text for entity in ezdxf.readfile(path).modelspace().query("TEXT")]
     assert {"%%c26.8 slide on %%c26.6", "%%c3.5 press on %%c3.5", "2026-05-31"} <= set(texts)
+
+
+def test_metal_has_the_tolerance_of_a_shop_unless_another_is_asked_for() -> None:
+    told = {
+        settings: facts("disc-cam", *settings)[1]["cam"].tolerance
+        for settings in (
+            (),
+            ("material.name=C45",),
+            ("material.name=C45", "drawing.tolerance=ISO 2768-f"),
+        )
+    }
+    assert list(told.values()) == ["ISO 2768-m", "ISO 2768-mK", "ISO 2768-f"]
+
+
+@pytest.mark.parametrize(("name", "said"), [("plywood", "plywood"), ("PLA", "as the sheet")])
+def test_what_is_cut_of_a_sheet_has_its_material_where_that_is_known(name: str, said: str) -> None:
+    _, found = facts("linkage", "parts.make=laser", "laser.thickness=4", f"material.name={name}")
+    assert {one.material for one in found.values()} - {"steel", "bought"} == {said}
 
 
 @pytest.mark.parametrize(
