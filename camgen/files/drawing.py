@@ -79,6 +79,7 @@ _SIZES = {"A4": (297.0, 210.0), "A3": (420.0, 297.0)}
 # Frame: 20 mm at the filing edge, 10 mm elsewhere. [ISO 5457]
 _FILING = 20.0
 _MARGIN = 10.0
+_SMALLEST = 2.0  # height of text there, mm
 _TABLE_WIDTHS = (10.0, 17.0, 17.0, 58.0)
 _NOTES = (
     _SIZES["A4"][0] - _FILING - _MARGIN - WIDTH - 6
@@ -152,9 +153,9 @@ def _wrapped(note: str) -> list[str]:
 
 
 def _two_lines(row: tuple[str, str, str, str]) -> list[tuple[str, str, str, str]]:
-    """A row of the table of holes, on a second line what its last column has no room for."""
+    """A row of the table of holes, on a second line what would make its last column's text small."""
     size, comma, more = row[3].rpartition(", ")
-    if not comma or Text(0j, row[3], 2.5).room <= _TABLE_WIDTHS[3] - 2:
+    if not comma or Text(0j, row[3], _SMALLEST).room <= _TABLE_WIDTHS[3] - 2:
         return [row]
     return [(*row[:3], size), ("", "", "", more)]
 

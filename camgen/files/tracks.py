@@ -67,8 +67,8 @@ def axial_section(drum: Drum, blank: views.Section) -> views.Section:
         walls = [wall.over(np.full(_RADII, side * math.pi / 2), radii).z for wall in drum.walls]
         bottom = np.full(_RADII, -1.0)
         top = np.full(_RADII, drum.length + 1.0)
-        gap = {
-            "groove": [walls],
+        gap: list[tuple[Floats, Floats]] = {
+            "groove": [(walls[0], walls[-1])],
             "rib": [(bottom, walls[0]), (walls[-1], top)],
             "end": [(walls[0], top)],
         }[drum.track]
