@@ -201,7 +201,7 @@ def test_the_machine_is_built_listed_and_judged(kind: str, tmp_path: Path) -> No
     }
     # what is built beside the machine comes once, and is taken along by name
     assert len(named) == len({*named})
-    beside = ["arm", "bracket"] if kind.endswith("arm") else ["carriage"]
+    beside = ["arm", "bracket", "drum"] if kind.endswith("arm") else ["carriage", "drum"]
     assert [step.joins for step in steps if step.joins] == [
         f"{name} beside the machine" for name in beside
     ]

@@ -885,11 +885,10 @@ def test_holes_in_which_something_turns_are_opened_first() -> None:
     )
     cam = read_mechanism(spec.with_name("groove.toml"))
     assert not steps_of_assembly(cam).steps[0].title.startswith("Open"), "nothing turns in it"
-    drum = [
-        step.title
-        for step in steps_of_assembly(read_mechanism(spec.with_name("drum-feeder.toml"))).steps
-    ]
-    (stays,) = (title for title in drum if title.startswith("These holes stay tight"))
+    feeder = steps_of_assembly(read_mechanism(spec.with_name("drum-feeder.toml"))).steps
+    (ring,) = (step for step in feeder if "ring-1" in step.copies)
+    assert {mate.how for mate in ring.mates} == {"glue"} and ring.apart == "drum beside the machine"
+    (stays,) = (step.title for step in feeder if step.title.startswith("These holes stay tight"))
     assert "4 bores of end-plate (2 ×)" in stays and "bore of drum" not in stays, (
         "its four rods; the drum goes on by hand, for its flat drives it"
     )

@@ -11,7 +11,7 @@ import numpy as np
 
 from camgen.machine.model import GROUND
 from camgen.machines.cylinder_cam.bench import AIR, CAM, END_PLAY, FOOT, Bench
-from camgen.machines.cylinder_cam.pieces import SEAT
+from camgen.machines.cylinder_cam.pieces import GLUED, SEAT
 from camgen.numerics import Floats
 from camgen.parts.reaming import reamer_size
 from camgen.parts.steps import COLUMNS, between, thickness_gauge
@@ -47,7 +47,7 @@ class _Act:
             [Doing(self.done)],
             self.copies,
             apart=self.apart,
-            up=_INWARDS if self.apart else Step.up,
+            up=_INWARDS if self.apart not in ("", _beside("drum")) else Step.up,
             joins=self.joins,
             wire=self.wire,
             dry=self.dry,
@@ -121,12 +121,17 @@ class BenchSteps:
             first=True,
         )
 
+    @property
+    def _driven(self) -> bool:
+        """Whether the drum's bore turns it, so that it goes on its shaft without glue."""
+        return self.bench.sizes.bore_shape != "plain"
+
     def _ring_acts(self) -> Iterator[_Act]:
         """Of a drum in two pieces: they become one."""
-        on = SEAT.removesuffix(", glued")
         for ring in self.bench.drum[1:]:
-            yield _Act("drum", _FIRST, f"lay the drum {_FIRST}", self._copies["drum"], first=True)
-            yield self._act(ring.name, SEAT, f"glue the ring on the drum, {on}")
+            laid = self._beside("drum", "drum", _FIRST, f"lay it {_FIRST}")
+            yield replace(laid, dry=self._driven)
+            yield self._beside(ring.name, "drum", GLUED, f"glue the ring on the drum, {SEAT}")
 
     def _lower_acts(self) -> Iterator[_Act]:
         """The lower plate with its bearing and the rods."""
@@ -213,7 +218,7 @@ class BenchSteps:
             place = f"glued on its pin, its inner end {over:.3g} mm over the pin's"
             return place, (
                 f"put a drop of retaining glue, or of superglue, on the pin, and push {roller.replace(' on ', ', a ball bearing, on ', 1)}: its inner ring "
-                f"alone gets glue, none the balls. Its upper end stands {over:.3g} mm over the pin's"
+                f"alone gets glue, the balls none. Its upper end stands {over:.3g} mm over the pin's"
             )
         place = f"on its pin, its inner end {over:.3g} mm over the pin's"
         return place, (
@@ -269,15 +274,26 @@ class BenchSteps:
         if self.bench.hung is not None:
             lift = ", the arm lifted against its spring"
             into += lift
+        pieces = () if len(self.bench.drum) > 1 else self._copies["drum"]  # that are not there yet
+        yield _Act(
+            "drum",
+            f"with the roller {track}{lift}",
+            "try it on the shaft, and scrape its bore till it slides on by hand; take it off again. "
+            f"Hold it, {self._end_up}, and set the roller {track}{lift}",
+            pieces,
+            dry=self._driven,
+            first=True,
+            apart=_beside("drum"),
+            joins=_beside(end),
+        )
         yield _Act(
             "drum",
             f"lowered over the shaft together with the {end}, {into}",
-            "try the drum on the shaft, and scrape its bore till it slides on by hand; take it off again. "
-            f"Hold it, {self._end_up}. Set the roller {track}{lift}. Lower both at once: the drum over the shaft ({fixed}), down on "
-            f"spacer-below, and the bores of the {end} over the two front rods{self._bracket_high}",
-            [name for part in self.bench.drum for name in self._copies[part.name]],
-            dry=driver != "glue",
-            joins=_beside(end),
+            f"lower the drum and the {end} at once: the drum over the shaft ({fixed}), down on spacer-below, and the bores of the "
+            f"{end} over the two front rods{self._bracket_high}",
+            first=True,
+            dry=self._driven,
+            joins=_beside("drum"),
         )
 
     @property

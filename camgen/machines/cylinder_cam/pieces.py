@@ -28,7 +28,8 @@ from camgen.study import Doing, Step, Table
 
 DRUM = "drum"
 RING = "ring"
-SEAT = "flat on flat, down on the core's shoulder, glued"
+SEAT = "flat on flat, down on the core's shoulder"
+GLUED = f"pressed and glued on {DRUM}, {SEAT}"
 
 
 def ring_mount(ring: Part, top: float) -> Mount:
@@ -138,7 +139,7 @@ class Pieces:
             self.track.length,
         )
         ring = drum_ring(RING, "Ring with the upper wall", self._upper, self._key(self.press))
-        return drum, replace(ring, notes=(SEAT,))
+        return drum, replace(ring, notes=(f"{SEAT}, glued",))
 
     @property
     def ring(self) -> DrumRing:
@@ -148,15 +149,13 @@ class Pieces:
 
     def steps(self) -> Table:
         """In which order they go together."""
-        on = SEAT.removesuffix(", glued")
-        fixed = f"pressed and glued on {DRUM}, {on}"
         rows = [
             (1, DRUM, "Drum", "on the table, its key up", 1, 0.0, "as drawn"),
-            (2, RING, "Ring", fixed, 1, self.track.length - self._upper.length, "turned over"),
+            (2, RING, "Ring", GLUED, 1, self.track.length - self._upper.length, "turned over"),
         ]
         said = (
             (DRUM, "lay the drum on the table, its key up"),
-            (RING, f"glue the ring on the drum, {on}"),
+            (RING, f"glue the ring on the drum, {SEAT}"),
         )
         steps = [Step([Doing(text)], [f"{name}-1"]) for name, text in said]
         return Table("Assembly of the drum", COLUMNS, rows, steps)
