@@ -314,17 +314,20 @@ def test_hertz_grows_as_the_root_of_the_force() -> None:
     assert not most.ok and "no limit is published" in most.message
 
 
-def test_strap_of_the_needle_machine_asks_for_oil() -> None:
-    (dry,) = found("PV", "eccentric-drive", "limits.pv_mpa_m_s=")
+def test_strap_of_the_needle_machine_asks_for_oil_at_the_papers_speed() -> None:
+    paper = "motor.speed_rpm=13000"
+    (dry,) = found("PV", "eccentric-drive", paper)
     assert (
         not dry.ok
         and dry.limit == 0.4
         and str(dry.where).startswith("pin E")
         and "no limit is published" in dry.message
     )
-    (oiled,) = found("PV", "eccentric-drive")
+    (oiled,) = found("PV", "eccentric-drive", paper, "limits.pv_mpa_m_s=2")
     assert oiled.ok and oiled.limit == 2 and oiled.measured == dry.measured
-    (slow,) = found("PV", "eccentric-drive", "limits.pv_mpa_m_s=", "motor.speed_rpm=6500")
+    (starter,) = found("PV", "eccentric-drive")
+    assert starter.ok and starter.limit == 0.4
+    (slow,) = found("PV", "eccentric-drive", "motor.speed_rpm=6500")
     assert slow.ok and slow.measured == pytest.approx(
         dry.measured / 8, rel=1e-6
     )  # force with the square, speed with it
