@@ -48,17 +48,26 @@ def _share(config: pytest.Config) -> tuple[int, int]:
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Keeps all short tests, and the long ones of a share of the files: what a file builds is built in one share.
 
-    The hash of a file's path says which share is its own; all shares together are all tests.
+    A hash of the file's path says which share is its own, and of one parameter too where the mark names it, `long(by="name")`;
+    all shares together are all tests. The path is read backwards: so no share is much longer than another one.
     """
     share, count = _share(config)
     kept = []
     left = []
     for item in items:
-        of_share = crc32(item.nodeid.split("::")[0].encode()) % count == share
-        (kept if of_share or not item.get_closest_marker("long") else left).append(item)
+        mark = item.get_closest_marker("long")
+        (kept if mark is None or _hash(item, mark) % count == share else left).append(item)
     items[:] = kept
     if left:
         config.hook.pytest_deselected(items=left)
+
+
+def _hash(item: pytest.Item, mark: pytest.Mark) -> int:
+    """The same of all tests that belong in one share."""
+    path = item.nodeid.split("::")[0]
+    by = mark.kwargs.get("by")
+    name = path if by is None else f"{path} {item.callspec.params[by]}"  # type: ignore[attr-defined]
+    return crc32(name[::-1].encode())
 
 
 @pytest.fixture(scope="session")

@@ -558,6 +558,7 @@ def test_new_names_the_machine_by_its_file(run: Run, tmp_path: Path, file: str, 
     assert tomllib.loads((tmp_path / file).read_text(encoding="utf-8"))["name"] == name
 
 
+@pytest.mark.long
 def test_a_result_of_another_spec_of_the_same_name_is_told(run: Run, tmp_path: Path) -> None:
     """Whose result is replaced: that of another file is told, an earlier one of the same file is not."""
     a, b, out = tmp_path / "a.toml", tmp_path / "b.toml", tmp_path / "out"
@@ -573,6 +574,7 @@ def test_a_result_of_another_spec_of_the_same_name_is_told(run: Run, tmp_path: P
     assert "the name" not in run(*build, b)[1]
 
 
+@pytest.mark.long
 def test_a_result_of_another_spec_built_with_set_is_told_too(run: Run, tmp_path: Path) -> None:
     a, b, out = tmp_path / "a.toml", tmp_path / "b.toml", tmp_path / "out"
     text = starters.text("disc-cam")
@@ -714,6 +716,7 @@ main(["build", "a.toml", "-o", sys.argv[1], *sys.argv[3:]])
 """
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("sent, code", [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_interrupted_build_leaves_the_earlier_result(
     tmp_path: Path, sent: signal.Signals, code: int

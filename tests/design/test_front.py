@@ -93,6 +93,7 @@ def test_plates_that_the_spec_says_are_kept_and_the_refusal_says_what_was_tried(
     assert short.verdict == "refused" and short.obstacle.endswith("bows, parts.plates = 2")
 
 
+@pytest.mark.long
 def test_the_front_is_the_same_on_several_cores(found: list[ChainDesign]) -> None:
     designs = machines(found, tracing())
     alone = designs.weighed(map, lambda text: None)

@@ -645,6 +645,7 @@ def _frames(layout, first):
     return [text for x, text in right if x < start.real + 32 and len(text) == 1]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("bore", ["plain", "keyway"])
 def test_a_dowel_or_a_keyway_holds_the_angle_of_a_groove_s_track(root, bore):
     """An axis alone leaves a track free to turn [ISO 5459]; its dowels refer to the same axis; a track is no hole."""
@@ -679,6 +680,7 @@ def test_a_dowel_or_a_keyway_holds_the_angle_of_a_groove_s_track(root, bore):
         assert [row[:3] for row in tracks] == [("", "", "")]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("speed", [30, -30])
 def test_a_metal_drum_s_drawing_has_its_track_and_the_datum_of_its_angle(root, tmp_path, speed):
     """A cycloidal rise of 15 over 120 deg is half done at 60 deg. The roller of 10 x 6 has 0.2 of play, and 0.5 at either end. The

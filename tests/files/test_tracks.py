@@ -116,6 +116,7 @@ def test_a_section_has_the_track_s_width_and_depth() -> None:
         assert [own.distance(each) for each in rollers] == pytest.approx([play] * len(rollers))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("settings", [*KINDS, ("parts.pieces=2",)])
 def test_a_drum_is_cut_along_its_axis(settings: tuple[str, ...]) -> None:
     """Faces are those of its mesh cut at x = 0, but for chamfers, which no file has. Rims behind them lie on the mesh at +x."""
@@ -158,6 +159,7 @@ def test_a_drum_s_section_is_dimensioned(settings: tuple[str, ...]) -> None:
     assert sorted(walls) == pytest.approx(sorted(wanted), abs=0.01)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("metal", [True, False])
 @pytest.mark.parametrize("settings", [*KINDS, ("geometry.length=80",), ("geometry.radius=120",)])
 def test_no_text_of_a_drum_s_sheet_lies_on_another_or_off_the_paper(

@@ -393,6 +393,7 @@ def test_the_table_comes_out_of_the_files(
     assert cleared.findings[4].measured == pytest.approx(0.1, abs=1e-5)
 
 
+@pytest.mark.long
 def test_strikes_are_as_deep_as_the_source_has_them(
     made: dict[str, tuple[ChainStitchLooper, Path]],
 ) -> None:
@@ -421,6 +422,7 @@ def test_curves_agree_with_the_least_distance(
             assert np.min(curve) <= finding.measured + 0.42
 
 
+@pytest.mark.long
 def test_spreaders_that_touch_graze(tmp_path: Path) -> None:
     m = machine(**DESIGNS["r08"], parts__running_gap=0.0)
     written(m, tmp_path)
@@ -438,6 +440,7 @@ def test_more_distance_can_be_asked_for(made: dict[str, tuple[ChainStitchLooper,
     ]
 
 
+@pytest.mark.long
 def test_other_laws_out_of_step_against_brute_force(tmp_path: Path) -> None:
     m = machine(**DESIGNS["r12"], timing__lag_deg=12.0, timing__spreader="cycloidal")
     written(m, tmp_path)

@@ -212,6 +212,7 @@ def test_lines_count_only_while_the_pen_is_down() -> None:
     assert found.measured == pytest.approx(5 * math.sin(math.radians(0.9)), abs=0.01)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("begin, end", [(184, 359), (180, 350), (10, 359)])
 def test_a_lift_at_the_wrong_time_is_seen(begin: float, end: float) -> None:
     """Too late, let down too early, lifted over most of the line: by so much the ends are apart."""

@@ -625,6 +625,7 @@ def test_search_tells_what_cannot_be_kept(changes: dict[str, Any], quantity: str
     assert math.isfinite(caught.value.value) and math.isfinite(caught.value.limit)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "changes", [{"limits.loop_angle_deg": 0.1}, {"parts.edge_radius": 0.6, "parts.nose_width": 2.0}]
 )

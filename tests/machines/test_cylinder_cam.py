@@ -265,6 +265,7 @@ def test_a_smaller_cutter_leaves_what_the_reference_says(tmp_path: Path) -> None
     assert not path.ok
 
 
+@pytest.mark.long
 def test_a_wrapped_path_keeps_its_cutter_at_both_walls(tmp_path: Path) -> None:
     """Of the drawing alone: a cutter of 3 mm, radial on a cylinder of r, unrolls to at most r asin(3 / r) to either side."""
     machine = drum(files={"cutter_radius": 3.0}, accuracy={"chord_tolerance": 0.002})

@@ -332,6 +332,7 @@ def test_wrong_keys_are_told_by_their_names(
     assert said in str(told.value)
 
 
+@pytest.mark.long
 def test_outlines_of_too_many_points_are_refused_with_a_tolerance_that_does(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

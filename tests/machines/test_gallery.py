@@ -128,6 +128,7 @@ CHANGES = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", CHANGES)
 def test_what_an_example_says_to_change_first_can_be_changed(name: str) -> None:
     """Each change that stands in its second line is another machine, that holds its limits and has parts."""

@@ -445,6 +445,7 @@ def test_a_motor_that_turns_evenly_beside_a_program_is_an_axis_too(tmp_path: Pat
     assert judged(made.folder) == {"drive of left": True, "drive of right": True}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "row, old, new, failing",
     [

@@ -129,6 +129,7 @@ def test_targets_from_files_and_their_damage(root: Path, tmp_path: Path) -> None
     ) not in failed
 
 
+@pytest.mark.long
 def test_a_path_as_a_whole_from_the_model() -> None:
     """Its own course but for one corner that is 0.3 mm off."""
     run = validate(Linkage, spec(**HOEKEN, output=[{"name": "pen", "point": "P"}])).run(

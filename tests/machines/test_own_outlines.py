@@ -144,6 +144,7 @@ def test_an_outline_turns_with_the_link_that_a_base_radius_turns(
     assert outer.centroid == pytest.approx((centre - pivot) / (tip - pivot) * abs(tip - pivot))
 
 
+@pytest.mark.long
 def test_a_note_tells_how_far_a_base_radius_turns_a_link_from_where_it_is_drawn(
     here: Path,
 ) -> None:

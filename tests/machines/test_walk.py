@@ -67,6 +67,7 @@ def test_freight_beyond_its_feet_makes_it_fall() -> None:
     assert any("falls" in note for note in study.notes)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("frictions", ["[0.6]", "[1.0, 0.6, 0.3]"])
 def test_its_drive_gives_what_the_slipping_feet_take(frictions: str) -> None:
     """Over a turn, without friction of joints: weight and inertia give back what they take, so that the work is that of the slip.
@@ -82,6 +83,7 @@ def test_its_drive_gives_what_the_slipping_feet_take(frictions: str) -> None:
     assert work == pytest.approx(0.6 * slip, rel=0.01)
 
 
+@pytest.mark.long
 def test_its_pins_bear_the_weight_on_the_feet_that_stand() -> None:
     """The reactions of what hangs on the ground add up to all weight but that of the frame and its freight, which is no body."""
     one = walker(FEET, "walk.payload_g=400", "drive.speed_rpm=0.01", "walk.friction=[0.3]")

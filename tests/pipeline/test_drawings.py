@@ -221,6 +221,7 @@ def test_labels_that_do_collide_are_found(tmp_path: Path) -> None:
 CHART = {"at_deg": (90, 150, 250, 360), "to": (24, 24, 0, 0)}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("radius", "at"), [(9.5, 90), (9.5, 60), (8.0, 90), (16.0, 120)])
 def test_the_sense_of_turning_stands_clear_of_all_else(
     radius: float, at: int, tmp_path: Path

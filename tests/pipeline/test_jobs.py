@@ -135,7 +135,7 @@ def test_all_of_the_gallery_is_made() -> None:
     }
 
 
-@pytest.mark.long
+@pytest.mark.long(by="name")
 @pytest.mark.parametrize("name, changes", MADE)
 def test_all_of_a_spec_is_judged(
     built: Callable[..., Path], name: str, changes: tuple[str, ...]
@@ -151,7 +151,7 @@ def test_all_of_a_spec_is_judged(
 SHARED_OUT = [(*AUTOMATON, 2), (*BEAK, 4), (*SHEET, 4), (*ALONE, 2)]
 
 
-@pytest.mark.long
+@pytest.mark.long(by="name")
 @pytest.mark.parametrize("name, changes, jobs", SHARED_OUT)
 def test_same_bytes_with_several_cores(
     built: Callable[..., Path], tmp_path: Path, name: str, changes: tuple[str, ...], jobs: int
@@ -246,7 +246,7 @@ def numbers(path: Path) -> bytes:
     return data
 
 
-@pytest.mark.long
+@pytest.mark.long(by="name")
 @pytest.mark.parametrize("name, changes", MADE)
 def test_no_file_has_minus_zero(
     built: Callable[..., Path], name: str, changes: tuple[str, ...]
