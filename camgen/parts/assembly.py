@@ -470,10 +470,10 @@ def order_of_assembly(assembly: Assembly) -> Table:
         copies = standing_copies(assembly.parts, assembly.mounts, poses)
         fixing = assembly.process.fixing
         table = replace(table, steps=mated(table.steps, copies, assembly.features, fixing))
-        told = {row[1] for row in table.rows} | {*assembly.by_name}
-        last = [(row, step) for row, step in further_rows(assembly) if row[1] not in told]
+        if len({mount.body for mount in assembly.mounts}) > 1:
+            return table  # a machine, whose own steps put in what is bought
         own = zip(map(tuple, table.rows), table.steps, strict=True)
-        return numbered(table, [*own, *last])
+        return numbered(table, [*own, *further_rows(assembly)])
     table = by_heights(assembly)
     rows: list[_Row] = [
         (tuple(row), step) for row, step in zip(table.rows, table.steps, strict=True)

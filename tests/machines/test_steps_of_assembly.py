@@ -958,6 +958,18 @@ def test_all_that_is_bought_is_put_in_by_some_step(name: str) -> None:
     assert not left_out(built(name))
 
 
+def test_what_own_steps_put_in_comes_once() -> None:
+    """The nozzle's screws are put in with the nozzle; what bears a drum of two pieces has steps after them."""
+    titles = [step.title for step in steps_of_assembly(built("uniform-swing")).steps]
+    assert sum("screw of the nozzle" in title for title in titles) == 1
+    drum = [step.title for step in steps_of_assembly(built("cylinder-cam")).steps]
+    assert [title.partition(", ")[0] for title in drum[-3:]] == [
+        "Shaft",
+        "2 × bearing of the shaft",
+        "Roller",
+    ]
+
+
 def test_a_step_that_forgets_what_is_bought_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a walker's sides one step without its screws, one without the motor, one with a pin less."""
     walker = built("walker")
