@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from camgen.parts import materials
 from camgen.parts.part import Part
 
 if TYPE_CHECKING:
     from camgen.files.plates import Side
 
 # The rule of print time. A bead as wide as the nozzle and half as high, laid at this speed, gives the volumetric flow;
-# parts are printed solid; each layer of each copy costs as much again for travel, retraction and slow outer walls.
+# what is filled is printed, all of a part or its share; each layer of each copy costs as much again for travel, retraction and slow outer walls.
 PRINT_SPEED = 60.0  # mm/s
 LAYER_SHARE = 0.5  # of the nozzle: height of a layer
 LAYER_OVERHEAD = 6.0  # s
@@ -35,31 +34,31 @@ class Row:
 
 def parts_list(
     parts: Sequence[Part],
-    material: str = "PLA",
+    density: float,
+    infill: float = 1.0,
     nozzle: float = 0.4,
-    density: float | None = None,
-    sides: Mapping[str, Side] = MappingProxyType({}),
     layer: float | None = None,
+    sides: Mapping[str, Side] = MappingProxyType({}),
 ) -> list[Row]:
-    """A row for each part: exact volume, mass by the material's density, time = volume / flow + layers * overhead.
+    """A row for each part: exact volume, mass by density, time = filled volume / flow + layers * overhead.
 
-    The flow is nozzle * layer * PRINT_SPEED; layer: mm, LAYER_SHARE * nozzle unless given. KeyError for an unknown material
-    unless its density (g/cm^3) is given. sides: on which each part lies; without them as drawn.
+    density: g/cm^3, of the plastic; infill: share of a part that is plastic. The flow is nozzle * layer * PRINT_SPEED; layer: mm,
+    LAYER_SHARE * nozzle unless given. sides: on which each part lies; without them as drawn.
     """
-    density = (materials.of(material).density if density is None else density) / 1000  # g/mm^3
+    filled = infill * density / 1000  # g/mm^3
     layer = layer or LAYER_SHARE * nozzle
     flow = nozzle * layer * PRINT_SPEED
     rows = []
     for part in parts:
         height = sides[part.name].height if part.name in sides else part.thickness
-        seconds = part.volume / flow + math.ceil(height / layer - 1e-6) * LAYER_OVERHEAD
+        seconds = infill * part.volume / flow + math.ceil(height / layer - 1e-6) * LAYER_OVERHEAD
         rows.append(
             Row(
                 part.name,
                 part.title,
                 part.count,
                 part.count * part.volume,
-                part.count * part.volume * density,
+                part.count * part.volume * filled,
                 part.count * seconds / 60,
             )
         )

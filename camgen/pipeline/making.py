@@ -232,6 +232,7 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
 
     material = mechanism.material.name
     density = mechanism.assembly.process.density * 1e-3
+    infill = mechanism.material.infill
     parts = mechanism.assembly.parts
     printed = printed_parts(mechanism.assembly)
     same = _same(parts)
@@ -247,7 +248,7 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
             *_lying(sides.get(row.part)),
         )
         for row in parts_list(
-            printed, material, mechanism.print.nozzle, density, sides, mechanism.print.layer
+            printed, density / infill, infill, mechanism.print.nozzle, mechanism.print.layer, sides
         )
     ]
     blank: tuple[object, ...] = ("",) * 5

@@ -273,7 +273,7 @@ def test_what_is_collapsed_to_a_point_lies_on_nothing() -> None:
 
 
 def test_parts_list_by_hand() -> None:
-    (row,) = parts_list([block("cube", 10, 20, 3)], "PLA", 0.4)
+    (row,) = parts_list([block("cube", 10, 20, 3)], 1.24)
     assert (row.count, row.material_mm3, row.mass_g) == (
         3,
         pytest.approx(1800),
@@ -282,8 +282,7 @@ def test_parts_list_by_hand() -> None:
     assert row.print_min == pytest.approx(
         3 * (600 / (0.4 * 0.2 * 60) + 15 * 6) / 60
     )  # 4.8 mm^3/s, 15 layers of 6 s
-    assert parts_list([block("cube", 10, 20, 3)], "PETG")[0].mass_g / row.mass_g == pytest.approx(
-        1.27 / 1.24
-    )
-    with pytest.raises(KeyError):
-        parts_list([], "cheese")
+    (half,) = parts_list([block("cube", 10, 20, 3)], 1.27, 0.5)
+    assert half.material_mm3 == row.material_mm3  # of the part
+    assert half.mass_g / row.mass_g == pytest.approx(0.5 * 1.27 / 1.24)
+    assert half.print_min == pytest.approx(3 * (300 / 4.8 + 15 * 6) / 60)

@@ -29,6 +29,7 @@ from camgen.machines.sources import read_mechanism
 from camgen.parts import materials
 from camgen.parts.catalogue import BEARINGS
 from camgen.parts.solids import solid
+from camgen.pipeline.making import parts_table
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 MOVED = (
@@ -94,6 +95,22 @@ def test_infill_and_typed_masses() -> None:
         typed.machine.body("disc").mass == pytest.approx(full.body("disc").mass)
         and typed.sources["disc"] == "solids"
     )
+
+
+def test_the_parts_list_tells_mass_and_time_of_what_is_filled() -> None:
+    """Of the plastic, at 4.8 mm^3/s; the volume is that of the part."""
+    full, part = (
+        dict(zip(table.columns, table.rows[0], strict=True))
+        for table in (
+            parts_table(made("eccentric-drive", f"material.infill={share}"))
+            for share in (1.0, 0.25)
+        )
+    )
+    volume = full["material, mm^3"]
+    assert part["material, mm^3"] == volume
+    assert part["mass in PLA, g"] == pytest.approx(volume * 1.24e-3 / 4)
+    saved = full["print time, min"] - part["print time, min"]
+    assert saved == pytest.approx(0.75 * volume / 4.8 / 60)
 
 
 def test_a_given_inertia_stays_about_its_pivot() -> None:

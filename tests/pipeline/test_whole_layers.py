@@ -53,7 +53,7 @@ def test_no_layer_tells_nothing_and_layers_count_in_the_time():
     (part,) = [
         part for part in camgen.load(SPECS / "linkage.toml").assembly.parts if part.name == "rocker"
     ]
-    coarse, fine = (parts_list([part], layer=layer)[0].print_min for layer in (0.2, 0.1))
+    coarse, fine = (parts_list([part], 1.24, layer=layer)[0].print_min for layer in (0.2, 0.1))
     flow = part.volume / (0.4 * 0.2 * 60)
     assert fine - coarse == pytest.approx(
         (flow + 20 * 6.0) / 60
