@@ -440,8 +440,6 @@ def drum_section(drum: Drum, facts: Facts, scales: Sequence[float]) -> Section:
     if drum.roller.slope:
         half = math.degrees(math.atan(drum.roller.slope))
         words.append(f"half angle of its cone {number(half)}°")
-    if facts.edges:
-        words.append(f"edges {facts.edges}")
     face = [*edge, *corners]
     return Section(title, scale, words, [face], edges, breaks, rollers, axes, sizes)
 
@@ -499,7 +497,6 @@ def plates_section(groove: Groove, depth: float, facts: Facts, scales: Sequence[
         f"{'outer' if groove.inner else 'inner'} wall and back plate",
         f"roller Ø{number(groove.roller)}",
     ]
-    words += [f"edges {facts.edges}"] if facts.edges else []
     middle = width / 2
     return Section(
         f"Groove as assembled ({ratio(scale)})",
