@@ -27,7 +27,7 @@ class _Act:
     """A step of assembly: which part comes where, as the table says it, and what is done.
 
     apart: what is built beside the machine, its outer side down; joins: what was, and comes too; first: its copies come
-    once more; dry: held without glue, however tight it is; wire: of a spring, (n, 3) mm.
+    once more; dry: held without glue, however tight it is; follows: in one go with the act before it; wire: of a spring, (n, 3) mm.
     """
 
     part: str
@@ -38,6 +38,7 @@ class _Act:
     first: bool = False
     apart: str = ""
     joins: str = ""
+    follows: bool = False
     wire: Floats | None = None
 
     @property
@@ -49,6 +50,7 @@ class _Act:
             apart=self.apart,
             up=_INWARDS if self.apart not in ("", _beside("drum")) else Step.up,
             joins=self.joins,
+            follows=self.follows,
             wire=self.wire,
             dry=self.dry,
         )
@@ -131,14 +133,15 @@ class BenchSteps:
         for ring in self.bench.drum[1:]:
             laid = self._beside("drum", "drum", _FIRST, f"lay it {_FIRST}")
             yield replace(laid, dry=self._driven)
-            yield self._beside(ring.name, "drum", GLUED, f"glue the ring on the drum, {SEAT}")
+            glued = self._beside(ring.name, "drum", GLUED, f"glue the ring on the drum, {SEAT}")
+            yield replace(glued, follows=True)
 
     def _lower_acts(self) -> Iterator[_Act]:
         """The lower plate with its bearing and the rods."""
         lay = "lay the lower end plate on the table, its seat up"
         yield _Act("end-plate", "seat up", lay, ["end-plate-1"])
         press = "press a ball bearing into its seat, without glue"
-        yield _Act("bearing", "pressed into the seat", press, ["bearing-1"])
+        yield _Act("bearing", "pressed into the seat", press, ["bearing-1"], follows=True)
         rods = len(self._copies["rod"])
         yield self._act(
             "rod",
