@@ -701,7 +701,7 @@ class _Layout:
         )
         away = hollow.centre / abs(hollow.centre)
         far = number(abs(hollow.centre))
-        bottom = hollow.centre - hollow.radius * away
+        bottom = complex(hollow.at((hollow.t0 + hollow.t1) / 2, 0))
         said = f"{count} × R{number(hollow.radius)} {off}".rstrip()
         self._leader(bottom, away, f"{said} about R{far}")
         rim = cmath.rect(wheel.rim, cmath.phase(hollow.centre) - math.pi / count)

@@ -16,7 +16,7 @@ from camgen.files import views
 from camgen.files.dimensions import edge_rows, holes_of, nearest_and_farthest, number
 from camgen.files.drawing import _Layout, write_drawing
 from camgen.files.labels import box
-from camgen.files.sheet import LAYERS, Size, Stroke, Text
+from camgen.files.sheet import LAYERS, Fill, Size, Stroke, Text
 from camgen.files.title_block import Facts, weighed
 from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.facets import facet_contour
@@ -34,6 +34,7 @@ from camgen.geometry.outlines import (
 )
 from camgen.machines.sources import read_mechanism
 from camgen.parts.part import Layer, Part, d_bore, hull, keyed_bore
+from camgen.parts.wheels.geneva import Geneva, InnerGeneva
 from camgen.pipeline.drawings import facts_of
 
 META = Facts("uniform-swing", "steel (C45)", 12.345, "ISO 2768-m")
@@ -886,6 +887,18 @@ def test_tables_of_a_metal_cam_have_the_axis_of_its_roller(root, tmp_path):
     plain = read_mechanism(root / "specs" / "disc-cam.toml").resolved()
     (other,) = plain.assembly.parts
     assert len(write_drawing(tmp_path, "p", other, TOLERANCE, facts_of(plain, other))) == 2
+
+
+@pytest.mark.parametrize("inner", [False, True])
+def test_the_arrow_of_a_geneva_wheel_s_hollows_ends_on_one(inner):
+    edge = (InnerGeneva if inner else Geneva)(4, 70.0, 5.0, 3.0).wheel()
+    ring = Region(circle(0, 140), (edge,)) if inner else Region(edge, (circle(0, 4),))
+    layout = _Layout(Part("w", "W", (Layer(ring, 0.0, 5.0),)), "d", TOLERANCE, META)
+    rim = shapely.LinearRing([(z.real, z.imag) for z in facet_contour(edge, 1e-3)])
+    tips = [each.corners[0] for each in layout.sheet.things if isinstance(each, Fill)]
+    places = [(z - layout.datum) / layout.scale for z in tips]
+    hollows = [z for z in places if rim.distance(shapely.Point(z.real, z.imag)) < 0.01]
+    assert len(hollows) >= 2  # one on a hollow, one on the rim
 
 
 @pytest.mark.parametrize(("material", "off"), [("C45", " +0.05/0"), ("PLA", "")])
