@@ -205,7 +205,10 @@ def test_a_build_has_both_pieces_and_their_steps(tmp_path: Path) -> None:
     assert [part["name"] for part in told["parts"]] == ["drum", "ring"]
     assert told["numbers"]["supports_mm2"] == 0
     steps = next(each for each in told["tables"] if each["title"] == "Assembly of the drum")
-    assert [row[1] for row in steps["rows"]] == ["drum", "ring"]
+    assert [row[1] for row in steps["rows"] if row[1]][:2] == [
+        "drum",
+        "ring",
+    ]  # then what is bought
     assert not list((tmp_path / "cylinder-cam").rglob("*developed*"))
     again = pipeline.read_mechanism(tmp_path / "cylinder-cam" / "spec.toml")
     assert isinstance(again, CylinderCam)
