@@ -688,13 +688,14 @@ def test_steps_of_a_drum_machine_give_a_height_to_what_lies_level_alone() -> Non
     across = {row["part"] for row in rows if row["lies"] == "on its side"}
     assert across == {"carriage", "roller-pin", "roller"}
     for row in rows:
-        low = row["part"] in across or str(row["where"]).startswith("on the table")
+        aside = ("on the table", "clean", "with the roller")
+        low = row["part"] in across or str(row["where"]).startswith(aside)
         assert (row["underside at z, mm"] == "") == low
     below, *above = (row["underside at z, mm"] for row in rows if row["part"] == "end-plate")
     drum = [row for row in rows if row["part"] == "drum"][-1]
     assert below == 0 and set(above) == {above[0]} and above[0] > drum["underside at z, mm"]  # type: ignore[operator]
-    aside = next(row for row in rows if row["part"] == "carriage")
-    assert aside["where"] == "on the table, the bore for the pin upright"
+    block = next(row for row in rows if row["part"] == "carriage")
+    assert block["where"] == "on the table, the bore for the pin upright"
     titles = [step.title for step in table.steps]
     begins = ("Lay the lower end plate", "Lower the upper end plate")
     ends = [title for title in titles if title.startswith(begins)]
@@ -702,7 +703,7 @@ def test_steps_of_a_drum_machine_give_a_height_to_what_lies_level_alone() -> Non
         True,
         True,
     ]
-    assert "together with the carriage" in titles[drum["step"] - 1]  # type: ignore[operator,index]
+    assert titles[drum["step"] - 1].startswith("Lower the drum and the carriage at once")  # type: ignore[operator,index]
     (rods,) = (title for title in titles if "× rod" in title)
     assert rods.startswith(
         "Glue 4 × rod upright into the lower end plate, flush with its underside; the two that stand farther"
@@ -741,7 +742,7 @@ def test_steps_of_a_drum_machine_say_where_the_shaft_stands_and_what_is_glued(
         shaft.startswith(f"Lay five sheets of paper, {low['shaft']:g} mm, under")
         and low["shaft"] == 0.5
     )
-    (drum,) = (title for title in titles if title.startswith("Try the drum"))
+    (drum,) = (title for title in titles if title.startswith("Lower the drum"))
     assert said in drum
     assert "Put spacer-above on the shaft, down on the drum, no glue." in titles
     (under,) = (title for title in titles if "spacer-below on the shaft, 0.1" in title)

@@ -96,7 +96,8 @@ class BenchSteps:
         ] or copies  # all, where they were built
         mount = mounts[copies.index(own[0])]
         level = mount.body in (GROUND, CAM) and not mount.upright
-        z: object = round(mount.z, 3) if level and not act.first else ""
+        stands = not act.apart if act.joins else not act.first and act.place != _FIRST
+        z: object = round(mount.z, 3) if level and stands else ""
         lies = ("turned over" if mount.flipped else "as drawn") if level else "on its side"
         return act.part, part.title, act.place, len(own), z, lies
 
