@@ -292,12 +292,11 @@ def mounts_on_flats(
         for body in first.keys() & second.keys():  # both sides of a machine may have them
             on = keyed_mounts[first[body]]
             n = second[body]
-            angle = on.direction(a) - b
+            free = replace(keyed_mounts[n], at=0j, angle=0.0)
+            turned = replace(free, angle=on.direction(a) - free.direction(b))
             centre = on.place(readings.eyes[feature.a].centre)
             keyed_mounts[n] = replace(
-                keyed_mounts[n],
-                at=centre - cmath.exp(1j * angle) * readings.eyes[feature.b].centre,
-                angle=angle,
+                turned, at=centre - turned.place(readings.eyes[feature.b].centre)
             )
     return keyed_mounts
 

@@ -516,25 +516,25 @@ def test_rails_on_the_runner_are_refused() -> None:
 @given(
     at=st.complex_numbers(max_magnitude=30),
     turned=st.floats(-3, 3),
-    flipped=st.booleans(),
+    flipped=st.tuples(st.booleans(), st.booleans()),
     holes=st.tuples(st.complex_numbers(max_magnitude=20), st.complex_numbers(max_magnitude=20)),
     facing=st.tuples(st.floats(-3, 3), st.floats(-3, 3)),
 )
 def test_a_part_on_a_pin_with_a_flat_stands_hole_on_hole_and_flat_beside_flat(
     at: complex,
     turned: float,
-    flipped: bool,
+    flipped: tuple[bool, bool],
     holes: tuple[complex, complex],
     facing: tuple[float, float],
 ) -> None:
-    """Wherever its own mount puts it; other parts stay."""
+    """Wherever its own mount puts it, either of them turned over; other parts stay."""
     key = SharedFlat(Eye("a", 0j, 5.0), Eye("b", 0j, 5.0), 0.0)
     found = Readings(
         {key.a: MeasuredEye(holes[0], 5.0), key.b: MeasuredEye(holes[1], 5.0)}, facing={key: facing}
     )
-    first, other = Mount("a", "crank", at, turned, flipped, 2.0), Mount("c", "crank", 1j, 0.5)
+    first, other = Mount("a", "crank", at, turned, flipped[0], 2.0), Mount("c", "crank", 1j, 0.5)
     same, kept, moved = mounts_on_flats(
-        [key], [first, other, Mount("b", "crank", 99j, 2.0, z=7.0)], found
+        [key], [first, other, Mount("b", "crank", 99j, 2.0, flipped[1], 7.0)], found
     )
     assert (same, kept) == (first, other) and (moved.part, moved.body, moved.z) == (
         "b",
