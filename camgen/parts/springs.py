@@ -1,10 +1,11 @@
 """Springs of round wire, cold coiled: extension springs, EN 13906-2, and compression springs, EN 13906-1; patented drawn wire
-EN 10270-1 SH.
+EN 10270-1 SM, than which SH and DH are stronger.
 
 surge    the lowest at which its coils swing by themselves, sqrt(rate / mass) / 2: half a wave along the coils, both ends held
 rate     G d^4 / (8 D^3 n)
 stress   k 8 F D / (pi d^3), k = (w + 0.5) / (w - 0.75) by Bergstraesser, w = D / d; at most 0.45 of the wire's tensile
-         strength
+         strength, 1980 - 740 log10(d) N/mm^2: the least of SM within 0.5 % from 0.3 to 10 mm [mollificiomodenese.it, Carbon
+         steel wire EN 10270-1, class SM: 1980 at 1 mm, 1760 at 2, 1530 at 4, 1310 at 8]
 legs     where its closed coils and hooks are shorter than its free length, straight wire from the coils to either eye
 solid    of a compression spring with closed, ground ends: (n + 2) d; it is never pressed so far by 15 % of its greatest stretch
          [Shigley, Mechanical Engineering Design, eq. 10-17, table 10-1]
@@ -13,14 +14,27 @@ solid    of a compression spring with closed, ground ends: (n + 2) d; it is neve
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from camgen.parts.catalogue import Bought
 from camgen.parts.materials import STEEL
 
-WIRES = (0.2, 0.25, 0.32, 0.4, 0.5, 0.63, 0.8, 1.0, 1.25, 1.6, 2.0)  # mm, of the series R10
+_SLIM_WIRES = (
+    0.2,
+    0.25,
+    0.32,
+    0.4,
+    0.5,
+    0.63,
+    0.8,
+    1.0,
+    1.25,
+    1.6,
+    2.0,
+)  # mm, of springs in a machine
+WIRES = (*_SLIM_WIRES, 2.5, 3.2, 4.0, 5.0, 6.3, 8.0)  # mm, of the series R10
 EYE = 1.1  # of a spring, to the pin that it hooks on
 _SHEAR = 81500.0  # N/mm^2
 _SHARE = 0.45  # of the tensile strength
@@ -123,7 +137,7 @@ def extension_spring(
     """The slimmest spring of a rate, N/mm, and free length whose eyes are at least so wide inside, its hooks so long; mm; None
     where none can be."""
     for wider in _WIDER:
-        for wire in WIRES:
+        for wire in _SLIM_WIRES:
             mean = wider * eye + wire
             coils = _SHEAR * wire**4 / (8 * mean**3 * rate)
             spring = ExtensionSpring(wire, mean + wire, coils, free, rate)
@@ -190,7 +204,7 @@ def compression_spring(
     widest = (outside - inside) / 2
     found = []  # slim ones first
     for room in (0.0, 0.25, 0.5, 1.0):  # shares of the gap, by which it is wider than it needs be
-        for wire in WIRES:
+        for wire in _SLIM_WIRES:
             mean = inside + wire + 2 * room * (widest - wire)
             coils = _SHEAR * wire**4 / (8 * mean**3 * rate)
             windable = coils >= _LEAST_COILS and _INDEX[0] <= mean / wire <= _INDEX[1]
@@ -252,10 +266,15 @@ def wished(wish: tuple[float, float, float] | None) -> dict[str, WorkingSpring]:
     return {} if spring is None else {"return spring, to be wound": spring}
 
 
-def to_wind(springs: Mapping[str, WorkingSpring]) -> list[Bought]:
-    """Lines in the parts list of those that are no part."""
-    return [
-        replace(spring.bought, name=name, role="", how=_BESIDE)
-        for name, spring in springs.items()
-        if not spring.made
-    ]
+def to_wind(wish: tuple[float, float, float] | None) -> list[Bought]:
+    """Lines in the parts list of the same; where none can be wound, what is asked of a spring that is yours to choose."""
+    if wish is None:
+        return []
+    found = wished(wish)
+    if found:
+        return [
+            replace(each.bought, name=name, role="", how=_BESIDE) for name, each in found.items()
+        ]
+    rate, low, travel = wish
+    size = f"preload {low:.4g} N, rate {rate or low / 3 / travel:.4g} N/mm, stretched {travel:.4g} mm further: yours to choose"
+    return [Bought("return spring", "", size, 1, how=_BESIDE)]

@@ -848,12 +848,15 @@ def test_weight_counts_in_a_machine_that_swings() -> None:
 
 
 def test_a_spring_that_cannot_be_wound_is_told() -> None:
-    """5,000 N by wire of 2 mm at most: named as not judged; 5 N by a spring whose stress and surge are judged."""
+    """5,000 N by wire of 8 mm at most: named as not judged and in the parts list; 5 N by a spring whose stress and surge are judged."""
     asked = ("load.mass_kg=0.1", "spring={rate=100,preload=5000}")
     (left,) = [
         each for each in judged("disc-cam", *asked).not_judged if each.code == "SPRING_STRESS"
     ]
-    assert "5000 N" in left.why and "2 mm" in left.why
+    assert "5000 N" in left.why and "8 mm" in left.why
+    (row,) = made("disc-cam", *asked).assembly.bought
+    assert row.name == "return spring"
+    assert row.size.startswith("preload 5000 N, rate 100 N/mm") and "yours to choose" in row.size
     assert (
         len(found("SPRING_STRESS", "disc-cam", "load.mass_kg=0.1", "spring={rate=1,preload=5}"))
         == 1

@@ -370,7 +370,7 @@ class DiscCamDrive(CamTables):
         return replace(
             made,
             springs=spring,
-            bought=[*screw, *to_wind(spring), *alone.dowels(), *alone.screws()],
+            bought=[*screw, *to_wind(self._spring_wish), *alone.dowels(), *alone.screws()],
             motor=MotorSeat(hub=hub),
             dowel=self.making.pin_diameter if self.geometry.closure == "groove" else 0.0,
             follower=FollowerFacts(wish=self._spring_wish),

@@ -159,7 +159,7 @@ class UniformSwing(Mechanism):
         """
         springs = wished(self._spring_wish)
         lever = f"; pulls square to a lever of {self.spring.lever:g} mm about the pivot, no eye is made for it"
-        wound = [replace(each, size=each.size + lever) for each in to_wind(springs)]
+        wound = [replace(each, size=each.size + lever) for each in to_wind(self._spring_wish)]
         demands = (
             Demand("swing", lash=math.radians(self.allowed.lash_deg), lash_of="limits.lash_deg"),
         )
