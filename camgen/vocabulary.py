@@ -81,8 +81,20 @@ _LIKELY: dict[str, dict[str, tuple[str, ...]]] = {
     "law": {
         **dict.fromkeys(("sine", "sin", "sinus", "sinusoidal"), _SINES),
         **dict.fromkeys(("harmonic", "shm", "cosine"), ("simple-harmonic",)),
+        **dict.fromkeys(("poly7", "poly-7"), ("4-5-6-7",)),
         **dict.fromkeys(("poly", "spline", "quintic", "smooth"), _POLYNOMIALS),
-        **dict.fromkeys(("345", "poly-345", "polynomial-345", "polynomial-3-4-5"), ("3-4-5",)),
+        **dict.fromkeys(
+            (
+                "345",
+                "poly-345",
+                "poly5",
+                "poly-5",
+                "fifth-order",
+                "polynomial-345",
+                "polynomial-3-4-5",
+            ),
+            ("3-4-5",),
+        ),
         **dict.fromkeys(("trapezoid", "trapezoidal", "mod-trap"), ("modified-trapezoid",)),
         **dict.fromkeys(("linear", "constant-velocity", "constant"), ("uniform",)),
         "constant-acceleration": ("parabolic",),

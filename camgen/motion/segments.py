@@ -594,7 +594,8 @@ def _levels(
         elif (table.lift is None) == (to is None):
             given = "" if table.lift is None else f"{table.lift:g}"
             back = f"; {goal} = 0 goes back to where the turn begins" if sign < 0 else ""
-            faults.append(Fault((*at, lift), given, f"either {lift} or {goal}{back}"))
+            missing = "" if given else "missing: "
+            faults.append(Fault((*at, lift), given, f"{missing}either {lift} or {goal}{back}"))
         elif table.lift is not None:
             end = level + sign * table.lift
         elif sign * (end - level) <= 0:

@@ -77,6 +77,7 @@ _FELT = 1e-4  # least change of a margin that counts, as a share of limit and me
 _MOST = 6  # keys that are told, beside those that help
 _LONGEST = 12  # numbers of a list that are changed; longer lists are tables of points
 _SECANTS = 8
+_BEYOND = 0.01  # of a value up to which a finding holds, by which it no longer does
 _WIDEST = 4.0  # how far a value is looked for, as a share of the one that is
 _DIGITS = 3  # of a value at which the limit is reached
 _BED = "BED_FIT"  # without files each part's size
@@ -423,7 +424,10 @@ class _Trial:
         if isinstance(value, int) or last == value:
             return None
         found = self(keys, last)
-        return last if found is not None and found.ok else None
+        beyond = self(keys, last - holding * _BEYOND * abs(last))
+        # else the end is further than what was tried, or what is judged is sized anew for each value
+        ends = beyond is None or not beyond.ok
+        return last if found is not None and found.ok and ends else None
 
 
 def _rounded(value: float, way: float) -> float:

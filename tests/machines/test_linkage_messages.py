@@ -173,7 +173,7 @@ def test_a_cam_of_a_wheel_runs_in_its_own_sense() -> None:
 def test_a_segment_is_told_by_the_keys_that_it_has(four_bar: dict[str, Any]) -> None:
     rise = {"kind": "rise", "span_deg": 180, "law": "cycloidal"}
     both = [{**rise, "lift_deg": 20}, {**rise, "kind": "return"}]
-    said = "segment.1.lift_deg - either lift_deg or to_deg; to_deg = 0 goes back to where the turn begins"
+    said = "segment.1.lift_deg - missing: either lift_deg or to_deg; to_deg = 0 goes back to where the turn begins"
     assert faults(cam_machine(segment=both)) == [f"cam.0.{said}"]
     four_bar["drive"]["segment"] = both
     assert faults(four_bar) == [f"drive.{said}"]

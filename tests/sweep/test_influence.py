@@ -365,3 +365,19 @@ def test_what_a_roller_presses_with_is_explained_by_its_radius_and_the_width() -
     assert "`limits.hertz_mpa` sets the limit" in text
     for key in ("`geometry.follower.radius`", "`parts.thickness`"):
         assert key in text
+
+
+def test_up_to_where_a_finding_holds_is_told_where_it_fails_beyond_alone() -> None:
+    """A spring is wound anew for each preload, rate and lift: what holds a little further has no end that can be told."""
+    settings = ["load.mass_kg=0.3", "spring.preload=15", "spring.rate=1"]
+    found = influence(SPECS / "disc-cam.toml", "SPRING_STRESS", settings)
+    assert found.nearest is not None and found.nearest.ok
+    assert {"spring.preload", "spring.rate"} <= {each.keys[0] for each in found.effects}
+    for effect in found.effects:
+        if effect.last is None:
+            continue
+        further = effect.last * (1.02 if abs(effect.last) > abs(effect.value) else 0.98)
+        (beyond,) = influence(
+            SPECS / "disc-cam.toml", "SPRING_STRESS", [*settings, f"{effect.keys[0]}={further}"]
+        ).findings
+        assert not beyond.ok, effect
