@@ -294,7 +294,8 @@ def test_a_value_that_camgen_found_is_a_key_and_stays_while_others_change(
     assert effects["geometry.base_radius"].found and not effects["geometry.follower.radius"].found
     assert effects["geometry.base_radius"].value == base
     for key, effect in effects.items():
-        changed = free.replace({"geometry.base_radius": base, key: effect.tried})
+        found_base = {} if math.isnan(effect.value) else {"geometry.base_radius": base}
+        changed = free.replace({**found_base, key: effect.tried})  # a key that was open: found anew
         assert effect.measured == pytest.approx(changed.limits()[0].measured, rel=1e-12)
     assert f"`geometry.base_radius`, found {base:.6g}: " in influence_text(open_, "PRESSURE_ANGLE")
 
