@@ -366,14 +366,17 @@ def said(most: int) -> Any:
 class Drawing(Record):
     """What the dimensioned drawings show besides the shapes."""
 
-    tolerance: Annotated[
-        str,
-        text_of_form(
-            'general tolerance: "ISO 2768-f", "-m", "-c" or "-v", with H, K or L behind it for form and place',
-            r"^ISO 2768-[fmcv][HKL]?$",
-        ),
-    ] = Field(
-        default="ISO 2768-m",
+    tolerance: (
+        Annotated[
+            str,
+            text_of_form(
+                'general tolerance: "ISO 2768-f", "-m", "-c" or "-v", with H, K or L behind it for form and place',
+                r"^ISO 2768-[fmcv][HKL]?$",
+            ),
+        ]
+        | None
+    ) = Field(
+        default=None,
         description="general tolerance: f, m, c or v; then H, K or L for form and position, as in -mK; left out: of metal -mK, else -m",
     )
     number: (

@@ -45,6 +45,7 @@ _IN_METAL = Facts(
     roughness_elsewhere=3.2,
     edges="broken 0.2 to 0.4, ISO 13715",
 )
+_MEDIUM = "ISO 2768-m"  # general tolerance of what is printed or cut of a sheet, unless its spec says other
 # Chamfer of a bore by the diameter up to which it is usual, mm: camgen's own rule.
 _CHAMFERS = ((10.0, 0.5), (40.0, 1.0), (math.inf, 1.5))
 _STEPS = (
@@ -93,9 +94,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         * 1e-6
         if printed or steel
         else None,
-        tolerance=_IN_METAL.tolerance
-        if metal and "tolerance" not in sheet.model_fields_set
-        else sheet.tolerance,
+        tolerance=sheet.tolerance or (_IN_METAL.tolerance if metal else _MEDIUM),
         number=f"{sheet.number}-{names.index(part.name) + 1:02d}" if sheet.number else "",
         date=sheet.date or "",
         fits=tuple(_fits(mechanism, part, sheet.seat_fit or bore_fit)),
