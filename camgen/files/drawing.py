@@ -56,7 +56,7 @@ from camgen.files.symbols import (
 )
 from camgen.files.title_block import WIDTH, Facts, Rider, title_block
 from camgen.files.track_tables import ROW as _ROW
-from camgen.files.track_tables import grid, own_tables, sheet_names, tables_sheets, track_tables
+from camgen.files.track_tables import grid, own_tables, tables_sheets, track_tables
 from camgen.files.tracks import (
     SECTION_ROOM,
     axial_section,
@@ -124,9 +124,7 @@ def write_drawing(
     paths = [folder / f"{stem}-drawing.dxf", folder / f"{stem}-drawing.pdf"]
     write_dxf_sheet(paths[0], layout.sheet, layout.scale, layout.datum)
     write_pdf(paths[1], layout.sheet)
-    own = replace(facts, number=facts.number or f"{stem}-drawing")
-    sheets = tables_sheets(layout.own_tables, part, own, f"Tracks of {part.title} ({stem})")
-    for name, sheet in zip(sheet_names(stem, sheets), sheets, strict=True):
+    for name, sheet in tables_sheets(layout.own_tables, part, facts, stem).items():
         paths += [folder / f"{name}.dxf", folder / f"{name}.pdf"]
         write_dxf_sheet(paths[-2], sheet, 1.0, 0j)
         write_pdf(paths[-1], sheet)

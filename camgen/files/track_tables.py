@@ -79,9 +79,10 @@ def grid(
 
 
 def tables_sheets(
-    tables: Sequence[TrackTable], part: Part, facts: Facts, title: str
-) -> list[Sheet]:
-    """The tables of a part's tracks side by side on sheets of their own, in columns as long as a sheet is high."""
+    tables: Sequence[TrackTable], part: Part, facts: Facts, stem: str
+) -> dict[str, Sheet]:
+    """Sheets with the tables of a part's tracks side by side, in columns as long as a sheet is high, by their files' names without
+    the ends. Such a name is the sheet's number too, unless the part's drawing has one."""
     right, top = _WIDTH - _MARGIN, _HIGH - _MARGIN
     most = int((top - _MARGIN - facts.height) / ROW) - 4
     columns = [
@@ -90,33 +91,26 @@ def tables_sheets(
         for k in range(0, len(table.rows), most)
     ]
     heads = list(dict.fromkeys(head for table in tables for head in table.heads))
-    sheets = list[Sheet]()
+    sheets = dict[str, Sheet]()
     left = right
     for column, titled in columns:
         wide = sum(column.widths)
         if left + wide > right:
-            sheets.append(Sheet(_WIDTH, _HIGH, title))
-            _frame(sheets[-1], heads)
-            own = replace(facts, number=f"{facts.number}-tracks{_numbered(len(sheets))}")
-            title_block(sheets[-1], complex(right, _MARGIN), part, own, 0.0, "A3")
+            which = f"tracks-{len(sheets) + 1}" if sheets else "tracks"
+            name = f"{stem}-{which}-drawing"
+            sheet = sheets[name] = Sheet(_WIDTH, _HIGH, f"Tracks of {part.title} ({stem})")
+            _frame(sheet, heads)
+            own = replace(facts, number=f"{facts.number}-{which}" if facts.number else name)
+            title_block(sheet, complex(right, _MARGIN), part, own, 0.0, "A3")
             left = _FILING + ROW
         level = complex(left, top - 2 * ROW)
         room = titled * (wide + ROW) - ROW
-        sheets[-1].text(level + 1.3j, column.title if titled else "", _HEIGHT, room=room)
-        sheets[-1].line(level, level + wide, layer="TEXT")
+        sheet.text(level + 1.3j, column.title if titled else "", _HEIGHT, room=room)
+        sheet.line(level, level + wide, layer="TEXT")
         lines = [column.heads, *column.rows]
-        grid(sheets[-1], level, lines, column.widths, range(len(column.heads)))
+        grid(sheet, level, lines, column.widths, range(len(column.heads)))
         left += wide + ROW
     return sheets
-
-
-def sheet_names(stem: str, sheets: Sequence[Sheet]) -> list[str]:
-    """Names of the files of these sheets without their ends."""
-    return [f"{stem}-tracks{_numbered(k)}-drawing" for k in range(1, len(sheets) + 1)]
-
-
-def _numbered(k: int) -> str:
-    return f"-{k}" if k > 1 else ""
 
 
 def _frame(sheet: Sheet, heads: Sequence[str]) -> None:

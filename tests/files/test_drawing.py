@@ -879,6 +879,9 @@ def test_tables_of_a_metal_cam_have_the_axis_of_its_roller(root, tmp_path):
     assert [path.stem for path in paths[2:]] == ["d-cam-tracks-drawing"] * 2
     assert "Cam" not in sheet and "Table of the track: d-cam-tracks-drawing.pdf" in " ".join(sheet)
     (own,) = tables
+    assert "d-cam-tracks-drawing" in own, "its number is the name of its file"
+    numbered = write_drawing(tmp_path, "n", part, TOLERANCE, replace(facts, number="K-1"))
+    assert "K-1-tracks" in texts_of(numbered[2])
     k = own.index("130%%d")  # the dwell after the rise is from 100 to 160
     assert own[k + 3 : k + 5] == ["320.00%%d", "42.000"]
     assert own.count("Axis at") == 2 and "355%%d" in own
