@@ -98,6 +98,12 @@ METAL = {
     "linkage": _SHAFTS,
 }
 
+# What its comments say of a print, and what is so in metal.
+_OF_PRINTS = {
+    "show their defaults": "show the defaults of prints (metal has its own)",
+    "\nnozzle = 0.4  ": "\n# nozzle = 0.4",
+}
+
 _WIDE = 110  # characters of a line
 
 
@@ -105,7 +111,10 @@ def in_metal(name: str) -> str:
     """A starter or an example of METAL, to be cut of steel."""
     from camgen.edits import edited
 
-    return edited(text(name), METAL[name])
+    whole = edited(text(name), METAL[name])
+    for words, in_steel in _OF_PRINTS.items():
+        whole = whole.replace(words, in_steel)
+    return whole
 
 
 def short(whole: str) -> str:

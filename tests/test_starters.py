@@ -280,6 +280,16 @@ def test_a_name_that_fills_its_column_keeps_a_space_before_its_comment() -> None
 
 
 @pytest.mark.parametrize("name", starters.METAL)
+def test_the_comments_of_a_starter_of_steel_are_not_those_of_a_print(name: str) -> None:
+    """Its thickness behind a # is 6 mm, which in steel is 12; nothing that it sets is of a printer."""
+    whole = starters.in_metal(name)
+    assert "show their defaults" not in whole
+    assert "nozzle" not in tomllib.loads(whole).get("print", {})
+    columns = [line.find("# mm") for line in whole.splitlines() if "nozzle = " in line]
+    assert columns in ([], [36])
+
+
+@pytest.mark.parametrize("name", starters.METAL)
 def test_a_starter_of_steel_holds_and_has_what_a_workshop_asks_for(name: str) -> None:
     """Of C45; a key with its length [DIN 6885] and a roller that is sold; shafts and pins of steel."""
     machine: Any = validate(load(starters.kind(name)), tomllib.loads(starters.in_metal(name)))
