@@ -115,9 +115,13 @@ def motor_notes(bore: float, model: str | None) -> list[str]:
 
 
 def bore_notes(bore: ShaftBore, material: str) -> list[str]:
-    """A sentence on a bore in metal that turns nothing, or that no drill, reamer and broach makes."""
-    if not materials.of(material).metal or bore.bore_shape == "keyway":
+    """A sentence on a bore in metal that turns nothing, slides on its key, or that no drill, reamer and broach makes."""
+    if not materials.of(material).metal:
         return []
+    if bore.bore_shape == "keyway":
+        return [
+            "Nothing keeps it from sliding along its shaft and key: a shoulder, a ring or a set screw over the key is yours."
+        ]
     if bore.bore_shape == "plain":
         return [
             'Nothing in the plain bore keeps it from turning: clamp or shrink it on the shaft, or parts.bore_shape = "keyway".'

@@ -185,8 +185,11 @@ def test_a_bore_in_metal_that_turns_nothing_or_is_hard_to_cut_is_told(spec: str)
     assert "keeps it from turning" in plain
     (flat,) = told(steel, "parts.bore_shape=d-flat")
     assert "wire erosion" in flat
-    assert not told(steel, "parts.bore_shape=keyway", "parts.bore=10")
+    keyed = (steel, "parts.bore_shape=keyway", "parts.bore=10")
+    assert not told(*keyed)
     assert not told("parts.bore_shape=plain")
+    (slides,) = read_mechanism(STARTER.with_name(spec), keyed).remarks().warnings
+    assert "sliding along its shaft" in slides
 
 
 @pytest.mark.parametrize(
