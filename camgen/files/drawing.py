@@ -1105,6 +1105,12 @@ class _Layout:
         lines += [facts.heat_treatment] if facts.heat_treatment else []
         if facts.ground and fine:
             lines.append(f"{fine} ground after hardening; all sizes hold after it")
+        if facts.thread:
+            before = ", before hardening" if facts.ground else ""
+            lines.append(
+                f"Fit the walls on the back; drill and ream the dowel holes together{before}"
+            )
+            lines += [f"Threads {facts.thread} cut before hardening"] if facts.ground else []
         return lines
 
     @property

@@ -187,6 +187,7 @@ class Assembly:
     follower: FollowerFacts = FollowerFacts()
     support: Support | None = None  # its stand, where it has one
     dowel: float = 0.0  # mm, diameter of the dowels in its parts' round holes of this size
+    thread: str = ""  # such as "M6", of the screws whose core holes its parts have
     feet: Feet | None = None  # where it stands on its own feet
     board: str = ""  # what it stands on, as the last step says; "" where nothing is said
     work: Sequence[Table] = ()  # the order of assembly, where it is not by height

@@ -5,7 +5,6 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -318,7 +317,6 @@ def _plates(
     inner = _ring(beside, _INNER_PINS, sizes.pin_diameter)
     outer = _ring(middle, _OUTER_DOWELS if screw else _OUTER_PINS, sizes.pin_diameter)
     back = [*inner, *outer]
-    tapped: tuple[str, ...] = ()
     drilled: tuple[str, ...] = ()
     if screw:
         core = CORE_HOLES[screw.thread]
@@ -326,12 +324,10 @@ def _plates(
         outer += _ring(middle, _OUTER_SCREWS, core)
         back += _ring(beside, _INNER_SCREWS, screw.clearance)
         back += _ring(middle, _OUTER_SCREWS, screw.clearance)
-        tapped = (f"thread {screw.thread} through the holes of Ø{core:g}",)
         drilled = (f"holes of Ø{screw.clearance:g} for screws {screw.thread}, heads below",)
     notes = (
         *sizes.notes(),
         f"with the inner wall a groove {groove[0]:g} wide, for a roller of {groove[1]:g}",
-        *tapped,
     )
 
     def plate(
@@ -344,9 +340,8 @@ def _plates(
         hole = sizes.bore if bored else None
         return Part(name, title, (layer,), 1, (), centres, part_notes, hole, min_wall)
 
-    cam = _cam(sizes, "inner", "Inner wall of the groove cam", outline, inner, min_wall)
     return (
-        replace(cam, notes=(*cam.notes, *tapped)),
+        _cam(sizes, "inner", "Inner wall of the groove cam", outline, inner, min_wall),
         plate("outer", "Outer wall of the groove cam", wall, outer, sizes.thickness),
         plate("back", "Back plate of the groove cam", bore, back, sizes.back),
     )

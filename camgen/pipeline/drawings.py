@@ -27,7 +27,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.motion.program import Program
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, cut_of_sheet
-from camgen.parts.catalogue import CUT, TURNED
+from camgen.parts.catalogue import CORE_HOLES, CUT, TURNED
 from camgen.parts.materials import STEEL, Material
 from camgen.parts.part import Layer, Part
 from camgen.parts.standing import Round, standing
@@ -102,6 +102,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         # dowels carry a track: they lie no farther off than the track may
         position=min(sheet.position, profile) if dowelled else sheet.position,
         dowel=mechanism.assembly.dowel,
+        thread=mechanism.assembly.thread,
         bore_fit=bore_fit,
         key_fit=sheet.key_fit or ("JS9" if metal else ""),
         tracks=tuple(
@@ -349,6 +350,7 @@ def _fits(mechanism: Mechanism, part: Part, seat: str) -> Iterator[Fit]:
     }
     poses, outlines = _standing_still(mechanism.assembly)
     dowel = mechanism.assembly.dowel
+    thread = mechanism.assembly.thread
     shafts = [shaft for other, rounds in outlines.items() if other != part.name for shaft in rounds]
     holes = set[tuple[complex, float]]()
     for layer in part.layers:
@@ -358,6 +360,10 @@ def _fits(mechanism: Mechanism, part: Part, seat: str) -> Iterator[Fit]:
             if seat and dowel and abs(2 * radius - dowel) < SAME_POINT and abs(place) > SAME_POINT:
                 holes.add((place, radius))
                 yield Fit(place, dowel, f"{in_limits(seat, dowel)}, dowel m6")
+                continue
+            if thread and abs(2 * radius - CORE_HOLES[thread]) < SAME_POINT:
+                holes.add((place, radius))
+                yield Fit(place, CORE_HOLES[thread], f"core hole, {thread} through")
                 continue
             inside = list(_nominal_diameters(mechanism, part.name, place))
             for pose in poses[part.name]:

@@ -103,6 +103,27 @@ def test_metal_has_the_tolerance_of_a_shop_unless_another_is_asked_for(
     assert facts_of(mechanism.resolved(), part).tolerance == tolerance, "as a build has it"
 
 
+@pytest.mark.parametrize("material", ["PLA", "C45", "16MnCr5"])
+def test_a_groove_s_walls_of_metal_have_their_threads_in_the_table(
+    tmp_path: Path, material: str
+) -> None:
+    """M3 has a core hole of 2.5 (pitch 0.5); what is case hardened is threaded and reamed before that."""
+    settings = ("geometry.closure=groove", "parts.hub_height=0", f"material.name={material}")
+    mechanism, found = facts("disc-cam", *settings)
+    metal = material != "PLA"
+    for part in mechanism.assembly.parts:
+        path, *_ = write_drawing(tmp_path, "g", part, 1e-3, found[part.name])
+        texts = [each.dxf.text for each in ezdxf.readfile(path).modelspace().query("TEXT")]
+        wall = part.name != "back"
+        tapped = texts.count("%%c2.5 core hole, M3 through")
+        assert tapped == metal * {"inner": 2, "outer": 4, "back": 0}[part.name]
+        notes = " ".join(reversed(texts))  # written upwards
+        hard = wall and material == "16MnCr5"
+        assert ("ream the dowel holes together" in notes) == metal
+        assert ("together, before hardening" in notes) == hard
+        assert ("Threads M3 cut before hardening" in notes) == hard
+
+
 @pytest.mark.parametrize(("name", "said"), [("plywood", "plywood"), ("PLA", "as the sheet")])
 def test_what_is_cut_of_a_sheet_has_its_material_where_that_is_known(name: str, said: str) -> None:
     _, found = facts("linkage", "parts.make=laser", "laser.thickness=4", f"material.name={name}")

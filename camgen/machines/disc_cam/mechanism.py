@@ -361,6 +361,7 @@ class DiscCamDrive(CamTables):
     def _bare(self) -> Assembly:
         """The cams alone."""
         alone = self._alone
+        groove = self.geometry.closure == "groove"
         parts = [*with_upper_sides(alone.plates, alone.outlines), *alone.shoe]
         made = self._assembly(parts, alone.mounts(), alone.outlines)
         spring = wished(self._spring_wish)
@@ -372,7 +373,8 @@ class DiscCamDrive(CamTables):
             springs=spring,
             bought=[*screw, *to_wind(self._spring_wish), *alone.dowels(), *alone.screws()],
             motor=MotorSeat(hub=hub),
-            dowel=self.making.pin_diameter if self.geometry.closure == "groove" else 0.0,
+            dowel=self.making.pin_diameter if groove else 0.0,
+            thread=alone.screw.thread if groove and alone.screw else "",
             follower=FollowerFacts(wish=self._spring_wish),
             demands=self.demands(),
         )
