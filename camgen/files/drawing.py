@@ -496,7 +496,8 @@ class _Layout:
         )
         wide, tall = signs
         rim = self.rim_letter and self.facts.profile and not self.facts.levels
-        fit = in_limits(_RIM, span.real) if rim else ""
+        fit = _RIM if rim else self.facts.outer_fit if wide == "Ø" else ""
+        fit = in_limits(fit, span.real) if fit else ""
         self._dimension(
             low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, Measure(span.real, wide, fit)
         )

@@ -66,6 +66,7 @@ class Facts:
     dowel: float = 0.0  # diameter of the dowels that join a groove's plates, mm
     thread: str = ""  # such as "M6", of the screws that hold a groove's plates together
     bore_fit: str = ""  # of the bore, such as "H7"
+    outer_fit: str = ""  # of a round outline
     key_fit: str = ""  # of a keyway's width
     # of each track its name, and by cam angle, deg, where its follower touches it: complex mm, in the sense in which it turns
     tracks: Sequence[tuple[str, Sequence[tuple[float, complex]]]] = ()

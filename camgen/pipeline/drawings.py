@@ -17,10 +17,11 @@ from camgen.files.dimensions import free, number, round_of
 from camgen.files.limits import in_limits
 from camgen.files.timing import Motion
 from camgen.files.title_block import Facts, Fit, Groove, Rider
+from camgen.files.tracks import looser
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine.cams.machine import CamTouch
-from camgen.machine.features import CamOutline, PartPose, PinEyes
+from camgen.machine.features import CamOutline, EdgePair, PartPose, PinEyes
 from camgen.machine.model import Cam
 from camgen.machines.follower_motions import follower_motions
 from camgen.machines.mechanism import Mechanism
@@ -29,7 +30,7 @@ from camgen.parts import materials
 from camgen.parts.assembly import Assembly, cut_of_sheet
 from camgen.parts.catalogue import CORE_HOLES, CUT, TURNED
 from camgen.parts.materials import STEEL, Material
-from camgen.parts.part import Layer, Part
+from camgen.parts.part import Layer, Part, SizeNote
 from camgen.parts.standing import Round, standing
 from camgen.tolerances import SAME_POINT
 
@@ -46,6 +47,7 @@ _IN_METAL = Facts(
     edges="broken 0.2 to 0.4, ISO 13715",
 )
 _MEDIUM = "ISO 2768-m"  # general tolerance of what is printed or cut of a sheet, unless its spec says other
+_ROD = "h9"  # fit of rod as it is sold, and of rollers
 # Chamfer of a bore by the diameter up to which it is usual, mm: camgen's own rule.
 _CHAMFERS = ((10.0, 0.5), (40.0, 1.0), (math.inf, 1.5))
 _STEPS = (
@@ -97,7 +99,8 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         tolerance=sheet.tolerance or (_IN_METAL.tolerance if metal else _MEDIUM),
         number=f"{sheet.number}-{names.index(part.name) + 1:02d}" if sheet.number else "",
         date=sheet.date or "",
-        fits=tuple(_fits(mechanism, part, sheet.seat_fit or bore_fit)),
+        fits=tuple(_fits(mechanism, part, sheet.seat_fit or bore_fit, looser(usual.profile))),
+        outer_fit=_outer_fit(mechanism, part) if metal else "",
         profile_step_deg=sheet.profile_step_deg if part.name in _cams(mechanism) else None,
         # dowels carry a track: they lie no farther off than the track may
         position=min(sheet.position, profile) if dowelled else sheet.position,
@@ -342,8 +345,30 @@ def _off(z: complex, rim: Points) -> float:
     return float(np.min(np.abs(z - rim - along * edges)))
 
 
-def _fits(mechanism: Mechanism, part: Part, seat: str) -> Iterator[Fit]:
-    """Fits of a part's round holes; seat: of ISO 286, of holes into which something is pressed."""
+def _outer_fit(mechanism: Mechanism, part: Part) -> str:
+    """Fit of the round outline of a rod or a roller; "" of another part, or of one with a head."""
+    discs = [round_of(layer.region.outer) for layer in part.layers]
+    sizes = {disc and round(disc[1], 6) for disc in discs}
+    return _ROD if len(sizes) == 1 and (_of_rod(part) or part.name in _rollers(mechanism)) else ""
+
+
+def _of_rod(part: Part) -> bool:
+    """Whether a part is cut of rod, which is sold as h9."""
+    return any(isinstance(note, SizeNote) for note in part.notes)
+
+
+def _rollers(mechanism: Mechanism) -> Iterator[str | None]:
+    """Names of the parts that roll on a cam or in a slot."""
+    for each in mechanism.assembly.features:
+        if isinstance(each, CamOutline):
+            yield each.roller
+        elif isinstance(each, EdgePair):
+            yield from (edge.part for edge in (*each.a, *each.b) if edge.seat)
+
+
+def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fit]:
+    """Fits of a part's round holes. seat: of ISO 286, of holes into which something is pressed; play: deviations of those in which
+    something turns."""
     clearances = {
         "press": mechanism.print.press_clearance,
         "slide": mechanism.print.slide_clearance,
@@ -352,6 +377,12 @@ def _fits(mechanism: Mechanism, part: Part, seat: str) -> Iterator[Fit]:
     dowel = mechanism.assembly.dowel
     thread = mechanism.assembly.thread
     shafts = [shaft for other, rounds in outlines.items() if other != part.name for shaft in rounds]
+    rods = [
+        shaft
+        for other in mechanism.assembly.parts
+        if _of_rod(other)
+        for shaft in outlines[other.name]
+    ]
     holes = set[tuple[complex, float]]()
     for layer in part.layers:
         for place, radius in filter(None, map(round_of, layer.region.holes)):
@@ -366,8 +397,8 @@ def _fits(mechanism: Mechanism, part: Part, seat: str) -> Iterator[Fit]:
                 yield Fit(place, CORE_HOLES[thread], f"core hole, {thread} through")
                 continue
             inside = list(_nominal_diameters(mechanism, part.name, place))
-            for pose in poses[part.name]:
-                bore = standing(part, pose, layer, place, radius)
+            bores = [standing(part, pose, layer, place, radius) for pose in poses[part.name]]
+            for bore in bores:
                 inside += [shaft.diameter for shaft in shafts if bore.holds(shaft)]
             for word, clearance in clearances.items():
                 sizes = [size for size in inside if abs(2 * radius - size - clearance) < SAME_POINT]
@@ -375,7 +406,11 @@ def _fits(mechanism: Mechanism, part: Part, seat: str) -> Iterator[Fit]:
                     holes.add((place, radius))
                     words = f"{word} on Ø{number(sizes[0])}"
                     if word == "press" and seat and not clearance:
+                        if any(bore.holds(rod) for bore in bores for rod in rods):
+                            words = f"glued on Ø{number(sizes[0])} {_ROD}"
                         words = f"{in_limits(seat, 2 * radius)}, {words}"
+                    elif word == "slide" and play:
+                        words = f"{play}, {words}"
                     yield Fit(place, 2 * radius, words)
                     break
 

@@ -15,6 +15,7 @@ from ezdxf import path
 from ezdxf.query import EntityQuery
 from reportlab.pdfbase.pdfmetrics import stringWidth
 
+from camgen import starters
 from camgen.errors import SpecError
 from camgen.files.dimensions import edge_rows
 from camgen.files.drawing import write_drawing
@@ -101,6 +102,28 @@ def test_metal_has_the_tolerance_of_a_shop_unless_another_is_asked_for(
     (part,) = mechanism.assembly.parts
     assert found["cam"].tolerance == tolerance
     assert facts_of(mechanism.resolved(), part).tolerance == tolerance, "as a build has it"
+
+
+def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
+    """A rod h9 (6: 0/-0.030, 11: 0/-0.043, ISO 286) is loose in any H7 and so is glued; a dowel m6 is pressed in."""
+    metal = starters.METAL["geneva-table"]
+    mechanism, found = facts("gallery/geneva-table", *metal)
+    glued, turns = "H7 (+0.012/0), glued on Ø6 h9", "+0.05/0, slide on"
+    assert fits(found["crank"]) == {0: glued, 35: "H7 (+0.012/0), press on Ø5"}
+    assert fits(found["ground"]) == {0: f"{turns} Ø6", 70: f"{turns} Ø6"}
+    assert fits(found["roller-crank_to_table"]) == {0: f"{turns} Ø5"}
+    parts = {part.name: part for part in mechanism.assembly.parts}
+    sizes = {"shaft": "%%c<> h9 (0/-0.03)", "roller-crank_to_table": "%%c<> h9 (0/-0.043)"}
+    for name, size in sizes.items():
+        path, *_ = write_drawing(tmp_path, "x", parts[name], 1e-3, found[name])
+        space = ezdxf.readfile(path).modelspace()
+        assert size in {each.dxf.text for each in space.query("DIMENSION")}
+    assert {name for name, each in found.items() if each.outer_fit} == {*sizes, "shaft-table"}
+    assert "hole P for a pin pressed in tight" in parts["crank"].notes
+    assert "hole O glued on the shaft" in parts["crank"].notes
+    _, plain = facts("gallery/geneva-table")
+    assert fits(plain["crank"]) == {0: "press on Ø6", 35: "press on Ø5"}
+    assert not any(each.outer_fit for each in plain.values())
 
 
 @pytest.mark.parametrize("material", ["PLA", "C45", "16MnCr5"])

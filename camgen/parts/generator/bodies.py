@@ -323,10 +323,13 @@ class Bodies:
             and point not in layout.discs
             and (link != GROUND or in_first(layout, point))
         ]
-        if not fixed:
-            return []
-        pins = "a pin" if len(fixed) == 1 else "pins"
-        return [f"{listed('hole', fixed)} for {pins} pressed in tight"]
+        shafts = [point for point in fixed if point in layout.shafts]
+        pins = [point for point in fixed if point not in shafts]
+        notes = [f"{listed('hole', shafts)} glued on the shaft"] if shafts else []
+        if pins:
+            said = "a pin" if len(pins) == 1 else "pins"
+            notes.append(f"{listed('hole', pins)} for {said} pressed in tight")
+        return notes
 
     # ---- pins and shafts --------------------------------------------------------------------------------------------
 
@@ -428,7 +431,7 @@ class Bodies:
             (Layer(Region(circle(0j, self.collar_radius), (bore,)), 0.0, s.thickness),),
             centres=(0j,),
             min_wall=self.min_wall,
-            notes=("pressed and glued on the shaft under the plate",),
+            notes=("glued on the shaft under the plate",),
         )
         z = -self.fits.slide_clearance - s.thickness
         return part, Mount(name, self.layout.carrier(link), at, z=z)

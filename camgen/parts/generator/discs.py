@@ -64,7 +64,7 @@ def cam_parts(layout: Layout, tip: Tip) -> Iterator[MountedPart]:
     floor = layout.floor(layout.level[tip.level])
     said = (
         f"drawn at theta = 0, level {layout.level[tip.level]}",
-        f"pressed and glued on the shaft of {link}",
+        f"glued on the shaft of {link}",
     )
     for part, under, place in _discs(layout, tip):
         part = replace(
@@ -188,7 +188,7 @@ def _wheel_bore(layout: Layout, link: str, start: float) -> tuple[Contour, float
     if layout.shafts.get(point) == link:
         wide = sizes.shaft_diameter + press
         bore = d_bore(wide, sizes.shaft_flat).moved(cmath.exp(1j * start))
-        return bore, wide, f"pressed and glued on the shaft of {link}"
+        return bore, wide, f"glued on the shaft of {link}"
     wide = layout.hole(point, link)
     fixed = layout.pressed_in(point) == link
     on = "its pin" if link in layout.planet_pins else f"the shaft at {point}"
@@ -289,7 +289,7 @@ def _on_shaft(layout: Layout, link: str, drive: EdgeDrive, edge: Contour) -> Mou
     level = layout.level[drive.level]
     notes = (
         f"drawn at theta = 0, level {level}",
-        f"pressed and glued on the shaft of {link}",
+        f"glued on the shaft of {link}",
         *drive.table(link),
     )
     thick = layout.wheel_thickness(link)
@@ -333,7 +333,7 @@ def shaft_cap(layout: Layout, point: str) -> MountedPart:
         (Layer(plate("cap", rim, {"shaft": bore}, layout.min_wall), 0.0, layout.sizes.head),),
         centres=(0j,),
         min_wall=layout.min_wall,
-        notes=(HoldingNote(f"pressed and glued on the shaft over {over}"),),
+        notes=(HoldingNote(f"glued on the shaft over {over}"),),
     )
     low = layout.on(point)[-1][1]
     return part, Mount(name, layout.carrier(link), layout.at(link, point), z=low)
@@ -394,7 +394,7 @@ def eccentric(layout: Layout, point: str) -> MountedPart:
         (Layer(region, 0.0, round(layout.disc_top(point) - low, 9)),),
         centres=(0j, off),
         min_wall=layout.min_wall,
-        notes=(HoldingNote(f"pressed and glued on the shaft over {_turning_on(layout, lower)}"),),
+        notes=(HoldingNote(f"glued on the shaft over {_turning_on(layout, lower)}"),),
     )
     return part, Mount(name, layout.carrier(link), layout.at(link, shaft), z=low)
 
@@ -450,7 +450,7 @@ def keeper(layout: Layout, point: str) -> MountedPart:
         (Layer(region, 0.0, layout.sizes.head),),
         centres=(0j,),
         min_wall=layout.min_wall,
-        notes=(HoldingNote(f"pressed and glued on the shaft over {link}, in line with its disc"),),
+        notes=(HoldingNote(f"glued on the shaft over {link}, in line with its disc"),),
         role="keeper",
     )
     return part, Mount(part.name, layout.carrier(link), at, z=layout.disc_top(point))

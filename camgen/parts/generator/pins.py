@@ -403,7 +403,7 @@ def hand_crank(layout: Layout) -> Iterator[MountedPart]:
         (Layer(region, 0.0, s.thickness),),
         centres=(0j, knob),
         min_wall=layout.min_wall,
-        notes=("pressed and glued on the lower end of the shaft",),
+        notes=("glued on the lower end of the shaft",),
     )
     yield arm, Mount(arm.name, link, at, z=z)
     long = KNOB * s.pin_diameter

@@ -445,7 +445,7 @@ def _sleeve(layout: Layout, name: str, sleeve: Sleeve) -> tuple[Part, Mount]:
         (Layer(own, 0.0, long), Layer(other, long, long + sleeve.up)),
         centres=(0j,),
         min_wall=layout.min_wall,
-        notes=("pressed and glued on both shafts; its flats keep their phase",),
+        notes=("glued on both shafts; its flats keep their phase",),
     )
     at = layout.at(layout.driven, layout.shaft_of(layout.driven))
     return part, Mount(part.name, layout.driven, at, z=low)
