@@ -460,7 +460,7 @@ def bodies_in_motion(assembly: Assembly) -> SweptMachine:
 # ---- steps of assembly -----------------------------------------------------------------------------------------------
 
 
-_Row = tuple[tuple[object, ...], Step]  # of the table, and its picture
+Row = tuple[tuple[object, ...], Step]  # of the table, and its picture
 
 
 def order_of_assembly(assembly: Assembly) -> Table:
@@ -476,7 +476,7 @@ def order_of_assembly(assembly: Assembly) -> Table:
         own = zip(map(tuple, table.rows), table.steps, strict=True)
         return numbered(table, [*own, *further_rows(assembly)])
     table = by_heights(assembly)
-    rows: list[_Row] = [
+    rows: list[Row] = [
         (tuple(row), step) for row, step in zip(table.rows, table.steps, strict=True)
     ]
     for coil in assembly.coils:
@@ -486,13 +486,13 @@ def order_of_assembly(assembly: Assembly) -> Table:
     return numbered(table, rows)
 
 
-def numbered(table: Table, rows: Sequence[_Row]) -> Table:
+def numbered(table: Table, rows: Sequence[Row]) -> Table:
     """The table with these rows, counted from 1."""
     counted = tuple((count, *row[1:]) for count, (row, _) in enumerate(rows, 1))
     return replace(table, rows=counted, steps=tuple(step for _, step in rows))
 
 
-def further_rows(assembly: Assembly) -> Iterator[_Row]:
+def further_rows(assembly: Assembly) -> Iterator[Row]:
     """Steps of what is bought and goes in with none of the parts: what feeds a motor, or what carries a cam alone."""
     with_last = {"drive", "mount"} if assembly.board else set[str]()
     if assembly.motor.reach is not None:
@@ -509,15 +509,17 @@ def coupled(assembly: Assembly) -> list[Bought]:
     return [each for each in assembly.bought if each.role == "drive"]
 
 
-def _bought_row(each: Bought) -> _Row:
+def _bought_row(each: Bought) -> Row:
     """A step of what is bought."""
     row = (0, each.name, each.size, each.how, each.count, 0.0, "as bought")
     many = f"{each.count} × {each.name}"
     name = many if each.count > 1 else each.name[:1].upper() + each.name[1:]
+    if each.role == "mount":
+        name = f"screw in {many}"
     return row, Step([Doing(f"{name}, {each.size}{f'; {each.how}' if each.how else ''}")])
 
 
-def with_things(row: _Row, things: Sequence[Bought]) -> _Row:
+def with_things(row: Row, things: Sequence[Bought]) -> Row:
     """A row, with what is put in at it beside how it lies, and in its step's title."""
     if not things:
         return row
@@ -528,7 +530,7 @@ def with_things(row: _Row, things: Sequence[Bought]) -> _Row:
     return cells, step.also(said)
 
 
-def _with_spring(rows: Sequence[_Row], coil: Coil, poses: Mapping[str, Pose]) -> list[_Row]:
+def _with_spring(rows: Sequence[Row], coil: Coil, poses: Mapping[str, Pose]) -> list[Row]:
     """Rows with a spring before the first head or cap over an eye of it, and pins that come through its eyes."""
     length = coil.length(poses)
     hooked = coil.stringing(length)
@@ -561,7 +563,7 @@ def by_heights(assembly: Assembly, before: Mapping[str, int] | None = None) -> T
     poses = assembly.poses(np.zeros(1))
     fixing = assembly.process.fixing
     table = order(assembly.parts, over, poses, assembly.features, fixing, before)
-    rows: list[_Row] = []
+    rows: list[Row] = []
     there = set[str]()
     for cells, step in zip(table.rows, table.steps, strict=True):
         coming = len({*step.copies} - there)  # what was loose comes again
@@ -576,7 +578,7 @@ def by_heights(assembly: Assembly, before: Mapping[str, int] | None = None) -> T
     return numbered(table, _on_plate(rows, assembly, mounts))
 
 
-def _on_plate(rows: Sequence[_Row], assembly: Assembly, mounts: Sequence[Mount]) -> Sequence[_Row]:
+def _on_plate(rows: Sequence[Row], assembly: Assembly, mounts: Sequence[Mount]) -> Sequence[Row]:
     """Rows with what goes under the plate after it, and with blocks under it where something hangs below; mounts: without a stand's."""
     name = assembly.frame.part if assembly.frame else GROUND
     plates = [mount.z for mount in mounts if mount.part == name]
@@ -605,7 +607,7 @@ def _on_plate(rows: Sequence[_Row], assembly: Assembly, mounts: Sequence[Mount])
     return rows if first else [*glued, *rows]
 
 
-def _row_of(part: Part, assembly: Assembly, doing: Doing) -> _Row:
+def _row_of(part: Part, assembly: Assembly, doing: Doing) -> Row:
     """A row of all copies of a part that comes from below."""
     stands = [mount for mount in assembly.mounts if mount.part == part.name]
     copies = [f"{part.name}-{k}" for k in range(1, len(stands) + 1)]
@@ -620,7 +622,7 @@ def _plate(assembly: Assembly) -> tuple[Part, Mount]:
     return assembly.by_name[name], next(each for each in assembly.mounts if each.part == name)
 
 
-def _motor_rows(assembly: Assembly) -> Iterator[_Row]:
+def _motor_rows(assembly: Assembly) -> Iterator[Row]:
     """A motor under the plate as soon as that is there, for later parts cover its screws; with the bar that holds it, as one step."""
     plate, stands = _plate(assembly)
     bars = [part for part in assembly.parts if part.role == "motor-bar"]
@@ -644,7 +646,12 @@ def _motor_rows(assembly: Assembly) -> Iterator[_Row]:
     one = f"the motor under the plate, its shaft up{through}"
     many = f"{count} motors under the plate, their shafts up{through}"
     it = "it" if count == 1 else "them"
-    now = f", and screw {it} on now, from above. Let {it} run on the supply before you go on: later parts cover the screws for good"
+    fed = any(each.role == "supply" for each in assembly.bought)
+    supply = "the batteries" if fed else "its supply"
+    now = (
+        f", and screw {it} on now, from above. Hold {'its' if count == 1 else 'their'} wires to {supply} and let {it} run before you go "
+        "on: later parts cover the screws for good"
+    )
     step = Step(
         [Doing("hold ", one if count == 1 else many, now)],
         way=1,
@@ -684,7 +691,7 @@ def round_prism(at: complex, radius: float) -> list[complex]:
     return [at + cmath.rect(radius, math.tau * k / 48) for k in range(48)]
 
 
-def _glued_below(part: Part, assembly: Assembly, there: bool) -> _Row:
+def _glued_below(part: Part, assembly: Assembly, there: bool) -> Row:
     """A row of what is glued under the plate, with its place by distances that one measures: of two corners of its opening from
     the two lettered holes of the plate that are next to each.
 
@@ -710,7 +717,7 @@ def _glued_below(part: Part, assembly: Assembly, there: bool) -> _Row:
     return cells, replace(step, doings=[lay, *step.doings], copies=copies)
 
 
-def _last_rows(assembly: Assembly) -> Iterator[_Row]:
+def _last_rows(assembly: Assembly) -> Iterator[Row]:
     """What the machine is put on at the end."""
     screws = [each for each in assembly.bought if each.role == "mount"]
     last = (
@@ -727,5 +734,5 @@ def _last_rows(assembly: Assembly) -> Iterator[_Row]:
         low = min(mount.z for mount in mounts)
         part = assembly.by_name[name]
         row = 0, name, part.title, where, len(mounts), low, "upright"
-        yield row, Step([Doing(f"{called(part, len(mounts))}: {where}")], copies)
+        yield row, Step([Doing("glue ", called(part, len(mounts)), f" {where}")], copies)
     yield with_things(last, coupled(assembly))

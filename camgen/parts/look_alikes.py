@@ -138,7 +138,7 @@ def with_sorting(
 _SORT = "sort what looks alike"
 _WRITE = (
     ", and write its name and the letters of its holes on each: its picture among the parts has them. Lengths are from middle to middle "
-    'of holes; in a tight hole a pin sticks most; parts with "or" between them are one and the same, turned over'
+    'of holes; tight or not, holes look alike until you ream: write the names first, then ream as listed; parts with "or" between them are one and the same, turned over'
 )
 
 

@@ -21,6 +21,7 @@ from camgen.machine.joining import Module
 from camgen.machine.model import Machine
 from camgen.parts.assembly import (
     Assembly,
+    Row,
     by_heights,
     coupled,
     further_rows,
@@ -253,8 +254,9 @@ def _greased(step: Step) -> Step:
     return replace(step, doings=doings)
 
 
-def _fed(step: Step, far: Assembly, mirror: Mirror) -> Step:
-    """The step that puts the batteries into their frame on the far side, with what they take of it."""
+def _fed(row: Row, far: Assembly, mirror: Mirror) -> Row:
+    """A row of what is bought; of batteries, with what they take of their frame, which is up before the far side goes on."""
+    cells, step = row
     shapes = []
     for mount in far.mounts:
         part = far.by_name[mount.part]
@@ -263,9 +265,12 @@ def _fed(step: Step, far: Assembly, mirror: Mirror) -> Step:
             corners = [start_point(each) for each in part.drawn.region.holes[0].pieces]
             shapes.append(([*map(stands.place, corners)], stands.z, stands.z + part.thickness))
     if not shapes:
-        return step
-    said = "if the machine goes backwards, swap the motor's two wires"
-    return replace(step, shapes=shapes).also(said)
+        return row
+    doings = [
+        Doing("turn it over: the frame is up"),
+        Doing(f"put the {cells[1]}, {cells[2]}, into the frame"),
+    ]
+    return cells, Step(doings, apart=f"{PREFIX} side", shapes=shapes)
 
 
 def _order(near: Assembly, far: Assembly, mirror: Mirror, taker: str) -> Table:
@@ -293,12 +298,19 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, taker: str) -> Table:
         there = replace(_greased(step), apart=f"{PREFIX} side", up=(0.0, 0.0, -1.0))
         rows.append((tuple(row), there))
     on = "spacers" if mirror.gap else "second plate of the near side"
-    run = "let the motor run on the batteries" if near.motor.reach is not None else "turn the shaft"
+    further = [_fed(row, far, mirror) for row in further_rows(near)]
+    fed = [row for row in further if row[1].shapes]
+    rows += fed
+    run = "turn the shaft"
+    if near.motor.reach is not None:
+        run = f"{'join the wires of the batteries' if fed else 'hold the wires of a supply'} to the motor's and let it run"
+    backwards = "If it goes backwards, swap the motor's two wires. " if fed else ""
+    lower = "lower the far side" if fed else "turn the far side over and lower it"
     doings = [
-        Doing("turn ", "the far side over", f" and lower it on the {on}, without glue yet"),
+        Doing(f"{lower} on the {on}, without glue yet"),
         Doing(f"{mirror.shaft} goes into {taker}; turn the far crank until the flat fits"),
         Doing(
-            f"{run}, slowly through the whole motion: no joint may be stiff. Then lift the far side off"
+            f"{run}, slowly through the whole motion: no joint may be stiff. {backwards}Then lift the far side off"
         ),
         Doing(
             "put glue into ",
@@ -312,5 +324,5 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, taker: str) -> Table:
     ]
     joining = (last, Step(doings, joins=f"{PREFIX} side"))
     rows += [with_things(joining, coupled(near))]
-    rows += [(row, _fed(step, far, mirror)) for row, step in further_rows(near)]
+    rows += [row for row in further if not row[1].shapes]
     return numbered(replace(first, title="Assembly, side by side"), rows)

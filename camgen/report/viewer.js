@@ -811,6 +811,7 @@
     function dress() {  // what is seen of this step, in the colours of the page
       const now = onBench(steps, number), comes = now.coming.length || now.spring.length || now.shapes.length;
       lies = now.lies;
+      canvas.parentElement.hidden = number > 0 && !now.begun;  // nothing is there yet
       const sense = steps[number].way;
       const mates = steps[number].mates.map(({ place, ...mate }) => ({ ...mate, place: new THREE.Vector3(...place).applyMatrix4(lies).toArray() }));
       [there, coming].forEach(group => group.clear());

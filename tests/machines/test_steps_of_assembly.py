@@ -80,7 +80,7 @@ def test_what_stands_over_a_slot_and_what_is_screwed_from_below_is_said(plates: 
     assert where(yoke)["spacer-1"] == "over the slot of ground"
     assert where(trammel)["beam"] == "B over the slot of ground, A over the slot of ground"
     said = [str(row[2]) for row in order_of_assembly(yoke.assembly).rows if row[1] == "post"]
-    assert said == ["Post: each screwed on from below, through the plate"] * (plates - 1)
+    assert said == ["Post: screw each on from below, through the plate"] * (plates - 1)
 
 
 def test_how_high_a_shaft_holds_each(leg: Mechanism) -> None:
@@ -749,7 +749,9 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     titles = [step.title for step in table.steps]
     (web,) = (part for part in walker.assembly.parts if part.name == "crank_web3")
     assert "O" in dict(web.points)
-    (join,) = (k for k, title in enumerate(titles) if title.startswith("Turn the far side over"))
+    (join,) = (
+        k for k, title in enumerate(titles) if title.startswith("Lower the far side on the spacers")
+    )
     assert "Shaft-crank_web3 goes into O of the far crank_web3; turn the far crank" in titles[join]
     (slips,) = (title for title in titles if "spacer-1 over O of crank_web3" in title)
     assert "spacer-1 over O of crank_web3, stuck there with a dot of grease." in slips
@@ -758,10 +760,13 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     assert f"two blocks at least {math.ceil(-min(disc[2] for disc in deep.discs))} mm" in plate
     numbers = {str(row[1]): row[0] for row in table.rows}
     assert numbers["far-battery-frame"] < numbers["far-shaft"], "no loose shaft is in the way"
-    run = titles[join].index("Let the motor run on the batteries")
+    batteries = next(k for k, title in enumerate(titles) if "Put the battery holder" in title)
+    assert batteries == join - 1, "it runs on them in the next step"
+    run = titles[join].index("Join the wires of the batteries to the motor's and let it run")
+    assert "swap the motor's two wires" in titles[join]
     assert titles[join].index("without glue yet") < run < titles[join].index("Put glue into")
     (motor,) = (title for title in titles if "Hold the motor under the plate" in title)
-    assert "Let it run on the supply before you go on" in motor
+    assert "Hold its wires to the batteries and let it run before you go on" in motor
     over = {mount.part: mount.z for mount in walker.assembly.mounts}
     for leg in ("leg3", "leg4"):
         (laid,) = (title for title in titles if f"Then lay {leg} as the picture shows" in title)
@@ -800,10 +805,11 @@ def test_a_walker_s_motor_and_batteries_come_from_where_they_go_and_are_seen() -
     for away, hole in told:
         corners = [31j + complex(x * half.real, y * half.imag) for x in (-1, 1) for y in (-1, 1)]
         assert min(abs(abs(z - points[hole]) - float(away)) for z in corners) < 0.06
-    holder = steps[-1]
-    assert (
-        holder.title.startswith("Battery holder") and "swap the motor's two wires" in holder.title
+    holder = steps[-2]
+    assert holder.title.startswith(
+        "Far side: turn it over: the frame is up. Put the battery holder"
     )
+    assert holder.up == (0.0, 0.0, 1.0) and not steps[-1].apart
     ((ring, below, above),) = holder.shapes
     stands = next(each for each in walker.assembly.mounts if each.part == "far-battery-frame")
     assert (below, above - below) == (stands.z, walker.assembly.by_name[stands.part].thickness)

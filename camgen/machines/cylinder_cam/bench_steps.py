@@ -17,7 +17,7 @@ from camgen.parts.reaming import reamer_size
 from camgen.parts.steps import COLUMNS, between, thickness_gauge
 from camgen.study import Doing, Step, Table
 
-_FIRST = "on the table, its key up"
+_FIRST = "on the table, its core up"
 _TELLS = 1.0  # mm, by which a track is nearer to one end than to the other one, so that one sees it
 _INWARDS = (-1.0, 0.0, 0.0)  # from the roller's side to the drum
 

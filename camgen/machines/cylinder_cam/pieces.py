@@ -150,11 +150,11 @@ class Pieces:
     def steps(self) -> Table:
         """In which order they go together."""
         rows = [
-            (1, DRUM, "Drum", "on the table, its key up", 1, 0.0, "as drawn"),
+            (1, DRUM, "Drum", "on the table, its core up", 1, 0.0, "as drawn"),
             (2, RING, "Ring", GLUED, 1, self.track.length - self._upper.length, "turned over"),
         ]
         said = (
-            (DRUM, "lay the drum on the table, its key up"),
+            (DRUM, "lay the drum on the table, its core up"),
             (RING, f"glue the ring on the drum, {SEAT}"),
         )
         steps = [Step([Doing(text)], [f"{name}-1"]) for name, text in said]

@@ -340,7 +340,7 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     least = layout.min_wall
     post = spacer("post", "Post", core, 2 * post_radius(s), ceiling - floor, least)
     post = replace(
-        post, notes=(*post.notes, HoldingNote("each screwed on from below, through the plate"))
+        post, notes=(*post.notes, HoldingNote("screw each on from below, through the plate"))
     )
     yield from ((post, Mount("post", GROUND, z, z=floor)) for z in layout.second.columns)
     if s.side_gap:
@@ -348,7 +348,7 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
         between = spacer(
             "side-spacer", "Spacer between both sides", _head(s), wide, s.side_gap, least
         )
-        glued = HoldingNote("each glued on the second plate, round a post's screw")
+        glued = HoldingNote("glue each on the second plate, round a post's screw")
         between = replace(between, notes=(*between.notes, glued))
         yield from (
             (between, Mount(between.name, GROUND, z, z=ceiling + floor))
@@ -408,7 +408,7 @@ def _second_plate(layout: Layout) -> Part:
         drawn_layer=len(heights) - 2,
         centres=tuple(points.values()),
         min_wall=layout.min_wall,
-        notes=(HoldingNote(f"screwed on {len(posts)} posts, over all, tight crosswise"), *notes),
+        notes=(HoldingNote(f"screw it on {len(posts)} posts, over all, tight crosswise"), *notes),
         points=tuple(points.items()),
     )
 

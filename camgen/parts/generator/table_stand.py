@@ -515,8 +515,8 @@ def _board(stand: TableStand) -> StandParts:
     ends = min(sizes.back, *(each.low for each in stand.swept)), sizes.front
     table = StandIn(TABLE, GROUND, (), bars=((west, east, _TABLE, *ends),))
     steps = [
-        (gusset.name, "behind the panel: a tab of each glued into its slot"),
-        (foot.name, "glued on the tabs of panel and gussets, flush below"),
+        (gusset.name, "behind the panel, a tab of each in its slot"),
+        (foot.name, "on the tabs of panel and gussets, flush below"),
     ]
     return StandParts([panel, gusset, foot], mounts, table, steps)
 
@@ -587,8 +587,8 @@ def _box(stand: TableStand) -> StandParts:
     disc = middle, abs(high_corner - middle), bottom - 2 * _TABLE, bottom
     table = StandIn(TABLE, GROUND, (disc,))
     steps = [
-        (end.name, "under the lid: tabs glued into its notches"),
-        (side.name, "fingers glued into those of the ends, tabs into the lid"),
+        (end.name, "under the lid, the tabs in its notches"),
+        (side.name, "beside the ends, the fingers in theirs, the tabs in the lid"),
     ]
     return StandParts([panel, side, end], mounts, table, steps)
 
