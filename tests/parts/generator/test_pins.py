@@ -140,7 +140,7 @@ def test_a_bearing_is_pressed_in_before_its_link_goes_on(root: Path) -> None:
     )
     for k, (name, where) in enumerate(steps):  # from above, since the lip is under it
         if name == "bearing-mr85":
-            link = where.rpartition(" ")[2]
+            link = where.partition(",")[0].rpartition(" ")[2]
             assert where.startswith("pressed into") and link == names[k - 1]
             assert names[k + 1] in ("bearing-mr85", link), "then the link goes on with it"
     rows = {str(row[1]): row for row in parts_table(machine).rows}
