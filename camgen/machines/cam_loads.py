@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -156,7 +157,23 @@ def lift_off(
     kept = f"a spring.preload above {preload:.4g} {units[0]}{stiffer} keeps it; {lower} lowers that"
     if not load.preload and not load.rate:
         kept = f"no spring presses it on: spring.preload and spring.rate are 0; {kept}"
-    return with_hops(found.keeps_contact(jumps if found.kick else kept), bounce, slides)
+    finding = found.keeps_contact(jumps if found.kick else kept)
+    if finding.ok:
+        finding = replace(finding, message=finding.message + _reserve(found, load))
+    return with_hops(finding, bounce, slides)
+
+
+def _reserve(found: Loaded, load: FollowerLoad) -> str:
+    """How much of the spring's force is left to press the follower on where least is; "" where no spring presses."""
+    spring = load.preload + load.rate * found.lift
+    pressed = spring > 0
+    if not np.any(pressed):
+        return ""
+    left = min(1.0, float(np.nanmin(found.effort[pressed] / spring[pressed])))
+    return (
+        f", and at least {100 * left:.0f} % of the spring's force is left to press it on; friction and "
+        "the spring's own tolerance, often 10 %, take from that"
+    )
 
 
 def line_hertz(
@@ -219,8 +236,8 @@ def pushed_figures(found: Loaded, load: FollowerLoad, slides: bool) -> list[Figu
     units = _spring_units(slides)
     return [
         Figure("least contact force", float(np.nanmin(found.force)), "N"),
-        Figure("spring preload needed", preload, units[0]),
-        Figure("spring rate needed", rate, units[1]),
+        Figure("spring preload needed at this rate", preload, units[0]),
+        Figure("spring rate needed at this preload", rate, units[1]),
     ]
 
 
