@@ -498,7 +498,15 @@ def fastener(name: str, thread: str, through: float, count: int) -> Bought:
 def shaft_and_bearings(bore: float, length: float) -> list[Bought]:
     """A shaft for a drum with a bore and a length, mm, and the bearings in which it turns, if there are some of its size."""
     through = "through the drum, fast in its bore"
-    found = [Bought("shaft", "", f"{bore:g}, at least {length:.4g} long", 1, how=through)]
+    found = [
+        Bought(
+            "shaft",
+            "",
+            f"{bore:g} h6 of steel, such as C45, at least {length:.4g} long",
+            1,
+            how=through,
+        )
+    ]
     bearing = narrowest(bore)
     if bearing is not None:
         size = f"{bearing.name}, {bearing.size}"

@@ -94,7 +94,7 @@ def parallel_key(bore: float, width: float, depth: float, length: float, count: 
     fitting = [each for each in _LENGTHS if shortest <= each <= min(longest, length + 1e-6)]
     size = f"{width:g} x {row[2]:g} x {max(fitting, default=shortest):g}"
     cut = "" if fitting else f", shortened to {length:.4g}, as its bore: shorter ones are not sold"
-    return Bought("parallel key", "DIN 6885", size + cut, count)
+    return Bought("parallel key", "DIN 6885 form A", size + cut, count)
 
 
 def _row(bore: float) -> tuple[float, ...] | None:

@@ -20,6 +20,7 @@ NOISE_OF = {
     "N m": NOISE,
     "W": NOISE,
 }  # what is less is rounding: 1 nm, a millionth of a deg
+_LONG_LIFE = 1e5  # h, over ten years: what is more is said no more exactly
 _NEAR = 0.8  # share of its limit from which on a margin is shown unfolded
 
 
@@ -220,5 +221,7 @@ def _known(row: words.Row, kind: str) -> str:
 
 
 def value_text(value: float, unit: str, digits: int) -> str:
-    """A value to some digits, 0 for less than a nanometre or a millionth of a degree."""
+    """A value to some digits, 0 for less than a nanometre or a millionth of a degree, "over 100 000" for a longer life."""
+    if unit == "h" and value > _LONG_LIFE:
+        return f"over {rounded(_LONG_LIFE, digits)}"
     return "0" if abs(value) < NOISE_OF.get(unit, 0.0) else rounded(value, digits)

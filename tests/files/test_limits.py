@@ -78,7 +78,7 @@ def test_keys_and_keyways_of_large_bores_too(row: list[float]) -> None:
         assert found is not None and found[:2] == (width, depth)
     key = parallel_key(bore, width, depth, 1e3, 3)
     assert key.size.startswith(f"{width:g} x {height:g} x ")
-    assert (key.standard, key.count) == ("DIN 6885", 3)
+    assert (key.standard, key.count) == ("DIN 6885 form A", 3)
 
 
 def test_a_key_is_one_that_is_sold() -> None:

@@ -75,7 +75,7 @@ def test_a_groove_in_metal_is_joined_as_exactly_as_its_track() -> None:
     rows = {row[1]: row[2:4] for row in parts_table(made).rows}
     assert rows["dowel pin"] == ("6 m6 x 18, ISO 8734", 4)
     assert rows["screw of the plates"] == ("M6 x 12, ISO 4762", 6)
-    assert rows["parallel key"] == ("6 x 6 x 18, DIN 6885", 1)
+    assert rows["parallel key"] == ("6 x 6 x 18, DIN 6885 form A", 1)
     for part in made.assembly.parts:
         facts = facts_of(made, part)
         dowels = [fit for fit in facts.fits if "dowel" in fit.words]
@@ -273,7 +273,7 @@ def test_the_list_of_parts_has_the_key_of_each_keyway() -> None:
         table = parts_table(read_mechanism(STARTER, [*KEYED, "material.name=16MnCr5", *settings]))
         return [tuple(row[:4]) for row in table.rows if row[1] == "parallel key"]
 
-    text = "6 x 6 x 20, DIN 6885"
+    text = "6 x 6 x 20, DIN 6885 form A"
     assert keys() == [("bought", "parallel key", text, 1)]
     assert keys("geometry.closure=conjugate") == [("bought", "parallel key", text, 2)]
     assert keys("parts.bore_shape=plain") == []

@@ -16,6 +16,7 @@ from PIL import ImageFont
 
 from camgen.report.colours import part_colour
 from camgen.report.plots import plot_figure, simplification, ticks
+from camgen.report.tables import value_text
 from camgen.report.words import rounded, rows
 from camgen.study import Figure, Figures, Plot
 
@@ -189,6 +190,11 @@ def test_parts_have_colours_of_their_own_neighbours_ones_far_apart() -> None:
         apart = np.abs(rgb[:, None] - rgb[None]).sum(axis=2) + 1e3 * np.eye(60)
         assert apart.min() >= 8 and len(set(colours)) == 60
         assert min(apart[k, k + 1] for k in range(59)) > 90
+
+
+def test_a_life_of_more_than_ten_years_is_told_no_more_exactly() -> None:
+    assert value_text(1.939e8, "h", 4) == "over 100 000"
+    assert value_text(8766.0, "h", 4) == "8766" and value_text(1.939e8, "mm", 4) == "193 900 000"
 
 
 def test_figures_have_words_units_and_the_kinds_of_files_side_by_side() -> None:
