@@ -697,7 +697,7 @@
       return own === name;
     });
     const before = built(apart), taken = joins ? [...new Set(built(joins).flatMap(step => step.copies))] : [], coming = [...taken, ...copies];
-    const begun = coming.length || before.length || wire.length, all = begun ? before : steps;  // at first what is going to be
+    const begun = coming.length || wire.length || before.some(step => step.copies.length), all = begun ? before : steps;  // at first what is going to be
     const there = [...new Set(all.flatMap(step => step.copies))].filter(k => !coming.includes(k));
     const bought = before.flatMap(step => step.shapes || []), springs = before.map(step => step.wire).filter(wire => wire.length);
     const lies = turning(up), laid = line => line.map(place => new THREE.Vector3(...place).applyMatrix4(lies).toArray());
