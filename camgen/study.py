@@ -191,6 +191,8 @@ class Step:
     small: bool = False  # whether all that come are spacers, caps or nuts
     follows: bool = False  # whether it is done in one go with the step before it
     dry: bool = False  # whether what comes is held without glue, however tight it is
+    # holes, by part and letter, in which no vice presses what comes: it goes in by hand
+    hand_fits: Sequence[tuple[str, str]] = ()
 
     @property
     def title(self) -> str:

@@ -1,5 +1,5 @@
-"""The first step at the bench of what is printed: holes in which something turns are opened to their size, and tried; those that
-stay tight are told apart from them."""
+"""The first step at the bench of what is printed: holes in which something turns are opened to their size, and tried; those into
+which something goes by hand, and those that stay tight, are told apart from them."""
 
 from __future__ import annotations
 
@@ -21,9 +21,11 @@ _WIDEST = 13.0  # mm, of a drill that people have
 def with_reaming(table: Table, copies: Sequence[StandingCopy], fixing: Fixing) -> Table:
     """The order of assembly, begun with the holes that are to be reamed and those that stay tight; as it is where there are none."""
     opened = _holes(copies, fixing, _reamed)
-    dry = {name for step in table.steps if step.dry for name in step.copies}
-    tight = tight_holes([each for each in copies if each.name not in dry], copies, fixing)
-    if not opened and not tight:
+    fixed = tight_holes(copies, copies, fixing)
+    by_hand = {hole for step in table.steps for hole in step.hand_fits}
+    fitted = _of(fixed, lambda hole: hole in by_hand)
+    tight = _of(fixed, lambda hole: hole not in by_hand)
+    if not opened and not fixed:
         return table
     said = []
     lines = _lines(opened)
@@ -32,10 +34,12 @@ def with_reaming(table: Table, copies: Sequence[StandingCopy], fixing: Fixing) -
             part.count * len(holes) for parts in opened.values() for part, holes in parts.values()
         )
         said = [_OPEN.format(f"all {count} holes" if count > 1 else "the hole") + _ticks(lines)]
-    if tight:
-        said += [_TIGHT + _ticks(_lines(tight))]
-    what = "Holes in which something turns" if lines else "Holes that stay tight"
-    where = "; ".join(lines or _lines(tight))
+    said += [_BY_HAND + _ticks(_lines(fitted))] if fitted else []
+    said += [_TIGHT + _ticks(_lines(tight))] if tight else []
+    if fixed:
+        said += [f"{_GLUE}. {_SWING}" if lines else _GLUE]
+    what = "Holes in which something turns" if lines else "Holes in which something is fixed"
+    where = "; ".join(lines or _lines(fixed))
     return begun(table, "\n".join(said), what, where, count if lines else "")
 
 
@@ -43,10 +47,32 @@ _OPEN = (
     "open {} in which something turns, by hand and straight, with a drill or reamer of this size; what goes in must then "
     "drop through by its own weight"
 )
+_BY_HAND = (
+    "Open these until what belongs there slides in by hand, with a drill of this size, or a scraper where there is a flat: no vice "
+    "gets in there; glue holds it where its step says so"
+)
 _TIGHT = (
     "These holes stay tight: when their step comes, drive in what belongs there with a vice; if it will not go, scrape the "
     "hole, or turn a drill of this size in it by hand"
 )
+_GLUE = "Glue with superglue gel or two-part glue, a trace only"
+_SWING = (
+    "First put a drop of oil into the joint beside, so that no glue creeps in. After each pin or cap that keeps a link, tilt the "
+    "machine: while its other end is free the link must swing by its own weight"
+)
+
+
+def _of(
+    holes: Mapping[float, _Holes], chosen: Callable[[tuple[str, str]], bool]
+) -> dict[float, _Holes]:
+    """Those of the holes that are chosen, by part and letter."""
+    found = dict[float, _Holes]()
+    for size, parts in holes.items():
+        for name, (part, letters) in parts.items():
+            own = [letter for letter in letters if chosen((name, letter))]
+            if own:
+                found.setdefault(size, {})[name] = part, own
+    return found
 
 
 def _lines(holes: Mapping[float, _Holes]) -> list[str]:

@@ -228,8 +228,8 @@ def _bought(near: Assembly, far: Assembly) -> list[Bought]:
     return [replace(each, count=n) for each, n in counts.items() if each.role != "mount"]
 
 
-def _taker(far: Assembly, shaft: str) -> str:
-    """In what of the far side the shaft of both sides is glued, as "O of the far crank"."""
+def _taker(far: Assembly, shaft: str) -> tuple[str, str]:
+    """In what of the far side the shaft of both sides is glued: part and hole."""
     copies = standing_copies(far.parts, far.mounts, far.poses(np.zeros(1)))
     outlines = [
         (held, each) for held in copies if held.part.name == shaft for each in held.outlines
@@ -239,8 +239,8 @@ def _taker(far: Assembly, shaft: str) -> str:
             for held, outline in outlines:
                 how = far.process.fixing.how(hole, copy.part, outline, held.part)
                 if hole.holds(outline) and how == "glue" and hole.name:
-                    return f"{hole.name} of the far {copy.part.name}"
-    return "the far crank"
+                    return copy.part.name, hole.name
+    return "crank", ""
 
 
 def _greased(step: Step) -> Step:
@@ -273,11 +273,13 @@ def _fed(row: Row, far: Assembly, mirror: Mirror) -> Row:
     return cells, Step(doings, apart=f"{PREFIX} side", shapes=shapes)
 
 
-def _order(near: Assembly, far: Assembly, mirror: Mirror, taker: str) -> Table:
+def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str]) -> Table:
     """The near side from the bottom up, the far one likewise on its own plate, then one on the other, by the shaft of both.
 
-    taker: what of the far side takes that.
+    hole: of the far side, that takes the shaft: part and letter.
     """
+    part, letter = hole
+    taker = f"{letter} of the far {part}" if letter else f"the far {part}"
     before = Counter[str]()
     for mount in near.mounts:
         before[mount.part] += 1
@@ -322,7 +324,7 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, taker: str) -> Table:
             f"{taker} on {mirror.shaft} and the far second plate on the {on}",
         ),
     ]
-    joining = (last, Step(doings, joins=f"{PREFIX} side"))
+    joining = (last, Step(doings, joins=f"{PREFIX} side", hand_fits=[hole]))
     rows += [with_things(joining, coupled(near))]
     rows += [row for row in further if not row[1].shapes]
     return numbered(replace(first, title="Assembly, side by side"), rows)

@@ -178,11 +178,17 @@ def order(
         group = cluster[0].part.name if alone else ""
         # whether it comes on what the step before has brought: a shaft, or a plate that came first
         begins = bool(there) and all(copy in cluster for copy in there) and not bench
+        loose_holes: list[tuple[str, str]] = []  # of what is pushed up on its shaft later
         if all(copy.name in stops for copy in laying.copies):
             shafts = {stops[copy.name].shaft.name: stops[copy.name].shaft for copy in laying.copies}
             places = [_loosely(laying, [each.part.name for each in shafts.values()])]
             loose.append(laying)
             begins = bool(steps and {*shafts} <= {*steps[-1].copies})
+            loose_holes = [
+                (part.name, hole.name)
+                for copy in laying.copies
+                for hole, _ in _fixed_on(copy, [stops[copy.name].shaft], fixing)
+            ]
         else:
             places = _places(laying.copies, bench if alone else there, fixing)
             if not alone:
@@ -213,6 +219,7 @@ def order(
                 what=called(part, len(names)).removeprefix("the "),
                 small=part.role in _SMALL or part.process == "dummy",
                 follows=begins,
+                hand_fits=loose_holes,
             )
         )
         (bench if alone else there).extend(laying.copies)

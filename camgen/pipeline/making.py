@@ -270,7 +270,9 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
     if any("glued" in note for part in parts for note in part.notes) and "glue" not in {
         thing.name for thing in things
     }:
-        things.append(Bought("glue", "", "for all that is glued", 1))
+        things.append(
+            Bought("glue", "", "superglue gel or two-part glue, for all that is glued", 1)
+        )
     for thing in things:
         size = ", ".join(text for text in (thing.size, thing.standard) if text)
         rows.append(("bought", thing.name, size, thing.count, "", *blank))

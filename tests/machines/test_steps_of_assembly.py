@@ -876,16 +876,27 @@ def test_holes_in_which_something_turns_are_opened_first() -> None:
     play = machine.print.slide_clearance
     assert play == 0.15 and machine.making.pin_diameter == 5 and machine.making.shaft_diameter == 6
     assert head.startswith("Open all 4 holes in which something turns") and not first.copies
-    tight = lines.index(next(line for line in lines if line.startswith("These holes stay tight")))
-    assert lines[:tight] == [
+    starts = ("Open these until", "These holes stay tight", "Glue with superglue gel")
+    by_hand, tight, glue = (
+        next(k for k, line in enumerate(lines) if line.startswith(start)) for start in starts
+    )
+    assert lines[:by_hand] == [
         "☐ 5.1 mm: A and B of coupler and C of rocker",
         "☐ 6.1 mm: O of ground",
     ]
-    assert lines[tight + 1 :] == [
+    assert lines[by_hand + 1 : tight] == ["☐ 6 mm: the bore of collar"], "it is pushed up by hand"
+    assert lines[tight + 1 : glue] == [
         "☐ 5 mm: C of ground, A of crank, B of rocker and the bore of hand-crank",
-        "☐ 6 mm: O of crank, the bore of collar and the bore of hand-crank.",
+        "☐ 6 mm: O of crank and the bore of hand-crank",
     ], "each of its holes once, those for pins of 5 and those on the shaft of 6"
+    assert "the link must swing by its own weight" in lines[glue]
     walker = steps_of_assembly(built("walker")).steps[1]
+    _, _, said = walker.title.partition("Open these until")
+    loose, _, stays = said.partition("These holes stay tight")
+    assert "☐ 3 mm: O of crank_web3 (2 ×) and the bore of far-collar" in loose, (
+        "the far web goes on its shaft dry"
+    )
+    assert "O of crank_web3" not in stays and "N of crank_web3 (2 ×)" in stays
     assert "☐ 4.05 mm: M and C1 of conn1 (2 ×), " in walker.title, (
         "a dowel of 4 m6 drops through no hole of 4"
     )
@@ -894,10 +905,11 @@ def test_holes_in_which_something_turns_are_opened_first() -> None:
     feeder = steps_of_assembly(read_mechanism(spec.with_name("drum-feeder.toml"))).steps
     (ring,) = (step for step in feeder if "ring-1" in step.copies)
     assert {mate.how for mate in ring.mates} == {"glue"} and ring.apart == "drum beside the machine"
-    (stays,) = (step.title for step in feeder if step.title.startswith("These holes stay tight"))
-    assert "4 bores of end-plate (2 ×)" in stays and "bore of drum" not in stays, (
-        "its four rods; the drum goes on by hand, for its flat drives it"
-    )
+    loose, _, stays = feeder[0].title.partition("These holes stay tight")
+    on_shaft = "4 bores of end-plate (2 ×), the bore of drum, the bore of spacer-below"
+    assert loose.startswith("Open these until") and on_shaft in loose, "all that goes on by hand"
+    assert "bore of ring" in stays and "bore of carriage" in stays and "end-plate" not in stays
+    assert "turn the crank once round" in feeder[-1].title
     assert [reamer_size(4.0, play) for play in (0.05, 0.1, 0.17, 0.2)] == [4.05, 4.1, 4.1, 4.2]
 
 

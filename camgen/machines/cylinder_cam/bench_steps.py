@@ -18,6 +18,8 @@ from camgen.parts.steps import COLUMNS, between, thickness_gauge
 from camgen.study import Doing, Step, Table
 
 _FIRST = "on the table, its core up"
+# What goes on shaft or rods in the machine, where no vice gets in.
+_BY_HAND = ("end-plate", "spacer-below", "spacer-above", "drum", "bracket", "crank")
 _TELLS = 1.0  # mm, by which a track is nearer to one end than to the other one, so that one sees it
 _INWARDS = (-1.0, 0.0, 0.0)  # from the roller's side to the drum
 
@@ -53,6 +55,7 @@ class _Act:
             follows=self.follows,
             wire=self.wire,
             dry=self.dry,
+            hand_fits=[(self.part, "")] if self.part in _BY_HAND else (),
         )
 
 
@@ -282,8 +285,7 @@ class BenchSteps:
         yield _Act(
             "drum",
             f"with the roller {track}{lift}",
-            "try it on the shaft, and scrape its bore till it slides on by hand; take it off again. "
-            f"Hold it, {self._end_up}, and set the roller {track}{lift}",
+            f"hold it, {self._end_up}, and set the roller {track}{lift}",
             pieces,
             dry=self._driven,
             first=True,
@@ -357,7 +359,8 @@ class BenchSteps:
         flush = "flush with its upper end"
         said = f"glue the hand crank on the shaft, {flush}: it is {AIR:.3g} mm over the upper end plate"
         yield self._act("crank", f"glued on the shaft, {flush}", said)
-        yield self._act("knob", "glued into the crank", "glue the knob into the crank")
+        said = "glue the knob into the crank. When the glue is hard turn the crank once round, slowly: nothing may be stiff"
+        yield self._act("knob", "glued into the crank", said)
 
     @property
     def _springs_places(self) -> list[str]:
