@@ -9,7 +9,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from camgen.parts.part import Part
+from camgen.parts.part import Part, SizeNote
 from camgen.parts.standing import Round, StandingCopy
 from camgen.parts.steps import Fixing, listed
 from camgen.study import Doing, Step, Table
@@ -47,6 +47,19 @@ _OPEN = (
     "open {} in which something turns, by hand and straight, with a drill or reamer of this size; what goes in must then "
     "drop through by its own weight"
 )
+
+
+def with_cutting(table: Table, parts: Sequence[Part]) -> Table:
+    """The order of assembly, begun with what is cut of steel; as it is where nothing is."""
+    sizes = [(part, note) for part in parts for note in part.notes if isinstance(note, SizeNote)]
+    if not sizes:
+        return table
+    lines = [f"{part.count} × {part.name}: {note}" for part, note in sizes]
+    said = f"cut and file what is of steel, and deburr it{_ticks(lines)}"
+    count = sum(part.count for part, _ in sizes)
+    return begun(table, said, "What is cut of steel", "; ".join(lines), count)
+
+
 _BY_HAND = (
     "Open these until what belongs there slides in by hand, with a drill of this size, or a scraper where there is a flat: no vice "
     "gets in there; glue holds it where its step says so"

@@ -12,7 +12,7 @@ from camgen.parts.bench_steps import at_bench
 from camgen.parts.catalogue import CAM_FOLLOWERS, Bought
 from camgen.parts.keyways import parallel_keys
 from camgen.parts.look_alikes import with_sorting
-from camgen.parts.reaming import with_reaming
+from camgen.parts.reaming import with_cutting, with_reaming
 from camgen.parts.standing import standing_copies
 from camgen.parts.steps import with_joints
 from camgen.study import Table
@@ -35,5 +35,6 @@ def steps_of_assembly(mechanism: Mechanism) -> Table:
     assembly = replace(mechanism.assembly, bought=bought_things(mechanism))
     copies = standing_copies(assembly.parts, assembly.mounts, assembly.poses(np.zeros(1)))
     fixing = with_joints(assembly.process.fixing, assembly.features)
-    reamed = with_reaming(order_of_assembly(assembly), copies, fixing)
+    cut = with_cutting(order_of_assembly(assembly), assembly.parts)
+    reamed = with_reaming(cut, copies, fixing)
     return at_bench(with_sorting(reamed, assembly.parts, copies, fixing))

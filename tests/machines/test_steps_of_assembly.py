@@ -913,6 +913,29 @@ def test_holes_in_which_something_turns_are_opened_first() -> None:
     assert [reamer_size(4.0, play) for play in (0.05, 0.1, 0.17, 0.2)] == [4.05, 4.1, 4.1, 4.2]
 
 
+def test_what_is_cut_of_steel_is_a_step_of_its_own_before_all_others() -> None:
+    """A walker's crank pins: round between their webs, a flat as long as each web is thick; a drum's rods; no print has one."""
+    gallery = Path(__file__).parents[2] / "specs" / "gallery"
+    walker, feeder, bar = (
+        [step for step in steps_of_assembly(machine).steps if step.title.startswith("Cut and file")]
+        for machine in (
+            built("walker"),
+            *(read_mechanism(gallery / f"{name}.toml") for name in ("drum-feeder", "four-bar")),
+        )
+    )
+    webs = {built("walker").assembly.by_name[name].thickness for name in ("crank", "crank_web2")}
+    assert webs == {3.0} and not bar
+    (cut,) = walker
+    assert "☐ 4 × crank-pin-1: rod 4 h9 x 15.2, a flat 0.667 deep and 3 long at either end" in (
+        cut.title
+    )
+    assert [line.partition(":")[0] for line in feeder[0].title.splitlines()[1:]] == [
+        "☐ 4 × rod",
+        "☐ 1 × shaft",
+        "☐ 1 × roller-pin",
+    ]
+
+
 def test_blocks_under_a_plate_are_as_high_as_what_hangs_below_it(leg: Mechanism) -> None:
     """The lowest underside of all its parts, under that of the plate."""
     made = leg.assembly

@@ -33,7 +33,7 @@ from camgen.numerics import Floats, Points
 from camgen.parts.catalogue import BEARINGS, CORE_HOLES, DOWELS, Bearing, ball_roller
 from camgen.parts.coils import Coil
 from camgen.parts.generator.sizes import Parts as PinSizes
-from camgen.parts.part import Layer, Part, hull
+from camgen.parts.part import Layer, Part, SizeNote, hull
 from camgen.parts.springs import EYE, ExtensionSpring, WorkingSpring, compression_spring
 from camgen.study import Sketch, Upright
 
@@ -414,7 +414,10 @@ class Bench:
             "rod",
             "Rod",
             (rod,),
-            notes=(f"steel rod {s.rod_diameter:g} h9 {self.top:.4g}", "glued into both plates"),
+            notes=(
+                SizeNote(f"steel rod {s.rod_diameter:g} h9 {self.top:.4g}"),
+                "glued into both plates",
+            ),
             process="bought",
         )
         yield part, [Mount("rod", GROUND, at) for at in self.rods]
@@ -436,7 +439,7 @@ class Bench:
             "Shaft",
             (Layer(Region(own.hole()), 0.0, length),),
             notes=(
-                f"steel rod {s.bore:g} h9 {length:.4g}{self._flat()}",
+                SizeNote(f"steel rod {s.bore:g} h9 {length:.4g}{self._flat()}"),
                 "glued into the drum" if s.bore_shape == "plain" else "through the drum's bore",
             ),
             process="bought",
@@ -613,7 +616,7 @@ class Bench:
 
     def _pin_part(self, name: str, title: str, length: float, note: str) -> Part:
         layer = Layer(Region(circle(0j, self.pin / 2)), 0.0, length)
-        notes = (f"steel pin {self.pin:g} h8 {length:.4g}", note)
+        notes = (SizeNote(f"steel pin {self.pin:g} h8 {length:.4g}"), note)
         return Part(name, title, (layer,), notes=notes, process="bought")
 
     def _roller(self) -> Iterator[tuple[Part, Sequence[Mount]]]:

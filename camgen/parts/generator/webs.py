@@ -17,7 +17,8 @@ from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
 from camgen.parts.catalogue import TURNED
 from camgen.parts.generator.sizes import Parts
-from camgen.parts.part import Layer, Part, d_bore
+from camgen.parts.part import Layer, Part, SizeNote, d_bore
+from camgen.tolerances import SAME_POINT
 
 
 def web_name(link: str, k: int) -> str:
@@ -106,12 +107,17 @@ def keyed_pin(
     low, high = ends
     radius, height = head
     top = low + between
-    sized = [f"rod {diameter:g} h9 x {top + high:g}, a flat {flat:.3g} deep at either end"]
+    long = f"{low:.3g} long at either end"
+    if abs(low - high) > SAME_POINT:
+        long = f"{low:.3g} long at its lower end and {high:.3g} at its upper one"
+    sized = SizeNote(
+        f"rod {diameter:g} h9 x {top + high:g}, a flat {flat:.3g} deep and {long}, both on the same side"
+    )
     if not high:
-        sized = [
+        sized = SizeNote(
             f"rod {diameter:g} h9 x {top:g} under a head {2 * radius:g} x {height:g}, "
-            f"a flat {flat:.3g} deep at its lower end"
-        ]
+            f"a flat {flat:.3g} deep and {low:.3g} long at its lower end"
+        )
     end = Layer(Region(keyed), top, top + high)
     if not high:
         end = Layer(Region(circle(0j, radius)), top, top + height)
@@ -122,7 +128,7 @@ def keyed_pin(
         (Layer(Region(keyed), 0.0, low), round_, end),
         centres=(0j,),
         notes=(
-            *(sized if made == TURNED else ()),
+            *((sized,) if made == TURNED else ()),
             "its flats turn the webs: pressed and glued in",
         ),
         drawn_layer=1,
