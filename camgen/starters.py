@@ -66,6 +66,7 @@ def named(text: str, name: str) -> str:
 
 # What makes a starter one to be cut of steel: a bore with its key, a roller that is sold, pins and shafts of steel.
 _ROLLER = ("load.mass_kg=0.5", "load.cam_follower=KR16", "motor.model=SGMAH-01AJC")
+_WALL = "limits.min_wall=1"
 _SHAFTS = ("material.name=C45", "parts.pin=dowel", "parts.shaft_made=steel")
 METAL = {
     "disc-cam": (
@@ -78,6 +79,7 @@ METAL = {
         "parts.hub_height=8",
         "spring.rate=1",
         "spring.preload=15",
+        _WALL,
         *_ROLLER,
     ),
     "cylinder-cam": (
@@ -86,6 +88,7 @@ METAL = {
         "geometry.roller.length=11",
         "parts.bore=20",
         "parts.bore_shape=keyway",
+        _WALL,
         *_ROLLER,
     ),
     "indexing-cam": (
@@ -93,6 +96,7 @@ METAL = {
         "geometry.follower.roller_radius=9.5",
         "load.cam_follower=KR19",
         "parts.thickness=12",
+        _WALL,
     ),
     "geneva-table": _SHAFTS,
     "linkage": _SHAFTS,
@@ -100,6 +104,7 @@ METAL = {
 
 # What its comments say of a print, and what is so in metal.
 _OF_PRINTS = {
+    ": two lines of the nozzle": "",
     "show their defaults": "show the defaults of prints (metal has its own)",
     "\nnozzle = 0.4  ": "\n# nozzle = 0.4",
 }

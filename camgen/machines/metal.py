@@ -12,10 +12,13 @@ from camgen.parts.disc_cams import CamParts, ShaftBore
 from camgen.parts.keyways import keyway
 from camgen.parts.motors import SHAFTS, STEPPERS
 
+_WALL = 1.0  # mm, least wall
+_CASES = 4.0  # depths of a hardened case: least wall, half of which stays tough
 _FACE = 0.6  # of the bore: least thickness
 _HUB = 1.8  # of the bore: diameter
 _GROOVE = 0.05  # mm, by which a milled groove is wider than its roller
 _BACK = 0.5  # of the thickness: back plate of a groove; its dowels at least
+_LOOSE = 0.6  # mm, by which screws are loose in the rim
 _RIM = 2.5  # dowels: width of a groove's rim
 _BESIDE = 0.7  # of a bore: from its axis to the wall beside its keyway
 
@@ -38,20 +41,23 @@ def filled(data: Any) -> Any:
     Thickness: as the roller of the catalogue, at least 0.6 bores. The bore has the keyway of DIN 6885 where the norm has one and the
     base circle leaves a wall of half the bore about it. With a keyway a hub of 1.8 bores, so high that the key is as
     long as the bore is wide; none in a groove, or where the base circle has no room for it. A groove has a back of half the
-    thickness, dowels as thick at least, as far as the base circle has room for them, and a rim of 2.5 dowels.
+    thickness, dowels as thick at least, as far as the base circle has room for them, and a rim of 2.5 dowels, or with such walls
+    beside them. Walls are at least 1 mm and four depths of a hardened case.
     """
     if not isinstance(data, Mapping):
         return data
     parts = data.get("parts", {})
-    tables = [data.get(key, {}) for key in ("geometry", "load", "material", "print")]
+    tables = [data.get(key, {}) for key in ("geometry", "load", "material", "print", "limits")]
     if not all(isinstance(table, Mapping) for table in (parts, *tables)):
         return data
-    geometry, load, material, fits = tables
+    geometry, load, material, fits, limits = tables
     if parts.get("make", "cams") != "cams" or not _is_metal(material.get("name")):
         return data
     bore = parts.get("bore", CamParts.model_fields["bore"].default)
     if not isinstance(bore, int | float):
         return data
+    least_wall = max(_WALL, _CASES * materials.of(material["name"]).case)
+    allowed = {"min_wall": least_wall, **limits}
     grooved = geometry.get("closure") == "groove"
     least = CamParts.model_fields["thickness"].default
     thickness = max(least, float(math.ceil(_FACE * bore)), _ring(geometry, load))
@@ -70,9 +76,11 @@ def filled(data: Any) -> Any:
         given = parts.get("thickness", thickness)
         sizes |= _grooved(given, geometry.get("base_radius"), bore)
         pin = parts.get("pin_diameter", sizes["pin_diameter"])
-        if isinstance(pin, int | float):
-            sizes["rim"] = max(CamParts.model_fields["rim"].default, float(math.ceil(_RIM * pin)))
-    made = {**data, "parts": {**sizes, **parts}}
+        wall = allowed["min_wall"]
+        if isinstance(pin, int | float) and isinstance(wall, int | float):
+            rim = float(math.ceil(max(_RIM * pin, pin + _LOOSE + 2 * wall)))
+            sizes["rim"] = max(CamParts.model_fields["rim"].default, rim)
+    made = {**data, "limits": allowed, "parts": {**sizes, **parts}}
     return {**made, "print": {"slide_clearance": _GROOVE, **fits}} if grooved else made
 
 

@@ -28,9 +28,8 @@ class Material:
     spread: float | None = None
     metal: bool = False
     treatment: str = ""  # heat treatment, without which it does not bear that pressure
-    case: bool = (
-        False  # whether that hardens the skin alone: of what a follower runs on, ground afterwards
-    )
+    # mm, depth of the skin that it hardens alone, of what a follower runs on, ground afterwards; 0: hardened through
+    case: float = 0.0
     number: str = ""  # of the steel [EN 10027-2], in the sources of its row
 
     @property
@@ -153,7 +152,7 @@ _CUT = (
         metal=True,
         # the depth is camgen's own rule: under a roller of 40 mm at that pressure the shear is greatest at 0.4
         treatment="case hardened and tempered, 60+4 HRC, CHD 0.8+0.4",
-        case=True,
+        case=0.8,
         number="1.7131",
     ),
     Material(

@@ -79,7 +79,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     bore_fit = sheet.bore_fit or ("H7" if metal else "")
     profile = sheet.profile or usual.profile
     dowelled = cut and mechanism.assembly.dowel and profile
-    case = cut and material.case
+    case = cut and material.case > 0
     runs = part.name in _cams(mechanism) | {each.part for each in mechanism.assembly.tracks}
     tracks = list(_tracks(mechanism, part, sheet.profile_step_deg))
     return Facts(

@@ -266,6 +266,22 @@ def test_a_hardened_case_has_its_depth() -> None:
     assert 0.39 < 0.78 * half_width < 0.4
 
 
+@pytest.mark.parametrize(
+    ("material", "least"), [("PLA", 0.8), ("C45", 1.0), ("42CrMo4", 1.0), ("16MnCr5", 3.2)]
+)
+def test_walls_of_metal_are_thicker_than_two_lines_of_a_print(material: str, least: float) -> None:
+    """1 mm; between two cases of 0.8 mm, as the heat treatment asks for, as much is left that stays tough."""
+    bare = (*KEYED[:2], "limits.min_wall=", f"material.name={material}")
+    assert read_mechanism(STARTER, bare).resolved().allowed.min_wall == pytest.approx(least)
+    own = read_mechanism(STARTER, [*bare, "limits.min_wall=2"])
+    assert own.allowed.min_wall == 2
+    grooved: Any = read_mechanism(STARTER, [*bare, "geometry.closure=groove"])
+    parts = grooved.making
+    assert (parts.rim - parts.pin_diameter) / 2 >= least
+    walls = [each for each in grooved.forecast() if each.code == "MIN_WALL"]
+    assert walls and walls[-1].limit == pytest.approx(least) and walls[-1].ok
+
+
 def test_the_list_of_parts_has_the_key_of_each_keyway() -> None:
     """A bore of 20 in 16MnCr5 is 20 long, its key 6 x 6 [DIN 6885]; a pair has two, a plain bore none."""
 
