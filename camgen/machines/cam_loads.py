@@ -236,8 +236,8 @@ def pushed_figures(found: Loaded, load: FollowerLoad, slides: bool) -> list[Figu
     units = _spring_units(slides)
     return [
         Figure("least contact force", float(np.nanmin(found.force)), "N"),
-        Figure("spring preload needed at this rate", preload, units[0]),
-        Figure("spring rate needed at this preload", rate, units[1]),
+        Figure("spring preload needed", preload, units[0]),
+        Figure("spring rate needed", rate, units[1]),
     ]
 
 

@@ -36,6 +36,8 @@ NAMES = {
     "let down ratio": "payout ratio",
     "peak speed angle": "angle of the peak speed",
     "wear {joint}": "wear, force times speed: {joint}",
+    "spring preload needed": "spring preload needed at this rate",
+    "spring rate needed": "spring rate needed at this preload",
     "swing by play of axle": "swing by the play of the axle",
     "uniform share": "share of uniform motion",
     "residual share": "share of the shaking force left",

@@ -588,7 +588,7 @@ def test_weight_of_a_follower_presses_or_lifts(deg: float | None, pull: float) -
         if pull > 6
         else dwell - 0.1 <= lifts.measured <= dwell
     )
-    needed = study.numbers["spring_preload_needed_at_this_rate_n"]
+    needed = study.numbers["spring_preload_needed_n"]
     assert needed == pytest.approx(max(0.0, pull - 2), abs=0.1)
     codes = {each.code for each in given.findings}
     assert ("HERTZ" in codes) is (pull < 6)

@@ -479,7 +479,7 @@ def test_lift_off() -> None:
     )  # a sharp reversal, whatever the spring
     assert lift_off(force[0], "geometry.reversal_blend_deg=20") == [False]  # no spring
     blend = (*force, "geometry.reversal_blend_deg=20")
-    needed = machine(*blend).study().numbers["spring_preload_needed_at_this_rate_n_m"]
+    needed = machine(*blend).study().numbers["spring_preload_needed_n_m"]
     assert lift_off(*blend, f"spring.preload={needed * 0.98}") == [False]
     numbers = machine(*blend, "spring.lever=40").study().numbers
     assert numbers["spring_force_needed_n"] * 0.040 == pytest.approx(needed)
@@ -511,7 +511,7 @@ def test_finding_and_figures_of_lift_off_say_the_same() -> None:
 
     blended = machine(*force, "geometry.reversal_blend_deg=20")
     (finding,) = [f for f in blended.limits() if f.code == "LIFT_OFF"]
-    needed = blended.study().numbers["spring_preload_needed_at_this_rate_n_m"]
+    needed = blended.study().numbers["spring_preload_needed_n_m"]
     assert (
         -math.inf < finding.measured < 0
         and f"spring.preload above {needed:.4g} N m" in finding.message

@@ -266,10 +266,10 @@ class SwingForces:
         force = preload / self.lever * 1e3
         stiff = rate / self.lever**2 * 1e3
         found += [
-            Figure("spring preload needed at this rate", preload, "N m"),
-            Figure("spring rate needed at this preload", rate, "N m/rad"),
+            Figure("spring preload needed", preload, "N m"),
+            Figure("spring rate needed", rate, "N m/rad"),
             Figure("spring force needed", force, "N"),
-            Figure("spring rate needed at this preload", stiff, "N/mm"),
+            Figure("spring rate needed", stiff, "N/mm"),
             *bounce_figures(self.bounce, False),
         ]
         kept = f"What keeps contact: a straight spring on a lever of {self.lever:g} mm that pulls with {force:.3g} N where "

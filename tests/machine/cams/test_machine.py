@@ -103,7 +103,7 @@ def test_published_spring_case() -> None:
     assert not finding.ok and finding.measured == pytest.approx(NORTON["least_rise_n"], abs=0.005)
     assert "spring.preload above 16.47 N" in finding.message
     numbers = made.study().numbers
-    assert numbers["spring_preload_needed_at_this_rate_n"] == pytest.approx(16.47, abs=0.005)
+    assert numbers["spring_preload_needed_n"] == pytest.approx(16.47, abs=0.005)
     assert numbers["peak_power_w"] == pytest.approx(NORTON["peak_power_w"], abs=0.005)
     assert numbers["peak_torque_n_m"] == pytest.approx(
         NORTON["peak_power_w"] / NORTON["speed_rad_s"], abs=5e-4
@@ -116,7 +116,7 @@ def test_published_spring_case() -> None:
     assert not any(key.startswith("peak_reaction") for key in numbers)
     held = published(
         {"shape": "flat"},
-        spring={"rate": 0.1, "preload": numbers["spring_preload_needed_at_this_rate_n"] + 1e-6},
+        spring={"rate": 0.1, "preload": numbers["spring_preload_needed_n"] + 1e-6},
     )
     assert all(f.ok for f in held.limits() if f.code == "LIFT_OFF")
 
@@ -125,7 +125,7 @@ def test_a_follower_that_is_held_is_told_how_much_of_its_spring_is_left() -> Non
     """A spring of one force all over the turn, twice as strong as inertia asks for: half of it is left where inertia takes most."""
     spring = {"rate": 0.0, "preload": 1.0}
     made = published({"shape": "flat"}, spring=spring)
-    needed = made.study().numbers["spring_preload_needed_at_this_rate_n"]
+    needed = made.study().numbers["spring_preload_needed_n"]
 
     def said(preload: float) -> str:
         held = published({"shape": "flat"}, spring={**spring, "preload": preload})
