@@ -172,7 +172,7 @@ def _reserve(found: Loaded, load: FollowerLoad) -> str:
     left = min(1.0, float(np.nanmin(found.effort[pressed] / spring[pressed])))
     return (
         f", and at least {100 * left:.0f} % of the spring's force is left to press it on; friction and "
-        "the spring's own tolerance, often 10 %, take from that"
+        "the spring's own tolerance take from that"
     )
 
 
