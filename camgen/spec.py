@@ -770,8 +770,7 @@ def _any_right(path: Key, data: Data, root: Data) -> Any:
         if names := each.get("enum"):
             return names[0]
         if each.get("type") in ("number", "integer"):
-            low, high = each.get("minimum", -math.inf), each.get("maximum", math.inf)
-            return type(low)(min(max(1, low), high)) if math.isfinite(low) else 1
+            return min(max(1, each.get("minimum", 1)), each.get("maximum", 1e6))
     return None
 
 

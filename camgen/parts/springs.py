@@ -21,20 +21,9 @@ from typing import Any, ClassVar
 from camgen.parts.catalogue import Bought
 from camgen.parts.materials import STEEL
 
-_SLIM_WIRES = (
-    0.2,
-    0.25,
-    0.32,
-    0.4,
-    0.5,
-    0.63,
-    0.8,
-    1.0,
-    1.25,
-    1.6,
-    2.0,
-)  # mm, of springs in a machine
-WIRES = (*_SLIM_WIRES, 2.5, 3.2, 4.0, 5.0, 6.3, 8.0)  # mm, of the series R10
+# Wires of the series R10, mm: of springs in a machine, and of all.
+_SLIM_WIRES = (0.2, 0.25, 0.32, 0.4, 0.5, 0.63, 0.8, 1.0, 1.25, 1.6, 2.0)
+WIRES = (*_SLIM_WIRES, 2.5, 3.2, 4.0, 5.0, 6.3, 8.0)
 EYE = 1.1  # of a spring, to the pin that it hooks on
 _SHEAR = 81500.0  # N/mm^2
 _SHARE = 0.45  # of the tensile strength

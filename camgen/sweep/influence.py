@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -125,11 +125,10 @@ def influence(spec: Source, code: str, settings: Sequence[str] = ()) -> Influenc
     tables = mechanism.source_tables
     with suppress(DesignError):
         tables = mechanism.settled_tables()
-    judge = _judge(mechanism, code)
+    judge, quick = _judge(mechanism, code)
     findings = judge(mechanism)
     judged = [k for k, each in enumerate(findings) if math.isfinite(_margin(each))]
-    large = isinstance(judge, partial) and len(mechanism.model.bodies) > _BODIES
-    if not judged or large or (code == _BED and all(each.ok for each in findings)):
+    if not judged or not quick or (code == _BED and all(each.ok for each in findings)):
         return Influence(findings, None, (), ())
     number = min(judged, key=lambda k: _margin(findings[k]) / (abs(findings[k].limit) or 1.0))
     template = Template(tables, "spec", Path())
@@ -175,8 +174,11 @@ class _Level:
     closing: bool = False  # whether the turn begins or ends at it
 
 
-def _judge(mechanism: Mechanism, code: str) -> Callable[[Mechanism], Sequence[Finding]]:
-    """Findings of one code: of the limits alone, where they have it, for what is known of files takes longer, and forces longest."""
+def _judge(
+    mechanism: Mechanism, code: str
+) -> tuple[Callable[[Mechanism], Sequence[Finding]], bool]:
+    """Findings of one code: of the limits alone, where they have it, for what is known of files takes longer, and forces longest;
+    and whether they are found quickly enough to try many keys."""
 
     def limits(each: Mechanism) -> Sequence[Finding]:
         return each.limits_of(code)
@@ -187,17 +189,17 @@ def _judge(mechanism: Mechanism, code: str) -> Callable[[Mechanism], Sequence[Fi
     if code == _BED:
         from camgen.pipeline.judging import room_on_bed
 
-        return room_on_bed
+        return room_on_bed, True
     if limits(mechanism):
-        return limits
-    return forecast if forecast(mechanism) else partial(_at_work, code)
-
-
-def _at_work(code: str, mechanism: Mechanism) -> Sequence[Finding]:
-    """Findings of one code of what the machine bears at its speed."""
+        return limits, True
+    if forecast(mechanism):
+        return forecast, True
     from camgen.machines.loads.assess import assess
 
-    return [finding for finding in assess(mechanism).findings if finding.code == code]
+    def at_work(each: Mechanism) -> Sequence[Finding]:
+        return [finding for finding in assess(each).findings if finding.code == code]
+
+    return at_work, len(mechanism.model.bodies) <= _BODIES
 
 
 def _margin(finding: Finding) -> float:

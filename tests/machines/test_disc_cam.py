@@ -141,7 +141,7 @@ def norton(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Any]:
 
 def least(made: DiscCamDrive) -> float:
     """The base radius that its limits ask for, mm, before it is rounded up."""
-    return least_base_radius(made.cam, made.cam_limits, made._room)
+    return least_base_radius(made.cam, made.cam_limits, made._room)[0]
 
 
 def on(made: DiscCamDrive, shape: Shape) -> RollingContact:

@@ -195,23 +195,14 @@ def largest(stroke: float) -> float:
     return max(_LARGEST, _STROKES * stroke)
 
 
-def written_base_radius(cam: DiscCam[Any], limits: CamLimits, room: float) -> float:
-    """The least base radius as a workshop writes it, mm, which keeps to the limits as well; arguments and errors as of that."""
-    return written(*_least_and_fits(cam, limits, room))
-
-
-def least_base_radius(cam: DiscCam[Any], limits: CamLimits, room: float) -> float:
-    """Base radius of the smallest cam that keeps to the limits, mm; DesignError where none does.
+def least_base_radius(
+    cam: DiscCam[Any], limits: CamLimits, room: float
+) -> tuple[float, Callable[[float], bool]]:
+    """Base radius of the smallest cam that keeps to the limits, mm, and whether another one does, as `written` asks; DesignError
+    where none does.
 
     cam: of any size: its follower's way, shape and program; room: radius of a circle that the cam must hold, mm.
     """
-    return _least_and_fits(cam, limits, room)[0]
-
-
-def _least_and_fits(
-    cam: DiscCam[Any], limits: CamLimits, room: float
-) -> tuple[float, Callable[[float], bool]]:
-    """The least base radius, mm, and whether another one keeps to the limits as well."""
     follower = cam.follower
     radius = 0.0
     beside = 0.0

@@ -36,7 +36,7 @@ from camgen.machine.cams.machine import (
 )
 from camgen.machine.cams.many import ProfileFigures
 from camgen.machine.cams.profile import DiscCam, SwingingArm
-from camgen.machine.cams.sizing import written_base_radius
+from camgen.machine.cams.sizing import least_base_radius, written
 from camgen.machine.features import CamOutline, Demand
 from camgen.machine.model import Machine
 from camgen.machines.cam_loads import (
@@ -169,7 +169,7 @@ class DiscCamDrive(CamTables):
         if self.geometry.base_radius is not None:
             return self.geometry.base_radius
         cam = self._cam(drawn(self.geometry))
-        return written_base_radius(cam, self.cam_limits, self._room)
+        return written(*least_base_radius(cam, self.cam_limits, self._room))
 
     @property
     def _room(self) -> float:

@@ -17,7 +17,7 @@ from camgen.machine import model as m
 from camgen.machine.cams.followers import Follower
 from camgen.machine.cams.linear import WAY
 from camgen.machine.cams.profile import DiscCam
-from camgen.machine.cams.sizing import written_base_radius
+from camgen.machine.cams.sizing import least_base_radius, written
 from camgen.machine.freewheels import Ratchet
 from camgen.machine.jets import thread_length
 from camgen.machine.programs import CamLaw, CarriedLaw
@@ -142,7 +142,7 @@ class DrawnMachine:
                 assert isinstance(joint.law, CamLaw)
                 made = DiscCam(joint.law.signed, follower, cam.tip_clearance)
                 room = self.drawing.rooms.get(cam.closure, 0.0)
-                base = written_base_radius(made, self.drawing.ridden[name].limits, room)
+                base = written(*least_base_radius(made, self.drawing.ridden[name].limits, room))
             radii[name] = base
         return radii
 
