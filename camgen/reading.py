@@ -241,39 +241,58 @@ def _place(before: str) -> str:
     return f"line {before.count(chr(10)) + 1}, column {len(before) - before.rfind(chr(10))}"
 
 
-# What may hold brackets, "=" and line breaks that are not the file's own, then these themselves.
+# What may hold brackets, "=", commas and line breaks that are not the file's own, then these themselves.
 _TOKEN = re.compile(
-    r"""(?s)\#[^\n]*|\"{3}(?:\\.|[^\\])*?\"{3}|'{3}.*?'{3}|"(?:\\.|[^"\\\n])*"|'[^'\n]*'|[\[\]{}=\n]"""
+    r"""(?s)\#[^\n]*|\"{3}(?:\\.|[^\\])*?\"{3}|'{3}.*?'{3}|"(?:\\.|[^"\\\n])*"|'[^'\n]*'|[\[\]{}=,\n]"""
 )
 
 
+@dataclass
+class _Opened:
+    """A list or an inline table that is not closed yet."""
+
+    place: Key
+    items: int = 0  # commas so far: the place in a list of what follows
+
+
 def lines(text: str) -> dict[Key, int]:
-    """Where the tables and keys of a TOML file begin, each by its line from 1; not what stands in inline tables and lists."""
+    """The line, from 1, where each table and key of a TOML file begins, and each table or list in a list."""
     found: dict[Key, int] = {}
     rows: dict[Key, int] = {}  # the last one of each array of tables
     table: Key = ()
+    opened: list[_Opened] = []
+    place: Key = ()  # of the key whose value follows
+    header = False
     line = 1
-    begin = depth = 0  # of the statement, and how many lists are open in it
-    key = header = ""
+    begin = 0  # of what stands before the next sign
     for token in _TOKEN.finditer(f"{text}\n"):
         sign = token[0]
-        opened = bool(key or header)
-        before = "" if opened and sign != "\n" or depth else text[begin : token.start()].strip()
-        if sign == "=" and not opened:
-            key = before
-            found.setdefault((*table, *_steps(f"{key} = 0")), line)
-        elif sign == "[" and not (opened or before):
-            header = sign
-        elif sign in "[{" and key:
-            depth += 1
-        elif sign in "]}" and key:
-            depth -= 1
-        elif sign == "\n" and not depth:
-            if header:
+        before = text[begin : token.start()].strip()
+        if header:
+            if sign == "\n":
                 table = _resolved(_steps(before), before.startswith("[["), rows)
                 found.setdefault(table, line)
+                header = False
+        elif sign == "[" and not (before or place or opened):
+            header = True
+        elif sign == "=":
+            place = (*(opened[-1].place if opened else table), *_steps(f"{before} = 0"))
+            found.setdefault(place, line)
+        elif sign in "[{":
+            place = place or (*opened[-1].place, opened[-1].items)
+            found.setdefault(place, line)
+            opened.append(_Opened(place))
+            place = ()
+        elif sign in "]}":
+            opened.pop()
+            place = ()
+        elif sign == ",":
+            opened[-1].items += 1
+            place = ()
+        elif sign == "\n" and not opened:
+            place = ()
+        if sign in "=[]{},\n" and not header:
             begin = token.end()
-            key = header = ""
         line += sign.count("\n")
     return found
 
