@@ -665,7 +665,7 @@ def validate(
     words = cls.wording(data)
     before = None
     if like is None:
-        hints = (*hints, *_radians(cls, words.data))
+        hints = (*hints, *_other_units(cls, words.data))
     else:
         before = (cls.wording(like[0]).data, like[1])
     try:
@@ -675,24 +675,45 @@ def validate(
     raise SpecError(faults, source)
 
 
-def _radians(cls: type[Checked], data: Data) -> Iterator[str]:
-    """A sentence for each angle in degrees whose value is a known angle in radians, to four digits: 1.5708."""
-    for path, value in _floats(data):
-        deg = math.degrees(value)
-        known = 15 * round(deg / 15)
-        if not known or abs(deg - known) >= _AS_RADIANS or round(value, 2) == value:
-            continue
-        root = _json_schema(cls)
-        if unit_of(_locate(path, data, root)[1] or {}) == "deg":
-            yield f"{dotted(path)} = {value:g} is read in degrees; {value:g} rad are {known} deg"
+def _other_units(cls: type[Checked], data: Data) -> Iterator[str]:
+    """A sentence for each number that looks as if it were in radians, metres or grams, and is read in degrees, mm or kg.
+
+    Radians: a multiple of 5 degrees, to the last of at least three decimals. Metres: below 0.05 mm where a thousand times as
+    much is at most ten times the longest of the spec; what is small by its nature, as a tolerance is, is left alone.
+    """
+    root = _json_schema(cls)
+    units: dict[Key, str] = {}  # by keys without places in lists, of which there may be thousands
+    numbers = []
+    for path, value in _numbers(data):
+        names = tuple(step for step in path if isinstance(step, str))
+        if names not in units:
+            units[names] = unit_of(_locate(path, data, root)[1] or {}) or ""
+        numbers.append((path, value, units[names]))
+    largest = max((abs(value) for _, value, unit in numbers if "mm" in unit.split()), default=0)
+    for path, value, unit in numbers:
+        key = f"{dotted(path)} = {value:g}"
+        if unit == "deg":
+            decimals = len(repr(abs(value)).partition(".")[2])
+            known = 5 * round(math.degrees(value) / 5)
+            if (
+                known
+                and decimals >= 3
+                and abs(value - math.radians(known)) <= 0.51 * 10.0**-decimals
+            ):
+                yield f"{key} is read in degrees; {value:g} rad are {known} deg"
+        elif "mm" in unit.split() and 0 < value < _TINY and not _SMALL.search(str(path[-1])):
+            if 1e3 * value <= 10 * largest:
+                yield f"{key} is read in mm; {value:g} m are {1e3 * value:g} mm"
+        elif unit == "kg" and value >= _MASSIVE:
+            yield f"{key} is read in kg; {value:g} g are {1e-3 * value:g} kg"
 
 
-def _floats(tables: Any, path: Key = ()) -> Iterator[tuple[Key, float]]:
-    """All finite numbers with decimals in tables and lists, each with its key."""
+def _numbers(tables: Any, path: Key = ()) -> Iterator[tuple[Key, float]]:
+    """All finite numbers in tables and lists, each with its key."""
     if isinstance(tables, dict | list):
         for step, value in tables.items() if isinstance(tables, dict) else enumerate(tables):
-            yield from _floats(value, (*path, step))
-    elif isinstance(tables, float) and math.isfinite(tables):
+            yield from _numbers(value, (*path, step))
+    elif isinstance(tables, int | float) and abs(tables) < 1e300 and tables is not True:
         yield path, tables
 
 
@@ -973,7 +994,9 @@ def _longer(name: str, keys: Sequence[str]) -> list[str]:
     return sorted((key for key in keys if len(name) > 2 and name in key), key=len)[:1]
 
 
-_AS_RADIANS = 0.003  # deg, half of the fourth digit of an angle in radians
+_TINY = 0.05  # mm, less than any size of a part
+_SMALL = re.compile("tolerance|clearance|allowance|play|lash|kerf|error|gap|offset|chord|backlash")
+_MASSIVE = 100.0  # kg, more than what a machine of this size moves
 _NUMBER = re.compile(r"([+-]?\d+(?:[.,]\d+)?)\s*(\S*)")
 _FIGURE = re.compile(r"[+-]?\d+(?:\.\d+)?")
 _LISTED = re.compile(

@@ -1143,13 +1143,42 @@ def test_a_slip_is_told_by_the_key_that_was_typed_and_what_to_write(
 
 @pytest.mark.parametrize(
     ("span", "known"),
-    [("1.5708", 90), ("3.14159", 180), ("1.57", None), ("90", None), ("1.6", None)],
+    [
+        ("1.5708", 90),
+        ("3.14159", 180),
+        ("1.745", 100),
+        ("1.57", None),
+        ("90", None),
+        ("1.746", None),
+    ],
 )
 def test_an_angle_that_looks_like_radians_is_told(root: Path, span: str, known: int | None) -> None:
     found = read_mechanism(root / "specs" / "disc-cam.toml", [f"segment.0.span_deg={span}"])
     said = [hint for hint in found.hints if " rad are " in hint]
     key = "segment.0.span_deg"
     assert said == [f"{key} = {span} is read in degrees; {span} rad are {known} deg"] * bool(known)
+
+
+@pytest.mark.parametrize(
+    ("setting", "said"),
+    [
+        ("segment.0.lift=0.012", "segment.0.lift = 0.012 is read in mm; 0.012 m are 12 mm"),
+        (
+            "geometry.base_radius=0.025",
+            "geometry.base_radius = 0.025 is read in mm; 0.025 m are 25 mm",
+        ),
+        ("load.mass_kg=800", "load.mass_kg = 800 is read in kg; 800 g are 0.8 kg"),
+        ("load.mass_kg=80", None),
+        ("segment.0.lift=0.12", None),
+        ("accuracy.chord_tolerance=0.012", None),
+        ("print.slide_clearance=0.02", None),
+    ],
+)
+def test_a_number_that_looks_like_another_unit_is_told(
+    root: Path, setting: str, said: str | None
+) -> None:
+    found = read_mechanism(root / "specs" / "disc-cam.toml", [setting])
+    assert [hint for hint in found.hints if " is read in " in hint] == ([said] if said else [])
 
 
 def test_a_key_that_is_missing_is_told_by_what_it_is(root: Path) -> None:
