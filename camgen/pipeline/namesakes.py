@@ -15,41 +15,35 @@ from camgen.reading import read
 
 
 def namesake(spec: Path, mechanism: Mechanism, folder: Path) -> str:
-    """Of which spec file beside this one the earlier result in a folder is, in words; "" where of none, or of this one as well.
+    """Of which spec file beside this one the earlier result in a folder is, to the last key; "" where of none, or of this one as well.
 
-    mechanism: that of this spec, with what is left out not yet found. A file that differs from the result in fewer keys than
-    this one, as it stands too, is named as probable: it may have been built with --set.
+    mechanism: that of this spec, with what is left out not yet found.
     """
     try:
         earlier = tomllib.loads((folder / SPEC).read_text(encoding="utf-8"))
-        fewest = min(_differences(mechanism, earlier), _differences(read_mechanism(spec), earlier))
         others = [path for path in sorted(spec.parent.glob("*.toml")) if path.name != spec.name]
+        if _made_by(mechanism, earlier) or _made_by(read_mechanism(spec), earlier):
+            return ""
     except (OSError, ValueError, CamgenError):
         return ""
-    found = ""
     for path in others:
         try:
-            if read(path).get("name") != mechanism.name:
-                continue
-            count = _differences(read_mechanism(path), earlier)
+            if read(path).get("name") == mechanism.name and _made_by(read_mechanism(path), earlier):
+                return f"that of {path}"
         except CamgenError:
             continue
-        if count < fewest:
-            fewest = count
-            found = f"probably that of {path}, built with --set," if count else f"that of {path}"
-    return found
+    return ""
 
 
-def _differences(mechanism: Mechanism, earlier: dict[str, Any]) -> int:
-    """How many values that a mechanism's spec says are others in the resolved spec of an earlier result."""
-    return _count(earlier, tomllib.loads(specs.dump(mechanism)))
+def _made_by(mechanism: Mechanism, earlier: dict[str, Any]) -> bool:
+    """Whether the resolved spec of an earlier result says all that a mechanism's spec says."""
+    return _holds(earlier, tomllib.loads(specs.dump(mechanism)))
 
 
-def _count(whole: object, part: object) -> int:
-    """In how many values a table or list of a resolved spec differs from one in which keys may be left out."""
+def _holds(whole: object, part: object) -> bool:
+    """Whether a table or list of a resolved spec has each value of one in which keys may be left out."""
     if isinstance(whole, dict) and isinstance(part, dict):
-        return sum(_count(whole.get(key), value) for key, value in part.items())
+        return all(_holds(whole.get(key), value) for key, value in part.items())
     if isinstance(whole, list) and isinstance(part, list):
-        shorter = sum(map(_count, whole, part))
-        return shorter + abs(len(whole) - len(part))
-    return int(whole != part)
+        return len(whole) == len(part) and all(map(_holds, whole, part))
+    return whole == part
