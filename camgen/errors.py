@@ -214,6 +214,10 @@ class DesignError(CamgenError):
         facts = {**vars(self), "sentence": sentence}
         return _sent(type(self), (_message(sentence, self.remedy),), facts)
 
+    def placed(self, places: Sequence[str]) -> Self:
+        """This error with lines below it that tell where the keys that it names are written."""
+        return _sent(type(self), ("\n  ".join([str(self), *places]),), vars(self))
+
     @property
     def facts(self) -> dict[str, Any]:
         """What fails, for programs: None in place of a number that is not finite, which JSON does not have."""

@@ -287,6 +287,29 @@ def test_nearest_mechanism_is_named(run: Run) -> None:
     assert code == 2 and "first the mechanism, then the file: camgen new bird-drum out.toml" in err
 
 
+def test_a_machine_that_cannot_be_tells_where_its_keys_are_written(
+    run: Run, tmp_path: Path
+) -> None:
+    """A key of the file by its line, one that is left out by its default, one of --set not at all."""
+    spec = tmp_path / "s.toml"
+    text = starters.text("disc-cam").replace("base_radius = 25", "base_radius = 3")
+    spec.write_text(text, "utf-8")
+    rows = text.splitlines()
+    radius, hub = (
+        next(k for k, row in enumerate(rows, 1) if row.startswith(f"{key} = "))
+        for key in ("base_radius", "hub_diameter")
+    )
+    build = ("build", spec, "-o", tmp_path / "out", "--only", "dxf")
+    *_, first, second = run(*build)[2].splitlines()
+    assert first == f"  parts.hub_diameter: line {hub}"
+    assert second == f"  geometry.base_radius: line {radius}"
+    *_, last = run(*build, "--set", "geometry.base_radius=4")[2].splitlines()
+    assert last == f"  parts.hub_diameter: line {hub}"
+    spec.write_text("\n".join(row for row in rows if not row.startswith("hub_diameter")), "utf-8")
+    *_, first, _ = run(*build)[2].splitlines()
+    assert first == "  parts.hub_diameter: not in s.toml; 16 is its default"
+
+
 # ---- JSON ------------------------------------------------------------------------------------------------------------
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from os import PathLike
@@ -19,6 +20,7 @@ from camgen.errors import CamgenError, DesignError, Fault, FileError, Key, SpecE
 from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism, made
 from camgen.machines.spec_files import with_tables
+from camgen.schemas import shown
 from camgen.settings import override, split_setting
 
 Source = str | PathLike[str] | Mapping[str, Any] | Mechanism
@@ -66,6 +68,47 @@ def _located(error: SpecError, spec: Path, overrides: Sequence[str]) -> SpecErro
 
     faults = map(located, error.faults)
     return SpecError(sorted(faults, key=lambda fault: fault.line or math.inf), error.source)
+
+
+@contextmanager
+def placing(spec: Source, overrides: Sequence[str], mechanism: Mechanism) -> Iterator[None]:
+    """Within it a DesignError tells on which lines of a spec's file the keys stand that it names, or what holds without them."""
+    try:
+        yield
+    except DesignError as error:
+        if not isinstance(spec, str | PathLike):
+            raise
+        raise error.placed(_places(str(error), Path(spec), overrides, mechanism)) from None
+
+
+_KEY = re.compile(r"[a-z]\w*(?:\.\w+)+|[a-z]+_\w+")
+
+
+def _places(said: str, spec: Path, overrides: Sequence[str], mechanism: Mechanism) -> list[str]:
+    """A line for each key of a spec that a sentence names: where it is written, or its default."""
+    written = {dotted(key): line for key, line in _lines(spec).items()}
+    anew = {dotted(tuple(split_setting(setting)[0])) for setting in overrides}
+    values = dict(_values(mechanism.model_dump(by_alias=True)))
+    places = []
+    for name in dict.fromkeys(_KEY.findall(said)):
+        keys = [key for key in values if key == name or key.endswith(f".{name}")]
+        if len(keys) != 1 or keys[0] in anew:
+            continue
+        (key,) = keys
+        if key in written:
+            places.append(f"{key}: line {written[key]}")
+        elif values[key] is not None:
+            places.append(f"{key}: not in {spec.name}; {shown(values[key])} is its default")
+    return places
+
+
+def _values(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """The values of a spec's tables, not of its lists, by their dotted keys."""
+    for name, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _values(value, f"{above}{name}.")
+        elif not isinstance(value, list | tuple):
+            yield f"{above}{name}", value
 
 
 def read_tables(spec: Source) -> tuple[reading.Data, str, Path]:

@@ -23,7 +23,7 @@ from camgen.files.formats import KINDS as KINDS
 from camgen.files.shelves import put_away
 from camgen.findings import at_most, in_file
 from camgen.machines.mechanism import Mechanism
-from camgen.machines.sources import Source
+from camgen.machines.sources import Source, placing
 from camgen.machines.sources import read_mechanism as read_mechanism
 from camgen.parts import materials
 from camgen.pipeline.case import Case, cores
@@ -64,6 +64,19 @@ def build(
         raise SpecError([Fault(("only",), "none", f"at least one of {', '.join(ANY_KIND)}")])
     progress("reading the spec", 0.0)
     mechanism = read_mechanism(spec, overrides)
+    with placing(spec, overrides, mechanism):
+        return _built(mechanism, spec, out, only, progress, jobs)
+
+
+def _built(
+    mechanism: Mechanism,
+    spec: Source,
+    out: Path,
+    only: frozenset[str],
+    progress: Progress,
+    jobs: int | None,
+) -> Report:
+    """What `build` does with the mechanism that a spec describes."""
     if said := long_run(mechanism.remarks().links, len(only & FORMATS.keys())):
         progress(f"note: {said}")
     hints = mechanism.hints

@@ -14,6 +14,7 @@ from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.linkage.links import CLOSED, shape, too_long
 from camgen.machines.pairs import air_faults, still_faults
 from camgen.motion.polydyne import NEEDED, rough
+from camgen.schemas import shortened
 from camgen.spec import unknown
 from camgen.tolerances import SAME_POINT
 
@@ -95,7 +96,9 @@ def _length_faults(drawing: Drawing) -> Iterable[Fault]:
         path = ("lengths", key)
         names = t.pair(key)
         if names is None:
-            yield Fault(path, "", 'two points of one link, such as "A-B"', unknown=True)
+            right = [each for each in drawing.lengths if t.pair(each)]
+            here = f"; here {shortened(', '.join(right))}" if right else ""
+            yield Fault(path, "", f'two points of one link, such as "A-B"{here}', unknown=True)
             continue
         lost = [point for point in names if point not in drawing.points]
         if lost:
