@@ -690,7 +690,7 @@ def _other_units(cls: type[Checked], data: Data) -> Iterator[str]:
             units[names] = unit_of(_locate(path, data, root)[1] or {}) or ""
         numbers.append((path, value, units[names]))
     largest = max((abs(value) for _, value, unit in numbers if "mm" in unit.split()), default=0)
-    for path, value, unit in numbers:
+    for path, value, unit in sorted(numbers, key=lambda row: dotted(row[0])):
         key = f"{dotted(path)} = {value:g}"
         if unit == "deg":
             decimals = len(repr(abs(value)).partition(".")[2])
@@ -995,7 +995,7 @@ def _longer(name: str, keys: Sequence[str]) -> list[str]:
 
 
 _TINY = 0.05  # mm, less than any size of a part
-_SMALL = re.compile("tolerance|clearance|allowance|play|lash|kerf|error|gap|offset|chord|backlash")
+_SMALL = re.compile("tolerance|clearance|allowance|play|lash|kerf|error|gap|offset|step|caliper")
 _MASSIVE = 100.0  # kg, more than what a machine of this size moves
 _NUMBER = re.compile(r"([+-]?\d+(?:[.,]\d+)?)\s*(\S*)")
 _FIGURE = re.compile(r"[+-]?\d+(?:\.\d+)?")
