@@ -45,9 +45,14 @@ class Rider:
     way: complex  # unit, in which it moves as its displacement grows
 
     @property
+    def tip(self) -> float:
+        """Radius of its roller, mm; 0 of an edge or a face."""
+        return self.radius if math.isfinite(self.radius) else 0.0
+
+    @property
     def centre(self) -> complex:
         """Of its roller; where it touches of an edge or a face."""
-        return self.place + self.normal * (self.radius if math.isfinite(self.radius) else 0.0)
+        return self.place + self.normal * self.tip
 
 
 @dataclass(frozen=True)

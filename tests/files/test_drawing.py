@@ -441,7 +441,7 @@ def test_a_cam_with_a_hub_is_cut_through_its_keyway(tmp_path):
     """From the left at x = 0: below the axis the bore's wall is at -6, above it the keyway's floor at 6 + 1.8."""
     part = keyed_cam_with_hub()
     layout = _Layout(part, "d", TOLERANCE, SHOP)
-    faces = sorted(face.bounds[0::2] for face in shapely.get_parts(layout.upright.faces))
+    faces = sorted(face.bounds[0::2] for face in shapely.get_parts(layout.drawn.upright.faces))
     assert [faces[0][1], faces[-1][0]] == pytest.approx([-6, 7.8])
     low, high = extent([fit_arcs(part.region.outer, TOLERANCE)])
     assert faces[0][0] >= low.imag - 0.01 and faces[-1][1] <= high.imag + 0.01
@@ -454,8 +454,8 @@ def test_a_cam_with_a_hub_is_cut_through_its_keyway(tmp_path):
 def test_a_bore_s_chamfers_are_cut_off_in_its_section():
     """Of 0.5 at 45 deg at either end of a bore of 12, 14 high, on the side without the keyway; above it the floor is higher."""
     part = keyed_cam_with_hub()
-    faces = _Layout(part, "d", TOLERANCE, SHOP).upright.faces
-    plain = _Layout(part, "d", TOLERANCE, replace(SHOP, bore_chamfer=0.0)).upright.faces
+    faces = _Layout(part, "d", TOLERANCE, SHOP).drawn.upright.faces
+    plain = _Layout(part, "d", TOLERANCE, replace(SHOP, bore_chamfer=0.0)).drawn.upright.faces
     gone = shapely.get_parts(plain.difference(faces))
     assert [each.area for each in gone] == pytest.approx([0.125, 0.125])
     corners = {
@@ -498,8 +498,8 @@ def test_the_flat_of_a_bore_is_dimensioned_over_its_far_side(at):
         (round(each.value, 6), each.fit) for each in layout.sheet.things if isinstance(each, Size)
     }
     assert (7.5, " +0.1/0") in sizes
-    assert layout.angle_letter == "B"
-    assert layout.rows[0][3] == "Ø8 H7, 7.5 +0.1/0 over its flat"
+    assert layout.drawn.angle_letter == "B"
+    assert layout.drawn.rows[0][3] == "Ø8 H7, 7.5 +0.1/0 over its flat"
 
 
 def test_a_keyway_s_detail_is_larger_than_the_view():
@@ -590,7 +590,7 @@ def test_the_hole_from_which_others_are_placed_is_marked_as_their_datum(tmp_path
     assert (
         len(words) == 4
     )  # in the table, at the hole, in the frame of the position, in the datum's box
-    axis = layout.paper(0j)
+    axis = layout.page.paper(0j)
     assert sum(abs(each.at - axis) < layout.scale * 5 + 12 for each in words) == 2
     free_of_it = _Layout(part, "d", TOLERANCE, replace(SHOP, position=0.0, profile=0.0))
     plain = [each for each in free_of_it.sheet.primitives if isinstance(each, Text)]
@@ -620,12 +620,12 @@ def test_the_rim_of_a_plate_without_a_bore_is_its_datum(tmp_path):
     layer = Layer(Region(circle(0, 60), (track, *pins)), 0, 6)
     part = Part("outer", "Groove cam, outer wall", (layer,))
     layout = _Layout(part, "d", TOLERANCE, replace(SHOP, position=0.1, revision=""))
-    assert layout.rim_letter and layout.rim_letter == layout.datum_letter
-    assert layout.rim_letter not in {label[:1] for label, _ in layout.named}
+    assert layout.drawn.rim_letter and layout.drawn.rim_letter == layout.drawn.datum_letter
+    assert layout.drawn.rim_letter not in {label[:1] for label, _ in layout.drawn.named}
     words = [each for each in layout.sheet.primitives if isinstance(each, Text)]
-    letters = [each.at for each in words if each.text == layout.rim_letter]
+    letters = [each.at for each in words if each.text == layout.drawn.rim_letter]
     (size,) = (each.at for each in words if each.text == "Ø120 h7 (0/-0.035)")  # [ISO 286]
-    letter = layout.rim_letter
+    letter = layout.drawn.rim_letter
     assert f"Rim {letter} round within 0.01, Ra 1.6" in {each.text for each in words}
     assert "All faces but for the track and rim Ra 3.2" in {each.text for each in words}
     assert min(abs(at.real - size.real) + max(at.imag - size.imag, 0) for at in letters) < 2
@@ -634,7 +634,7 @@ def test_the_rim_of_a_plate_without_a_bore_is_its_datum(tmp_path):
     square = replace(
         layer, region=Region(polygon([-60 - 60j, 60 - 60j, 60 + 60j, -60 + 60j]), (track, *pins))
     )
-    assert not _Layout(replace(part, layers=(square,)), "s", TOLERANCE, SHOP).rim_letter
+    assert not _Layout(replace(part, layers=(square,)), "s", TOLERANCE, SHOP).drawn.rim_letter
 
 
 def _frames(layout, first):
@@ -656,12 +656,12 @@ def test_a_dowel_or_a_keyway_holds_the_angle_of_a_groove_s_track(root, bore):
     ).resolved()
     for part in machine.assembly.parts:
         layout = _Layout(part, "d", TOLERANCE, facts_of(machine, part))
-        names = dict(layout.named)
+        names = dict(layout.drawn.named)
         assert all(hole.radius for hole in names.values())
         position = _frames(layout, "Ø0.05")
         if part.name == "back":
             assert position == (["A", "D"] if bore == "keyway" else ["A"])
-            assert layout.angle_hole is None
+            assert layout.drawn.angle_hole is None
             continue
         axis, angle = _frames(layout, "0.05")
         assert position[0] == axis != angle
@@ -669,15 +669,15 @@ def test_a_dowel_or_a_keyway_holds_the_angle_of_a_groove_s_track(root, bore):
         words = [each for each in layout.sheet.primitives if isinstance(each, Text)]
         letters = [each.at for each in words if each.text == angle]
         if bore == "keyway" and part.name == "inner":
-            assert layout.angle_hole is None and position == [axis, angle]
+            assert layout.drawn.angle_hole is None and position == [axis, angle]
             continue
-        first = next(hole for name, hole in layout.named if name.endswith("1"))
+        first = next(hole for name, hole in layout.drawn.named if name.endswith("1"))
         edge = layout.scale * first.radius
-        assert min(abs(at - layout.paper(first.place)) for at in letters) < edge + 10
+        assert min(abs(at - layout.page.paper(first.place)) for at in letters) < edge + 10
         # dowels, then screws
         own = "A B1 B2 C1 C2" if part.name == "inner" else "A1 A2 B1 B2 B3 B4"
         assert " ".join(names) == own
-        tracks = [row for row in layout.rows if row[3].lower().startswith("profile by dxf")]
+        tracks = [row for row in layout.drawn.rows if row[3].lower().startswith("profile by dxf")]
         assert [row[:3] for row in tracks] == [("", "", "")]
 
 
@@ -742,8 +742,8 @@ def test_frames_and_the_circle_of_a_whole_outline_are_drawn():
         for each in strokes
         if each.layer == "DIM" and isinstance(each.pieces[0], Line) and len(each.pieces) == 1
     ]
-    on_face = [z for z in tips if abs(z.real - layout.side_x) < 1e-9]
-    low, high = layout.paper(layout.low), layout.paper(layout.high)
+    on_face = [z for z in tips if abs(z.real - layout.page.side_x) < 1e-9]
+    low, high = layout.page.paper(layout.drawn.low), layout.page.paper(layout.drawn.high)
     assert [z for z in on_face if low.imag < z.imag < high.imag]
 
 

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 import shapely
 
-from camgen.files.drawing import _SCALES, _Layout
+from camgen.files.drawing import _Layout
 from camgen.files.labels import box
+from camgen.files.page import SCALES
 from camgen.files.sheet import Sheet, Size, Stroke, Text
 from camgen.files.title_block import Facts
 from camgen.files.tracks import Development, development, drum_section
@@ -46,7 +47,7 @@ def sheet_of(*settings: str, metal: bool = True) -> tuple[_Layout, Drum, Facts]:
 
 def unrolled(drum: Drum, facts: Facts) -> tuple[Development, Sheet]:
     """The development alone."""
-    made = development(drum, facts, ["A", "B"], 288.0, _SCALES)
+    made = development(drum, facts, ["A", "B"], 288.0, SCALES)
     sheet = Sheet(420.0, 297.0, "")
     made.draw(sheet, 0j)
     return made, sheet
@@ -102,7 +103,7 @@ def test_a_section_has_the_track_s_width_and_depth() -> None:
     wanted = {(): (10.2, 7.0), RIB: (5.8, 7.0), ("geometry.track=end",): (7.0,)}
     for settings, sizes in wanted.items():
         _, drum, facts = sheet_of(*settings)
-        section = drum_section(drum, facts, _SCALES)
+        section = drum_section(drum, facts, SCALES)
         assert [each.value for *_, each in section.sizes] == pytest.approx(sizes)
         for a, b, away, measure in section.sizes:
             assert abs(((b - a) * (1j * away / abs(away)).conjugate()).real) == pytest.approx(
@@ -127,13 +128,15 @@ def test_a_drum_is_cut_along_its_axis(settings: tuple[str, ...]) -> None:
         turned = Mesh(mesh.vertices[:, [1, 2, 0]], mesh.faces)
         rings = [shapely.Polygon(coordinates(each.points)) for each in slice_mesh(turned, 0.0)]
         cut = reduce(shapely.symmetric_difference, rings)
-        assert layout.upright is not None
-        assert layout.upright.faces.symmetric_difference(cut).buffer(-0.005).is_empty
+        assert layout.drawn.upright is not None
+        assert layout.drawn.upright.faces.symmetric_difference(cut).buffer(-0.005).is_empty
         assert part.drum is not None
         place = mesh.vertices[mesh.vertices[:, 0] >= 0]
         outside = np.abs(np.hypot(place[:, 0], place[:, 1]) - part.drum.outside) < 0.02
         rim = place[outside, 1] + 1j * place[outside, 2]
-        ends = [z for pair in layout.upright.beyond if pair[0].imag != pair[1].imag for z in pair]
+        ends = [
+            z for pair in layout.drawn.upright.beyond if pair[0].imag != pair[1].imag for z in pair
+        ]
         if part.drum.pocket is None:  # else there is a rim within it, too
             assert all(np.min(np.abs(rim - z)) < 0.6 for z in ends)
             assert bool(ends) == (part.drum.track != "end")  # there both lie behind the cut
@@ -146,8 +149,8 @@ def test_a_drum_s_section_is_dimensioned(settings: tuple[str, ...]) -> None:
     sizes = [each for each in layout.sheet.things if isinstance(each, Size)]
     floors = [each.value for each in sizes if each.sign == "Ø" and each.a.real == each.b.real]
     assert floors == pytest.approx([2 * drum.outside - 14])
-    assert layout.upright is not None
-    points = shapely.get_coordinates(layout.upright.faces)
+    assert layout.drawn.upright is not None
+    points = shapely.get_coordinates(layout.drawn.upright.faces)
     wanted = []
     for side in (-1, 1):
         levels = np.sort(points[np.abs(points[:, 0] - side * drum.outside) < 2e-3, 1])
@@ -226,7 +229,7 @@ def test_walls_of_a_plate_groove_are_cut_and_show_its_width(
     layouts = {
         name: _Layout(part, "d", 1e-3, facts_of(machine, part)) for name, part in parts.items()
     }
-    rim = layouts["outer"].disc
+    rim = layouts["outer"].drawn.disc
     assert rim is not None
     cuts = {
         "inner": [(-45, -5), (5 + keyway, 30)],
@@ -234,10 +237,10 @@ def test_walls_of_a_plate_groove_are_cut_and_show_its_width(
     }
     for name, spans in cuts.items():
         layout = layouts[name]
-        assert layout.upright is not None
-        boxes = [each.bounds for each in shapely.get_parts(layout.upright.faces)]
+        assert layout.drawn.upright is not None
+        boxes = [each.bounds for each in shapely.get_parts(layout.drawn.upright.faces)]
         found = sorted((x0, x1) for x0, _, x1, _ in boxes)
-        chamfer = layout.chamfer
+        chamfer = layout.drawn.chamfer
         for (a, b), (low, high) in zip(found, spans, strict=True):
             assert (a, b) == pytest.approx((low, high), abs=max(0.01, chamfer))
         sizes = [each for each in layout.sheet.things if isinstance(each, Size)]
@@ -246,15 +249,15 @@ def test_walls_of_a_plate_groove_are_cut_and_show_its_width(
         words = [each.text for each in layout.sheet.primitives if isinstance(each, Text)]
         assert {"S-S", "(6)", "roller Ø10"} <= set(words)
         frame = shapely.box(*layout_box(layout))
-        dashed = [z for z in lines(layout.sheet, "HIDDEN") if layout.side_x <= z.real.min()]
+        dashed = [z for z in lines(layout.sheet, "HIDDEN") if layout.page.side_x <= z.real.min()]
         assert not [z for z in dashed if frame.contains(shapely.Point(z[0].real, z[0].imag))]
 
 
 def layout_box(layout: _Layout) -> tuple[float, float, float, float]:
     """Of the view from the left on paper."""
-    left = layout.side_x
-    low, high = layout.paper(layout.low).imag, layout.paper(layout.high).imag
-    return left - 1, low - 1, left + layout.scale * layout.part.thickness + 1, high + 1
+    left = layout.page.side_x
+    low, high = layout.page.paper(layout.drawn.low).imag, layout.page.paper(layout.drawn.high).imag
+    return left - 1, low - 1, left + layout.scale * layout.drawn.part.thickness + 1, high + 1
 
 
 @pytest.mark.parametrize("material", ["C45", "PLA"])
@@ -281,7 +284,7 @@ def test_the_sheet_of_a_linear_cam_has_heights_of_its_edge(material: str) -> Non
 def test_a_section_tells_the_cone_of_its_roller() -> None:
     """The groove is 10.2 wide half way along a roller that is 10 there, and each wall leans by the half angle."""
     _, drum, facts = sheet_of("geometry.roller.cone_deg=10")
-    section = drum_section(drum, facts, _SCALES)
+    section = drum_section(drum, facts, SCALES)
     assert "half angle of its cone 10°" in section.words
     (a, b, _, measure), _ = section.sizes
     assert abs(b - a) == pytest.approx(measure.value) and measure.value == pytest.approx(10.2)
@@ -298,13 +301,13 @@ def test_heights_of_a_drum_s_walls_have_a_datum_on_its_lower_end(
 ) -> None:
     """Bore and flat leave the drum free to move along its axis [ISO 5459]; its lower end, on the left in the view, holds that."""
     layout, drum, _ = sheet_of(*settings)
-    assert layout.face_letter == "C"
+    assert layout.drawn.face_letter == "C"
     end = drum.floor if settings == RIB else drum.outside
     triangles = [np.array(each.corners) for each in layout.sheet.things if hasattr(each, "corners")]
-    feet = [z[:2] for z in triangles if np.allclose(z[:2].real, layout.side_x)]
+    feet = [z[:2] for z in triangles if np.allclose(z[:2].real, layout.page.side_x)]
     (foot,) = [z for z in feet if abs(z[0] - z[1]) == pytest.approx(3.0)]
     assert np.all(np.abs(foot.imag - layout.datum.imag) < layout.scale * end)
     words = [each.text for each in layout.sheet.primitives if isinstance(each, Text)]
     assert words.count("C") == 2  # the datum, and the frame of the walls
     plain, _, _ = sheet_of(*settings, metal=False)
-    assert not plain.face_letter
+    assert not plain.drawn.face_letter

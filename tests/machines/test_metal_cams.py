@@ -137,7 +137,7 @@ def _layout(name: str, *settings: str) -> _Layout:
 def test_a_groove_s_back_plate_is_cut_through_its_bore(bore: str) -> None:
     """Its circles are no curve that a file could miss; its dowels' holes go through, and none is dashed."""
     layout = _layout("back", f"parts.bore_shape={bore}")
-    assert layout.upright is not None and layout.chamfer == 1.0
+    assert layout.drawn.upright is not None and layout.drawn.chamfer == 1.0
     texts = {each.text for each in layout.sheet.primitives if isinstance(each, Text)}
     assert {"Ra 1.6", "S-S", "All holes go through", "Bore chamfered 1 × 45° at both ends"} <= texts
     assert "Outlines: d.dxf" in texts and "exact curve" not in _words(layout)
@@ -151,7 +151,7 @@ def test_a_groove_s_walls_are_ground_after_hardening_and_the_rim_is_a_datum_with
     assert "Track and bore ground after hardening; all sizes hold after it" in inner
     assert "within 0.001 of the exact curve" in inner
     outer = _layout("outer")
-    assert f"Rim {outer.rim_letter} round within 0.025, Ra 1.6" in _words(outer)
+    assert f"Rim {outer.drawn.rim_letter} round within 0.025, Ra 1.6" in _words(outer)
     assert "Track and rim ground after hardening" in _words(outer)
 
 
@@ -159,7 +159,7 @@ def test_a_plate_s_lower_side_is_a_datum_with_a_tolerance() -> None:
     made = read_mechanism(STARTER.with_name("linear-cam.toml"), ["material.name=C45"]).resolved()
     (part,) = made.assembly.parts
     layout = _Layout(part, "d", 0.001, facts_of(made, part))
-    assert f"Lower side {layout.rim_letter} flat within 0.025, Ra 1.6" in _words(layout)
+    assert f"Lower side {layout.drawn.rim_letter} flat within 0.025, Ra 1.6" in _words(layout)
 
 
 def test_a_milled_groove_of_a_drum_is_as_close_as_that_of_a_plate() -> None:

@@ -1,0 +1,116 @@
+"""Notes on the sheet of a part: what its views leave open, and how it is made."""
+
+from __future__ import annotations
+
+from camgen.files.dimensions import STACK, free, number
+from camgen.files.drawn_part import DrawnPart
+from camgen.files.page import FILING, MARGIN, SIZES
+from camgen.files.sheet import Text
+from camgen.files.title_block import WIDTH
+from camgen.geometry.arcs import as_circle
+
+NOTES = SIZES["A4"][0] - FILING - MARGIN - WIDTH - 6  # width, beside the title block of an A4 sheet
+
+
+def notes_of(drawn: DrawnPart) -> list[str]:
+    """All notes on a part, in lines that fit beside the title block."""
+    part = drawn.part
+    lines = []
+    if drawn.zero_is and drawn.rows:
+        lines.append(f"X and Y from {drawn.zero_is}")
+    if drawn.zero:
+        lines[-1] += (
+            f", which in the part's files is at {number(drawn.zero.real)}, {number(drawn.zero.imag)}"
+        )
+    circle = as_circle(drawn.outer)
+    if circle and abs(circle[0]) > 1e-9:
+        x = circle[0].real
+        y = circle[0].imag
+        lines.append(f"Outline Ø{number(2 * circle[1])} about X {number(x)}, Y {number(y)}")
+    if part.side_profile is not None:
+        lines.append("Material is what lies within both outlines, along z and from above")
+    if len(part.layers) > STACK:
+        lines.append(f"{len(part.layers)} layers, see the STL")
+    depths = sorted({number(layer.z1 - layer.z0) for layer in part.engraved})
+    lines += [f"Engraved {depth} deep" for depth in depths]
+    if part.outlined:
+        curved = any(map(free, (part.region.outer, *part.region.holes)))
+        exact = f"Profile: {drawn.stem}.dxf, within {drawn.tolerance:g} of the exact curve"
+        lines.append(exact if curved else f"Outlines: {drawn.stem}.dxf")
+    elif part.stacked:
+        low, high = number(part.drawn.z0), number(part.drawn.z1)
+        lines.append(f"Drawn thick: the layer z {low} to {high}; all outlines: {drawn.stem}.stl")
+    elif drawn.facts.heights:
+        path = f", the cutter's path: {drawn.stem}-path.csv" if drawn.facts.cutter else ""
+        lines.append(f"Track: {drawn.stem}-developed.dxf{path}")
+        lines.append(f"Z from the lower end, on the left in {drawn.letter}-{drawn.letter}")
+    else:
+        lines.append(f"The blank is drawn; its track: {drawn.stem}.stl")
+    if drawn.own_tables:
+        what = "Tables of the tracks" if len(drawn.own_tables) > 1 else "Table of the track"
+        lines.append(f"{what}: {drawn.stem}-tracks-drawing.pdf")
+    if drawn.turns:
+        lines.append("+ : positive sense of turning (ccw)")
+    if drawn.riders:
+        lines.append("Dashed: the follower at cam angle 0; s: the way in which it rises")
+    lines += [*_shop_notes(drawn), *part.notes]
+    return [line for note in lines for line in _wrapped(note[:1].upper() + note[1:])]
+
+
+def _shop_notes(drawn: DrawnPart) -> list[str]:
+    """Notes on how the part is made."""
+    lines = list[str]()
+    facts = drawn.facts
+    if drawn.chamfer:
+        lines.append(f"Bore chamfered {number(drawn.chamfer)} × 45° at both ends")
+    if drawn.plate:
+        lines.append("All holes go through")
+    fine = _finer(drawn)
+    if facts.roughness_elsewhere:
+        where = f" but for the {fine}" if fine else ""
+        lines.append(f"All faces{where} Ra {facts.roughness_elsewhere:g}")
+    if drawn.rim_letter and facts.profile:
+        form = "flat" if facts.levels else "round"
+        fine_rim = f", Ra {facts.bore_roughness:g}" if facts.bore_roughness else ""
+        lines.append(
+            f"{_rim(drawn)} {drawn.rim_letter} {form} within {facts.profile / 2:g}{fine_rim}"
+        )
+    lines += [f"Edges {facts.edges}"] if facts.edges else []
+    lines += [facts.heat_treatment] if facts.heat_treatment else []
+    if facts.ground and fine:
+        lines.append(f"{fine} ground after hardening; all sizes hold after it")
+    if facts.thread:
+        before = ", before hardening" if facts.ground else ""
+        lines.append(f"Fit the walls on the back; drill and ream the dowel holes together{before}")
+        lines += [f"Threads {facts.thread} cut before hardening"] if facts.ground else []
+    return lines
+
+
+def _rim(drawn: DrawnPart) -> str:
+    """What the datum is that is no hole."""
+    return "lower side" if drawn.facts.levels else "rim"
+
+
+def _finer(drawn: DrawnPart) -> str:
+    """Faces that have a roughness of their own, such as "track and bore"."""
+    facts = drawn.facts
+    faces = (
+        ("track", facts.roughness and drawn.track_tables),
+        ("bore", facts.bore_roughness and drawn.bored),
+        (_rim(drawn), facts.bore_roughness and drawn.rim_letter),
+    )
+    return " and ".join(name for name, own in faces if own)
+
+
+def _wrapped(note: str) -> list[str]:
+    """A note in lines that fit beside the title block of an A4 sheet."""
+    room = NOTES
+    lines = [""]
+    for word in note.split():
+        longer = f"{lines[-1]} {word}".strip()
+        lines = (
+            [*lines[:-1], longer]
+            if not lines[-1] or Text(0j, longer, 2.5).room <= room
+            else [*lines, word]
+        )
+    return lines
