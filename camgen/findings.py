@@ -150,14 +150,37 @@ def checks(findings: Sequence[Finding]) -> list[list[Finding]]:
     return list(groups.values())
 
 
+_SAME_FAULT = 0.05  # share by which a file's figure may differ from that of the design
+
+
 def worst_of_each(findings: Sequence[Finding]) -> list[tuple[Finding, str]]:
-    """Of findings of one check the worst, with how many there are and where they were made, such as several files or parts."""
+    """Of findings of one check the worst, with how many there are and where they were made, such as several files or parts.
+
+    What the files show as the design has it already is told with the design.
+    """
+    groups = checks(findings)
+    worst = [max(group, key=_excess) for group in groups]
     rows = []
-    for group in checks(findings):
-        worst = max(group, key=_excess)
+    for group, finding in zip(groups, worst, strict=True):
+        if any(_shows(other, finding) for other in groups):
+            continue
         places = "; ".join(filter(None, dict.fromkeys(str(each.where) for each in group)))
-        rows.append((worst, f"worst of {len(group)}: {places}" if len(group) > 1 else places))
+        said = f"worst of {len(group)}: {places}" if len(group) > 1 else places
+        also = [other for other in worst if _shows(group, other)]
+        rows.append((finding, f"{said}; the files show it too" if also else said))
     return rows
+
+
+def _shows(design: Sequence[Finding], worst: Finding) -> bool:
+    """Whether the worst of a file is what a single finding of the design says already."""
+    (first, *more) = design
+    return (
+        not (more or first.where.file)
+        and bool(worst.where.file)
+        and (first.code, first.unit, first.where.module, first.where.output)
+        == (worst.code, worst.unit, worst.where.module, worst.where.output)
+        and math.isclose(first.measured, worst.measured, rel_tol=_SAME_FAULT)
+    )
 
 
 # Codes that every part's every file is checked for: many lines of one kind, of which the tightest tells enough.

@@ -287,6 +287,18 @@ def test_one_fault_in_all_files_is_one_row() -> None:
     assert [finding for finding, _ in worst_of_each([pen, foot])] == [pen, foot]
 
 
+def test_a_fault_of_the_design_is_told_once_though_the_files_have_it() -> None:
+    """A file that has more of it than the design is told by itself."""
+    design = at_most("UNDERCUT", 3.2, 0, "mm", Where("exact profile"), "")
+    same, more = (
+        at_most("UNDERCUT", size, 0.02, "mm", Where(file="cam.stl", output=""), "")
+        for size in (3.21, 3.9)
+    )
+    assert worst_of_each([design, same]) == [(design, "exact profile; the files show it too")]
+    assert [finding for finding, _ in worst_of_each([design, more])] == [design, more]
+    assert [finding for finding, _ in worst_of_each([same])] == [same]
+
+
 def test_margins_have_one_row_a_check_and_a_column_a_kind() -> None:
     found = [
         at_most(
