@@ -227,8 +227,11 @@ def _sentence(finding: Finding, where: str) -> str:
     )
 
 
+_MAKING = ("print", "cut", "load", "send")  # what is done with a file to make a part or let it move
+
+
 def _next_steps(report: Report, first: Summary, every: bool) -> list[str]:
-    """Where the files are, and what to open."""
+    """Where the files are, what to open, and what to make where nothing fails."""
     if report.folder is None:
         return []
     folder = Path(report.folder)
@@ -236,7 +239,11 @@ def _next_steps(report: Report, first: Summary, every: bool) -> list[str]:
     said = [f"files are in {folder}{f': {held}' if held else ''}"]
     if every:
         said += [f"  {folder / name}" for name in first.files]
-    return said + [f"{step.verb} {folder / step.file}{step.rest}" for step in first.steps]
+    made = [step for step in first.steps if step.verb not in _MAKING]
+    waits = first.state == "bad" and len(made) < len(first.steps)
+    steps = made if waits else first.steps
+    said += [f"{step.verb} {folder / step.file}{step.rest}" for step in steps]
+    return [*said, "make no part yet: first what fails above"] if waits else said
 
 
 def _cells(report: Report, finding: Finding) -> dict[str, str]:
