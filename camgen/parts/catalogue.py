@@ -182,8 +182,9 @@ class Bought:
     standard: str
     size: str
     count: int
-    # turns the machine; fixes what does; feeds its motor; holds its frame from behind; hangs between two of its points
-    role: Literal["", "drive", "drive screw", "supply", "mount", "spring"] = ""
+    # turns the machine; fixes what does; feeds its motor; holds its frame from behind; hangs between two of its points;
+    # joins it to what is the builder's own
+    role: Literal["", "drive", "drive screw", "supply", "mount", "spring", "own"] = ""
     at: tuple[
         tuple[str, int], ...
     ] = ()  # parts with which it is put in, and how many with each copy

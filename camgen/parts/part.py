@@ -60,7 +60,16 @@ Role = Literal[
 
 
 class SizeNote(str):
-    """A note that says of what stock a part is cut, and how long."""
+    """A note that says of what stock a part is cut, such as "rod 6 h9", and how long, mm."""
+
+    stock: str
+    length: float
+
+    def __new__(cls, text: str, stock: str = "", length: float = 0.0) -> SizeNote:
+        note = super().__new__(cls, text)
+        note.stock = stock
+        note.length = length
+        return note
 
 
 class HoldingNote(str):

@@ -18,6 +18,14 @@ from camgen.tolerances import SAME_POINT
 _WIDEST = 13.0  # mm, of a drill that people have
 
 
+def opened_holes(copies: Sequence[StandingCopy], fixing: Fixing) -> dict[float, int]:
+    """How many holes in which something turns are opened, by the size of the drill, mm."""
+    return {
+        size: sum(part.count * len(holes) for part, holes in parts.values())
+        for size, parts in sorted(_holes(copies, fixing, _reamed).items())
+    }
+
+
 def with_reaming(table: Table, copies: Sequence[StandingCopy], fixing: Fixing) -> Table:
     """The order of assembly, begun with the holes that are to be reamed and those that stay tight; as it is where there are none."""
     opened = _holes(copies, fixing, _reamed)
@@ -30,9 +38,7 @@ def with_reaming(table: Table, copies: Sequence[StandingCopy], fixing: Fixing) -
     said = []
     lines = _lines(opened)
     if lines:
-        count = sum(
-            part.count * len(holes) for parts in opened.values() for part, holes in parts.values()
-        )
+        count = sum(opened_holes(copies, fixing).values())
         said = [_OPEN.format(f"all {count} holes" if count > 1 else "the hole") + _ticks(lines)]
     said += [_BY_HAND + _ticks(_lines(fitted))] if fitted else []
     said += [_TIGHT + _ticks(_lines(tight))] if tight else []
@@ -114,9 +120,16 @@ def reamer_size(diameter: float, play: float) -> float:
     return drill if drill > diameter else math.floor(100 * size) / 100
 
 
-def _tool(size: float) -> str:
+def opener(size: float) -> str:
     """What opens a hole of a size, mm."""
-    return f"{size:g} mm" if size <= _WIDEST else f"{size:g} mm, with fine sandpaper"
+    if size > _WIDEST:
+        return "fine sandpaper"
+    return "reamer" if size % 0.1 > SAME_POINT < 0.1 - size % 0.1 else "drill"
+
+
+def _tool(size: float) -> str:
+    """The size of a hole, mm, and what opens it where that is no drill of people."""
+    return f"{size:g} mm" if size <= _WIDEST else f"{size:g} mm, with {opener(size)}"
 
 
 _Holes = dict[str, tuple[Part, list[str]]]  # by the name of a part

@@ -566,6 +566,7 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
     if materials.of(mechanism.material.name).printed:
         minutes = sum(float(str(row[6])) for row in rows)
         figures.append(Figure("print time", minutes / 60, "h"))
+        figures.append(Figure("print infill", mechanism.material.infill, ""))
         stand = mechanism.assembly.support
         if stand is not None:
             of_stand = sum(float(str(row[6])) for row in rows if row[1] in stand.parts)

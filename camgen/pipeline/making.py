@@ -25,7 +25,7 @@ from camgen.parts.part import Part
 from camgen.pipeline.case import Case
 from camgen.pipeline.drawings import timing_facts, timing_of
 from camgen.pipeline.scope import machined
-from camgen.pipeline.shopping import bought_things
+from camgen.pipeline.shopping import bought_things, stock, tools
 from camgen.pipeline.summary import draw_part
 from camgen.progress import Progress
 from camgen.study import Table
@@ -222,8 +222,19 @@ def assembly_copies(mechanism: Mechanism) -> list[PartCopy]:
     ]
 
 
+def models_alone(case: Case) -> set[str]:
+    """Names of the solids of parts that nobody prints, for CAD alone."""
+    printed = {part.name for part in printed_parts(case.mechanism.assembly)}
+    return {
+        case.file(name, kind).name
+        for name in case.parts.keys() - printed
+        for kind in ("stl", "3mf")
+    }
+
+
 def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyType({})) -> Table:
-    """The parts list: what is printed, with material, mass and time of all copies, then what is cut, turned or bought.
+    """The parts list: what is printed, with material, mass and time of all copies, then what is cut, turned or bought, the steel
+    from which parts are cut, what the builder adds, and the drills.
 
     sides: on which printed parts lie on the bed, where their solids are known. Of a material that is not printed nothing is said
     of printing.
@@ -266,16 +277,26 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
             mass = volume * density * 1e-3
         what += same.get(part.name, "")
         rows.append((how, part.name, what, part.count, volume or "", mass, *blank[1:]))
-    things = bought_things(mechanism)
+    own = [each for each in bought_things(mechanism) if each.role == "own"]
+    things = [each for each in bought_things(mechanism) if each.role != "own"]
     if any("glued" in note for part in parts for note in part.notes) and "glue" not in {
         thing.name for thing in things
     }:
         things.append(
             Bought("glue", "", "superglue gel or two-part glue, for all that is glued", 1)
         )
-    for thing in things:
-        size = ", ".join(text for text in (thing.size, thing.standard) if text)
-        rows.append(("bought", thing.name, size, thing.count, "", *blank))
+    if mechanism.assembly.board and mechanism.assembly.support is None:
+        own.append(Bought("board", "", "or a frame; the last step says how the plate is fixed", 1))
+    groups = {
+        "bought": things,
+        "stock": stock(mechanism),
+        "your own": own,
+        "tool": tools(mechanism),
+    }
+    for how, group in groups.items():
+        for thing in group:
+            size = ", ".join(text for text in (thing.size, thing.standard) if text)
+            rows.append((how, thing.name, size, thing.count, "", *blank))
     columns = (
         "how",
         "part",

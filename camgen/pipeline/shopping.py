@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import replace
 
 import numpy as np
 
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.assembly import order_of_assembly
+from camgen.parts import materials
+from camgen.parts.assembly import Assembly, order_of_assembly
 from camgen.parts.bench_steps import at_bench
 from camgen.parts.catalogue import CAM_FOLLOWERS, Bought
 from camgen.parts.keyways import parallel_keys
 from camgen.parts.look_alikes import with_sorting
-from camgen.parts.reaming import with_cutting, with_reaming
-from camgen.parts.standing import standing_copies
-from camgen.parts.steps import with_joints
+from camgen.parts.part import SizeNote
+from camgen.parts.reaming import opened_holes, opener, with_cutting, with_reaming
+from camgen.parts.standing import StandingCopy, standing_copies
+from camgen.parts.steps import Fixing, with_joints
 from camgen.study import Table
 
 
@@ -30,11 +33,39 @@ def bought_things(mechanism: Mechanism) -> list[Bought]:
     return things
 
 
+def _standing(assembly: Assembly) -> tuple[list[StandingCopy], Fixing]:
+    """Copies where they stand at theta = 0, and how they are fixed in each other."""
+    copies = standing_copies(assembly.parts, assembly.mounts, assembly.poses(np.zeros(1)))
+    return copies, with_joints(assembly.process.fixing, assembly.features)
+
+
+def stock(mechanism: Mechanism) -> list[Bought]:
+    """Steel from which parts are cut: of each size the length of all of them."""
+    pieces = defaultdict[str, list[float]](list)
+    for part in mechanism.assembly.parts:
+        for note in part.notes:
+            if isinstance(note, SizeNote):
+                pieces[note.stock] += [note.length] * part.count
+    return [
+        Bought(f"steel {name}", "", f"{sum(lengths):.4g} mm without saw cuts", len(lengths))
+        for name, lengths in pieces.items()
+    ]
+
+
+def tools(mechanism: Mechanism) -> list[Bought]:
+    """What opens the printed holes in which something turns."""
+    if not materials.of(mechanism.material.name).printed:
+        return []
+    return [
+        Bought(opener(size), "", f"{size:g} mm, for {count} hole{'' if count == 1 else 's'}", 1)
+        for size, count in opened_holes(*_standing(mechanism.assembly)).items()
+    ]
+
+
 def steps_of_assembly(mechanism: Mechanism) -> Table:
     """In which order a machine goes together, with all that is bought for it, as a person at the bench takes it."""
     assembly = replace(mechanism.assembly, bought=bought_things(mechanism))
-    copies = standing_copies(assembly.parts, assembly.mounts, assembly.poses(np.zeros(1)))
-    fixing = with_joints(assembly.process.fixing, assembly.features)
+    copies, fixing = _standing(assembly)
     cut = with_cutting(order_of_assembly(assembly), assembly.parts)
     reamed = with_reaming(cut, copies, fixing)
     return at_bench(with_sorting(reamed, assembly.parts, copies, fixing))

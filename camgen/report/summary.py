@@ -187,14 +187,17 @@ def _worst(findings: Sequence[Finding]) -> Finding | None:
 
 
 def _print_time(report: Report) -> str:
-    """How long a printer takes for all parts, and how much of it for a stand that takes most; "" where that is not known."""
+    """How long a printer takes for all parts, with which infill, and how much of it for a stand that takes most; "" where that is
+    not known."""
     hours = {each.quantity: each.value for each in report.numbers.records}
     whole = hours.get("print time", 0.0)
     stand = hours.get("print time stand", 0.0)
     if whole <= _NOTHING:
         return ""
     of_stand = f"; the stand takes {stand:.2g} h of it, and can be cut from sheet instead"
-    return f" (all parts, about {whole:.2g} h{of_stand if stand > whole / 2 else ''})"
+    infill = hours.get("print infill", 1.0)
+    filled = "if solid" if infill == 1 else f"at {infill:.0%} infill"
+    return f" (all parts, estimated {whole:.2g} h {filled}{of_stand if stand > whole / 2 else ''})"
 
 
 def _steps(name: str, files: Mapping[str, str], time: str) -> Iterator[FileStep]:

@@ -23,6 +23,7 @@ NAMES = {
     "mass": "mass of what is made",
     "print time": "time to print all",
     "print time stand": "time to print the stand alone",
+    "print infill": "share of the volume in mass and time to print, material.infill",
     "index": "indexing",
     "drive torque": "torque needed, greatest",
     "drive torque mean": "torque needed, mean",

@@ -258,11 +258,11 @@ def test_too_long_a_list_is_told_its_limit(run: object, root: Path, tmp_path: Pa
 @pytest.mark.parametrize(
     ("stand", "told"),
     [
-        (None, " (all parts, about 4.9 h)"),
-        (1.0, " (all parts, about 4.9 h)"),
+        (None, " (all parts, estimated 4.9 h at 40% infill)"),
+        (1.0, " (all parts, estimated 4.9 h if solid)"),
         (
             3.2,
-            " (all parts, about 4.9 h; the stand takes 3.2 h of it, and can be cut from sheet instead)",
+            " (all parts, estimated 4.9 h if solid; the stand takes 3.2 h of it, and can be cut from sheet instead)",
         ),
     ],
 )
@@ -271,6 +271,7 @@ def test_a_stand_that_takes_most_of_the_printing_is_told(
 ) -> None:
     (tmp_path / "m-plate.3mf").touch()
     figures = [Figure("print time", 4.9, "h")]
+    figures.append(Figure("print infill", 0.4 if stand is None else 1.0, ""))
     if stand is not None:
         figures.append(Figure("print time stand", stand, "h"))
     report = Report("m", "linkage", [], Figures(figures), folder=tmp_path)

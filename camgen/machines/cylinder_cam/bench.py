@@ -30,7 +30,7 @@ from camgen.machines.cylinder_cam.tables import DrumParts
 from camgen.machines.cylinder_cam.track import Track
 from camgen.machines.return_spring import ReturnSpring
 from camgen.numerics import Floats, Points
-from camgen.parts.catalogue import BEARINGS, CORE_HOLES, DOWELS, Bearing, ball_roller
+from camgen.parts.catalogue import BEARINGS, CORE_HOLES, DOWELS, Bearing, Bought, ball_roller
 from camgen.parts.coils import Coil
 from camgen.parts.generator.sizes import Parts as PinSizes
 from camgen.parts.part import Layer, Part, SizeNote, hull
@@ -62,6 +62,11 @@ def roller_pin(radius: float, length: float) -> float:
     if ball is not None:
         return ball.bore
     return max((size for size in DOWELS if size <= 2 * PIN_SHARE * radius), default=0.0)
+
+
+def _cut(stock: str, length: float, rest: str = "") -> SizeNote:
+    """Of which steel a part is cut, and how long, mm."""
+    return SizeNote(f"steel {stock} {length:.4g}{rest}", stock, length)
 
 
 def shaft_bearing(bore: float) -> Bearing | None:
@@ -348,6 +353,24 @@ class Bench:
         )
         return tuple(sorted(ends, key=abs)) if free else ()
 
+    @property
+    def _carriage_pins(self) -> dict[complex, float]:
+        """Places and diameters of the pins of its rollers in the carriage."""
+        beside = self.track.geometry.follower.offset
+        return {complex(-beside, z): self.pin for z in self.rollers}
+
+    def screws(self) -> list[Bought]:
+        """What fixes the machine on what it stands on, and what it moves on the carriage: the builder's own."""
+        core = f"{_SCREW}, into core holes of {CORE_HOLES[_SCREW]:g}, at most"
+        below = f"{core} {self.plate_thickness:.4g} into the plate"
+        into = f"{core} {self.block_depth:.4g} into the carriage"
+        held = 0 if self.track.swings else len(self._carriage_screws(self._carriage_pins))
+        counts = (
+            ("screw from below", below, len(self._plate_screws)),
+            ("screw of the load", into, held),
+        )
+        return [Bought(name, "", size, count, "own") for name, size, count in counts if count]
+
     def _carriage_screws(self, pins: Mapping[complex, float]) -> tuple[complex, ...]:
         """Places of four core holes in the carriage, as far apart as the grid allows between its bores; none where no four fit."""
         rim = self.sizes.wall + CORE_HOLES[_SCREW] / 2
@@ -415,7 +438,7 @@ class Bench:
             "Rod",
             (rod,),
             notes=(
-                SizeNote(f"steel rod {s.rod_diameter:g} h9 {self.top:.4g}"),
+                _cut(f"rod {s.rod_diameter:g} h9", self.top),
                 "glued into both plates",
             ),
             process="bought",
@@ -439,7 +462,7 @@ class Bench:
             "Shaft",
             (Layer(Region(own.hole()), 0.0, length),),
             notes=(
-                SizeNote(f"steel rod {s.bore:g} h9 {length:.4g}{self._flat()}"),
+                _cut(f"rod {s.bore:g} h9", length, self._flat()),
                 "glued into the drum" if s.bore_shape == "plain" else "through the drum's bore",
             ),
             process="bought",
@@ -525,7 +548,7 @@ class Bench:
     def _carriage(self) -> Iterator[tuple[Part, Sequence[Mount]]]:
         """Of a slide: a block that runs on two rods, with the pins of its rollers."""
         beside = self.track.geometry.follower.offset
-        pins = {complex(-beside, z): self.pin for z in self.rollers}
+        pins = self._carriage_pins
         screws = self._carriage_screws(pins)
         title = "Carriage"
         notes = ["runs on two rods; the pin of the roller glued in"]
@@ -616,7 +639,7 @@ class Bench:
 
     def _pin_part(self, name: str, title: str, length: float, note: str) -> Part:
         layer = Layer(Region(circle(0j, self.pin / 2)), 0.0, length)
-        notes = (SizeNote(f"steel pin {self.pin:g} h8 {length:.4g}"), note)
+        notes = (_cut(f"pin {self.pin:g} h8", length), note)
         return Part(name, title, (layer,), notes=notes, process="bought")
 
     def _roller(self) -> Iterator[tuple[Part, Sequence[Mount]]]:

@@ -477,6 +477,7 @@ class CylinderCam(Mechanism):
                 planes={_FOLLOWER: bench.plane},
                 touching=bench.touching,
                 work=Later(lambda: [BenchSteps(bench).table()]),
+                bought=bench.screws(),
                 springs={} if bench.spring is None else {bench.spring.name: bench.spring},
             )
         output = self.model.outputs[0].name
@@ -490,7 +491,11 @@ class CylinderCam(Mechanism):
                     ring=None if pieces is None else pieces.ring,
                 ),
             ),
-            bought=[*self._bought(), *(each.bought for each in made.springs.values())],
+            bought=[
+                *made.bought,
+                *self._bought(),
+                *(each.bought for each in made.springs.values()),
+            ],
             demands=(demand,),
         )
 

@@ -366,7 +366,8 @@ class Parts(Record):
         if self.shaft_made == "printed":
             return ()
         flattened = f", a flat {self.shaft_flat:g} deep {flat}" if self.shaft_flat else ""
-        return (SizeNote(f"rod {self.shaft_diameter:g} h9 x {length:g}{flattened}"),)
+        stock = f"rod {self.shaft_diameter:g} h9"
+        return (SizeNote(f"{stock} x {length:g}{flattened}", stock, length),)
 
     @property
     def of_sheet(self) -> bool:

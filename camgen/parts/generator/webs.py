@@ -110,8 +110,11 @@ def keyed_pin(
     long = f"{low:.3g} long at either end"
     if abs(low - high) > SAME_POINT:
         long = f"{low:.3g} long at its lower end and {high:.3g} at its upper one"
+    stock = f"rod {diameter:g} h9"
     sized = SizeNote(
-        f"rod {diameter:g} h9 x {top + high:g}, a flat {flat:.3g} deep and {long}, both on the same side"
+        f"{stock} x {top + high:g}, a flat {flat:.3g} deep and {long}, both on the same side",
+        stock,
+        top + high,
     )
     if not high:
         sized = SizeNote(
