@@ -191,8 +191,13 @@ class Step:
     small: bool = False  # whether all that come are spacers, caps or nuts
     follows: bool = False  # whether it is done in one go with the step before it
     dry: bool = False  # whether what comes is held without glue, however tight it is
+    # what the picture shows side by side on the bench: of each group its name, its copies, and where they are fixed on each other
+    laid: Sequence[tuple[str, Sequence[str], Sequence[Mate]]] = ()
     # holes, by part and letter, in which no vice presses what comes: it goes in by hand
     hand_fits: Sequence[tuple[str, str]] = ()
+    along: tuple[float, float, float] | None = (
+        None  # in which they come, where neither from above nor from below
+    )
 
     @property
     def title(self) -> str:
@@ -217,6 +222,9 @@ class Table:
     rows: Sequence[Sequence[object]]
     steps: Sequence[Step] = ()
     digits: int = 6
+    shopping: bool = (
+        False  # whether it is the parts list, whose first four columns say what is bought
+    )
 
 
 @dataclass(frozen=True)

@@ -80,8 +80,8 @@ PROBE = """(async () => {
       flat.drawImage(bench, 0, 0, 200, 150);
       return flat.getImageData(0, 0, 200, 150).data.filter((value, k) => k % 4 == 3 && value > 0).length;
     };
-    bench.scrollIntoView();
-    await until(() => count.value && bench.dataset.drawn);
+    bench.closest(".bench").scrollIntoView();  // the first step may be a list, without a picture
+    await until(() => count.value);
     found.steps = [count.value];
     byId("next").click();
     found.steps.push(count.value);
@@ -95,8 +95,14 @@ PROBE = """(async () => {
     found.steps.push(count.value, first);
     byId("back").click();
     found.steps.push(seek.value);
+    await until(() => bench.dataset.drawn);
     await new Promise(done => requestAnimationFrame(() => { found.bench = ink(); done(); }));
     found.said = byId("said").textContent;
+    document.activeElement.blur();  // the keys of the page turn the steps that are in its middle
+    document.body.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft", bubbles: true, cancelable: true }));
+    found.address = [location.hash, count.value];
+    location.hash = "#step=2";
+    await until(() => seek.value == 2);
   }
   found.wide = document.documentElement.scrollWidth - document.documentElement.clientWidth;
   return found;
@@ -254,6 +260,9 @@ def chromium(path: Path) -> str:
         steps = [f"Step {k} of {last}" for k in (1, 2, 1, last, 1, last)]
         turned = found["steps"] == [*steps, "1", str(last - 1)]
         wrong += [] if turned and found["said"] else [f"steps on the bench: {found['steps']}"]
+        one_back = max(1, last - 2)
+        addressed = found["address"] == [f"#step={one_back}", f"Step {one_back} of {last}"]
+        wrong += [] if addressed else [f"address of a step: {found['address']}"]
         wrong += [] if found["bench"] > 100 else [f"bench: {found['bench']} pixels drawn"]
     wrong += [f"{found['edges']} pixels at the edges"] if found["edges"] else []
     wrong += [] if found["wheel"] == [True, False] else ["the wheel scrolls where it is to zoom"]
@@ -267,7 +276,9 @@ def chromium(path: Path) -> str:
 FLAT = """(async () => {
   const wait = ms => new Promise(done => setTimeout(done, ms)), bench = document.getElementById("bench");
   for (let k = 0; k < 300 && !document.querySelector(".bench:not([hidden])"); k++) await wait(50);
-  bench.scrollIntoView();
+  bench.closest(".bench").scrollIntoView();
+  for (let k = 0; k < 300 && !document.getElementById("count").value; k++) await wait(50);
+  location.hash = "#step=" + document.getElementById("seek").max;  // the first ones may be lists, without a picture
   for (let k = 0; k < 300 && !bench.dataset.drawn; k++) await wait(50);
   document.querySelector(".steps details").open = true;
   const small = document.querySelector(".steps .small");

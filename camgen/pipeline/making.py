@@ -310,7 +310,8 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
         "overhang, mm^2",
     )
     kept = len(columns) if materials.of(material).printed else columns.index("print time, min")
-    return Table("Parts list", columns[:kept], [row[:kept] for row in rows], digits=3)
+    cells = [row[:kept] for row in rows]
+    return Table("Parts list", columns[:kept], cells, digits=3, shopping=True)
 
 
 def _same(parts: Sequence[Part]) -> Mapping[str, str]:

@@ -37,7 +37,7 @@ from camgen.report.tables import (
     value_text,
 )
 from camgen.report.words import rounded, sentence
-from camgen.study import Plot, Scene, Step, Table
+from camgen.study import Mate, Plot, Scene, Step, Table
 
 _FIRST_PLOTS = 12  # more curves than this are folded away; it fills rows of two, three and four
 _SERIES_DARK = ("#6db3f2", "#f2a069", "#74cf98", "#c99be8", "#dcc04e", "#f08fbf")
@@ -68,15 +68,17 @@ def to_html(report: Report) -> str:
         state=first.state,
         style=_asset("page.css")
         + _palette(len(report.animation.bodies) if report.animation else 0),
+        links=_links(report),
         key=_key_figures(first),
         change=to_change(first.warnings, first.failing, first.not_judged),
         machine=machine,
         plots=_section("Curves", _plots(report.plots)),
+        shopping=_section("What to buy and to cut", _shopping(report), "shopping"),
         parts=_section("Parts", _parts(report))
         + _section("Plates, ready to print", _plates(report), "plates")
         + _section("Sheets, as they are cut", _sheets(report), "sheets")
         + _section(scene.work if scene else "", _steps(scene), "steps"),
-        findings=_section("Margins", margins(report.findings)),
+        findings=_section("Margins", _margins(report), "findings"),
         numbers=_section("Figures", figure_lists(report.numbers)),
         tables=_section("Tables", "".join(map(_folded, report.all_tables))),
         notes=_section(
@@ -150,10 +152,7 @@ def _viewer(report: Report, scene: Scene) -> str:
 
 def _on_bench(step: Step, place: Mapping[str, int]) -> dict[str, object]:
     """A step of assembly for the script; place: number of each copy."""
-    mates = [
-        {**asdict(mate), "place": [round(value, 3) + 0.0 for value in mate.place]}  # no -0
-        for mate in step.mates
-    ]
+    mates = _shown_mates(step.mates)
     copies = [place[copy] for copy in step.copies]
     wire = [] if step.wire is None else (step.wire.round(2) + 0.0).tolist()
     shapes = [
@@ -165,7 +164,24 @@ def _on_bench(step: Step, place: Mapping[str, int]) -> dict[str, object]:
         said |= {"shapes": shapes}
     if step.apart:
         said |= {"apart": step.apart, "up": step.up}
+    if step.along:
+        said |= {"along": step.along}
+    if step.laid:
+        said |= {
+            "laid": [
+                [name, [place[copy] for copy in own], _shown_mates(fixed)]
+                for name, own, fixed in step.laid
+            ]
+        }
     return said | ({"joins": step.joins} if step.joins else {})
+
+
+def _shown_mates(mates: Sequence[Mate]) -> list[dict[str, object]]:
+    """Mates for the script."""
+    return [
+        {**asdict(mate), "place": [round(value, 3) + 0.0 for value in mate.place]}  # no -0
+        for mate in mates
+    ]
 
 
 # ---- pieces of text ----
@@ -178,8 +194,42 @@ def _link(report: Report, file: str, text: str = "") -> str:
 
 def _section(title: str, body: str, kind: str = "") -> str:
     return (
-        f'<section class="{kind or title.lower()}"><h2>{title}</h2>{body}</section>' if body else ""
+        f'<section class="{kind or title.lower()}" id="to-{kind or title.lower()}"><h2>{title}</h2>{body}</section>'
+        if body
+        else ""
     )
+
+
+def _links(report: Report) -> str:
+    """To what a maker looks for first: what to buy, what to print or cut, and the steps."""
+    scene = report.scene
+    found = {
+        "shopping": ("What to buy", _shopping(report)),
+        "plates": ("What to print", _plates(report)),
+        "sheets": ("What to cut", _sheets(report)),
+        "steps": ("How to put it together", _steps(scene)),
+        "findings": ("What was checked", report.findings),
+    }
+    links = [f'<a href="#to-{kind}">{said}</a>' for kind, (said, body) in found.items() if body]
+    return f"<nav>{''.join(links)}</nav>" if len(links) > 1 else ""
+
+
+def _shopping(report: Report) -> str:
+    """What is not printed: bought, cut or turned."""
+    rows = [row[:4] for table in report.tables if table.shopping for row in table.rows]
+    others = [row for row in rows if row[0] != "printed"]
+    return html_table(Table("", ("how", "part", "what", "count"), others)) if others else ""
+
+
+def _margins(report: Report) -> str:
+    """How far each finding is from its limit, and how the bars are read."""
+    return _BARS + margins(report.findings) if report.findings else ""
+
+
+_BARS = (
+    "<p>A bar shows how much of its limit is used; the mark on it is the limit. Up to 100 % holds: some sizes, such as "
+    "gaps on a plate, are made right at their limit.</p>"
+)
 
 
 def _folded(table: Table) -> str:
@@ -362,18 +412,23 @@ def _steps(scene: Scene | None) -> str:
     if scene is None or len(scene.steps) < 2:
         return ""
     cards = [
-        _card(f"Step {k + 1}", step.title, [], f"step-{k}", not k or _has_picture(step))
+        _card(f"Step {k + 1}", step.title, [], f"step-{k}", _has_picture(step))
         for k, step in enumerate(scene.steps)
     ]
-    all_steps = f"<details open><summary>All steps</summary>{_cards(cards)}</details>"
+    all_steps = f"<details open><summary>All steps</summary>{_KEYS}{_cards(cards)}</details>"
     return _BENCH + all_steps
 
 
 def _has_picture(step: Step) -> bool:
     """Whether something comes in it that can be shown."""
-    return bool(step.copies or step.wire is not None or step.joins or step.shapes)
+    return bool(step.copies or step.wire is not None or step.joins or step.shapes or step.laid)
 
 
+# What the colours of the small pictures mean.
+_KEYS = (
+    '<p class="glues"><span class="new">comes in this step</span><span class="glue">glue here</span>'
+    '<span class="free">no glue: it moves</span></p>'
+)
 # Steps one after the other, as the script shows them; without it the cards below remain.
 _BENCH = (
     '<div class="bench" hidden><div class="view"><canvas id="bench" tabindex="0" role="img" aria-label="The step in three '
@@ -382,7 +437,7 @@ _BENCH = (
     '<div id="marks" aria-hidden="true"></div></div>'
     '<p id="said" aria-live="polite"></p><div class="controls"><button id="back">Back</button><button id="next">Next</button>'
     '<input id="seek" type="range" min="1" value="1" aria-label="step"><output id="count"></output><button id="again">Show again</button>'
-    '<p class="glues"><span class="glue">glue here</span><span class="free">no glue: it moves</span>'
+    '<p class="glues bench-keys"><span class="glue">glue here</span><span class="free">no glue: it moves</span>'
     '<span class="below">seen from below</span></p></div></div>'
 )
 

@@ -195,7 +195,9 @@
   const colour = k => new THREE.Color(variable("--p" + k) || "#888888");
   // The first view: from the front, above and right. stands: turns y up and z forward into the machine's axes.
   const ahead = stands => new THREE.Vector3(0.55, 0.9, 1).normalize().applyQuaternion(stands);
-  const seen = way => ahead(lain()).multiply(new THREE.Vector3(1, 1, -way));  // a step: what comes from below is seen from there
+  // A step: in which direction a thing comes, and from where it is seen, which is from below where it comes from there.
+  const direction = ({ way, along }) => new THREE.Vector3(...(along || [0, 0, way]));
+  const seen = step => ahead(lain()).multiply(new THREE.Vector3(1, 1, direction(step).z > 0 ? -1 : 1));
   const lain = () => new THREE.Quaternion(Math.SQRT1_2, 0, 0, Math.SQRT1_2);  // z is up: parts by themselves, and what is on the bench
   function eye(stands) {
     const camera = new THREE.PerspectiveCamera(28, 1, 1, 1000);
@@ -605,6 +607,7 @@
     new ResizeObserver(fit).observe(canvas);
 
     // -- small views of parts, plates and steps: one renderer draws them one after the other as they come into sight --
+    const pale = { transparent: true, opacity: 0.4, depthWrite: false };
     const smalls = [...document.querySelectorAll(".small")];
     let small;
     function paint(target) {
@@ -612,9 +615,8 @@
       small ||= drawing({ canvas: Object.assign(document.createElement("canvas"), { width: 320, height: 220 }), alpha: true, antialias: !slow });
       const [what, number] = target.dataset.view.split("-"), scene = new THREE.Scene(), sun = lit(scene);
       const line = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.6, color: variable("--ink") }), reach = [];
-      const put = (part, matrix, faint) => {
-        const more = faint ? { transparent: true, opacity: 0.25, depthWrite: false } : {};
-        const item = object(part, surface({ color: colour(part.number), ...more }), line);
+      const put = (part, matrix, faint, tone) => {
+        const item = object(part, surface({ color: tone ? variable(tone) : colour(part.number), ...(faint ? pale : {}) }), line);
         item.matrix.copy(matrix);
         reach.push(...part.ends.map(end => end.clone().applyMatrix4(matrix)));
         if (faint) item.remove(item.children[1]);
@@ -622,30 +624,50 @@
       };
       if (what === "part") put(parts[number], new THREE.Matrix4(), false);
       if (what === "plate") lying.plates[number].forEach(([k, ...m]) => put(parts[k], new THREE.Matrix4().set(...m, 0, 0, 0, 1), false));
-      if (what === "step") {
-        const { coming, there, spring, springs, shapes, bought, begun, lies } = onBench(lying.steps, Number(number)), some = spring.length || springs.length;
-        there.forEach(k => put(copies[k].part, lies.clone().multiply(standing[k]), begun));
-        coming.forEach(k => put(copies[k].part, lies.clone().multiply(standing[k]), false));
-        if (some) [spring, ...springs].forEach((wire, k) => {
-          scene.add(new THREE.Mesh(tube(wire), surface({ color: variable(k ? "--plain" : "--new") })));
-          reach.push(...points(wire));
-        });
-        [...shapes, ...bought].forEach((shape, k) => {
-          const more = k < shapes.length ? { color: variable("--new") } : { color: variable("--plain"), transparent: true, opacity: 0.25, depthWrite: false };
-          scene.add(new THREE.Mesh(block(shape), surface(more)));
-        });
-        reach.push(...ends([...shapes, ...bought]));
-      }
+      const own = what === "part" ? letters(lying.parts[number]).map(([label, , at]) => [label, new THREE.Vector3(...at)]) : [];
+      if (what === "step") own.push(...step(scene, lying.steps, Number(number), put, reach));
       const view = Object.assign(eye(lain()), { aspect: 320 / 220 });
-      look(view, reach, seen(what === "step" ? lying.steps[number].way : -1));
+      look(view, reach, seen(what === "step" ? lying.steps[number] : { way: -1 }));
       sun.position.copy(view.position).addScaledVector(view.up, 50);
       small.render(scene, view);
       const context = target.getContext("2d");
       context.clearRect(0, 0, target.width, target.height);
       context.drawImage(small.domElement, 0, 0);
-      const own = what === "part" ? letters(lying.parts[number]).map(([label, , at]) => [label, new THREE.Vector3(...at)]) : [];
-      if (what === "step") own.push(...onBench(lying.steps, Number(number)).own.flatMap(k => letters(lying.parts[copies[k].part.number]).map(([label, , at]) => [label, new THREE.Vector3(...at).applyMatrix4(turning(lying.steps[number].up).multiply(standing[k]))])));
       write(context, own.map(([label, at]) => [label, at.project(view)]));
+    }
+    // A step in a small picture, in the colours of the large one: what comes, where there is glue and where none; its letters.
+    function step(scene, steps, number, put, reach) {
+      const glued = ({ how, place, diameter, height }) => {
+        if (!diameter) return;
+        const wide = diameter / 2 + 0.05, ring = turned([wide, -height / 2], [wide, height / 2]);
+        const mesh = new THREE.Mesh(ring, new THREE.MeshBasicMaterial({ color: variable(how === "free" ? "--free" : "--glue"), side: THREE.DoubleSide, transparent: true, opacity: 0.75, depthTest: false }));
+        mesh.position.set(...place);
+        scene.add(mesh);
+      };
+      const named = items => items.flatMap(({ k, matrix }) => letters(lying.parts[copies[k].part.number]).map(([label, , at]) => [label, new THREE.Vector3(...at).applyMatrix4(matrix)]));
+      if (steps[number].laid) {
+        const { items, mates, names } = laidOut(steps[number].laid, copies, standing);
+        items.forEach(({ k, matrix, first }) => put(copies[k].part, matrix, false, first ? "--plain" : "--new"));
+        mates.forEach(glued);
+        return [...names.map(({ label, at }) => [label, at]), ...named(items)];
+      }
+      const { coming, there, own, spring, springs, shapes, bought, lies } = onBench(steps, number), placed = k => lies.clone().multiply(standing[k]);
+      there.forEach(k => put(copies[k].part, placed(k), true, "--plain"));
+      coming.forEach(k => put(copies[k].part, placed(k), false, "--new"));
+      if (spring.length || springs.length) [spring, ...springs].forEach((wire, k) => {
+        scene.add(new THREE.Mesh(tube(wire), surface({ color: variable(k ? "--plain" : "--new") })));
+        reach.push(...points(wire));
+      });
+      [...shapes, ...bought].forEach((shape, k) => {
+        const more = k < shapes.length ? { color: variable("--new") } : { color: variable("--plain"), ...pale };
+        scene.add(new THREE.Mesh(block(shape), surface(more)));
+      });
+      reach.push(...ends([...shapes, ...bought]));
+      const box = new THREE.Box3().setFromPoints(coming.flatMap(k => copies[k].part.ends.map(end => end.clone().applyMatrix4(placed(k))))), size = new THREE.Vector3();
+      const all = new THREE.Box3().setFromPoints(reach).getSize(size).length(), part = coming.length ? box.getSize(size).length() : all;
+      if (part < 0.4 * all) reach.splice(0, reach.length, ...boxCorners(box.expandByScalar(0.1 * all + 0.2 * part)));  // closer, where it is small
+      steps[number].mates.forEach(mate => glued({ ...mate, place: new THREE.Vector3(...mate.place).applyMatrix4(lies).toArray() }));
+      return named(own.map(k => ({ k, matrix: placed(k) })));
     }
     // Letters of holes in a small picture, clear of each other; few enough to be read.
     function write(context, own) {
@@ -697,11 +719,34 @@
       return own === name;
     });
     const before = built(apart), taken = joins ? [...new Set(built(joins).flatMap(step => step.copies))] : [], coming = [...taken, ...copies];
-    const begun = coming.length || wire.length || before.some(step => step.copies.length), all = begun ? before : steps;  // at first what is going to be
-    const there = [...new Set(all.flatMap(step => step.copies))].filter(k => !coming.includes(k));
+    const begun = coming.length || wire.length || shapes.length || before.some(step => step.copies.length);
+    const there = [...new Set(before.flatMap(step => step.copies))].filter(k => !coming.includes(k));
+    const inside = joins ? built(joins).flatMap(step => step.shapes || []) : [];  // such as batteries
     const bought = before.flatMap(step => step.shapes || []), springs = before.map(step => step.wire).filter(wire => wire.length);
     const lies = turning(up), laid = line => line.map(place => new THREE.Vector3(...place).applyMatrix4(lies).toArray());
-    return { coming, taken, own: copies, there, spring: laid(wire), springs: springs.map(laid), shapes, bought, begun, lies };
+    return { coming, taken, own: copies, there, spring: laid(wire), springs: springs.map(laid), shapes: [...inside, ...shapes], bought, begun, lies };
+  }
+  // What is put together on the bench: each group by itself, as its first part is drawn, in rows; where each copy and mate is.
+  function laidOut(groups, copies, standing) {
+    const found = { items: [], mates: [], names: [] }, size = new THREE.Vector3();
+    const sized = groups.map(([label, own, mates]) => {
+      const frame = standing[own[0]].clone().invert(), items = own.map(k => ({ k, first: k === own[0], matrix: frame.clone().multiply(standing[k]) }));
+      const box = new THREE.Box3().setFromPoints(items.flatMap(({ k, matrix }) => copies[k].part.ends.map(end => end.clone().applyMatrix4(matrix))));
+      return { label, items, mates, frame, box };
+    });
+    const area = sized.reduce((sum, { box }) => sum + box.getSize(size).x * size.y, 0), gap = 0.12 * Math.sqrt(area), wide = 1.9 * Math.sqrt(area);
+    let left = 0, top = 0, deep = 0;
+    sized.forEach(({ label, items, mates, frame, box }) => {
+      box.getSize(size);
+      if (left && left + size.x > wide) { left = 0; top -= deep + gap; deep = 0; }
+      const shift = new THREE.Matrix4().makeTranslation(left - box.min.x, top - box.max.y, -box.min.z), whole = shift.clone().multiply(frame);
+      found.items.push(...items.map(item => ({ ...item, matrix: shift.clone().multiply(item.matrix) })));
+      found.mates.push(...mates.map(mate => ({ ...mate, within: true, place: new THREE.Vector3(...mate.place).applyMatrix4(whole).toArray() })));
+      found.names.push({ label, at: new THREE.Vector3(left + size.x / 2, top - size.y - 0.35 * gap, 0) });
+      left += size.x + gap;
+      deep = Math.max(deep, size.y);
+    });
+    return found;
   }
   // A turn of the machine by which a direction in it comes up on the bench.
   function turning(up) {
@@ -722,6 +767,7 @@
     return body;
   }
 
+  const boxCorners = box => [0, 1, 2, 3, 4, 5, 6, 7].map(k => new THREE.Vector3(...["x", "y", "z"].map((axis, n) => box[k >> n & 1 ? "max" : "min"][axis])));
   const ends = shapes => shapes.flatMap(([ring, low, high]) => ring.flatMap(([x, y]) => [new THREE.Vector3(x, y, low), new THREE.Vector3(x, y, high)]));
   function block([ring, low, high]) {  // what is bought, such as a motor
     const body = new THREE.BufferGeometry();
@@ -762,20 +808,17 @@
     const wait = 700, way = 1500;  // ms, before a part moves, and until it is in
     let lies = new THREE.Matrix4();  // how what is shown is turned
     const stand = k => lies.clone().multiply(standing[k]);
-    const corners = (numbers, more = 0) => numbers.flatMap(k => copies[k].part.ends.map(end => {
-      const place = end.clone().applyMatrix4(stand(k));
-      return place.setZ(place.z + more);
-    }));
+    const corners = (numbers, more = new THREE.Vector3()) => numbers.flatMap(k => copies[k].part.ends.map(end => end.clone().applyMatrix4(stand(k)).add(more)));
     const least = 0.03 * new THREE.Box3().setFromPoints(corners([...copies.keys()])).getSize(new THREE.Vector3()).length();
-    let renderer, number = 0, lift = 0, begun = 0, radius = 1, near = [], whole = [], tags = [], wanted = false;
+    let renderer, number = 0, begun = 0, lift = new THREE.Vector3(), radius = 1, near = [], whole = [], tags = [], wanted = false;
     seek.max = steps.length;
     scene.add(there, coming);
     frame.hidden = false;
     document.querySelector(".steps details").open = false;
 
-    function put(group, k, material) {
+    function put(group, k, material, matrix = stand(k)) {
       const item = object(copies[k].part, material, edge);
-      item.matrix.copy(stand(k));
+      item.matrix.copy(matrix);
       group.add(item);
     }
     function mark(group, body, where, tone, more) {
@@ -794,6 +837,10 @@
       aim(hand.held ? undefined : first());
       again();
     }
+    function turnTo(to) {  // by hand: the address says which
+      go(to);
+      history.replaceState(null, "", "#step=" + (number + 1));
+    }
     function aim(from) {
       if (renderer && near.length) hand.aim(near, from);
     }
@@ -809,19 +856,42 @@
       return shown;
     }
     function dress() {  // what is seen of this step, in the colours of the page
-      const now = onBench(steps, number), comes = now.coming.length || now.spring.length || now.shapes.length;
-      lies = now.lies;
-      canvas.parentElement.hidden = number > 0 && !now.begun;  // nothing is there yet
-      const sense = steps[number].way;
-      const mates = steps[number].mates.map(({ place, ...mate }) => ({ ...mate, place: new THREE.Vector3(...place).applyMatrix4(lies).toArray() }));
-      [there, coming].forEach(group => group.clear());
-      const shown = focus(now, mates), box = new THREE.Box3().setFromPoints([...corners(now.coming), ...points(now.spring), ...ends(now.shapes)]), high = comes ? box.max.z - box.min.z : 0;
-      lift = comes && now.there.length ? -sense * Math.max(1.3 * high, 0.45 * radius) : 0;
-      near = inset.hidden ? [...whole, shown.min, shown.max] : [0, 1, 2, 3, 4, 5, 6, 7].map(k => new THREE.Vector3(...["x", "y", "z"].map((axis, n) => shown[k >> n & 1 ? "max" : "min"][axis])));
-      near.push(...corners(now.coming, lift), ...[...points(now.spring), ...ends(now.shapes)].map(place => place.setZ(place.z + lift)));
       plain.color.set(variable("--plain"));
       fresh.color.set(variable("--new"));
       edge.color.set(variable("--ink"));
+      [there, coming].forEach(group => group.clear());
+      const groups = steps[number].laid;
+      if (groups) lay(laidOut(groups, copies, standing)); else build();
+      ask();
+    }
+    function lay({ items, mates, names }) {  // what is put together on the bench before it goes into the machine
+      canvas.parentElement.hidden = false;
+      inset.hidden = true;
+      lift.set(0, 0, 0);
+      near = items.flatMap(({ k, matrix }) => copies[k].part.ends.map(end => end.clone().applyMatrix4(matrix)));
+      radius = new THREE.Box3().setFromPoints(near).getSize(new THREE.Vector3()).length() / 2;
+      items.forEach(({ k, matrix, first }) => put(there, k, first ? plain : fresh, matrix));
+      mates.forEach(mate => glued(there, mate));
+      tags = [...names.map(({ label, at }) => ({ label, how: "name", at })), ...lettered(items)];
+      name(mates);
+    }
+    const lettered = items => items.flatMap(({ k, matrix }) => letters(lying.parts[copies[k].part.number]).map(([label, , at]) => ({
+      label, how: "", moves: true, at: new THREE.Vector3(...at).applyMatrix4(matrix),
+    })));
+    function glued(group, { how, place, diameter, height }) {  // a band where there is glue, or where none may be
+      const wide = diameter / 2 + 0.05, half = height / 2;
+      if (diameter) mark(group, turned([wide, -half], [wide, half]), place, how === "free" ? "--free" : "--glue", { transparent: true, opacity: 0.75, depthTest: false });
+    }
+    function build() {  // what comes, and what is there
+      const now = onBench(steps, number), comes = now.coming.length || now.spring.length || now.shapes.length;
+      lies = now.lies;
+      canvas.parentElement.hidden = !now.begun;  // nothing is there yet
+      const into = direction(steps[number]);
+      const mates = steps[number].mates.map(({ place, ...mate }) => ({ ...mate, place: new THREE.Vector3(...place).applyMatrix4(lies).toArray() }));
+      const shown = focus(now, mates), box = new THREE.Box3().setFromPoints([...corners(now.coming), ...points(now.spring), ...ends(now.shapes)]), high = comes ? Math.abs(box.getSize(new THREE.Vector3()).dot(into)) : 0;
+      lift.copy(into).multiplyScalar(comes && now.there.length ? -Math.max(1.3 * high, 0.45 * radius) : 0);
+      near = inset.hidden ? [...whole, shown.min, shown.max] : boxCorners(shown);
+      near.push(...corners(now.coming, lift), ...[...points(now.spring), ...ends(now.shapes)].map(place => place.add(lift)));
       now.there.forEach(k => put(there, k, comes ? plain : surface({ color: colour(copies[k].part.number) })));
       now.coming.forEach(k => put(coming, k, fresh));
       now.springs.forEach(wire => there.add(new THREE.Mesh(tube(wire), plain)));
@@ -829,44 +899,42 @@
       now.bought.forEach(shape => there.add(new THREE.Mesh(block(shape), plain)));
       now.shapes.forEach(shape => coming.add(new THREE.Mesh(block(shape), fresh)));
       const loose = [...unmet(now.own.map(k => [k]), mates), ...(now.taken.length ? unmet([now.taken], mates) : [])];
-      if (lift) arrows(box, sense, now.spring.length ? [] : [...mates.filter(({ within }) => !within), ...loose]);
-      mates.forEach(({ how, place, diameter, height, comes, within }) => {
-        const wide = diameter / 2 + 0.05, half = height / 2;
-        if (diameter) mark(comes || within ? coming : there, turned([wide, -half], [wide, half]), place, how === "free" ? "--free" : "--glue", { transparent: true, opacity: 0.75, depthTest: false });
-      });
-      name(now.own, mates);
-      ask();
+      if (lift.length()) arrows(box, into, now.spring.length ? [] : [...mates.filter(({ within }) => !within), ...loose]);
+      mates.forEach(mate => glued(mate.comes || mate.within ? coming : there, mate));
+      tags = lettered(now.own.map(k => ({ k, matrix: stand(k) })));
+      name(mates);
     }
     function unmet(things, mates) {  // middles of what comes and is nowhere fixed on or loose against another; things: by their copies
       const boxes = things.map(numbers => new THREE.Box3().setFromPoints(corners(numbers)));
       const meets = box => mates.some(({ place: [x, y] }) => x > box.min.x && x < box.max.x && y > box.min.y && y < box.max.y);
       return boxes.filter(box => !meets(box)).map(box => ({ diameter: 1, place: box.getCenter(new THREE.Vector3()).toArray() }));
     }
-    function arrows(box, sense, mates) {  // over what it goes on or through, else over its middle
-      const middle = box.getCenter(new THREE.Vector3());
-      const places = mates.filter(({ diameter }) => diameter).map(({ place: [x, y] }) => [x, y]);
-      const up = -sense * 0.16 * radius, wide = 0.025 * radius, tip = sense < 0 ? box.max.z + 0.04 * radius : box.min.z - 0.04 * radius;
-      const body = turned([0, 0], [2.2 * wide, 0.4 * up], [wide, 0.4 * up], [wide, up], [0, up]);
-      (places.length ? places : [[middle.x, middle.y]]).forEach(place => mark(coming, body, [...place, tip], "--link", { transparent: true, depthTest: false }));
+    function arrows(box, into, mates) {  // before what it goes on or through, else before its middle
+      const far = [box.min, box.max].map(corner => -corner.dot(into)), back = Math.max(...far) + 0.04 * radius, long = 0.16 * radius, wide = 0.025 * radius;
+      const places = mates.filter(({ diameter }) => diameter).map(({ place }) => new THREE.Vector3(...place));
+      const body = turned([0, 0], [2.2 * wide, 0.4 * long], [wide, 0.4 * long], [wide, long], [0, long]);
+      body.applyQuaternion(new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 0, 1), into.clone().negate()));
+      (places.length ? places : [box.getCenter(new THREE.Vector3())]).forEach(place => {
+        const tip = place.clone().addScaledVector(into, -back - place.dot(into));
+        mark(coming, body, tip.toArray(), "--link", { transparent: true, depthTest: false });
+      });
     }
-    function name(numbers, mates) {  // letters of the holes that come, and of those that they go on or through
+    const most = 24;  // labels in one picture: of more, those of glue alone
+    function name(mates) {  // letters of the holes that come, and of those that they go on or through
       const words = { glue: "glue", press: "pressed, no glue", free: "no glue" };
-      tags = numbers.flatMap(k => letters(lying.parts[copies[k].part.number]).map(([label, , at]) => ({
-        label, how: "", moves: true, at: new THREE.Vector3(...at).applyMatrix4(stand(k)),
-      })));
       mates.forEach(({ how, label, place, comes, within }) => {
         const at = new THREE.Vector3(...place);
         const same = comes && !within ? null : tags.find(tag => !tag.how && Math.hypot(tag.at.x - at.x, tag.at.y - at.y) < 0.01);
         if (same) Object.assign(same, { how, label: label || same.label });  // by the joint where the hole has no name
         else tags.push({ label, how, moves: within || !comes, at });
       });
-      if (tags.length > 40) tags = tags.filter(tag => tag.how);
+      if (tags.length > most) tags = tags.filter(tag => tag.how && tag.how !== "free");
       marks.replaceChildren(...tags.map(({ label, how }) => {
         const text = [label, words[how]].filter(Boolean).join(": ");
         return Object.assign(document.createElement("b"), { textContent: text, className: how });
       }));
-      ["glue", "free"].forEach(how => { frame.querySelector(".glues ." + how).hidden = !mates.some(mate => mate.how === how); });
-      frame.querySelector(".below").hidden = steps[number].way < 0;
+      ["glue", "free"].forEach(how => { frame.querySelector(".bench-keys ." + how).hidden = !mates.some(mate => mate.how === how); });
+      frame.querySelector(".below").hidden = direction(steps[number]).z <= 0;
     }
     function again() { begun = performance.now(); ask(); }
     function ask() {
@@ -878,7 +946,7 @@
       wanted = false;
       const share = calm ? 0 : Math.max(0, Math.min(1, (time - begun - wait) / way)), left = (1 - share) ** 2;
       const { clientWidth: width, clientHeight: height } = canvas, place = new THREE.Vector3();
-      coming.position.z = lift * left;
+      coming.position.copy(lift).multiplyScalar(left);
       sun.position.copy(camera.position).addScaledVector(camera.up, radius);
       renderer.render(scene, camera);
       if (!inset.hidden) {
@@ -893,16 +961,16 @@
         });
         renderer.setScissorTest(false);
       }
-      const taken = [];
+      const taken = [], origin = new THREE.Vector3();
       tags.forEach((tag, k) => {
         const { at, moves, how } = tag, label = marks.children[k], { wide, high } = tag.size ||= { wide: label.offsetWidth, high: label.offsetHeight };
-        place.copy(at).setZ(at.z + (moves ? coming.position.z : 0)).project(camera);
+        place.copy(at).add(moves ? coming.position : origin).project(camera);
         const aside = { glue: -1.04, press: -1.04, free: 0.04 }[how] || -0.5;
         const [x, y] = clear([(place.x + 1) / 2 * width + aside * wide, (1 - place.y) / 2 * height - high / 2, wide, high], taken);
         label.style.transform = "translate(" + x + "px, " + y + "px)";
       });
       canvas.dataset.drawn = Number(canvas.dataset.drawn || 0) + 1;
-      if (!calm && share < 1 && lift) ask();
+      if (!calm && share < 1 && lift.length()) ask();
     }
     const turns = { ArrowLeft: -1, ArrowRight: 1, Home: -Infinity, End: Infinity };
     canvas.addEventListener("keydown", event => {
@@ -910,21 +978,38 @@
       if (!turn || event.shiftKey) return;
       event.preventDefault();
       event.stopImmediatePropagation();
-      go(number + turn);
+      turnTo(number + turn);
     });
     frame.addEventListener("keydown", event => {
       const turn = turns[event.key];
       if (!turn || event.target === canvas) return;
       event.preventDefault();
-      go(number + turn);
+      turnTo(number + turn);
     });
-    const first = () => seen(steps[number].way), home = () => { hand.held = false; aim(first()); };
+    // Anywhere on the page while the steps are in its middle; elsewhere the same keys turn the machine.
+    document.addEventListener("keydown", event => {
+      const turn = turns[event.key], { top, bottom } = frame.getBoundingClientRect(), middle = innerHeight / 2;
+      if (!turn || top > middle || bottom < middle || event.shiftKey || event.ctrlKey || event.metaKey || event.altKey) return;
+      if (event.target.closest?.("input, select, button, summary, a, canvas, .bench")) return;
+      event.preventDefault();
+      event.stopImmediatePropagation();
+      turnTo(number + turn);
+    }, true);
+    function addressed() {  // the step of the address
+      const asked = /^#step=(\d+)$/.exec(location.hash);
+      if (!asked) return;
+      number = asked[1] - 1;
+      if (renderer) go(number);
+      frame.scrollIntoView();
+    }
+    addEventListener("hashchange", addressed);
+    const first = () => seen(steps[number]), home = () => { hand.held = false; aim(first()); };
     const hand = steered(canvas, camera, { moved: ask, home, tap() {} });
-    back.addEventListener("click", () => go(number - 1));
-    next.addEventListener("click", () => go(number + 1));
-    seek.addEventListener("input", () => go(seek.value - 1));
+    back.addEventListener("click", () => turnTo(number - 1));
+    next.addEventListener("click", () => turnTo(number + 1));
+    seek.addEventListener("input", () => turnTo(seek.value - 1));
     byId("again").addEventListener("click", again);
-    cards.forEach((card, k) => card.addEventListener("click", () => { go(k); frame.scrollIntoView({ block: "nearest" }); }));
+    cards.forEach((card, k) => card.addEventListener("click", () => { turnTo(k); frame.scrollIntoView({ block: "nearest" }); }));
     new ResizeObserver(() => {
       const { clientWidth: width, clientHeight: height } = canvas;
       if (!renderer || !width) return;
@@ -939,11 +1024,12 @@
       renderer = drawing({ canvas, alpha: true, antialias: !slow });
       renderer.setPixelRatio(slow ? 1 : Math.min(2, devicePixelRatio));
       renderer.setSize(canvas.clientWidth, canvas.clientHeight, false);
-      camera.aspect = canvas.clientWidth / canvas.clientHeight;
+      camera.aspect = canvas.clientWidth / canvas.clientHeight || 1;
       camera.updateProjectionMatrix();
-      go(0);
+      go(number);
       home();
-    }, { rootMargin: "100px" }).observe(canvas);
+    }, { rootMargin: "100px" }).observe(frame);
+    addressed();
     return { dress };
   }
 

@@ -405,3 +405,31 @@ def test_what_is_built_apart_is_told_to_the_view() -> None:
     assert said[1]["up"] == [0.0, 0.0, -1.0]
     views = re.findall(r'data-view="([^"]*)"', page)
     assert [view for view in views if view.startswith("step-")] == ["step-0", "step-1", "step-2"]
+
+
+def test_what_a_maker_looks_for_first_is_linked_at_the_top() -> None:
+    rows = [("printed", "cam", "Cam", 1, 2.0), ("bought", "screw", "M3 x 6", 4, "")]
+    columns = ("how", "part", "what", "count", "material, mm^3")
+    report = replace(solid(), tables=[Table("Parts list", columns, rows, shopping=True)])
+    page = to_html(report)
+    links = re.findall(r'<a href="#to-(\w+)">([^<]*)</a>', page.partition("</nav>")[0])
+    assert ("shopping", "What to buy") in links and ("plates", "What to print") in links
+    assert all(page.count(f'id="to-{kind}"') == 1 for kind, _ in links)
+    bought = page.partition('id="to-shopping"')[2].partition("</section>")[0]
+    assert "M3 x 6" in bought and "cam" not in bought and "material" not in bought
+    assert "What to buy" not in to_html(solid()), "where no list is there"
+
+
+def test_a_step_tells_the_view_what_lies_side_by_side_and_whence_things_come() -> None:
+    report = solid()
+    assert report.scene is not None
+    glue = Mate("glue", "A", (1.0, -0.0, 2.0), 3.0, 4.0)
+    first = Step([Doing("press")], laid=[("cam", ["cam-1", "cam-2"], [glue])])
+    steps = [first, Step([Doing("on")], ["cam-1"], along=(0.0, 1.0, 0.0))]
+    page = to_html(replace(report, scene=replace(report.scene, steps=steps)))
+    said = json.loads(script(page, "lying"))["steps"]
+    ((name, copies, mates),) = said[0]["laid"]
+    assert (name, copies) == ("cam", [0, 1]) and mates[0]["place"] == [1.0, 0.0, 2.0]
+    assert said[1]["along"] == [0.0, 1.0, 0.0] and "along" not in said[0]
+    views = re.findall(r'data-view="([^"]*)"', page)
+    assert [view for view in views if view.startswith("step-")] == ["step-0", "step-1"]
