@@ -408,10 +408,10 @@ class Drawing(Record):
         description="date of the drawings; left out: none, so that the same spec gives the same "
         "bytes on any day",
     )
-    position: Annotated[float, quantity("mm", ge=0, le=5)] = Field(
-        default=0.2,
-        description="diameter within which the axes of holes must lie (ISO 1101); of dowels that carry a track in metal at most "
-        "profile; 0: not shown",
+    position: Annotated[float, quantity("mm", ge=0, le=5)] | None = Field(
+        default=None,
+        description="diameter within which the axes of holes must lie (ISO 1101); left out: 0.2, of metal 0.05; of dowels that "
+        "carry a track in metal at most profile; 0: not shown",
     )
     profile_step_deg: Annotated[float, quantity("deg", ge=5, le=90)] = Field(
         default=10.0, description="step of a cam's table of radii on the drawings"

@@ -8,6 +8,8 @@ import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.outlines import Arc, Contour, Line, Piece, end_point, extent, start_point
 from camgen.parts.keyways import keyed
@@ -17,6 +19,7 @@ from camgen.tolerances import SAME_POINT
 STACK = 8  # layers that are told one by one
 _EDGES = 16  # rows that an outline may take in the table
 _BOSSES = 2  # whose diameters a view has
+_STATIONS = 7  # points of a curve that are told
 _ALIKE = 1e-9  # mm, by which distances that are one may differ
 
 
@@ -126,6 +129,30 @@ def slotted_wheel(contour: Contour) -> SlottedWheel | None:
         return None
     (rim,) = rims.values()
     return SlottedWheel(tuple(arc.centre for arc in ends), 2 * ends[0].radius, rim, hollows)
+
+
+def lock_of(contour: Contour) -> tuple[Arc, list[complex]] | None:
+    """Of a disc that locks a Geneva wheel its arc about the origin, and points of what relieves it, in order from the arc's end on,
+    mm; None of any other contour."""
+    arcs = [arc for arc in _arcs(contour) if abs(arc.centre) < SAME_POINT]
+    widest = max(arcs, key=lambda arc: arc.radius, default=None)
+    if widest is None or not free(contour) or not widest.radius >= _reach(contour) - SAME_POINT:
+        return None
+    k = contour.pieces.index(widest)
+    points = list[complex]()
+    for piece in (*contour.pieces[k + 1 :], *contour.pieces[:k]):
+        count = 2 if isinstance(piece, Line) else _STATIONS
+        along = np.linspace(piece.t0, piece.t1, count)
+        points += np.atleast_1d(piece.at(along))[bool(points) :].tolist()
+    return widest, points
+
+
+def _reach(contour: Contour) -> float:
+    """Greatest distance from the origin, mm."""
+    return max(
+        float(np.max(np.abs(piece.at(np.linspace(piece.t0, piece.t1, 33)))))
+        for piece in contour.pieces
+    )
 
 
 def zero_of(part: Part, holes: Sequence[tuple[str, Hole]]) -> tuple[complex, str]:
@@ -320,6 +347,8 @@ def layer_rows(
                     f"Ø{number(2 * disc[1])}, {span}",
                 )
             )
+        elif len(layers) == 1 and slotted_wheel(layer.region.outer):
+            pass  # all of its sizes are in the view
         elif free(outer):
             rows.append(("", "", "", f"Profile by {_source(part)}, {span}"))
         else:

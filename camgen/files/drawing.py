@@ -17,6 +17,7 @@ from pathlib import Path
 from camgen.files import bore_detail
 from camgen.files.bore_detail import BoreDetail
 from camgen.files.drawn_part import DrawnPart
+from camgen.files.geneva_view import GenevaView
 from camgen.files.notes import NOTES, notes_of
 from camgen.files.page import FILING, MARGIN, SCALES, SIZES, TABLE_WIDTHS, Page
 from camgen.files.plan_view import PlanView
@@ -71,7 +72,13 @@ class _Layout:
         self.inner = _BORE if drawn.bored and not drawn.detailed else 0.0
         self.beside = _BESIDE + self.inner + BOSS * (len(drawn.bosses) + (part.drum is not None))
         self.depth = part.thickness if part.side_profile or drawn.section else 0.0
-        self.over = _ABOVE + (_SURFACE if drawn.surface else _TITLE if part.drum else 0.0)
+        self.over = _ABOVE + (
+            _SURFACE
+            if drawn.surface or (drawn.slotted and facts.profile)
+            else _TITLE
+            if part.drum
+            else 0.0
+        )
         self.unrolled = None
         self.track_section = None
         if drawn.drum:
@@ -114,6 +121,7 @@ class _Layout:
         plan.draw()
         sides.draw()
         sides.third()
+        GenevaView(self.drawn, self.page).draw()
         plan.surface()
         sides.run_out()
         plan.hole_datums()
@@ -256,7 +264,7 @@ class _Layout:
             self.sheet.text(complex(FILING + 3, MARGIN + 3 + 4.5 * i), line, 2.5, room=NOTES)
         if self.drawn.placed:
             corner = complex(FILING + 3.5, MARGIN + 4 + 4.5 * len(self.notes))
-            keyed_too = self.drawn.origin == self.drawn.datum_letter and self.drawn.key
+            keyed_too = self.drawn.origin == self.drawn.datum_letter and self.drawn.detailed
             letters = (self.drawn.origin, self.drawn.angle_letter if keyed_too else "")
             datums = [letter for letter in letters if letter]
             end = position(self.sheet, corner, self.drawn.facts.position, datums)

@@ -16,6 +16,7 @@ from camgen.files.dimensions import (
     hole_of,
     holes_of,
     layer_rows,
+    lock_of,
     number,
     round_of,
     slotted_wheel,
@@ -26,7 +27,7 @@ from camgen.files.limits import decimals, in_limits
 from camgen.files.page import MARGIN, SIZES, TABLE_WIDTHS
 from camgen.files.sheet import Text
 from camgen.files.title_block import Facts
-from camgen.files.track_tables import ROW, own_tables, track_tables
+from camgen.files.track_tables import ROW, own_tables, relief_table, track_tables
 from camgen.files.tracks import axial_section
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.outlines import Contour, extent
@@ -78,6 +79,9 @@ class DrawnPart:
             else views.from_above(part, part.side_profile, tolerance)
         )
         self.key = next(filter(None, map(keyed, part.region.holes)), None)
+        contours = (part.region.outer, *part.region.holes)
+        self.slotted = list(filter(None, map(slotted_wheel, contours)))[:1]
+        self.lock = None if facts.profile_step_deg or facts.levels else lock_of(part.region.outer)
         self.bored = self._bored()
         flat = self.bored is not None and flat_of(self.bored) is not None
         self.detailed = bool(
@@ -85,8 +89,6 @@ class DrawnPart:
         )  # a round bore has its size in a view
         self.drum = part.drum if facts.heights else None
         self.turns = (free(part.region.outer) or self.drum is not None) and part.bore is not None
-        contours = (part.region.outer, *part.region.holes)
-        self.slotted = list(filter(None, map(slotted_wheel, contours)))[:1]
         self.chamfer = facts.bore_chamfer if self.turns or self.bored else 0.0
         layered = len({layer.region for layer in part.layers}) > 1
         plated = self.bored and (self.key or not layered)
@@ -109,6 +111,8 @@ class DrawnPart:
         self.track_table = self.track_tables[0] if alone else None  # on the sheet itself
         full = self.track_lines() >= self.lines_beside("A3")
         self.track_table = None if full else self.track_table
+        if self.lock:
+            self.track_table = relief_table(self.lock[1], facts)
         self.own_tables = own_tables(facts, self.track_tables, full)
         self.surface = bool((self.polar or facts.levels) and (facts.profile or facts.roughness))
         self.angle_letter = ""
@@ -165,8 +169,9 @@ class DrawnPart:
         """The bore that is dimensioned: one with a keyway, or a round one to which a cam's track refers or the dowels that carry one,
         or with a flat, which holds a cam."""
         holes = self.part.region.holes
-        tracked = free(self.part.region.outer) or self.part.drum or self.facts.dowel
         flat = any(flat_of(hole) for hole in holes)
+        located = self.facts.profile and (self.slotted or (flat and self.placed))
+        tracked = free(self.part.region.outer) or self.part.drum or self.facts.dowel or located
         datum = (self.facts.profile or flat) and self.part.bore and tracked
         circles = [(hole, round_of(hole)) for hole in holes] if datum else []
         round_ones = [hole for hole, disc in circles if disc and abs(disc[0]) < SAME_POINT]
@@ -190,7 +195,7 @@ class DrawnPart:
         something refers to a datum."""
         if self.facts.levels and self.facts.profile:
             return self._second
-        track = self.facts.profile and any(map(free, self.part.region.holes))
+        track = self.facts.profile and (self.slotted or any(map(free, self.part.region.holes)))
         centred = self.disc is not None and abs(self.low + self.high) < SAME_POINT
         return self._second if centred and not self.datum_letter and (track or self.placed) else ""
 

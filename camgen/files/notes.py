@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import cmath
+import math
+import re
+
 from camgen.files.dimensions import STACK, free, number
 from camgen.files.drawn_part import DrawnPart
 from camgen.files.page import FILING, MARGIN, SIZES
@@ -33,28 +37,39 @@ def notes_of(drawn: DrawnPart) -> list[str]:
         lines.append(f"{len(part.layers)} layers, see the STL")
     depths = sorted({number(layer.z1 - layer.z0) for layer in part.engraved})
     lines += [f"Engraved {depth} deep" for depth in depths]
-    if part.outlined:
-        curved = any(map(free, (part.region.outer, *part.region.holes)))
-        exact = f"Profile: {drawn.stem}.dxf, within {drawn.tolerance:g} of the exact curve"
-        lines.append(exact if curved else f"Outlines: {drawn.stem}.dxf")
-    elif part.stacked:
-        low, high = number(part.drawn.z0), number(part.drawn.z1)
-        lines.append(f"Drawn thick: the layer z {low} to {high}; all outlines: {drawn.stem}.stl")
-    elif drawn.facts.heights:
-        path = f", the cutter's path: {drawn.stem}-path.csv" if drawn.facts.cutter else ""
-        lines.append(f"Track: {drawn.stem}-developed.dxf{path}")
-        lines.append(f"Z from the lower end, on the left in {drawn.letter}-{drawn.letter}")
-    else:
-        lines.append(f"The blank is drawn; its track: {drawn.stem}.stl")
+    lines += _files(drawn)
     if drawn.own_tables:
         what = "Tables of the tracks" if len(drawn.own_tables) > 1 else "Table of the track"
         lines.append(f"{what}: {drawn.stem}-tracks-drawing.pdf")
     if drawn.turns:
         lines.append("+ : positive sense of turning (ccw)")
+    if drawn.slotted:
+        first, second, *_ = sorted(
+            math.degrees(cmath.phase(z)) % 360 for z in drawn.slotted[0].slots
+        )
+        places = f"{number(first, 2)}, {number(second, 2)}"
+        lines.append(f"Slots at {places}, ... deg from X, counter-clockwise; hollows midway")
     if drawn.riders:
         lines.append("Dashed: the follower at cam angle 0; s: the way in which it rises")
     lines += [*_shop_notes(drawn), *part.notes]
     return [line for note in lines for line in _wrapped(note[:1].upper() + note[1:])]
+
+
+def _files(drawn: DrawnPart) -> list[str]:
+    """What of the part is in which file."""
+    part = drawn.part
+    if part.outlined:
+        if not any(map(free, (part.region.outer, *part.region.holes))):
+            return [f"Outlines: {drawn.stem}.dxf"]
+        return [f"Profile: {drawn.stem}.dxf, within {drawn.tolerance:g} of the exact curve"]
+    if part.stacked:
+        low, high = number(part.drawn.z0), number(part.drawn.z1)
+        return [f"Drawn thick: the layer z {low} to {high}; all outlines: {drawn.stem}.stl"]
+    if drawn.facts.heights:
+        path = f", the cutter's path: {drawn.stem}-path.csv" if drawn.facts.cutter else ""
+        lower_end = f"Z from the lower end, on the left in {drawn.letter}-{drawn.letter}"
+        return [f"Track: {drawn.stem}-developed.dxf{path}", lower_end]
+    return [f"The blank is drawn; its track: {drawn.stem}.stl"]
 
 
 def _shop_notes(drawn: DrawnPart) -> list[str]:
@@ -96,17 +111,20 @@ def _finer(drawn: DrawnPart) -> str:
     facts = drawn.facts
     faces = (
         ("track", facts.roughness and drawn.track_tables),
+        ("slots and hollows", facts.roughness and drawn.slotted),
+        ("locking arc", facts.roughness and drawn.lock),
         ("bore", facts.bore_roughness and drawn.bored),
         (_rim(drawn), facts.bore_roughness and drawn.rim_letter),
     )
-    return " and ".join(name for name, own in faces if own)
+    names = [name for name, own in faces if own]
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def _wrapped(note: str) -> list[str]:
     """A note in lines that fit beside the title block of an A4 sheet."""
     room = NOTES
     lines = [""]
-    for word in note.split():
+    for word in re.findall(r"Ra \S+|\S+", note):
         longer = f"{lines[-1]} {word}".strip()
         lines = (
             [*lines[:-1], longer]

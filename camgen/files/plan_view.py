@@ -9,16 +9,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from camgen.files import views
-from camgen.files.dimensions import Hole, flatted, free, nearest_and_farthest, number, round_of
+from camgen.files.dimensions import Hole, flatted, free, nearest_and_farthest, number
 from camgen.files.drawn_part import DrawnPart
+from camgen.files.geneva_view import PAST_SLOT
 from camgen.files.labels import Label, Obstacles, along, callouts, leader, upper_mark
 from camgen.files.limits import in_limits
 from camgen.files.measures import REFERENCE, Measure
 from camgen.files.page import FILING, MARGIN, Page
-from camgen.files.slotted_view import SlottedView
 from camgen.files.symbols import FRAME, all_round, datum, line_profile, roughness
 from camgen.files.title_block import Rider
-from camgen.files.tracks import looser
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.outlines import Contour, Floats
 from camgen.numerics import coordinates
@@ -106,6 +105,8 @@ class PlanView:
             near = self.page.paper(place) + 4 * out
             if self.drawn.turns and (out.real + out.imag) > 0:  # past the name of an axis
                 near += (5 + self.page.scale * self.drawn.rise * out.imag) * out
+            elif out == 1j and self.drawn.slotted:  # past the width of a slot
+                near += PAST_SLOT * out
             end = near + 6 * out
             self.page.sheet.line(near, end, layer="VIEW")
             self.page.sheet.line(end, end + 5 * view, layer="DIM")
@@ -235,24 +236,11 @@ class PlanView:
             centre, radius = circle
             aside = cmath.exp(0.25j * math.pi)
             self._leader(centre + radius * aside, aside, f"Ø{number(2 * radius)}")
-        if free(self.drawn.part.region.outer) and not self.drawn.facts.levels:
+        if free(self.drawn.part.region.outer) and not (self.drawn.facts.levels or self.drawn.lock):
             ends = nearest_and_farthest(self.drawn.outer)
             ways = [(z / abs(z) if z else 1) for z in ends]
-            disc = (
-                None
-                if self.drawn.facts.profile_step_deg
-                else round_of(self.drawn.part.region.outer)
-            )
-            if disc and abs(disc[0]) + abs(disc[1] - abs(ends[1])) < SAME_POINT:
-                said = f"R{number(disc[1])} {looser(self.drawn.facts.profile, True)}".rstrip()
-                self._leader(ends[1], ways[1], said)
-            else:
-                for point, way, word in zip(ends, ways, ("smallest", "largest"), strict=True):
-                    self._leader(point, way, f"(R{number(abs(point))}) {word}")
-        for wheel in self.drawn.slotted:
-            SlottedView(wheel, self.page, looser(self.drawn.facts.profile), self.drawn.high).draw(
-                self._leader
-            )
+            for point, way, word in zip(ends, ways, ("smallest", "largest"), strict=True):
+                self._leader(point, way, f"(R{number(abs(point))}) {word}")
 
     def _leader(self, point: complex, direction: complex, text: str) -> None:
         """Arrow from outside onto a point of the outline, with the text along it, aside from the overall sizes."""

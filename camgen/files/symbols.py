@@ -38,13 +38,28 @@ def width_of(cells: Sequence[str]) -> float:
     return _LEAST + sum(max(_LEAST, Text(0j, text, _HEIGHT).room + 3) for text in cells)
 
 
-def position(sheet: Sheet, corner: complex, diameter: float, datums: Sequence[str]) -> complex:
-    """Tolerance of position: the diameter of its zone, mm. [ISO 1101]"""
+def boxed(sheet: Sheet, at: complex, text: str) -> None:
+    """A theoretically exact size in its box, from the lower left of the text on. [ISO 1101]"""
+    cell(sheet, at - 1 - 0.7j, Text(0j, text, _HEIGHT).room + 2, _HEIGHT + 1.4)
+    sheet.text(at, text, _HEIGHT)
+
+
+def position(
+    sheet: Sheet, corner: complex, width: float, datums: Sequence[str], flat: bool = False
+) -> complex:
+    """Tolerance of position: the diameter of its zone, of a middle plane (flat) its width, mm. [ISO 1101]"""
     middle = corner + _LEAST / 2 + 3j
     sheet.arc(middle, 1.4, 0.0, math.tau, "TEXT")
     for way in (1, 1j):
         sheet.line(middle - 2.2 * way, middle + 2.2 * way, layer="TEXT")
-    return frame(sheet, corner, [f"Ø{number(diameter)}", *datums])
+    return frame(sheet, corner, [f"{'' if flat else 'Ø'}{number(width)}", *datums])
+
+
+def coaxiality(sheet: Sheet, corner: complex, width: float, datums: Sequence[str]) -> complex:
+    """Tolerance of coaxiality: the diameter of its zone, mm. [ISO 1101: two concentric circles]"""
+    for radius in (1.0, 2.2):
+        sheet.arc(corner + _LEAST / 2 + 3j, radius, 0.0, math.tau, "TEXT")
+    return frame(sheet, corner, [f"Ø{number(width)}", *datums])
 
 
 def line_profile(

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from camgen.files.dimensions import number
 from camgen.files.sheet import Align, Sheet
 from camgen.files.title_block import Facts, title_block
 from camgen.geometry.drums import Drum
@@ -135,6 +136,13 @@ def track_tables(
         ]
     table = _table(facts, polar, drum)
     return [table] if table else []
+
+
+def relief_table(points: Sequence[complex], facts: Facts) -> TrackTable:
+    """Points of what relieves a disc that locks a Geneva wheel."""
+    exact = "Theoretically exact relief" if facts.profile else "Relief"
+    rows: list[tuple[str, ...]] = [(number(z.real), number(z.imag)) for z in points]
+    return TrackTable(f"{exact}: points in order, joined smoothly", ("X", "Y"), (17.0, 17.0), rows)
 
 
 def own_tables(facts: Facts, tables: Sequence[TrackTable], full: bool) -> list[TrackTable]:

@@ -38,6 +38,7 @@ _SAMPLES = 1441  # of a turn
 # What a part of metal has unless its spec says other: camgen's own rules, for a milled cam and a reamed bore.
 _IN_METAL = Facts(
     tolerance="ISO 2768-mK",
+    position=0.05,
     profile=0.05,
     roughness=0.8,
     bore_roughness=1.6,
@@ -46,6 +47,7 @@ _IN_METAL = Facts(
     roughness_elsewhere=3.2,
     edges="broken 0.2 to 0.4, ISO 13715",
 )
+_IN_PLASTIC = Facts(position=0.2)
 _MEDIUM = "ISO 2768-m"  # general tolerance of what is printed or cut of a sheet, unless its spec says other
 _ROD = "h9"  # fit of rod as it is sold, and of rollers
 # Chamfer of a bore by the diameter up to which it is usual, mm: camgen's own rule.
@@ -74,13 +76,15 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     material = materials.of(mechanism.material.name)
     cut = printed and material.metal
     metal = steel or cut
-    usual = _IN_METAL if cut else Facts()
+    usual = _IN_METAL if cut else _IN_PLASTIC
     names = [each.name for each in mechanism.assembly.parts]
     bore_fit = sheet.bore_fit or ("H7" if metal else "")
     profile = sheet.profile or usual.profile
     dowelled = cut and mechanism.assembly.dowel and profile
+    place = _asked(sheet.position, usual.position)
     case = cut and material.case > 0
-    runs = part.name in _cams(mechanism) | {each.part for each in mechanism.assembly.tracks}
+    runs = part.name in _cams(mechanism) | _slotted(mechanism)
+    runs |= part.name in {each.part for each in mechanism.assembly.tracks}
     tracks = list(_tracks(mechanism, part, sheet.profile_step_deg))
     return Facts(
         machine=_machine(mechanism),
@@ -103,7 +107,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         outer_fit=_outer_fit(mechanism, part) if metal else "",
         profile_step_deg=sheet.profile_step_deg if part.name in _cams(mechanism) else None,
         # dowels carry a track: they lie no farther off than the track may
-        position=min(sheet.position, profile) if dowelled else sheet.position,
+        position=min(place, profile) if dowelled else place,
         dowel=mechanism.assembly.dowel,
         thread=mechanism.assembly.thread,
         bore_fit=bore_fit,
@@ -201,6 +205,12 @@ def _cams(mechanism: Mechanism) -> set[str]:
     """Names of parts whose outline a follower touches."""
     features = mechanism.assembly.features
     return {each.part for each in features if isinstance(each, CamOutline)}
+
+
+def _slotted(mechanism: Mechanism) -> set[str]:
+    """Names of the parts of a Geneva drive or the like that touch each other."""
+    pairs = [each for each in mechanism.assembly.features if isinstance(each, EdgePair)]
+    return {edge.part for pair in pairs for edge in pair.edges}
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from test_solids import TOLERANCE, cam, hub, oval
 
 from camgen.files import views
-from camgen.files.dimensions import edge_rows, holes_of, nearest_and_farthest, number
+from camgen.files.dimensions import edge_rows, holes_of, lock_of, nearest_and_farthest, number
 from camgen.files.drawing import _Layout, write_drawing
 from camgen.files.labels import box
 from camgen.files.sheet import LAYERS, Fill, Size, Stroke, Text
@@ -917,13 +917,57 @@ def test_a_geneva_wheel_and_its_lock_are_dimensioned(root, tmp_path, material, o
         facts = facts_of(machine, parts[name])
         texts[name] = texts_of(write_drawing(tmp_path, "d", parts[name], TOLERANCE, facts)[0])
     rim = 2 * math.hypot(70 * math.cos(math.pi / 6), 5.5)
-    assert {"6 x 60%%d", f"%%c{rim:.3f}", "34.9"} <= set(texts["geneva"])
+    wheel = texts["geneva"]
+    assert {f"%%c{rim:.1f}", "34.9"} <= set(wheel)  # +-0.5 there [ISO 2768-m]
     (hollow,) = (t.split()[-1] for t in texts["lock"] if t.startswith("Locks on"))
-    assert f"6 x R{float(hollow):g}{off} about R70" in texts["geneva"]
-    assert any(t.startswith("6 x 11.") and t.endswith(off) for t in texts["geneva"])
+    about = [f"6 x R{float(hollow):g}{off} about", "R70"]
+    pitch = ["6 x", "60%%d"]
+    if off:  # exact sizes in boxes of their own
+        assert all(wheel[wheel.index(pair[0]) + 1] == pair[1] for pair in (about, pitch))
+    else:
+        assert {" ".join(about), " ".join(pitch)} <= set(wheel)
+    assert any(t.startswith("6 x 11.") and t.endswith(off) for t in wheel)
     lock = float(hollow) - 0.1
     assert f"R{lock:g}{' 0/-0.05' if off else ''}" in texts["lock"]
-    assert "The pin is on R 35.000, its roller 11, axes" in texts["lock"]
+    assert "The pin is on R 35, its roller 11, axes" in " ".join(texts["lock"])
+    assert not [t for t in wheel if ".200" in t or ".000" in t]
+
+
+def test_a_geneva_drive_of_metal_is_made_from_its_sheets_alone(root, tmp_path):
+    """Slots and hollows lie about the bore and its flat, the lock's arc about the bore, its relief about both; points of that lie on the
+    outline, and the first and the last of them are the ends of the arc. The crank's pin lies so too."""
+    spec = root / "specs" / "gallery" / "geneva-table.toml"
+    machine = read_mechanism(spec, ["material.name=16MnCr5"]).resolved()
+    parts = {part.name.partition("-")[0]: part for part in machine.assembly.parts}
+    facts = {name: facts_of(machine, parts[name]) for name in ("geneva", "lock", "crank", "roller")}
+    assert facts["geneva"].ground and facts["lock"].heat_treatment and not facts["crank"].ground
+    texts = {
+        name: texts_of(write_drawing(tmp_path, "d", parts[name], TOLERANCE, each)[0])
+        for name, each in facts.items()
+    }
+
+    def frames(name, zone):
+        said = texts[name]
+        return [said[k + 1 : k + 3] for k, each in enumerate(said) if each == zone]
+
+    assert frames("geneva", "0.05") == [["A", "B"]]  # of middle planes
+    assert frames("geneva", "%%c0.05") == [["A", "B"]]  # of hollows' axes
+    assert frames("lock", "%%c0.05")[0][0] == "A" and frames("lock", "0.05") == [["A", "B"]]
+    assert frames("crank", "%%c0.05") == [["O", "A"]]
+    assert {name: each.count("Ra 0.8") for name, each in texts.items()} == {
+        "geneva": 2,
+        "lock": 1,
+        "crank": 0,
+        "roller": 0,
+    }
+    assert "Slots at 30, 90, ... deg from X," in texts["geneva"]
+    arc, points = lock_of(parts["lock"].region.outer)
+    rim = facet_contour(parts["lock"].region.outer, 1e-3)
+    edge = shapely.LinearRing([(z.real, z.imag) for z in rim])
+    assert max(edge.distance(shapely.Point(z.real, z.imag)) for z in points) < 2e-3
+    assert [abs(z) for z in (points[0], points[-1])] == pytest.approx([arc.radius] * 2)
+    first = texts["lock"].index(number(points[0].real))
+    assert texts["lock"][first + 1] == number(points[0].imag)
 
 
 def test_a_metal_cam_has_fits_unless_others_are_asked_for(root):

@@ -129,16 +129,13 @@ class GenevaDrive(EdgeDrive):
     def table(self, link: str) -> tuple[str, ...]:
         """Data of the slotted wheel or of its lock as a workshop reads them beside its drawing."""
         geneva = self.geneva
+        roller = f"{2 * geneva.pin:g}, axes {geneva.distance:.6g} apart"
         if link == self.joint.cam:
             return (
-                f"locks on R {geneva.lock:.3f} in hollows of R {geneva.hollow:.3f}",
-                f"the pin is on R {geneva.crank:.3f}, its roller {2 * geneva.pin:g}, axes {geneva.distance:.3f} apart",
+                f"locks on R {geneva.lock:.6g} in hollows of R {geneva.hollow:.6g}",
+                f"the pin is on R {geneva.crank:.6g}, its roller {roller}",
             )
-        return (
-            f"{geneva.stations} slots {2 * (geneva.pin + geneva.slot_air):.3f} wide, middles of their round ends on R {geneva.slot_end:.3f}",
-            f"hollows R {geneva.hollow:.3f} about middles on R {geneva.distance:.3f}, rim circle {2 * geneva.rim:.3f}",
-            f"for a roller of {2 * geneva.pin:g}, axes {geneva.distance:.3f} apart",
-        )
+        return (f"for a roller of {roller}",)
 
     def _directions(self, machine: m.Machine) -> tuple[complex, complex]:
         """Where the pin is from the crank's axis, and the slot that it drives from the wheel's, unit complex, as drawn."""
