@@ -134,10 +134,11 @@ def slotted_wheel(contour: Contour) -> SlottedWheel | None:
 def lock_of(contour: Contour) -> tuple[Arc, list[complex]] | None:
     """Of a disc that locks a Geneva wheel its arc about the origin, and points of what relieves it, in order from the arc's end on,
     mm; None of any other contour."""
-    arcs = [arc for arc in _arcs(contour) if abs(arc.centre) < SAME_POINT]
-    widest = max(arcs, key=lambda arc: arc.radius, default=None)
-    if widest is None or not free(contour) or not widest.radius >= _reach(contour) - SAME_POINT:
+    reach = _reach(contour) - SAME_POINT
+    arcs = [arc for arc in _arcs(contour) if abs(arc.centre) < SAME_POINT and arc.radius >= reach]
+    if len(arcs) != 1 or not free(contour):  # a gear has many
         return None
+    (widest,) = arcs
     k = contour.pieces.index(widest)
     points = list[complex]()
     for piece in (*contour.pieces[k + 1 :], *contour.pieces[:k]):

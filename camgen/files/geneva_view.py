@@ -181,13 +181,13 @@ class GenevaView:
             lean = cmath.exp(-1j * sense * 1.5 / radius)  # an arrow's half on the arc
             page.sheet.arrow(page.datum + radius * turn, sense * 1j * turn * lean)
         said = page.datum + cmath.rect(radius + 3, start - pitch / 2) - 1.2j
-        angle = f"{number(360 / count)}°"
+        step = f"{number(360 / count)}°"
         if not self.drawn.facts.profile:
-            page.sheet.text(said, f"{count} × {angle}", _TEXT, "centre")
+            page.sheet.text(said, f"{count} × {step}", _TEXT, "centre")
             return
         times = f"{count} ×"
         page.sheet.text(said, times, _TEXT, "right")
-        boxed(page.sheet, said + 1.5, angle)
+        boxed(page.sheet, said + 1.5, step)
 
     def _lock(self, arc: Arc, relief: Sequence[complex]) -> None:
         """Radius of the disc's arc, about the bore, and the tolerance of what relieves it."""

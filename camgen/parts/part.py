@@ -66,6 +66,7 @@ class SizeNote(str):
     length: float
 
     def __new__(cls, text: str, stock: str = "", length: float = 0.0) -> SizeNote:
+        """The text, with what the parts list says of the stock."""
         note = super().__new__(cls, text)
         note.stock = stock
         note.length = length
