@@ -50,7 +50,7 @@ def explain(codes: Sequence[str], settings: Sequence[str]) -> None:
     findings.
 
     With a SPEC (a file that ends in .toml) explain it for this machine too: how near the value is to its limit, which key sets
-    the limit, and how much each key changes the value. camgen tries each key, which takes some seconds.
+    the limit, and how much each key changes the value. camgen tries each key: seconds, of a walker two minutes.
     """
     files = [each for each in codes if each.endswith(".toml")]
     if len(files) > 1:
@@ -62,7 +62,11 @@ def explain(codes: Sequence[str], settings: Sequence[str]) -> None:
     if settings and spec is None:
         raise click.UsageError("--set changes a key of a SPEC: name its file behind the CODE")
     if names:
-        show("\n".join(guide.explanation(code, spec, settings) for code in names))
+        from camgen.report.terminal import Bar
+
+        with Bar(spec is not None) as progress:
+            said = [guide.explanation(code, spec, settings, progress) for code in names]
+        show("\n".join(said))
         return
     for code, entry in guide.entries().items():
         click.echo(f"{code:<20} {guide.in_short(entry)}")

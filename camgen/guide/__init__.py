@@ -9,6 +9,8 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from camgen.progress import Progress, silent
+
 if TYPE_CHECKING:
     from camgen.machines.sources import Source
 
@@ -93,7 +95,10 @@ class Explanation(str):
 
 
 def explanation(
-    code: str | None = None, spec: Source | None = None, settings: Sequence[str] = ()
+    code: str | None = None,
+    spec: Source | None = None,
+    settings: Sequence[str] = (),
+    progress: Progress = silent,
 ) -> Explanation:
     """What a code means, its formula, where its limit comes from and what helps, or what a law is for; without one all codes, a line
     each.
@@ -128,7 +133,7 @@ def explanation(
         return Explanation(known[name])
     from camgen.sweep.influence import influence_text
 
-    return Explanation(f"{known[name]}\n{influence_text(spec, name, settings)}")
+    return Explanation(f"{known[name]}\n{influence_text(spec, name, settings, progress)}")
 
 
 def in_short(entry: str) -> str:

@@ -257,11 +257,14 @@ class Mechanism(Spec, ABC):
 
     def forecast(self) -> Sequence[Finding]:
         """Design checks, and what else is known of the files before they are made; DesignError where they cannot be."""
-        limits = self.limits()
+        return [*self.limits(), *self.free_play()]
+
+    def free_play(self) -> Sequence[Finding]:
+        """LASH by the clearance of its pins; of no other play."""
         if not pins_alone(self.model):
-            return limits
+            return ()
         run = self.solve(np.linspace(*self.assembly.cycle.range, ANGLES), 1)
-        return [*limits, *of_pins(run, self.assembly.demands)]
+        return of_pins(run, self.assembly.demands)
 
     @abstractmethod
     def study(self) -> Study:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from camgen.errors import CamgenError, DesignError, Key, dotted
 from camgen.findings import Finding
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import Source, Template, read_mechanism
+from camgen.progress import Progress, silent
 from camgen.schemas import keys_of, step_below, unit_of
 from camgen.settings import setting_of
 
@@ -115,7 +117,9 @@ class Influence:
     ] = ()  # keys that help in other machines, or with others, and do not move it alone
 
 
-def influence(spec: Source, code: str, settings: Sequence[str] = ()) -> Influence:
+def influence(
+    spec: Source, code: str, settings: Sequence[str] = (), progress: Progress = silent
+) -> Influence:
     """What a finding says of this spec before files are made, and which keys move it; settings: as of `--set`.
 
     Keys that help in general are tried where they are not set, too.
@@ -136,7 +140,9 @@ def influence(spec: Source, code: str, settings: Sequence[str] = ()) -> Influenc
     limit_keys: list[str] = []
     effects = []
     helping = trial.helping
-    for keys, value, tried, found in (*trial.changes(), *trial.unset()):
+    count = len(trial.numbers)
+    for k, (keys, value, tried, found) in enumerate(chain(trial.changes(), trial.unset())):
+        progress(f"{code}: tried {' and '.join(keys)}", min(1.0, k / count))
         if trial.only_worsens(keys, value, tried, found):
             continue
         if trial.felt(found.measured - trial.finding.measured):
@@ -177,11 +183,14 @@ class _Level:
 def _judge(
     mechanism: Mechanism, code: str
 ) -> tuple[Callable[[Mechanism], Sequence[Finding]], bool]:
-    """Findings of one code: of the limits alone, where they have it, for what is known of files takes longer, and forces longest;
-    and whether they are found quickly enough to try many keys."""
+    """Findings of one code: of the limits or the pins' play alone, where they have it, for what is known of files takes longer,
+    and forces longest; and whether they are found quickly enough to try many keys."""
 
     def limits(each: Mechanism) -> Sequence[Finding]:
         return each.limits_of(code)
+
+    def play(each: Mechanism) -> Sequence[Finding]:
+        return [finding for finding in each.free_play() if finding.code == code]
 
     def forecast(each: Mechanism) -> Sequence[Finding]:
         return [finding for finding in each.forecast() if finding.code == code]
@@ -192,8 +201,9 @@ def _judge(
         return room_on_bed, True
     if limits(mechanism):
         return limits, True
-    if forecast(mechanism):
-        return forecast, True
+    for judge in (play, forecast):
+        if judge(mechanism):
+            return judge, True
     from camgen.machines.loads.assess import assess
 
     def at_work(each: Mechanism) -> Sequence[Finding]:
@@ -442,9 +452,11 @@ def _rounded(value: float, way: float) -> float:
     return float(f"{whole * digit:.{_DIGITS}g}")
 
 
-def influence_text(spec: Source, code: str, settings: Sequence[str] = ()) -> str:
+def influence_text(
+    spec: Source, code: str, settings: Sequence[str] = (), progress: Progress = silent
+) -> str:
     """The same as Markdown, to stand behind what is said of the code."""
-    found = influence(spec, code, settings)
+    found = influence(spec, code, settings, progress)
     lines = [f"### {code} in {_title(spec)}"]
     if not found.findings:
         lines.append(

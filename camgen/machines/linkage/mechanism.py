@@ -22,7 +22,7 @@ from camgen.errors import CamgenError, DesignError, Fault, SpecError
 from camgen.findings import Finding, NotJudged
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
-from camgen.machine.features import CamOutline
+from camgen.machine.features import CamOutline, Demand
 from camgen.machine.freewheels import Ratchet
 from camgen.machine.joining import Module, joined
 from camgen.machine.run import Run, solve
@@ -204,6 +204,11 @@ class Linkage(LinkageSpec):
         far = [module.part(part) for module in self._far_modules for part in near]
         return Feet((self.down.real, self.down.imag, 0.0), frozenset([*near, *far]))
 
+    @cached_property
+    def _demands(self) -> Sequence[Demand]:
+        """What is asked of the outputs of one side."""
+        return figures.demands(self._moving, self.allowed)
+
     def _made_of(self, bodies: Bodies, machine: m.Machine) -> Assembly:
         """What is made without what is included; machine: its model."""
         plastic = self.material.name
@@ -231,7 +236,7 @@ class Linkage(LinkageSpec):
             self.cycle,
             bodies.mounts,
             features,
-            demands=figures.demands(self._moving, self.allowed),
+            demands=self._demands,
             stand_ins=bodies.stand_ins(),
             strands=bodies.strands(),
             balances=()
