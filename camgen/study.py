@@ -155,6 +155,9 @@ class Doing:
     rest: str = ""  # such as ", flush with its upper end"
 
 
+Laid = Sequence[tuple[str, Sequence[str], Sequence[Mate]]]
+
+
 def sentences(doings: Sequence[Doing]) -> str:
     """What is done, for people: "Press and glue cap-1 on pin-6 and cap-2 on pin-5, each flush with its upper end." """
     said = []
@@ -192,7 +195,7 @@ class Step:
     follows: bool = False  # whether it is done in one go with the step before it
     dry: bool = False  # whether what comes is held without glue, however tight it is
     # what the picture shows side by side on the bench: of each group its name, its copies, and where they are fixed on each other
-    laid: Sequence[tuple[str, Sequence[str], Sequence[Mate]]] = ()
+    laid: Laid = ()
     # holes, by part and letter, in which no vice presses what comes: it goes in by hand
     hand_fits: Sequence[tuple[str, str]] = ()
     along: tuple[float, float, float] | None = (

@@ -705,10 +705,10 @@ def _glued_below(part: Part, assembly: Assembly, there: bool) -> Row:
         corner = mount.place(start_point(piece))
         (a, one), (b, other) = sorted((abs(z - corner), name) for z, name in points)[:2]
         near.append(
-            (a + b, f"one {a:.1f} mm from the middle of {one} and {b:.1f} mm from that of {other}")
+            (a + b, f"{a:.1f} mm from the middle of {one} and {b:.1f} mm from that of {other}")
         )
-    told = listed(said for _, said in sorted(near)[:2])
-    rest = f" under the plate: two inner corners are, {told}"
+    (_, one), (_, other) = sorted(near)[:2]
+    rest = f" under the plate. One of its inner corners is {one}, another is {other}"
     cells, step = _row_of(part, assembly, Doing("glue ", called(part), rest))
     if there:
         return cells, step

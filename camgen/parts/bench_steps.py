@@ -4,6 +4,11 @@ said once.
     sub-assembly   what is pressed together on the bench and put in goes into one step
     small parts    spacers and caps that come one after the other do too, a few at a time
     far side       steps that are like those of the near side are done again by their numbers, with a list to tick off
+
+Of a machine with many steps:
+
+    bench first    all sub-assemblies are pressed in one step before the others, like ones counted
+    level          a few links that go on one after the other are one step, with a list to tick off
 """
 
 from __future__ import annotations
@@ -14,42 +19,54 @@ from dataclasses import replace
 from itertools import takewhile
 
 from camgen.parts.sides import PREFIX
-from camgen.parts.steps import ON_BENCH, listed
-from camgen.study import Doing, Step, Table
+from camgen.parts.steps import MOVES, ON_BENCH, listed
+from camgen.study import Doing, Step, Table, sentences
 
 _SMALL = 5  # spacers and caps that are put on in one step, at most
+_MANY = 30  # steps, from which on they are drawn together
+_PRESSED = 3  # sub-assemblies that are worth a step of their own, at least
+_LINKS = 4  # other parts that go on in one step of these, at most
 _AGAIN = 8  # steps of the near side that one step repeats, at most: after it one compares with its picture
 
-_Run = tuple[Step, int]  # a step, and how many rows of the table it is
+_Rows = Sequence[Sequence[object]]
+_Run = tuple[Step, _Rows]  # a step, and its rows of the table
 
 
 def at_bench(table: Table) -> Table:
     """The order with fewer steps; its rows remain, each with the number of its step."""
     if len(table.rows) != len(table.steps):
         return table
-    runs = [*_said_once([*_actions(table.steps)])]
+    actions = [*_actions([*zip(table.steps, table.rows, strict=True)])]
+    many = len(actions) > _MANY
+    runs = [*map(_one, actions)]
+    if many:
+        lists = [*takewhile(lambda run: not run[0].copies, runs)]
+        rest = [_placed(action) for action in actions[len(lists) :]]
+        runs = [*lists, *_bench_first(actions, table.columns), *_levels(rest)]
+    runs = [*_said_once(runs, 1 if many else _AGAIN)]
     steps = [step for step, _ in runs]
-    rows = iter(table.rows)
-    numbered = [
-        (number, *next(rows)[1:]) for number, (_, count) in enumerate(runs, 1) for _ in range(count)
-    ]
     return replace(
         table,
-        rows=numbered,
+        rows=[(number, *row[1:]) for number, (_, rows) in enumerate(runs, 1) for row in rows],
         steps=[_with_numbers(step, k, steps) for k, step in enumerate(steps)],
     )
 
 
-def _actions(steps: Sequence[Step]) -> Iterator[_Run]:
-    """Steps that are one action, as one."""
+_Action = tuple[Sequence[Step], _Rows]  # steps that are one action, and the row of each
+
+
+def _actions(steps: Sequence[tuple[Step, Sequence[object]]]) -> Iterator[_Action]:
+    """Steps that are one action, together."""
     run: list[Step] = []
-    for step in steps:
+    rows: list[Sequence[object]] = []
+    for step, row in steps:
         if run and not _goes_on(run, step):
-            yield _one(run), len(run)
-            run = []
+            yield run, rows
+            run, rows = [], []
         run.append(step)
+        rows.append(row)
     if run:
-        yield _one(run), len(run)
+        yield run, rows
 
 
 def _goes_on(run: Sequence[Step], step: Step) -> bool:
@@ -63,7 +80,12 @@ def _goes_on(run: Sequence[Step], step: Step) -> bool:
     return step.follows or (step.small and all(each.small for each in run) and few)
 
 
-def _one(run: Sequence[Step]) -> Step:
+def _one(action: _Action) -> _Run:
+    """Several steps as one."""
+    return _whole(action[0]), action[1]
+
+
+def _whole(run: Sequence[Step]) -> Step:
     """Several steps as one."""
     if len(run) == 1:
         return run[0]
@@ -75,8 +97,9 @@ def _one(run: Sequence[Step]) -> Step:
         for mate in step.mates
     ]
     others = listed(step.what for step in run[1:] if step.what)
+    doings = [*_built(run)] if built else [doing for step in run for doing in step.doings]
     return Step(
-        [*_built(run)] if built else [doing for step in run for doing in step.doings],
+        sorted(doings, key=lambda each: each.verb == MOVES),  # what is tried comes last
         list(dict.fromkeys(copy for step in run for copy in step.copies)),
         last.way,
         mates,
@@ -84,6 +107,7 @@ def _one(run: Sequence[Step]) -> Step:
         up=last.up,
         shapes=[shape for step in run for shape in step.shapes],
         what=f"{run[0].what} with {others}" if built else listed(step.what for step in run),
+        small=all(step.small for step in run),
     )
 
 
@@ -101,11 +125,118 @@ def _built(run: Sequence[Step]) -> Iterator[Doing]:
     yield from more
 
 
+# ---- a machine with many steps ---------------------------------------------------------------------------------------
+
+
+def _is_pressed(run: Sequence[Step]) -> bool:
+    """Whether steps press a sub-assembly on the bench and put it in."""
+    return bool(run[0].group) and len(run) > 1 and run[-1].doings[0].rest != ON_BENCH
+
+
+def _bench_first(actions: Sequence[_Action], columns: Sequence[str]) -> Iterator[_Run]:
+    """One step in which all sub-assemblies are pressed, each kind with its number; none where there are few."""
+    pressed = [run for run, _ in actions if _is_pressed(run)]
+    if len(pressed) < _PRESSED:
+        return
+    kinds: dict[str, list[Sequence[Step]]] = {}
+    for run in pressed:
+        kinds.setdefault(sentences(_inner(run)), []).append(run)
+    lines: dict[str, list[str]] = {}
+    for what, alike in kinds.items():
+        verb = _inner(alike[0])[0].verb
+        said = what[len(verb) :].removesuffix(".")
+        count = f" (make {len(alike)})" if len(alike) > 1 else ""
+        lines.setdefault(verb.rstrip(), []).append(f"\n☐ {said}{count}")
+    said = "".join(f"\n{verb.capitalize()}:{''.join(own)}" for verb, own in lines.items())
+    laid = [
+        (
+            alike[0][0].group,
+            [copy for step in alike[0] for copy in step.copies],
+            [mate for step in alike[0][:-1] for mate in step.mates],
+        )
+        for alike in kinds.values()
+    ]
+    begins = "put these together on the bench, with a vice. They go into the machine later"
+    cells = {"what": "What is pressed together on the bench", "count": len(pressed)}
+    row = tuple(cells.get(column, "") for column in columns)
+    yield Step([Doing(begins, "", f".{said}")], laid=laid), [row]
+
+
+def _inner(run: Sequence[Step]) -> list[Doing]:
+    """What is done on the bench with a sub-assembly, but for what is laid there."""
+    return [
+        replace(each, verb=each.verb.removeprefix("then "))
+        for step in run[:-1]
+        for each in step.doings
+        if each.rest != ON_BENCH
+    ]
+
+
+def _placed(action: _Action) -> _Run:
+    """An action as one step; of a sub-assembly that is pressed before, how it is put in."""
+    run, rows = action
+    whole = _whole(run)
+    if not _is_pressed(run):
+        return whole, rows
+    inside = {mate.place for mate in whole.mates if mate.within}
+    mates = [mate for mate in whole.mates if mate.place not in inside]
+    return replace(whole, doings=run[-1].doings, mates=mates), rows
+
+
+def _levels(runs: Sequence[_Run]) -> Iterator[_Run]:
+    """Steps in which links and small parts are only put on, a few together."""
+    level: list[_Run] = []
+    for run in runs:
+        if level and not (_simple(run[0]) and _on_level([*level, run])):
+            yield _level(level)
+            level = []
+        level.append(run)
+        if not _simple(run[0]):
+            yield _level(level)
+            level = []
+    if level:
+        yield _level(level)
+
+
+_IN_ORDER = "put these on in this order"  # begins a step that has a list
+_PUT_ON = ("set ", "put ", "lay ", "stand ")
+
+
+def _simple(step: Step) -> bool:
+    """Whether a step only puts on a link, stands a pin or lays a link, or brings small parts."""
+    only = all(each.verb.startswith(_PUT_ON) or each.verb == MOVES for each in step.doings)
+    return bool(step.copies) and not step.shapes and not step.joins and (step.small or only)
+
+
+def _on_level(runs: Sequence[_Run]) -> bool:
+    """Whether steps are of one side and bring few links."""
+    first = runs[0][0]
+    alike = all((step.apart, step.way) == (first.apart, first.way) for step, _ in runs)
+    return alike and sum(not step.small for step, _ in runs) <= _LINKS
+
+
+def _level(runs: Sequence[_Run]) -> _Run:
+    """Several steps as one, with a list to tick off in their order."""
+    if len(runs) == 1:
+        return runs[0]
+    steps = [step for step, _ in runs]
+    lines = "".join(f"\n☐ {step.title}" for step in steps)
+    whole = replace(
+        steps[-1],
+        doings=[Doing(_IN_ORDER, "", f":{lines}")],
+        copies=list(dict.fromkeys(copy for step in steps for copy in step.copies)),
+        mates=[mate for step in steps for mate in step.mates],
+        what="\n☐ ".join(step.what for step in steps),
+        small=False,
+    )
+    return whole, [row for _, rows in runs for row in rows]
+
+
 # ---- a side that is like another one ---------------------------------------------------------------------------------
 
 
-def _said_once(runs: Sequence[_Run]) -> Iterator[_Run]:
-    """Runs of steps of what is built by itself that are like those of the rest, each as one; all others say of which side they are."""
+def _said_once(runs: Sequence[_Run], most: int) -> Iterator[_Run]:
+    """Runs of steps of what is built by itself that are like those of the rest, at most so many as one; all others say of which side they are."""
     near = [_words(step) if not step.apart else "" for step, _ in runs]
     after = 0  # of the near side's steps, the first that can be done again
     again: list[
@@ -114,8 +245,8 @@ def _said_once(runs: Sequence[_Run]) -> Iterator[_Run]:
     for step, rows in runs:
         alike = _words(step) in near[after:] and step.apart and step.copies
         number = near.index(_words(step), after) if alike else -1
-        if again and (number != again[-1][0] + 1 or len(again) == _AGAIN):
-            yield _again(again)
+        if again and (number != again[-1][0] + 1 or len(again) == most):
+            yield _again(again, most)
             again = []
         if alike:
             after = number + 1
@@ -123,7 +254,7 @@ def _said_once(runs: Sequence[_Run]) -> Iterator[_Run]:
         else:
             yield (_of_side(step), rows) if step.apart else (step, rows)
     if again:
-        yield _again(again)
+        yield _again(again, most)
 
 
 def _words(step: Step) -> str:
@@ -132,18 +263,17 @@ def _words(step: Step) -> str:
     return re.sub(r"\{([\w-]+)-\d+\}", r"{\1}", said)
 
 
-def _again(run: Sequence[tuple[int, _Run]]) -> _Run:
-    """Steps of the near side done again; one alone is said in full."""
+def _again(run: Sequence[tuple[int, _Run]], most: int) -> _Run:
+    """Steps of the near side done again; one alone, where several are meant, is said in full."""
     steps = [step for _, (step, _) in run]
-    rows = sum(rows for _, (_, rows) in run)
-    if len(run) == 1:
+    rows = [row for _, (_, rows) in run for row in rows]
+    if len(run) == 1 and (most > 1 or steps[0].doings[0].verb != _IN_ORDER):
         return _of_side(steps[0]), rows
     first, last = run[0][0] + 1, run[-1][0] + 1
+    again = f"do steps {first} to {last} again" if last > first else f"do step {first} again"
     ticks = "".join(f"\n☐ {step.what}" for step in steps)
     doings = [
-        Doing(
-            f"{steps[0].apart}: do steps {first} to {last} again, as the picture shows them, mirrored"
-        ),
+        Doing(f"{steps[0].apart}: {again}, mirrored, as the picture shows"),
         Doing(f"tick off:{ticks}"),
     ]
     copies = list(dict.fromkeys(copy for step in steps for copy in step.copies))
@@ -181,4 +311,5 @@ def _number(copy: str, place: int, steps: Sequence[Step]) -> str:
     coming: Iterable[int] = (
         k for k, step in enumerate(steps, 1) if k > place + 1 and copy in step.copies
     )
-    return f"step {next(iter(coming), place + 1)}"
+    later = next(iter(coming), 0)
+    return f"step {later}" if later else "this step"

@@ -132,13 +132,17 @@ def with_sorting(
     if not lines:
         return table
     said = _SORT + (_WRITE if alike else "") + "".join(f"\n☐ {line}" for line in lines)
-    return begun(table, said, "Parts that look alike", "; ".join(lines))
+    one = {copy.part.name: copy.name for copy in reversed(copies)}
+    seen = [link.part for group in alike for link in group]
+    laid = [(part.name, [one[part.name]], ()) for part in seen if part.name in one]
+    return begun(table, said, "Parts that look alike", "; ".join(lines), laid=laid)
 
 
 _SORT = "sort what looks alike"
 _WRITE = (
-    ", and write its name and the letters of its holes on each: its picture among the parts has them. Lengths are from middle to middle "
-    'of holes; tight or not, holes look alike until you ream: write the names first, then ream as listed; parts with "or" between them are one and the same, turned over'
+    ". Write on each part its name and the letters of its holes; its picture among the parts shows them. Do this before you ream: "
+    'tight holes and others still look alike. Lengths are from the middle of one hole to that of another. Parts with "or" between '
+    "them are the same, turned over"
 )
 
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 from camgen.parts.part import Part, SizeNote
 from camgen.parts.standing import Round, StandingCopy
 from camgen.parts.steps import Fixing, listed
-from camgen.study import Doing, Step, Table
+from camgen.study import Doing, Laid, Step, Table
 from camgen.tolerances import SAME_POINT
 
 _WIDEST = 13.0  # mm, of a drill that people have
@@ -50,8 +50,8 @@ def with_reaming(table: Table, copies: Sequence[StandingCopy], fixing: Fixing) -
 
 
 _OPEN = (
-    "open {} in which something turns, by hand and straight, with a drill or reamer of this size; what goes in must then "
-    "drop through by its own weight"
+    "open {} in which something turns. Turn a drill or reamer of this size in it by hand, and keep it straight. What goes in "
+    "must then drop through by its own weight"
 )
 
 
@@ -61,23 +61,23 @@ def with_cutting(table: Table, parts: Sequence[Part]) -> Table:
     if not sizes:
         return table
     lines = [f"{part.count} × {part.name}: {note}" for part, note in sizes]
-    said = f"cut and file what is of steel, and deburr it{_ticks(lines)}"
+    said = f"cut and file the steel parts, and deburr them{_ticks(lines)}"
     count = sum(part.count for part, _ in sizes)
     return begun(table, said, "What is cut of steel", "; ".join(lines), count)
 
 
 _BY_HAND = (
-    "Open these until what belongs there slides in by hand, with a drill of this size, or a scraper where there is a flat: no vice "
-    "gets in there; glue holds it where its step says so"
+    "Open these until the part slides in by hand. Use a drill of this size, or a scraper where there is a flat. No vice reaches "
+    "them later; the glue holds the part where its step says so"
 )
 _TIGHT = (
-    "These holes stay tight: when their step comes, drive in what belongs there with a vice; if it will not go, scrape the "
-    "hole, or turn a drill of this size in it by hand"
+    "These holes stay tight. In their step, press the part in with a vice. If it does not go in, scrape the hole, or turn a "
+    "drill of this size in it by hand"
 )
 _GLUE = "Glue with superglue gel or two-part glue, a trace only"
 _SWING = (
-    "First put a drop of oil into the joint beside, so that no glue creeps in. After each pin or cap that keeps a link, tilt the "
-    "machine: while its other end is free the link must swing by its own weight"
+    "First put a drop of oil into the joint beside it: that keeps the glue out. When a pin or cap keeps a link in place, tilt the "
+    "machine. As long as its other end is free, the link must swing by its own weight"
 )
 
 
@@ -104,12 +104,14 @@ def _ticks(lines: Sequence[str]) -> str:
     return "".join(f"\n☐ {line}" for line in lines)
 
 
-def begun(table: Table, said: str, what: str, where: str, count: int | str = "") -> Table:
-    """The order of assembly with one more step before all others."""
+def begun(
+    table: Table, said: str, what: str, where: str, count: int | str = "", laid: Laid = ()
+) -> Table:
+    """The order of assembly with one more step before all others; laid: what its picture shows."""
     cells = {"step": 1, "what": what, "where": where, "count": count, "how": said}
     row = tuple(cells.get(column, "") for column in table.columns)
     rows = [row, *((int(str(step)) + 1, *cells) for step, *cells in table.rows)]
-    return replace(table, rows=rows, steps=[Step([Doing(said)]), *table.steps])
+    return replace(table, rows=rows, steps=[Step([Doing(said)], laid=laid), *table.steps])
 
 
 def reamer_size(diameter: float, play: float) -> float:

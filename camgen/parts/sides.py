@@ -80,9 +80,10 @@ class Mirror:
             Layer(region, 0.0, middle),
             Layer(turned, middle, round(middle + lengths[1], 9)),
         )
-        turn = f"{math.degrees(self.phase):.4g} deg"
+        sense = "counter-clockwise" if self.phase > 0 else "clockwise"
+        turn = f"{abs(math.degrees(self.phase)):.4g} deg {sense}, seen from the upper end"
         rod = self.sizes.rod(
-            layers[1].z1, f"on its lower {middle:g}, on the rest one turned from it by {turn}"
+            layers[1].z1, f"on its lower {middle:g}; on the rest it is turned by {turn}"
         )
         notes = [note for note in part.notes if not isinstance(note, SizeNote)]
         if not rod:

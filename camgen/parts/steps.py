@@ -115,6 +115,7 @@ def between(gap: float) -> str:
 
 
 ON_BENCH = " on the bench"
+MOVES = "move "  # begins what is tried at the end of a step
 _ON_BENCH = _Place("on the bench", (Doing("lay ", _WHAT, ON_BENCH),))
 
 
@@ -178,13 +179,13 @@ def order(
         group = cluster[0].part.name if alone else ""
         # whether it comes on what the step before has brought: a shaft, or a plate that came first
         begins = bool(there) and all(copy in cluster for copy in there) and not bench
-        loose_holes: list[tuple[str, str]] = []  # of what is pushed up on its shaft later
+        by_hand = [] if alone or begins else [*_by_hand(laying.copies, there, fixing)]
         if all(copy.name in stops for copy in laying.copies):
             shafts = {stops[copy.name].shaft.name: stops[copy.name].shaft for copy in laying.copies}
             places = [_loosely(laying, [each.part.name for each in shafts.values()])]
             loose.append(laying)
             begins = bool(steps and {*shafts} <= {*steps[-1].copies})
-            loose_holes = [
+            by_hand = [  # what is pushed up on its shaft later
                 (part.name, hole.name)
                 for copy in laying.copies
                 for hole, _ in _fixed_on(copy, [stops[copy.name].shaft], fixing)
@@ -211,22 +212,25 @@ def order(
         )
         rows.append((len(rows) + 1, *row))
         names = [copy.name for copy in laying.copies]
+        said = _doings(laying, places, _led(laying.copies[0], there, pairs), first=not there)
+        moved = [] if alone else _moved(laying.copies, there, fixing)
         steps.append(
             Step(
-                _doings(laying, places, _led(laying.copies[0], there, pairs), first=not there),
+                [*said, *moved],
                 names,
                 group=group,
                 what=called(part, len(names)).removeprefix("the "),
                 small=part.role in _SMALL or part.process == "dummy",
                 follows=begins,
-                hand_fits=loose_holes,
+                hand_fits=by_hand,
             )
         )
         (bench if alone else there).extend(laying.copies)
         if bench and len(bench) == len(cluster):
             row, doings = _put_in(cluster, there, later, fixing)
             rows.append((len(rows) + 1, *row))
-            steps.append(Step(doings, group=group))
+            by_hand = [*_by_hand(cluster, there, fixing)]
+            steps.append(Step(doings, group=group, hand_fits=by_hand))
             there += bench
             bench = []
         for each in [each for each in loose if _held(each, stops, there, fixing)]:
@@ -237,6 +241,47 @@ def order(
             steps.append(Step(doings, names, way=1, what=each.copies[0].part.title.lower()))
     title = "Assembly from the bottom up, by height"
     return Table(title, COLUMNS, rows, mated(steps, copies, pairs, fixing))
+
+
+def _by_hand(
+    coming: Sequence[StandingCopy], there: Sequence[StandingCopy], fixing: Fixing
+) -> Iterator[tuple[str, str]]:
+    """Holes, by part and letter, in which something is fixed in the machine, where no vice gets in: as soon as a plate is there."""
+    if not any(each.mount.body == GROUND and each.holes for each in there):
+        return
+    for copy in coming:
+        if copy.part.name in fixing.driven and copy.mount.body != GROUND:
+            yield from ((copy.part.name, hole.name) for hole in copy.holes if hole.flat)
+        for other in there:
+            for holder, held in ((copy, other), (other, copy)):
+                if holder.pose.standing != held.pose.standing:
+                    continue
+                for hole in holder.holes:
+                    for each in held.outlines:
+                        how = fixing.how(hole, holder.part, each, held.part)
+                        if hole.holds(each) and how == "glue":
+                            yield holder.part.name, hole.name
+
+
+def _moved(
+    coming: Sequence[StandingCopy], there: Sequence[StandingCopy], fixing: Fixing
+) -> list[Doing]:
+    """What is tried when a cap or a pin with a head keeps links in place: that they still move."""
+    names = dict[str, None]()
+    for copy in coming:
+        heads = copy.part.role == "cap" or (copy.mount.flipped and len(copy.outlines) > 1)
+        fixed = [*_by_hand([copy], there, fixing)] if heads else []
+        if not fixed:
+            continue
+        axes = [*copy.holes, *copy.outlines]
+        for other in there:
+            turns = other.part.points and other.mount.body not in (GROUND, copy.mount.body)
+            letters = {name for part, name in fixed if part == other.part.name}
+            if turns and any(
+                hole.name not in letters and any(map(hole.in_line, axes)) for hole in other.holes
+            ):
+                names[other.part.name] = None
+    return [Doing(MOVES, name, " by hand: no joint may be stiff") for name in names]
 
 
 @dataclass(frozen=True)
@@ -418,7 +463,7 @@ def _loose(
 
 
 def _blocks(copy: StandingCopy, there: Sequence[StandingCopy]) -> str:
-    """How high what is laid down lies over the plate, and that something goes under it; "" where it lies on something."""
+    """What goes under a part that is laid down, by how much it is higher than what the plate lies on; "" where it lies on something."""
     plate = min(
         (each for each in there if each.mount.body == GROUND and each.holes),
         key=lambda each: each.mount.z,
@@ -426,10 +471,10 @@ def _blocks(copy: StandingCopy, there: Sequence[StandingCopy]) -> str:
     )
     if plate is None or not copy.holes or any(_under(hole, there)[1] for hole in copy.holes):
         return ""
-    over = copy.mount.z - plate.mount.z - plate.part.thickness
-    if over < _RESTS:
+    if copy.mount.z - plate.mount.z - plate.part.thickness < _RESTS:
         return ""
-    return f". Lay a block under it: its underside is {over:.3g} mm over the upper side of {plate.part.name}"
+    over = copy.mount.z - plate.mount.z
+    return f". Prop it on a block {over:.3g} mm higher than what {plate.part.name} lies on"
 
 
 def _end_down(shaft: StandingCopy) -> str:
@@ -495,7 +540,29 @@ def _put_in(
     places = [each.lettered("", called(first.part)) for each in places or [_ON_BENCH]]
     what = f"{first.part.title} with {', '.join(others or [own])}"
     row = (own, what, _where_all(places), "", first.mount.z, "as drawn")
-    return row, [doing for place in places for doing in place.doings]
+    doings = [doing for place in places for doing in place.doings]
+    return row, [*doings, *_jig(cluster, there, later, fixing)]
+
+
+def _jig(
+    cluster: Sequence[StandingCopy],
+    there: Sequence[StandingCopy],
+    later: Sequence[StandingCopy],
+    fixing: Fixing,
+) -> Iterator[Doing]:
+    """That a plate which comes later is laid on dry over the shaft of a web that is glued on its pin: nothing else holds that upright."""
+    shafts = [copy for copy in cluster if copy.part.role == "shaft"]
+    if not shafts or not any(mate.how == "glue" for mate in _mates(cluster, there, fixing)):
+        return
+    plates = (copy for copy in later if copy.mount.body == GROUND and copy.part.points)
+    for plate in plates:
+        mates = [mate for mate in _mates([plate], shafts, fixing) if mate.label]
+        if mates:
+            over = f", with {mates[0].label} over {shafts[0].part.name}"
+            yield Doing(f"lay {plate.part.name} on the pins, dry", over)
+            until = ": it keeps the shaft upright. Then take it off"
+            yield Doing("leave it there until the glue is hard", "", until)
+            return
 
 
 def _on_motor(
@@ -823,6 +890,7 @@ class _Meeting:
     shaft: bool = False
     flat: str = ""  # that a flat goes on a flat
     hangs: str = ""  # the pin on which it is fixed, where that is held by nothing but its head
+    sinks: str = ""  # the shaft on which it is fixed, where that is loose in a plate
 
     @property
     def where(self) -> str:
@@ -867,8 +935,11 @@ def _meeting(
         lies = f", down on {name}" if name and gap <= SAME_POINT else ""
         at = "" if hole.name or shaft.part.count == 1 else _joint(hole, shaft, below)
         hangs = shaft.part.name if _WORDS[fit] and _hangs(shaft, below, fixing) else ""
+        plates = [each for each in below if each.mount.body == GROUND]
+        loose = _WORDS[fit] and shaft.part.role == "shaft" and _mates([shaft], plates, fixing)
+        sinks = shaft.part.name if loose else ""
         on = f"on {shaft.part.name}{at}"
-        return _Meeting(letter, on, fit, high, set_by, lies, True, flat, hangs)
+        return _Meeting(letter, on, fit, high, set_by, lies, True, flat, hangs, sinks)
     under = [
         (each.high, other.part.name, each.name)
         for other in below
@@ -944,6 +1015,9 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
     hanging = listed(dict.fromkeys(each.hangs for each in fixed if each.hangs))
     if hanging:
         yield Doing("hold ", hanging, " from below by the head while you press")
+    sinking = listed(dict.fromkeys(each.sinks for each in fixed if each.sinks))
+    if sinking:
+        yield Doing("put a block under ", sinking, ": it must not sink while you press")
 
 
 def _lies_on(hole: Round, below: Sequence[StandingCopy]) -> str:

@@ -197,7 +197,7 @@
   const ahead = stands => new THREE.Vector3(0.55, 0.9, 1).normalize().applyQuaternion(stands);
   // A step: in which direction a thing comes, and from where it is seen, which is from below where it comes from there.
   const direction = ({ way, along }) => new THREE.Vector3(...(along || [0, 0, way]));
-  const seen = step => ahead(lain()).multiply(new THREE.Vector3(1, 1, direction(step).z > 0 ? -1 : 1));
+  const seen = step => step.laid ? new THREE.Vector3(0.1, -0.7, 1).normalize() : ahead(lain()).multiply(new THREE.Vector3(1, 1, direction(step).z > 0 ? -1 : 1));
   const lain = () => new THREE.Quaternion(Math.SQRT1_2, 0, 0, Math.SQRT1_2);  // z is up: parts by themselves, and what is on the bench
   function eye(stands) {
     const camera = new THREE.PerspectiveCamera(28, 1, 1, 1000);

@@ -24,7 +24,7 @@ from camgen.files.threemf import write_3mf
 from camgen.findings import Finding
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.mesh import Mesh
-from camgen.geometry.outlines import Contour
+from camgen.geometry.outlines import Arc, Contour
 from camgen.judge.floor import judge_floor
 from camgen.machines.linkage.assembling import mirror
 from camgen.machines.linkage.mechanism import Linkage
@@ -278,9 +278,16 @@ def test_the_rod_of_both_sides_is_as_long_as_the_shaft_that_is_cut_of_it() -> No
     lower, upper = part.layers
     assert upper.z1 == part.thickness > 2 * machine.making.base_thickness
     assert size == (
-        f"rod 6 h9 x {part.thickness:g}, a flat 0.8 deep on its lower {lower.z1:g}, "
-        "on the rest one turned from it by 90 deg"
+        f"rod 6 h9 x {part.thickness:g}, a flat 0.8 deep on its lower {lower.z1:g}; "
+        "on the rest it is turned by 90 deg counter-clockwise, seen from the upper end"
     )
+    middles = [  # of the flat of either layer
+        sum(complex(flat.at(t)) for t in (flat.t0, flat.t1)) / 2
+        for layer in (lower, upper)
+        for flat in layer.region.outer.pieces
+        if not isinstance(flat, Arc)
+    ]
+    assert middles[1] / middles[0] == pytest.approx(1j), "from above, as its own frame is seen"
     assert "glued" in held
 
 
