@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +12,9 @@ from camgen.errors import Fault
 from camgen.findings import Finding, NotJudged, Where, at_most
 from camgen.machine.cams.bounce import Bounce
 from camgen.machine.cams.machine import FollowerLoad, Loaded
-from camgen.machines.loads.lift_off import with_hops
+from camgen.machine.model import Machine
+from camgen.machine.run import solve
+from camgen.machines.loads.lift_off import spring_reserve, unsprung, with_hops
 from camgen.numerics import peak
 from camgen.parts import materials
 from camgen.study import Figure, Figures, Plot, Study
@@ -157,23 +158,16 @@ def lift_off(
     kept = f"a spring.preload above {preload:.4g} {units[0]}{stiffer} keeps it; {lower} lowers that"
     if not load.preload and not load.rate:
         kept = f"no spring presses it on: spring.preload and spring.rate are 0; {kept}"
-    finding = found.keeps_contact(jumps if found.kick else kept)
-    if finding.ok:
-        finding = replace(finding, message=finding.message + _reserve(found, load))
-    return with_hops(finding, bounce, slides)
+    return with_hops(found.keeps_contact(jumps if found.kick else kept), bounce, slides)
 
 
-def _reserve(found: Loaded, load: FollowerLoad) -> str:
-    """How much of the spring's force is left to press the follower on where least is; "" where no spring presses."""
-    spring = load.preload + load.rate * found.lift
-    pressed = spring > 0
-    if not np.any(pressed):
-        return ""
-    left = min(1.0, float(np.nanmin(found.effort[pressed] / spring[pressed])))
-    return (
-        f", and at least {100 * left:.0f} % of the spring's force is left to press it on; friction and "
-        "the spring's own tolerance take from that"
-    )
+def reserve(found: Loaded, machine: Machine, least: float) -> list[Finding]:
+    """SPRING_RESERVE of what presses the follower of a machine's cam "contact" on it; found: what its loads do; least: share of
+    the springs' force."""
+    cam = machine.cam("contact")
+    loose = solve(unsprung(machine), found.theta).forces().contacts[cam.name]
+    spring = found.effort - cam.leaves * loose
+    return spring_reserve(found.theta, found.effort, spring, least, found.where)
 
 
 def line_hertz(

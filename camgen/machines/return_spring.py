@@ -156,7 +156,7 @@ class ReturnSpring:
         high = (self.preload + self.rate * float(np.ptp(self._s))) / last
         rate = (high - low) / (longest - shortest)
         free = shortest - low / rate if rate > 0 else 0.0
-        found = extension_spring(rate, free, longest, eye, hook) if free > 0 else None
+        found = extension_spring(rate, free, self.way, eye, hook) if free > 0 else None
         return found or self._none_such(f"{rate:.4g} N/mm, free length {free:.4g} mm")
 
     def of_a_shop(self, least: float) -> str:

@@ -7,6 +7,11 @@ stress   k 8 F D / (pi d^3), k = (w + 0.5) / (w - 0.75) by Bergstraesser, w = D 
          strength, 1980 - 740 log10(d) N/mm^2: the least of SM within 0.5 % from 0.3 to 10 mm [mollificiomodenese.it, Carbon
          steel wire EN 10270-1, class SM: 1980 at 1 mm, 1760 at 2, 1530 at 4, 1310 at 8]
 legs     where its closed coils and hooks are shorter than its free length, straight wire from the coils to either eye
+fatigue  the amplitude of the stress at a mean keeps below Goodman's line for endless life, and the peak below what the wire bears
+         at rest: of unpeened coils 241 N/mm^2 at a mean of 379 (Zimmerli's data), torsional strength 0.67 of the tensile one; of
+         round eyes, bent, 0.45 of the tensile strength as peak from 0, at rest 0.75, with K = (4 w^2 - w - 1) / (4 w (w - 1))
+         [amesweb.info, Stress analysis of extension spring for fatigue loading, and Maximum allowable stresses for coil
+         extension springs, after Shigley, Mechanical Engineering Design; machinecalcs.com, Spring fatigue life calculator]
 solid    of a compression spring with closed, ground ends: (n + 2) d; it is never pressed so far by 15 % of its greatest stretch
          [Shigley, Mechanical Engineering Design, eq. 10-17, table 10-1]
 """
@@ -27,6 +32,10 @@ WIRES = (*_SLIM_WIRES, 2.5, 3.2, 4.0, 5.0, 6.3, 8.0)
 EYE = 1.1  # of a spring, to the pin that it hooks on
 _SHEAR = 81500.0  # N/mm^2
 _SHARE = 0.45  # of the tensile strength
+_TORSION = 0.67  # of the tensile strength: that in torsion
+_ZIMMERLI = (241.0, 379.0)  # N/mm^2, amplitude and mean that unpeened coils bear for ever
+_BENT = 0.75  # of the tensile strength: what a bent eye bears at rest
+_BENDING = 0.45  # of the tensile strength: peak from 0 that it bears ten million times
 _LEAST_COILS = 3.0
 _INDEX = (4.0, 20.0)  # of D / d
 _WIDER = (1.0, 1.25, 1.6, 2.0, 2.5)  # than its eyes need
@@ -35,6 +44,42 @@ _RESERVE = 0.15  # of a compression spring's greatest stretch, that it is off it
 
 
 _BESIDE = "between your frame and your follower"
+
+
+@dataclass(frozen=True)
+class Swing:
+    """Stress that swings at one place of a spring's wire, N/mm^2.
+
+    endurance: amplitude that it bears for ever about 0; ultimate: mean at which it bears none; most: its peak at rest.
+    """
+
+    place: str
+    low: float
+    high: float
+    endurance: float
+    ultimate: float
+    most: float
+
+    @property
+    def amplitude(self) -> float:
+        """Half of what it swings by."""
+        return (self.high - self.low) / 2
+
+    @property
+    def mean(self) -> float:
+        """Middle of it."""
+        return (self.high + self.low) / 2
+
+    @property
+    def limit(self) -> float:
+        """Amplitude that it bears for ever about its mean; 0 where it bears none."""
+        goodman = self.endurance * (1 - self.mean / self.ultimate)
+        return max(0.0, min(goodman, self.most - self.mean))
+
+    @property
+    def use(self) -> float:
+        """Its amplitude as a share of that limit."""
+        return self.amplitude / self.limit if self.limit else math.inf
 
 
 @dataclass(frozen=True)
@@ -76,7 +121,29 @@ class HelicalSpring:
     @property
     def strength(self) -> float:
         """Stress that the wire bears, N/mm^2."""
-        return _SHARE * (1980 - 740 * math.log10(self.wire))
+        return _SHARE * self.tensile
+
+    @property
+    def tensile(self) -> float:
+        """Least tensile strength of the wire, N/mm^2."""
+        return 1980 - 740 * math.log10(self.wire)
+
+    def swings(self, low: float, high: float) -> list[Swing]:
+        """What swings in it between two lengths of little and much force, mm, at each place that may break."""
+        torsion = _TORSION * self.tensile
+        amplitude, mean = _ZIMMERLI
+        endurance = amplitude / (1 - mean / torsion)
+        stresses = self.stress(low), self.stress(high)
+        return [Swing("coils", *stresses, endurance, torsion, self.strength)]
+
+    def fatigue(self, shortest: float, longest: float) -> Swing:
+        """What breaks first in it as it works between two lengths, mm."""
+        low, high = sorted((shortest, longest), key=self.force)
+        return max(self.swings(low, high), key=lambda each: each.use)
+
+    def lasts(self, shortest: float, longest: float) -> bool:
+        """Whether it works between two lengths, mm, for ever."""
+        return self.fatigue(shortest, longest).use <= 1
 
     @property
     def surge(self) -> float:
@@ -104,6 +171,21 @@ class ExtensionSpring(HelicalSpring):
         """From its closed coils to the inside of either eye, mm; a round eye alone has its inside diameter."""
         return (self.free - self.body) / 2
 
+    def bending(self, length: float) -> float:
+        """Stress where an eye is bent, N/mm^2."""
+        index = self.mean / self.wire
+        curved = (4 * index**2 - index - 1) / (4 * index * (index - 1))
+        section = math.pi * self.wire**2
+        return float(self.force(length) * (16 * curved * index + 4) / section)
+
+    def swings(self, low: float, high: float) -> list[Swing]:
+        """Of its coils, and of its eyes."""
+        peak = _BENDING / 2 * self.tensile
+        endurance = peak / (1 - _BENDING / 2)
+        bent = self.bending(low), self.bending(high)
+        eyes = Swing("eyes", *bent, endurance, self.tensile, _BENT * self.tensile)
+        return [*super().swings(low, high), eyes]
+
     def bought(self, shortest: float, longest: float) -> Bought:
         """Its line in the parts list, with its forces at both ends of its way, mm."""
         legs = (
@@ -121,10 +203,11 @@ class ExtensionSpring(HelicalSpring):
 
 
 def extension_spring(
-    rate: float, free: float, longest: float, eye: float, hook: float = 0.0
+    rate: float, free: float, way: tuple[float, float], eye: float, hook: float = 0.0
 ) -> ExtensionSpring | None:
-    """The slimmest spring of a rate, N/mm, and free length whose eyes are at least so wide inside, its hooks so long; mm; None
-    where none can be."""
+    """The slimmest spring of a rate, N/mm, and free length whose eyes are at least so wide inside, its hooks so long, that lasts
+    on its way, from its shortest to its longest; else the one that comes nearest to it; mm; None where none can be."""
+    strong = []
     for wider in _WIDER:
         for wire in _SLIM_WIRES:
             mean = wider * eye + wire
@@ -135,9 +218,12 @@ def extension_spring(
                 and _INDEX[0] <= mean / wire <= _INDEX[1]
                 and spring.least_free(hook) <= free
             )
-            if windable and spring.stress(longest) <= spring.strength:
+            if not windable or spring.stress(way[1]) > spring.strength:
+                continue
+            if spring.lasts(*way):
                 return spring
-    return None
+            strong.append(spring)
+    return min(strong, key=lambda each: each.fatigue(*way).use, default=None)
 
 
 def pulling(
@@ -149,14 +235,16 @@ def pulling(
     hook: float = 0.0,
 ) -> ExtensionSpring | None:
     """A spring that pulls with a force, N, at its shortest, where it is stretched by the first of these shares of its length
-    for which there is one."""
+    for which one lasts, else for which there is one."""
+    way = shortest, longest
+    strong = None
     for stretch in shares:
-        spring = extension_spring(
-            force / (stretch * shortest), (1 - stretch) * shortest, longest, eye, hook
-        )
-        if spring is not None:
+        rate = force / (stretch * shortest)
+        spring = extension_spring(rate, (1 - stretch) * shortest, way, eye, hook)
+        if spring is not None and spring.lasts(*way):
             return spring
-    return None
+        strong = strong or spring
+    return strong
 
 
 class CompressionSpring(HelicalSpring):
@@ -188,7 +276,8 @@ def compression_spring(
     rate: float, force: float, travel: float, inside: float, outside: float
 ) -> WorkingSpring | None:
     """The slimmest spring of a rate, N/mm, that presses with a force, N, where it is longest, whose wire bears being pressed solid
-    and that is hardly longer than others; inside, outside: its least and greatest diameters; mm. None where none can be."""
+    and that is hardly longer than others; of those that last, if any does; inside, outside: its least and greatest diameters;
+    mm. None where none can be."""
     stretch = force / rate + travel
     widest = (outside - inside) / 2
     found = []  # slim ones first
@@ -204,6 +293,7 @@ def compression_spring(
             spring = replace(spring, free=shortest + stretch)
             if spring.stress(spring.solid) <= spring.strength:
                 found.append(WorkingSpring(spring, shortest, shortest + travel))
+    found = [each for each in found if each.lasts] or found
     least = min((each.shortest for each in found), default=0.0)
     return next((each for each in found if each.shortest <= _LONGER * least), None)
 
@@ -221,6 +311,11 @@ class WorkingSpring:
     count: int = 1
 
     @property
+    def lasts(self) -> bool:
+        """Whether it works for ever."""
+        return self.spring.lasts(self.shortest, self.longest)
+
+    @property
     def tightest(self) -> float:
         """Length at which its wire bears most, mm."""
         return max(self.shortest, self.longest, key=self.spring.force)
@@ -233,7 +328,7 @@ class WorkingSpring:
 
 def wound(rate: float, low: float, travel: float) -> WorkingSpring | None:
     """A spring to be wound that pulls with `low` N at its shortest and by `rate` N/mm more over its travel, mm; the shortest
-    whose stress its wire bears; None where none can be. Without a rate it grows by a third over its travel."""
+    that lasts, else the shortest whose stress its wire bears; None where none can be. Without a rate it grows by a third over its travel."""
     stiff = rate or low / 3 / travel
     springs: list[WorkingSpring] = []
     for index in (6.0, 8.0, 10.0, 12.0):
@@ -245,6 +340,7 @@ def wound(rate: float, low: float, travel: float) -> WorkingSpring | None:
             shortest = spring.free + low / stiff
             if coils >= _LEAST_COILS and spring.stress(shortest + travel) <= spring.strength:
                 springs.append(WorkingSpring(spring, shortest, shortest + travel, False))
+    springs = [each for each in springs if each.lasts] or springs
     return min(springs, key=lambda each: each.shortest, default=None)
 
 

@@ -65,6 +65,7 @@ _HELPING = {
     ),
     "SCREW_GRIP": ("base.thickness",),
     "SIDE_GAP": ("parts.side_gap", "accuracy.chord_tolerance"),
+    "SPRING_RESERVE": ("spring.preload", "spring.rate"),
     "STROKE": ("geometry.eccentricity",),
     "UNDERCUT": (
         "geometry.base_radius",

@@ -18,9 +18,9 @@ import numpy as np
 
 from camgen.machine.cams.bounce import Bounce, Contact, contact_of
 from camgen.machine.forces import Forces
-from camgen.machine.model import Cam, Load, Machine, Resistance, Spring, TorsionSpring
+from camgen.machine.model import Cam, Machine
 from camgen.machine.run import solve
-from camgen.machines.loads.lift_off import by_force, restitution_of, slow
+from camgen.machines.loads.lift_off import by_force, restitution_of, slow, unsprung
 from camgen.machines.loads.rubbing import with_friction
 from camgen.machines.loads.tables import Weight
 from camgen.machines.loads.weights import with_gravity
@@ -99,17 +99,9 @@ def _springs(
     contact: Contact, cam: Cam, machine: Machine, theta: Floats, still: Forces
 ) -> tuple[float, float]:
     """Rate and preload on a cam of the machine's springs alone; still: with all loads."""
-    loads = tuple(load for each in machine.loads for load in _unsprung(each))
-    rest = solve(slow(replace(machine, loads=loads)), theta).forces()
+    rest = solve(slow(unsprung(machine)), theta).forces()
     push = cam.leaves * (still.contacts[cam.name] - rest.contacts[cam.name])
     return contact.springs(theta, push)
-
-
-def _unsprung(load: Load) -> list[Load]:
-    """A load without what is a spring's."""
-    if isinstance(load, Resistance):
-        return [replace(load, force=load.force - load.wound, rate=0.0, wound=0.0)]
-    return [] if isinstance(load, Spring | TorsionSpring) else [load]
 
 
 def _wound(contact: Contact, rate: float, preload: float) -> Contact:

@@ -239,7 +239,7 @@ def test_one_code_is_judged_as_among_all_and_equal_cams_are_worked_out_once() ->
     machine = pecker((60, -40))
     (found,) = {each.code for each in machine.limits_of("LIFT_OFF")}
     assert found == "LIFT_OFF" and len(machine.limits_of("LIFT_OFF")) == 2
-    for code in ("LIFT_OFF", "PRESSURE_ANGLE"):
+    for code in ("LIFT_OFF", "SPRING_RESERVE", "PRESSURE_ANGLE"):
         same = [each for each in machine.limits() if each.code == code]
         assert same and machine.limits_of(code) == same
     cams = {id(tip.cam) for tip in machine.bodies.layout.tips}

@@ -33,6 +33,11 @@ _ORDERS = ("displacement", "velocity", "acceleration", "jerk")
 _MOST_JUMPS = 6  # that a message lists
 
 
+# Least share of a spring's force that presses a follower on its cam: it is 1.2 to 2 times what would lift the follower off
+# [co-design.co.uk, SEED Unit Design, Cam mechanisms, section 15: Force closure]
+RESERVE = 0.17
+
+
 @dataclass(frozen=True)
 class CamLimits:
     """What a designer accepts of a cam joint."""

@@ -39,6 +39,7 @@ from camgen.machines.cam_loads import (
     load_faults,
     load_of,
     polydyne_faults,
+    reserve,
 )
 from camgen.machines.cylinder_cam.bearings import Roller, pressed
 from camgen.machines.cylinder_cam.bench import (
@@ -599,9 +600,11 @@ class CylinderCam(Mechanism):
         air = []
         if self._loaded is not None and self.geometry.track == "end":
             load = self._load or FollowerLoad()
-            air.append(
-                lift_off(self._loaded, load, not self.geometry.follower.swings, self._bounce)
-            )
+            slides = not self.geometry.follower.swings
+            air += [
+                lift_off(self._loaded, load, slides, self._bounce),
+                *reserve(self._loaded, self._pulled, self.allowed.spring_reserve),
+            ]
         if isinstance(self._hertz, Finding):
             air.append(self._hertz)
         return [

@@ -46,6 +46,7 @@ from camgen.machines.cam_loads import (
     load_faults,
     load_of,
     polydyne_faults,
+    reserve,
 )
 from camgen.machines.cam_tables import CamTables
 from camgen.machines.disc_cam.alone import CamsAlone
@@ -455,7 +456,10 @@ class DiscCamDrive(CamTables):
         if self._loaded and self.geometry.closure == "force":
             slides = not f.swings
             load = self._load or FollowerLoad()
-            findings.append(lift_off(self._loaded, load, slides, self._bounce))
+            findings += [
+                lift_off(self._loaded, load, slides, self._bounce),
+                *reserve(self._loaded, self._pulled, self.allowed.spring_reserve),
+            ]
         return findings
 
     def forecast(self) -> Sequence[Finding]:

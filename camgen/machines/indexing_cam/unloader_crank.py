@@ -201,7 +201,8 @@ class UnloaderCrank:
         free = s.guide - s.crank - s.stretch + pin
         shortest = s.guide - s.crank + pin
         longest = s.farthest + pin
-        if extension_spring(s.stiffness, free, longest, EYE * pin, self.sizes.hook) is None:
+        way = shortest, longest
+        if extension_spring(s.stiffness, free, way, EYE * pin, self.sizes.hook) is None:
             raise DesignError(
                 "springs of round wire for the unloader",
                 0,

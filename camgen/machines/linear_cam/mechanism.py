@@ -31,7 +31,14 @@ from camgen.machine.cams.machine import FollowerLoad, Loaded, contact_machine, l
 from camgen.machine.features import Mount, PlateEdge
 from camgen.machine.model import GROUND, MM, Cam, Drive, Machine, Place, Slide, Turning
 from camgen.machine.strength import line_contact
-from camgen.machines.cam_loads import lift_off, line_hertz, load_faults, load_of, pushed_figures
+from camgen.machines.cam_loads import (
+    lift_off,
+    line_hertz,
+    load_faults,
+    load_of,
+    pushed_figures,
+    reserve,
+)
 from camgen.machines.disc_cam.curves import peak_figures
 from camgen.machines.disc_cam.tables import LoadTable, SpringTable
 from camgen.machines.linear_cam.tables import PlateDrive, PlateGeometry, PlateLimits, PlateParts
@@ -330,7 +337,8 @@ class LinearCamDrive(Mechanism):
             return []
         slides = not self.geometry.follower.swings
         pressed = [self._hertz] if isinstance(self._hertz, Finding) else []
-        return [lift_off(self._loaded, self._load, slides, None), *pressed]
+        left = reserve(self._loaded, self._pulled, self.allowed.spring_reserve)
+        return [lift_off(self._loaded, self._load, slides, None), *left, *pressed]
 
     def _unjudged(self) -> Sequence[NotJudged]:
         """HERTZ of a knife edge, and of a material of which no limit is known."""

@@ -47,7 +47,7 @@ from camgen.machines.linkage.construction import Construction, closed
 from camgen.machines.linkage.spec import LinkageSpec
 from camgen.machines.loads.bearing import LoadCheck
 from camgen.machines.loads.counterweights import found_moment
-from camgen.machines.loads.lift_off import by_force, lift_off, restitution_of
+from camgen.machines.loads.lift_off import by_force, lift_off, reserves, restitution_of
 from camgen.machines.loads.weights import PULL, Masses, gravity, with_masses
 from camgen.machines.mechanism import Remarks
 from camgen.parts import assembly as assemblies
@@ -365,9 +365,13 @@ class Linkage(LinkageSpec):
         theta = np.linspace(*self.cycle.range, ROWS)
         kicks = self.diagram.kicks()
         bounces = restitution_of(self.load)
-        found = lift_off(self._pulled, cams, kicks, theta, self.angle_name(True), bounces)
+        angle = self.angle_name(True)
+        found = lift_off(self._pulled, cams, kicks, theta, angle, bounces)
+        left = reserves(self._pulled, cams, theta, angle, self.allowed.spring_reserve)
         unit = self.cycle.unit
-        told = [replace(each, where=replace(each.where, unit=unit)) for each in found.findings]
+        told = [
+            replace(each, where=replace(each.where, unit=unit)) for each in (*found.findings, *left)
+        ]
         return replace(found, findings=told)
 
     def remarks(self) -> Remarks:

@@ -227,7 +227,8 @@ def _mounted(spec: t.Spring, name: str, run: Run, sizes: Parts) -> MountedSpring
             where,
             remedy,
         ).saying(said)
-    spring = extension_spring(spec.rate, free + pin, longest + pin, EYE * pin, sizes.hook)
+    way = shortest + pin, longest + pin
+    spring = extension_spring(spec.rate, free + pin, way, EYE * pin, sizes.hook)
     if spring is None:
         where = f"spring {name}"
         said = f"{where}: no spring of round wire has {spec.rate:.4g} N/mm, {free:.4g} mm free between pins of {pin:g} mm and bears "

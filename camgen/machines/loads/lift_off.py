@@ -1,4 +1,5 @@
-"""Whether cams that are closed by force keep their followers: LIFT_OFF from the weights, springs and loads of the machine."""
+"""Whether cams that are closed by force keep their followers: LIFT_OFF from the weights, springs and loads of the machine,
+SPRING_RESERVE from what its springs pull with."""
 
 from __future__ import annotations
 
@@ -8,10 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from camgen.findings import Finding, NotJudged, Where
+from camgen.findings import Finding, NotJudged, Where, at_least
 from camgen.machine.cams.bounce import Bounce, contact_of
 from camgen.machine.cams.machine import Loaded, keeps_contact
-from camgen.machine.model import MM, Cam, Machine
+from camgen.machine.model import MM, Cam, Load, Machine, Resistance, Spring, TorsionSpring
 from camgen.machine.run import solve
 from camgen.machines.loads.bearing import LoadCheck
 from camgen.machines.loads.pins import STILL
@@ -33,6 +34,42 @@ def by_force(machine: Machine) -> list[Cam]:
 def slow(machine: Machine) -> Machine:
     """A machine that turns so slowly that inertia does nothing."""
     return replace(machine, speed=_SLOW * machine.speed)
+
+
+def unsprung(machine: Machine) -> Machine:
+    """A machine without its springs."""
+    loads = [load for load in machine.loads if not isinstance(load, Spring | TorsionSpring)]
+    return replace(machine, loads=tuple(map(_unsprung, loads)))
+
+
+def _unsprung(load: Load) -> Load:
+    if not isinstance(load, Resistance):
+        return load
+    return replace(load, force=load.force - load.wound, rate=0.0, wound=0.0)
+
+
+def spring_reserve(
+    theta: Floats, effort: Floats, spring: Floats, least: float, where: Where
+) -> list[Finding]:
+    """SPRING_RESERVE: share of a spring's push that is left to press a follower on its cam; none where no spring presses, or
+    where the follower leaves, which LIFT_OFF says.
+
+    theta: rad; effort: in the sense of the lift, and what the spring gives to it, N or N m, (n,) each.
+    """
+    pressing = spring > STILL
+    if not np.any(pressing):
+        return []
+    share = np.full(np.shape(spring), math.inf)
+    np.divide(effort, spring, out=share, where=pressing & np.isfinite(effort))
+    k = int(np.argmin(share))
+    if not 0 < share[k] < math.inf:
+        return []
+    said = (
+        "of the spring's force is left to press the follower on; friction and the spring's own tolerance take from that; more "
+        "preload, less mass or a lower speed leaves more"
+    )
+    place = replace(where, theta=float(theta[k]), digits=1)
+    return [at_least("SPRING_RESERVE", min(1.0, float(share[k])), least, "", place, said)]
 
 
 def lift_off(
@@ -81,6 +118,21 @@ def lift_off(
             check.figures += bounce_figures(bounce, bool(cam.slide), cam.name)
         check.findings.append(finding)
     return check
+
+
+def reserves(
+    machine: Machine, cams: Sequence[Cam], theta: Floats, angle: str, least: float
+) -> list[Finding]:
+    """SPRING_RESERVE of the springs on the followers of some of its cams; machine, theta, angle as above; least: share of
+    their force."""
+    sprung = solve(machine, theta).forces().contacts
+    loose = solve(unsprung(machine), theta).forces().contacts
+    found = []
+    for cam in cams:
+        effort = cam.leaves * sprung[cam.name]
+        spring = effort - cam.leaves * loose[cam.name]
+        found += spring_reserve(theta, effort, spring, least, Where(joint=cam.name, angle=angle))
+    return found
 
 
 def restitution_of(load: Weight | None) -> float | None:

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from camgen.errors import Fault
-from camgen.machine.cams.limits import CamLimits, MotionLimits
+from camgen.machine.cams.limits import RESERVE, CamLimits, MotionLimits
 from camgen.machines.loads.applied import Applied
 from camgen.parts.journals import DriveLimits, MaterialLimits
 from camgen.spec import Angle, Coordinate, Length, Record, quantity
@@ -241,6 +241,11 @@ class CamLimitsTable(LimitsTable):
         default=None,
         description="least ratio of a follower's natural frequency (load.stiffness) to the turns of its "
         "cam, such as 10; not judged unless given",
+    )
+    spring_reserve: Annotated[float, quantity("1", ge=0, lt=1)] = Field(
+        default=RESERVE,
+        description="least share of a spring's force that is left to press a follower on its cam; 0.17: the spring pulls 1.2 "
+        "times what would lift it off",
     )
 
     @property

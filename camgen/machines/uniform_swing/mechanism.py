@@ -33,7 +33,7 @@ from camgen.machine.cams.machine import CamTouch, FollowerLoad, cam_machine, cam
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Demand, Eye, Feature, Mount, OwnTip
 from camgen.machine.model import Machine
-from camgen.machines.cam_loads import unweighed
+from camgen.machines.cam_loads import reserve, unweighed
 from camgen.machines.loads.lift_off import bounce_of
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.pairs import air_faults
@@ -293,7 +293,9 @@ class UniformSwing(Mechanism):
         lever = None if self.sizes.pair else self.spring.lever
         found = loaded(self._pulled, self.cam, self._load, turn)
         bounce = None if lever is None else bounce_of(self._pulled, found, self.load)
-        return SwingForces(found, self._load, lever, bounce)
+        least = self.allowed.spring_reserve
+        left = [] if lever is None else reserve(found, self._pulled, least)
+        return SwingForces(found, self._load, lever, bounce, left)
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """The canvas that the recovered motion lays; for a machine also the choice of the blend."""

@@ -236,13 +236,17 @@ class SwingForces:
     load: FollowerLoad
     lever: float | None  # mm, from the pivot to a straight spring that closes the cam; None: a pair
     bounce: Bounce | None  # what it does where that spring does not hold it
+    left: list[Finding]  # what of that spring's force is left to press
 
     def findings(self) -> list[Finding]:
-        """LIFT_OFF, where a spring closes the cam."""
+        """LIFT_OFF and SPRING_RESERVE, where a spring closes the cam."""
         less = "less inertia or a longer reversal_blend_deg"
         if self.lever is None:
             return []
-        return [lift_off(self.loaded, self.load, False, self.bounce, _NO_SPRING, less)]
+        return [
+            lift_off(self.loaded, self.load, False, self.bounce, _NO_SPRING, less),
+            *self.left,
+        ]
 
     def study(self) -> Study:
         """Curves and figures; where a spring closes the cam also the one that keeps contact."""
