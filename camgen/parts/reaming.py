@@ -36,7 +36,7 @@ def with_reaming(table: Table, copies: Sequence[StandingCopy], fixing: Fixing) -
     if not opened and not fixed:
         return table
     said = []
-    lines = _lines(opened)
+    lines = _lines(opened, running)
     if lines:
         count = sum(opened_holes(copies, fixing).values())
         said = [_OPEN.format(f"all {count} holes" if count > 1 else "the hole") + _ticks(lines)]
@@ -50,7 +50,7 @@ def with_reaming(table: Table, copies: Sequence[StandingCopy], fixing: Fixing) -
 
 
 _OPEN = (
-    "open {} in which something turns. Turn a drill or reamer of this size in it by hand, and keep it straight. What goes in "
+    "open {} in which something turns. Turn a drill of this size in it by hand, and keep it straight. What goes in "
     "must then drop through by its own weight"
 )
 
@@ -94,9 +94,32 @@ def _of(
     return found
 
 
-def _lines(holes: Mapping[float, _Holes]) -> list[str]:
+def opener(size: float) -> str:
+    """What opens a hole of a size, mm."""
+    return f"drill {_drill(size):g}" if size <= _WIDEST else "fine sandpaper"
+
+
+def _drill(size: float) -> float:
+    """The widest drill that goes into a hole of a size, mm: drills are in tenths."""
+    return math.floor(10 * size + SAME_POINT) / 10
+
+
+def _tool(size: float) -> str:
+    """The size of a hole, mm, and what opens it where that is no drill of people."""
+    return f"{size:g} mm" if size <= _WIDEST else f"{size:g} mm, with {opener(size)}"
+
+
+def running(size: float) -> str:
+    """The same of a hole in which something turns; of a size between two drills how the smaller one makes it."""
+    between = size <= _WIDEST and size - _drill(size) > SAME_POINT
+    return (
+        f"{size:g} mm, by a drill of {_drill(size):g} moved to and fro" if between else _tool(size)
+    )
+
+
+def _lines(holes: Mapping[float, _Holes], tool: Callable[[float], str] = _tool) -> list[str]:
     """What opens holes, and which, in words."""
-    return [f"{_tool(size)}: {listed(_named(parts))}" for size, parts in sorted(holes.items())]
+    return [f"{tool(size)}: {listed(_named(parts))}" for size, parts in sorted(holes.items())]
 
 
 def _ticks(lines: Sequence[str]) -> str:
@@ -114,24 +137,12 @@ def begun(
     return replace(table, rows=rows, steps=[Step([Doing(said)], laid=laid), *table.steps])
 
 
-def reamer_size(diameter: float, play: float) -> float:
-    """Of a drill or reamer for a hole with play round a diameter, mm: in tenths, as drills are, where one of these is wider than
-    the diameter, else in hundredths, as reamers are."""
+def running_size(diameter: float, play: float) -> float:
+    """Of a hole with play round a diameter, mm: in tenths, as drills are, where one of these is wider than the diameter, else in
+    hundredths, to which a drill is moved to and fro."""
     size = diameter + play + SAME_POINT
     drill = math.floor(10 * size) / 10
     return drill if drill > diameter else math.floor(100 * size) / 100
-
-
-def opener(size: float) -> str:
-    """What opens a hole of a size, mm."""
-    if size > _WIDEST:
-        return "fine sandpaper"
-    return "reamer" if size % 0.1 > SAME_POINT < 0.1 - size % 0.1 else "drill"
-
-
-def _tool(size: float) -> str:
-    """The size of a hole, mm, and what opens it where that is no drill of people."""
-    return f"{size:g} mm" if size <= _WIDEST else f"{size:g} mm, with {opener(size)}"
 
 
 _Holes = dict[str, tuple[Part, list[str]]]  # by the name of a part
@@ -189,10 +200,10 @@ def _own_place(hole: Round, holder: StandingCopy) -> tuple[float, float]:
 def _reamed(
     hole: Round, holder: StandingCopy, copies: Sequence[StandingCopy], fixing: Fixing
 ) -> float:
-    """The size of a drill or reamer for a hole, mm, as wide as what turns in it; 0 where nothing does."""
+    """The size to which a hole is opened, mm, for what turns in it; 0 where nothing does."""
     others = (each for each in copies if each.mount.body != holder.mount.body)
     widest = _widest(hole, holder, others, fixing, free=True)
-    return reamer_size(round(widest, 3), hole.diameter - widest) if widest else 0.0
+    return running_size(round(widest, 3), hole.diameter - widest) if widest else 0.0
 
 
 def _fixed_in(

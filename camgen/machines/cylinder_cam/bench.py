@@ -33,6 +33,7 @@ from camgen.numerics import Floats, Points
 from camgen.parts.catalogue import BEARINGS, CORE_HOLES, DOWELS, Bearing, Bought, ball_roller
 from camgen.parts.coils import Coil
 from camgen.parts.generator.sizes import Parts as PinSizes
+from camgen.parts.hardware import headed, spacer
 from camgen.parts.part import Layer, Part, SizeNote, hull
 from camgen.parts.springs import EYE, ExtensionSpring, WorkingSpring, compression_spring
 from camgen.study import Sketch, Upright
@@ -45,7 +46,8 @@ _LIP = 1.5  # of a plate under its bearing
 PIN_SHARE = 0.4  # diameter of a roller's pin as a share of the roller's, at most
 _CAP = 2.0  # room of the cap that keeps an arm on its pin
 _KNOB = (12.0, 25.0)  # diameter and length
-_STUB = 5.0  # diameter, in the crank
+_STUB = 5.0  # diameter of its pin, in the crank
+_HEAD = (9.0, 2.0)  # diameter and height of that pin's head
 _HANGING = 30.0  # from pin to pin of an arm's spring, and as much more as its roller moves
 _ROUND = 12  # points of a spring's wire for each coil
 FOOT = 0.5  # of the shaft over the lower plate's underside
@@ -446,7 +448,7 @@ class Bench:
         yield part, [Mount("rod", GROUND, at) for at in self.rods]
 
     def _turning(self) -> Iterator[tuple[Part, Sequence[Mount]]]:
-        """Drum, shaft, spacers, crank and knob."""
+        """Drum, shaft, spacers, crank, knob and its pin."""
         s = self.sizes
         drum, *rings = self.drum
         yield drum, [Mount(drum.name, CAM, z=self.base)]
@@ -498,19 +500,17 @@ class Bench:
         hubs = [(0j, s.reach + s.wall), (arm, _STUB / 2 + s.wall)]
         stub = self._hole(arm, _STUB, self.fits.press)
         layer = Layer(Region(hull(hubs), (s.hole(), stub)), 0.0, s.thickness)
-        note = "glued on the shaft, the knob into its other hole"
+        note = "glued on the shaft, the pin of the knob into its other hole"
         crank = Part("crank", "Hand crank", (layer,), centres=(0j, arm), notes=(note,))
         under = self.top + AIR
         yield crank, [Mount("crank", CAM, z=under)]
         wide, tall = _KNOB
-        layers = (
-            Layer(Region(circle(0j, wide / 2)), 0.0, tall),
-            Layer(Region(circle(0j, _STUB / 2)), tall, tall + s.thickness),
-        )
-        yield (
-            Part("knob", "Knob of the crank", layers, centres=(0j,)),
-            [Mount("knob", CAM, arm, 0.0, True, under)],
-        )
+        play = self.fits.slide
+        knob = spacer("knob", "Knob of the crank", _STUB + play, wide, tall, 0.0)
+        yield knob, [Mount("knob", CAM, arm, z=under + s.thickness + play)]
+        long = s.thickness + tall + 2 * play
+        pin = headed("knob-pin", "Pin of the knob", _STUB, long, *_HEAD)
+        yield replace(pin, notes=("glued in",)), [Mount("knob-pin", CAM, arm, 0.0, True, under)]
 
     def _block(
         self,

@@ -13,7 +13,7 @@ from camgen.machine.model import GROUND
 from camgen.machines.cylinder_cam.bench import AIR, CAM, END_PLAY, FOOT, Bench
 from camgen.machines.cylinder_cam.pieces import GLUED, SEAT
 from camgen.numerics import Floats
-from camgen.parts.reaming import reamer_size
+from camgen.parts.reaming import running, running_size
 from camgen.parts.steps import COLUMNS, between, thickness_gauge
 from camgen.study import Doing, Step, Table
 
@@ -210,8 +210,8 @@ class BenchSteps:
         """What is done first with the bores of a carriage; "" of an arm, which has none."""
         if self.bench.track.swings:
             return ""
-        size = reamer_size(self.bench.sizes.rod_diameter, self.bench.fits.slide)
-        return f"open its two bores with a drill or reamer of {size:g} mm: it must slide on the rods by its own weight. Then "
+        size = running_size(self.bench.sizes.rod_diameter, self.bench.fits.slide)
+        return f"open its two bores to {running(size)}: it must slide on the rods by its own weight. Then "
 
     def _beside(self, part: str, built: str, place: str, done: str) -> _Act:
         """A step in which all copies of a part come, of what is built beside the machine; built: by the name of its first part."""
@@ -359,8 +359,11 @@ class BenchSteps:
         flush = "flush with its upper end"
         said = f"glue the hand crank on the shaft, {flush}: it is {AIR:.3g} mm over the upper end plate"
         yield self._act("crank", f"glued on the shaft, {flush}", said)
-        said = "glue the knob into the crank. When the glue is hard turn the crank once round, slowly: nothing may be stiff"
-        yield self._act("knob", "glued into the crank", said)
+        over = "over the outer hole of the crank"
+        yield self._act("knob", over, f"put the knob {over}, no glue", dry=True)
+        said = "put the pin through the knob and glue it into the crank, flush with its underside, no glue on the knob: it turns. "
+        said += "When the glue is hard turn the crank once round, slowly: nothing may be stiff"
+        yield self._act("knob-pin", "through the knob, glued into the crank", said)
 
     @property
     def _springs_places(self) -> list[str]:

@@ -432,6 +432,17 @@ class _Board:
         middle = self.floor + self.tall / 2
         return middle - self.tall / 6, middle + self.tall / 6
 
+    def bays(self, stand: TableStand) -> list[tuple[float, float]]:
+        """Between which heights the panel has no holes, mm, each with a rib's width more at a hole: what a window there leaves."""
+        rib = stand.frame - self.rim
+        rims = [facet_contour(each, _FACETS).imag for each in stand.holes().values()]
+        bays = []
+        under = self.floor
+        for low, high in sorted((float(y.min()), float(y.max())) for y in rims):
+            bays.append((under, low + rib))
+            under = max(under, high - rib)
+        return [*bays, (under, self.top)]
+
     def panel(self, stand: TableStand) -> Part:
         """What the machine's plate is screwed on."""
         t = self.thick
@@ -446,8 +457,9 @@ class _Board:
             f"slot {k}": stand._slot(complex(x, low), complex(x + t, high))
             for k, x in enumerate(self.gussets, 1)
         }
-        under = complex(self.right, stand.held.low.imag + self.rim)  # of its lowest hole
-        slots |= _window("window", complex(self.left, self.floor), under, stand.frame)
+        for k, (low, high) in enumerate(self.bays(stand), 1):
+            corners = complex(self.left, low), complex(self.right, high)
+            slots |= _window(f"window {k}", *corners, stand.frame)
         return stand._panel("stand-panel", "Panel of the stand", outer, slots)
 
     def foot(self, stand: TableStand) -> Part:
