@@ -189,6 +189,7 @@ class Bought:
         tuple[str, int], ...
     ] = ()  # parts with which it is put in, and how many with each copy
     how: str = ""  # where else it goes
+    key: str = ""  # of the spec, that sets its size
 
     @property
     def text(self) -> str:
@@ -512,5 +513,7 @@ def shaft_and_bearings(bore: float, length: float) -> list[Bought]:
     if bearing is not None:
         size = f"{bearing.name}, {bearing.size}"
         ends = "on both ends of the shaft, in a frame of yours"
-        found.append(Bought("bearing of the shaft", bearing.standard, size, 2, how=ends))
+        found.append(
+            Bought("bearing of the shaft", bearing.standard, size, 2, how=ends, key="parts.bore")
+        )
     return found

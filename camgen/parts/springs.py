@@ -199,7 +199,7 @@ class ExtensionSpring(HelicalSpring):
             f"{self.rate:.4g} N/mm, {self.force(shortest):.4g} N at {shortest:.4g} "
             f"and {self.force(longest):.4g} N at {longest:.4g}"
         )
-        return Bought("extension spring", "EN 13906-2", size, 1, "spring")
+        return Bought("extension spring", "EN 13906-2", size, 1, "spring", key="spring.rate")
 
 
 def extension_spring(
@@ -269,7 +269,7 @@ class CompressionSpring(HelicalSpring):
             f"free length {self.free:.4g}, {self.rate:.4g} N/mm, {self.force(longest):.4g} N at {longest:.4g} "
             f"and {self.force(shortest):.4g} N at {shortest:.4g}, solid length {self.solid:.4g}"
         )
-        return Bought("compression spring", "EN 13906-1", size, 1, "spring")
+        return Bought("compression spring", "EN 13906-1", size, 1, "spring", key="spring.rate")
 
 
 def compression_spring(

@@ -480,6 +480,23 @@ def test_a_copy_that_is_missing_is_told(tmp_path: Path) -> None:
     assert not all(each.ok for each in sweep_in_space(path, bodies_in_motion(made.assembly))[0])
 
 
+def test_the_knob_of_the_crank_turns_on_its_pin() -> None:
+    """It has the play of what moves all round and along; its pin goes through the crank, flush, and its head keeps the knob."""
+    made = machine()
+    parts = made.assembly.by_name
+    stands = {each.part: each for each in made.assembly.mounts}
+    knob = parts["knob"]
+    pin = parts["knob-pin"]
+    crank = parts["crank"]
+    play = made.print.slide_clearance
+    (hole,) = knob.drawn.region.holes
+    assert 2 * abs(hole.pieces[0].at(0.0)) == pytest.approx(5 + play)
+    assert stands["knob"].z - (stands["crank"].z + crank.thickness) == pytest.approx(play)
+    shank = max(each.z1 - each.z0 for each in pin.layers)
+    assert shank == pytest.approx(crank.thickness + knob.thickness + 2 * play)
+    assert stands["knob-pin"].z == stands["crank"].z and stands["knob-pin"].flipped
+
+
 def test_a_motor_has_no_crank() -> None:
     names = [part.name for part in machine(motor={"model": "17HS24"}).assembly.parts]
     assert "crank" not in names and "knob" not in names and "shaft" in names

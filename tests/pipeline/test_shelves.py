@@ -23,6 +23,7 @@ from camgen.pipeline.build import build, check
 from camgen.pipeline.case import Case
 from camgen.pipeline.laser import sheet_files
 from camgen.pipeline.making import models_alone
+from camgen.pipeline.shopping import stock, tools
 from camgen.pipeline.summary import plates_of
 
 GROOVE = """
@@ -107,6 +108,30 @@ def test_solids_that_nobody_prints_lie_in_cad_and_are_found_there(
     bought = ("bearing", "rod", "roller", "roller-pin", "shaft")
     kinds = ("stl", "3mf")
     assert models_alone(case) == {f"drum-feeder-{name}.{kind}" for name in bought for kind in kinds}
+
+
+def test_what_camgen_chooses_is_told_with_its_key_and_stays_so_when_the_key_is_set() -> None:
+    """A drum whose radius the spec leaves open, and the screws of a plate on its stand: M3 has a core hole of 2.5 [ISO 2306]."""
+    machine = camgen.load(tomllib.loads(starters.text("drum-feeder")))
+    assert "radius" not in machine.source_tables["geometry"]
+    chosen = dict(machine.choices())
+    assert chosen["geometry.radius"] == 34 and chosen["parts.pieces"] == 2
+    assert dict(machine.resolved().choices()) == chosen
+    stands = dict(camgen.load(tomllib.loads(starters.text("four-bar"))).choices())
+    assert stands["parts.mount_diameter"] == "screw of the plate, through the stand: M3 x 8"
+    assert stands["layers.coupler"] == 2
+
+
+def test_steel_and_drills_are_listed() -> None:
+    """Rods of 62.5 mm, four, and a shaft of 69; a reamer of 4.05 mm is in no maker's box, so a drill of 4 opens that hole."""
+    feeder = camgen.load(tomllib.loads(starters.text("drum-feeder")))
+    lengths = {each.name: each.size for each in stock(feeder)}
+    assert lengths["steel rod 6 h9"] == f"{4 * 62.5 + 69:g} mm without saw cuts"
+    leg = camgen.load(tomllib.loads(starters.text("walking-leg")))
+    drills = {each.name: each.size for each in tools(leg)}
+    assert drills["drill 4"].startswith("4.05 mm, for ")
+    own = {each.name: each.count for each in feeder.assembly.bought if each.role == "own"}
+    assert own == {"screw from below": 2, "screw of the load": 4}
 
 
 def test_parts_of_a_machine_called_plate_or_sheet_are_none(tmp_path: Path) -> None:

@@ -206,6 +206,7 @@ class Bodies:
         )
         screws += [replace(each, count=count * each.count) for each in held]
         behind = Bought("screw of the plate, from behind", "", screw, p.mount_screws, "mount")
+        behind = replace(behind, key="parts.mount_diameter")
         return [
             *motors,
             *(self.layout.fitted.bought if self.layout.fitted.holder else [behind]),

@@ -467,7 +467,9 @@ def bought(layout: Layout) -> list[Bought]:
     on_posts = tuple((name, 1) for name in further)
     at = (("post", 1), (SECOND, columns), *on_posts)
     count = 2 * columns + stands
-    screws = Bought("screw of a post", screw.standard, size, count, at=at)
+    screws = Bought(
+        "screw of a post", screw.standard, size, count, at=at, key="parts.mount_diameter"
+    )
     if not stands:
         return [screws]
     stud = "stud of a post, half of it in the frame on it"

@@ -308,7 +308,12 @@ class TableStand:
             size = f"{screw.thread} x {screw.length(self.thick, self.sizes.base_thickness):g}"
         standard = "" if screw is None else screw.standard
         own = Bought(
-            "screw of the plate, through the stand", standard, size, len(self.screws), "mount"
+            "screw of the plate, through the stand",
+            standard,
+            size,
+            len(self.screws),
+            "mount",
+            key="parts.mount_diameter",
         )
         return [*(each for each in self.assembly.bought if each.role != "mount"), own]
 
@@ -433,14 +438,13 @@ class _Board:
         return middle - self.tall / 6, middle + self.tall / 6
 
     def bays(self, stand: TableStand) -> list[tuple[float, float]]:
-        """Between which heights the panel has no holes, mm, each with a rib's width more at a hole: what a window there leaves."""
-        rib = stand.frame - self.rim
+        """Between which heights the panel has no holes, mm."""
         rims = [facet_contour(each, _FACETS).imag for each in stand.holes().values()]
         bays = []
         under = self.floor
         for low, high in sorted((float(y.min()), float(y.max())) for y in rims):
-            bays.append((under, low + rib))
-            under = max(under, high - rib)
+            bays.append((under, low))
+            under = max(under, high)
         return [*bays, (under, self.top)]
 
     def panel(self, stand: TableStand) -> Part:

@@ -253,6 +253,22 @@ def test_a_panel_is_a_frame_where_nothing_is_screwed_on() -> None:
     assert min(window.distance(each) for each in others) > 9.0
 
 
+def test_a_panel_has_a_window_between_holes_that_are_far_apart() -> None:
+    """The bird's plate is screwed on under its shaft and over it: the window lies between the shaft and the upper screw."""
+    spec = Path(__file__).parents[3] / "specs" / "gallery" / "flapping-bird.toml"
+    (layer,) = read_mechanism(spec).assembly.by_name["stand-panel"].layers
+    shapes = [
+        shapely.Polygon([(z.real, z.imag) for z in facet_contour(each, 0.01).tolist()])
+        for each in layer.region.holes
+    ]
+    *others, window = sorted(shapes, key=lambda each: each.area)
+    heights = sorted(
+        each.centroid.y for each in others if each.bounds[0] > -50 < 50 > each.bounds[2]
+    )
+    assert len(heights) == 3 and heights[1] < window.centroid.y < heights[2]
+    assert window.area > 1500 and min(window.distance(each) for each in others) > 9.9
+
+
 def test_high_walls_of_a_box_have_windows_and_shallow_ones_have_none() -> None:
     """Round a motor: 10 mm are left to the fingers' ends and to the lid, through whose notches the tabs go; 20 mm leave no room."""
     walls = machine(*KINDS[1]).assembly.by_name
