@@ -363,7 +363,8 @@ class BenchSteps:
         yield self._act("knob", over, f"put the knob {over}, no glue", dry=True)
         said = "put the pin through the knob and glue it into the crank, flush with its underside, no glue on the knob: it turns. "
         said += "When the glue is hard turn the crank once round, slowly: nothing may be stiff"
-        yield self._act("knob-pin", "through the knob, glued into the crank", said)
+        pin = self._act("knob-pin", "through the knob, glued into the crank", said)
+        yield replace(pin, follows=True)
 
     @property
     def _springs_places(self) -> list[str]:
