@@ -24,7 +24,7 @@ from camgen.files.plan_view import PlanView
 from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
 from camgen.files.side_view import BOSS, SideViews
 from camgen.files.symbols import position
-from camgen.files.title_block import Facts, title_block
+from camgen.files.title_block import BLOCK, Facts, title_block
 from camgen.files.track_tables import ROW, grid, tables_sheets
 from camgen.files.tracks import SECTION_ROOM, development, drum_section, plates_section
 from camgen.parts.part import Part
@@ -140,7 +140,7 @@ class _Layout:
     def _foot(self) -> float:
         """Height of notes, title block and the section of a track beside them, mm."""
         notes = 3.0 + 4.5 * len(self.notes) + (9.0 if self.drawn.placed else 0.0)
-        return max(self.drawn.facts.height, notes, SECTION_ROOM.imag if self.track_section else 0.0)
+        return max(BLOCK, notes, SECTION_ROOM.imag if self.track_section else 0.0)
 
     def _tracks(self) -> None:
         """The section of a track beside the notes, and a drum's development over both."""
@@ -173,9 +173,7 @@ class _Layout:
         a3 = best("A3")
         long = (1 + len(self.drawn.rows) + self.drawn.track_lines()) * ROW > SIZES["A4"][
             1
-        ] - 2 * MARGIN - self.drawn.facts.height - (
-            bore_detail.HEIGHT if self.drawn.detailed else 0.0
-        )
+        ] - 2 * MARGIN - BLOCK - (bore_detail.HEIGHT if self.drawn.detailed else 0.0)
         tables = self.drawn.track_table or self.drawn.detailed
         return ("A3", a3) if (a4 < 1 and a3 > a4) or (long and tables) else ("A4", a4)
 
@@ -250,7 +248,7 @@ class _Layout:
         if self.drawn.bored is None or not self.drawn.detailed:
             return
         letters = self.drawn.datum_letter, self.drawn.angle_letter
-        low = complex(self.table_x, MARGIN + self.drawn.facts.height)
+        low = complex(self.table_x, MARGIN + BLOCK)
         high = complex(self.sheet.width - MARGIN, self.free)
         foot = complex(FILING, MARGIN)
         detail = BoreDetail(

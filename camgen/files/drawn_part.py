@@ -26,7 +26,7 @@ from camgen.files.dimensions import (
 from camgen.files.limits import decimals, in_limits
 from camgen.files.page import MARGIN, SIZES, TABLE_WIDTHS
 from camgen.files.sheet import Text
-from camgen.files.title_block import Facts
+from camgen.files.title_block import BLOCK, Facts
 from camgen.files.track_tables import ROW, own_tables, relief_table, track_tables
 from camgen.files.tracks import axial_section
 from camgen.geometry.arcs import as_circle, fit_arcs
@@ -89,6 +89,7 @@ class DrawnPart:
         )  # a round bore has its size in a view
         self.drum = part.drum if facts.heights else None
         self.turns = (free(part.region.outer) or self.drum is not None) and part.bore is not None
+        self.turns = self.turns or bool(self.tracks and facts.tracks)
         self.chamfer = facts.bore_chamfer if self.turns or self.bored else 0.0
         layered = len({layer.region for layer in part.layers}) > 1
         plated = self.bored and (self.key or not layered)
@@ -261,7 +262,7 @@ class DrawnPart:
     def lines_beside(self, size: str) -> int:
         """Rows that there is room for over the title block and a bore's detail."""
         detail = bore_detail.HEIGHT if self.detailed else 0.0
-        return int((SIZES[size][1] - 2 * MARGIN - self.facts.height - detail) / ROW) - 1
+        return int((SIZES[size][1] - 2 * MARGIN - BLOCK - detail) / ROW) - 1
 
     def track_lines(self) -> int:
         """Rows that a track's table takes, with its title and head."""

@@ -90,6 +90,10 @@ def _shop_notes(drawn: DrawnPart) -> list[str]:
         lines.append(
             f"{_rim(drawn)} {drawn.rim_letter} {form} within {facts.profile / 2:g}{fine_rim}"
         )
+    if drawn.rim_letter and facts.groove:
+        lines.append(
+            f"Rim {drawn.rim_letter} centres the wall to be cut and measured; the dowels locate it"
+        )
     lines += [f"Edges {facts.edges}"] if facts.edges else []
     lines += [facts.heat_treatment] if facts.heat_treatment else []
     if facts.ground and fine:

@@ -28,7 +28,6 @@ _ASIDE = 0.6  # rad, of a leader from the lines of overall sizes
 # where the sense of turning goes, the best first: dimensions are below and to the left
 _ARROWS = np.radians([45, 135, -45, -135, 65, 25, 115, 155, -25, -65, -115, -155, 90, 0, -90, 180])
 _FACE_SHOWN = 12.0  # half of what is shown of a flat follower, mm of paper
-_RIM = "h7"  # fit of a rim that is a datum
 # from the upper edge of the room over the view down, of the frame of a track's tolerance
 _OVER = 8.0
 
@@ -73,8 +72,7 @@ class PlanView:
             for size in (span.real, span.imag)
         )
         wide, tall = signs
-        rim = self.drawn.rim_letter and self.drawn.facts.profile and not self.drawn.facts.levels
-        fit = _RIM if rim else self.drawn.facts.outer_fit if wide == "Ø" else ""
+        fit = self.drawn.facts.outer_fit if wide == "Ø" else ""
         fit = in_limits(fit, span.real) if fit else ""
         self.page.dimension(
             low, complex(high.real, low.imag), -1j * _GAP, Measure(span.real, wide, fit)

@@ -172,7 +172,9 @@ class SideViews:
     def run_out(self) -> None:
         """Run-out of a cam's face at z = 0: to the left of it in the view from the left, where paper is free."""
         facts = self.drawn.facts
-        if not (facts.run_out and self.drawn.turns and self.drawn.datum_letter):
+        if not (
+            facts.run_out and self.drawn.part.bore and self.drawn.turns and self.drawn.datum_letter
+        ):
             return
         import shapely
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from camgen.files.sheet import Sheet, write_dxf_sheet, write_pdf
-from camgen.files.title_block import Facts, title_block
+from camgen.files.title_block import BLOCK, Facts, title_block
 from camgen.geometry.outlines import Floats
 from camgen.parts.part import Part
 
@@ -83,7 +83,7 @@ def timing_sheet(name: str, motions: Sequence[Motion], facts: Facts) -> Sheet:
     sheet.line(*corners, layer="TEXT", closed=True)
     left = _FILING + _NAMES
     across = right - 6 - left
-    foot = _MARGIN + facts.height + 4
+    foot = _MARGIN + BLOCK + 4
     strip = min(_STRIP, (top - _HEAD - foot) / len(motions))
     low = top - _HEAD - strip * len(motions)
     for degrees in range(0, 361, _STEP):

@@ -14,7 +14,8 @@ from camgen.parts.part import Part
 from camgen.tolerances import SAME_POINT
 
 WIDTH = 170.0  # mm [ISO 7200]
-_ROW = 12.0
+_ROW = 9.0
+BLOCK = 4 * _ROW  # height of the block
 
 
 @dataclass(frozen=True)
@@ -103,21 +104,6 @@ class Facts:
     drawn_by: str = ""
     checked_by: str = ""
 
-    @property
-    def people(self) -> list[tuple[str, str, float]]:
-        """Cells of the title block on people and revision: what, who, and how wide, mm; none where nothing is said."""
-        cells = [
-            ("Drawn by", self.drawn_by, 65.0),
-            ("Checked by", self.checked_by, 65.0),
-            ("Revision", self.revision, 40.0),
-        ]
-        return cells if any(value for _, value, _ in cells) else []
-
-    @property
-    def height(self) -> float:
-        """Of the title block, mm."""
-        return _ROW * (4 if self.people else 3)
-
     def shape(self, hole: Hole) -> str:
         """What a hole is, with its fit where one is known."""
         for fit in self.fits:
@@ -146,14 +132,16 @@ def ratio(scale: float) -> str:
 def title_block(
     sheet: Sheet, corner: complex, part: Part, facts: Facts, scale: float, size: str
 ) -> None:
-    """Draw the block, its lower right corner there; scale: mm of paper for a mm of the part, 0: none; size: of the paper."""
+    """Draw the block, its lower right corner there; what no one has given of people, date and revision is left to be filled in by hand.
+
+    scale: mm of paper for a mm of the part, 0: none; size: of the paper.
+    """
     mass = "" if facts.mass_g is None else weighed(facts.mass_g)
     middle = [
         ("Machine", facts.machine, 0.0),
         ("Material", facts.material, 36.0),
         ("Mass", mass, 24.0),
         ("General tolerance", facts.tolerance, 36.0),
-        ("Date", facts.date, 30.0),
     ]
     middle = [cell for cell in middle if cell[1]]
     middle = [
@@ -166,24 +154,28 @@ def title_block(
             ("Scale", ratio(scale), 22.0),
             ("Sheet", size, 18.0),
             ("Units", "mm", 18.0),
-            ("Projection", "", 45.0),
-            ("Made by", f"camgen {__version__}", 45.0),
+            ("Projection", "", 49.0),
+            ("Made by", f"camgen {__version__}", 41.0),
+        ],
+        [
+            ("Drawn by", facts.drawn_by, 50.0),
+            ("Checked by", facts.checked_by, 50.0),
+            ("Date", facts.date, 40.0),
+            ("Revision", facts.revision, 30.0),
         ],
         middle,
         [("Part", part.title, 85.0), ("Drawing number", facts.number, 85.0)],
     ]
-    if facts.people:
-        rows.insert(1, facts.people)
     for k, row in enumerate(rows):
         left = corner - WIDTH + 1j * _ROW * k
         for key, value, width in row:
             cell(sheet, left, width, _ROW)
-            sheet.text(left + 1.5 + 8.6j, key, 1.8)
+            sheet.text(left + 1.5 + 6.2j, key, 1.8)
             if key == "Projection":
-                _first_angle(sheet, left + 12 + 4.3j)
-                sheet.text(left + 24 + 3.2j, "first angle", 2.5, room=width - 25)
+                _first_angle(sheet, left + 21 + 3.8j)
+                sheet.text(left + 32 + 2.6j, "first angle", 2.5, room=width - 32)
             else:
-                sheet.text(left + 1.5 + 2.6j, value, 3.5, room=width - 3)
+                sheet.text(left + 1.5 + 1.7j, value, 3.5, room=width - 3)
             left += width
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from camgen.files.dimensions import number
 from camgen.files.sheet import Align, Sheet
-from camgen.files.title_block import Facts, title_block
+from camgen.files.title_block import BLOCK, Facts, title_block
 from camgen.geometry.drums import Drum
 from camgen.parts.part import Part
 
@@ -85,7 +85,7 @@ def tables_sheets(
     """Sheets with the tables of a part's tracks side by side, in columns as long as a sheet is high, by their files' names without
     the ends. Such a name is the sheet's number too, unless the part's drawing has one."""
     right, top = _WIDTH - _MARGIN, _HIGH - _MARGIN
-    most = int((top - _MARGIN - facts.height) / ROW) - 4
+    most = int((top - _MARGIN - BLOCK) / ROW) - 4
     columns = [
         (replace(table, rows=table.rows[k : k + most]), 0 if k else -(-len(table.rows) // most))
         for table in tables

@@ -238,6 +238,31 @@ def _tracks(mechanism: Mechanism, part: Part, step: float) -> Iterator[_Track]:
         heights = f", z {number(layer.z0)} to {number(layer.z1)}"
         name = f"{outline.track}{heights if outline.track else ''}"
         yield from _track(mechanism, part, outline, (name, layer), step)
+    yield from _outer_wall(mechanism, part, step)
+
+
+def _outer_wall(mechanism: Mechanism, part: Part, step: float) -> Iterator[_Track]:
+    """The track of a groove's outer wall, which is as far from the inner one as the groove is wide; nothing of another part."""
+    assembly = mechanism.assembly
+    groove = _groove(assembly, part)
+    if groove is None or groove.inner:
+        return
+    outer = next(
+        each
+        for each in assembly.features
+        if isinstance(each, CamOutline) and each.inside and each.part == part.name
+    )
+    inner = assembly.outlines[outer.joint]
+    plate = next(each for each in assembly.parts if each.name == inner.part)
+    rim = facet_contour(next(hole for hole in part.region.holes if free(hole)), _FINE)
+    for track in _track(mechanism, plate, inner, ("", plate.drawn), step):
+        across = (track.centres - track.places) / np.abs(track.centres - track.places)
+        places = track.places + groove.width * across
+        if max(abs(_off(z, rim)) for z in places) >= 10 * _FINE:
+            return
+        radius = groove.roller / 2
+        rider = Rider(places[0].item(), -across[0].item(), radius, track.rider.way)
+        yield _Track("", track.turned, places, places - radius * across, rider)
 
 
 def _track(

@@ -229,6 +229,16 @@ def test_walls_of_a_plate_groove_are_cut_and_show_its_width(
     layouts = {
         name: _Layout(part, "d", 1e-3, facts_of(machine, part)) for name, part in parts.items()
     }
+    inner, outer = (facts_of(machine, parts[name]) for name in ("inner", "outer"))
+    ((_, near),) = inner.tracks
+    ((_, far),) = outer.tracks
+    assert [turned for turned, _ in near] == [turned for turned, _ in far]
+    apart = [abs(b - a) for (_, a), (_, b) in zip(near, far, strict=True)]
+    assert apart == pytest.approx([width] * len(apart), abs=1e-6)
+    radii = [abs(z) for _, z in far]
+    assert (min(radii), max(radii)) == pytest.approx((30 + width, 45 + width), abs=1e-6)
+    axes = [abs(z - axis) for (_, z), axis in zip(far, *outer.centres, strict=True)]
+    assert axes == pytest.approx([5.0] * len(axes))
     rim = layouts["outer"].drawn.disc
     assert rim is not None
     cuts = {
@@ -247,7 +257,7 @@ def test_walls_of_a_plate_groove_are_cut_and_show_its_width(
         fits = {round(each.value, 3): each.fit for each in sizes}
         assert fits[round(width, 3)] == off
         words = [each.text for each in layout.sheet.primitives if isinstance(each, Text)]
-        assert {"S-S", "(6)", "roller Ø10"} <= set(words)
+        assert {"S-S", "(6)", "roller Ø10", "Cam", "+", "s"} <= set(words)
         frame = shapely.box(*layout_box(layout))
         dashed = [z for z in lines(layout.sheet, "HIDDEN") if layout.page.side_x <= z.real.min()]
         assert not [z for z in dashed if frame.contains(shapely.Point(z[0].real, z[0].imag))]
