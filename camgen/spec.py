@@ -76,7 +76,14 @@ Distance = Annotated[float, quantity("mm", ge=0, le=1e6)]
 Angle = Annotated[float, quantity("deg", ge=0, le=180)]
 Force = Annotated[float, quantity("N or N m", ge=0, le=1e6)]
 MinWall = Annotated[
-    float, quantity("mm", "least wall of every part: two lines of the nozzle", ge=1e-3, le=1e6)
+    float,
+    quantity(
+        "mm",
+        "least wall of every part: two lines of the nozzle; of metal 1, and at least 4 depths of a hardened case, camgen's "
+        "own rule",
+        ge=1e-3,
+        le=1e6,
+    ),
 ]
 Coordinate = Annotated[float, quantity("mm", ge=-1e6, le=1e6)]
 Mass = Annotated[float, quantity("g", gt=0, le=1e6)]

@@ -67,7 +67,12 @@ def named(text: str, name: str) -> str:
 # What makes a starter one to be cut of steel: a bore with its key, a roller that is sold, pins and shafts of steel.
 _ROLLER = ("load.mass_kg=0.5", "load.cam_follower=KR16", "motor.model=SGMAH-01AJC")
 _WALL = "limits.min_wall=1"
-_SHAFTS = ("material.name=C45", "parts.pin=dowel", "parts.shaft_made=steel")
+_SHAFTS = (
+    "material.name=C45",
+    "parts.thickness=6",
+    "parts.shaft_diameter=10",
+    "parts.shaft_made=steel",
+)
 METAL = {
     "disc-cam": (
         "material.name=C45",
@@ -98,8 +103,8 @@ METAL = {
         "parts.thickness=12",
         _WALL,
     ),
-    "geneva-table": _SHAFTS,
-    "linkage": _SHAFTS,
+    "geneva-table": (*_SHAFTS, "parts.pin=dowel"),
+    "linkage": (*_SHAFTS, "parts.pin=bearing"),
 }
 
 # What its comments say of a print, and what is so in metal.

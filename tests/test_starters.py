@@ -291,14 +291,17 @@ def test_the_comments_of_a_starter_of_steel_are_not_those_of_a_print(name: str) 
 
 @pytest.mark.parametrize("name", starters.METAL)
 def test_a_starter_of_steel_holds_and_has_what_a_workshop_asks_for(name: str) -> None:
-    """Of C45; a key with its length [DIN 6885] and a roller that is sold; shafts and pins of steel."""
+    """Of C45; a key with its length [DIN 6885] and a roller that is sold; shafts of steel, dowels, ball bearings; walls of 1 mm."""
     machine: Any = validate(load(starters.kind(name)), tomllib.loads(starters.in_metal(name)))
-    assert materials.of(machine.material.name).metal
+    assert materials.of(machine.material.name).metal and machine.allowed.min_wall == 1
     assert all(each.ok for each in [*machine.limits(), *assess(machine).findings])
     bought = {str(row[1]): str(row[2]) for row in parts_table(machine).rows if row[0] == "bought"}
     if name in ("geneva-table", "linkage"):
         made = {str(row[1]): str(row[0]) for row in parts_table(machine).rows}
-        assert made["shaft"] == "turned of steel" and "m6" in bought["pin-1"]
+        assert made["shaft"] == "turned of steel"
+        assert "anaerobic" in bought["glue"]
+        joint = bought["pin-1"] if name == "geneva-table" else bought["bearing-mr85"]
+        assert joint.startswith(("Pin 1: dowel ISO 2338", "Ball bearing: ball bearing MR85"))
     else:
         assert re.search(r"x \d+, DIN 6885", bought["parallel key"])
         assert bought["cam follower"].startswith("KR")

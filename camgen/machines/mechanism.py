@@ -17,11 +17,11 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from camgen.arguments import checked
 from camgen.errors import DesignError, Fault, SpecError
@@ -35,6 +35,7 @@ from camgen.machines.loads.applied import efforts
 from camgen.machines.loads.rubbing import with_friction
 from camgen.machines.loads.tables import LimitsTable, Weight
 from camgen.machines.loads.weights import Masses, with_gravity, with_masses
+from camgen.machines.metal import with_walls
 from camgen.machines.spec_files import with_tables
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, Cycle, Process, tips
@@ -71,6 +72,11 @@ class Mechanism(Spec, ABC):
     no_use: ClassVar[Sequence[tuple[str, str, str]]] = ()
 
     load: Weight | None = Field(default=None, description="loads on the machine")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_walls(cls, data: Any) -> Any:
+        return with_walls(data)
 
     def __repr__(self) -> str:
         """Its kind and name, and how to see more."""

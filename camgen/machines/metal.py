@@ -1,10 +1,10 @@
-"""Sizes of a metal cam or drum that its spec leaves open, by camgen's own rules: no standard has them."""
+"""Sizes of a metal cam or drum, and walls of all that is of metal, that its spec leaves open, by camgen's own rules: no standard has them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypeGuard
 
 from camgen.parts import materials
 from camgen.parts.catalogue import CAM_FOLLOWERS, DOWELS
@@ -16,6 +16,7 @@ _WALL = 1.0  # mm, least wall
 _CASES = 4.0  # depths of a hardened case: least wall, half of which stays tough
 _FACE = 0.6  # of the bore: least thickness
 _HUB = 1.8  # of the bore: diameter
+_END = 3.0  # mm, walls of a drum of any material
 _GROOVE = 0.05  # mm, by which a milled groove is wider than its roller
 _BACK = 0.5  # of the thickness: back plate of a groove; its dowels at least
 _LOOSE = 0.6  # mm, by which screws are loose in the rim
@@ -23,16 +24,41 @@ _RIM = 2.5  # dowels: width of a groove's rim
 _BESIDE = 0.7  # of a bore: from its axis to the wall beside its keyway
 
 
-def with_close_groove(data: Any) -> Any:
-    """A spec's tables of a drum with the width of a milled groove, where they leave it open and name a metal."""
+def with_walls(data: Any) -> Any:
+    """A spec's tables with the least wall of parts of metal, at least 1 mm and four depths of a hardened case, where they leave it
+    open and name a metal."""
+    if not isinstance(data, Mapping):
+        return data
+    material, limits = (data.get(key, {}) for key in ("material", "limits"))
+    if not (isinstance(material, Mapping) and isinstance(limits, Mapping)):
+        return data
+    name = material.get("name")
+    return (
+        {**data, "limits": {"min_wall": _least_wall(name), **limits}} if _is_metal(name) else data
+    )
+
+
+def _least_wall(metal: str) -> float:
+    """Least wall of a part, mm."""
+    return max(_WALL, _CASES * materials.of(metal).case)
+
+
+def of_drum(data: Any) -> Any:
+    """A spec's tables of a drum with the width of a milled groove and walls as thick as the least, where they leave them open and
+    name a metal."""
     if not isinstance(data, Mapping):
         return data
     material, fits = (data.get(key, {}) for key in ("material", "print"))
     if not (isinstance(material, Mapping) and isinstance(fits, Mapping)):
         return data
-    if not _is_metal(material.get("name")):
+    name = material.get("name")
+    if not _is_metal(name):
         return data
-    return {**data, "print": {"slide_clearance": _GROOVE, **fits}}
+    made = {**data, "print": {"slide_clearance": _GROOVE, **fits}}
+    parts = data.get("parts", {})
+    if _least_wall(name) <= _END or not isinstance(parts, Mapping):
+        return made
+    return {**made, "parts": {"wall": float(math.ceil(_least_wall(name))), **parts}}
 
 
 def filled(data: Any) -> Any:
@@ -42,7 +68,7 @@ def filled(data: Any) -> Any:
     base circle leaves a wall of half the bore about it. With a keyway a hub of 1.8 bores, so high that the key is as
     long as the bore is wide; none in a groove, or where the base circle has no room for it. A groove has a back of half the
     thickness, dowels as thick at least, as far as the base circle has room for them, and a rim of 2.5 dowels, or with such walls
-    beside them. Walls are at least 1 mm and four depths of a hardened case.
+    beside them.
     """
     if not isinstance(data, Mapping):
         return data
@@ -56,8 +82,7 @@ def filled(data: Any) -> Any:
     bore = parts.get("bore", CamParts.model_fields["bore"].default)
     if not isinstance(bore, int | float):
         return data
-    least_wall = max(_WALL, _CASES * materials.of(material["name"]).case)
-    allowed = {"min_wall": least_wall, **limits}
+    least_wall = limits.get("min_wall", _least_wall(material["name"]))
     grooved = geometry.get("closure") == "groove"
     least = CamParts.model_fields["thickness"].default
     thickness = max(least, float(math.ceil(_FACE * bore)), _ring(geometry, load))
@@ -76,15 +101,14 @@ def filled(data: Any) -> Any:
         given = parts.get("thickness", thickness)
         sizes |= _grooved(given, geometry.get("base_radius"), bore)
         pin = parts.get("pin_diameter", sizes["pin_diameter"])
-        wall = allowed["min_wall"]
-        if isinstance(pin, int | float) and isinstance(wall, int | float):
-            rim = float(math.ceil(max(_RIM * pin, pin + _LOOSE + 2 * wall)))
+        if isinstance(pin, int | float) and isinstance(least_wall, int | float):
+            rim = float(math.ceil(max(_RIM * pin, pin + _LOOSE + 2 * least_wall)))
             sizes["rim"] = max(CamParts.model_fields["rim"].default, rim)
-    made = {**data, "limits": allowed, "parts": {**sizes, **parts}}
+    made = {**data, "parts": {**sizes, **parts}}
     return {**made, "print": {"slide_clearance": _GROOVE, **fits}} if grooved else made
 
 
-def _is_metal(name: object) -> bool:
+def _is_metal(name: object) -> TypeGuard[str]:
     """Whether a material of the list is one."""
     return isinstance(name, str) and name in materials.MATERIALS and materials.of(name).metal
 

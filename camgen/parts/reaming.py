@@ -26,8 +26,11 @@ def opened_holes(copies: Sequence[StandingCopy], fixing: Fixing) -> dict[float, 
     }
 
 
-def with_reaming(table: Table, copies: Sequence[StandingCopy], fixing: Fixing) -> Table:
-    """The order of assembly, begun with the holes that are to be reamed and those that stay tight; as it is where there are none."""
+def with_reaming(
+    table: Table, copies: Sequence[StandingCopy], fixing: Fixing, metal: bool = False
+) -> Table:
+    """The order of assembly, begun with the holes that are to be reamed and those that stay tight; as it is where there are none.
+    metal: whether the parts are of it, and so is their glue."""
     opened = _holes(copies, fixing, _reamed)
     fixed = tight_holes(copies, copies, fixing)
     by_hand = {hole for step in table.steps for hole in step.hand_fits}
@@ -43,7 +46,8 @@ def with_reaming(table: Table, copies: Sequence[StandingCopy], fixing: Fixing) -
     said += [_BY_HAND + _ticks(_lines(fitted))] if fitted else []
     said += [_TIGHT + _ticks(_lines(tight))] if tight else []
     if fixed:
-        said += [f"{_GLUE}. {_SWING}" if lines else _GLUE]
+        with_glue = f"Glue with {glue(metal)}, a trace only"
+        said += [f"{with_glue}. {_SWING}" if lines else with_glue]
     what = "Holes in which something turns" if lines else "Holes in which something is fixed"
     where = "; ".join(lines or _lines(fixed))
     return begun(table, "\n".join(said), what, where, count if lines else "")
@@ -74,11 +78,17 @@ _TIGHT = (
     "These holes stay tight. In their step, press the part in with a vice. If it does not go in, scrape the hole, or turn a "
     "drill of this size in it by hand"
 )
-_GLUE = "Glue with superglue gel or two-part glue, a trace only"
 _SWING = (
     "First put a drop of oil into the joint beside it: that keeps the glue out. When a pin or cap keeps a link in place, tilt the "
     "machine. As long as its other end is free, the link must swing by its own weight"
 )
+
+
+def glue(metal: bool) -> str:
+    """What parts are glued with on shafts and pins."""
+    if metal:
+        return "anaerobic retaining compound for cylindrical joints of metal"
+    return "superglue gel or two-part glue"
 
 
 def _of(

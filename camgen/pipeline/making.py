@@ -22,6 +22,7 @@ from camgen.parts.assembly import cut_of_sheet, printed_parts
 from camgen.parts.catalogue import TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Part
+from camgen.parts.reaming import glue
 from camgen.pipeline.case import Case
 from camgen.pipeline.drawings import timing_facts, timing_of
 from camgen.pipeline.scope import machined
@@ -282,9 +283,8 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
     if any("glued" in note for part in parts for note in part.notes) and "glue" not in {
         thing.name for thing in things
     }:
-        things.append(
-            Bought("glue", "", "superglue gel or two-part glue, for all that is glued", 1)
-        )
+        kind = glue(materials.of(material).metal)
+        things.append(Bought("glue", "", f"{kind}, for all that is glued", 1))
     if mechanism.assembly.board and mechanism.assembly.support is None:
         own.append(Bought("board", "", "or a frame; the last step says how the plate is fixed", 1))
     groups = {

@@ -67,5 +67,6 @@ def steps_of_assembly(mechanism: Mechanism) -> Table:
     assembly = replace(mechanism.assembly, bought=bought_things(mechanism))
     copies, fixing = _standing(assembly)
     cut = with_cutting(order_of_assembly(assembly), assembly.parts)
-    reamed = with_reaming(cut, copies, fixing)
+    metal = materials.of(mechanism.material.name).metal
+    reamed = with_reaming(cut, copies, fixing, metal)
     return at_bench(with_sorting(reamed, assembly.parts, copies, fixing))

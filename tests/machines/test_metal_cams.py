@@ -282,6 +282,25 @@ def test_walls_of_metal_are_thicker_than_two_lines_of_a_print(material: str, lea
     assert walls and walls[-1].limit == pytest.approx(least) and walls[-1].ok
 
 
+@pytest.mark.parametrize("spec", ["cylinder-cam", "indexing-cam", "linkage", "uniform-swing"])
+def test_walls_of_all_machines_of_metal_are_alike(spec: str) -> None:
+    """The same rule as for a disc cam."""
+    file = STARTER.with_name(f"{spec}.toml")
+    bare = [] if spec == "linkage" else ["limits.min_wall="]  # the linkage's has none
+    for material, least in (("PLA", 0.8), ("C45", 1.0)):
+        made: Any = read_mechanism(file, [*bare, f"material.name={material}"])
+        assert made.allowed.min_wall == pytest.approx(least)
+
+
+def test_the_ends_of_a_hardened_drum_are_as_thick_as_its_walls() -> None:
+    """4 cases of 0.8 mm are 3.2, rounded up 4, where a drum of any material has 3."""
+    file = STARTER.with_name("cylinder-cam.toml")
+    for material, end in (("C45", 3.0), ("16MnCr5", 4.0)):
+        drum: Any = read_mechanism(file, ["limits.min_wall=", f"material.name={material}"])
+        assert drum.making.wall == end
+        assert end >= drum.allowed.min_wall
+
+
 def test_the_list_of_parts_has_the_key_of_each_keyway() -> None:
     """A bore of 20 in 16MnCr5 is 20 long, its key 6 x 6 [DIN 6885]; a pair has two, a plain bore none."""
 

@@ -61,7 +61,7 @@ from camgen.machines.loads.lift_off import bounce_figures, bounce_of
 from camgen.machines.loads.tables import thin_walls
 from camgen.machines.loads.weights import gravity
 from camgen.machines.mechanism import Mechanism, Remarks
-from camgen.machines.metal import bore_notes, with_close_groove
+from camgen.machines.metal import bore_notes, of_drum
 from camgen.machines.pairs import still_faults
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
@@ -123,7 +123,7 @@ class CylinderCam(Mechanism):
     @model_validator(mode="before")
     @classmethod
     def _of_metal(cls, data: Any) -> Any:
-        return with_close_groove(data)
+        return of_drum(data)
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

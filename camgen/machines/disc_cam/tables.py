@@ -126,11 +126,7 @@ class DiscCamLimits(CamLimitsTable):
         description="free play of the follower in a groove or between a pair of cams; 0.25 is a "
         "hundredth of a lift of 25, and the running play of printed parts",
     )
-    min_wall: MinWall = Field(
-        default=0.8,
-        description="least wall of every part: two lines of the nozzle; of a cam of metal 1, and at least 4 depths of a hardened "
-        "case, camgen's own rule",
-    )
+    min_wall: MinWall = 0.8
 
 
 class LoadTable(Weight):
