@@ -40,9 +40,7 @@ class Screw:
 
     def through(self, grip: float) -> float:
         """Shortest length that is sold and passes a grip and a nut, mm; 0 where all are shorter."""
-        return min(
-            (length for length in SCREW_LENGTHS if length >= grip + self.nut - 1e-9), default=0.0
-        )
+        return shortest_screw(grip + self.nut)
 
 
 @dataclass(frozen=True)
@@ -236,6 +234,12 @@ SCREWS = {
         Screw("M6", 6.6, 10.5, 3.3, "ISO 7380-1", 10.0, 5.2),
     )
 }
+
+
+def shortest_screw(length: float) -> float:
+    """Shortest length that is sold and not below this one, mm; 0 where all are shorter."""
+    return min((each for each in SCREW_LENGTHS if each >= length - 1e-9), default=0.0)
+
 
 HEAD_ROOM = 0.5  # mm, diametral room of a screw's head in its pocket
 # Core holes of coarse threads, mm [ISO 2306].

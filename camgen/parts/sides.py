@@ -31,7 +31,7 @@ from camgen.parts.assembly import (
     with_things,
 )
 from camgen.parts.catalogue import Bought
-from camgen.parts.generator.sizes import Parts
+from camgen.parts.generator.sizes import SIDE_SPACER, Parts
 from camgen.parts.part import Layer, Part, SizeNote
 from camgen.parts.standing import standing_copies
 from camgen.study import Doing, Later, Step, Table
@@ -174,12 +174,13 @@ def both_sides(near: Assembly, far: Assembly, mirror: Mirror, machine: Machine) 
 
     near: the one with what drives it; far: one like it, before it is reflected; machine: the model of both.
     """
-    further = [part for part in far.parts if part.name != mirror.shaft]
+    of_near = {mirror.shaft, SIDE_SPACER}
+    further = [part for part in far.parts if part.name not in of_near]
     images = [_image(part) for part in further]
     of_both = {each.name for each in images if _same(each, near.by_name.get(each.name))}
     module = Module(PREFIX, phase=mirror.phase, shared=frozenset({*of_both, mirror.shaft}))
     turned = frozenset(part.name for part in further if _turns_over(part))
-    mounts = [mount for mount in far.mounts if mount.part != mirror.shaft]
+    mounts = [mount for mount in far.mounts if mount.part not in of_near]
     alone = renamed(replace(far, parts=further, mounts=mounts), module)
     things = [
         replace(each, name=thing.name)
@@ -286,11 +287,17 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str])
         before[mount.part] += 1
     first = by_heights(near)
     second = by_heights(far, before)
+    screws = [
+        replace(each, at=())
+        for each in far.bought
+        if any(part.endswith(SIDE_SPACER) for part, _ in each.at)
+    ]
     last = (
         0,
         "both sides",
-        f"Second plate on {'spacers' if mirror.gap else 'second plate'}, glued: the shaft of both sides goes on into the far side",
-        f"pressed and glued on {mirror.shaft}, its flat in line: turn the far side's crank until it goes on. Then "
+        f"Second plate on {'spacers' if mirror.gap else 'second plate'}, {'screwed' if screws else 'glued'}: the shaft of both sides goes on into the far side",
+        f"{'pressed' if screws else 'pressed and glued'} on {mirror.shaft}, its flat in line: turn the far side's crank until "
+        "it goes on. Then "
         "move all slowly through its whole motion: no joint may be stiff",
         1,
         0.0,
@@ -307,25 +314,30 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str])
     run = "turn the shaft"
     if near.motor.reach is not None:
         run = f"{'join the wires of the batteries' if fed else 'hold the wires of a supply'} to the motor's and let it run"
-    backwards = "If it goes backwards, swap the motor's two wires. " if fed else ""
+    backwards = ". If it goes backwards, swap the motor's two wires" if fed else ""
     lower = "lower the far side" if fed else "turn the far side over and lower it"
     doings = [
-        Doing(f"{lower} on the {on}, without glue yet"),
+        Doing(f"{lower} on the {on}, without {'screws' if screws else 'glue'} yet"),
         Doing(f"{mirror.shaft} goes into {taker}; turn the far crank until the flat fits"),
-        Doing(
-            f"{run}, slowly through the whole motion: no joint may be stiff. {backwards}Then lift the far side off"
-        ),
-        Doing(
-            "put glue into ",
-            taker,
-            f" and on the {on}, none on the shaft: it turns in the far second plate",
-        ),
-        Doing(
-            "lower it again: press ",
-            f"{taker} on {mirror.shaft} and the far second plate on the {on}",
-        ),
+        Doing(f"{run}, slowly through the whole motion: no joint may be stiff{backwards}"),
     ]
+    if screws:
+        through = "screw it on the spacers through the far plate and its posts, tight crosswise"
+        doings.append(Doing(f"{through}. No glue: without these screws the far side comes off"))
+    else:
+        doings += [
+            Doing("lift the far side off"),
+            Doing(
+                "put glue into ",
+                taker,
+                f" and on the {on}, none on the shaft: it turns in the far second plate",
+            ),
+            Doing(
+                "lower it again: press ",
+                f"{taker} on {mirror.shaft} and the far second plate on the {on}",
+            ),
+        ]
     joining = (last, Step(doings, joins=f"{PREFIX} side", hand_fits=[hole]))
-    rows += [with_things(joining, coupled(near))]
+    rows += [with_things(joining, [*screws, *coupled(near)])]
     rows += [row for row in further if not row[1].shapes]
     return numbered(replace(first, title="Assembly, side by side"), rows)

@@ -87,7 +87,7 @@ def test_the_walkers_plates_stay_off_the_floor() -> None:
     for side in ("", "far_"):
         feet = [np.imag(run[f"{side}foot{k}"]) - sole for k in range(1, 5)]
         floor = np.min(feet, axis=0)
-        for name in ("ground", "second-plate", "far-ground", "far-second-plate"):
+        for name in ("ground", "second-plate", "far-ground"):
             outer = machine.assembly.by_name[name].region.outer
             edge = min(
                 float(np.min(np.imag(piece.at(np.linspace(piece.t0, piece.t1, 50)))))

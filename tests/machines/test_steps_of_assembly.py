@@ -734,8 +734,7 @@ def test_only_what_a_later_part_holds_is_fixed_by_it() -> None:
     own = [str(row[3]) for row in rows if row[2] == "Pin 2"]
     assert own and not any("loose" in where for where in own)
     hung = {str(row[3]) for row in rows if row[2] == "Pin 2 with cap-1"}
-    ends = ("second-plate", "far-second-plate")
-    assert hung == {f"loose until low3 joins it by B and {end} is glued on it by B" for end in ends}
+    assert hung == {"loose until low3 joins it by B and second-plate is glued on it by B"}
     (leg4, _) = (
         row[3] for row in order_of_assembly(leg.assembly).rows if "leg4 with" in str(row[2])
     )
@@ -764,7 +763,8 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     assert batteries == join - 1, "it runs on them in the next step"
     run = titles[join].index("Join the wires of the batteries to the motor's and let it run")
     assert "swap the motor's two wires" in titles[join]
-    assert titles[join].index("without glue yet") < run < titles[join].index("Put glue into")
+    assert titles[join].index("without screws yet") < run < titles[join].index("Screw it on")
+    assert "No glue: without these screws the far side comes off" in titles[join]
     (motor,) = (title for title in titles if "Hold the motor under the plate" in title)
     assert "Hold its wires to the batteries and let it run before you go on" in motor
     over = {mount.part: mount.z for mount in walker.assembly.mounts}
@@ -1021,11 +1021,11 @@ def test_a_step_that_forgets_what_is_bought_is_found(monkeypatch: pytest.MonkeyP
     walker = built("walker")
     whole = steps_of_assembly(walker)
     (holder,) = (k for k, row in enumerate(whole.rows) if row[1] == "battery holder")
-    (plate,) = (k for k, row in enumerate(whole.rows) if row[1] == "far-second-plate")
+    (spacer,) = (k for k, row in enumerate(whole.rows) if row[1] == "side-spacer")
     (motor,) = (k for k, row in enumerate(whole.rows) if row[1] == "motor")
     damaged = {
         holder: ["battery holder: 0 of 1"],
-        plate: ["screw of a post: 12 of 16"],
+        spacer: ["screw of a spacer: 4 of 8", "side-spacer: 0 of 4"],
         motor: ["drive: 0 of 1", "screw of the motor: 0 of 2", "nut of the motor: 0 of 2"],
     }
     for missing, said in damaged.items():

@@ -392,15 +392,41 @@ def test_sides_stand_as_far_apart_as_asked(machine: Linkage) -> None:
     posts = [each.at for each in near.mounts if each.part == "post"]
     assert spacer.thickness == 40 and spacer.count == len(mounts) == 4
     assert {each.at for each in mounts} == {*posts}
-    (plate,) = (each for each in far.mounts if each.part == "far-second-plate")
-    assert [each.z for each in mounts] == pytest.approx([plate.z - 40] * 4)
-    for part in ("far-ground", "far-second-plate"):
-        heights = [next(m.z for m in made.mounts if m.part == part) for made in (near, far)]
+    upper = max(each.z for each in far.mounts if each.part == "second-plate")
+    assert [each.z for each in mounts] == pytest.approx([upper - 40] * 4)
+    for name in ("ground", "second-plate"):
+        heights = [max(m.z for m in made.mounts if name in m.part) for made in (near, far)]
         assert np.diff(heights) == pytest.approx([40])
     shaft = "shaft-crank_web2"
     assert far.by_name[shaft].thickness == pytest.approx(near.by_name[shaft].thickness + 40)
     (last,) = (row for row in order_of_assembly(far).rows if row[1] == "both sides")
     assert "on spacers" in last[2]
+
+
+def test_sides_with_spacers_come_apart_without_their_screws(machine: Linkage) -> None:
+    """M3 [ISO 273: 3.4, ISO 2306: 2.5] goes through plate, post and second plate and cuts its thread in the spacer, 1.5 diameters
+    deep at least, from either side; where both would meet the spacers are glued. No screws hold a walker's plate from behind."""
+    made = walker({"side_gap": 40}).assembly
+    parts = made.by_name
+    bores = {name: parts[name].bore for name in ("post", "side-spacer")}
+    assert bores == {"post": 3.4, "side-spacer": 2.5}
+    (screw,) = (each for each in made.bought if each.name == "screw of a spacer")
+    assert screw.count == 8 and not any(each.name == "screw of a post" for each in made.bought)
+    post = next(each for each in made.mounts if each.part == "post")
+    grip = post.z + parts["post"].thickness + parts["second-plate"].thickness - 1.65 - 0.2
+    length = float(screw.size.split(",")[0].removeprefix("M3 x "))
+    assert 4.5 <= length - grip < 20
+    assert parts["second-plate"].count == 2 and len(parts["second-plate"].layers) == 1
+    glued = walker({"side_gap": 8}).assembly
+    assert glued.by_name["post"].bore == 2.5 and glued.by_name["side-spacer"].bore == 6.2
+    assert {each.name for each in glued.bought} >= {"screw of a post"}
+    holes = {
+        each: len(machine.assembly.by_name[each].drawn.region.holes)
+        for each in ("ground", "far-ground")
+    }
+    assert all(
+        "screws from behind" not in note for note in machine.assembly.by_name["ground"].notes
+    ), holes
 
 
 @pytest.mark.parametrize("parts", [{"sides": 1, "side_gap": 10}, {"side_gap": 0.5}])

@@ -361,7 +361,7 @@ class BenchSteps:
         yield self._act("crank", f"glued on the shaft, {flush}", said)
         over = "over the outer hole of the crank"
         yield self._act("knob", over, f"put the knob {over}, no glue", dry=True)
-        said = "put the pin through the knob and glue it into the crank, flush with its underside, no glue on the knob: it turns. "
+        said = "put the pin through the knob and glue it into the crank alone, flush with its underside: the knob turns. "
         said += "When the glue is hard turn the crank once round, slowly: nothing may be stiff"
         pin = self._act("knob-pin", "through the knob, glued into the crank", said)
         yield replace(pin, follows=True)

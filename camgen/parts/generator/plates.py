@@ -1,7 +1,8 @@
 """The ground as parts: the plate under level 1, and where asked for a second one over all levels, on posts.
 
 plate      hubs round its pivots, holes for two screws from behind, rails
-post       at a place that nothing sweeps; a screw from either side, heads sunk into the plates, cuts its thread in it
+post       at a place that nothing sweeps; a screw from either side, heads sunk into the plates, cuts its thread in it; of two sides
+           with spacers between them one screw goes through plates and post into the spacer
 second     hubs round what it holds: far ends of pins and shafts, pins that hang from it
 """
 
@@ -19,7 +20,7 @@ from camgen.errors import DesignError, listed
 from camgen.geometry.convex import distance
 from camgen.geometry.outlines import Contour, Points, circle, rectangle
 from camgen.machine.features import Mount
-from camgen.parts.catalogue import HEAD_ROOM, Bought
+from camgen.parts.catalogue import HEAD_ROOM, Bought, shortest_screw
 from camgen.parts.generator.connections import Sleeve
 from camgen.parts.generator.dowels import disc_dowels, dowel_holes, stud_holes
 from camgen.parts.generator.layout import GROUND, Layout
@@ -31,7 +32,7 @@ from camgen.parts.generator.second_plate import (
     in_first,
     sleeve_ends,
 )
-from camgen.parts.generator.sizes import SUNK, Parts
+from camgen.parts.generator.sizes import SIDE_SPACER, SUNK, Parts
 from camgen.parts.generator.troughs import rails
 from camgen.parts.hardware import plate, spacer
 from camgen.parts.level_rules import Axis, Thing, ways
@@ -44,6 +45,7 @@ _BEYOND = 40.0
 _MOST_STEPS = 250  # from the middle outwards; of a machine that is larger they are longer
 _AT_ONCE = 256  # places that are tried together
 _EVERY = 8  # samples of the motion: posts need no finer ones
+_ENGAGED = 1.5  # diameters of a screw in a spacer, at least
 _LEAST = 2.0  # posts' diameters between two of them
 
 
@@ -221,7 +223,7 @@ def _mount_screws(
     way = (b[0] - a[0]) / abs(b[0] - a[0]) if a[0] != b[0] else 1.0 + 0j
     for link in layout.drivers:
         _refuse_rails(layout, layout.shaft_of(link))
-    if layout.hangs:
+    if layout.hangs or s.sides == 2:  # it stands on its feet
         return []
     radius = head / 2
     screws = [a[0] - way * (a[1] + radius), b[0] + way * (b[1] + radius)]
@@ -338,18 +340,30 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     yield _second_plate(layout), Mount(SECOND, GROUND, z=ceiling)
     core = s.mount_diameter
     least = layout.min_wall
-    post = spacer("post", "Post", core, 2 * post_radius(s), ceiling - floor, least)
-    post = replace(
-        post, notes=(*post.notes, HoldingNote("screw each on from below, through the plate"))
+    joined = _side_screw(layout) > 0
+    bore = _through(s) if joined else core
+    post = spacer("post", "Post", bore, 2 * post_radius(s), ceiling - floor, least)
+    held = (
+        "glue each on the plate, over the hole of its screw"
+        if joined
+        else "screw each on from below, through the plate"
     )
+    post = replace(post, notes=(*post.notes, HoldingNote(held)))
     yield from ((post, Mount("post", GROUND, z, z=floor)) for z in layout.second.columns)
     if s.side_gap:
         wide = 2 * max(wide for _, wide in _posts(layout)[0])
         between = spacer(
-            "side-spacer", "Spacer between both sides", _head(s), wide, s.side_gap, least
+            SIDE_SPACER,
+            "Spacer between both sides",
+            core if joined else _head(s),
+            wide,
+            s.side_gap,
+            least,
         )
-        glued = HoldingNote("glue each on the second plate, round a post's screw")
-        between = replace(between, notes=(*between.notes, glued))
+        held = "glue each on the second plate, round a post's screw"
+        if joined:
+            held = "screw each on from below, through plate, post and second plate"
+        between = replace(between, notes=(*between.notes, HoldingNote(held)))
         yield from (
             (between, Mount(between.name, GROUND, z, z=ceiling + floor))
             for z in layout.second.columns
@@ -389,6 +403,9 @@ def _second_plate(layout: Layout) -> Part:
     depth = _depth(s)
     holes |= through | under
     heights = [(0.0, floor - depth, {}), (floor - depth, floor, sunk)]
+    joined = _side_screw(layout) > 0
+    if joined:  # no heads: the screws go on into spacers
+        heights = [(0.0, floor, {})]
     if below:
         heights = [(0.0, depth, below), (depth, floor - depth, {}), (floor - depth, floor, sunk)]
     try:
@@ -401,14 +418,17 @@ def _second_plate(layout: Layout) -> Part:
     layers += tuple(Layer(layer.region, floor + layer.z0, floor + layer.z1) for layer in raised)
     hanging = _hanging(layout, points)
     notes = [f"pins pressed in tight, heads down: {', '.join(hanging)}"] if hanging else []
+    held = f"screw it on {len(posts)} posts, over all, tight crosswise"
+    if joined:
+        held = f"lay it on {len(posts)} posts, over all"
     return Part(
         SECOND,
         "Second plate",
         layers,
-        drawn_layer=len(heights) - 2,
+        drawn_layer=max(0, len(heights) - 2),
         centres=tuple(points.values()),
         min_wall=layout.min_wall,
-        notes=(HoldingNote(f"screw it on {len(posts)} posts, over all, tight crosswise"), *notes),
+        notes=(HoldingNote(held), *notes),
         points=tuple(points.items()),
     )
 
@@ -457,23 +477,39 @@ def bought(layout: Layout) -> list[Bought]:
     screw = s.post_screw
     if layout.second is None or screw is None:
         return []
+    columns = len(layout.second.columns)
+    core = f"into core holes of {s.mount_diameter:g}"
+    key = "parts.mount_diameter"
+    if long := _side_screw(layout):
+        size = f"{screw.thread} x {long:g}, {core}"
+        into = ((SIDE_SPACER, 1),)
+        return [Bought("screw of a spacer", "ISO 4762", size, columns, at=into, key=key)]
     length = screw.length(
         s.base_thickness - _depth(s), (ceiling_height(layout) - s.base_thickness) / 2
     )
-    size = f"{screw.thread} x {length:g}, into core holes of {s.mount_diameter:g}"
+    size = f"{screw.thread} x {length:g}, {core}"
     further = {f"post-{each.name}": each for each in layout.stands if each.merged is None}
     stands = sum(len(each.places) for each in further.values())
-    columns = len(layout.second.columns)
     on_posts = tuple((name, 1) for name in further)
     at = (("post", 1), (SECOND, columns), *on_posts)
     count = 2 * columns + stands
-    screws = Bought(
-        "screw of a post", screw.standard, size, count, at=at, key="parts.mount_diameter"
-    )
+    screws = Bought("screw of a post", screw.standard, size, count, at=at, key=key)
     if not stands:
         return [screws]
     stud = "stud of a post, half of it in the frame on it"
     return [screws, Bought(stud, "ISO 4026", f"{screw.thread} x 8", stands, at=on_posts)]
+
+
+def _side_screw(layout: Layout) -> float:
+    """Length of the screws through plate, post and second plate into a spacer between both sides, mm; 0 where there is no spacer,
+    or none such is sold that meets none from the other side."""
+    s = layout.sizes
+    screw = s.post_screw
+    if not s.side_gap or screw is None:
+        return 0.0
+    grip = ceiling_height(layout) + s.base_thickness - _depth(s)
+    length = shortest_screw(grip + _ENGAGED * screw.nominal)
+    return length if length - grip < s.side_gap / 2 else 0.0
 
 
 def steps(layout: Layout) -> list[str]:
@@ -502,7 +538,10 @@ def steps(layout: Layout) -> list[str]:
         places = [f"{', '.join(points)} find their holes"] if points else []
         places += [f"pin {point} its slot" for point in channels_in(layout, True)]
         so = f", so that {' and '.join(places)}," if places else ""
-        sentences.append(f"Lay it on the posts{so} and draw the screws tight crosswise.")
+        drawn = (
+            " and draw the screws of the spacers" if _side_screw(layout) else " and draw the screws"
+        )
+        sentences.append(f"Lay it on the posts{so}{drawn} tight crosswise.")
         steps.append(" ".join(sentences))
     return steps
 
@@ -534,6 +573,13 @@ def _depth(sizes: Parts) -> float:
     screw = sizes.post_screw
     assert screw is not None, "a fault of the spec"
     return screw.height + SUNK
+
+
+def _through(sizes: Parts) -> float:
+    """Diameter of a hole through which the same screws go, mm."""
+    screw = sizes.post_screw
+    assert screw is not None, "a fault of the spec"
+    return screw.clearance
 
 
 def _head(sizes: Parts) -> float:

@@ -28,6 +28,7 @@ from camgen.parts.part import SizeNote
 from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Coordinate, Distance, Length, Record, quantity, text_of_form, unknown
 
+SIDE_SPACER = "side-spacer"  # between both sides of a machine
 SUNK = 0.2  # mm, by which a screw's head lies below the surface
 HOOK_ROOM = 0.5  # mm, from what holds the eye of a spring to its coils
 
@@ -335,7 +336,6 @@ class Parts(Record):
             "can": None,
             "set_screw": "none",
             "hand_crank": 0.0,
-            "side_gap": 0.0,
         }
         return self.model_copy(update={**none, "shaft_length": least})
 
