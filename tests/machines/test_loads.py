@@ -560,11 +560,13 @@ def test_springs_of_the_bench_and_to_be_wound() -> None:
         "SPRING_STRESS", "disc-cam", "load={mass_kg=0.5}", "spring={rate=0.4, preload=10}"
     )
     assert stress.ok and "to be wound" in str(stress.where)
+    load = "load={mass_kg=0.5}"
     lasting, tired = (
-        found("SPRING_FATIGUE", "disc-cam", "load={mass_kg=0.5}", f"spring={{{spring}}}")
+        found("SPRING_FATIGUE", "disc-cam", load, f"spring={{{spring}}}", "material.name='C45'")
         for spring in ("rate=0.4, preload=10", "rate=100, preload=10")
     )
     assert lasting[0].ok and not tired[0].ok  # 1.2 kN more at every turn
+    assert not found("SPRING_FATIGUE", "disc-cam", load, "spring={rate=100, preload=10}")
     forced = ("geometry.closure='force'", "spring={preload=0.2, rate=0.1}", *MOVED[1:])
     swing = judged("uniform-swing", *forced)
     assert {each.code for each in swing.findings} >= {"SPRING_STRESS", "SURGE"}

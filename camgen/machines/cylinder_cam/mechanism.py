@@ -603,7 +603,7 @@ class CylinderCam(Mechanism):
             slides = not self.geometry.follower.swings
             air += [
                 lift_off(self._loaded, load, slides, self._bounce),
-                *reserve(self._loaded, self._pulled, self.allowed.spring_reserve),
+                *reserve(self._loaded, self._pulled, self.allowed.reserve(self.material.name)),
             ]
         if isinstance(self._hertz, Finding):
             air.append(self._hertz)

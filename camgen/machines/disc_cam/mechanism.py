@@ -458,7 +458,7 @@ class DiscCamDrive(CamTables):
             load = self._load or FollowerLoad()
             findings += [
                 lift_off(self._loaded, load, slides, self._bounce),
-                *reserve(self._loaded, self._pulled, self.allowed.spring_reserve),
+                *reserve(self._loaded, self._pulled, self.allowed.reserve(self.material.name)),
             ]
         return findings
 

@@ -337,7 +337,7 @@ class LinearCamDrive(Mechanism):
             return []
         slides = not self.geometry.follower.swings
         pressed = [self._hertz] if isinstance(self._hertz, Finding) else []
-        left = reserve(self._loaded, self._pulled, self.allowed.spring_reserve)
+        left = reserve(self._loaded, self._pulled, self.allowed.reserve(self.material.name))
         return [lift_off(self._loaded, self._load, slides, None), *left, *pressed]
 
     def _unjudged(self) -> Sequence[NotJudged]:

@@ -367,7 +367,7 @@ class Linkage(LinkageSpec):
         bounces = restitution_of(self.load)
         angle = self.angle_name(True)
         found = lift_off(self._pulled, cams, kicks, theta, angle, bounces)
-        left = reserves(self._pulled, cams, theta, angle, self.allowed.spring_reserve)
+        left = reserves(self._pulled, cams, theta, angle, self.allowed.reserve(self.material.name))
         unit = self.cycle.unit
         told = [
             replace(each, where=replace(each.where, unit=unit)) for each in (*found.findings, *left)

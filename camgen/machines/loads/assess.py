@@ -24,6 +24,7 @@ from camgen.machines.loads.running import running
 from camgen.machines.loads.tables import Drives
 from camgen.machines.loads.weights import Masses
 from camgen.numerics import Floats, peak
+from camgen.parts import materials
 from camgen.parts.assembly import Assembly
 from camgen.parts.springs import WIRES
 from camgen.study import Figure, Figures, Study, Table, together
@@ -145,7 +146,11 @@ class _AtWork:
             *self._driven(),
             follower.elastic(run, load, limits_of),
             follower.motion_limits(run, limits_of),
-            follower.springs(self.assembly.springs, self.machine.speed),
+            follower.springs(
+                self.assembly.springs,
+                self.machine.speed,
+                materials.of(self.mechanism.material.name).metal,
+            ),
         ]
 
     def study(self, checks: Sequence[LoadCheck]) -> Study:

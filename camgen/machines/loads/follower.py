@@ -266,8 +266,9 @@ def _laws(program: Program | None, model: Elastic, speed: float) -> list[Table]:
     return [Table(title, ("law", "vibration left, % of the lift", ""), rows)]
 
 
-def springs(mounted: Mapping[str, WorkingSpring], speed: float) -> LoadCheck:
-    """SPRING_STRESS and SPRING_FATIGUE of each spring, SURGE of what holds a follower on its cam; by their names; speed: rad/s."""
+def springs(mounted: Mapping[str, WorkingSpring], speed: float, lasting: bool) -> LoadCheck:
+    """SPRING_STRESS of each spring, SURGE of what holds a follower on its cam, and SPRING_FATIGUE of a machine that is to last for
+    ever, which a printed one does not; by their names; speed: rad/s."""
     check = LoadCheck()
     names = set[str]()
     turns = abs(speed) / math.tau
@@ -281,14 +282,15 @@ def springs(mounted: Mapping[str, WorkingSpring], speed: float) -> LoadCheck:
         size = f"wire {spring.wire:g}, {coils}, free length {spring.free:.4g} mm, {'pressed' if pressed else 'stretched'} to {each.tightest:.4g} mm"
         where = Where(name)
         check.findings.append(at_most("SPRING_STRESS", stress, spring.strength, "MPa", where, size))
-        swing = spring.fatigue(each.shortest, each.longest)
-        said = (
-            f"stress of its {swing.place} swings from {swing.low:.0f} to {swing.high:.0f} MPa; the limit is the amplitude that "
-            "unpeened wire bears at this mean for ten million turns and more (Goodman)"
-        )
-        check.findings.append(
-            at_most("SPRING_FATIGUE", swing.amplitude, swing.limit, "MPa", where, said)
-        )
+        if lasting:
+            swing = spring.fatigue(each.shortest, each.longest)
+            said = (
+                f"stress of its {swing.place} swings from {swing.low:.0f} to {swing.high:.0f} MPa; the limit is the amplitude "
+                "that unpeened wire bears at this mean for ten million turns and more (Goodman)"
+            )
+            check.findings.append(
+                at_most("SPRING_FATIGUE", swing.amplitude, swing.limit, "MPa", where, said)
+            )
         if each.on_cam:
             remark = (
                 f"its own coils swing {surge / turns:.4g} times a turn; from {_SURGE:g} on no strong harmonic reaches "

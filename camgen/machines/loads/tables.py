@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from camgen.errors import Fault
 from camgen.machine.cams.limits import RESERVE, CamLimits, MotionLimits
 from camgen.machines.loads.applied import Applied
+from camgen.parts import materials
 from camgen.parts.journals import DriveLimits, MaterialLimits
 from camgen.spec import Angle, Coordinate, Length, Record, quantity
 
@@ -242,11 +243,16 @@ class CamLimitsTable(LimitsTable):
         description="least ratio of a follower's natural frequency (load.stiffness) to the turns of its "
         "cam, such as 10; not judged unless given",
     )
-    spring_reserve: Annotated[float, quantity("1", ge=0, lt=1)] = Field(
-        default=RESERVE,
-        description="least share of a spring's force that is left to press a follower on its cam; 0.17: the spring pulls 1.2 "
-        "times what would lift it off",
+    spring_reserve: Annotated[float, quantity("1", ge=0, lt=1)] | None = Field(
+        default=None,
+        description="least share of a spring's force that is left to press a follower on its cam; unless given 0, in metal 0.17: "
+        "the spring pulls 1.2 times what would lift it off",
     )
+
+    def reserve(self, material: str) -> float:
+        """The least share of a spring's force that is left, of a machine of a material."""
+        usual = RESERVE if materials.of(material).metal else 0.0
+        return usual if self.spring_reserve is None else self.spring_reserve
 
     @property
     def of_motion(self) -> MotionLimits:

@@ -293,7 +293,7 @@ class UniformSwing(Mechanism):
         lever = None if self.sizes.pair else self.spring.lever
         found = loaded(self._pulled, self.cam, self._load, turn)
         bounce = None if lever is None else bounce_of(self._pulled, found, self.load)
-        least = self.allowed.spring_reserve
+        least = self.allowed.reserve(self.material.name)
         left = [] if lever is None else reserve(found, self._pulled, least)
         return SwingForces(found, self._load, lever, bounce, left)
 

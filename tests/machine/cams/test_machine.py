@@ -123,18 +123,23 @@ def test_published_spring_case() -> None:
 
 def test_a_spring_keeps_a_reserve_on_its_cam() -> None:
     """A spring of one force all over the turn: twice what inertia asks for leaves half of it where inertia takes most, 1.25 times
-    a fifth, and 1.1 times less than the usual 1 - 1 / 1.2; beyond that the follower leaves, which LIFT_OFF says."""
+    a fifth, and 1.1 times less than 1 - 1 / 1.2, which is asked of metal; beyond that the follower leaves, which LIFT_OFF says."""
     spring = {"rate": 0.0, "preload": 1.0}
     made = published({"shape": "flat"}, spring=spring)
     needed = made.study().numbers["spring_preload_needed_n"]
 
-    def left(share: float) -> list[tuple[float, bool]]:
-        held = published({"shape": "flat"}, spring={**spring, "preload": share * needed})
+    def left(share: float, **tables: Any) -> list[tuple[float, bool]]:
+        preload = {**spring, "preload": share * needed}
+        held = published({"shape": "flat"}, spring=preload, **tables)
         return [(round(f.measured, 3), f.ok) for f in held.limits() if f.code == "SPRING_RESERVE"]
 
-    assert left(2) == [(0.5, True)]
-    assert left(1.25) == [(0.2, True)]
-    assert left(1.1) == [(pytest.approx(1 - 1 / 1.1, abs=1e-3), False)]
+    metal = {"material": {"name": "C45"}}
+    little = pytest.approx(1 - 1 / 1.1, abs=1e-3)
+    assert left(2, **metal) == [(0.5, True)]
+    assert left(1.25, **metal) == [(0.2, True)]
+    assert left(1.1, **metal) == [(little, False)]
+    assert left(1.1) == [(little, True)]
+    assert left(1.1, limits={"spring_reserve": 0.17}) == [(little, False)]
     assert left(0.9) == []
 
 
