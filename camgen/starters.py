@@ -66,7 +66,6 @@ def named(text: str, name: str) -> str:
 
 # What makes a starter one to be cut of steel: a bore with its key, a roller that is sold, pins and shafts of steel.
 _ROLLER = ("load.mass_kg=0.5", "load.cam_follower=KR16", "motor.model=SGMAH-01AJC")
-_WALL = "limits.min_wall=1"
 _SHAFTS = (
     "material.name=C45",
     "parts.thickness=6",
@@ -80,11 +79,9 @@ METAL = {
         "geometry.follower.radius=8",
         "parts.bore=20",
         "parts.bore_shape=keyway",
-        "parts.hub_diameter=36",
-        "parts.hub_height=8",
+        "parts.set_screw=M5",
         "spring.rate=1",
         "spring.preload=15",
-        _WALL,
         *_ROLLER,
     ),
     "cylinder-cam": (
@@ -93,7 +90,6 @@ METAL = {
         "geometry.roller.length=11",
         "parts.bore=20",
         "parts.bore_shape=keyway",
-        _WALL,
         *_ROLLER,
     ),
     "indexing-cam": (
@@ -101,7 +97,6 @@ METAL = {
         "geometry.follower.roller_radius=9.5",
         "load.cam_follower=KR19",
         "parts.thickness=12",
-        _WALL,
     ),
     "geneva-table": (*_SHAFTS, "parts.pin=dowel"),
     "linkage": (*_SHAFTS, "parts.pin=bearing"),
@@ -112,6 +107,9 @@ _OF_PRINTS = {
     ": two lines of the nozzle": "",
     "show their defaults": "show the defaults of prints (metal has its own)",
     "\nnozzle = 0.4  ": "\n# nozzle = 0.4",
+    "\nhub_diameter = 16  ": "\n# hub_diameter = 16",
+    "\nhub_height = 6  ": "\n# hub_height = 6",
+    "\nmin_wall = 0.8  ": "\n# min_wall = 0.8",
 }
 
 _WIDE = 110  # characters of a line

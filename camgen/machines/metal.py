@@ -150,9 +150,12 @@ def bore_notes(bore: ShaftBore, material: str) -> list[str]:
     """A sentence on a bore in metal that turns nothing, slides on its key, or that no drill, reamer and broach makes."""
     if not materials.of(material).metal:
         return []
+    if getattr(bore, "key_screw", None) is not None:
+        return []
     if bore.bore_shape == "keyway":
+        screw = " or parts.set_screw" if isinstance(bore, CamParts) else ""
         return [
-            "Nothing keeps it from sliding along its shaft and key: a shoulder, a ring or a set screw over the key is yours."
+            f"Nothing keeps it from sliding along its shaft and key: a shoulder or a ring on the shaft{screw}."
         ]
     if bore.bore_shape == "plain":
         return [

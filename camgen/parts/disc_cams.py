@@ -18,7 +18,7 @@ from camgen.numerics import magnitude
 from camgen.parts.catalogue import CORE_HOLES, SCREWS, Screw
 from camgen.parts.keyways import RANGE, keyway
 from camgen.parts.part import Layer, Part, d_bore, keyed_bore
-from camgen.parts.set_screws import SetScrewHub
+from camgen.parts.set_screws import KeyScrew, SetScrewHub
 from camgen.spec import Length, Record, quantity
 from camgen.vocabulary import OldWords
 
@@ -149,8 +149,9 @@ class CamParts(ShaftHole):
     )
     set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = Field(
         default="none",
-        description='"none"; or "M2" to "M5": in the hub, with its nut, on the flat if there is one;\nin '
-        "a machine in a collar on its motor's shaft, so that nothing slides off",
+        description='"none"; or "M2" to "M5": in the hub, with its nut, on the flat if there is one; of metal with a keyway in a\n'
+        "thread over the key, so that nothing slides along the shaft; in "
+        "a machine in a collar on its motor's shaft",
     )
     pin_diameter: Length = Field(
         default=3.0,
@@ -174,19 +175,40 @@ class CamParts(ShaftHole):
         return max(thin, key=lambda each: each.nominal, default=None)
 
     def hub(self, min_wall: float) -> SetScrewHub | None:
-        """The hub with its set screw; None where it has none."""
-        if self.set_screw == "none":
+        """The hub with its set screw and nut; None where it has none."""
+        if self.set_screw == "none" or self.bore_shape == "keyway":
             return None
         flat = self.flat_depth if self.bore_shape == "d-flat" else 0.0
         return SetScrewHub(self.set_screw, self.bore, flat, min_wall, min_wall)
+
+    @property
+    def key_screw(self) -> KeyScrew | None:
+        """The set screw on its key; None where it has none."""
+        if self.set_screw == "none" or self.bore_shape != "keyway":
+            return None
+        return KeyScrew(self.set_screw, self.hub_diameter / 2 - self.bore / 2 - self.key_depth)
+
+    def notes(self) -> tuple[str, ...]:
+        """What the drawing says of the hole and its set screw."""
+        screw = self.key_screw
+        if screw is None:
+            return super().notes()
+        height = self.thickness + self.hub_height / 2
+        thread = f"thread {screw.thread} through the hub into the keyway, square to hole A, {height:g} over the lower face"
+        return (*super().notes(), thread)
 
     def misfits(self) -> list[Fault]:
         """Keys that are no match for the bore, a hub that its set screw does not fit."""
         faults = super().misfits()
         hub = self.hub(0.8)
-        if hub is not None and self.bore_shape == "keyway":
-            expected = 'nothing here: it would be perpendicular to the key; parts.bore_shape = "d-flat" or "plain" has a set screw'
-            faults.append(Fault(("parts", "set_screw"), repr(self.set_screw), expected))
+        screw = self.key_screw
+        if screw is not None and self.hub_height < screw.least_height:
+            expected = f"at least {screw.least_height:g} mm: its set screw turns in it"
+            faults.append(Fault(("parts", "hub_height"), f"{self.hub_height:g}", expected))
+        elif screw is not None and screw.wall < screw.least_wall:
+            least = self.hub_diameter + 2 * (screw.least_wall - screw.wall)
+            expected = f"at least {least:.4g} mm: over the key the thread of its set screw takes {screw.least_wall:g}"
+            faults.append(Fault(("parts", "hub_diameter"), f"{self.hub_diameter:g}", expected))
         elif hub is not None and self.hub_height < hub.height:
             expected = f"at least {hub.height:.4g} mm: its nut stands in it"
             faults.append(Fault(("parts", "hub_height"), f"{self.hub_height:g}", expected))

@@ -11,6 +11,8 @@ How it holds: the screw is turned until the nut presses on its wall as hard as t
 times HOLDS is what keeps the hub from sliding, along the shaft and round it. [axial holding power of cup points on steel:
 ficientdesign.com/set-screw-torque-chart, 50 lb of #4 by 5.2 lb in, 400 lb of 1/4 in by 87 lb in, which are 0.22 and 0.26 of the
 screw's force T / (0.2 d); holding power grows with the seating torque: Unbrako, socket set screws]
+
+In a hub of metal with a keyway the screw turns in a thread of the hub and presses on the key, which turns the hub.
 """
 
 from __future__ import annotations
@@ -24,10 +26,43 @@ from camgen.geometry.outlines import Arc, Contour, Line, Piece, Region, circle, 
 from camgen.parts.catalogue import SCREWS, Bought, Screw, nut
 from camgen.parts.part import HoldingNote, Layer, Part, d_bore
 
+_ON_KEY = 220.0  # N along the shaft, of a screw from M3 on: the 50 lb of #4, which is thinner
+_GRIP = 1.0  # diameters of thread in the wall over the key
+_ABOUT = 1.5  # diameters: least height of a hub of metal
 HOLDS = 0.2  # of the screw's force, as friction of its point on the shaft
 TURNED = 0.2  # torque over force times diameter of a dry screw, as the source above counts
 _ROOM = 0.2  # mm, of the pocket round its nut
 _LENGTHS = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0)  # of set screws in shops, mm
+
+
+@dataclass(frozen=True)
+class KeyScrew:
+    """A set screw in a hub of metal, on its key: it keeps the hub from sliding; wall: from the keyway's floor to the hub's edge,
+    mm."""
+
+    thread: str
+    wall: float
+
+    @property
+    def least_wall(self) -> float:
+        """In which its thread holds, mm."""
+        return _GRIP * SCREWS[self.thread].nominal
+
+    @property
+    def least_height(self) -> float:
+        """Of its hub, mm."""
+        return _ABOUT * SCREWS[self.thread].nominal
+
+    def bought(self, part: str) -> Bought:
+        """Its row in the parts list; it ends within the hub where such a length is sold."""
+        length = max((each for each in _LENGTHS if each <= self.wall), default=_LENGTHS[0])
+        holds = (
+            f", holds some {_ON_KEY:g} N along the shaft"
+            if SCREWS[self.thread].nominal >= 3
+            else ""
+        )
+        size = f"{self.thread} x {length:g}, flat point, on the key{holds}"
+        return Bought("set screw of the hub", "ISO 4026", size, 1, at=((part, 1),))
 
 
 @dataclass(frozen=True)

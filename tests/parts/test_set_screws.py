@@ -107,6 +107,39 @@ def test_faults_of_a_set_screw() -> None:
         assert path in [fault.key for fault in caught.value.faults]
 
 
+KEYED = (
+    "material.name=C45",
+    "geometry.base_radius=32",
+    "parts.bore=20",
+    "parts.bore_shape=keyway",
+    "parts.set_screw=M5",
+)
+
+
+def test_a_set_screw_on_a_key_is_listed_drawn_and_keeps_a_cam_of_metal() -> None:
+    """A hub of 36 has 5.2 mm over the keyway of 20 (2.8 deep, DIN 6885): a thread M5 of one diameter, and a screw of 5 within it."""
+    bare = "parts.hub_diameter=", "parts.hub_height="
+    made = read_mechanism(SPECS / "disc-cam.toml", [*KEYED, *bare])
+    (row,) = [each for each in made.assembly.bought if each.name == "set screw of the hub"]
+    assert row.size.startswith("M5 x 5, flat point, on the key")
+    (cam,) = made.assembly.parts
+    assert (
+        "thread M5 through the hub into the keyway, square to hole A, 16 over the lower face"
+        in (cam.notes)
+    )
+    assert not any("sliding along" in each for each in made.remarks().warnings)
+    loose = read_mechanism(SPECS / "disc-cam.toml", [*KEYED[:-1], *bare])
+    assert any("parts.set_screw" in each for each in loose.remarks().warnings)
+    for settings, path in (
+        (("parts.hub_height=7",), "parts.hub_height"),
+        (("parts.hub_height=8", "parts.hub_diameter=35"), "parts.hub_diameter"),
+        (("parts.hub_height=8", "parts.hub_diameter=36", "material.name=PLA"), "parts.set_screw"),
+    ):
+        with pytest.raises(SpecError) as caught:
+            read_mechanism(SPECS / "disc-cam.toml", [*KEYED, *settings])
+        assert [fault.key for fault in caught.value.faults] == [path]
+
+
 def test_a_collar_stands_in_parts_list_steps_reach_and_sweep() -> None:
     made, without = (
         read_mechanism(SPECS / "disc-cam.toml", settings) for settings in (MOTOR, MOTOR[:-1])

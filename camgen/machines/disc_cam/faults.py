@@ -11,6 +11,7 @@ from camgen.machines.disc_cam.tables import (
     FollowerTable,
 )
 from camgen.machines.linkage import sheets
+from camgen.parts import materials
 from camgen.parts.catalogue import CAM_FOLLOWERS
 from camgen.parts.generator.sizes import contour_faults
 from camgen.tolerances import SAME_POINT
@@ -76,6 +77,16 @@ def closure_faults(geometry: DiscCamGeometry, make: str) -> Iterator[Fault]:
     if closure == "groove":
         right = f'"force" or "conjugate": {sheets.NO_BACK}'
         yield Fault(place, f"{closure!r} {beside}", right)
+
+
+def key_screw_faults(p: DiscCamParts, material: str) -> Iterator[Fault]:
+    """A set screw on a key of what is printed, in which no thread holds."""
+    if p.key_screw is not None and not materials.of(material).metal:
+        right = (
+            f'nothing here: on a key its thread is cut in metal, not in {material}; parts.bore_shape = "d-flat" or "plain" has one '
+            "with its nut"
+        )
+        yield Fault(("parts", "set_screw"), repr(p.set_screw), right)
 
 
 def hub_faults(p: DiscCamParts, closure: str, wall: float) -> Iterator[Fault]:

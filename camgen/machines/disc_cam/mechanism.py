@@ -56,6 +56,7 @@ from camgen.machines.disc_cam.faults import (
     closure_faults,
     follower_faults,
     hub_faults,
+    key_screw_faults,
 )
 from camgen.machines.disc_cam.followers import drawn, standing_on
 from camgen.machines.disc_cam.tables import (
@@ -122,6 +123,7 @@ class DiscCamDrive(CamTables):
         least = self.allowed.min_wall
         if not self.standing:
             found += hub_faults(self.making, g.closure, least)
+            found += key_screw_faults(self.making, self.material.name)
         found += thin_walls(least, self.print.nozzle)
         try:
             self._given  # noqa: B018
@@ -369,6 +371,8 @@ class DiscCamDrive(CamTables):
         hub = self.making.hub(self.allowed.min_wall)
         name = alone.plates[0].name
         screw = [] if hub is None else hub.bought(self.making.hub_diameter / 2, name)
+        on_key = self.making.key_screw
+        screw += [] if on_key is None else [on_key.bought(name)]
         return replace(
             made,
             springs=spring,
