@@ -72,6 +72,16 @@ def shaft_twist(torque: Any, diameter: float) -> Any:
     return 16 * np.abs(torque) / (math.pi * diameter**3)
 
 
+def flat_pressure(torque: Any, diameter: float, depth: float, length: float) -> Any:
+    """Greatest pressure of a shaft's flat on its hub, MPa, under a torque in N mm: at the edge of the half that bears.
+
+    depth: of the flat; length: of the hub, mm. Pressure is taken to grow evenly from the middle of the flat, as of a stiff shaft
+    in an elastic hub, and what the round side bears has no lever: 3 T / (length half^2), half the flat's width [statics].
+    """
+    half = math.sqrt(depth * (diameter - depth))
+    return 3 * np.abs(torque) / (length * half**2)
+
+
 @dataclass(frozen=True)
 class Sliding:
     """A plain bearing over its motion, (n,) each: pressure, MPa, sliding speed, m/s, and friction's heat, W."""

@@ -95,6 +95,16 @@ class Frame:
 
 
 @dataclass(frozen=True)
+class FlatSeat:
+    """A printed part on the shaft that drives, which turns it by a flat; mm."""
+
+    part: str
+    diameter: float
+    depth: float  # of the flat
+    length: float  # of the bore
+
+
+@dataclass(frozen=True)
 class MotorSeat:
     """Where a motor or a hand drives the machine."""
 
@@ -103,6 +113,7 @@ class MotorSeat:
     hub: SetScrewHub | None = None  # that a set screw holds on its shaft
     crank: float = 0.0  # mm, from the shaft to the knob of the hand crank; 0: none
     shaft: float = 0.0  # diameter of the motor's, mm
+    flat: FlatSeat | None = None  # of the printed part that a flat turns
 
 
 @dataclass(frozen=True)

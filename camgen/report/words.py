@@ -22,6 +22,7 @@ NAMES = {
     "canvas share {of}": "canvas within 10 %, {of} collector",
     "mass": "mass of what is made",
     "print time": "time to print all",
+    "flat pressure": "pressure of the shaft's flat in its bore, greatest",
     "print time stand": "time to print the stand alone",
     "print infill": "share of the volume in mass and time to print, material.infill",
     "index": "indexing",

@@ -151,3 +151,17 @@ def test_flywheel_of_an_engine() -> None:
 def test_a_sine_of_torque_swings_by_twice_its_size() -> None:
     theta = np.linspace(0, math.tau, 7201)
     assert flywheel.energy_swing(theta, 5 + 3 * np.sin(theta)) == pytest.approx(6.0, rel=1e-6)
+
+
+def test_the_flat_of_a_shaft_turns_its_hub_by_the_moment_of_its_pressure() -> None:
+    """Pressure that grows evenly over half of the flat of a D shaft, summed strip by strip, gives the torque back."""
+    diameter, depth, length, torque = 3.0, 0.5, 4.0, 116.0  # mm, N mm
+    peak = float(strength.flat_pressure(torque, diameter, depth, length))
+    half = diameter / 2 * math.sin(math.acos((diameter / 2 - depth) / (diameter / 2)))
+    edges = np.linspace(0, half, 4001)
+    middle = (edges[1:] + edges[:-1]) / 2
+    pressure = peak * middle / half
+    assert float(np.sum(pressure * middle * np.diff(edges)) * length) == pytest.approx(
+        torque, rel=1e-6
+    )
+    assert strength.flat_pressure(torque, diameter, depth, 2 * length) == pytest.approx(peak / 2)

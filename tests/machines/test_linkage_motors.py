@@ -545,3 +545,18 @@ def test_the_walker_buys_one_motor_by_its_model_and_one_holder() -> None:
     assert begin == ["ground", *pins, "motor-bar", "motor"], "when the plate has its pins"
     bar = str(rows[names.index("motor-bar")][2])
     assert bar.startswith("Motor bar: round the motor's gearbox, pressed, flush with its front")
+
+
+def test_the_bore_of_the_walker_on_its_motors_flat_is_told_to_be_glued() -> None:
+    """A flat 0.5 deep on 3 mm is sqrt(5) wide; PLA bears 20 MPa again and again, and a small load is not worth a word."""
+    walker = read_mechanism(next(starters.folder().rglob("walker.toml")))
+    study = assess(walker).study
+    torque = study.numbers["drive_torque_n_m"] * 1000
+    pressure = study.numbers["flat_pressure_mpa"]
+    assert pressure == pytest.approx(3 * torque / (3 * (5**0.5 / 2) ** 2))
+    (note,) = (each for each in study.notes if each.startswith("The flat of the shaft"))
+    assert f"bore of crank with {pressure:.3g} MPa" in note and "two-part glue" in note
+    crank = read_mechanism(next(starters.folder().rglob("flapping-bird.toml")))
+    light = assess(crank).study
+    assert 0 < light.numbers["flat_pressure_mpa"] < 20
+    assert not any(each.startswith("The flat of the shaft") for each in light.notes)

@@ -223,9 +223,10 @@ class Linkage(LinkageSpec):
             if sizes.face is None
             else MotorSeat(frame, bodies.shaft_reach, bodies.collar, shaft=sizes.shaft_diameter)
         )
+        motor = replace(motor, flat=bodies.flat_seat)
         feet = len(bodies.layout.feet)
         ends = bodies.parts[0].centres[-sizes.mount_screws - feet :]
-        screws = () if bodies.layout.hangs else ends[: sizes.mount_screws]
+        screws = ends[: sizes.mount_screws] if bodies.layout.screwed else ()
         fixings = tuple((z, sizes.mount_diameter) for z in screws)
         sprung = [each.bought(sizes.pin_diameter) for each in springs]
         ways = {each.name: each.way(sizes.pin_diameter) for each in springs}

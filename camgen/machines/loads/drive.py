@@ -13,11 +13,12 @@ from camgen.machine import flywheel
 from camgen.machine.forces import Forces
 from camgen.machine.model import GROUND, MM, Drive, Pin, Turning
 from camgen.machine.run import Run
+from camgen.machine.strength import flat_pressure
 from camgen.machines.loads.bearing import LoadCheck
 from camgen.machines.loads.tables import Drives
 from camgen.numerics import Floats, peak
 from camgen.parts import materials
-from camgen.parts.assembly import MotorSeat
+from camgen.parts.assembly import FlatSeat, MotorSeat
 from camgen.parts.motors import RPM, SHAFTS, Motor, of_model
 from camgen.parts.set_screws import HOLDS, TURNED, SetScrewHub
 from camgen.study import Figure, Plot
@@ -240,6 +241,24 @@ def hub_slip(hub: SetScrewHub | None, torque: float, plastic: str) -> LoadCheck:
         )
         where = Where(f"set screw, shaft of {hub.bore:g} mm")
         check.findings.append(at_most("HUB_SLIP", torque, holds, "N m", where, remark))
+    return check
+
+
+def flat_of_shaft(seat: FlatSeat | None, torque: float, plastic: str) -> LoadCheck:
+    """How hard the flat of the shaft presses its printed bore at a torque, N m; a note where that is more than a print bears."""
+    check = LoadCheck()
+    if seat is None or not torque or not materials.of(plastic).printed:
+        return check
+    pressure = float(flat_pressure(torque / MM, seat.diameter, seat.depth, seat.length))
+    check.figures.append(Figure("flat pressure", pressure, "MPa"))
+    bears = materials.of(plastic).bears
+    if pressure > bears:
+        check.notes.append(
+            f"The flat of the shaft of {seat.diameter:g} mm presses the edge of the bore of {seat.part} with {pressure:.3g} MPa at the torque "
+            f"needed, and {plastic} bears {bears:g} MPa where it comes again and again. It is not judged: glue, which shares it with "
+            f"the round side, is not counted. Glue {seat.part} on with two-part glue; a bore longer than {seat.length:g} mm, a thicker "
+            "shaft or a deeper flat lowers it."
+        )
     return check
 
 

@@ -28,7 +28,7 @@ from camgen.errors import listed
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
 from camgen.machine.features import Feature, Mount, StandIn, Strand
-from camgen.parts.assembly import Shaft
+from camgen.parts.assembly import FlatSeat, Shaft
 from camgen.parts.catalogue import CORE_HOLES, Bought, fixed_motor, screw_for
 from camgen.parts.generator import plates
 from camgen.parts.generator.connections import GROUND
@@ -160,6 +160,16 @@ class Bodies:
         if layout.webs:  # it ends in the first of them
             top = layout.top(layout.level[layout.driven])
         return top if self.collar is None else top + self.collar.height
+
+    @property
+    def flat_seat(self) -> FlatSeat | None:
+        """The printed link that a flat of the shaft turns, with the set screw's hub on it; None without a flat."""
+        s = self.sizes
+        if not s.shaft_flat or s.of_sheet or not self.layout.drivers:
+            return None
+        link = self.layout.driven
+        length = self.layout.thickness(link) + (self.collar.height if self.collar else 0.0)
+        return FlatSeat(link, s.shaft_diameter, s.shaft_flat, length)
 
     @property
     def shaft(self) -> Shaft | None:

@@ -447,6 +447,11 @@ class Layout(Connections):
         below = self.below(self.springs[name]) if name in self.springs else 1
         return [self.level[name] - 1 - k for k in range(below)]
 
+    @property
+    def screwed(self) -> bool:
+        """Whether screws from behind hold the ground's plate: not one that hangs under another, or walks."""
+        return not self.hangs and self.sizes.sides == 1
+
     def thickness(self, link: str) -> float:
         """Of a link, or of the wheel that it is alone, mm; of the ground's plate."""
         if link == GROUND:

@@ -223,7 +223,7 @@ def _mount_screws(
     way = (b[0] - a[0]) / abs(b[0] - a[0]) if a[0] != b[0] else 1.0 + 0j
     for link in layout.drivers:
         _refuse_rails(layout, layout.shaft_of(link))
-    if layout.hangs or s.sides == 2:  # it stands on its feet
+    if not layout.screwed:
         return []
     radius = head / 2
     screws = [a[0] - way * (a[1] + radius), b[0] + way * (b[1] + radius)]
