@@ -155,6 +155,7 @@ class Doing:
     rest: str = ""  # such as ", flush with its upper end"
 
 
+Prism = tuple[Sequence[complex], float, float]  # corners, from where to where it reaches, mm
 Laid = Sequence[tuple[str, Sequence[str], Sequence[Mate]]]
 
 
@@ -189,11 +190,11 @@ class Step:
     joins: str = ""  # what was built apart and comes too
     wire: Floats | None = None  # line of a spring that comes, (n, 3) mm
     # of what is bought and comes, such as a motor: corners of each prism, complex mm, and from where to where it reaches, mm
-    shapes: Sequence[tuple[Sequence[complex], float, float]] = ()
+    shapes: Sequence[Prism] = ()
     what: str = ""  # the parts that come, for people
     small: bool = False  # whether all that come are spacers, caps or nuts
     follows: bool = False  # whether it is done in one go with the step before it
-    dry: bool = False  # whether what comes is held without glue, however tight it is
+    dry: Sequence[str] = ()  # parts that are held without glue, however tight they are
     # what the picture shows side by side on the bench: of each group its name, its copies, and where they are fixed on each other
     laid: Laid = ()
     # holes, by part and letter, in which no vice presses what comes: it goes in by hand
@@ -201,6 +202,11 @@ class Step:
     along: tuple[float, float, float] | None = (
         None  # in which they come, where neither from above nor from below
     )
+    glued: Sequence[Mate] = ()  # what is glued besides the round holes of plates
+    threads: Sequence[
+        tuple[str, float]
+    ] = ()  # of screws that come: thread, such as "M3", and length, mm
+    screws: Sequence[Prism] = ()  # where these are
 
     @property
     def title(self) -> str:

@@ -6,7 +6,6 @@ makes one machine of several, `renamed` puts a machine where it stands in anothe
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -47,6 +46,7 @@ from camgen.parts.coils import Coil
 from camgen.parts.inertia import Solids
 from camgen.parts.journals import Journal, MaterialLimits, Post, journals
 from camgen.parts.part import Part
+from camgen.parts.screws import round_prism, with_screws
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.sheets import why_not
 from camgen.parts.springs import WorkingSpring
@@ -127,11 +127,22 @@ class Shaft:
 
 
 @dataclass(frozen=True)
+class StandStep:
+    """How a part of a stand comes: along which way, and where it is glued, all mm."""
+
+    part: str
+    where: str  # in words
+    along: tuple[float, float, float]  # a unit vector
+    glued: Sequence[tuple[complex, float]]  # middle of each tab, and its height
+    thick: float
+
+
+@dataclass(frozen=True)
 class Support:
     """What a machine stands on: which way is down, a unit vector, and its parts in the order in which they come, with where."""
 
     down: tuple[float, float, float]
-    steps: tuple[tuple[str, str], ...]
+    steps: tuple[StandStep, ...]
     parts: frozenset[str]  # names of all that is made for it, of what other parts lie on too
 
 
@@ -476,6 +487,13 @@ Row = tuple[tuple[object, ...], Step]  # of the table, and its picture
 
 def order_of_assembly(assembly: Assembly) -> Table:
     """In which order it goes together, and where."""
+    table = _order(assembly)
+    copies = standing_copies(assembly.parts, assembly.mounts, assembly.poses(np.zeros(1)))
+    return replace(table, steps=with_screws(table.steps, copies))
+
+
+def _order(assembly: Assembly) -> Table:
+    """The same before the screws have their places."""
     if assembly.work:
         table = assembly.work[0]
         poses = assembly.poses(np.zeros(1))
@@ -527,7 +545,9 @@ def _bought_row(each: Bought) -> Row:
     name = many if each.count > 1 else each.name[:1].upper() + each.name[1:]
     if each.role == "mount":
         name = f"screw in {many}"
-    return row, Step([Doing(f"{name}, {each.size}{f'; {each.how}' if each.how else ''}")])
+    threads = [(each.thread, each.length)] if each.thread else []
+    said = f"{name}, {each.size}{f'; {each.how}' if each.how else ''}"
+    return row, Step([Doing(said)], threads=threads)
 
 
 def with_things(row: Row, things: Sequence[Bought]) -> Row:
@@ -538,7 +558,8 @@ def with_things(row: Row, things: Sequence[Bought]) -> Row:
     said = f"with {', '.join(each.text for each in things)}"
     text = "; ".join(filter(None, (str(cells[3]), said)))
     cells = (*cells[:3], text, *cells[4:])
-    return cells, step.also(said)
+    threads = [(each.thread, each.length) for each in things if each.thread]
+    return cells, replace(step.also(said), threads=[*step.threads, *threads])
 
 
 def _with_spring(rows: Sequence[Row], coil: Coil, poses: Mapping[str, Pose]) -> list[Row]:
@@ -567,7 +588,7 @@ _UNDER = ("motor-bar", "battery-frame")  # roles of what goes under a plate as s
 
 def by_heights(assembly: Assembly, before: Mapping[str, int] | None = None) -> Table:
     """The order by height of its own parts but the stand's; before: how many copies of each part are numbered already."""
-    standing = {name for name, _ in assembly.support.steps} if assembly.support else set()
+    standing = {each.part for each in assembly.support.steps} if assembly.support else set()
     roles = {part.name: part.role for part in assembly.parts}
     mounts = [mount for mount in assembly.mounts if mount.part not in standing]
     over = [mount for mount in mounts if roles[mount.part] not in _UNDER]
@@ -697,11 +718,6 @@ def _motor_shapes(
             yield round_prism(at, motor.shaft / 2), high, plate + motor.reach
 
 
-def round_prism(at: complex, radius: float) -> list[complex]:
-    """Corners of a round thing as the pictures of steps have it."""
-    return [at + cmath.rect(radius, math.tau * k / 48) for k in range(48)]
-
-
 def _glued_below(part: Part, assembly: Assembly, there: bool) -> Row:
     """A row of what is glued under the plate, with its place by distances that one measures: of two corners of its opening from
     the two lettered holes of the plate that are next to each.
@@ -739,11 +755,18 @@ def _last_rows(assembly: Assembly) -> Iterator[Row]:
         yield with_things(last, [*screws, *coupled(assembly)])
         return
     yield from map(_bought_row, screws)
-    for name, where in assembly.support.steps:
+    for each in assembly.support.steps:
+        name, where = each.part, each.where
         mounts = [mount for mount in assembly.mounts if mount.part == name]
         copies = [f"{name}-{k + 1}" for k in range(len(mounts))]
         low = min(mount.z for mount in mounts)
         part = assembly.by_name[name]
         row = 0, name, part.title, where, len(mounts), low, "upright"
-        yield row, Step([Doing("glue ", called(part, len(mounts)), f" {where}")], copies)
+        doing = Doing("glue ", called(part, len(mounts)), f" {where}")
+        mates = [
+            Mate("glue", "", (at.real, at.imag, z), 1.5 * each.thick, each.thick)
+            for at, z in each.glued
+        ]
+        below = each.along[2] > 0
+        yield row, Step([doing], copies, 1 if below else -1, mates, along=each.along)
     yield with_things(last, coupled(assembly))

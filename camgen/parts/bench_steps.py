@@ -106,6 +106,8 @@ def _whole(run: Sequence[Step]) -> Step:
         apart=last.apart,
         up=last.up,
         shapes=[shape for step in run for shape in step.shapes],
+        threads=[thread for step in run for thread in step.threads],
+        screws=[screw for step in run for screw in step.screws],
         what=f"{run[0].what} with {others}" if built else listed(step.what for step in run),
         small=all(step.small for step in run),
     )

@@ -188,6 +188,8 @@ class Bought:
     ] = ()  # parts with which it is put in, and how many with each copy
     how: str = ""  # where else it goes
     key: str = ""  # of the spec, that sets its size
+    thread: str = ""  # of a screw that pictures of steps show, such as "M3"
+    length: float = 0.0  # of that, mm
 
     @property
     def text(self) -> str:
@@ -483,7 +485,15 @@ def fixed_motor(name: str, face: MotorFace, shaft: str, grip: float) -> list[Bou
     size = f"{screw.thread} x {length:g}, {held}"
     return [
         Bought(name, face.standard, f"{face.title}, {shaft}", 1, "drive"),
-        Bought("screw of the motor", screw.standard, size, count, "drive screw"),
+        Bought(
+            "screw of the motor",
+            screw.standard,
+            size,
+            count,
+            "drive screw",
+            thread=screw.thread,
+            length=length,
+        ),
         *(
             [replace(nut("nut of the motor", screw.thread, count), role="drive screw")]
             if face.plain

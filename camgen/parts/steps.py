@@ -38,12 +38,13 @@ class Fixing:
     play: float  # greatest of a hole that is tight, mm
     rings: frozenset[str] = frozenset()  # names of ball bearings, which are pressed and not glued
     driven: frozenset[str] = frozenset()  # names of parts in which the shaft of a motor ends
+    dry: frozenset[str] = frozenset()  # names of parts that are held without glue
 
     def how(
         self, hole: Round | Slot, holder: Part, outline: Round, held: Part
     ) -> Literal["glue", "press", "free"]:
         """How an outline is fixed in a hole: "free" where it goes through with play, or both are bought to go together."""
-        if hole.diameter - outline.diameter > self.play:
+        if hole.diameter - outline.diameter > self.play or {holder.name, held.name} & self.dry:
             return "free"
         if holder.process == held.process == "bought" or holder.name in self.rings:
             return "free"  # a bearing's ring turns with its pin, and holds it by nothing
@@ -760,19 +761,21 @@ def mated(
         coming = [copy for copy in copies if copy.name in named or copy.part.name in named]
         names = [copy.name for copy in coming]
         there = built[step.apart]
+        glued = replace(fixing, dry=frozenset(step.dry))
         if step.group and coming:
-            mates = _mates(coming, bench, fixing)
+            mates = _mates(coming, bench, glued)
             bench += coming
         else:
             if not coming and step.group:
                 coming = bench
             coming = [*built.pop(step.joins, []), *coming] if step.joins else coming
-            mates = [*_mates(coming, there, fixing), *_sliding(coming, there, slides)]
+            mates = [*_mates(coming, there, glued), *_sliding(coming, there, slides)]
             there += [copy for copy in coming if copy not in there]
             bench = [] if step.group else bench
         mates = [mate if mate.label else _of_joint(mate, [*there, *coming]) for mate in mates]
-        if named & again or step.dry:
+        if named & again:
             mates = [replace(mate, how="free") for mate in mates]
+        mates = [*mates, *step.glued]
         found.append(replace(step, copies=names, mates=mates if coming else step.mates))
     return found
 
@@ -799,7 +802,8 @@ def _mates(
             for holder, held in ((copy, other), (other, copy)):
                 alike = holder.pose.standing == held.pose.standing
                 for mate in _through(holder, held, fixing, held is copy) if alike else ():
-                    if mate.how != "free" or copy.mount.body != other.mount.body:
+                    dry = {copy.part.name, other.part.name} & fixing.dry
+                    if mate.how != "free" or dry or copy.mount.body != other.mount.body:
                         x, y, z = (round(value, 3) for value in mate.place)
                         mates.setdefault((mate.how, x, y, z), mate)
     return list(mates.values())

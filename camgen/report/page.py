@@ -37,7 +37,7 @@ from camgen.report.tables import (
     value_text,
 )
 from camgen.report.words import rounded, sentence
-from camgen.study import Mate, Plot, Scene, Step, Table
+from camgen.study import Mate, Plot, Prism, Scene, Step, Table
 
 _FIRST_PLOTS = 12  # more curves than this are folded away; it fills rows of two, three and four
 _SERIES_DARK = ("#6db3f2", "#f2a069", "#74cf98", "#c99be8", "#dcc04e", "#f08fbf")
@@ -155,13 +155,12 @@ def _on_bench(step: Step, place: Mapping[str, int]) -> dict[str, object]:
     mates = _shown_mates(step.mates)
     copies = [place[copy] for copy in step.copies]
     wire = [] if step.wire is None else (step.wire.round(2) + 0.0).tolist()
-    shapes = [
-        [[[round(z.real, 2) + 0.0, round(z.imag, 2) + 0.0] for z in corners], low, high]
-        for corners, low, high in step.shapes
-    ]
+    shapes = _shown_prisms(step.shapes)
     said = {"copies": copies, "way": step.way, "mates": mates, "wire": wire}
     if shapes:
         said |= {"shapes": shapes}
+    if step.screws:
+        said |= {"screws": _shown_prisms(step.screws)}
     if step.apart:
         said |= {"apart": step.apart, "up": step.up}
     if step.along:
@@ -174,6 +173,18 @@ def _on_bench(step: Step, place: Mapping[str, int]) -> dict[str, object]:
             ]
         }
     return said | ({"joins": step.joins} if step.joins else {})
+
+
+def _shown_prisms(prisms: Sequence[Prism]) -> list[list[object]]:
+    """Prisms for the script."""
+    return [
+        [
+            [[round(z.real, 2) + 0.0, round(z.imag, 2) + 0.0] for z in corners],
+            round(low, 3),
+            round(high, 3),
+        ]
+        for corners, low, high in prisms
+    ]
 
 
 def _shown_mates(mates: Sequence[Mate]) -> list[dict[str, object]]:
@@ -421,13 +432,20 @@ def _steps(scene: Scene | None) -> str:
 
 def _has_picture(step: Step) -> bool:
     """Whether something comes in it that can be shown."""
-    return bool(step.copies or step.wire is not None or step.joins or step.shapes or step.laid)
+    return bool(
+        step.copies
+        or step.wire is not None
+        or step.joins
+        or step.shapes
+        or step.laid
+        or step.screws
+    )
 
 
 # What the colours of the small pictures mean.
 _KEYS = (
     '<p class="glues"><span class="new">comes in this step</span><span class="glue">glue here</span>'
-    '<span class="free">no glue: it moves</span></p>'
+    '<span class="free">no glue: it moves</span><span class="screw">screw</span></p>'
 )
 # Steps one after the other, as the script shows them; without it the cards below remain.
 _BENCH = (
@@ -438,7 +456,7 @@ _BENCH = (
     '<p id="said" aria-live="polite"></p><div class="controls"><button id="back">Back</button><button id="next">Next</button>'
     '<input id="seek" type="range" min="1" value="1" aria-label="step"><output id="count"></output><button id="again">Show again</button>'
     '<p class="glues bench-keys"><span class="glue">glue here</span><span class="free">no glue: it moves</span>'
-    '<span class="below">seen from below</span></p></div></div>'
+    '<span class="screw">screw</span><span class="below">seen from below</span></p></div></div>'
 )
 
 

@@ -640,7 +640,7 @@
       const glued = ({ how, place, diameter, height }) => {
         if (!diameter) return;
         const wide = diameter / 2 + 0.05, ring = turned([wide, -height / 2], [wide, height / 2]);
-        const mesh = new THREE.Mesh(ring, new THREE.MeshBasicMaterial({ color: variable(how === "free" ? "--free" : "--glue"), side: THREE.DoubleSide, transparent: true, opacity: 0.75, depthTest: false }));
+        const mesh = new THREE.Mesh(ring, seenThrough(how === "free" ? "--free" : "--glue"));
         mesh.position.set(...place);
         scene.add(mesh);
       };
@@ -651,7 +651,7 @@
         mates.forEach(glued);
         return [...names.map(({ label, at }) => [label, at]), ...named(items)];
       }
-      const { coming, there, own, spring, springs, shapes, bought, lies } = onBench(steps, number), placed = k => lies.clone().multiply(standing[k]);
+      const { coming, there, own, spring, springs, shapes, bought, screws, lies } = onBench(steps, number), placed = k => lies.clone().multiply(standing[k]);
       there.forEach(k => put(copies[k].part, placed(k), true, "--plain"));
       coming.forEach(k => put(copies[k].part, placed(k), false, "--new"));
       if (spring.length || springs.length) [spring, ...springs].forEach((wire, k) => {
@@ -660,9 +660,10 @@
       });
       [...shapes, ...bought].forEach((shape, k) => {
         const more = k < shapes.length ? { color: variable("--new") } : { color: variable("--plain"), ...pale };
-        scene.add(new THREE.Mesh(block(shape), surface(more)));
+        scene.add(new THREE.Mesh(block(shape, lies), surface(more)));
       });
-      reach.push(...ends([...shapes, ...bought]));
+      screws.forEach(screw => scene.add(new THREE.Mesh(block(screw, lies), seenThrough("--screw"))));
+      reach.push(...prismEnds([...shapes, ...bought]).map(end => end.applyMatrix4(lies)));
       const box = new THREE.Box3().setFromPoints(coming.flatMap(k => copies[k].part.ends.map(end => end.clone().applyMatrix4(placed(k))))), size = new THREE.Vector3();
       const all = new THREE.Box3().setFromPoints(reach).getSize(size).length(), part = coming.length ? box.getSize(size).length() : all;
       if (part < 0.4 * all) reach.splice(0, reach.length, ...boxCorners(box.expandByScalar(0.1 * all + 0.2 * part)));  // closer, where it is small
@@ -711,7 +712,7 @@
   // Copies that come in a step, and those that are there, with the wires of springs: of what is built by itself its own alone,
   // turned as it lies on the bench. own: copies that come and were not built apart before.
   function onBench(steps, number) {
-    const { copies, apart = "", up, joins, wire, shapes = [] } = steps[number], past = steps.slice(0, number);
+    const { copies, apart = "", up, joins, wire, shapes = [], screws = [] } = steps[number], past = steps.slice(0, number);
     const whole = new Map(past.filter(step => step.joins).map(step => [step.joins, step.apart || ""]));  // of what it is by now
     const built = name => past.filter(step => {
       let own = step.apart || "";
@@ -719,12 +720,12 @@
       return own === name;
     });
     const before = built(apart), taken = joins ? [...new Set(built(joins).flatMap(step => step.copies))] : [], coming = [...taken, ...copies];
-    const begun = coming.length || wire.length || shapes.length || before.some(step => step.copies.length);
+    const begun = coming.length || wire.length || shapes.length || screws.length || before.some(step => step.copies.length);
     const there = [...new Set(before.flatMap(step => step.copies))].filter(k => !coming.includes(k));
-    const inside = joins ? built(joins).flatMap(step => step.shapes || []) : [];  // such as batteries
-    const bought = before.flatMap(step => step.shapes || []), springs = before.map(step => step.wire).filter(wire => wire.length);
+    const inside = joins ? built(joins).flatMap(step => [...(step.shapes || []), ...(step.screws || [])]) : [];  // such as batteries
+    const bought = before.flatMap(step => [...(step.shapes || []), ...(step.screws || [])]), springs = before.map(step => step.wire).filter(wire => wire.length);
     const lies = turning(up), laid = line => line.map(place => new THREE.Vector3(...place).applyMatrix4(lies).toArray());
-    return { coming, taken, own: copies, there, spring: laid(wire), springs: springs.map(laid), shapes: [...inside, ...shapes], bought, begun, lies };
+    return { coming, taken, own: copies, there, spring: laid(wire), springs: springs.map(laid), shapes: [...inside, ...shapes], bought, screws, begun, lies };
   }
   // What is put together on the bench: each group by itself, as its first part is drawn, in rows; where each copy and mate is.
   function laidOut(groups, copies, standing) {
@@ -768,13 +769,14 @@
   }
 
   const boxCorners = box => [0, 1, 2, 3, 4, 5, 6, 7].map(k => new THREE.Vector3(...["x", "y", "z"].map((axis, n) => box[k >> n & 1 ? "max" : "min"][axis])));
-  const ends = shapes => shapes.flatMap(([ring, low, high]) => ring.flatMap(([x, y]) => [new THREE.Vector3(x, y, low), new THREE.Vector3(x, y, high)]));
-  function block([ring, low, high]) {  // what is bought, such as a motor
+  const prismEnds = shapes => shapes.flatMap(([ring, low, high]) => ring.flatMap(([x, y]) => [new THREE.Vector3(x, y, low), new THREE.Vector3(x, y, high)]));
+  function block([ring, low, high], lies) {  // what is bought, such as a motor
     const body = new THREE.BufferGeometry();
     body.setAttribute("position", new THREE.BufferAttribute(new Float32Array(walled(ring, low, high, [])), 3));
     body.computeVertexNormals();
-    return body;
+    return body.applyMatrix4(lies);
   }
+  const seenThrough = tone => new THREE.MeshBasicMaterial({ color: variable(tone), side: THREE.DoubleSide, transparent: true, opacity: 0.75, depthTest: false });
   const points = wire => wire.map(place => new THREE.Vector3(...place));
   // The wire of a spring: rings of six corners along its line, each turned as little against the one before as can be.
   function tube(wire) {
@@ -804,6 +806,7 @@
     const frame = canvas.closest(".bench"), marks = byId("marks"), back = byId("back"), next = byId("next"), seek = byId("seek");
     const inset = byId("whole"), over = eye(lain());  // where what comes is small: the whole in a corner of the picture
     const scene = new THREE.Scene(), camera = eye(lain()), sun = lit(scene);
+    const ends = shapes => prismEnds(shapes).map(end => end.applyMatrix4(lies));
     const plain = surface(), fresh = surface(), edge = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.5 }), coming = new THREE.Group(), there = new THREE.Group();
     const wait = 700, way = 1500;  // ms, before a part moves, and until it is in
     let lies = new THREE.Matrix4();  // how what is shown is turned
@@ -845,12 +848,12 @@
       if (renderer && near.length) hand.aim(near, from);
     }
     // What fills the picture: what comes with some of its surroundings, or all where that is not much more.
-    function focus({ coming, there, spring, springs, shapes, bought }, mates) {
+    function focus({ coming, there, spring, springs, shapes, bought, screws }, mates) {
       whole = [...corners([...there, ...coming]), ...[spring, ...springs].flatMap(points), ...ends([...shapes, ...bought])];
       const all = new THREE.Box3().setFromPoints(whole.length ? whole : corners([0])), size = new THREE.Vector3();
-      const close = new THREE.Box3().setFromPoints([...corners(coming), ...points(spring), ...ends(shapes), ...mates.map(({ place }) => new THREE.Vector3(...place))]);
+      const close = new THREE.Box3().setFromPoints([...corners(coming), ...points(spring), ...ends(shapes), ...ends(screws), ...mates.map(({ place }) => new THREE.Vector3(...place))]);
       close.expandByScalar(Math.max(least, close.getSize(size).length() / 4));
-      inset.hidden = !(coming.length || spring.length || shapes.length) || close.getSize(size).length() > 0.5 * all.getSize(size).length();
+      inset.hidden = !(coming.length || spring.length || shapes.length || screws.length) || close.getSize(size).length() > 0.5 * all.getSize(size).length();
       const shown = inset.hidden ? all.expandByScalar(Math.max(0, least - all.getSize(size).length() / 4)) : close;
       radius = shown.getSize(size).length() / 2;
       return shown;
@@ -883,7 +886,7 @@
       if (diameter) mark(group, turned([wide, -half], [wide, half]), place, how === "free" ? "--free" : "--glue", { transparent: true, opacity: 0.75, depthTest: false });
     }
     function build() {  // what comes, and what is there
-      const now = onBench(steps, number), comes = now.coming.length || now.spring.length || now.shapes.length;
+      const now = onBench(steps, number), comes = now.coming.length || now.spring.length || now.shapes.length || now.screws.length;
       lies = now.lies;
       canvas.parentElement.hidden = !now.begun;  // nothing is there yet
       const into = direction(steps[number]);
@@ -896,8 +899,10 @@
       now.coming.forEach(k => put(coming, k, fresh));
       now.springs.forEach(wire => there.add(new THREE.Mesh(tube(wire), plain)));
       coming.add(new THREE.Mesh(tube(now.spring), fresh));
-      now.bought.forEach(shape => there.add(new THREE.Mesh(block(shape), plain)));
-      now.shapes.forEach(shape => coming.add(new THREE.Mesh(block(shape), fresh)));
+      now.bought.forEach(shape => there.add(new THREE.Mesh(block(shape, lies), plain)));
+      now.screws.forEach(screw => there.add(new THREE.Mesh(block(screw, lies), seenThrough("--screw"))));
+      now.shapes.forEach(shape => coming.add(new THREE.Mesh(block(shape, lies), fresh)));
+      frame.querySelector(".bench-keys .screw").hidden = !now.screws.length;
       const loose = [...unmet(now.own.map(k => [k]), mates), ...(now.taken.length ? unmet([now.taken], mates) : [])];
       if (lift.length()) arrows(box, into, now.spring.length ? [] : [...mates.filter(({ within }) => !within), ...loose]);
       mates.forEach(mate => glued(mate.comes || mate.within ? coming : there, mate));

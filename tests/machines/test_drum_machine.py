@@ -270,9 +270,7 @@ def test_words_of_a_drum_s_machine_say_which_end_is_up_and_how_high_all_is() -> 
     end = " ".join(step.title for step in steps_of_assembly(machine(**FOLLOWERS["end"])).steps)
     assert "its wavy end up" in end
     first = steps_of_assembly(made).steps[2].title
-    assert first.startswith("Break what supports there are off the drum, and scrape the track"), (
-        first
-    )
+    assert first.startswith("Break the supports off the drum, and scrape the track"), first
     most = max(len(sentence.split()) for title in titles for sentence in re.split(r"\. |\n", title))
     assert most <= 45, "no step is one long sentence"
 
@@ -568,3 +566,20 @@ def round_holes(part: Part) -> list[tuple[complex, float]]:
     """Centres and radii of a part's round holes, mm."""
     arcs = [hole.pieces[0] for hole in part.drawn.region.holes if len(hole.pieces) == 1]
     return [(arc.centre, arc.radius) for arc in arcs if isinstance(arc, Arc)]
+
+
+def test_a_bracket_is_glued_on_its_rods_where_the_flat_drives_the_drum() -> None:
+    made = machine(**FOLLOWERS["arm"])
+    (lowered,) = (
+        step
+        for step in order_of_assembly(made.assembly).steps
+        if "glue the bracket on them" in step.title
+    )
+    rods = {complex(each.at) for each in made.assembly.mounts if each.part == "rod"}
+    on_rods = [
+        mate.how
+        for mate in lowered.mates
+        if min(abs(complex(*mate.place[:2]) - at) for at in rods) < 1e-3
+    ]
+    assert on_rods and {*on_rods} == {"glue"}
+    assert {mate.how for mate in lowered.mates} == {"glue", "free"}, "the drum is dry"

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 
 from camgen import load, starters
 from camgen.geometry.facets import facet_contour
@@ -1080,3 +1081,55 @@ def test_a_vague_step_is_found() -> None:
     for title in bad:
         assert vague([good[0], title]) == [title]
     assert vague([good[0], good[0]])[0] == good[0]
+
+
+def test_screws_are_where_their_posts_and_plates_are() -> None:
+    """Of a walker on the axes of its posts, heads in the outer plate of either side, ends in the spacers; of a bird from behind."""
+    walker = built("walker")
+    steps = steps_of_assembly(walker).steps
+    feet = {complex(each.at) for each in walker.assembly.mounts if each.part == "post"}
+    levels = {each.part: each.z for each in walker.assembly.mounts}
+    spacer = levels["side-spacer"] + walker.assembly.by_name["side-spacer"].thickness / 2
+    (near,) = (each for each in steps if "side-spacer-1" in each.copies)
+    for step, part in ((near, "ground"), (steps[-1], "far-ground")):
+        middles = [sum(corners) / len(corners) for corners, *_ in step.screws]
+        assert len(step.screws) == 8, "a shank and a head each"
+        assert all(min(abs(foot - at) for foot in feet) < 1e-6 for at in middles)
+        shanks = [prism for prism in step.screws if prism[2] - prism[1] > 40]
+        low = levels[part]
+        assert len(shanks) == 4
+        for _, foot, end in shanks:
+            head, point = sorted((foot, end), key=lambda z: abs(z - spacer))[::-1]
+            assert low < head < low + walker.assembly.by_name[part].thickness
+            assert abs(point - spacer) < walker.assembly.by_name["side-spacer"].thickness / 2
+    (motor,) = (each for each in steps if "motor-bar-1" in each.copies)
+    assert len(motor.screws) == 4 and motor.threads == [("M2", 10.0)]
+    bird = steps_of_assembly(built("flapping-bird")).steps
+    (screwed,) = (each for each in bird if each.screws)
+    assert screwed.title.startswith("Screw in 2 ×") and len(screwed.screws) == 4
+
+
+def test_a_stand_s_parts_come_from_where_they_go_and_show_their_glue() -> None:
+    """Gussets from behind the panel, the foot from below, which is the machine's own down; each mark lies in a slot of the panel or at its tab."""
+    bird = built("flapping-bird")
+    support = bird.assembly.support
+    assert support is not None
+    gussets, foot = (
+        next(each for each in steps_of_assembly(bird).steps if f"{name}-1" in each.copies)
+        for name in ("stand-gusset", "stand-foot")
+    )
+    assert gussets.along == (0.0, 0.0, 1.0) and foot.along is not None
+    assert np.allclose(foot.along, np.negative(support.down))
+    panel = bird.assembly.by_name["stand-panel"]
+    (mount,) = (each for each in bird.assembly.mounts if each.part == "stand-panel")
+    rings = [facet_contour(hole, 0.05) for hole in panel.region.holes]
+    slots = [shapely.Polygon(np.c_[ring.real, ring.imag]) for ring in rings]
+    assert [mate.how for mate in (*gussets.mates, *foot.mates)] == ["glue"] * 6
+    for mate in gussets.mates:
+        own = (complex(*mate.place[:2]) - mount.at) * cmath.exp(-1j * mount.angle)
+        assert any(slot.contains(shapely.Point(own.real, own.imag)) for slot in slots)
+        assert mount.z < mate.place[2] < mount.z + panel.thickness
+    solid_foot = next(each for each in bird.assembly.mounts if each.part == "stand-foot")
+    down = complex(*support.down[:2])
+    depths = [(complex(*mate.place[:2]) - solid_foot.at) * down.conjugate() for mate in foot.mates]
+    assert all(0 < depth.real < panel.thickness for depth in depths)

@@ -15,7 +15,7 @@ from camgen.machines.cylinder_cam.pieces import GLUED, SEAT
 from camgen.numerics import Floats
 from camgen.parts.reaming import running, running_size
 from camgen.parts.steps import COLUMNS, between, thickness_gauge
-from camgen.study import Doing, Step, Table
+from camgen.study import Doing, Mate, Step, Table
 
 _FIRST = "on the table, its core up"
 # What goes on shaft or rods in the machine, where no vice gets in.
@@ -42,6 +42,7 @@ class _Act:
     joins: str = ""
     follows: bool = False
     wire: Floats | None = None
+    glued: Sequence[Mate] = ()  # what is glued in a part that stands
 
     @property
     def step(self) -> Step:
@@ -54,7 +55,8 @@ class _Act:
             joins=self.joins,
             follows=self.follows,
             wire=self.wire,
-            dry=self.dry,
+            glued=self.glued,
+            dry=(self.part,) if self.dry else (),
             hand_fits=[(self.part, "")] if self.part in _BY_HAND else (),
         )
 
@@ -123,7 +125,7 @@ class BenchSteps:
         yield _Act(
             "drum",
             f"clean, its {track} smooth",
-            f"break what supports there are off {made}, and scrape the {track} clean till the roller runs along all of it by hand",
+            f"break the supports off {made}, and scrape the {track} clean until the roller runs along all of it by hand",
             first=True,
         )
 
@@ -150,9 +152,9 @@ class BenchSteps:
         yield self._act(
             "rod",
             "glued into the plate, flush below",
-            f"glue {rods} × rod upright into the lower end plate, flush with its underside; "
-            "the two that stand farther from the bearing are the front rods. Put the upper end plate loosely on their upper ends, dry, till "
-            "the glue is hard: it keeps them upright and apart; take it off then",
+            f"glue {rods} × rod upright into the lower end plate, flush with its underside. "
+            "The two farther from the bearing are the front rods. Put the upper end plate loosely on their upper ends, dry, until "
+            "the glue is hard: it keeps them upright. Then take it off",
         )
 
     @property
@@ -224,8 +226,8 @@ class BenchSteps:
         if next(part for part, _ in self.bench.made if part.name == "roller").process == "bought":
             place = f"glued on its pin, its inner end {over:.3g} mm over the pin's"
             return place, (
-                f"put a drop of retaining glue, or of superglue, on the pin, and push {roller.replace(' on ', ', a ball bearing, on ', 1)}: its inner ring "
-                f"alone gets glue, the balls none. Its upper end stands {over:.3g} mm over the pin's"
+                f"put a drop of retaining glue or superglue on the pin, and push {roller.replace(' on ', ', a ball bearing, on ', 1)}. Only its "
+                f"inner ring gets glue. Its upper end stands {over:.3g} mm over the pin's"
             )
         place = f"on its pin, its inner end {over:.3g} mm over the pin's"
         return place, (
@@ -264,8 +266,8 @@ class BenchSteps:
         yield self._act(
             "shaft",
             "upright in the bearing",
-            f"lay {thickness_gauge(FOOT)}, {FOOT:g} mm, under the bearing's bore, and stand the shaft upright in the "
-            "bearing, down on the paper; take that away at the end",
+            f"lay {thickness_gauge(FOOT)}, {FOOT:g} mm in all, under the bearing's bore. Stand the shaft upright in the "
+            f"bearing, down on the paper. Leave the paper there until the {self._last} is on and the glue is hard",
         )
         yield self._act(
             "spacer-below",
@@ -300,7 +302,22 @@ class BenchSteps:
             first=True,
             dry=self._driven,
             joins=_beside("drum"),
+            glued=self._glued_bracket,
         )
+
+    @property
+    def _glued_bracket(self) -> list[Mate]:
+        """Where a bracket is glued on the front rods; nothing of a carriage."""
+        bench = self.bench
+        if not bench.track.swings:
+            return []
+        middle = bench.base + bench.track.height
+        return [
+            Mate(
+                "glue", "", (at.real, at.imag, middle), bench.sizes.rod_diameter, bench.block_height
+            )
+            for at in bench.rods[:2]
+        ]
 
     @property
     def _end_up(self) -> str:
@@ -350,9 +367,14 @@ class BenchSteps:
             "end-plate",
             f"seat down, over bearing and rods at once, glued on the rods, flush above{pressing}",
             f"lower the upper end plate, seat down, over the bearing and all {rods} rods at once; glue it on the rods, flush above{pressing}. "
-            f"The shaft must turn freely: {END_PLAY:g} mm of play along it is left by itself",
+            f"The shaft must turn freely: {END_PLAY:g} mm of play along it remains",
             ["end-plate-2"],
         )
+
+    @property
+    def _last(self) -> str:
+        """The part that comes last on the shaft."""
+        return "crank" if self.bench.cranked else "upper end plate"
 
     def _crank_acts(self) -> Iterator[_Act]:
         """The crank that a hand turns."""
@@ -362,7 +384,7 @@ class BenchSteps:
         over = "over the outer hole of the crank"
         yield self._act("knob", over, f"put the knob {over}, no glue", dry=True)
         said = "put the pin through the knob and glue it into the crank alone, flush with its underside: the knob turns. "
-        said += "When the glue is hard turn the crank once round, slowly: nothing may be stiff"
+        said += "When the glue is hard, take the paper from under the shaft. Then turn the crank once round, slowly: nothing may be stiff"
         pin = self._act("knob-pin", "through the knob, glued into the crank", said)
         yield replace(pin, follows=True)
 

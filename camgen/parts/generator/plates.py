@@ -483,7 +483,18 @@ def bought(layout: Layout) -> list[Bought]:
     if long := _side_screw(layout):
         size = f"{screw.thread} x {long:g}, {core}"
         into = ((SIDE_SPACER, 1),)
-        return [Bought("screw of a spacer", "ISO 4762", size, columns, at=into, key=key)]
+        return [
+            Bought(
+                "screw of a spacer",
+                "ISO 4762",
+                size,
+                columns,
+                at=into,
+                key=key,
+                thread=screw.thread,
+                length=long,
+            )
+        ]
     length = screw.length(
         s.base_thickness - _depth(s), (ceiling_height(layout) - s.base_thickness) / 2
     )
@@ -493,7 +504,16 @@ def bought(layout: Layout) -> list[Bought]:
     on_posts = tuple((name, 1) for name in further)
     at = (("post", 1), (SECOND, columns), *on_posts)
     count = 2 * columns + stands
-    screws = Bought("screw of a post", screw.standard, size, count, at=at, key=key)
+    screws = Bought(
+        "screw of a post",
+        screw.standard,
+        size,
+        count,
+        at=at,
+        key=key,
+        thread=screw.thread,
+        length=length,
+    )
     if not stands:
         return [screws]
     stud = "stud of a post, half of it in the frame on it"

@@ -24,7 +24,7 @@ from camgen.geometry.outlines import Contour, Points, Region, circle, polygon, r
 from camgen.machine.features import Mount, StandIn, heights
 from camgen.machine.model import GROUND, MM
 from camgen.numerics import coordinates, magnitude
-from camgen.parts.assembly import Assembly, Support, bodies_in_motion
+from camgen.parts.assembly import Assembly, StandStep, Support, bodies_in_motion
 from camgen.parts.catalogue import CORE_HOLES, SCREWS, Bought, screw_for
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.hardware import plate
@@ -135,7 +135,7 @@ class StandParts:
     parts: Sequence[Part]
     mounts: Sequence[Mount]
     table: StandIn
-    steps: Sequence[tuple[str, str]]
+    steps: Sequence[StandStep]
 
 
 @dataclass(frozen=True, eq=False)
@@ -306,15 +306,11 @@ class TableStand:
             size = f"{screw_for(core)}, at most {self.thick + self.sizes.base_thickness:g} long"
         else:
             size = f"{screw.thread} x {screw.length(self.thick, self.sizes.base_thickness):g}"
-        standard = "" if screw is None else screw.standard
-        own = Bought(
-            "screw of the plate, through the stand",
-            standard,
-            size,
-            len(self.screws),
-            "mount",
-            key="parts.mount_diameter",
-        )
+        name = "screw of the plate, through the stand"
+        own = Bought(name, "", size, len(self.screws), "mount", key="parts.mount_diameter")
+        if screw is not None:
+            length = screw.length(self.thick, self.sizes.base_thickness)
+            own = replace(own, standard=screw.standard, thread=screw.thread, length=length)
         return [*(each for each in self.assembly.bought if each.role != "mount"), own]
 
 
@@ -513,6 +509,7 @@ class _Board:
 
 
 def _board(stand: TableStand) -> StandParts:
+    t = stand.thick
     sizes = _Board.of(stand)
     panel = sizes.panel(stand)
     gusset = sizes.gusset(stand)
@@ -526,13 +523,37 @@ def _board(stand: TableStand) -> StandParts:
         ),
         Mount(foot.name, GROUND, stand.turn * 1j * sizes.floor, turn, upright=True),
     ]
-    under = sizes.floor - stand.thick - _TABLE
-    west, east = (stand.turn * complex(x, under) for x in _along(stand))
+    low = sizes.floor - t - _TABLE
+    west, east = (stand.turn * complex(x, low) for x in _along(stand))
     ends = min(sizes.back, *(each.low for each in stand.swept)), sizes.front
     table = StandIn(TABLE, GROUND, (), bars=((west, east, _TABLE, *ends),))
+    behind = -t / 2, sum(sizes.foot_tab) / 2  # in z: of the panel's tabs, and of the gussets'
+    beside = [x + t / 2 for x in sizes.gussets]
+    middle = sum(sizes.panel_tab) / 2
+    under = sizes.floor - t / 2
+    in_panel = [(complex(x, middle), behind[0]) for x in beside]
+    in_foot = [(complex(sum(ends) / 2, under), behind[0]) for ends in sizes.tabs]
+    in_foot += [(complex(x, under), behind[1]) for x in beside]
+
+    def glued(places: Sequence[tuple[complex, float]]) -> list[tuple[complex, float]]:
+        return [(stand.turn * at, z) for at, z in places]
+
+    up = stand.turn * 1j
     steps = [
-        (gusset.name, "behind the panel, a tab of each in its slot"),
-        (foot.name, "on the tabs of panel and gussets, flush below"),
+        StandStep(
+            gusset.name,
+            "behind the panel, a tab of each in its slot",
+            (0.0, 0.0, 1.0),
+            glued(in_panel),
+            t,
+        ),
+        StandStep(
+            foot.name,
+            "on the tabs of panel and gussets, flush below",
+            (up.real, up.imag, 0.0),
+            glued(in_foot),
+            t,
+        ),
     ]
     return StandParts([panel, gusset, foot], mounts, table, steps)
 
@@ -602,9 +623,21 @@ def _box(stand: TableStand) -> StandParts:
     bottom = -t - depth
     disc = middle, abs(high_corner - middle), bottom - 2 * _TABLE, bottom
     table = StandIn(TABLE, GROUND, (disc,))
+    beneath = (0.0, 0.0, 1.0)
+    in_ends = [
+        (complex(x0 + t / 2, (a + b) / 2), -t / 2)
+        for a, b in _odd(y)
+        for x0 in (low.real, high_corner.real - t)
+    ]
+    in_sides = [
+        (complex((a + b) / 2, y0 + t / 2), -t / 2)
+        for a, b in _odd(x)
+        for y0 in (low.imag, high_corner.imag - t)
+    ]
+    fingers = "beside the ends, the fingers in theirs, the tabs in the lid"
     steps = [
-        (end.name, "under the lid, the tabs in its notches"),
-        (side.name, "beside the ends, the fingers in theirs, the tabs in the lid"),
+        StandStep(end.name, "under the lid, the tabs in its notches", beneath, in_ends, t),
+        StandStep(side.name, fingers, beneath, in_sides, t),
     ]
     return StandParts([panel, side, end], mounts, table, steps)
 
