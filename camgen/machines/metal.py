@@ -153,7 +153,8 @@ def bore_notes(bore: ShaftBore, material: str) -> list[str]:
     if getattr(bore, "key_screw", None) is not None:
         return []
     if bore.bore_shape == "keyway":
-        screw = " or parts.set_screw" if isinstance(bore, CamParts) else ""
+        has_hub = isinstance(bore, CamParts) and bore.hub_height
+        screw = " or parts.set_screw" if has_hub else ""
         return [
             f"Nothing keeps it from sliding along its shaft and key: a shoulder or a ring on the shaft{screw}."
         ]

@@ -183,7 +183,9 @@ def _cell(group: Sequence[Finding], kind: str) -> str:
         bar = f'<span class="use"><span class="bar"><i style="width:{80 * min(used, 1.25):.1f}%"></i></span> {percent}</span>'
     count = f" <small>tightest of {len(group)}</small>" if len(group) > 1 else ""
     bad = "" if all(finding.ok for finding in group) else " bad"
-    return f'<td class="n{bad}" data-of="{kind.upper() or "designed"}">{rounded(worst.measured)}{count}{bar}</td>'
+    long = worst.unit == "h" and worst.measured > _LONG_LIFE >= worst.limit
+    said = value_text(worst.measured, "h", 6) if long else rounded(worst.measured)
+    return f'<td class="n{bad}" data-of="{kind.upper() or "designed"}">{said}{count}{bar}</td>'
 
 
 def figure_lists(numbers: Figures) -> str:

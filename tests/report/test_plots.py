@@ -14,9 +14,10 @@ from hypothesis import strategies as st
 from matplotlib.font_manager import findfont
 from PIL import ImageFont
 
+from camgen.findings import Where, at_least
 from camgen.report.colours import part_colour
 from camgen.report.plots import plot_figure, simplification, ticks
-from camgen.report.tables import value_text
+from camgen.report.tables import _cell, value_text
 from camgen.report.words import rounded, rows
 from camgen.study import Figure, Figures, Plot
 
@@ -194,6 +195,9 @@ def test_parts_have_colours_of_their_own_neighbours_ones_far_apart() -> None:
 
 def test_a_life_of_more_than_ten_years_is_told_no_more_exactly() -> None:
     assert value_text(1.939e8, "h", 4) == "over 100 000"
+    for least, said in ((2e4, "over 100 000"), (2e5, "193 900 000")):
+        life = at_least("BEARING_LIFE", 1.939e8, least, "h", Where("roller"), "")
+        assert f">{said}<" in _cell([life], "")
     assert value_text(8766.0, "h", 4) == "8766" and value_text(1.939e8, "mm", 4) == "193 900 000"
 
 
