@@ -312,7 +312,7 @@ def layer_rows(
 ) -> list[tuple[str, str, str, str]]:
     """Rows of the edges of every layer, and of holes that only it has; none for a plain circle or a tall stack.
 
-    holes: those that are told already; zero: where X and Y are 0, mm; names: of layers that have one.
+    holes: those that are told already; shape_of: what a hole or a round layer is; zero: where X and Y are 0, mm; names: of layers that have one.
     """
     layers = part.layers
     hole_keys = {(hole.place, hole.shape) for hole in holes}
@@ -345,7 +345,7 @@ def layer_rows(
                     names.get(k, ""),
                     number(disc[0].real),
                     number(disc[0].imag),
-                    f"Ø{number(2 * disc[1])}, {span}",
+                    f"{shape_of(Hole(disc[0], f'Ø{number(2 * disc[1])}', *disc))}, {span}",
                 )
             )
         elif len(layers) == 1 and slotted_wheel(layer.region.outer):

@@ -246,7 +246,12 @@ class DrawnPart:
         names = {k: name for k, (name, _) in self.standing.items()}
         holes = [hole for _, hole in self.named]
         return rows + layer_rows(
-            self.part, holes, self.tolerance, self.facts.shape, self.zero, names
+            self.part,
+            holes,
+            self.tolerance,
+            self.facts.shape,
+            self.zero,
+            names,
         )
 
     def _radii_of_profile(self) -> list[tuple[float, float]]:

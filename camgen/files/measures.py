@@ -30,11 +30,16 @@ class Measure:
 
 
 def dimension(
-    sheet: Sheet, ends: tuple[complex, complex], away: complex, measure: Measure, tolerance: str
+    sheet: Sheet,
+    ends: tuple[complex, complex],
+    away: complex,
+    measure: Measure,
+    tolerance: str,
+    left: float = 0.0,
 ) -> None:
     """Linear dimension between two ends, its line moved by `away`; arrows outside where it is short.
 
-    tolerance: the sheet's general one, which says how many decimals a number without a fit has.
+    tolerance: the sheet's general one, which says how many decimals a number without a fit has; left: edge of the paper that is free.
     """
     drawn = Sheet(0.0, 0.0, "")
     out = away / abs(away)
@@ -57,8 +62,11 @@ def dimension(
     text = f"{measure.sign}{number(measure.value, digits)}{measure.behind}"
     label = Text(0j, text, high, "centre", reading, "DIM")
     middle = (start + end) / 2
-    if length < label.width + 7:  # beside the arrows: to the left, or above
-        tail, out = (start, -along) if abs(along.real) > 0.5 else (end, along)
+    if (
+        length < label.width + 7
+    ):  # beside the arrows: to the left where there is room, or to the right, or above
+        across = abs(along.real) > 0.5 and (start - (label.width + 2) * along).real > left
+        tail, out = (start, -along) if across else (end, along)
         middle = tail + out * (label.width / 2 + 1)
         drawn.line(tail, tail + out * (label.width + 2), layer="DIM")
     drawn.things.append(replace(label, at=middle + 0.9j * reading))

@@ -19,7 +19,7 @@ NOTES = SIZES["A4"][0] - FILING - MARGIN - WIDTH - 6  # width, beside the title 
 def notes_of(drawn: DrawnPart) -> list[str]:
     """All notes on a part, in lines that fit beside the title block."""
     part = drawn.part
-    lines = []
+    lines = ["Bought, not made: drawn to tell it by"] if part.process == "bought" else []
     if drawn.zero_is and drawn.rows:
         lines.append(f"X and Y from {drawn.zero_is}")
     if drawn.zero:

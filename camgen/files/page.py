@@ -36,4 +36,4 @@ class Page:
 
     def dimension(self, a: complex, b: complex, away: complex, measure: Measure) -> None:
         """A linear dimension of the views."""
-        dimension(self.sheet, (a, b), away, measure, self.tolerance)
+        dimension(self.sheet, (a, b), away, measure, self.tolerance, FILING + 1)

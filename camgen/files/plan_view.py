@@ -233,12 +233,18 @@ class PlanView:
         if circle and (self.drawn.disc is None or abs(circle[1] - self.drawn.disc) > SAME_POINT):
             centre, radius = circle
             aside = cmath.exp(0.25j * math.pi)
-            self._leader(centre + radius * aside, aside, f"Ø{number(2 * radius)}")
+            self._leader(centre + radius * aside, aside, self._diameter(2 * radius))
         if free(self.drawn.part.region.outer) and not (self.drawn.facts.levels or self.drawn.lock):
             ends = nearest_and_farthest(self.drawn.outer)
             ways = [(z / abs(z) if z else 1) for z in ends]
             for point, way, word in zip(ends, ways, ("smallest", "largest"), strict=True):
                 self._leader(point, way, f"(R{number(abs(point))}) {word}")
+
+    def _diameter(self, size: float) -> str:
+        """A diameter, mm, of a shank with its fit and its deviations."""
+        shank, fit = self.drawn.facts.shank
+        own = f" {in_limits(fit, shank)}" if fit and abs(size - shank) < SAME_POINT else ""
+        return f"Ø{number(size)}{own}"
 
     def _leader(self, point: complex, direction: complex, text: str) -> None:
         """Arrow from outside onto a point of the outline, with the text along it, aside from the overall sizes."""

@@ -73,6 +73,7 @@ class Facts:
     thread: str = ""  # such as "M6", of the screws that hold a groove's plates together
     bore_fit: str = ""  # of the bore, such as "H7"
     outer_fit: str = ""  # of a round outline
+    shank: tuple[float, str] = (0.0, "")  # of a headed pin its diameter, mm, and fit
     key_fit: str = ""  # of a keyway's width
     # of each track its name, and by cam angle, deg, where its follower touches it: complex mm, in the sense in which it turns
     tracks: Sequence[tuple[str, Sequence[tuple[float, complex]]]] = ()
@@ -105,7 +106,7 @@ class Facts:
     checked_by: str = ""
 
     def shape(self, hole: Hole) -> str:
-        """What a hole is, with its fit where one is known."""
+        """What a hole or a round layer is, with its fit where one is known."""
         for fit in self.fits:
             if (
                 abs(fit.at - hole.place) < SAME_POINT
@@ -113,7 +114,9 @@ class Facts:
             ):
                 size, *more = hole.shape.split(", ", 1)
                 return ", ".join([f"{size} {fit.words}", *more])
-        return hole.shape
+        shank, fit_of_shank = self.shank
+        is_shank = fit_of_shank and abs(2 * hole.radius - shank) < SAME_POINT
+        return f"{hole.shape} {fit_of_shank}" if is_shank else hole.shape
 
 
 def weighed(mass: float) -> str:

@@ -18,6 +18,7 @@ from camgen.files.limits import in_limits
 from camgen.files.timing import Motion
 from camgen.files.title_block import Facts, Fit, Groove, Rider
 from camgen.files.tracks import looser
+from camgen.geometry.arcs import as_circle
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine.cams.machine import CamTouch
@@ -49,6 +50,7 @@ _IN_METAL = Facts(
 )
 _IN_PLASTIC = Facts(position=0.2)
 _MEDIUM = "ISO 2768-m"  # general tolerance of what is printed or cut of a sheet, unless its spec says other
+_PIN = "m6"  # of pins that are pressed in a hole H7, as dowels are sold [ISO 8734, ISO 2338]
 _ROD = "h9"  # fit of rod as it is sold, and of rollers
 # Chamfer of a bore by the diameter up to which it is usual, mm: camgen's own rule.
 _CHAMFERS = ((10.0, 0.5), (40.0, 1.0), (math.inf, 1.5))
@@ -76,6 +78,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     material = materials.of(mechanism.material.name)
     cut = printed and material.metal
     metal = steel or cut
+    of_metal = metal or (material.metal and part.process == "bought")
     usual = _IN_METAL if cut else _IN_PLASTIC
     names = [each.name for each in mechanism.assembly.parts]
     bore_fit = sheet.bore_fit or ("H7" if metal else "")
@@ -104,7 +107,8 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         number=f"{sheet.number}-{names.index(part.name) + 1:02d}" if sheet.number else "",
         date=sheet.date or "",
         fits=tuple(_fits(mechanism, part, sheet.seat_fit or bore_fit, looser(usual.profile))),
-        outer_fit=_outer_fit(mechanism, part) if metal else "",
+        outer_fit=_outer_fit(mechanism, part) if of_metal else "",
+        shank=(_pins(mechanism).get(part.name, 0.0), _PIN) if of_metal else (0.0, ""),
         profile_step_deg=sheet.profile_step_deg if part.name in _cams(mechanism) else None,
         # dowels carry a track: they lie no farther off than the track may
         position=min(place, profile) if dowelled else place,
@@ -381,10 +385,44 @@ def _off(z: complex, rim: Points) -> float:
 
 
 def _outer_fit(mechanism: Mechanism, part: Part) -> str:
-    """Fit of the round outline of a rod or a roller; "" of another part, or of one with a head."""
+    """Fit of the round outline of a pin, a rod or a roller; "" of another part, or of one with a head."""
     discs = [round_of(layer.region.outer) for layer in part.layers]
-    sizes = {disc and round(disc[1], 6) for disc in discs}
-    return _ROD if len(sizes) == 1 and (_of_rod(part) or part.name in _rollers(mechanism)) else ""
+    if len({disc and round(disc[1], 6) for disc in discs}) != 1:
+        return ""
+    if part.name in _pins(mechanism):
+        return _PIN
+    return _ROD if _of_rod(part) or part.name in _rollers(mechanism) else ""
+
+
+def _pins(mechanism: Mechanism) -> dict[str, float]:
+    """Diameters of what is pressed into others, mm, by the names of the parts."""
+    return _pressed(mechanism.assembly, mechanism.print.press_clearance)
+
+
+@lru_cache(maxsize=1)
+def _pressed(assembly: Assembly, clearance: float) -> dict[str, float]:
+    """Solid round parts of which a hole of another part holds the thinnest layer with that clearance, but for rods: diameters, mm."""
+    poses, outlines = _standing_still(assembly)
+    bores = [
+        (part.name, standing(part, pose, layer, *hole))
+        for part in assembly.parts
+        for layer in part.layers
+        for hole in filter(None, map(round_of, layer.region.holes))
+        for pose in poses[part.name]
+    ]
+    found = dict[str, float]()
+    for part in assembly.parts:
+        round_layers = all(as_circle(layer.region.outer) for layer in part.layers)
+        solid = not any(layer.region.holes for layer in part.layers)
+        if not (round_layers and solid) or _of_rod(part):
+            continue
+        size = min(shaft.diameter for shaft in outlines[part.name])
+        shanks = [each for each in outlines[part.name] if abs(each.diameter - size) < SAME_POINT]
+        for name, bore in bores:
+            tight = abs(bore.diameter - size - clearance) < SAME_POINT
+            if tight and name != part.name and any(bore.holds(shank) for shank in shanks):
+                found[part.name] = size
+    return found
 
 
 def _of_rod(part: Part) -> bool:
@@ -418,6 +456,7 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
         if _of_rod(other)
         for shaft in outlines[other.name]
     ]
+    pins = [shaft for name in _pins(mechanism) for shaft in outlines[name]]
     holes = set[tuple[complex, float]]()
     for layer in part.layers:
         for place, radius in filter(None, map(round_of, layer.region.holes)):
@@ -441,13 +480,21 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
                     holes.add((place, radius))
                     words = f"{word} on Ø{number(sizes[0])}"
                     if word == "press" and seat and not clearance:
-                        if any(bore.holds(rod) for bore in bores for rod in rods):
-                            words = f"glued on Ø{number(sizes[0])} {_ROD}"
+                        words = _held(bores, rods, pins, words, sizes[0])
                         words = f"{in_limits(seat, 2 * radius)}, {words}"
                     elif word == "slide" and play:
                         words = f"{play}, {words}"
                     yield Fit(place, 2 * radius, words)
                     break
+
+
+def _held(
+    bores: Sequence[Round], rods: Sequence[Round], pins: Sequence[Round], words: str, size: float
+) -> str:
+    """Words of a hole in which something of so much is pressed, mm: a rod is glued, a pin has a fit."""
+    if any(bore.holds(rod) for bore in bores for rod in rods):
+        return f"glued on Ø{number(size)} {_ROD}"
+    return f"{words} {_PIN}" if any(bore.holds(pin) for bore in bores for pin in pins) else words
 
 
 @lru_cache(maxsize=1)  # an assembly is the same object for all of its parts

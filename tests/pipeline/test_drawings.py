@@ -109,21 +109,34 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     metal = starters.METAL["geneva-table"]
     mechanism, found = facts("gallery/geneva-table", *metal)
     glued, turns = "H7 (+0.015/0), glued on Ø10 h9", "+0.05/0, slide on"
-    assert fits(found["crank"]) == {0: glued, 35: "H7 (+0.012/0), press on Ø5"}
+    assert fits(found["crank"]) == {0: glued, 35: "H7 (+0.012/0), press on Ø5 m6"}
     assert fits(found["ground"]) == {0: f"{turns} Ø10", 70: f"{turns} Ø10"}
     assert fits(found["roller-crank_to_table"]) == {0: f"{turns} Ø5"}
     parts = {part.name: part for part in mechanism.assembly.parts}
-    sizes = {"shaft": "%%c<> h9 (0/-0.036)", "roller-crank_to_table": "%%c<> h9 (0/-0.043)"}
+    sizes = {
+        "shaft": "%%c<> h9 (0/-0.036)",
+        "roller-crank_to_table": "%%c<> h9 (0/-0.043)",
+        "pin-1": "%%c<> m6 (+0.012/+0.004)",  # nutbolt.org/Standards/Pin-Dowel.html, table 3
+    }
     for name, size in sizes.items():
         path, *_ = write_drawing(tmp_path, "x", parts[name], 1e-3, found[name])
         space = ezdxf.readfile(path).modelspace()
         assert size in {each.dxf.text for each in space.query("DIMENSION")}
     assert {name for name, each in found.items() if each.outer_fit} == {*sizes, "shaft-table"}
+    assert {name for name, each in found.items() if each.shank[0]} == {"pin-1", "knob-pin"}
+    path, *_ = write_drawing(tmp_path, "x", parts["knob-pin"], 1e-3, found["knob-pin"])
+    texts = {each.dxf.text for each in ezdxf.readfile(path).modelspace().query("TEXT")}
+    assert {"%%c8, z 0 to 1.5", "%%c5 m6 (+0.012/+0.004)"} <= texts
+    assert [each for each in texts if each.startswith("%%c5 m6, z 1.5 to ")]
+    assert fits(found["hand-crank"])[40] == "H7 (+0.012/0), press on Ø5 m6"
+    path, *_ = write_drawing(tmp_path, "x", parts["pin-1"], 1e-3, found["pin-1"])
+    texts = [each.dxf.text for each in ezdxf.readfile(path).modelspace().query("TEXT")]
+    assert "Bought, not made: drawn to tell it by" in texts
     assert "hole P for a pin pressed in tight" in parts["crank"].notes
     assert "hole O glued on the shaft" in parts["crank"].notes
     _, plain = facts("gallery/geneva-table")
     assert fits(plain["crank"]) == {0: "press on Ø6", 35: "press on Ø5"}
-    assert not any(each.outer_fit for each in plain.values())
+    assert not any(each.outer_fit or each.shank[0] for each in plain.values())
 
 
 @pytest.mark.parametrize("material", ["PLA", "C45", "16MnCr5"])
