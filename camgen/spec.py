@@ -435,7 +435,8 @@ class Drawing(Record):
     )
     seat_fit: Fit | None = Field(
         default=None,
-        description="fit of holes into which dowels and bearings are pressed; left out: as bore_fit",
+        description="fit of holes into which dowels and bearings are pressed; left out: as bore_fit, of ball bearings in metal "
+        '"JS7"',
     )
     profile: Annotated[float, quantity("mm", gt=0, le=1)] | None = Field(
         default=None,

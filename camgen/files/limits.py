@@ -52,7 +52,7 @@ def deviations(size: float, fit: str) -> tuple[float, float] | None:
     if k == len(_STEPS):
         return None
     width = grade[k] / 1000
-    if letter == "JS":
+    if letter in ("JS", "js"):
         return -width / 2, width / 2
     if k >= len(_NEAREST[letter]):
         return None

@@ -51,6 +51,11 @@ _IN_METAL = Facts(
 _IN_PLASTIC = Facts(position=0.2)
 _MEDIUM = "ISO 2768-m"  # general tolerance of what is printed or cut of a sheet, unless its spec says other
 _PIN = "m6"  # of pins that are pressed in a hole H7, as dowels are sold [ISO 8734, ISO 2338]
+# A ball bearing up to 18 mm under a load whose direction turns: its shaft js5 to js6 [hchbearing.com, required running accuracy and
+# fit, Manuquality.aspx?cid=46&Seccid=229], its housing J7 under light load [auto-agro.sk/katalog/klietky, NTN, 6.4]; js and JS
+# are within a few thousandths of j and J.
+_JOURNAL = "js6"
+_SEAT = "JS7"
 _ROD = "h9"  # fit of rod as it is sold, and of rollers
 # Chamfer of a bore by the diameter up to which it is usual, mm: camgen's own rule.
 _CHAMFERS = ((10.0, 0.5), (40.0, 1.0), (math.inf, 1.5))
@@ -106,9 +111,11 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         tolerance=sheet.tolerance or (_IN_METAL.tolerance if metal else _MEDIUM),
         number=f"{sheet.number}-{names.index(part.name) + 1:02d}" if sheet.number else "",
         date=sheet.date or "",
-        fits=tuple(_fits(mechanism, part, sheet.seat_fit or bore_fit, looser(usual.profile))),
+        fits=()
+        if part.process == "bought"
+        else tuple(_fits(mechanism, part, sheet.seat_fit or bore_fit, looser(usual.profile))),
         outer_fit=_outer_fit(mechanism, part) if of_metal else "",
-        shank=(_pins(mechanism).get(part.name, 0.0), _PIN) if of_metal else (0.0, ""),
+        shank=_pins(mechanism).get(part.name, (0.0, "")) if of_metal else (0.0, ""),
         profile_step_deg=sheet.profile_step_deg if part.name in _cams(mechanism) else None,
         # dowels carry a track: they lie no farther off than the track may
         position=min(place, profile) if dowelled else place,
@@ -390,27 +397,38 @@ def _outer_fit(mechanism: Mechanism, part: Part) -> str:
     if len({disc and round(disc[1], 6) for disc in discs}) != 1:
         return ""
     if part.name in _pins(mechanism):
-        return _PIN
+        return _pins(mechanism)[part.name][1]
     return _ROD if _of_rod(part) or part.name in _rollers(mechanism) else ""
 
 
-def _pins(mechanism: Mechanism) -> dict[str, float]:
-    """Diameters of what is pressed into others, mm, by the names of the parts."""
+def _pins(mechanism: Mechanism) -> dict[str, tuple[float, str]]:
+    """Diameters of what is pressed into others, mm, and their fits, by the names of the parts."""
     return _pressed(mechanism.assembly, mechanism.print.press_clearance)
 
 
+def _rings(assembly: Assembly) -> list[Part]:
+    """Ball bearings."""
+    return [p for p in assembly.parts if p.process == "bought" and p.region.holes]
+
+
 @lru_cache(maxsize=1)
-def _pressed(assembly: Assembly, clearance: float) -> dict[str, float]:
-    """Solid round parts of which a hole of another part holds the thinnest layer with that clearance, but for rods: diameters, mm."""
+def _pressed(assembly: Assembly, clearance: float) -> dict[str, tuple[float, str]]:
+    """Solid round parts of which a hole of another part holds the thinnest layer with that clearance, but for rods: diameters, mm, and
+    fits."""
     poses, outlines = _standing_still(assembly)
-    bores = [
-        (part.name, standing(part, pose, layer, *hole))
-        for part in assembly.parts
-        for layer in part.layers
-        for hole in filter(None, map(round_of, layer.region.holes))
-        for pose in poses[part.name]
-    ]
-    found = dict[str, float]()
+
+    def bores(parts: Sequence[Part]) -> list[tuple[str, Round]]:
+        return [
+            (part.name, standing(part, pose, layer, *hole))
+            for part in parts
+            for layer in part.layers
+            for hole in filter(None, map(round_of, layer.region.holes))
+            for pose in poses[part.name]
+        ]
+
+    rings = bores(_rings(assembly))
+    others = bores(assembly.parts)
+    found = dict[str, tuple[float, str]]()
     for part in assembly.parts:
         round_layers = all(as_circle(layer.region.outer) for layer in part.layers)
         solid = not any(layer.region.holes for layer in part.layers)
@@ -418,11 +436,23 @@ def _pressed(assembly: Assembly, clearance: float) -> dict[str, float]:
             continue
         size = min(shaft.diameter for shaft in outlines[part.name])
         shanks = [each for each in outlines[part.name] if abs(each.diameter - size) < SAME_POINT]
-        for name, bore in bores:
-            tight = abs(bore.diameter - size - clearance) < SAME_POINT
-            if tight and name != part.name and any(bore.holds(shank) for shank in shanks):
-                found[part.name] = size
+
+        if _tight(others, part, shanks, clearance):
+            borne = _tight(rings, part, shanks, clearance)
+            found[part.name] = size, _JOURNAL if borne else _PIN
     return found
+
+
+def _tight(
+    bores: Sequence[tuple[str, Round]], part: Part, shanks: Sequence[Round], clearance: float
+) -> bool:
+    """Whether one of the bores of other parts holds one of a part's round layers with that clearance, mm."""
+    return any(
+        abs(bore.diameter - shank.diameter - clearance) < SAME_POINT and bore.holds(shank)
+        for name, bore in bores
+        for shank in shanks
+        if name != part.name
+    )
 
 
 def _of_rod(part: Part) -> bool:
@@ -456,7 +486,8 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
         if _of_rod(other)
         for shaft in outlines[other.name]
     ]
-    pins = [shaft for name in _pins(mechanism) for shaft in outlines[name]]
+    pins = [(shaft, fit) for name, (_, fit) in _pins(mechanism).items() for shaft in outlines[name]]
+    rings = [shaft for ring in _rings(mechanism.assembly) for shaft in outlines[ring.name]]
     holes = set[tuple[complex, float]]()
     for layer in part.layers:
         for place, radius in filter(None, map(round_of, layer.region.holes)):
@@ -481,7 +512,9 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
                     words = f"{word} on Ø{number(sizes[0])}"
                     if word == "press" and seat and not clearance:
                         words = _held(bores, rods, pins, words, sizes[0])
-                        words = f"{in_limits(seat, 2 * radius)}, {words}"
+                        borne = any(bore.holds(ring) for bore in bores for ring in rings)
+                        own = _SEAT if borne and play and not mechanism.drawing.seat_fit else seat
+                        words = f"{in_limits(own, 2 * radius)}, {words}"
                     elif word == "slide" and play:
                         words = f"{play}, {words}"
                     yield Fit(place, 2 * radius, words)
@@ -489,12 +522,19 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
 
 
 def _held(
-    bores: Sequence[Round], rods: Sequence[Round], pins: Sequence[Round], words: str, size: float
+    bores: Sequence[Round],
+    rods: Sequence[Round],
+    pins: Sequence[tuple[Round, str]],
+    words: str,
+    size: float,
 ) -> str:
-    """Words of a hole in which something of so much is pressed, mm: a rod is glued, a pin has a fit."""
+    """Words of a hole in which something of so much is pressed, mm: a rod and what has no excess are glued, a pin has a fit."""
     if any(bore.holds(rod) for bore in bores for rod in rods):
         return f"glued on Ø{number(size)} {_ROD}"
-    return f"{words} {_PIN}" if any(bore.holds(pin) for bore in bores for pin in pins) else words
+    fits = [fit for pin, fit in pins if any(bore.holds(pin) for bore in bores)]
+    if not fits:
+        return words
+    return f"glued on Ø{number(size)} {fits[0]}" if fits[0] == _JOURNAL else f"{words} {fits[0]}"
 
 
 @lru_cache(maxsize=1)  # an assembly is the same object for all of its parts

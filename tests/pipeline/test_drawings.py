@@ -139,6 +139,24 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     assert not any(each.outer_fit or each.shank[0] for each in plain.values())
 
 
+def test_a_ball_bearing_in_metal_has_the_fits_of_its_makers() -> None:
+    """Up to 18 mm js6 on its pin, which is glued in the other link, and JS7 (8 mm: +-0.0075, half of IT7) in its own; nothing is told
+    of the bearing's own bore."""
+    linkage = (*starters.METAL["linkage"], "parts.pin=bearing")
+    mechanism, found = facts("linkage", *linkage)
+    (bearing,) = (each for each in mechanism.assembly.parts if each.name.startswith("bearing"))
+    assert not found[bearing.name].fits and not found[bearing.name].outer_fit
+    assert {found[name].shank for name in found if name.startswith("pin")} == {(5.0, "js6")}
+    assert fits(found["crank"])[20] == "H7 (+0.012/0), glued on Ø5 js6"
+    seats = fits(found["coupler"])
+    assert seats[0] == seats[60] == "JS7 (±0.0075), press on Ø8"
+    own = facts("linkage", *linkage, "drawing.seat_fit=P9")[1]
+    assert fits(own["coupler"])[0].startswith("P9")
+    assert not any(
+        "JS7" in fit.words for fit in facts("linkage", "parts.pin=bearing")[1]["coupler"].fits
+    )
+
+
 @pytest.mark.parametrize("material", ["PLA", "C45", "16MnCr5"])
 def test_a_groove_s_walls_of_metal_have_their_threads_in_the_table(
     tmp_path: Path, material: str
