@@ -12,6 +12,7 @@ from camgen.files.page import FILING, MARGIN, SIZES
 from camgen.files.sheet import Text
 from camgen.files.title_block import WIDTH
 from camgen.geometry.arcs import as_circle
+from camgen.parts.part import SizeNote
 
 NOTES = SIZES["A4"][0] - FILING - MARGIN - WIDTH - 6  # width, beside the title block of an A4 sheet
 
@@ -19,7 +20,9 @@ NOTES = SIZES["A4"][0] - FILING - MARGIN - WIDTH - 6  # width, beside the title 
 def notes_of(drawn: DrawnPart) -> list[str]:
     """All notes on a part, in lines that fit beside the title block."""
     part = drawn.part
-    lines = ["Bought, not made: drawn to tell it by"] if part.process == "bought" else []
+    stock = any(isinstance(note, SizeNote) for note in part.notes)  # which is cut
+    bought = part.process == "bought" and not stock
+    lines = ["Bought, not made: drawn to tell it by"] if bought else []
     if drawn.zero_is and drawn.rows:
         lines.append(f"X and Y from {drawn.zero_is}")
     if drawn.zero:

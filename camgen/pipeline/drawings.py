@@ -83,7 +83,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     material = materials.of(mechanism.material.name)
     cut = printed and material.metal
     metal = steel or cut
-    of_metal = metal or (material.metal and part.process == "bought")
+    of_metal = metal or _of_rod(part) or (material.metal and part.process == "bought")
     usual = _IN_METAL if cut else _IN_PLASTIC
     names = [each.name for each in mechanism.assembly.parts]
     bore_fit = sheet.bore_fit or ("H7" if metal else "")

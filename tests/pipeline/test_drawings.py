@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -139,6 +140,19 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     assert not any(each.outer_fit or each.shank[0] for each in plain.values())
 
 
+def test_rods_of_a_drum_s_machine_have_their_fit_at_the_dimension(tmp_path: Path) -> None:
+    """A rod h9 of 6 is 0/-0.030 [ISO 286]; it is cut to length, so no sheet says that it comes made."""
+    mechanism, found = facts("cylinder-cam", "parts.make=printed", "print.slide_clearance=0.2")
+    parts = {part.name: part for part in mechanism.assembly.parts}
+    path, *_ = write_drawing(tmp_path, "x", parts["rod"], 1e-3, found["rod"])
+    space = ezdxf.readfile(path).modelspace()
+    (fit,) = (e.dxf.text for e in space.query("DIMENSION") if e.dxf.text.startswith("%%c"))
+    assert re.fullmatch(r"%%c<> h9 \(0/-0\.0(3|36)\)", fit)
+    assert found["shaft"].outer_fit == "h9"
+    said = [each.dxf.text for each in space.query("TEXT")]
+    assert not [each for each in said if each.startswith("Bought")]
+
+
 def test_a_ball_bearing_in_metal_has_the_fits_of_its_makers() -> None:
     """Up to 18 mm js6 on its pin, which is glued in the other link, and JS7 (8 mm: +-0.0075, half of IT7) in its own; nothing is told
     of the bearing's own bore."""
@@ -150,8 +164,8 @@ def test_a_ball_bearing_in_metal_has_the_fits_of_its_makers() -> None:
     assert fits(found["crank"])[20] == "H7 (+0.012/0), glued on Ø5 js6"
     seats = fits(found["coupler"])
     assert seats[0] == seats[60] == "JS7 (±0.0075), press on Ø8"
-    own = facts("linkage", *linkage, "drawing.seat_fit=P9")[1]
-    assert fits(own["coupler"])[0].startswith("P9")
+    own = facts("linkage", *linkage, "drawing.seat_fit=H8")[1]
+    assert fits(own["coupler"])[0].startswith("H8")
     assert not any(
         "JS7" in fit.words for fit in facts("linkage", "parts.pin=bearing")[1]["coupler"].fits
     )
