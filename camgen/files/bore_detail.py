@@ -5,7 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -44,6 +44,7 @@ class BoreDetail:
     scale: float
     room: tuple[complex, complex]
     foot: complex
+    turned: bool = False  # from its place in the views
 
     @property
     def _radius(self) -> float:
@@ -56,7 +57,12 @@ class BoreDetail:
         return extent([self.contour])[1].imag
 
     def draw(self, sheet: Sheet, scales: Sequence[float]) -> None:
-        """Draw it; scales: from the largest down."""
+        """Draw it, a flat that stands askew upwards; scales: from the largest down."""
+        flat = flat_of(self.contour)
+        if flat and min(abs(flat[0].real), abs(flat[0].imag)) > SAME_POINT:
+            upright = self.contour.moved(1j / flat[0])
+            replace(self, contour=upright, turned=True).draw(sheet, scales)
+            return
         low, high = self.room
         top = self._top
         radius = self._radius
@@ -70,7 +76,7 @@ class BoreDetail:
             end = at + scale * (top if way == 1j else radius) * way + over
             sheet.line(start, end, layer="CENTER")
         larger = f" ({number(scale)}:1)" if scale > self.scale else ""  # else as the views
-        title = f"Bore {self.letters[0]}".rstrip() + larger
+        title = f"Bore {self.letters[0]}".rstrip() + ", turned" * self.turned + larger
         level = min(high.imag - 6, middle + scale * top + _TITLE)
         sheet.text(complex(low.real + 1.5, level), title, 3.5)
         self._sizes(sheet, at, scale)

@@ -486,7 +486,7 @@ def test_a_cam_s_overall_sizes_are_references(tmp_path):
     assert "%%c18" in texts_of(write_drawing(tmp_path, "d", disc(9), TOLERANCE, META)[0])
 
 
-@pytest.mark.parametrize("at", [90, 0, 270])
+@pytest.mark.parametrize("at", [90, 0, 270, 33, 200])
 def test_the_flat_of_a_bore_is_dimensioned_over_its_far_side(at):
     """A bore of 8 whose flat is 0.5 deep: 7.5 over it, whichever way it lies. It is the datum of angles, and no rim is one."""
     turn = cmath.exp(1j * math.radians(at - 90))
@@ -498,6 +498,14 @@ def test_the_flat_of_a_bore_is_dimensioned_over_its_far_side(at):
         (round(each.value, 6), each.fit) for each in layout.sheet.things if isinstance(each, Size)
     }
     assert (7.5, " +0.1/0") in sizes
+    for (
+        each
+    ) in layout.sheet.things:  # square to its line: what a CAD program measures is what is said
+        if isinstance(each, Size):
+            away = each.line - each.b
+            assert abs(((each.b - each.a) * away.conjugate()).real) < 1e-6 * abs(away)
+    titles = [t.text for t in layout.sheet.primitives if isinstance(t, Text) and "Bore A" in t.text]
+    assert [", turned" in title for title in titles] == [at % 90 != 0]
     assert layout.drawn.angle_letter == "B"
     assert layout.drawn.rows[0][3] == "Ø8 H7, 7.5 +0.1/0 over its flat"
 
