@@ -297,15 +297,6 @@ class Mechanism(Spec, ABC):
             "material.density": self.material.density or materials.of(self.material.name).density
         }
 
-    def choices(self) -> list[tuple[str, object]]:
-        """Keys that camgen works out where a spec leaves them open, with their values, then those of what is bought."""
-        bought = [
-            (thing.key, f"{thing.name}: {thing.size}")
-            for thing in self.assembly.bought
-            if thing.key
-        ]
-        return [*self._found().items(), *bought]
-
     def resolved(self) -> Self:
         """A spec that makes the same files, with everything filled in that camgen works out."""
         data = self.model_dump(by_alias=True, exclude_none=True)

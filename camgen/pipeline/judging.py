@@ -46,7 +46,7 @@ from camgen.pipeline.making import (
 from camgen.pipeline.reading import Read, budget_of, judge_motion, judge_part, judge_rows, moved_by
 from camgen.pipeline.scope import ANY, READ, Outcome, Stage, machined, not_judged, of_parts, unheard
 from camgen.pipeline.servo import servo_files
-from camgen.pipeline.shopping import steps_of_assembly
+from camgen.pipeline.shopping import choices, steps_of_assembly
 from camgen.pipeline.summary import plates_of
 from camgen.progress import Progress
 from camgen.report.report import Report
@@ -584,7 +584,7 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
         *warnings,
     )
     finding = judge_list(case.file("parts", "csv"), table)
-    chosen = Table(_CHOSEN, ("key", "chosen"), mechanism.choices(), digits=4)
+    chosen = Table(_CHOSEN, ("key", "chosen"), choices(mechanism), digits=4)
     tables = [table, chosen, steps_of_assembly(mechanism)]
     return Outcome(
         [finding],

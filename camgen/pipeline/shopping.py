@@ -39,6 +39,13 @@ def _standing(assembly: Assembly) -> tuple[list[StandingCopy], Fixing]:
     return copies, with_joints(assembly.process.fixing, assembly.features)
 
 
+def choices(mechanism: Mechanism) -> list[tuple[str, object]]:
+    """Keys that camgen works out where a spec leaves them open, with their values, then those of what is bought."""
+    things = [each for each in mechanism.assembly.bought if each.key]
+    bought = [(thing.key, f"{thing.name}: {thing.size}") for thing in things]
+    return [*mechanism._found().items(), *bought]
+
+
 def stock(mechanism: Mechanism) -> list[Bought]:
     """Steel from which parts are cut: of each size the length of all of them."""
     pieces = defaultdict[str, list[float]](list)

@@ -23,7 +23,7 @@ from camgen.pipeline.build import build, check
 from camgen.pipeline.case import Case
 from camgen.pipeline.laser import sheet_files
 from camgen.pipeline.making import models_alone
-from camgen.pipeline.shopping import stock, tools
+from camgen.pipeline.shopping import choices, stock, tools
 from camgen.pipeline.summary import plates_of
 
 GROOVE = """
@@ -114,10 +114,10 @@ def test_what_camgen_chooses_is_told_with_its_key_and_stays_so_when_the_key_is_s
     """A drum whose radius the spec leaves open, and the screws of a plate on its stand: M3 has a core hole of 2.5 [ISO 2306]."""
     machine = camgen.load(tomllib.loads(starters.text("drum-feeder")))
     assert "radius" not in machine.source_tables["geometry"]
-    chosen = dict(machine.choices())
+    chosen = dict(choices(machine))
     assert chosen["geometry.radius"] == 34 and chosen["parts.pieces"] == 2
-    assert dict(machine.resolved().choices()) == chosen
-    stands = dict(camgen.load(tomllib.loads(starters.text("four-bar"))).choices())
+    assert dict(choices(machine.resolved())) == chosen
+    stands = dict(choices(camgen.load(tomllib.loads(starters.text("four-bar")))))
     assert stands["parts.mount_diameter"] == "screw of the plate, through the stand: M3 x 8"
     assert stands["layers.coupler"] == 2
 
