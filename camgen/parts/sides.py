@@ -337,7 +337,8 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str])
                 f"{taker} on {mirror.shaft} and the far second plate on the {on}",
             ),
         ]
-    joining = (last, Step(doings, joins=f"{PREFIX} side", hand_fits=[hole]))
+    dry = (mirror.shaft,) if screws else ()
+    joining = (last, Step(doings, joins=f"{PREFIX} side", hand_fits=[hole], dry=dry))
     rows += [with_things(joining, [*screws, *coupled(near)])]
     rows += [row for row in further if not row[1].shapes]
     return numbered(replace(first, title="Assembly, side by side"), rows)

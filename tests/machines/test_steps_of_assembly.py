@@ -753,6 +753,8 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
         k for k, title in enumerate(titles) if title.startswith("Lower the far side on the spacers")
     )
     assert "Shaft-crank_web3 goes into O of the far crank_web3; turn the far crank" in titles[join]
+    assert "No glue" in titles[join]
+    assert {mate.how for mate in table.steps[join].mates} == {"free"}, "as it says"
     (slips,) = (title for title in titles if "spacer-1 over O of crank_web3" in title)
     assert "spacer-1 over O of crank_web3, stuck there with a dot of grease." in slips
     deep = {each.name: each for each in walker.assembly.stand_ins}["motor"]
