@@ -311,6 +311,8 @@ def test_a_machine_that_cannot_be_tells_where_its_keys_are_written(
     spec.write_text("\n".join(row for row in rows if not row.startswith("hub_diameter")), "utf-8")
     *_, first, _ = run(*build)[2].splitlines()
     assert first == "  parts.hub_diameter: not in s.toml; 16 is its default"
+    said = run(*build, "--set", "geometry.base_radius=0.025")[2]
+    assert "note: geometry.base_radius = 0.025 is read in mm; 0.025 m are 25 mm" in said
 
 
 # ---- JSON ------------------------------------------------------------------------------------------------------------

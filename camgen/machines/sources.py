@@ -72,13 +72,15 @@ def _located(error: SpecError, spec: Path, overrides: Sequence[str]) -> SpecErro
 
 @contextmanager
 def placing(spec: Source, overrides: Sequence[str], mechanism: Mechanism) -> Iterator[None]:
-    """Within it a DesignError tells on which lines of a spec's file the keys stand that it names, or what holds without them."""
+    """Within it a DesignError tells what was read in another way than it may be meant, and on which lines of a spec's file the
+    keys stand that it names, or what holds without them."""
     try:
         yield
     except DesignError as error:
-        if not isinstance(spec, str | PathLike):
-            raise
-        raise error.placed(_places(str(error), Path(spec), overrides, mechanism)) from None
+        places: list[str] = []
+        if isinstance(spec, str | PathLike):
+            places = _places(str(error), Path(spec), overrides, mechanism)
+        raise error.placed([*(f"note: {hint}" for hint in mechanism.hints), *places]) from None
 
 
 _KEY = re.compile(r"[a-z]\w*(?:\.\w+)+|[a-z]+_\w+")
