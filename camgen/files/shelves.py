@@ -1,9 +1,9 @@
 """Where the files of a large machine lie: by what a person does with them.
 
-print      plates, parts to print as STL and 3MF
+print      plates, parts as STL and 3MF
 laser      sheets to cut
 drawings   dimensioned drawings
-cad        outlines and paths to cut, exact solids, the assembly, tables for servo drives; STL and 3MF of what is not printed
+cad        outlines and paths to cut, exact solids, the assembly, tables for servo drives
 the top    report, lists, texts, curves, spec and manifest
 """
 
@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 
 MOST_FLAT = 20  # files
@@ -34,9 +34,9 @@ def shelf(name: str) -> str:
 
 
 def located(path: Path) -> Path:
-    """A file of a build where it lies, on a shelf or flat; a stray copy beside the shelves does not count."""
-    places = (path.parent / name / path.name for name in (shelf(path.name), *NAMES))
-    return next((place for place in places if place.exists()), path) if shelf(path.name) else path
+    """A file of a build where it lies, on its shelf or flat; a stray copy beside the shelves does not count."""
+    shelved = path.parent / shelf(path.name) / path.name
+    return shelved if shelved.exists() else path
 
 
 def shelved(folder: Path, pattern: str = "*") -> list[Path]:
@@ -50,15 +50,12 @@ def listed(folder: Path, pattern: str) -> list[Path]:
     return sorted(found, key=lambda path: (len(path.name), path.name))
 
 
-def put_away(folder: Path, names: Iterable[str], models: Collection[str] = ()) -> None:
-    """Move the files of a build onto their shelves where it has many; names: of those that are still to come to the top.
-
-    models: names of solids that nobody prints, such as those of bought parts: they lie in cad, not in print.
-    """
+def put_away(folder: Path, names: Iterable[str]) -> None:
+    """Move the files of a build onto their shelves where it has many; names: of those that are still to come to the top."""
     files = [path for path in folder.iterdir() if path.is_file()]
     if len(files) + len({*names} - {path.name for path in files}) <= MOST_FLAT:
         return
     for path in files:
-        if name := "cad" if path.name in models else shelf(path.name):
+        if name := shelf(path.name):
             (folder / name).mkdir(exist_ok=True)
             os.replace(path, folder / name / path.name)

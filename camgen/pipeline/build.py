@@ -28,7 +28,7 @@ from camgen.machines.sources import read_mechanism as read_mechanism
 from camgen.parts import materials
 from camgen.pipeline.case import Case, cores
 from camgen.pipeline.judging import judge, read_parts
-from camgen.pipeline.making import make_parts, models_alone, put_together
+from camgen.pipeline.making import make_parts, put_together
 from camgen.pipeline.namesakes import namesake
 from camgen.pipeline.rebuild import Rebuild, judged_files, kinds_of, packages_of, system
 from camgen.pipeline.summary import Summary, report_files, scene_of, write_report, write_texts
@@ -105,7 +105,7 @@ def _built(
         report, columns = judge(case, kinds, reading, workers, progress)
         progress("writing the report", 0.85)
         summary = Summary(kinds, report, columns, scene)
-        put_away(folder, [MANIFEST, *report_files(summary)], models_alone(case))
+        put_away(folder, [MANIFEST, *report_files(summary)])
         write_report(summary, case, folder)
         write_manifest(folder, packages_of(kinds), {"kinds": kinds, "system": system()})
     said = f"{staged.target / 'spec.toml'} was changed since its build and is written again; the changed one is kept as"

@@ -223,16 +223,6 @@ def assembly_copies(mechanism: Mechanism) -> list[PartCopy]:
     ]
 
 
-def models_alone(case: Case) -> set[str]:
-    """Names of the solids of parts that nobody prints, for CAD alone."""
-    printed = {part.name for part in printed_parts(case.mechanism.assembly)}
-    return {
-        case.file(name, kind).name
-        for name in case.parts.keys() - printed
-        for kind in ("stl", "3mf")
-    }
-
-
 def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyType({})) -> Table:
     """The parts list: what is printed, with material, mass and time of all copies, then what is cut, turned or bought, the steel
     from which parts are cut, what the builder adds, and the drills.

@@ -706,7 +706,7 @@ def test_steps_of_a_drum_machine_give_a_height_to_what_lies_level_alone() -> Non
     assert titles[drum["step"] - 1].startswith("Lower the drum and the carriage at once")  # type: ignore[operator,index]
     (rods,) = (title for title in titles if "× rod" in title)
     assert rods.startswith(
-        "Glue 4 × rod upright into the lower end plate, flush with its underside; the two that stand farther"
+        "Glue 4 × rod upright into the lower end plate, flush with its underside. The two farther from"
     )
 
 
@@ -736,10 +736,10 @@ def test_steps_of_a_drum_machine_say_where_the_shaft_stands_and_what_is_glued(
         title for title in glued if "no glue" in title
     ]  # the picture says what the words say
     assert [title for title in glued if "glue spacer-below" in title.lower()]
-    (shaft,) = (title for title in titles if "stand the shaft upright" in title)
+    (shaft,) = (title for title in titles if "Stand the shaft upright" in title)
     # sheets of paper of 0.1 mm hold the shaft's lower end over the table
     assert (
-        shaft.startswith(f"Lay five sheets of paper, {low['shaft']:g} mm, under")
+        shaft.startswith(f"Lay five sheets of paper, {low['shaft']:g} mm in all, under")
         and low["shaft"] == 0.5
     )
     (drum,) = (title for title in titles if title.startswith("Lower the drum"))

@@ -152,7 +152,7 @@ def test_play_is_half_of_the_lash_that_the_judge_finds_in_the_files(
 
 
 QUESTIONS = {"model", "solve", "motion", "assembly", "limits", "forecast", "study", "prepare"}
-QUESTIONS |= {"resolved", "remarks", "recovered", "scene"}
+QUESTIONS |= {"resolved", "remarks", "recovered", "scene", "free_play"}
 OTHERS = {
     "replace",
     "settled_tables",

@@ -22,7 +22,6 @@ from camgen.measuring.motion import Request, run
 from camgen.pipeline.build import build, check
 from camgen.pipeline.case import Case
 from camgen.pipeline.laser import sheet_files
-from camgen.pipeline.making import models_alone
 from camgen.pipeline.shopping import choices, stock, tools
 from camgen.pipeline.summary import plates_of
 
@@ -91,23 +90,6 @@ def test_few_files_lie_flat_and_one_more_does_not(
     put_away(tmp_path, ["manifest.json", "report.json"])
     assert located(tmp_path / "a.dxf") == tmp_path / "cad" / "a.dxf"
     assert listed(tmp_path, "a.*") == [tmp_path / "cad" / "a.dxf", tmp_path / "print" / "a.stl"]
-
-
-def test_solids_that_nobody_prints_lie_in_cad_and_are_found_there(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """What lies in print is what is printed, and no more."""
-    monkeypatch.setattr("camgen.files.shelves.MOST_FLAT", 3)
-    names = ("a-pin.stl", "a-pin.3mf", "a-arm.stl", "a-arm.3mf")
-    for name in names:
-        (tmp_path / name).touch()
-    put_away(tmp_path, [], {"a-pin.stl", "a-pin.3mf"})
-    places = [located(tmp_path / name).parent.name for name in names]
-    assert places == ["cad", "cad", "print", "print"]
-    case = Case(camgen.load(tomllib.loads(starters.text("drum-feeder"))), tmp_path)
-    bought = ("bearing", "rod", "roller", "roller-pin", "shaft")
-    kinds = ("stl", "3mf")
-    assert models_alone(case) == {f"drum-feeder-{name}.{kind}" for name in bought for kind in kinds}
 
 
 def test_what_camgen_chooses_is_told_with_its_key_and_stays_so_when_the_key_is_set() -> None:
