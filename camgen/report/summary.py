@@ -158,8 +158,8 @@ def _figures(report: Report) -> Iterator[Headline]:
         if worst is not None and worst.code == "LASH" and worst.ok and not worst.measured:
             continue  # a force holds the joints to one side
         if worst is not None and (not code or worst is not strained):
-            outputs = {f.where.output for f in by_code[worst.code]} - {""}
-            of = f" of {worst.where.output}" if len(outputs) > 1 else ""
+            output = worst.where.output  # a file tells that of its worst output alone
+            of = f" of {output}" if output and len(strokes) > 1 else ""
             yield Headline(
                 f"{name or _STRENGTH[worst.code]}{of}", worst.measured, worst.unit, worst
             )

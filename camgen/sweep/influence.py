@@ -461,7 +461,7 @@ def influence_text(
     lines = [f"### {code} in {_title(spec)}"]
     if not found.findings:
         lines.append(
-            "Nothing shows it before files are made: its limit is not given, or `camgen build` judges it, if the machine has it."
+            "Only files show it here: `camgen build` judges it, if the machine has it and its limit is given."
         )
     for each in found.findings:
         sign = "at least" if each.floor else "at most"

@@ -575,5 +575,6 @@ class Parts(Record):
             yield self._fault("shaft_length", f"at least {least:g} mm: {held}")
         flat = self.shaft_flat or self.shaft != "through"
         if flat and not 0.05 <= self.shaft_flat / self.shaft_diameter < 0.5:
-            right = "between a twentieth and half of shaft_diameter, so that it turns the link"
+            thin, half = 0.05 * self.shaft_diameter, self.shaft_diameter / 2
+            right = f"{thin:g} to less than {half:g} mm on this shaft, so that it turns the link"
             yield self._fault("shaft_flat", right)
