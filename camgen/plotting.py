@@ -100,13 +100,16 @@ def write_plots(folder: Path, prefix: str, plots: Sequence[Plot]) -> None:
 
 def _draw(axes: Axes, plot: Plot, log: bool) -> None:
     """Draw a plot: its series, marks and named points."""
-    for k, (label, x, y) in enumerate(plot.series):
+    alike: dict[str, int] = {}  # series of one colour
+    for name, x, y in plot.series:
+        k = alike.setdefault(plot.hollow.get(name, name), len(alike))
         colour = SERIES[k % len(SERIES)]
-        label = label.replace("_", " ")
+        label = name.replace("_", " ")
         heights = np.where(np.isfinite(y), y, np.nan)
-        if plot.series[k][0] in plot.dots:
+        if name in plot.dots:
             shape = _DOTS[k // len(SERIES) % len(_DOTS)]
-            axes.plot(x, heights, shape, color=colour, markersize=3, label=label)
+            inside = "none" if name in plot.hollow else colour
+            axes.plot(x, heights, shape, color=colour, mfc=inside, markersize=4, label=label)
         else:
             axes.plot(x, heights, color=colour, linestyle=_DASHES[k % len(_DASHES)], label=label)
     for name, at in plot.marks:

@@ -92,7 +92,8 @@ class Plot:
     """Curves of the report: series of (label, x, y); `marks` are vertical lines (label, x).
 
     A plot over the cam angle has x in degrees. equal: a shape, one mm the same both ways; dots: names of series that are
-    points, not a line; points: places with names, (name, x, y); levels: horizontal lines (text, y) in place of the scale's,
+    points, not a line; hollow: of them those that are drawn hollow, with the series whose colour they share; points: places with
+    names, (name, x, y); levels: horizontal lines (text, y) in place of the scale's,
     where each series has a scale of its own; sources: of labels such as "x from DXF" what they show and
     where it is from, ("x", "DXF"); places: y is where something stands, of which zero is a place as any other.
     """
@@ -104,6 +105,7 @@ class Plot:
     marks: Sequence[tuple[str, float]] = ()
     equal: bool = False
     dots: Sequence[str] = ()
+    hollow: Mapping[str, str] = field(default_factory=dict)
     points: Sequence[tuple[str, float, float]] = ()
     levels: Sequence[tuple[str, float]] = ()
     sources: Mapping[str, tuple[str, str]] = field(default_factory=dict)

@@ -458,6 +458,13 @@ def test_a_plot_of_a_sweep_names_the_values_of_its_other_key() -> None:
         beyond = "" if row["verdict"] == "limits hold" else ", does not hold"
         wanted.setdefault(f"law = {row['segment.0.law']}{beyond}", []).append(row[angle])
     assert drawn == wanted and len(drawn) == 4
+    lines = {str(line.get_label()): line for line in axes.get_lines()}
+    for law in laws:
+        held, not_held = lines[f"law = {law}"], lines[f"law = {law}, does not hold"]
+        assert held.get_color() == not_held.get_color()
+        assert held.get_markerfacecolor() == held.get_color()
+        assert not_held.get_markerfacecolor() == "none"
+    assert len({line.get_color() for line in axes.get_lines()}) == 2
     assert [text.get_text() for text in axes.get_legend().get_texts()] == list(drawn)
     assert axes.get_title(loc="left") == "Sweep of disc-cam"
     many = camgen.sweep(DISC, {size: "9:40", "segment.0.lift": "10:12"}, how=30)

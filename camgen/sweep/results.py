@@ -105,7 +105,7 @@ class SweepTable:
     def plot(self, x: str, *columns: str) -> Figure:
         """Columns over another one, below each other, which a notebook shows; a colour for each value of the other keys that vary.
 
-        Rows that do not hold are apart. Where the other keys have more than 24 values together, all rows have one colour.
+        Rows that do not hold are hollow. Where the other keys have more than 24 values together, all rows have one colour.
         """
         from camgen.plotting import figure_of
 
@@ -123,16 +123,18 @@ class SweepTable:
             values = [()] * len(self.rows)
         held = np.array([row["verdict"] in (HOLDS, LIMITS) for row in self.rows], bool)
         series = []
+        hollow = {}
         for each in dict.fromkeys(values):
             names = (f"{key.rpartition('.')[2]} = {v}" for key, v in zip(others, each, strict=True))
             label = ", ".join(names) or "holds"
             alike = np.array([value == each for value in values], bool) & np.isfinite(self[column])
             failing = f"{label}, does not hold" if others else "does not hold"
+            hollow[failing] = label
             for name, part in ((label, alike & held), (failing, alike & ~held)):
                 if part.any():
                     series.append((name, self[x][part], self[column][part]))
         title = f"Sweep of {self.task.data.get('name', Path(self.task.source).stem)}"
-        return Plot(title, x, column, series, dots=[label for label, *_ in series])
+        return Plot(title, x, column, series, dots=[label for label, *_ in series], hollow=hollow)
 
     def write(self, path: str | PathLike[str]) -> None:
         """Write the table as .csv or .parquet; SpecError for another name, FileError where it cannot be written."""
