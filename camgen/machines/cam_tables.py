@@ -54,6 +54,7 @@ class CamTables(Template):
         ("parts", "make", "machine"): ("parts", "make", "printed"),
         ("bodies",): ("parts",),
     }
+    hardened = True
     doubled: ClassVar[Collection[str]]  # keys that [parts] of cams alone and [bodies] both had
 
     @classmethod

@@ -71,12 +71,15 @@ class Mechanism(Spec, ABC):
     # keys of every spec that this machine has no use for: table, key, what would be right
     no_use: ClassVar[Sequence[tuple[str, str, str]]] = ()
 
+    # whether it is a cam or drum, which is hardened where its follower runs if its metal can be
+    hardened: ClassVar[bool] = False
+
     load: Weight | None = Field(default=None, description="loads on the machine")
 
     @model_validator(mode="before")
     @classmethod
     def _of_walls(cls, data: Any) -> Any:
-        return with_walls(data)
+        return with_walls(data, cls.hardened)
 
     def __repr__(self) -> str:
         """Its kind and name, and how to see more."""

@@ -24,22 +24,25 @@ _RIM = 2.5  # dowels: width of a groove's rim
 _BESIDE = 0.7  # of a bore: from its axis to the wall beside its keyway
 
 
-def with_walls(data: Any) -> Any:
-    """A spec's tables with the least wall of parts of metal, at least 1 mm and four depths of a hardened case, where they leave it
-    open and name a metal."""
+def with_walls(data: Any, hardened: bool) -> Any:
+    """A spec's tables with the least wall of parts of metal where they leave it open and name a metal: 1 mm.
+
+    hardened: whether a case is hardened where followers run; then at least four of its depths.
+    """
     if not isinstance(data, Mapping):
         return data
     material, limits = (data.get(key, {}) for key in ("material", "limits"))
     if not (isinstance(material, Mapping) and isinstance(limits, Mapping)):
         return data
     name = material.get("name")
-    return (
-        {**data, "limits": {"min_wall": _least_wall(name), **limits}} if _is_metal(name) else data
-    )
+    if not _is_metal(name):
+        return data
+    least = _least_wall(name) if hardened else _WALL
+    return {**data, "limits": {"min_wall": least, **limits}}
 
 
 def _least_wall(metal: str) -> float:
-    """Least wall of a part, mm."""
+    """Least wall of a cam or drum, mm."""
     return max(_WALL, _CASES * materials.of(metal).case)
 
 

@@ -284,12 +284,35 @@ def test_walls_of_metal_are_thicker_than_two_lines_of_a_print(material: str, lea
 
 @pytest.mark.parametrize("spec", ["cylinder-cam", "indexing-cam", "linkage", "uniform-swing"])
 def test_walls_of_all_machines_of_metal_are_alike(spec: str) -> None:
-    """The same rule as for a disc cam."""
+    """Of a steel without a case the same rule as for a disc cam."""
     file = STARTER.with_name(f"{spec}.toml")
     bare = [] if spec == "linkage" else ["limits.min_wall="]  # the linkage's has none
     for material, least in (("PLA", 0.8), ("C45", 1.0)):
         made: Any = read_mechanism(file, [*bare, f"material.name={material}"])
         assert made.allowed.min_wall == pytest.approx(least)
+
+
+@pytest.mark.parametrize(
+    ("spec", "least"),
+    [
+        ("cylinder-cam", 3.2),
+        ("drum", 3.2),
+        ("indexing-cam", 3.2),
+        ("linear-cam", 3.2),
+        ("gallery/geneva-table", 1.0),
+        ("linkage", 1.0),
+        ("uniform-swing", 1.0),
+    ],
+)
+def test_what_is_no_cam_or_drum_has_no_case(spec: str, least: float) -> None:
+    """Four cases of 0.8 mm where a roller runs; nothing of a linkage is hardened, and its links bear 1 mm."""
+    file = STARTER.parent / f"{spec}.toml"
+    bare = ["limits.min_wall="] if "\nmin_wall" in file.read_text() else []
+    if spec == "drum":  # its rows lie 2 mm apart
+        bare.append("row.1.height=26")
+    made: Any = read_mechanism(file, [*bare, "material.name=16MnCr5"])
+    assert made.allowed.min_wall == pytest.approx(least)
+    assert made.assembly.parts
 
 
 def test_the_ends_of_a_hardened_drum_are_as_thick_as_its_walls() -> None:

@@ -98,6 +98,7 @@ class CylinderCam(Mechanism):
         **Mechanism.old_words,
         ("motor", "shaft_diameter"): ("parts", "bore"),
     }
+    hardened = True
 
     geometry: DrumGeometry
     segment: Annotated[tuple[SegmentTable, ...], Field(min_length=1, max_length=100), WholeTurn] = (

@@ -67,6 +67,7 @@ _BY_WAY: dict[str, Any] = {"angle": "way of the plate", "unit": "mm"}  # how pla
 class LinearCamDrive(Mechanism):
     """Spec and answers of a linear cam; the output is the follower's displacement s, mm or rad."""
 
+    hardened = True
     no_use = (
         ("print", "profile_compensation", _AS_DRAWN),
         ("print", "shrinkage", _AS_DRAWN),
