@@ -166,9 +166,11 @@ class BoreDetail:
         roughness(sheet, foot, text)
 
 
-def over_flat(facts: Facts) -> str:
-    """Deviations of the distance over a bore's flat, mm: in metal those of a keyway's depth; "" where none is asked for."""
-    return f"+{_OVER_FLAT:g}/0" if facts.key_fit else ""
+def over_flat(facts: Facts, shaft: bool = False) -> str:
+    """Deviations of the distance over a bore's flat, mm, or over a shaft's: in metal those of a keyway's depth; "" where none is
+    asked for."""
+    sizes = f"0/-{_OVER_FLAT:g}" if shaft else f"+{_OVER_FLAT:g}/0"
+    return sizes if facts.key_fit else ""
 
 
 def _limits(fit: str, size: float) -> str:

@@ -81,6 +81,9 @@ def _shop_notes(drawn: DrawnPart) -> list[str]:
     facts = drawn.facts
     if drawn.chamfer:
         lines.append(f"Bore chamfered {number(drawn.chamfer)} × 45° at both ends")
+    if facts.rod_chamfer:
+        lines.append(f"Both ends chamfered {number(facts.rod_chamfer)} × 45°")
+        lines += [f"Round Ra {facts.bore_roughness:g}"] if facts.bore_roughness else []
     if drawn.plate:
         lines.append("All holes go through")
     fine = _finer(drawn)
@@ -121,6 +124,7 @@ def _finer(drawn: DrawnPart) -> str:
         ("slots and hollows", facts.roughness and drawn.slotted),
         ("locking arc", facts.roughness and drawn.lock),
         ("bore", facts.bore_roughness and drawn.bored),
+        ("round", facts.bore_roughness and facts.rod_chamfer),
         (_rim(drawn), facts.bore_roughness and drawn.rim_letter),
     )
     names = [name for name, own in faces if own]

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from camgen.files import views
+from camgen.files.bore_detail import over_flat
 from camgen.files.dimensions import Hole, flatted, free, nearest_and_farthest, number
 from camgen.files.drawn_part import DrawnPart
 from camgen.files.geneva_view import PAST_SLOT
@@ -72,8 +73,10 @@ class PlanView:
             for size in (span.real, span.imag)
         )
         wide, tall = signs
-        fit = self.drawn.facts.outer_fit if wide == "Ø" else ""
-        fit = in_limits(fit, span.real) if fit else ""
+        flat = over_flat(self.drawn.facts, shaft=True) if shaft else ""
+        outer_fit = self.drawn.facts.outer_fit
+        round_fit = in_limits(outer_fit, span.real) if outer_fit else ""
+        fit = round_fit if wide == "Ø" else flat
         self.page.dimension(
             low, complex(high.real, low.imag), -1j * _GAP, Measure(span.real, wide, fit)
         )
@@ -84,7 +87,9 @@ class PlanView:
             datum(self.page.sheet, foot, -1j, self.drawn.rim_letter)
         if self.drawn.disc is None:
             aside = -_GAP + 0j
-            self.page.dimension(low, complex(low.real, high.imag), aside, Measure(span.imag, tall))
+            fit = "" if tall else flat
+            ends = low, complex(low.real, high.imag)
+            self.page.dimension(*ends, aside, Measure(span.imag, tall, fit))
         self._radii()
         if self.drawn.section:
             y = self.drawn.section.y

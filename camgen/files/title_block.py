@@ -97,6 +97,7 @@ class Facts:
     symmetry: float = 0.0  # of a keyway about its bore: width of the zone of its middle plane, mm
     run_out: float = 0.0  # of the face at z = 0 about the bore, mm
     bore_chamfer: float = 0.0  # at both ends of the bore, at 45 deg, mm
+    rod_chamfer: float = 0.0  # at both ends of a rod, at 45 deg, mm
     roughness_elsewhere: float = 0.0
     edges: str = ""
     heat_treatment: str = ""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -49,6 +49,9 @@ _IN_METAL = Facts(
     edges="broken 0.2 to 0.4, ISO 13715",
 )
 _IN_PLASTIC = Facts(position=0.2)
+_OF_ROD = replace(_IN_METAL, profile=0.0, roughness=0.0, symmetry=0.0, run_out=0.0)  # in metal
+_ROD_STEEL = "C45+C"  # bright drawn: camgen's own choice
+_ROD_STRENGTH = f"tensile strength at least {2 * STEEL.bears:g} MPa"  # on which loads count
 _MEDIUM = "ISO 2768-m"  # general tolerance of what is printed or cut of a sheet, unless its spec says other
 _PIN = "m6"  # of pins that are pressed in a hole H7, as dowels are sold [ISO 8734, ISO 2338]
 # A ball bearing up to 18 mm under a load whose direction turns: its shaft js5 to js6 [hchbearing.com, required running accuracy and
@@ -83,8 +86,9 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     material = materials.of(mechanism.material.name)
     cut = printed and material.metal
     metal = steel or cut
+    rod = round_of(part.region.outer) if steel and material.metal and _of_rod(part) else None
     of_metal = metal or _of_rod(part) or (material.metal and part.process == "bought")
-    usual = _IN_METAL if cut else _IN_PLASTIC
+    usual = _IN_METAL if cut else _OF_ROD if rod else _IN_PLASTIC
     names = [each.name for each in mechanism.assembly.parts]
     bore_fit = sheet.bore_fit or ("H7" if metal else "")
     profile = sheet.profile or usual.profile
@@ -100,6 +104,8 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         if of_sheet and material.printed
         else _material(material)
         if printed or of_sheet
+        else f"{_ROD_STEEL} ({materials.of('C45').number})"
+        if rod
         else "steel"
         if steel
         else part.process,
@@ -144,9 +150,10 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         symmetry=_asked(sheet.symmetry, usual.symmetry),
         run_out=_asked(sheet.run_out, usual.run_out),
         bore_chamfer=_asked(sheet.bore_chamfer, _chamfer(part.bore) if cut else 0.0),
+        rod_chamfer=_chamfer(2 * rod[1]) if rod else 0.0,
         edges=sheet.edges or usual.edges,
         heat_treatment=sheet.heat_treatment
-        or (material.treatment if cut and (runs or not case) else ""),
+        or (material.treatment if cut and (runs or not case) else _ROD_STRENGTH if rod else ""),
         ground=case and runs,
         revision=sheet.revision or "",
         drawn_by=sheet.drawn_by or "",

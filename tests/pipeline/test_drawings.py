@@ -123,6 +123,12 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
         path, *_ = write_drawing(tmp_path, "x", parts[name], 1e-3, found[name])
         space = ezdxf.readfile(path).modelspace()
         assert size in {each.dxf.text for each in space.query("DIMENSION")}
+    path, *_ = write_drawing(tmp_path, "x", parts["shaft"], 1e-3, found["shaft"])
+    space = ezdxf.readfile(path).modelspace()
+    assert "<> 0/-0.1" in {each.dxf.text for each in space.query("DIMENSION")}, "over its flat"
+    texts = {each.dxf.text for each in space.query("TEXT")}
+    assert {"Both ends chamfered 0.5 x 45%%d", "Round Ra 1.6", "C45+C (1.0503)"} <= texts
+    assert {"All faces but for the round Ra 3.2", "Tensile strength at least 700 MPa"} <= texts
     assert {name for name, each in found.items() if each.outer_fit} == {*sizes, "shaft-table"}
     assert {name for name, each in found.items() if each.shank[0]} == {"pin-1", "knob-pin"}
     path, *_ = write_drawing(tmp_path, "x", parts["knob-pin"], 1e-3, found["knob-pin"])
@@ -137,7 +143,7 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     assert "hole O glued on the shaft" in parts["crank"].notes
     _, plain = facts("gallery/geneva-table")
     assert fits(plain["crank"]) == {0: "press on Ø6", 35: "press on Ø5"}
-    assert not any(each.outer_fit or each.shank[0] for each in plain.values())
+    assert not any(each.outer_fit or each.shank[0] or each.rod_chamfer for each in plain.values())
 
 
 def test_rods_of_a_drum_s_machine_have_their_fit_at_the_dimension(tmp_path: Path) -> None:
