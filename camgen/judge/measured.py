@@ -7,6 +7,7 @@ import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -35,6 +36,9 @@ Sections = Sequence[Sequence[Shape]]  # of a part: shapes at each height
 _PARALLEL = 0.01  # rad, leaning more is another face
 _SAME_FACE = 0.02  # of the width: faces at two heights that are further apart are two faces
 _FLAT = 0.35  # of the diameter: a longer straight piece of a hole is a flat
+_STRAIGHT = (
+    0.002  # of the diameter: no piece of a circle as straight as this is longer than 0.09 of it
+)
 _SAME_HOLE = 0.25  # of the diameter: a ring that is nearer than this in place and size is the eye
 _HEAD = 1.0  # mm, a ring that is larger by more is a pin's head, not its shank
 _SHANK = 0.5  # mm, what is wider than the thinnest ring by more is a head as well
@@ -82,7 +86,9 @@ def measure(eye: Eye, sections: Sections) -> MeasuredEye | None:
         if id(shape) not in known:
             rings: Sequence[Ring] = [shape.outer] if eye.shaft else shape.holes
             near = [
-                ring for ring in rings if abs(ring.centroid - eye.at) <= _SAME_HOLE * eye.diameter
+                _with_whole_flats(ring, eye.diameter)
+                for ring in rings
+                if abs(ring.centroid - eye.at) <= _SAME_HOLE * eye.diameter
             ]
             circles = hole_circles(Shape(shape.outer, tuple(near)))
             pairs = zip(circles, near, strict=True)
@@ -97,6 +103,26 @@ def measure(eye: Eye, sections: Sections) -> MeasuredEye | None:
     spread = magnitude(centres - centres[0])
     size = max(each for each in sizes if each <= min(sizes) + _SHANK) if eye.shaft else min(sizes)
     return MeasuredEye(complex(centres.mean()), size, spread)
+
+
+def _with_whole_flats(ring: Ring, diameter: float) -> Ring:
+    """The ring with each flat as one edge: a slicer lays it in several, and the vertices between them lie on no circle."""
+    import shapely
+
+    if len(ring.points) < 4:  # no flat in pieces
+        return ring
+    start = int(np.argmax(np.abs(ring.points - ring.centroid)))  # a corner, or on the round part
+    z = np.roll(ring.points, -start)
+    straight = np.roll(ring.bulges == 0, -start)
+    line = shapely.LinearRing(coordinates(z))
+    ends = shapely.get_coordinates(line.simplify(_STRAIGHT * diameter))
+    corners = np.flatnonzero(np.isin(z, ends @ np.array([1, 1j])))
+    whole = np.ones(len(z), bool)
+    for first, last in pairwise([*corners.tolist(), len(z)]):
+        length = abs(z[last % len(z)] - z[first])
+        if length > _FLAT * diameter and straight[first:last].all():
+            whole[first + 1 : last] = False
+    return Ring(z[whole], np.roll(ring.bulges, -start)[whole])
 
 
 def _free(circle: Circle, ring: Ring) -> float:
@@ -381,7 +407,8 @@ def _facing(eye: Eye, facing: float, sections: Sections) -> float | None:
     for hole in (hole for shapes in sections for shape in shapes for hole in shape.holes):
         if abs(hole.centroid - eye.at) > _SAME_HOLE * eye.diameter:
             continue
-        way = np.where(hole.bulges == 0, hole.ends - hole.points, 0.0)
+        ring = _with_whole_flats(hole, eye.diameter)
+        way = np.where(ring.bulges == 0, ring.ends - ring.points, 0.0)
         side = way[int(np.argmax(np.abs(way)))]
         if abs(side) > _FLAT * eye.diameter:
             off = cmath.phase(complex(side) / 1j / cmath.exp(1j * facing))

@@ -224,6 +224,34 @@ def test_a_flat_in_a_hole_takes_nothing_of_its_diameter(count: int, depth: float
     assert seen is not None and seen.diameter == pytest.approx(4 * math.cos(0.34), abs=1e-9)
 
 
+@pytest.mark.parametrize("start", [0, 30, 61, 62])
+@pytest.mark.parametrize("cuts", [[0.13], [0.5], [0.1, 0.3, 0.6, 0.9]])
+def test_a_flat_that_is_laid_in_pieces_is_one(start: int, cuts: list[float]) -> None:
+    """A slicer parts a flat into a long and a short piece, two halves or five, none straight to the last micrometre."""
+    half = math.acos(0.73)
+    angles = 0.4 + np.linspace(half, math.tau - half, 61)
+    round_part = 3 * np.exp(1j * angles)
+    along = round_part[-1] + np.array(cuts) * (round_part[0] - round_part[-1])
+    ring = polygon(3j + np.roll(np.append(round_part, along * 1.001), -start))
+    found = measure(Eye("x", 3j, 6.0), [[Shape(PLATE, (ring,))]])
+    assert found is not None and found.centre == pytest.approx(3j, abs=1e-9)
+    step = (math.tau - 2 * half) / 60
+    assert found.diameter == pytest.approx(6 * math.cos(step / 2), abs=1e-9)
+    both = Eye("x", 3j, 6.0), Eye("y", 3j, 6.0)
+    files = {each.part: [[Shape(PLATE, (ring,))]] for each in both}
+    assert not read([SharedFlat(*both, 0.4)], files, drawing=False).lost
+
+
+@pytest.mark.parametrize("inwards", [0.3, 0.1])
+def test_a_bump_opposite_a_flat_is_in_the_way(inwards: float) -> None:
+    """Only what is straight is a flat: one vertex that stands into the hole takes of its diameter."""
+    half = math.acos(0.73)
+    z = 3 * np.exp(1j * np.linspace(half, math.tau - half, 62))
+    z[30] *= 1 - inwards / 3
+    found = measure(Eye("x", 0j, 6.0), [[Shape(PLATE, (polygon(z),))]])
+    assert found is not None and found.diameter < 6 - inwards / 2
+
+
 @settings(max_examples=30)
 @given(at=PLACE, off=st.tuples(NEAR, NEAR), radius=st.floats(1, 8), size=st.floats(-0.02, 0.02))
 def test_a_rounded_end_is_a_circle_through_its_own_points(
