@@ -55,6 +55,8 @@ from camgen.parts.steps import Fixing, called, holding_notes, listed, mated, ord
 from camgen.study import Doing, Later, Mate, Step, Table
 from camgen.tolerances import SAME_POINT
 
+TABLE = "table"  # name of what a machine with a stand is put on in the end
+
 
 @dataclass(frozen=True)
 class Cycle:
@@ -586,15 +588,46 @@ def _with_spring(rows: Sequence[Row], coil: Coil, poses: Mapping[str, Pose]) -> 
 _UNDER = ("motor-bar", "battery-frame")  # roles of what goes under a plate as soon as that is there
 
 
-def by_heights(assembly: Assembly, before: Mapping[str, int] | None = None) -> Table:
-    """The order by height of its own parts but the stand's; before: how many copies of each part are numbered already."""
+def _low_mounts(assembly: Assembly) -> list[Mount]:
+    """Where parts stand as long as the machine lies on the bench: those of a stand but its panel come later."""
     standing = {each.part for each in assembly.support.steps} if assembly.support else set()
+    return [mount for mount in assembly.mounts if mount.part not in standing]
+
+
+def _resting(assembly: Assembly) -> list[Mount]:
+    """What lies on the bench, or on blocks there: a stand's panel, else all copies of the plate."""
+    own = assembly.support.parts if assembly.support else frozenset()
+    mounts = _low_mounts(assembly)
+    name = assembly.frame.part if assembly.frame else GROUND
+    panels = [mount for mount in mounts if mount.part in own]
+    return panels or [mount for mount in mounts if mount.part == name]
+
+
+def depth_below(assembly: Assembly) -> int:
+    """How high blocks under the plate, or under the panel of its stand, are at least, mm; 0 where nothing hangs below it."""
+    ends = [mount.z for mount in _low_mounts(assembly)]
+    ends += [
+        low
+        for thing in assembly.stand_ins
+        if thing.body == GROUND and thing.name != TABLE
+        for low in (*(disc[2] for disc in thing.discs), *(bar[3] for bar in thing.bars))
+    ]
+    foot = min((mount.z for mount in _resting(assembly)), default=min(ends))
+    return max(0, math.ceil(foot - min(ends) - SAME_POINT))
+
+
+def by_heights(
+    assembly: Assembly, before: Mapping[str, int] | None = None, blocks: int = 0
+) -> Table:
+    """The order by height of its own parts but the stand's; before: how many copies of each part are numbered already; blocks:
+    height of those under the plate, mm, at least as high as all that hangs below it."""
     roles = {part.name: part.role for part in assembly.parts}
-    mounts = [mount for mount in assembly.mounts if mount.part not in standing]
-    over = [mount for mount in mounts if roles[mount.part] not in _UNDER]
+    over = [mount for mount in _low_mounts(assembly) if roles[mount.part] not in _UNDER]
     poses = assembly.poses(np.zeros(1))
     fixing = assembly.process.fixing
-    table = order(assembly.parts, over, poses, assembly.features, fixing, before)
+    blocks = blocks or depth_below(assembly)
+    copies = standing_copies(assembly.parts, over, poses, before)
+    table = order(copies, assembly.features, fixing, blocks)
     rows: list[Row] = []
     there = set[str]()
     for cells, step in zip(table.rows, table.steps, strict=True):
@@ -607,35 +640,33 @@ def by_heights(assembly: Assembly, before: Mapping[str, int] | None = None) -> T
             if part == cells[1] and coming
         ]
         rows.append(with_things((tuple(cells), step), things))
-    return numbered(table, _on_plate(rows, assembly, mounts))
+    return numbered(table, _on_plate(rows, assembly, blocks))
 
 
-def _on_plate(rows: Sequence[Row], assembly: Assembly, mounts: Sequence[Mount]) -> Sequence[Row]:
-    """Rows with what goes under the plate after it, and with blocks under it where something hangs below; mounts: without a stand's."""
+def _on_plate(rows: Sequence[Row], assembly: Assembly, blocks: int) -> Sequence[Row]:
+    """Rows with what goes under the plate after it, and with blocks under it where something hangs below; blocks: their height, mm."""
     name = assembly.frame.part if assembly.frame else GROUND
-    plates = [mount.z for mount in mounts if mount.part == name]
-    if not plates:
+    resting = _resting(assembly)
+    if not resting:
         return rows
     last = max(k for k, (cells, _) in enumerate(rows) if cells[1] == name)
     last += sum(1 for _ in takewhile(lambda row: row[1].follows, rows[last + 1 :]))
     first = rows[0][0][1] == name  # else a loose shaft stands under it, where no one glues
     frames = [part for part in assembly.parts if part.role == "battery-frame"]
     glued = [_glued_below(part, assembly, first) for part in frames]
-    under = [*_motor_rows(assembly)] if assembly.motor.reach is not None else []
+    screws = [each for each in assembly.bought if each.role == "mount" and assembly.support]
+    under = [_bought_row(each) for each in screws]
+    under += _motor_rows(assembly) if assembly.motor.reach is not None else []
     under += glued if first else []
     rows = [*rows[: last + 1], *under, *rows[last + 1 :]]
-    ends = [mount.z for mount in mounts]
-    ends += [
-        low
-        for thing in assembly.stand_ins
-        if thing.body == GROUND
-        for low in (*(disc[2] for disc in thing.discs), *(bar[3] for bar in thing.bars))
-    ]
-    depth = math.ceil(min(plates) - min(ends) - SAME_POINT)
-    if depth > 0:
-        cells, step = rows[last]
-        said = f"put two blocks at least {depth} mm high under the plate: parts hang below it"
-        rows[last] = cells, step.also(said)
+    if blocks:
+        lies = resting[0].part
+        low = last if lies == name else next(k for k, row in enumerate(rows) if row[0][1] == lies)
+        what = "the plate" if lies == name else called(assembly.by_name[lies])
+        aside = ", outside of the circle of the hand crank" if assembly.motor.crank else ""
+        cells, step = rows[low]
+        said = f"put two blocks at least {blocks} mm high under {what}{aside}: parts hang below it"
+        rows[low] = cells, step.also(said)
     return rows if first else [*glued, *rows]
 
 
@@ -746,15 +777,14 @@ def _glued_below(part: Part, assembly: Assembly, there: bool) -> Row:
 
 def _last_rows(assembly: Assembly) -> Iterator[Row]:
     """What the machine is put on at the end."""
-    screws = [each for each in assembly.bought if each.role == "mount"]
     last = (
         (0, "table" if assembly.support else "board", assembly.board, "", 1, 0.0, "as yours"),
         Step([Doing(assembly.board)]),
     )
     if assembly.support is None:
+        screws = [each for each in assembly.bought if each.role == "mount"]
         yield with_things(last, [*screws, *coupled(assembly)])
         return
-    yield from map(_bought_row, screws)
     for each in assembly.support.steps:
         name, where = each.part, each.where
         mounts = [mount for mount in assembly.mounts if mount.part == name]

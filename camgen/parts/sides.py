@@ -24,6 +24,7 @@ from camgen.parts.assembly import (
     Row,
     by_heights,
     coupled,
+    depth_below,
     further_rows,
     joined,
     numbered,
@@ -285,8 +286,9 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str])
     before = Counter[str]()
     for mount in near.mounts:
         before[mount.part] += 1
-    first = by_heights(near)
-    second = by_heights(far, before)
+    blocks = max(map(depth_below, (near, far)))  # the same ones, for steps that are done again
+    first = by_heights(near, blocks=blocks)
+    second = by_heights(far, before, blocks)
     screws = [
         replace(each, at=())
         for each in far.bought

@@ -19,10 +19,10 @@ from dataclasses import dataclass, replace
 from itertools import takewhile
 from typing import Literal
 
-from camgen.machine.features import CamOutline, Mount, PartPose, PinEyes, SlideFaces
+from camgen.machine.features import CamOutline, PinEyes, SlideFaces
 from camgen.machine.model import GROUND
 from camgen.parts.part import HoldingNote, Part
-from camgen.parts.standing import Round, Slot, StandingCopy, has_flat, standing_copies
+from camgen.parts.standing import Round, Slot, StandingCopy, has_flat
 from camgen.study import Doing, Mate, Step, Table
 from camgen.tolerances import SAME_POINT
 
@@ -148,21 +148,17 @@ class _Laying:
 
 
 def order(
-    parts: Sequence[Part],
-    mounts: Sequence[Mount],
-    poses: Mapping[str, Sequence[PartPose]],
+    copies: Sequence[StandingCopy],
     pairs: Sequence[object],
     fixing: Fixing,
-    before: Mapping[str, int] | None = None,
+    blocks: float = 0.0,
 ) -> Table:
     """Steps by the height of undersides; what is turned over, such as a pin with its head up, comes from above: by its top; a
     ball bearing with the link that holds it.
 
-    poses: of each part's copies, at one angle; pairs: what joints are measured on; before: copies that are numbered already, by
-    part.
+    copies: as they stand at one angle; pairs: what joints are measured on; blocks: height of those under the plate, mm.
     """
     fixing = with_joints(fixing, pairs)
-    copies = standing_copies(parts, mounts, poses, before)
     rows = list[tuple[object, ...]]()
     steps = list[Step]()
     there = list[StandingCopy]()
@@ -199,7 +195,7 @@ def order(
                 places = [_ON_BENCH]
             elif not places and (there or not laying.copies[0].holes):
                 # a plate that comes first lies
-                places = _fixed_one_by_one(later, laying.copies, there, fixing)
+                places = _fixed_one_by_one(later, laying.copies, there, fixing, blocks)
                 places = places or _waiting(later, laying.copies)
         lies = "turned over" if laying.turned_over else "as drawn"
         row: tuple[object, ...]
@@ -214,10 +210,11 @@ def order(
         rows.append((len(rows) + 1, *row))
         names = [copy.name for copy in laying.copies]
         said = _doings(laying, places, _led(laying.copies[0], there, pairs), first=not there)
+        borne = [] if alone else _borne(laying.copies, there, fixing, blocks)
         moved = [] if alone else _moved(laying.copies, there, fixing)
         steps.append(
             Step(
-                [*said, *moved],
+                [*said, *borne, *moved],
                 names,
                 group=group,
                 what=called(part, len(names)).removeprefix("the "),
@@ -228,7 +225,7 @@ def order(
         )
         (bench if alone else there).extend(laying.copies)
         if bench and len(bench) == len(cluster):
-            row, doings = _put_in(cluster, there, later, fixing)
+            row, doings = _put_in(cluster, there, later, fixing, blocks)
             rows.append((len(rows) + 1, *row))
             by_hand = [*_by_hand(cluster, there, fixing)]
             steps.append(Step(doings, group=group, hand_fits=by_hand))
@@ -262,6 +259,27 @@ def _by_hand(
                         how = fixing.how(hole, holder.part, each, held.part)
                         if hole.holds(each) and how == "glue":
                             yield holder.part.name, hole.name
+
+
+def _borne(
+    coming: Sequence[StandingCopy],
+    there: Sequence[StandingCopy],
+    fixing: Fixing,
+    blocks: float,
+) -> list[Doing]:
+    """What bears links, and a plate on blocks, while pins are pressed into them from above."""
+    letters = defaultdict[str, list[str]](list)
+    for copy in coming:
+        for other in there if copy.mount.flipped else ():
+            bench = other.mount.body == GROUND and not blocks  # on which it lies
+            for mate in () if bench else _mates([copy], [other], fixing):
+                if mate.how != "free" and mate.comes:
+                    letters[other.part.name] += [mate.label] if mate.label else []
+    under = listed(
+        f"{listed(dict.fromkeys(own))} of {name}" if own else name for name, own in letters.items()
+    )
+    rest = ", or under what lies there: it must not bend while you press"
+    return [Doing("put a block under ", under, rest)] if under else []
 
 
 def _moved(
@@ -386,6 +404,7 @@ def _fixed_by(
     copies: Sequence[StandingCopy],
     there: Sequence[StandingCopy],
     fixing: Fixing,
+    blocks: float,
 ) -> list[_Place]:
     """What is said of copies that nothing holds yet: which part that comes later is fixed on them, or goes on or in them; later: in
     the order of their steps."""
@@ -398,11 +417,12 @@ def _fixed_by(
             joins += " and " if joins else ""
             steps += " and " if steps else ""
             said = f"{copy.part.name} is glued on it{by}"
-            return [_loose(f"{joins}{said}", f"{steps}{said} in {_step_of(copy)}", copies, there)]
+            steps = f"{steps}{said} in {_step_of(copy)}"
+            return [_loose(f"{joins}{said}", steps, copies, there, blocks)]
         if mates and not joins:
             joins = f"{copy.part.name} joins it{by}"
             steps = f"{joins} in {_step_of(copy)}"
-    return [_loose(joins, steps, copies, there)] if joins else []
+    return [_loose(joins, steps, copies, there, blocks)] if joins else []
 
 
 def _fixed_one_by_one(
@@ -410,11 +430,12 @@ def _fixed_one_by_one(
     copies: Sequence[StandingCopy],
     there: Sequence[StandingCopy],
     fixing: Fixing,
+    blocks: float,
 ) -> list[_Place]:
     """The same of copies of one part that are not fixed on each other, alike ones together."""
     found = defaultdict[str, list[_Place]](list)
     for copy in copies:
-        for place in _fixed_by(later, [copy], there, fixing):
+        for place in _fixed_by(later, [copy], there, fixing, blocks):
             found[place.where].append(place)
     part = copies[0].part
     return [each[0].lettered([""] * len(each), called(part, len(each))) for each in found.values()]
@@ -439,7 +460,11 @@ def _waiting(later: Sequence[StandingCopy], copies: Sequence[StandingCopy]) -> l
 
 
 def _loose(
-    until: str, steps: str, copies: Sequence[StandingCopy], there: Sequence[StandingCopy]
+    until: str,
+    steps: str,
+    copies: Sequence[StandingCopy],
+    there: Sequence[StandingCopy],
+    blocks: float,
 ) -> _Place:
     """Where copies stand that nothing holds yet; until: what joins and holds them, steps: the same with the numbers of steps."""
     first, *others = copies
@@ -450,7 +475,7 @@ def _loose(
         if hole.name and any(map(hole.in_line, other.holes))
     ]
     at = f"with {listed(dict.fromkeys(over))}" if over else "as the picture shows"
-    doing = Doing("lay ", f"{_WHAT} {at}", f"; loose until {steps}{_blocks(first, there)}")
+    doing = Doing("lay ", f"{_WHAT} {at}", f"; loose until {steps}{_prop(first, there, blocks)}")
     if first.slender or (first.outlines and not first.holes):
         below = _stands_over(first, there)
         foot = [each for each in others if each.mount.z < first.mount.z + SAME_POINT]
@@ -463,8 +488,8 @@ def _loose(
     return _Place(f"loose until {until}", (doing,))
 
 
-def _blocks(copy: StandingCopy, there: Sequence[StandingCopy]) -> str:
-    """What goes under a part that is laid down, by how much it is higher than what the plate lies on; "" where it lies on something."""
+def _prop(copy: StandingCopy, there: Sequence[StandingCopy], blocks: float) -> str:
+    """The block that goes under a part that is laid down; "" where it lies on something. blocks: height of those under the plate, mm."""
     plate = min(
         (each for each in there if each.mount.body == GROUND and each.holes),
         key=lambda each: each.mount.z,
@@ -474,8 +499,9 @@ def _blocks(copy: StandingCopy, there: Sequence[StandingCopy]) -> str:
         return ""
     if copy.mount.z - plate.mount.z - plate.part.thickness < _RESTS:
         return ""
-    over = copy.mount.z - plate.mount.z
-    return f". Prop it on a block {over:.3g} mm higher than what {plate.part.name} lies on"
+    high = copy.mount.z - plate.mount.z + blocks
+    where = f", where those under {plate.part.name} are {blocks:g} mm high" if blocks else ""
+    return f". Prop it on a block {high:.3g} mm high{where}"
 
 
 def _end_down(shaft: StandingCopy) -> str:
@@ -522,6 +548,7 @@ def _put_in(
     there: Sequence[StandingCopy],
     later: Sequence[StandingCopy],
     fixing: Fixing,
+    blocks: float,
 ) -> tuple[tuple[object, ...], list[Doing]]:
     """The row of a sub-assembly that is built, and what is done with it; the first of its copies names it."""
     first = cluster[0]
@@ -537,7 +564,7 @@ def _put_in(
         places += [each for each in found if each not in places]
     places = _on_motor(cluster, fixing, places, there)
     if not places and there and (first.mount.body != GROUND or not first.holes):
-        places = _fixed_by(later, cluster, there, fixing)  # a plate lies as it is
+        places = _fixed_by(later, cluster, there, fixing, blocks)  # a plate lies as it is
     places = [each.lettered("", called(first.part)) for each in places or [_ON_BENCH]]
     what = f"{first.part.title} with {', '.join(others or [own])}"
     row = (own, what, _where_all(places), "", first.mount.z, "as drawn")
@@ -551,11 +578,17 @@ def _jig(
     later: Sequence[StandingCopy],
     fixing: Fixing,
 ) -> Iterator[Doing]:
-    """That a plate which comes later is laid on dry over the shaft of a web that is glued on its pin: nothing else holds that upright."""
+    """That a plate which comes later is laid on the pins dry over the shaft of a web that is glued on its own: nothing else holds that
+    upright. A square says whether it is where there are no pins yet."""
     shafts = [copy for copy in cluster if copy.part.role == "shaft"]
     if not shafts or not any(mate.how == "glue" for mate in _mates(cluster, there, fixing)):
         return
-    plates = (copy for copy in later if copy.mount.body == GROUND and copy.part.points)
+    plates = [copy for copy in later if copy.mount.body == GROUND and copy.part.points]
+    if plates and not any(_mates([plate], there, fixing) for plate in plates):
+        holder = next(copy for copy in cluster if copy not in shafts).part.name
+        square = f" is square to {holder}, and leave it until the glue is hard"
+        yield Doing("check with a square that ", shafts[0].part.name, square)
+        return
     for plate in plates:
         mates = [mate for mate in _mates([plate], shafts, fixing) if mate.label]
         if mates:

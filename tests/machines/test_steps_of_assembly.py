@@ -31,6 +31,7 @@ from camgen.parts.generator import bodies as body_parts
 from camgen.parts.generator import plates as plate_parts
 from camgen.parts.part import Layer, Part
 from camgen.parts.reaming import running_size
+from camgen.parts.standing import standing_copies
 from camgen.parts.steps import Fixing, between, order, thickness_gauge
 from camgen.pipeline.making import parts_table
 from camgen.pipeline.shopping import steps_of_assembly
@@ -128,7 +129,7 @@ def test_of_pins_that_are_alike_a_step_says_the_joint_and_the_link() -> None:
             Mount(name, name, place, z=z) for name, each in stands.items() for place, z in each
         ]
         parts = (replace(pin, count=count), left, right, cap)
-        said = str(order(parts, mounts, poses, (), PLAY).rows[-1][3])
+        said = str(order(standing_copies(parts, mounts, poses), (), PLAY).rows[-1][3])
         ends = (f"pressed and glued on pin{each}, flush with its upper end" for each in at)
         assert said == "; ".join(dict.fromkeys(ends)), (
             "where a pin is the only one, its name says all"
@@ -146,7 +147,7 @@ def test_a_height_over_what_lies_there_is_said_by_the_gap() -> None:
         for name, heights in high.items()
     }
     mounts = [Mount(name, "crank", z=z) for name, heights in high.items() for z in heights]
-    rows = order((shaft, plate, ring), mounts, poses, (), PLAY).rows
+    rows = order(standing_copies((shaft, plate, ring), mounts, poses), (), PLAY).rows
     said = ["0.2 mm over plate", "down on ring", "underside 40 mm from its lower end"]
     assert [row[3] for row in rows[2:]] == [f"pressed and glued on shaft, {each}" for each in said]
 
@@ -194,7 +195,7 @@ def test_a_cap_on_a_short_pin_has_its_height_where_it_would_lock_the_joint() -> 
         name: [PartPose(np.zeros(1, complex), np.zeros(1), False, z)] for name, z in high.items()
     }
     mounts = [Mount(name, "crank", z=z) for name, z in high.items()]
-    rows = order((pin, link, cap), mounts, poses, (), PLAY).rows
+    rows = order(standing_copies((pin, link, cap), mounts, poses), (), PLAY).rows
     assert rows[-1][3] == "pressed and glued on pin, 0.2 mm over link"
 
 
@@ -214,12 +215,12 @@ def test_what_is_turned_over_goes_where_its_mirror_image_stands() -> None:
         }
 
         mounts = (Mount("pin", "ground", x), Mount("plate", "ground", 20, 0.0, True, 10.0))
-        rows = order((pin, plate), mounts, poses, (), PLAY).rows
+        rows = order(standing_copies((pin, plate), mounts, poses), (), PLAY).rows
         assert rows[1][3] == expected
     wide = replace(plate, layers=(Layer(Region(circle(0, 9), (circle(5, 4),)), 0, 2),))
     poses["pin"] = [PartPose(np.array([15 + 0j]), np.zeros(1), False, 0.0)]
     assert (
-        order((pin, wide), mounts, poses, (), PLAY).rows[1][3] == ""
+        order(standing_copies((pin, wide), mounts, poses), (), PLAY).rows[1][3] == ""
     )  # far too wide to be held by it
 
 
@@ -624,9 +625,13 @@ def test_a_mate_is_where_both_meet() -> None:
     }
     mounts = (Mount("pin", "ground", 15), Mount("plate", "link", 10, z=10.0))
     free = Mate("free", "P", (15.0, 0.0, 11.0), 2.0, 2.0)
-    assert list(order((pin, plate), mounts, poses, (), PLAY).steps[1].mates) == [free]
+    assert list(order(standing_copies((pin, plate), mounts, poses), (), PLAY).steps[1].mates) == [
+        free
+    ]
     loose = (mounts[0], replace(mounts[1], body="ground"))
-    assert not order((pin, plate), loose, poses, (), PLAY).steps[1].mates, "glue locks nothing"
+    assert not order(standing_copies((pin, plate), loose, poses), (), PLAY).steps[1].mates, (
+        "glue locks nothing"
+    )
 
 
 def test_what_is_fixed_together_at_one_height_is_built_by_itself_and_put_in() -> None:
@@ -759,7 +764,8 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     assert "spacer-1 over O of crank_web3, stuck there with a dot of grease." in slips
     deep = {each.name: each for each in walker.assembly.stand_ins}["motor"]
     (plate,) = (title for title in titles if title.startswith("Lay the ground plate on the bench"))
-    assert f"two blocks at least {math.ceil(-min(disc[2] for disc in deep.discs))} mm" in plate
+    blocks = math.ceil(-min(disc[2] for disc in deep.discs))
+    assert f"two blocks at least {blocks} mm" in plate
     numbers = {str(row[1]): row[0] for row in table.rows}
     assert numbers["far-battery-frame"] < numbers["far-shaft"], "no loose shaft is in the way"
     batteries = next(k for k, title in enumerate(titles) if "Put the battery holder" in title)
@@ -775,7 +781,10 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
         (laid,) = (title for title in titles if f"Lay {leg} as the picture shows" in title)
         height = next(each.z for each in walker.assembly.mounts if each.part == leg)
         height -= over["ground"]
-        assert f"Prop it on a block {height:.3g} mm higher than what ground lies on" in laid
+        said = f"Prop it on a block {height + blocks:.3g} mm high, where those under ground are {blocks} mm high"
+        assert said in laid
+    (far,) = (title for title in titles if "far-ground" in title and "two blocks" in title)
+    assert f"two blocks at least {blocks} mm" in far, "for steps that are done again"
 
 
 def test_a_walker_s_motor_and_batteries_come_from_where_they_go_and_are_seen() -> None:
@@ -1109,6 +1118,28 @@ def test_screws_are_where_their_posts_and_plates_are() -> None:
     bird = steps_of_assembly(built("flapping-bird")).steps
     (screwed,) = (each for each in bird if each.screws)
     assert screwed.title.startswith("Screw in 2 ×") and len(screwed.screws) == 4
+    assert "from below, through the panel into the 2.5 mm holes of the plate" in screwed.title
+
+
+def test_a_machine_on_a_stand_lies_on_its_panel_and_is_screwed_on_before_its_pins() -> None:
+    """Blocks come with the panel, as high as the hand crank's knob reaches under it, the screws with the plate; links are borne."""
+    bird = built("flapping-bird")
+    titles = [step.title for step in steps_of_assembly(bird).steps]
+    levels = {each.part: each.z for each in bird.assembly.mounts}
+    low = min(z for part, z in levels.items() if not part.startswith("stand"))
+    deep = math.ceil(levels["stand-panel"] - low)
+    blocks = f"Put two blocks at least {deep} mm high under the panel of the stand, outside of the circle of the hand crank"
+    (panel,) = (k for k, title in enumerate(titles) if blocks in title)
+    assert titles[panel].startswith("Put the panel of the stand") and "two blocks" not in "".join(
+        titles[:panel] + titles[panel + 1 :]
+    )
+    (screwed,) = (k for k, title in enumerate(titles) if "screw of the plate" in title)
+    assert screwed == panel + 2 and "the ground plate" in titles[panel + 1]
+    pressed = [title for title in titles if "from above" in title]
+    assert len(pressed) == 3 and all("must not bend while you press" in each for each in pressed)
+    assert "Put a block under A of crank and R of right_wing" in pressed[-1]
+    upright = [title for title in titles if "Check with a square that shaft is square" in title]
+    assert len(upright) == 1 and not any(" dry, with" in title for title in titles)
 
 
 def test_a_stand_s_parts_come_from_where_they_go_and_show_their_glue() -> None:

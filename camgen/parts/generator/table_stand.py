@@ -24,7 +24,7 @@ from camgen.geometry.outlines import Contour, Points, Region, circle, polygon, r
 from camgen.machine.features import Mount, StandIn, heights
 from camgen.machine.model import GROUND, MM
 from camgen.numerics import coordinates, magnitude
-from camgen.parts.assembly import Assembly, StandStep, Support, bodies_in_motion
+from camgen.parts.assembly import TABLE, Assembly, StandStep, Support, bodies_in_motion
 from camgen.parts.catalogue import CORE_HOLES, SCREWS, Bought, screw_for
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.hardware import plate
@@ -32,7 +32,6 @@ from camgen.parts.inertia import centre_of
 from camgen.parts.part import Layer, Part, hull
 from camgen.spec import Print
 
-TABLE = "table"
 _SAMPLES = (
     720  # of a turn, between which 100 mm from its axis nothing moves out by more than 0.001 mm
 )
@@ -307,7 +306,10 @@ class TableStand:
         else:
             size = f"{screw.thread} x {screw.length(self.thick, self.sizes.base_thickness):g}"
         name = "screw of the plate, through the stand"
-        own = Bought(name, "", size, len(self.screws), "mount", key="parts.mount_diameter")
+        sheet = "panel" if self.kind == "board" else "lid"
+        how = f"from below, through the {sheet} into the {core:g} mm holes of the plate"
+        key = "parts.mount_diameter"
+        own = Bought(name, "", size, len(self.screws), "mount", key=key, how=how)
         if screw is not None:
             length = screw.length(self.thick, self.sizes.base_thickness)
             own = replace(own, standard=screw.standard, thread=screw.thread, length=length)
