@@ -79,6 +79,8 @@ class BoreDetail:
         title = f"Bore {self.letters[0]}".rstrip() + ", turned" * self.turned + larger
         level = min(high.imag - 6, middle + scale * top + _TITLE)
         sheet.text(complex(low.real + 1.5, level), title, 3.5)
+        if keyed(self.contour) and self.facts.key_fit and keyway(2 * radius):
+            sheet.text(complex(low.real + 1.5, level - 4.2), "keyway's corners as DIN 6885", 2.5)
         self._sizes(sheet, at, scale)
 
     def _sizes(self, sheet: Sheet, at: complex, scale: float) -> None:

@@ -302,6 +302,23 @@ def free(contour: Contour) -> bool:
     return any(not isinstance(piece, Line | Arc) for piece in contour.pieces)
 
 
+def hollow_radius(contour: Contour, inside: bool = False) -> float:
+    """Smallest radius of curvature where a contour of a part is hollow, mm: no larger wheel grinds it; inf where it is nowhere.
+
+    inside: of a hole, whose material is round it. Curvature is that of the exact pieces, at the ends of 2000 steps of each.
+    """
+    sense = math.copysign(1, contour.area) * (1 if inside else -1)
+    sharpest = 0.0
+    for piece in contour.pieces:
+        if isinstance(piece, Line):
+            continue
+        t = np.linspace(piece.t0, piece.t1, 2001)
+        slope = piece.at(t, 1)
+        turn = (slope.conj() * piece.at(t, 2)).imag * math.copysign(1, piece.t1 - piece.t0)
+        sharpest = max(sharpest, float(np.max(sense * turn / np.abs(slope) ** 3)))
+    return 1 / sharpest if sharpest > 0 else math.inf
+
+
 def layer_rows(
     part: Part,
     holes: Sequence[Hole],

@@ -24,7 +24,7 @@ from camgen.files.plan_view import PlanView
 from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
 from camgen.files.side_view import BOSS, SideViews
 from camgen.files.symbols import position
-from camgen.files.title_block import BLOCK, Facts, title_block
+from camgen.files.title_block import BLOCK, Facts, sheet_words, title_block
 from camgen.files.track_tables import ROW, grid, tables_sheets
 from camgen.files.tracks import SECTION_ROOM, development, drum_section, plates_section
 from camgen.parts.part import Part
@@ -55,7 +55,7 @@ def write_drawing(
     paths = [folder / f"{stem}-drawing.dxf", folder / f"{stem}-drawing.pdf"]
     write_dxf_sheet(paths[0], layout.sheet, layout.scale, layout.datum)
     write_pdf(paths[1], layout.sheet)
-    for name, sheet in tables_sheets(layout.drawn.own_tables, part, facts, stem).items():
+    for name, sheet in layout.tables.items():
         paths += [folder / f"{name}.dxf", folder / f"{name}.pdf"]
         write_dxf_sheet(paths[-2], sheet, 1.0, 0j)
         write_pdf(paths[-1], sheet)
@@ -110,9 +110,11 @@ class _Layout:
         self._bore_detail()
         self._note_lines()
         self._tracks()
+        self.tables = tables_sheets(drawn.own_tables, part, facts, stem)
         facts = replace(facts, number=facts.number or f"{stem}-drawing")
         corner = complex(width - MARGIN, MARGIN)
-        title_block(self.sheet, corner, part, facts, self.scale, self.size_name)
+        size = sheet_words(self.size_name, 1, 1 + len(self.tables))
+        title_block(self.sheet, corner, part, facts, self.scale, size)
 
     def _views(self) -> None:
         """All views with what is written at them."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from string import ascii_uppercase
@@ -15,6 +16,7 @@ from camgen.files.dimensions import (
     free,
     hole_of,
     holes_of,
+    hollow_radius,
     layer_rows,
     lock_of,
     number,
@@ -115,6 +117,10 @@ class DrawnPart:
         if self.lock:
             self.track_table = relief_table(self.lock[1], facts)
         self.own_tables = own_tables(facts, self.track_tables, full)
+        radii = [hollow_radius(x.region.outer) for x in part.layers if free(x.region.outer)]
+        self.hollow = min(
+            [*radii, *(hollow_radius(x, inside=True) for x in self.tracks)], default=math.inf
+        )
         self.surface = bool((self.polar or facts.levels) and (facts.profile or facts.roughness))
         self.angle_letter = ""
         self.datum_letter = ""

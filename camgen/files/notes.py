@@ -16,6 +16,8 @@ from camgen.parts.part import SizeNote
 
 NOTES = SIZES["A4"][0] - FILING - MARGIN - WIDTH - 6  # width, beside the title block of an A4 sheet
 
+_STRAIGHT = 1000.0  # mm, radius from which on a hollow is as good as straight to a wheel
+
 
 def notes_of(drawn: DrawnPart) -> list[str]:
     """All notes on a part, in lines that fit beside the title block."""
@@ -43,7 +45,7 @@ def notes_of(drawn: DrawnPart) -> list[str]:
     lines += _files(drawn)
     if drawn.own_tables:
         what = "Tables of the tracks" if len(drawn.own_tables) > 1 else "Table of the track"
-        lines.append(f"{what}: {drawn.stem}-tracks-drawing.pdf")
+        lines.append(f"{what}: from sheet 2 on")
     if drawn.turns:
         lines.append("+ : positive sense of turning (ccw)")
     if drawn.slotted:
@@ -81,9 +83,7 @@ def _shop_notes(drawn: DrawnPart) -> list[str]:
     facts = drawn.facts
     if drawn.chamfer:
         lines.append(f"Bore chamfered {number(drawn.chamfer)} × 45° at both ends")
-    if facts.rod_chamfer:
-        lines.append(f"Both ends chamfered {number(facts.rod_chamfer)} × 45°")
-        lines += [f"Round Ra {facts.bore_roughness:g}"] if facts.bore_roughness else []
+    lines += _corner_notes(drawn)
     if drawn.plate:
         lines.append("All holes go through")
     fine = _finer(drawn)
@@ -102,6 +102,9 @@ def _shop_notes(drawn: DrawnPart) -> list[str]:
         )
     lines += [f"Edges {facts.edges}"] if facts.edges else []
     lines += [facts.heat_treatment] if facts.heat_treatment else []
+    if facts.case_only and (running := _running(drawn)):
+        soft = _listed(_soft(drawn))
+        lines.append(f"Case on the {_listed(running)} only{f'; keep {soft} soft' if soft else ''}")
     if facts.ground and fine:
         lines.append(f"{fine} ground after hardening; all sizes hold after it")
     if facts.thread:
@@ -111,23 +114,58 @@ def _shop_notes(drawn: DrawnPart) -> list[str]:
     return lines
 
 
+def _corner_notes(drawn: DrawnPart) -> list[str]:
+    """Radii of corners and hollows that no view has, and the ends of a rod."""
+    facts = drawn.facts
+    lines = list[str]()
+    if facts.corner and drawn.bosses and drawn.turns and not drawn.part.drum:
+        lines.append(f"Corners of hub and disc at most R{number(facts.corner)}")
+    if facts.profile and drawn.surface:
+        # rounded down: a larger wheel cuts into the track
+        least = f"R{math.floor(10 * drawn.hollow) / 10:g}" if drawn.hollow < _STRAIGHT else "none"
+        lines.append(f"Smallest hollow radius of the track: {least}")
+    if facts.rod_chamfer:
+        lines.append(f"Both ends chamfered {number(facts.rod_chamfer)} × 45°")
+        lines += [f"Round Ra {facts.bore_roughness:g}"] if facts.bore_roughness else []
+    return lines
+
+
 def _rim(drawn: DrawnPart) -> str:
     """What the datum is that is no hole."""
     return "lower side" if drawn.facts.levels else "rim"
+
+
+def _running(drawn: DrawnPart) -> list[str]:
+    """Faces on which a follower, a roller or another part runs."""
+    faces = (
+        ("track", drawn.track_tables),
+        ("slots and hollows", drawn.slotted),
+        ("locking arc", drawn.lock),
+    )
+    return [name for name, own in faces if own]
+
+
+def _soft(drawn: DrawnPart) -> list[str]:
+    """What is not hardened where a case is, as far as the part has it."""
+    tapped = drawn.facts.thread or any(note.startswith("thread ") for note in drawn.part.notes)
+    faces = (("bore", drawn.part.bore), ("keyway", drawn.key), ("threads", tapped))
+    return [name for name, own in faces if own]
 
 
 def _finer(drawn: DrawnPart) -> str:
     """Faces that have a roughness of their own, such as "track and bore"."""
     facts = drawn.facts
     faces = (
-        ("track", facts.roughness and drawn.track_tables),
-        ("slots and hollows", facts.roughness and drawn.slotted),
-        ("locking arc", facts.roughness and drawn.lock),
         ("bore", facts.bore_roughness and drawn.bored),
         ("round", facts.bore_roughness and facts.rod_chamfer),
         (_rim(drawn), facts.bore_roughness and drawn.rim_letter),
     )
-    names = [name for name, own in faces if own]
+    running = _running(drawn) if facts.roughness else []
+    return _listed([*running, *(name for name, own in faces if own)])
+
+
+def _listed(names: list[str]) -> str:
+    """Names in words, such as "track and bore"."""
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 

@@ -101,7 +101,12 @@ class Facts:
     roughness_elsewhere: float = 0.0
     edges: str = ""
     heat_treatment: str = ""
+    case_only: bool = False  # whether what a follower runs on is hardened, and nothing else
+    corner: float = 0.0  # largest radius where a hub meets its disc, mm
     ground: bool = False  # whether what has a roughness of its own is ground after that
+    stride: int = (
+        1  # of tracks, centres and heights: every so many of them stand on the part's own sheet
+    )
     revision: str = ""
     drawn_by: str = ""
     checked_by: str = ""
@@ -133,12 +138,17 @@ def ratio(scale: float) -> str:
     return f"{number(scale)}:1" if scale >= 1 else f"1:{number(1 / scale)}"
 
 
+def sheet_words(size: str, number: int, count: int) -> str:
+    """Size of a sheet's paper, and which it is where a part has several, such as "A3, 1 of 2"."""
+    return size if count == 1 else f"{size}, {number} of {count}"
+
+
 def title_block(
     sheet: Sheet, corner: complex, part: Part, facts: Facts, scale: float, size: str
 ) -> None:
     """Draw the block, its lower right corner there; what no one has given of people, date and revision is left to be filled in by hand.
 
-    scale: mm of paper for a mm of the part, 0: none; size: of the paper.
+    scale: mm of paper for a mm of the part, 0: none; size: of the paper, with what else `sheet_words` says.
     """
     mass = "" if facts.mass_g is None else weighed(facts.mass_g)
     middle = [
@@ -154,10 +164,10 @@ def title_block(
     ]
     rows = [
         [
-            ("Quantity", str(part.count), 22.0),
-            ("Scale", ratio(scale), 22.0),
-            ("Sheet", size, 18.0),
-            ("Units", "mm", 18.0),
+            ("Quantity", str(part.count), 19.0),
+            ("Scale", ratio(scale), 19.0),
+            ("Sheet", size, 28.0),
+            ("Units", "mm", 14.0),
             ("Projection", "", 49.0),
             ("Made by", f"camgen {__version__}", 41.0),
         ],

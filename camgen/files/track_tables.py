@@ -12,7 +12,7 @@ import numpy as np
 
 from camgen.files.dimensions import number
 from camgen.files.sheet import Align, Sheet
-from camgen.files.title_block import BLOCK, Facts, title_block
+from camgen.files.title_block import BLOCK, Facts, sheet_words, title_block
 from camgen.geometry.drums import Drum
 from camgen.parts.part import Part
 
@@ -83,9 +83,9 @@ def tables_sheets(
     tables: Sequence[TrackTable], part: Part, facts: Facts, stem: str
 ) -> dict[str, Sheet]:
     """Sheets with the tables of a part's tracks side by side, in columns as long as a sheet is high, by their files' names without
-    the ends. Such a name is the sheet's number too, unless the part's drawing has one."""
+    the ends, after the first sheet, which is the part's own. Such a name is the sheet's number too, unless the part's drawing has one."""
     right, top = _WIDTH - _MARGIN, _HIGH - _MARGIN
-    most = int((top - _MARGIN - BLOCK) / ROW) - 4
+    most = int((top - _MARGIN - BLOCK) / ROW) - 3
     columns = [
         (replace(table, rows=table.rows[k : k + most]), 0 if k else -(-len(table.rows) // most))
         for table in tables
@@ -93,6 +93,7 @@ def tables_sheets(
     ]
     heads = list(dict.fromkeys(head for table in tables for head in table.heads))
     sheets = dict[str, Sheet]()
+    numbers = dict[str, str]()
     left = right
     for column, titled in columns:
         wide = sum(column.widths)
@@ -101,8 +102,7 @@ def tables_sheets(
             name = f"{stem}-{which}-drawing"
             sheet = sheets[name] = Sheet(_WIDTH, _HIGH, f"Tracks of {part.title} ({stem})")
             _frame(sheet, heads)
-            own = replace(facts, number=f"{facts.number}-{which}" if facts.number else name)
-            title_block(sheet, complex(right, _MARGIN), part, own, 0.0, "A3")
+            numbers[name] = f"{facts.number}-{which}" if facts.number else name
             left = _FILING + ROW
         level = complex(left, top - 2 * ROW)
         room = titled * (wide + ROW) - ROW
@@ -111,6 +111,10 @@ def tables_sheets(
         lines = [column.heads, *column.rows]
         grid(sheet, level, lines, column.widths, range(len(column.heads)))
         left += wide + ROW
+    for k, (name, sheet) in enumerate(sheets.items(), 2):
+        own = replace(facts, number=numbers[name])
+        size = sheet_words("A3", k, len(sheets) + 1)
+        title_block(sheet, complex(right, _MARGIN), part, own, 0.0, size)
     return sheets
 
 
@@ -131,7 +135,7 @@ def track_tables(
     exact = "theoretically exact" if facts.profile else "by cam angle"
     if len(facts.tracks) > 1:
         return [
-            replace(_touched(points), title=f"Track {name}: {exact}")
+            replace(_touched(points[:: facts.stride]), title=f"Track {name}: {exact}")
             for name, points in facts.tracks
         ]
     table = _table(facts, polar, drum)
@@ -159,7 +163,14 @@ def own_tables(facts: Facts, tables: Sequence[TrackTable], full: bool) -> list[T
                 facts.tracks, facts.centres, rolls, strict=True
             )
         ]
+    if facts.profile and facts.heights and tables:
+        return [replace(tables[0], rows=_heights(facts.heights))]
     return list(tables) if full or len(tables) > 1 else []
+
+
+def _heights(heights: Sequence[tuple[float, float, float]]) -> list[tuple[str, ...]]:
+    """Rows of a drum's track."""
+    return [(f"{a:g}°", f"{at:.2f}°", f"{z:.3f}") for a, at, z in heights]
 
 
 def _touched(
@@ -191,12 +202,13 @@ def _table(
         exact = "Exact axis" if facts.profile else "Axis"
         of = "both rollers' middle" if drum and drum.track == "rib" else "the roller"
         title = f"{exact} of {of}: angle from X, ccw, and height"
-        rows = [(f"{a:g}°", f"{at:.2f}°", f"{z:.3f}") for a, at, z in facts.heights]
+        rows = _heights(facts.heights[:: facts.stride])
         return TrackTable(title, ("Drum", "At", "Z"), (14.0, 18.5, 18.5), rows)
     if polar and facts.tracks:
         exact = "Theoretically exact track" if facts.profile else "Track by cam angle"
         ((_, points),) = facts.tracks
-        return replace(_touched(points), title=f"{exact}: where the follower touches, from X, ccw")
+        own = _touched(points[:: facts.stride])
+        return replace(own, title=f"{exact}: where the follower touches, from X, ccw")
     if polar:
         exact = "Theoretically exact radii" if facts.profile else "Radii of the profile"
         title = f"{exact} about the origin, by the angle from X, ccw"

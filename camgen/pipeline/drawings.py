@@ -47,6 +47,7 @@ _IN_METAL = Facts(
     run_out=0.03,
     roughness_elsewhere=3.2,
     edges="broken 0.2 to 0.4, ISO 13715",
+    corner=1.0,
 )
 _IN_PLASTIC = Facts(position=0.2)
 _OF_ROD = replace(_IN_METAL, profile=0.0, roughness=0.0, symmetry=0.0, run_out=0.0)  # in metal
@@ -73,6 +74,7 @@ _STEPS = (
     200.0,
     500.0,
 )  # mm, from one row to the next of a plate's table
+_FINER = 5  # of steps of the table of a track on a sheet of its own in one of that on the part's
 _LEVELS = 60  # rows of it, at most
 _FINE = 1e-3  # mm, chord tolerance of an outline on which a track has to lie
 
@@ -97,7 +99,9 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     case = cut and material.case > 0
     runs = part.name in _cams(mechanism) | _slotted(mechanism)
     runs |= part.name in {each.part for each in mechanism.assembly.tracks}
-    tracks = list(_tracks(mechanism, part, sheet.profile_step_deg))
+    stride = _FINER if profile else 1
+    step = sheet.profile_step_deg / stride
+    tracks = list(_tracks(mechanism, part, step))
     return Facts(
         machine=_machine(mechanism),
         material="as the sheet"
@@ -135,7 +139,8 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         ),
         riders=tuple(each.rider for each in tracks),
         centres=tuple(tuple(each.centres.tolist()) for each in tracks),
-        heights=tuple(_heights(mechanism, part, sheet.profile_step_deg)),
+        heights=tuple(_heights(mechanism, part, step)),
+        stride=stride,
         segments=tuple(_segments(mechanism, part)),
         sense=mechanism.assembly.cycle.sense,
         roller=_roller(mechanism, part),
@@ -154,6 +159,8 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         edges=sheet.edges or usual.edges,
         heat_treatment=sheet.heat_treatment
         or (material.treatment if cut and (runs or not case) else _ROD_STRENGTH if rod else ""),
+        case_only=case and runs and not sheet.heat_treatment,
+        corner=usual.corner,
         ground=case and runs,
         revision=sheet.revision or "",
         drawn_by=sheet.drawn_by or "",

@@ -6,6 +6,7 @@ import re
 from dataclasses import replace
 
 import ezdxf
+import numpy as np
 import pytest
 import shapely
 from hypothesis import given, settings
@@ -13,7 +14,14 @@ from hypothesis import strategies as st
 from test_solids import TOLERANCE, cam, hub, oval
 
 from camgen.files import views
-from camgen.files.dimensions import edge_rows, holes_of, lock_of, nearest_and_farthest, number
+from camgen.files.dimensions import (
+    edge_rows,
+    holes_of,
+    hollow_radius,
+    lock_of,
+    nearest_and_farthest,
+    number,
+)
 from camgen.files.drawing import _Layout, write_drawing
 from camgen.files.labels import box
 from camgen.files.sheet import LAYERS, Fill, Size, Stroke, Text
@@ -25,6 +33,7 @@ from camgen.geometry.outlines import (
     Contour,
     Line,
     Region,
+    Smooth,
     circle,
     end_point,
     extent,
@@ -554,12 +563,32 @@ def test_a_keyway_is_enlarged_with_its_fits_and_datums(tmp_path):
         "0.05",
         "Bore chamfered 0.5 x 45%%d at both ends",
     } <= set(texts)
-    assert "All faces but for the track and bore Ra 3.2" in texts
+    assert {"All faces but for the track and bore Ra 3.2", "keyway's corners as DIN 6885"} <= {
+        *texts
+    }
     plain = texts_of(write_drawing(tmp_path, "p", keyed_cam(), TOLERANCE, META)[0])
     assert {"%%c12", "4", "13.8"} <= set(plain)
     words = ("H7", "Ra ", "chamfer")
     assert not [text for text in plain if any(word in text for word in words)]
     assert not {"0.02", "0.03", "0.05"} & set(plain)
+
+
+def test_the_smallest_hollow_radius_of_a_track_is_known():
+    """r = 30 + 8 cos 2t: its curvature is (r - 32) / r^2 at r = 22, where it is hollow, and (r + 32) / r^2 at r = 38, the sharpest
+    place of a hole of that shape [curvature in polar coordinates, r' = 0]."""
+
+    def curve(t, order):
+        r = 30 + 8 * np.cos(2 * t)
+        first = -16 * np.sin(2 * t)
+        second = -32 * np.cos(2 * t)
+        parts = (r, first + 1j * r, second - r + 2j * first)
+        return parts[order] * np.exp(1j * t)
+
+    track = Contour((Smooth(curve, 0.0, 2 * math.pi),))
+    for way in (track, track.reversed()):
+        assert hollow_radius(way) == pytest.approx(22**2 / 10)
+        assert hollow_radius(way, inside=True) == pytest.approx(38**2 / 70)
+    assert hollow_radius(circle(0j, 5)) == math.inf
 
 
 def test_people_date_and_revision_have_fields_to_fill_in_by_hand(tmp_path):
@@ -718,7 +747,7 @@ def test_a_metal_drum_s_drawing_has_its_track_and_the_datum_of_its_angle(root, t
     (part,) = machine.assembly.parts
     facts = facts_of(machine, part)
     rows = {turned: (at, high) for turned, at, high in facts.heights}
-    assert len(rows) == 36 and rows[0.0][0] == pytest.approx(0.0)
+    assert len(rows) == 180 and rows[0.0][0] == pytest.approx(0.0)
     assert rows[60.0][0] == pytest.approx(300.0 if speed > 0 else 60.0)
     assert rows[60.0][1] - rows[0.0][1] == pytest.approx(7.5)
     assert rows[150.0][1] - rows[0.0][1] == pytest.approx(15.0)
@@ -889,22 +918,24 @@ def test_a_cam_s_sheet_shows_its_follower_at_cam_angle_0(root, tmp_path):
 
 def test_tables_of_a_metal_cam_have_the_axis_of_its_roller(root, tmp_path):
     """A roller of 5 lies 5 behind each point that it touches; after the rise of 12 its axis is 25 + 5 + 12 from the cam's. Rows for which
-    the cam's sheet has no room go on to a second one."""
+    the cam's sheet has no room go on to others, in a fifth of the step: 8 columns of 45 rows."""
     settings = ["material.name=C45", "drawing.profile_step_deg=5", "parts.bore_shape=keyway"]
     machine = read_mechanism(root / "specs" / "disc-cam.toml", settings).resolved()
     (part,) = machine.assembly.parts
     facts = facts_of(machine, part)
     paths = write_drawing(tmp_path, "d", part, TOLERANCE, facts)
     sheet, *tables = (texts_of(path) for path in paths if path.suffix == ".dxf")
-    assert [path.stem for path in paths[2:]] == ["d-cam-tracks-drawing"] * 2
-    assert "Cam" not in sheet and "Table of the track: d-cam-tracks-drawing.pdf" in " ".join(sheet)
-    (own,) = tables
+    names = ["d-cam-tracks-drawing", "d-cam-tracks-2-drawing"]
+    assert [path.stem for path in paths[2::2]] == names
+    assert "Cam" not in sheet and "Table of the track: from sheet 2 on" in " ".join(sheet)
+    own, last = tables
+    assert ["A3, 1 of 3" in sheet, "A3, 2 of 3" in own, "A3, 3 of 3" in last] == [True] * 3
     assert "d-cam-tracks-drawing" in own, "its number is the name of its file"
     numbered = write_drawing(tmp_path, "n", part, TOLERANCE, replace(facts, number="K-1"))
     assert "K-1-tracks" in texts_of(numbered[2])
     k = own.index("130%%d")  # the dwell after the rise is from 100 to 160
     assert own[k + 3 : k + 5] == ["320.00%%d", "42.000"]
-    assert own.count("Axis at") == 2 and "355%%d" in own
+    assert own.count("Axis at") == 4 and "359%%d" in last
     (points,) = (each for _, each in facts.tracks)
     assert all(abs(abs(a - b) - 5) < 1e-9 for (_, a), b in zip(points, *facts.centres, strict=True))
     plain = read_mechanism(root / "specs" / "disc-cam.toml").resolved()
