@@ -48,6 +48,9 @@ _AREA = 0.1  # share by which the area of a layer may differ
 _FLAT = 1e-6  # sine of the angle by which a part that lies flat may lean
 _CHORDS = 1e-4  # mm, of outlines that are joined
 _SAME = 1e-3  # mm, by which heights may differ that are the same
+_HEIGHTS = (0.1, 0.3, 0.5, 0.7, 0.9)  # of a solid's, at which it is compared with another
+_SAME_VOLUME = 1e-4  # share by which volumes of the same solid may differ
+_SAME_EDGE = 0.05  # mm, by which edges of the same solid may differ, for facets begin elsewhere
 _SLIVER = 1e-4  # mm^2, what facets leave of a hole
 
 
@@ -66,6 +69,13 @@ class PrintModel:
         """Whether it lies turned over; None where it lies on a side."""
         up = float(self.turn[2, 2])
         return None if abs(abs(up) - 1) > _FLAT else up < 0
+
+    @property
+    def lying(self) -> Mesh:
+        """The solid as it lies on the bed, at z = 0."""
+        vertices = self.solid.vertices @ self.turn.T
+        vertices[:, 2] -= vertices[:, 2].min()
+        return Mesh(vertices, self.solid.faces)
 
 
 @dataclass(frozen=True)
@@ -204,12 +214,10 @@ def copy_of(layers: Sequence[Layer], known: Sequence[PrintModel]) -> Copy | None
     area = _net(edges)
     centre = _centre(edges)
     for each in known:
-        lying = Mesh(each.solid.vertices @ each.turn.T, each.solid.faces)
-        low = float(lying.vertices[:, 2].min())
-        high = float(lying.vertices[:, 2].max())
-        if abs(high - low - layers[-1].top) > thick:
+        lying = each.lying
+        if abs(float(lying.vertices[:, 2].max()) - layers[-1].top) > thick:
             continue
-        cut = [dense(ring.points, _STEP) for ring in slice_mesh(lying, low + middle.middle)]
+        cut = _section(lying, middle.middle)
         if not cut or abs(_net(cut) - area) > _AREA * area:
             continue
         placement = _laid(
@@ -218,6 +226,56 @@ def copy_of(layers: Sequence[Layer], known: Sequence[PrintModel]) -> Copy | None
         if placement.off < (math.inf if best is None else best.laid.off):
             best = Copy(each, placement, tuple(layers))
     return best if best is not None and best.laid.off <= _NO_OTHER else None
+
+
+def interchangeable(known: Sequence[PrintModel]) -> dict[str, list[str]]:
+    """For each part the parts whose prints are the same, itself among them, such as two rods of which one is the other turned over."""
+    models: dict[str, list[PrintModel]] = {}
+    for each in known:
+        models.setdefault(each.part, []).append(each)
+    groups: list[list[str]] = []
+    for part, own in models.items():
+        for group in groups:
+            if any(_same_solid(one, other) for one in models[group[0]] for other in own):
+                group.append(part)
+                break
+        else:
+            groups.append([part])
+    return {part: group for group in groups for part in group}
+
+
+def _same_solid(one: PrintModel, other: PrintModel) -> bool:
+    """Whether one lies on the bed as the other does, but for its place and a turn about the vertical."""
+    from scipy.spatial import cKDTree
+
+    if abs(one.solid.volume - other.solid.volume) > _SAME_VOLUME * abs(one.solid.volume):
+        return False
+    a, b = one.lying, other.lying
+    high = float(a.vertices[:, 2].max())
+    if abs(high - float(b.vertices[:, 2].max())) > _SAME:
+        return False
+    middles = _section(a, high / 2), _section(b, high / 2)
+    if not all(middles):
+        return False
+    laid = _laid(*middles, _centre(middles[1]), (), math.inf)
+    if laid.off > _SAME_EDGE:
+        return False
+    for share in _HEIGHTS:
+        sections = [_section(each, share * high) for each in (a, b)]
+        if not all(sections):
+            return False
+        points = [np.concatenate([dense(z, _FINE) for z in section]) for section in sections]
+        first = _xy(cmath.exp(1j * laid.turn) * points[0] + laid.shift)
+        second = _xy(points[1])
+        for here, there in ((first, second), (second, first)):
+            if cKDTree(there).query(here)[0].max() > _SAME_EDGE:
+                return False
+    return True
+
+
+def _section(lying: Mesh, height: float) -> list[Points]:
+    """The edges of a solid at a height over the bed."""
+    return [dense(ring.points, _STEP) for ring in slice_mesh(lying, height)]
 
 
 def _telling(layers: Sequence[Layer]) -> Layer:

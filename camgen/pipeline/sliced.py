@@ -33,6 +33,7 @@ from camgen.judge.sliced import (
     bodies,
     copy_of,
     envelope,
+    interchangeable,
     outwards,
     shapes_of,
 )
@@ -115,6 +116,8 @@ def check_gcode(
     _each_once(plates)
     packages = {path.name: read_3mf(path).items for path in plates_of(case)}
     models = _print_models(case, packages.values())
+    same = interchangeable(models)
+    expected = Counter({part.name: part.count for part in printed_parts(mechanism.assembly)})
     prints: dict[str, _Print] = {}
     findings: list[Finding] = []
     on_side: set[str] = set()
@@ -133,6 +136,7 @@ def check_gcode(
         remark = f"of {counted(len(copies), 'body', 'bodies')} are like no part of {mechanism.name} by height, area and outline"
         findings.append(at_most("COPIES", strange, 0, "copies", in_file(path), remark))
         for copy in (copy for copy in copies if copy is not None):
+            copy = _as_wanted(copy, same, expected - count, models)
             name = copy.known.part
             findings += copy.complete(in_file(path))
             count[name] += 1
@@ -142,12 +146,17 @@ def check_gcode(
             _add(prints.setdefault(name, _Print()), copy, case.parts[name], fit, in_file(path))
     for each in prints.values():
         findings += each.findings
-    expected = Counter({part.name: part.count for part in printed_parts(mechanism.assembly)})
     plate_copies = {
         name: Counter(item.name for item in items) for name, items in packages.items()
     } or {"all parts": expected}
     where = Where(file=", ".join(path.name for path in plates), kind="gcode")
-    complete, absent = judge_sliced_copies(count, expected, plate_copies, where)
+    by_print = {part: " or ".join(group) for part, group in same.items()}
+    complete, absent = judge_sliced_copies(
+        _renamed(count, by_print),
+        _renamed(expected, by_print),
+        {path: _renamed(content, by_print) for path, content in plate_copies.items()},
+        where,
+    )
     findings.append(complete)
     progress("recovering the motion from the layers")
     motion, figures, not_judged = _motion_of_print(case, prints, on_side, where)
@@ -182,6 +191,28 @@ def check_gcode(
         not_judged=tuple(dict.fromkeys([*absent, *not_judged])),
         remarks=_remarks(prints, figures, settings),
     )
+
+
+def _as_wanted(
+    copy: Copy,
+    same: Mapping[str, Sequence[str]],
+    wanted: Counter[str],
+    models: Sequence[PrintModel],
+) -> Copy:
+    """A copy as one of the part that is wanted most of those whose prints are the same."""
+    own = copy.known.part
+    part = max(same[own], key=lambda name: (wanted[name], name == own))
+    if part == own:
+        return copy
+    return copy_of(copy.layers, [each for each in models if each.part == part]) or copy
+
+
+def _renamed(parts: Counter[str], names: Mapping[str, str]) -> Counter[str]:
+    """How many there are by other names."""
+    renamed = Counter[str]()
+    for part, count in parts.items():
+        renamed[names.get(part, part)] += count
+    return renamed
 
 
 def _each_once(plates: Sequence[Path]) -> None:

@@ -26,6 +26,7 @@ from camgen.judge.sliced import (
     bodies,
     copy_of,
     envelope,
+    interchangeable,
     outwards,
     shapes_of,
 )
@@ -215,6 +216,50 @@ def test_a_print_is_known_wherever_it_lies(turn: float, shift: complex, over: bo
 def test_what_is_like_no_part_is_none(known: PrintModel, there: bool) -> None:
     assert (copy_of(printed(0.3, 5j), [known]) is not None) is there
     assert copy_of(printed(0.3, 5j), []) is None
+
+
+def with_hole(at: complex) -> Mesh:
+    """The part, its second hole elsewhere."""
+    region = Region(contour(PLAN.tolist()), (circle(*HOLES[0]), circle(at, HOLES[1][1])))
+    return solid(Part("x", "", (Solid(region, 0, 3),)), 0.01)
+
+
+def with_pocket(at: complex) -> Mesh:
+    """The part with a pocket in its top face."""
+    rings = [circle(*hole) for hole in HOLES]
+    whole = Region(contour(PLAN.tolist()), tuple(rings))
+    cut = Region(contour(PLAN.tolist()), (*rings, circle(at, 1.0)))
+    return solid(Part("x", "", (Solid(whole, 0, 2.5), Solid(cut, 2.5, 3))), 0.01)
+
+
+def turned_over(mesh: Mesh) -> Mesh:
+    return Mesh(mesh.vertices @ OVER.T + 7, mesh.faces)
+
+
+@pytest.mark.parametrize(
+    "other, turns, alike",
+    [
+        (part(), [LYING], True),
+        (turned_over(part()), [LYING, OVER], True),
+        (turned_over(part()), [LYING], False),  # its mirror image on the bed
+        (with_hole(17.8 + 3j), [LYING], False),
+        (with_pocket(10 + 3j), [LYING], False),
+        (part(3.1), [LYING], False),
+    ],
+)
+def test_parts_whose_prints_are_the_same(other: Mesh, turns: list[np.ndarray], alike: bool) -> None:
+    """Turned about, shifted or turned over it is the same; with a hole 0.2 mm beside, a pocket, or 0.1 mm higher it is not."""
+    spun = Mesh(other.vertices @ np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1.0]]) + 3, other.faces)
+    for mesh in (other, spun):
+        known = [PrintModel("a", part(), LYING), *(PrintModel("b", mesh, turn) for turn in turns)]
+        groups = {"a": ["a", "b"], "b": ["a", "b"]} if alike else {"a": ["a"], "b": ["b"]}
+        assert interchangeable(known) == groups
+
+
+def test_parts_that_differ_at_one_height_alone_are_two() -> None:
+    """The same volume and the same outline half way up, the pocket elsewhere."""
+    one, other = (PrintModel(str(x), with_pocket(x + 3j), LYING) for x in (10, 14))
+    assert interchangeable([one, other]) == {"10": ["10"], "14": ["14"]}
 
 
 def copy(layers: Sequence[Layer]) -> Copy:

@@ -22,6 +22,7 @@ from camgen.judge.sliced_copies import judge_sliced_copies
 from camgen.pipeline.sliced import check_gcode, left_out
 
 SPEC = Path(__file__).parents[2] / "specs" / "linkage.toml"
+GALLERY = Path(__file__).parents[2] / "specs" / "gallery"
 MOVING = ("ground", "crank", "coupler", "rocker")
 
 
@@ -239,6 +240,33 @@ def test_a_plate_is_given_once(folder):
         and finding.measured == 1
         and "sliced twice: 1 of collar" in finding.message
     )
+
+
+@pytest.mark.long
+def test_copies_of_parts_that_are_alike_stand_in_for_each_other(tmp_path):
+    """The bird's rods: one is the other turned over. Two are both of them, one is one too few, three are one too many."""
+    spec = tomllib.loads((GALLERY / "flapping-bird.toml").read_text(encoding="utf-8"))
+    assert camgen.build(spec | {"name": "bird"}, tmp_path, only="stl").ok
+    others = ["crank", "collar", "spacer-1", "hand-crank", "knob-pin"]
+    others += 3 * ["pin-1"] + 2 * ["pin-2"]  # more than half of all parts
+    for rods, said in (
+        (["left_rod", "left_rod"], None),
+        (["right_rod", "left_rod"], None),
+        (
+            ["right_rod"],
+            "few for the parts list: 1 of ground, 1 of knob, 1 of left_rod or right_rod",
+        ),
+        (["left_rod"] * 3, "as if sliced twice: 1 of left_rod or right_rod"),
+    ):
+        report = check_gcode(tmp_path / "bird", [laid(tmp_path / "bird", [*rods, *others])])
+        (copies,) = (
+            finding
+            for finding in report.findings
+            if finding.code == "COPIES" and "like no part" not in finding.message
+        )
+        assert said in copies.message if said else "rod" not in copies.message
+        told = {row[0] for row in report.tables[0].rows}
+        assert ({"left_rod", "right_rod"} <= told) is (len(rods) > 1)
 
 
 PARTS = Counter({"cam": 1, "pin": 4, "link": 3})
