@@ -430,12 +430,20 @@ def test_to_and_fro_within_its_range(four_bar: dict[str, Any]) -> None:
 
 
 def test_a_triangle_that_cannot_close_says_by_how_much() -> None:
-    """The starter's coupler: A-P and B-P as drawn, hypot(2, 52) and hypot(33, 4)."""
-    data = read(Path(__file__).resolve().parents[2] / "specs" / "linkage.toml")
-    data["lengths"]["A-B"] = 200
-    with pytest.raises(SpecError, match=r"it is 114\.7 mm too long") as caught:
-        validate(Linkage, data)
-    assert [fault.key for fault in caught.value.faults] == ["links.coupler"]
+    """The starter's coupler: A-P and B-P as drawn, hypot(2, 52) and hypot(33, 4); by the length that is typed, if it is one."""
+    starter = Path(__file__).resolve().parents[2] / "specs" / "linkage.toml"
+    for lengths, key, said in (
+        ({"A-B": 200}, "lengths.A-B", "114.7 mm too long"),
+        ({"B-A": 200}, "lengths.B-A", "114.7 mm too long"),
+        ({"A-B": 9}, "links.coupler", "9.797 mm too long"),  # A-P is, as it is drawn
+    ):
+        data = read(starter)
+        del data["lengths"]["A-B"]
+        data["lengths"] |= lengths
+        with pytest.raises(SpecError, match="too long") as caught:
+            validate(Linkage, data)
+        assert [fault.key for fault in caught.value.faults] == [key]
+        assert f"it is {said}" in str(caught.value)
 
 
 def test_a_triangle_by_formula_is_the_one_that_the_search_finds() -> None:

@@ -597,10 +597,16 @@ def shape_faults(drawing: Drawing, links: Mapping[str, Sequence[str]]) -> Iterab
         missed = shape(drawn, lengths)[1]
         if missed <= 1e3 * CLOSED * max(lengths.values(), default=1.0):
             continue
+        if found := too_long(points, drawn, lengths):
+            side, words, right = found
+            ends = {points[k] for k in side}
+            key = next((key for key in drawing.lengths if set(t.pair(key) or ()) == ends), None)
+            path = ("lengths", key) if key else ("links", name)
+            yield Fault(path, f"{drawing.lengths[key]:.6g}" if key else words, right)
+            continue
         given = (f"{points[a]}-{points[b]} = {length:g}" for (a, b), length in lengths.items())
         right = (
             f"lengths that can meet: they miss by {missed:.3g} mm (a side of a triangle is at most the sum of "
             "the others; where no length is given the drawn distance counts)"
         )
-        words = too_long(points, drawn, lengths) or (", ".join(given), right)
-        yield Fault(("links", name), *words)
+        yield Fault(("links", name), ", ".join(given), right)

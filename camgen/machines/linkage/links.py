@@ -118,10 +118,11 @@ def _distances(z: Points, pairs: Sequence[tuple[int, int]]) -> tuple[Floats, Flo
 
 def too_long(
     points: Sequence[str], drawn: Points, lengths: Mapping[tuple[int, int], float]
-) -> tuple[str, str] | None:
-    """The worst of three points whose longest side is longer than the others together, in words; None where all can be."""
+) -> tuple[tuple[int, int], str, str] | None:
+    """The worst of three points whose longest side is longer than the others together: that side, and in words what it is and
+    what it should be; None where all can be."""
     worst = 0.0
-    words = None
+    found = None
     for three in combinations(range(len(points)), 3):
         sides = {
             pair: lengths.get(pair, abs(drawn[pair[1]] - drawn[pair[0]]))
@@ -138,5 +139,5 @@ def too_long(
             )
             right = f"less than {short} together: it is {over:.4g} mm too long; change a length or redraw a point"
             worst = over
-            words = (f"{names[long]} = {sides[long]:.6g}", right)
-    return words
+            found = (long, f"{names[long]} = {sides[long]:.6g}", right)
+    return found
