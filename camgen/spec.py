@@ -79,8 +79,8 @@ MinWall = Annotated[
     float,
     quantity(
         "mm",
-        "least wall of every part: two lines of the nozzle; of metal 1; of a hardened cam or drum at least 4 depths of its "
-        "case, camgen's own rule",
+        "least wall of every part: two lines of the nozzle; of metal 1; of a hardened cam or drum alone at least 4 depths of "
+        "its case, camgen's own rule",
         ge=1e-3,
         le=1e6,
     ),

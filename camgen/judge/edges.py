@@ -295,16 +295,25 @@ def judge_edges(engagement: Engagement, where: Where) -> Finding:
     spin, carried = engagement.feature.rates
     rate = abs(carried or spin)
     turns = engagement.feature.period * rate / math.tau
-    remark = f"of {len(sound)} angles in {turns:g} turns both outlines are free of each other, and between them"
+    remark = f"the pair is followed at {len(sound)} angles over {turns:g} turns"
     if sound.all():
         play = np.degrees(samples.play)
         most = int(np.argmax(play))
         theta = float(samples.theta[most])
-        remark += f"; play {play.min():.3f} to {play[most]:.3f} deg, most where the finding says"
+        remark += (
+            "; it overlaps at none of them, nor from one to the next; "
+            f"play {play.min():.3f} to {play[most]:.3f} deg, most where the finding says"
+        )
     else:
-        theta = float(samples.theta[int(np.argmin(sound))])
+        first = int(np.argmin(sound))
+        theta = float(samples.theta[first])
         parts = engagement.overlapping(theta)
-        remark += f"; there {' and '.join(parts)} overlap" if parts else "; there it is lost"
+        unproven = (
+            "there it is free, but with too little play to prove its way from the angle before"
+            if samples.free[first]
+            else "there no place is free for what is driven"
+        )
+        remark += f"; there {' and '.join(parts)} overlap" if parts else f"; {unproven}"
     theta = theta * (carried or spin) % math.tau
     place = replace(where, joint=engagement.feature.joint, theta=theta, angle="crank at")
     return at_least("CONTACT", share, 100, "percent", place, remark)

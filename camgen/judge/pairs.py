@@ -434,7 +434,7 @@ class _Following:
         self.halvings = 0
         self.interval = (math.nan, math.nan)
         self.length = 1
-        self.wide = False
+        self.wide = False  # the path stands still, and bounds are looked for everywhere
 
     def run(self) -> PairMotion:
         """Follow to the end."""
@@ -548,7 +548,8 @@ class _Following:
             ]
         )
         centres = np.where(np.isnan(centres), guess[rows], centres)
-        self.past = np.vstack([self.past, np.column_stack([theta[rows], centres])])[-_LONGEST:]
+        behind = self.past[-1:] if self.wide else self.past
+        self.past = np.vstack([behind, np.column_stack([theta[rows], centres])])[-_LONGEST:]
         self.interval = (float(bounds.low[kept]), float(bounds.high[kept]))
         self.sample = int(k[kept])
         self.fraction = int(place[kept] % parts)
@@ -560,8 +561,8 @@ class _Following:
         return True
 
     def _ahead(self, theta: Floats) -> Floats:
-        """The path through the cursor, (n,): a parabola through as many of the centres behind as it goes ahead."""
-        past = self.past[-max(self.length, 3) :]
+        """The path through the cursor, (n,): a parabola through as many of the centres behind as it goes ahead, or standing still."""
+        past = self.past[-1:] if self.wide else self.past[-max(self.length, 3) :]
         origin = theta[0]
         scale = max(float(origin - past[0, 0]), 1e-12)
         degree = min(len(past), 3)
@@ -592,15 +593,16 @@ class _Following:
         return self.pair.freedom.period
 
     def _hesitate(self) -> None:
-        """After a path that is not proven: a shorter one, one that stands still, a wider window, a shorter step; then look anew."""
+        """After a path that is not proven: a shorter one, one that stands still in a wider window, both with a shorter step; then
+        look anew."""
         if self.length > 1:
             self.length = max(self.length // 8, 1)
-        elif len(self.past) > 1 and not self.wide:
-            self.past = self.past[-1:]
+        elif not self.wide:
             self.wide = True
         elif self.halvings < (_FINEST if self.unproven < _PATIENCE else 0):
             self.halvings += 1
             self.fraction *= 2
+            self.wide = False
         else:
             self.unproven += 1
             while not self._resumed(self._estimate()) and self.sample < len(self.theta) - 1:

@@ -27,17 +27,19 @@ _BESIDE = 0.7  # of a bore: from its axis to the wall beside its keyway
 def with_walls(data: Any, hardened: bool) -> Any:
     """A spec's tables with the least wall of parts of metal where they leave it open and name a metal: 1 mm.
 
-    hardened: whether a case is hardened where followers run; then at least four of its depths.
+    hardened: whether it is a cam or drum, of which a case is hardened where followers run; alone it has at least four of its
+    depths, in a whole machine walls as its links.
     """
     if not isinstance(data, Mapping):
         return data
-    material, limits = (data.get(key, {}) for key in ("material", "limits"))
+    material, limits, parts = (data.get(key, {}) for key in ("material", "limits", "parts"))
     if not (isinstance(material, Mapping) and isinstance(limits, Mapping)):
         return data
     name = material.get("name")
     if not _is_metal(name):
         return data
-    least = _least_wall(name) if hardened else _WALL
+    alone = isinstance(parts, Mapping) and parts.get("make") in (None, "cams", "drum")
+    least = _least_wall(name) if hardened and alone else _WALL
     return {**data, "limits": {"min_wall": least, **limits}}
 
 

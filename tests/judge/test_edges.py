@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from camgen.findings import Where
 from camgen.geometry.rings import Floats, Ring
-from camgen.judge.edges import Engagement
+from camgen.judge.edges import Engagement, judge_edges
 from camgen.judge.pairs import hollow
 from camgen.machine.features import Edge, EngagedPair, Eye
 
@@ -100,3 +101,27 @@ def test_a_pin_in_a_hole_has_its_play_on_both_sides_at_any_angle(air: float) -> 
     assert pin(theta) == pytest.approx(theta, abs=1e-9)
     assert pin.lever(theta) == pytest.approx(ARM, rel=1e-3)
     assert pin.worst_gap.gap == pytest.approx(2 * air, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("air", "share", "said"),
+    [
+        (
+            0.0005,
+            100.0,
+            "it overlaps at none of them, nor from one to the next; play 0.003 to 0.003 deg",
+        ),
+        (1e-6, 0.0, "there it is free, but with too little play to prove its way"),
+        (-0.1, 0.0, "there disc and arm overlap"),
+    ],
+)
+def test_a_pin_with_little_air_is_followed_in_short_steps(
+    air: float, share: float, said: str
+) -> None:
+    """A step of 0.5 deg moves the pin by 175 um, a sixteenth by 11 um: only a path that goes along stays in a hole of 0.5 um.
+
+    Play: 2 * 0.5 um on an arm of 20 mm are 0.003 deg.
+    """
+    found = judge_edges(clutch(air), Where())
+    assert found.measured >= share and found.ok == (share == 100)
+    assert said in found.message

@@ -320,6 +320,15 @@ def test_what_is_no_cam_or_drum_has_no_case(spec: str, least: float) -> None:
     assert made.assembly.parts
 
 
+@pytest.mark.parametrize("spec", ["disc-cam", "indexing-cam"])
+def test_a_whole_machine_of_a_steel_with_a_case_has_the_walls_of_its_links(spec: str) -> None:
+    """Walls of 3.2 mm refused its rails and its ground plate."""
+    settings = ["parts.make=machine", "limits.min_wall=", "material.name=16MnCr5"]
+    made: Any = read_mechanism(STARTER.with_name(f"{spec}.toml"), settings)
+    assert made.allowed.min_wall == 1.0
+    assert made.assembly.parts
+
+
 def test_the_ends_of_a_hardened_drum_are_as_thick_as_its_walls() -> None:
     """4 cases of 0.8 mm are 3.2, rounded up 4, where a drum of any material has 3."""
     file = STARTER.with_name("cylinder-cam.toml")
