@@ -46,6 +46,7 @@ class ReturnSpring:
     rate: float = 0.0  # wanted on the follower, N/mm or N m/rad; 0: found
     preload: float = 0.0  # wanted where the follower is lowest, N or N m; 0: found
     place: complex | None = None  # wanted of its post; None: found
+    lasting: bool = False  # whether it is to work for ever
 
     @cached_property
     def hooked(self) -> complex:
@@ -150,13 +151,15 @@ class ReturnSpring:
         first, last = self._ends
         if not self.rate:
             low = self.preload / first or least
-            found = pulling(low, shortest, longest, eye, _STRETCHED, hook)
+            found = pulling(low, self.way, eye, _STRETCHED, hook, self.lasting)
             return found or self._none_such(f"{low:.4g} N at its shortest")
         low = self.preload / first
         high = (self.preload + self.rate * float(np.ptp(self._s))) / last
         rate = (high - low) / (longest - shortest)
         free = shortest - low / rate if rate > 0 else 0.0
-        found = extension_spring(rate, free, self.way, eye, hook) if free > 0 else None
+        found = (
+            extension_spring(rate, free, self.way, eye, hook, self.lasting) if free > 0 else None
+        )
         return found or self._none_such(f"{rate:.4g} N/mm, free length {free:.4g} mm")
 
     def of_a_shop(self, least: float) -> str:

@@ -203,10 +203,18 @@ class ExtensionSpring(HelicalSpring):
 
 
 def extension_spring(
-    rate: float, free: float, way: tuple[float, float], eye: float, hook: float = 0.0
+    rate: float,
+    free: float,
+    way: tuple[float, float],
+    eye: float,
+    hook: float = 0.0,
+    lasting: bool = False,
 ) -> ExtensionSpring | None:
-    """The slimmest spring of a rate, N/mm, and free length whose eyes are at least so wide inside, its hooks so long, that lasts
-    on its way, from its shortest to its longest; else the one that comes nearest to it; mm; None where none can be."""
+    """The slimmest spring of a rate, N/mm, and free length whose wire bears its way, from its shortest to its longest, whose eyes
+    are at least so wide inside and its hooks so long; mm; None where none can be.
+
+    lasting: the slimmest that works so for ever; where none does, that which comes nearest to it.
+    """
     strong = []
     for wider in _WIDER:
         for wire in _SLIM_WIRES:
@@ -220,7 +228,7 @@ def extension_spring(
             )
             if not windable or spring.stress(way[1]) > spring.strength:
                 continue
-            if spring.lasts(*way):
+            if not lasting or spring.lasts(*way):
                 return spring
             strong.append(spring)
     return min(strong, key=lambda each: each.fatigue(*way).use, default=None)
@@ -228,23 +236,23 @@ def extension_spring(
 
 def pulling(
     force: float,
-    shortest: float,
-    longest: float,
+    way: tuple[float, float],
     eye: float,
     shares: Iterable[float],
     hook: float = 0.0,
+    lasting: bool = False,
 ) -> ExtensionSpring | None:
     """A spring that pulls with a force, N, at its shortest, where it is stretched by the first of these shares of its length
-    for which one lasts, else for which there is one."""
-    way = shortest, longest
-    strong = None
+    for which there is one, lasting: for which one works for ever, if any does; way: its shortest and longest, mm."""
+    shortest = way[0]
+    found = []
     for stretch in shares:
         rate = force / (stretch * shortest)
-        spring = extension_spring(rate, (1 - stretch) * shortest, way, eye, hook)
-        if spring is not None and spring.lasts(*way):
+        spring = extension_spring(rate, (1 - stretch) * shortest, way, eye, hook, lasting)
+        if spring is not None and (not lasting or spring.lasts(*way)):
             return spring
-        strong = strong or spring
-    return strong
+        found += [] if spring is None else [spring]
+    return found[0] if found else None
 
 
 class CompressionSpring(HelicalSpring):
@@ -276,8 +284,7 @@ def compression_spring(
     rate: float, force: float, travel: float, inside: float, outside: float
 ) -> WorkingSpring | None:
     """The slimmest spring of a rate, N/mm, that presses with a force, N, where it is longest, whose wire bears being pressed solid
-    and that is hardly longer than others; of those that last, if any does; inside, outside: its least and greatest diameters;
-    mm. None where none can be."""
+    and that is hardly longer than others; inside, outside: its least and greatest diameters; mm. None where none can be."""
     stretch = force / rate + travel
     widest = (outside - inside) / 2
     found = []  # slim ones first
@@ -293,7 +300,6 @@ def compression_spring(
             spring = replace(spring, free=shortest + stretch)
             if spring.stress(spring.solid) <= spring.strength:
                 found.append(WorkingSpring(spring, shortest, shortest + travel))
-    found = [each for each in found if each.lasts] or found
     least = min((each.shortest for each in found), default=0.0)
     return next((each for each in found if each.shortest <= _LONGER * least), None)
 

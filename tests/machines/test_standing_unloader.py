@@ -47,24 +47,24 @@ def test_the_list_names_the_springs_wire_and_its_forces(starter: IndexingCam) ->
     """The source's sizes: pin 30 and guide 120 from the crank's axis, 6 stretched when nearest, 18 deg; here 1 N/mm, pins of 5.
 
     By hand: nearest 90, so 84 without load and 6 N there; farthest |30 exp(i 18 deg) + 120| = 148.82, so 64.8 N; the eyes are
-    5 more apart inside. EN 13906-2: 81500 d^4 / (8 D^3 n) with d 1.6, D 14.2 - 1.6, n 33.4 is 1 N/mm.
+    5 more apart inside. EN 13906-2: 81500 d^4 / (8 D^3 n) with d 1.25, D 9.375 - 1.25, n 46.4 is 1 N/mm.
     """
     farthest = math.sqrt(30**2 + 120**2 + 2 * 30 * 120 * math.cos(math.radians(18)))
     bought = next(
         each for each in starter.assembly.bought if each.name == "extension spring, unloader_spring"
     )
     assert (
-        "wire 1.6, outside diameter 14.2, 33.4 coils, free length 89 inside the eyes: closed coils"
+        "wire 1.25, outside diameter 9.38, 46.4 coils, free length 89 inside the eyes: closed coils"
         in bought.size
     )
-    closed = 34.376 * 1.6  # a coil more than turns lies side by side
+    closed = 47.37 * 1.25  # a coil more than turns lies side by side
     assert (
         f"closed coils of {closed:.4g}" in bought.size
         and f"a leg of {(89 - closed) / 2:.4g}" in bought.size
     )
     assert "at each end, 1 N/mm" in bought.size
     assert f"6 N at 95 and {farthest - 84:.4g} N at {farthest + 5:.4g}" in bought.size
-    assert 81500 * 1.6**4 / (8 * 12.6**3 * 33.376) == pytest.approx(1.0, rel=1e-3)
+    assert 81500 * 1.25**4 / (8 * 8.125**3 * 46.37) == pytest.approx(1.0, rel=1e-3)
     rows = order_of_assembly(starter.assembly).rows
     (step,) = (row for row in rows if row[1] == "extension spring")
     assert step[2].startswith(

@@ -103,6 +103,10 @@ def test_a_spring_that_would_tire_is_wound_of_thicker_wire() -> None:
     assert slim.stress(56.19) <= slim.strength and not slim.lasts(44.19, 56.19)
     assert slim.fatigue(44.19, 56.19).place == "eyes"
     assert slim.fatigue(44.19, 56.19).amplitude == pytest.approx(333, rel=0.02)
+    way = (75.0, 87.0)
+    plain, lasting = (extension_spring(1.0, 60.0, way, 9.0, 0.0, each) for each in (False, True))
+    assert plain is not None and not plain.lasts(*way)
+    assert lasting is not None and lasting.lasts(*way) and lasting.wire > plain.wire
     found = wound(1.0, 15.0, 12.0)
     assert found is not None and found.lasts
     assert found.spring.outside / found.spring.wire < 11
@@ -165,13 +169,13 @@ def test_a_compression_spring_is_never_pressed_solid() -> None:
     assert spring.solid == pytest.approx(spring.wire * (spring.coils + 2))
     assert spring.force(spring.solid) == pytest.approx(1.15 * spring.force(found.shortest))
     assert spring.stress(spring.solid) <= spring.strength
-    assert spring.inside >= 6.6 - 1e-9 and spring.outside <= 12.2
+    assert spring.inside == pytest.approx(6.6) and spring.outside <= 12.2
     polar = math.pi * spring.wire**4 / 32
     length = math.pi * spring.mean * spring.coils
     assert 81500 * polar / length / (spring.mean / 2) ** 2 == pytest.approx(0.25)
     said = found.bought.size
     for word in (
-        "wire 0.63",
+        "wire 0.5",
         "coils",
         "free length",
         "N/mm",

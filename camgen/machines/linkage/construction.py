@@ -30,6 +30,7 @@ from camgen.machines.linkage.weights import counterbalanced
 from camgen.machines.loads.applied import efforts
 from camgen.machines.loads.weights import gravity
 from camgen.machines.return_spring import SAMPLES
+from camgen.parts import materials
 from camgen.parts.catalogue import CLUTCHES
 from camgen.parts.generator.beneath import Beneath
 from camgen.parts.generator.bodies import Bodies
@@ -122,7 +123,8 @@ class Construction:
         """Those of [[spring]]."""
         if not self.spec.springs:
             return ()
-        return coils.sprung(self.spec.springs, self.period, self.spec.making)
+        lasting = materials.of(self.spec.material.name).metal
+        return coils.sprung(self.spec.springs, self.period, self.spec.making, lasting)
 
     def _least_pull(self, spring: coils.Returning) -> float:
         """What a return spring must pull with, N, by what all but such springs do."""

@@ -34,6 +34,7 @@ from camgen.machines.loads.counterweights import Counterweight
 from camgen.machines.loads.tables import Drives
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.program import Program
+from camgen.parts import materials
 from camgen.parts.assembly import Cycle
 from camgen.parts.generator.connections import Fitting
 from camgen.parts.generator.layout import Layout
@@ -298,4 +299,5 @@ class LinkageSpec(Mechanism):
         if not self.diagram.returns:
             return ()
         play = self.print.slide_clearance
-        return coils.returning(self.drawn.closed(), self.diagram, self.making, play)
+        lasting = materials.of(self.material.name).metal
+        return coils.returning(self.drawn.closed(), self.diagram, self.making, play, lasting)

@@ -110,8 +110,11 @@ class Returning:
         )
 
 
-def returning(machine: m.Machine, drawing: Drawing, sizes: Parts, play: float) -> list[Returning]:
-    """The return spring of each cam that has one, in the machine of a drawing; play: of what moves past each other, mm."""
+def returning(
+    machine: m.Machine, drawing: Drawing, sizes: Parts, play: float, lasting: bool
+) -> list[Returning]:
+    """The return spring of each cam that has one, in the machine of a drawing; play: of what moves past each other, mm; lasting:
+    whether springs are to work for ever."""
     springs = []
     numbers = {name: k for k, name in enumerate(drawing.named_cams)}
     first = {tip.joint.name: tip for tip in reversed(tips(machine, drawing.ridden, sizes, play))}
@@ -120,7 +123,9 @@ def returning(machine: m.Machine, drawing: Drawing, sizes: Parts, play: float) -
         wish = drawing.named_cams[name].spring or t.ReturnSpring()
         axis = pivot(machine, tip.joint.cam)[1]
         place = None if wish.post is None else complex(*wish.post) - axis
-        spring = ReturnSpring(tip.cam, tip.rolls, sizes, play, wish.rate, wish.preload, place)
+        spring = ReturnSpring(
+            tip.cam, tip.rolls, sizes, play, wish.rate, wish.preload, place, lasting
+        )
         key = f"cam.{numbers[name]}.spring.post"
         if place is not None:
             _refuse_askew(spring, axis, key)
@@ -197,14 +202,17 @@ def faults(
     return faults
 
 
-def sprung(springs: Sequence[t.Spring], run: Run, sizes: Parts) -> list[MountedSpring]:
-    """The springs in their machine; run: samples over the whole motion. DesignError where none can be made."""
+def sprung(
+    springs: Sequence[t.Spring], run: Run, sizes: Parts, lasting: bool
+) -> list[MountedSpring]:
+    """The springs in their machine; run: samples over the whole motion; lasting: as above. DesignError where none can be made."""
     return [
-        _mounted(each, name, run, sizes) for each, name in zip(springs, names(springs), strict=True)
+        _mounted(each, name, run, sizes, lasting)
+        for each, name in zip(springs, names(springs), strict=True)
     ]
 
 
-def _mounted(spec: t.Spring, name: str, run: Run, sizes: Parts) -> MountedSpring:
+def _mounted(spec: t.Spring, name: str, run: Run, sizes: Parts, lasting: bool) -> MountedSpring:
     pin = sizes.pin_diameter
     ends = tuple((_carrier(run.machine, point), point) for point in spec.between)
     places = [run.point(*end)[0] for end in ends]
@@ -228,7 +236,7 @@ def _mounted(spec: t.Spring, name: str, run: Run, sizes: Parts) -> MountedSpring
             remedy,
         ).saying(said)
     way = shortest + pin, longest + pin
-    spring = extension_spring(spec.rate, free + pin, way, EYE * pin, sizes.hook)
+    spring = extension_spring(spec.rate, free + pin, way, EYE * pin, sizes.hook, lasting)
     if spring is None:
         where = f"spring {name}"
         said = f"{where}: no spring of round wire has {spec.rate:.4g} N/mm, {free:.4g} mm free between pins of {pin:g} mm and bears "
