@@ -237,6 +237,12 @@ SCREWS = {
     )
 }
 
+# Width across flats of the hexagon socket, mm, by standard and thread.
+HEX_KEYS = {
+    "ISO 4762": {"M2": 1.5, "M2.5": 2.0, "M3": 2.5, "M4": 3.0, "M5": 4.0, "M6": 5.0},
+    "ISO 7380-1": {"M3": 2.0, "M4": 2.5, "M5": 3.0, "M6": 4.0},
+}
+
 
 def shortest_screw(length: float) -> float:
     """Shortest length that is sold and not below this one, mm; 0 where all are shorter."""

@@ -140,8 +140,8 @@ def with_sorting(
 
 _SORT = "sort what looks alike"
 _WRITE = (
-    ". Write on each part its name and the letters of its holes; its picture among the parts shows them. Do this before you ream: "
-    'tight holes and others still look alike. Lengths are from the middle of one hole to that of another. Parts with "or" between '
+    ". Write on each part its name and the letters of its holes; its picture among the parts shows them. Do this before you "
+    'open holes: tight holes and others still look alike. Lengths are from the middle of one hole to that of another. Parts with "or" between '
     "them are the same, turned over"
 )
 

@@ -9,13 +9,13 @@ import numpy as np
 
 from camgen.machines.mechanism import Mechanism
 from camgen.parts import materials
-from camgen.parts.assembly import Assembly, order_of_assembly
+from camgen.parts.assembly import Assembly, depth_below, order_of_assembly
 from camgen.parts.bench_steps import at_bench
-from camgen.parts.catalogue import CAM_FOLLOWERS, Bought
+from camgen.parts.catalogue import CAM_FOLLOWERS, HEX_KEYS, Bought
 from camgen.parts.keyways import parallel_keys
 from camgen.parts.look_alikes import with_sorting
 from camgen.parts.part import SizeNote
-from camgen.parts.reaming import opened_holes, opener, with_cutting, with_reaming
+from camgen.parts.reaming import opened_holes, opener, tight_holes, with_cutting, with_reaming
 from camgen.parts.standing import StandingCopy, standing_copies
 from camgen.parts.steps import Fixing, with_joints
 from camgen.study import Table
@@ -60,13 +60,29 @@ def stock(mechanism: Mechanism) -> list[Bought]:
 
 
 def tools(mechanism: Mechanism) -> list[Bought]:
-    """What opens the printed holes in which something turns."""
+    """What the steps of assembly of a printed machine ask for: drills for its holes, and what else is at hand on a bench."""
     if not materials.of(mechanism.material.name).printed:
         return []
-    return [
-        Bought(opener(size), "", f"{size:g} mm, for {count} hole{'' if count == 1 else 's'}", 1)
-        for size, count in opened_holes(*_standing(mechanism.assembly)).items()
-    ]
+    assembly = mechanism.assembly
+    copies, fixing = _standing(assembly)
+    found = dict[str, str]()
+    for size, count in opened_holes(copies, fixing).items():
+        found[opener(size)] = f"{size:g} mm, for {count} hole{'' if count == 1 else 's'}"
+    tight = tight_holes(copies, copies, fixing)
+    for size in sorted(tight):
+        found.setdefault(opener(size), f"{size:g} mm, for holes that turn out too tight")
+    if tight:
+        found["vice"] = "for what is pressed into tight holes"
+        found["oil"] = "a drop in joints beside glue"
+    if stock(mechanism):
+        found["saw, file and caliper"] = "for what is cut of steel"
+    for each in assembly.bought:
+        key = HEX_KEYS.get(each.standard, {}).get(each.thread)
+        if key:
+            found[f"hex key {key:g}"] = f"for {each.thread}, {each.standard}"
+    if blocks := depth_below(assembly):
+        found["blocks, two"] = f"at least {blocks} mm high, under the plate"
+    return [Bought(name, "", size, 1) for name, size in found.items()]
 
 
 def steps_of_assembly(mechanism: Mechanism) -> Table:

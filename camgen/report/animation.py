@@ -308,9 +308,7 @@ def player(animation: Animation, scene: bool = False) -> str:
     items = []
     for k, body in enumerate(animation.bodies):
         over = sum(pose.flipped for pose in body.poses)
-        words = body.name.replace("_", " ") + (
-            f" × {len(body.poses)}" if len(body.poses) > 1 else ""
-        )
+        words = body.name + (f" × {len(body.poses)}" if len(body.poses) > 1 else "")
         if over:
             words += f" ({over} turned over)" if len(body.poses) > 1 else ", turned over"
         items.append(

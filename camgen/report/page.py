@@ -340,9 +340,7 @@ def _parts(report: Report) -> str:
             if "material_mm3" in part
             else []
         )
-        title = label.replace("_", " ") + (
-            f" × {part['count']}" if part.get("count", 1) != 1 else ""
-        )
+        title = label + (f" × {part['count']}" if part.get("count", 1) != 1 else "")
         cards.append(_card(title, "; ".join(facts), links, f"part-{k}", report.scene is not None))
     whole = [file for file in report.files if file.startswith(f"{report.name}-assembly.")]
     links = [_link(report, file, file.rpartition(".")[2].upper()) for file in whole]

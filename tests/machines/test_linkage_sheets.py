@@ -19,6 +19,18 @@ def laser(name, sheet=3.0, **sizes):
     return {**spec, "parts": own | {"make": "laser", **sizes}, "laser": {"thickness": sheet}}
 
 
+TOOLS = (
+    "drill 4.2",
+    "drill 6.2",
+    "drill 4",
+    "drill 6",
+    "vice",
+    "oil",
+    "saw, file and caliper",
+    "blocks, two",
+)
+
+
 @pytest.fixture(scope="module")
 def report(tmp_path_factory):
     return camgen.build(laser("linkage"), tmp_path_factory.mktemp("sheets"), only="dxf")
@@ -45,7 +57,7 @@ def test_a_four_bar_of_one_sheet(report):
         **dict.fromkeys(("pin-1", "drive", "screw of the plate, from behind", "glue"), "bought"),
         "steel rod 6 h9": "stock",
         "board": "your own",
-        "drill 6": "tool",
+        **dict.fromkeys(TOOLS, "tool"),
     }
     assert report.numbers["mass_g"] == report.numbers["print_time_h"] == 0
 

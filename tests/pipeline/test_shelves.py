@@ -112,6 +112,24 @@ def test_steel_and_drills_are_listed() -> None:
     leg = camgen.load(tomllib.loads(starters.text("walking-leg")))
     drills = {each.name: each.size for each in tools(leg)}
     assert drills["drill 4"].startswith("4.05 mm, for ")
+    bird = {
+        each.name: each.size
+        for each in tools(camgen.load(tomllib.loads(starters.text("flapping-bird"))))
+    }
+    assert {
+        "drill 5",
+        "drill 5.2",
+        "drill 6",
+        "drill 6.2",
+        "vice",
+        "oil",
+        "hex key 2",
+    } <= bird.keys(), "as its steps ask"
+    assert (
+        bird["blocks, two"].startswith("at least 34 mm high")
+        and "saw, file and caliper" not in bird
+    )
+    assert "saw, file and caliper" in {each.name for each in tools(feeder)}
     own = {each.name: each.count for each in feeder.assembly.bought if each.role == "own"}
     assert own == {"screw from below": 2, "screw of the load": 4}
 

@@ -45,7 +45,7 @@ _BEYOND = 40.0
 _MOST_STEPS = 250  # from the middle outwards; of a machine that is larger they are longer
 _AT_ONCE = 256  # places that are tried together
 _EVERY = 8  # samples of the motion: posts need no finer ones
-_ENGAGED = 1.5  # diameters of a screw in a spacer, at least
+_ENGAGED = 2.0  # diameters of a screw in a spacer, at least: its thread is cut in a print
 _LEAST = 2.0  # posts' diameters between two of them
 
 
@@ -420,7 +420,7 @@ def _second_plate(layout: Layout) -> Part:
     notes = [f"pins pressed in tight, heads down: {', '.join(hanging)}"] if hanging else []
     held = f"screw it on {len(posts)} posts, over all, tight crosswise"
     if joined:
-        held = f"lay it on {len(posts)} posts, over all"
+        held = f"it lies on {len(posts)} posts, over all"
     return Part(
         SECOND,
         "Second plate",
