@@ -927,6 +927,7 @@ class _Meeting:
     shaft: bool = False
     flat: str = ""  # that a flat goes on a flat
     hangs: str = ""  # the pin on which it is fixed, where that is held by nothing but its head
+    room: str = ""  # how high the gap under that head is
     sinks: str = ""  # the shaft on which it is fixed, where that is loose in a plate
 
     @property
@@ -976,7 +977,8 @@ def _meeting(
         loose = _WORDS[fit] and shaft.part.role == "shaft" and _mates([shaft], plates, fixing)
         sinks = shaft.part.name if loose else ""
         on = f"on {shaft.part.name}{at}"
-        return _Meeting(letter, on, fit, high, set_by, lies, True, flat, hangs, sinks)
+        room = _room(shaft, below) if hangs else ""
+        return _Meeting(letter, on, fit, high, set_by, lies, True, flat, hangs, room, sinks)
     under = [
         (each.high, other.part.name, each.name)
         for other in below
@@ -1051,10 +1053,25 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
         )
     hanging = listed(dict.fromkeys(each.hangs for each in fixed if each.hangs))
     if hanging:
-        yield Doing("hold ", hanging, " from below by the head while you press")
+        rooms = listed(dict.fromkeys(each.room for each in fixed if each.room))
+        rod = f": push a rod or block from the side into the gap of {rooms}" if rooms else ""
+        yield Doing("hold ", hanging, f" from below by the head while you press{rod}")
     sinking = listed(dict.fromkeys(each.sinks for each in fixed if each.sinks))
     if sinking:
         yield Doing("put a block under ", sinking, ": it must not sink while you press")
+
+
+def _room(pin: StandingCopy, below: Sequence[StandingCopy]) -> str:
+    """How high the gap is between a pin that stands on its head, with its cap, and what is in line with it below; "" of none."""
+    low = min(each.low for each in pin.outlines)
+    under = [
+        each.high
+        for other in below
+        for each in (*other.outlines, *other.holes)
+        if each.in_line(pin.outlines[0]) and each.high < low + SAME_POINT
+    ]
+    gap = low - max(under, default=low)
+    return f"{gap:.4g} mm under {pin.part.name}" if gap > _RESTS else ""
 
 
 def _lies_on(hole: Round, below: Sequence[StandingCopy]) -> str:

@@ -827,9 +827,16 @@ def test_a_walker_s_motor_and_batteries_come_from_where_they_go_and_are_seen() -
 
 def test_a_walker_s_steps_say_what_the_hands_do() -> None:
     """Pins that hang by their heads are held, flats go on flats, a gap that posts leave is not set, the crank's height is."""
-    titles = [step.title for step in steps_of_assembly(built("walker")).steps]
+    walker = built("walker")
+    titles = [step.title for step in steps_of_assembly(walker).steps]
     (lid,) = (title for title in titles if title.startswith("Lower the second plate"))
-    assert "Hold pin-2 and pin-4 from below by the head while you press." in lid
+    assert "Hold pin-2 and pin-4 from below by the head while you press: push a rod" in lid
+    length = {name: walker.assembly.by_name[name].thickness for name in ("pin-2", "pin-3", "pin-4")}
+    top = next(each.z for each in walker.assembly.mounts if each.part == "second-plate")
+    top += walker.assembly.by_name["second-plate"].thickness
+    gaps = [top - length["pin-2"] - length["pin-2"], top - length["pin-4"] - length["pin-3"]]
+    assert f"gap of {gaps[0]:.4g} mm under pin-2 and {gaps[1]:.4g} mm under pin-4" in lid
+    assert "It lies on 4 posts, over all." in lid and "Lay it on" not in lid
     assert "down on post: 0.05 mm stay free over spacer-3" in lid and "plastic bag" not in lid
     web = next(title for title in titles if title.startswith("Press and glue M of crank_web2"))
     assert "on crank-pin-1, flat on flat" in web
