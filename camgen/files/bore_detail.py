@@ -28,6 +28,8 @@ _TITLE = 24.0  # over its upper edge
 _LEANING = math.radians(197)  # of the leader of its roughness
 _OFF = 10.0  # of a size
 _OFF_KEY = 8.0
+_PAST_DATUM = 10.0  # more where the datum of a flat is between
+_BESIDE = 0.6  # of half a flat's width, from the axis to its datum
 _OVER_FLAT = 0.1  # mm, as of keyways up to a bore of 22 [DIN 6885]
 
 
@@ -94,7 +96,9 @@ class BoreDetail:
             measure = Measure(abs(b - a), sign, fit, self.scale / scale)
             dimension(sheet, (at + scale * a, at + scale * b), away, measure, facts.tolerance)
 
-        bore = -1j * (scale * radius + _OFF)
+        flat = flat_of(self.contour)
+        below = flat is not None and flat[0].imag < -0.5  # its datum comes before the diameter
+        bore = -1j * (scale * radius + _OFF + _PAST_DATUM * below)
         beside = complex(scale * radius + _OFF)
         over = at + 1j * scale * top
         size(-radius + 0j, radius + 0j, bore, "Ø", _limits(facts.bore_fit, 2 * radius))
@@ -102,13 +106,15 @@ class BoreDetail:
             self._surface(sheet, at + cmath.rect(scale * radius, _LEANING))
         if facts.profile:
             datum(sheet, at + bore, -1j, self.letters[0])
-        flat = flat_of(self.contour)
         if flat:
             way, depth = flat
             ends = -radius * way, (depth - radius) * way
             upright = abs(way.imag) > 0.5
             size(*ends, beside if upright else 1j * beside.real, "", over_flat(facts))
-            over = at + scale * ends[1]
+            beside_axis = _BESIDE * math.sqrt(radius**2 - (depth - radius) ** 2)
+            over = at + scale * (
+                ends[1] + beside_axis * abs(way.imag) + 1j * beside_axis * abs(way.real)
+            )
         if key:
             half = key[1] / 2
             width = _limits(facts.key_fit, key[1])

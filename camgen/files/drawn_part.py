@@ -92,7 +92,8 @@ class DrawnPart:
         self.drum = part.drum if facts.heights else None
         self.turns = (free(part.region.outer) or self.drum is not None) and part.bore is not None
         self.turns = self.turns or bool(self.tracks and facts.tracks)
-        self.chamfer = facts.bore_chamfer if self.turns or self.bored else 0.0
+        bored = self.turns or self.bored or any(map(flat_of, part.region.holes))
+        self.chamfer = facts.bore_chamfer if bored else 0.0
         layered = len({layer.region for layer in part.layers}) > 1
         plated = self.bored and (self.key or not layered)
         across = facts.groove is not None or part.drum or plated
@@ -136,6 +137,8 @@ class DrawnPart:
         tops = [each.centre.imag + each.tip - self.high.imag for each in self.riders]
         self.rise = max([0.0, *tops])  # of a follower over the part, mm of the part
         self.disc = self._disc()
+        # the hole about the axis of a round part
+        self.centred = self.datum_letter if self.disc is not None and not self.turns else ""
         self.rim_letter = self._rim_letter()
         self.datum_letter = self.datum_letter or self.rim_letter
         self.angle_hole = self._angle_hole()

@@ -13,6 +13,7 @@ from camgen.files.sheet import Text
 from camgen.files.title_block import WIDTH
 from camgen.geometry.arcs import as_circle
 from camgen.parts.part import SizeNote
+from camgen.tolerances import SAME_POINT
 
 NOTES = SIZES["A4"][0] - FILING - MARGIN - WIDTH - 6  # width, beside the title block of an A4 sheet
 
@@ -86,9 +87,12 @@ def _shop_notes(drawn: DrawnPart) -> list[str]:
     lines += _corner_notes(drawn)
     if drawn.plate:
         lines.append("All holes go through")
-    fine = _finer(drawn)
+    fine = _listed(_ground(drawn))
+    fitted = _fitted(drawn)
+    lines += [f"Holes with a fit Ra {facts.bore_roughness:g}"] if fitted else []
     if facts.roughness_elsewhere:
-        where = f" but for the {fine}" if fine else ""
+        others = _listed([*_ground(drawn), *["holes with a fit"][:fitted]])
+        where = f" but for the {others}" if others else ""
         lines.append(f"All faces{where} Ra {facts.roughness_elsewhere:g}")
     if drawn.rim_letter and facts.profile:
         form = "flat" if facts.levels else "round"
@@ -120,6 +124,8 @@ def _corner_notes(drawn: DrawnPart) -> list[str]:
     lines = list[str]()
     if facts.corner and drawn.bosses and drawn.turns and not drawn.part.drum:
         lines.append(f"Corners of hub and disc at most R{number(facts.corner)}")
+    if facts.run_out and drawn.centred and (facts.outer_fit or drawn.part.points):
+        lines.append(f"Rim runs out at most {number(facts.run_out)} to hole {drawn.centred}")
     if facts.profile and drawn.surface:
         # rounded down: a larger wheel cuts into the track
         least = f"R{math.floor(10 * drawn.hollow) / 10:g}" if drawn.hollow < _STRAIGHT else "none"
@@ -152,8 +158,16 @@ def _soft(drawn: DrawnPart) -> list[str]:
     return [name for name, own in faces if own]
 
 
-def _finer(drawn: DrawnPart) -> str:
-    """Faces that have a roughness of their own, such as "track and bore"."""
+def _fitted(drawn: DrawnPart) -> bool:
+    """Whether holes have a fit besides the bore that is dimensioned by itself."""
+    fits = [each for each in drawn.facts.fits if not each.words.startswith("core hole")]
+    alone = drawn.bored is not None
+    others = [each for each in fits if not (alone and abs(each.at) < SAME_POINT)]
+    return bool(others and drawn.facts.bore_roughness)
+
+
+def _ground(drawn: DrawnPart) -> list[str]:
+    """Faces that have a roughness of their own, and are ground where a part is hardened: "track", "bore"."""
     facts = drawn.facts
     faces = (
         ("bore", facts.bore_roughness and drawn.bored),
@@ -161,7 +175,7 @@ def _finer(drawn: DrawnPart) -> str:
         (_rim(drawn), facts.bore_roughness and drawn.rim_letter),
     )
     running = _running(drawn) if facts.roughness else []
-    return _listed([*running, *(name for name, own in faces if own)])
+    return [*running, *(name for name, own in faces if own)]
 
 
 def _listed(names: list[str]) -> str:

@@ -355,7 +355,7 @@ class Section:
         for k, word in enumerate(self.words):
             place = corner + 1j * (SECTION_ROOM.imag - 12 - 4.5 * k)
             sheet.text(place, word, _SMALL, room=_WORDS)
-        picture = complex(_WORDS + (SECTION_ROOM.real - _WORDS) / 2, SECTION_ROOM.imag / 2) - 4 - 4j
+        picture = complex(_WORDS + (SECTION_ROOM.real - _WORDS) / 2, SECTION_ROOM.imag / 2) - 4 - 8j
         origin = corner + picture - scale * (self.low + self.high) / 2
 
         def put(points: Sequence[complex], layer: str) -> None:
@@ -437,11 +437,26 @@ def drum_section(drum: Drum, facts: Facts, scales: Sequence[float]) -> Section:
     if facts.roller:
         diameter, length, _ = facts.roller
         words.append(f"roller Ø{number(diameter)} × {number(length)}")
+    if facts.profile and drum.track == "groove":
+        words += _groove_words(drum, facts)
     if drum.roller.slope:
         half = math.degrees(math.atan(drum.roller.slope))
         words.append(f"half angle of its cone {number(half)}°")
     face = [*edge, *corners]
     return Section(title, scale, words, [face], edges, breaks, rollers, axes, sizes)
+
+
+def _groove_words(drum: Drum, facts: Facts) -> list[str]:
+    """How thick a groove leaves the drum's rims, rounded down, and the cutter that fits both walls of one with straight sides."""
+    outside = np.full(_POINTS, drum.outside)
+    beta = np.linspace(0, math.tau, _POINTS)
+    low, high = (wall.over(beta, outside).z for wall in drum.walls)
+    rims = float(np.min(low)), drum.length - float(np.max(high))
+    thin = " and ".join(f"{math.floor(10 * rim + 1e-6) / 10:g}" for rim in rims)
+    words = [f"rims at least {thin} thick"]
+    if facts.roller and not drum.roller.slope:
+        words.append(f"cutter Ø{number(facts.roller[0])}, a pass for each wall")
+    return words
 
 
 def _edge(

@@ -507,6 +507,21 @@ def test_the_flat_of_a_bore_is_dimensioned_over_its_far_side(at):
         (round(each.value, 6), each.fit) for each in layout.sheet.things if isinstance(each, Size)
     }
     assert (7.5, " +0.1/0") in sizes
+    things = list(layout.sheet.primitives)
+    axes = [
+        shapely.LineString([(z.real, z.imag) for z in (each.pieces[0].a, each.pieces[-1].b)])
+        for each in things
+        if isinstance(each, Stroke) and each.layer == "CENTER"
+    ]
+    words = [each for each in things if isinstance(each, Text)]
+    texts = [each.at for each in words if each.text.startswith("Ø8 H7 (")]
+    boxes = [each.at for each in words if each.text == layout.drawn.angle_letter]
+    right = [z for z in boxes if z.real > layout.table_x and z.imag < layout.free]
+    assert right, "the letter's box in the detail"
+    for z in right:
+        near = shapely.box(z.real - 2, z.imag - 0.5, z.real + 2, z.imag + 3)
+        assert not any(near.intersects(axis) for axis in axes)
+        assert not [at for at in texts if abs(at.imag - z.imag) < 3 and abs(at.real - z.real) < 15]
     for (
         each
     ) in layout.sheet.things:  # square to its line: what a CAD program measures is what is said

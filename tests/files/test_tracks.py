@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cache, reduce
 from pathlib import Path
@@ -289,6 +290,19 @@ def test_the_sheet_of_a_linear_cam_has_heights_of_its_edge(material: str) -> Non
     assert not [text for text in words if text.startswith("(R")]
     said = {"0.05", "B", "C", "Ra 0.8"}
     assert said & set(words) == (said if material == "C45" else set())
+
+
+def test_a_metal_drum_s_section_tells_its_rims_and_its_cutter() -> None:
+    """The groove is 10.2 wide, square to its walls, which are level where the roller is lowest and highest."""
+    _, drum, facts = sheet_of()
+    heights = [z for _, _, z in facts.heights]
+    rims = min(heights) - 5.1, drum.length - max(heights) - 5.1
+    low, high = (math.floor(10 * each + 1e-9) / 10 for each in rims)
+    words = drum_section(drum, facts, SCALES).words
+    assert f"rims at least {low:g} and {high:g} thick" in words
+    assert "cutter Ø10, a pass for each wall" in words
+    _, plain, printed = sheet_of(metal=False)
+    assert not [word for word in drum_section(plain, printed, SCALES).words if "cutter" in word]
 
 
 def test_a_section_tells_the_cone_of_its_roller() -> None:

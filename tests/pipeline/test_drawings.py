@@ -131,6 +131,14 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     assert {"All faces but for the round Ra 3.2", "Tensile strength at least 700 MPa"} <= texts
     assert {name for name, each in found.items() if each.outer_fit} == {*sizes, "shaft-table"}
     assert {name for name, each in found.items() if each.shank[0]} == {"pin-1", "knob-pin"}
+    notes = {
+        "crank": {"Holes with a fit Ra 1.6", "Bore chamfered 0.5 x 45%%d at both ends"},
+        "roller-crank_to_table": {"Holes with a fit Ra 1.6", "Rim runs out at most 0.03 to hole A"},
+        "table": {"Rim runs out at most 0.03 to hole C", "Bore chamfered 0.5 x 45%%d at both ends"},
+    }
+    for name, said in notes.items():
+        path, *_ = write_drawing(tmp_path, "x", parts[name], 1e-3, found[name])
+        assert said <= {e.dxf.text for e in ezdxf.readfile(path).modelspace().query("TEXT")}
     path, *_ = write_drawing(tmp_path, "x", parts["knob-pin"], 1e-3, found["knob-pin"])
     texts = {each.dxf.text for each in ezdxf.readfile(path).modelspace().query("TEXT")}
     assert {"%%c8, z 0 to 1.5", "%%c5 m6 (+0.012/+0.004)"} <= texts
