@@ -20,6 +20,7 @@ import numpy as np
 from camgen.errors import DesignError, counted, listed
 from camgen.machine.constraints import Constraints
 from camgen.machine.model import Drive, Machine, Pin, Place, Pose, Slide
+from camgen.machine.reach import crank_limits
 from camgen.numerics import Floats
 
 # A singular value below this share of the largest is none.
@@ -304,7 +305,8 @@ def _closest(system: Constraints, q: Floats) -> tuple[Floats, float]:
 def close_drawing(machine: Machine) -> Machine:
     """The machine with start poses that close it at theta = 0, as near to the given ones as may be.
 
-    Raises DesignError where the lengths contradict each other: by how much the joints stay open, and which.
+    Raises DesignError where the lengths contradict each other: by how much the joints stay open, which, and how long the crank
+    of a four-bar among them may be.
     """
     system = Constraints(machine)
     q, gap = _closest(system, system.start)
@@ -320,6 +322,8 @@ def close_drawing(machine: Machine) -> Machine:
             found = replace(freedom, spare=freedom.drives - freedom.count, bound=tuple(open_))
             motors = [drive.name for drive in machine.drives if drive.motor]
             raise _drives_error(found, motors) if motors else _locked_error(found)
+        cranks = [drive.body for drive in machine.drives if drive.slide is None][:1]
+        limits = "".join(crank_limits(machine, [(name,) for name in open_], it) for it in cranks)
         message = f"the lengths contradict each other: {_joints(open_)} {'stays' if len(open_) == 1 else 'stay'} open"
         raise DesignError(
             "gap of the joints as drawn",
@@ -327,7 +331,8 @@ def close_drawing(machine: Machine) -> Machine:
             0,
             "mm",
             _joints(open_),
-            "change the lengths of the links in this loop, or draw their points nearer to where they meet",
+            "change the lengths of the links in this loop, or draw their points nearer to where they meet"
+            + limits,
         ).saying(f"{message} by {gap:.6g} mm{_loop(machine, open_)}")
     rows = q.reshape(-1, 3)
     start = {

@@ -9,7 +9,7 @@ change point   the determinant touches or passes 0 and the chain goes on: two br
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -97,7 +97,7 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
         360,
         "deg",
         f"{names}: it closes from {low:.6g} to {high:.6g} deg",
-        cure + _limits(machine, span, crank),
+        cure + crank_limits(machine, span.ends, crank),
     ).saying(f"the drive cannot turn fully: {closes}")
 
 
@@ -182,11 +182,13 @@ def _four_bar(joints: Sequence[Joint], crank: str) -> dict[str, float] | None:
     return {name: lengths[name] for name in (GROUND, crank, coupler, output[0])}
 
 
-def _limits(machine: Machine, span: Reach, crank: str) -> str:
-    """Why the crank of each four-bar at which a machine opens does not turn fully, and the longest that would; empty where no
-    four-bar opens."""
+def crank_limits(machine: Machine, ends: Iterable[tuple[str, ...]], crank: str) -> str:
+    """Why the crank of each four-bar that opens does not turn fully, and the longest that would; empty where no four-bar opens.
+
+    ends: names of the joints that open together, of each place.
+    """
     texts = {}
-    for names in span.ends:
+    for names in ends:
         bodies = {body for name in names for body in bodies_of(machine.joint(name))}
         bodies |= {crank, GROUND}
         loop = [joint for joint in machine.joints if bodies.issuperset(bodies_of(joint))]

@@ -176,6 +176,14 @@ def test_contradicting_lengths_are_told_with_their_loop() -> None:
     assert error.value.value > 1
 
 
+def test_a_crank_too_long_for_its_loop_is_told_how_long_it_may_be() -> None:
+    """A and C are 1 mm apart, coupler and rocker of 30 and 32 mm at least 2; a crank turns fully below 30 + 32 - 40."""
+    points = {"O": 0j, "C": 40 + 0j, "A": 39 + 0j, "B": 39 + 30j}
+    links = {GROUND: "O C", "crank": "O A", "coupler": "A B", "rocker": "C B"}
+    with pytest.raises(DesignError, match=r"contradict.* open by .*crank turns fully below 22 mm$"):
+        linked(points, links, "crank", {"A-B": 30.0, "C-B": 32.0})
+
+
 def test_range_of_a_chain_that_cannot_turn_fully() -> None:
     """A crank too long for its rod: it closes where the rod still reaches the guide; exact dead points."""
     found = reach(slider_crank(30.0, 20.0))
