@@ -228,8 +228,16 @@ def _links(report: Report) -> str:
 def _shopping(report: Report) -> str:
     """What is not printed: bought, cut or turned."""
     rows = [row[:4] for table in report.tables if table.shopping for row in table.rows]
-    others = [row for row in rows if row[0] != "printed"]
+    rods = [str(row[1]).removeprefix("steel ") for row in rows if row[0] == "stock"]
+    others = [
+        (_CUT if any(rod in str(what) for rod in rods) else how, part, what, count)
+        for how, part, what, count in rows
+        if how != "printed"
+    ]
     return html_table(Table("", ("how", "part", "what", "count"), others)) if others else ""
+
+
+_CUT = "cut and filed of steel"  # from a rod of the list, which needs no lathe
 
 
 def _margins(report: Report) -> str:

@@ -420,6 +420,20 @@ def test_what_a_maker_looks_for_first_is_linked_at_the_top() -> None:
     assert "What to buy" not in to_html(solid()), "where no list is there"
 
 
+def test_what_is_cut_from_a_rod_of_the_list_is_said_to_be_cut_and_filed() -> None:
+    """A pin with a head, for which no rod is listed, is turned."""
+    rows = [
+        ("turned of steel", "shaft", "Shaft: rod 3 h9 x 82.2, a flat 0.5 deep all along", 1, ""),
+        ("turned of steel", "pin", "Pin 1: head 6 x 2 on a shank 4 x 9", 1, ""),
+        ("stock", "steel rod 3 h9", "82.2 mm without saw cuts", 1, ""),
+    ]
+    columns = ("how", "part", "what", "count", "material, mm^3")
+    page = to_html(replace(solid(), tables=[Table("Parts list", columns, rows, shopping=True)]))
+    bought = page.partition('id="to-shopping"')[2].partition("</section>")[0]
+    made = dict(re.findall(r"(\w+ (?:and filed )?of steel)\W.*?(shaft|pin)", bought, re.DOTALL))
+    assert made == {"cut and filed of steel": "shaft", "turned of steel": "pin"}
+
+
 def test_a_step_tells_the_view_what_lies_side_by_side_and_whence_things_come() -> None:
     report = solid()
     assert report.scene is not None
