@@ -17,6 +17,7 @@ from camgen.machine.run import solve
 from camgen.machines.loads.lift_off import spring_reserve, unsprung, with_hops
 from camgen.numerics import peak
 from camgen.parts import materials
+from camgen.parts.springs import WIRES, wound
 from camgen.study import Figure, Figures, Plot, Study
 
 if TYPE_CHECKING:
@@ -147,15 +148,22 @@ def lift_off(
     load: FollowerLoad,
     slides: bool,
     bounce: Bounce | None,
-    jumps: str = _JUMPS,
-    lower: str = "less mass, speed or a longer span",
+    least: float,
+    remedies: tuple[str, str] = (_JUMPS, "less mass, speed or a longer span"),
 ) -> Finding:
-    """LIFT_OFF, with the spring that would keep the follower on; bounce: what it does where it is not kept; jumps: what is said
-    where its speed does; lower: what lowers that spring."""
-    preload, rate = found.spring_needed(load)
+    """LIFT_OFF, with the spring that would keep the follower on; bounce: what it does where it is not kept; least: share of that
+    spring's force that SPRING_RESERVE asks for; remedies: what is said where
+    its speed jumps, and what lowers that spring."""
+    jumps, lower = remedies
+    preload, rate = found.spring_needed(load, least)
     units = _spring_units(slides)
     stiffer = f" or a spring.rate above {rate:.4g} {units[1]}" if math.isfinite(rate) else ""
-    kept = f"a spring.preload above {preload:.4g} {units[0]}{stiffer} keeps it; {lower} lowers that"
+    reserved = " with its limits.spring_reserve" if least else ""
+    kept = f"a spring.preload above {preload:.4g} {units[0]}{stiffer} keeps it{reserved}; {lower} lowers that"
+    if slides and math.isfinite(preload):
+        travel = float(np.ptp(found.lift))
+        if travel > 0 and preload > 0 and wound(load.rate, preload, travel) is None:
+            kept = f"only a spring.preload above {preload:.4g} N keeps it, and no wire of up to {WIRES[-1]:g} mm bears that: {lower} helps"
     if not load.preload and not load.rate:
         kept = f"no spring presses it on: spring.preload and spring.rate are 0; {kept}"
     return with_hops(found.keeps_contact(jumps if found.kick else kept), bounce, slides)
@@ -167,7 +175,7 @@ def reserve(found: Loaded, machine: Machine, least: float) -> list[Finding]:
     cam = machine.cam("contact")
     loose = solve(unsprung(machine), found.theta).forces().contacts[cam.name]
     spring = found.effort - cam.leaves * loose
-    return spring_reserve(found.theta, found.effort, spring, least, found.where)
+    return spring_reserve(found.theta, found.effort, spring, least, found.where, bool(cam.slide))
 
 
 def line_hertz(

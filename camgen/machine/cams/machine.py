@@ -288,17 +288,20 @@ class Loaded:
     forces: Forces
     where: Where = Where()  # how its places are told
 
-    def spring_needed(self, load: FollowerLoad) -> tuple[float, float]:
-        """Preload, or else rate, beyond which the effort is above 0 all over the turn, the other one as loaded; not below 0.
+    def spring_needed(self, load: FollowerLoad, reserve: float = 0.0) -> tuple[float, float]:
+        """Preload, or else rate, beyond which the effort is above a share of the spring's own all over the turn, the other one as
+        loaded; not below 0.
 
         inf where none keeps contact.
         """
         if self.kick:
             return math.inf, math.inf
-        missing = load.rate * self.lift - self.effort
+        spring = load.preload + load.rate * self.lift
+        more = (reserve * spring - self.effort) / (1 - reserve)  # preload that is missing
+        missing = load.rate * self.lift + more
         rounding = ROUNDING * magnitude(self.effort)
         short = missing >= -rounding
-        least = load.preload - float(np.min(self.effort))
+        least = load.preload + float(np.max(more))
         least = least if least > rounding else 0.0
         if not np.any(short):
             return least, 0.0

@@ -602,9 +602,10 @@ class CylinderCam(Mechanism):
         if self._loaded is not None and self.geometry.track == "end":
             load = self._load or FollowerLoad()
             slides = not self.geometry.follower.swings
+            least = self.allowed.reserve(self.material.name)
             air += [
-                lift_off(self._loaded, load, slides, self._bounce),
-                *reserve(self._loaded, self._pulled, self.allowed.reserve(self.material.name)),
+                lift_off(self._loaded, load, slides, self._bounce, least),
+                *reserve(self._loaded, self._pulled, least),
             ]
         if isinstance(self._hertz, Finding):
             air.append(self._hertz)

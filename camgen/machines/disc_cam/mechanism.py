@@ -460,9 +460,10 @@ class DiscCamDrive(CamTables):
         if self._loaded and self.geometry.closure == "force":
             slides = not f.swings
             load = self._load or FollowerLoad()
+            least = self.allowed.reserve(self.material.name)
             findings += [
-                lift_off(self._loaded, load, slides, self._bounce),
-                *reserve(self._loaded, self._pulled, self.allowed.reserve(self.material.name)),
+                lift_off(self._loaded, load, slides, self._bounce, least),
+                *reserve(self._loaded, self._pulled, least),
             ]
         return findings
 

@@ -338,8 +338,9 @@ class LinearCamDrive(Mechanism):
             return []
         slides = not self.geometry.follower.swings
         pressed = [self._hertz] if isinstance(self._hertz, Finding) else []
-        left = reserve(self._loaded, self._pulled, self.allowed.reserve(self.material.name))
-        return [lift_off(self._loaded, self._load, slides, None), *left, *pressed]
+        least = self.allowed.reserve(self.material.name)
+        left = reserve(self._loaded, self._pulled, least)
+        return [lift_off(self._loaded, self._load, slides, None, least), *left, *pressed]
 
     def _unjudged(self) -> Sequence[NotJudged]:
         """HERTZ of a knife edge, and of a material of which no limit is known."""

@@ -49,7 +49,7 @@ def _unsprung(load: Load) -> Load:
 
 
 def spring_reserve(
-    theta: Floats, effort: Floats, spring: Floats, least: float, where: Where
+    theta: Floats, effort: Floats, spring: Floats, least: float, where: Where, slides: bool
 ) -> list[Finding]:
     """SPRING_RESERVE: share of a spring's push that is left to press a follower on its cam; none where no spring presses, or
     where the follower leaves, which LIFT_OFF says.
@@ -64,10 +64,10 @@ def spring_reserve(
     k = int(np.argmin(share))
     if not 0 < share[k] < math.inf:
         return []
-    said = (
-        "of the spring's force is left to press the follower on; friction and the spring's own tolerance take from that; more "
-        "preload, less mass or a lower speed leaves more"
-    )
+    said = "of the spring's force is left to press the follower on; friction and the spring's own tolerance take from that"
+    if share[k] < least:
+        more = float(np.nanmax((least * spring - effort)[pressing])) / (1 - least)
+        said += f"; {more:.3g} {'N' if slides else 'N m'} more of preload leaves enough, as does less mass or a lower speed"
     place = replace(where, theta=float(theta[k]), digits=1)
     return [at_least("SPRING_RESERVE", min(1.0, float(share[k])), least, "", place, said)]
 
@@ -131,7 +131,8 @@ def reserves(
     for cam in cams:
         effort = cam.leaves * sprung[cam.name]
         spring = effort - cam.leaves * loose[cam.name]
-        found += spring_reserve(theta, effort, spring, least, Where(joint=cam.name, angle=angle))
+        where = Where(joint=cam.name, angle=angle)
+        found += spring_reserve(theta, effort, spring, least, where, bool(cam.slide))
     return found
 
 

@@ -295,7 +295,7 @@ class UniformSwing(Mechanism):
         bounce = None if lever is None else bounce_of(self._pulled, found, self.load)
         least = self.allowed.reserve(self.material.name)
         left = [] if lever is None else reserve(found, self._pulled, least)
-        return SwingForces(found, self._load, lever, bounce, left)
+        return SwingForces(found, self._load, lever, bounce, least, left)
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """The canvas that the recovered motion lays; for a machine also the choice of the blend."""

@@ -236,6 +236,7 @@ class SwingForces:
     load: FollowerLoad
     lever: float | None  # mm, from the pivot to a straight spring that closes the cam; None: a pair
     bounce: Bounce | None  # what it does where that spring does not hold it
+    least: float  # share of that spring's force that is to be left to press
     left: list[Finding]  # what of that spring's force is left to press
 
     def findings(self) -> list[Finding]:
@@ -244,7 +245,7 @@ class SwingForces:
         if self.lever is None:
             return []
         return [
-            lift_off(self.loaded, self.load, False, self.bounce, _NO_SPRING, less),
+            lift_off(self.loaded, self.load, False, self.bounce, self.least, (_NO_SPRING, less)),
             *self.left,
         ]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -141,6 +142,43 @@ def test_a_spring_keeps_a_reserve_on_its_cam() -> None:
     assert left(1.1) == [(little, True)]
     assert left(1.1, limits={"spring_reserve": 0.17}) == [(little, False)]
     assert left(0.9) == []
+
+
+def test_the_spring_that_lift_off_asks_for_has_its_reserve() -> None:
+    """A spring of one force all over the turn, of which a share r is left: 1 / (1 - r) times what inertia asks for. SPRING_RESERVE
+    names what is missing of that."""
+    needed = (
+        published({"shape": "flat"}, spring={"preload": 1.0})
+        .study()
+        .numbers["spring_preload_needed_n"]
+    )
+    asked = needed / (1 - 0.4)
+
+    def said(code: str, share: float, reserve: float = 0.4) -> str:
+        tables = {"limits": {"spring_reserve": reserve}, "spring": {"preload": share * asked}}
+        made = published({"shape": "flat"}, **tables)
+        return next(each.message for each in made.limits() if each.code == code)
+
+    assert f"a spring.preload above {asked:.4g} N" in said("LIFT_OFF", 0.5)
+    assert "keeps it with its limits.spring_reserve" in said("LIFT_OFF", 0.5)
+    assert f"a spring.preload above {needed:.4g} N" in said("LIFT_OFF", 0.5, 0.0)
+    assert f"; {0.1 * asked:.3g} N more of preload leaves enough" in said("SPRING_RESERVE", 0.9)
+    assert "more of preload" not in said("SPRING_RESERVE", 1.01)
+
+
+def test_a_spring_that_no_wire_bears_is_no_advice() -> None:
+    """Twenty times as fast takes 400 times the force; a wire of 8 mm, the thickest, bears some 1,500 N."""
+    slow = published({"shape": "flat"}, spring={"preload": 1.0})
+    needed = slow.study().numbers["spring_preload_needed_n"]
+    speed = slow.toml().partition("speed_rpm = ")[2].partition("\n")[0]
+    fast = slow.replace({"motor.speed_rpm": 20 * float(speed.split()[0])})
+    assert 400 * needed > 3000
+    message = next(each.message for each in fast.limits() if each.code == "LIFT_OFF")
+    asked = re.search(r"only a spring.preload above (\d+) N keeps it", message)
+    assert asked is not None
+    # what does not grow with the speed: 1 %
+    assert float(asked[1]) == pytest.approx(400 * needed, rel=0.01)
+    assert "no wire of up to 8 mm bears that" in message
 
 
 def test_a_roller_presses_at_its_pressure_angle() -> None:
