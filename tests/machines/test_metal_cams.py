@@ -261,6 +261,21 @@ def test_a_metal_cam_s_drawing_asks_for_what_its_material_was_judged_by() -> Non
     assert (facts.symmetry, facts.run_out, facts.bore_chamfer) == (0, 0, 0)
 
 
+def test_a_cam_that_is_as_wide_as_its_hub_says_so() -> None:
+    """A hub of 1.8 bores of 100 mm and two walls of 1 mm on either side make 92; the motion is content with less."""
+
+    def said(*settings: str) -> list[str]:
+        bare = ("material.name=C45", "geometry.base_radius=", "limits.min_wall=", *settings)
+        notes = read_mechanism(STARTER, [*KEYED[:2], *bare]).study().notes
+        return [note for note in notes if "base_radius" in note]
+
+    (note,) = said("parts.bore=100", "parts.hub_diameter=180", "parts.hub_height=20")
+    assert note.startswith("geometry.base_radius = 92 follows from what the cam must hold")
+    assert "parts.bore, parts.hub_diameter and limits.min_wall" in note
+    assert said("parts.bore=4", "parts.bore_shape=plain", "parts.hub_height=0") == []
+    assert said("geometry.base_radius=92") == []
+
+
 def test_a_hardened_case_has_its_depth() -> None:
     """Under a roller of 40 mm on a flank as flat as a plane, at the pressure that it bears: the shear is greatest at 0.78
     half widths, and lies in the upper half of the case [Norton, Machine Design, line contact: b = 4 p r (1 - nu^2) / E]."""

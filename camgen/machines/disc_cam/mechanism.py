@@ -12,7 +12,7 @@ roller runs between the cam and an outer wall, three plates pinned together.   [
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
@@ -171,8 +171,12 @@ class DiscCamDrive(CamTables):
         """The spec's, or the smallest that a workshop writes and that keeps to the allowed pressure angle and least radius, with room for its holes."""
         if self.geometry.base_radius is not None:
             return self.geometry.base_radius
-        cam = self._cam(drawn(self.geometry))
-        return written(*least_base_radius(cam, self.cam_limits, self._room))
+        return written(*self._least_base)
+
+    @cached_property
+    def _least_base(self) -> tuple[float, Callable[[float], bool]]:
+        """The smallest base radius that holds what it must, mm, and whether another one does."""
+        return least_base_radius(self._cam(drawn(self.geometry)), self.cam_limits, self._room)
 
     @property
     def _room(self) -> float:
@@ -183,6 +187,11 @@ class DiscCamDrive(CamTables):
         pins = wall / 2 + 1.5 * p.pin_diameter if self.geometry.closure == "groove" else 0.0
         hub = 0.0 if self.standing or not p.hub_height else p.hub_diameter
         return max(shaft + pins, hub / 2) + wall
+
+    @property
+    def _is_as_wide_as_its_hub(self) -> bool:
+        """Whether the base radius is open, and its motion alone would be content with a smaller one."""
+        return self.geometry.base_radius is None and self._least_base[0] <= self._room * (1 + 1e-9)
 
     def _found(self) -> Mapping[str, object]:
         """The base radius, and what all cams fill in."""
@@ -582,6 +591,12 @@ class DiscCamDrive(CamTables):
         elif self.geometry.closure == "force" and not self._loaded:
             notes.append(
                 "You hold the follower on the cam: with [load] and [spring], LIFT_OFF and HERTZ judge how."
+            )
+        if self._is_as_wide_as_its_hub:
+            keys = "parts.shaft_diameter" if self.standing else "parts.bore, parts.hub_diameter"
+            notes.append(
+                f"geometry.base_radius = {self.base_radius:g} follows from what the cam must hold, not from its motion: {keys}"
+                f"{', parts.pin_diameter' if self.geometry.closure == 'groove' else ''} and limits.min_wall."
             )
         if self.allowed.continuous < 0:
             notes.append("Jumps of the motion are not judged: limits.continuous = -1.")
