@@ -158,7 +158,7 @@ def lift_off(
     preload, rate = found.spring_needed(load, least)
     units = _spring_units(slides)
     stiffer = f" or a spring.rate above {rate:.4g} {units[1]}" if math.isfinite(rate) else ""
-    reserved = " with its limits.spring_reserve" if least else ""
+    reserved = ", with SPRING_RESERVE" if least else ""
     kept = f"a spring.preload above {preload:.4g} {units[0]}{stiffer} keeps it{reserved}; {lower} lowers that"
     if slides and math.isfinite(preload):
         travel = float(np.ptp(found.lift))

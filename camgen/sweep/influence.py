@@ -141,7 +141,7 @@ def influence(
     limit_keys: list[str] = []
     effects = []
     helping = trial.helping
-    count = len(trial.numbers)
+    count = max(1, len(trial.numbers))
     for k, (keys, value, tried, found) in enumerate(chain(trial.changes(), trial.unset())):
         progress(f"{code}: tried {' and '.join(keys)}", min(1.0, k / count))
         if trial.only_worsens(keys, value, tried, found):

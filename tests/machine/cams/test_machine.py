@@ -160,7 +160,7 @@ def test_the_spring_that_lift_off_asks_for_has_its_reserve() -> None:
         return next(each.message for each in made.limits() if each.code == code)
 
     assert f"a spring.preload above {asked:.4g} N" in said("LIFT_OFF", 0.5)
-    assert "keeps it with its limits.spring_reserve" in said("LIFT_OFF", 0.5)
+    assert "keeps it, with SPRING_RESERVE" in said("LIFT_OFF", 0.5)
     assert f"a spring.preload above {needed:.4g} N" in said("LIFT_OFF", 0.5, 0.0)
     assert f"; {0.1 * asked:.3g} N more of preload leaves enough" in said("SPRING_RESERVE", 0.9)
     assert "more of preload" not in said("SPRING_RESERVE", 1.01)
