@@ -74,6 +74,7 @@ def tools(mechanism: Mechanism) -> list[Bought]:
     if tight:
         found["vice"] = "for what is pressed into tight holes"
         found["oil"] = "a drop in joints beside glue"
+        found["sheets of paper"] = "of 80 g, 0.1 mm each, for gaps that steps set"
     if stock(mechanism):
         found["saw, file and caliper"] = "for what is cut of steel"
     for each in assembly.bought:
@@ -81,7 +82,7 @@ def tools(mechanism: Mechanism) -> list[Bought]:
         if key:
             found[f"hex key {key:g}"] = f"for {each.thread}, {each.standard}"
     if blocks := depth_below(assembly):
-        found["blocks, two"] = f"at least {blocks} mm high, under the plate"
+        found["blocks, two"] = f"at least {blocks} mm high, under the machine"
     return [Bought(name, "", size, 1) for name, size in found.items()]
 
 

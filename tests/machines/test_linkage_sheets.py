@@ -26,6 +26,7 @@ TOOLS = (
     "drill 6",
     "vice",
     "oil",
+    "sheets of paper",
     "saw, file and caliper",
     "blocks, two",
 )
