@@ -68,7 +68,6 @@ class CamDrum(Mechanism):
         **Mechanism.old_words,
         ("motor", "shaft_diameter"): ("parts", "bore"),
     }
-    hardened = True
     no_use = (
         ("files", "profile_step_deg", _NO_TABLE),
         ("files", "cutter_radius", _NO_TABLE),
