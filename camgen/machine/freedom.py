@@ -19,8 +19,8 @@ import numpy as np
 
 from camgen.errors import DesignError, counted, listed
 from camgen.machine.constraints import Constraints
+from camgen.machine.grashof import crank_limits
 from camgen.machine.model import Drive, Machine, Pin, Place, Pose, Slide
-from camgen.machine.reach import crank_limits
 from camgen.numerics import Floats
 
 # A singular value below this share of the largest is none.

@@ -96,7 +96,8 @@ ROWS = (
     {"model", "strength", "flywheel", "matching", "run_up", "slow_walk"},
     {"elimination"},
     {"jets", "constraints", "targets", "balancing", "programs", "freewheels", "tree"},
-    {"friction"},
+    {"friction", "closed_form"},
+    {"grashof"},
     {
         "closing",
         "order",
@@ -104,7 +105,6 @@ ROWS = (
         "forces",
         "freedom",
         "features",
-        "closed_form",
         "four_bars",
         "landmarks",
     },

@@ -18,8 +18,9 @@ from camgen.machine import model as m
 from camgen.machine.centrodes import centrodes
 from camgen.machine.closed_form import four_bar
 from camgen.machine.features import Demand
+from camgen.machine.grashof import four_bar_lengths
 from camgen.machine.landmarks import double_points
-from camgen.machine.reach import Fold, folds, four_bar_lengths, transmission
+from camgen.machine.reach import Fold, folds, transmission
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import (
     NO_STROKES,
