@@ -37,6 +37,7 @@ from camgen.tolerances import SAME_POINT
 _TEXT = 2.5
 _FAR = tuple(np.arange(8.0, 70.0, 3.0))  # from a tip to its shelf
 _ASIDE = tuple(np.radians([0, 15, -15, 30, -30, 45, -45, 65, -65, 90, -90, 120, -120]))
+_DEEPER = "0/-0.3"  # of the end of a slot, towards the axis: no roller meets it
 _OVER = 7.0  # from the line of a slot's width to the frame of its position
 PAST_SLOT = 20.0  # from there up, over the frame
 _UP = 9.0  # height of a sign of roughness over a shelf, with air
@@ -125,7 +126,8 @@ class GenevaView:
             self._upright(wheel, abs(slot), count)
         else:
             side = slot + 0.5j * way * wheel.width
-            ends_at = f"{said} wide, ends about R{self._size(abs(slot))}"
+            deep = _DEEPER if facts.profile else ""
+            ends_at = f"{said} wide, ends about R{self._size(abs(slot))} {deep}".rstrip()
             self._note(side + way, way, self._located(Note(ends_at), across=True))
         hollow = max(
             wheel.hollows, key=lambda arc: round((arc.centre * (3 + 2j).conjugate()).real, 6)
@@ -167,7 +169,8 @@ class GenevaView:
                 roughness(page.sheet, end + 4, f"Ra {facts.roughness:g}")
                 page.sheet.line(end, end + 6 + Text(0j, "Ra 0.00", _TEXT).room, layer="DIM")
         right = page.paper(high.real + 0j)
-        page.dimension(right, right + 1j * page.scale * depth, 9 + 0j, Measure(depth))
+        deeper = Measure(depth, fit=_DEEPER if facts.profile else "")
+        page.dimension(right, right + 1j * page.scale * depth, 9 + 0j, deeper)
 
     def _spacing(self, slot: complex, count: int) -> None:
         """Angle from one of so many even slots to the next one, clockwise."""

@@ -88,6 +88,8 @@ def _shop_notes(drawn: DrawnPart) -> list[str]:
     if drawn.plate:
         lines.append("All holes go through")
     fine = _listed(_ground(drawn))
+    if "outside" in _ground(drawn):
+        lines.append(f"Outside Ra {facts.bore_roughness:g}")
     fitted = _fitted(drawn)
     lines += [f"Holes with a fit Ra {facts.bore_roughness:g}"] if fitted else []
     if facts.roughness_elsewhere:
@@ -172,6 +174,7 @@ def _ground(drawn: DrawnPart) -> list[str]:
     faces = (
         ("bore", facts.bore_roughness and drawn.bored),
         ("round", facts.bore_roughness and facts.rod_chamfer),
+        ("outside", facts.bore_roughness and facts.outer_fit and not facts.rod_chamfer),
         (_rim(drawn), facts.bore_roughness and drawn.rim_letter),
     )
     running = _running(drawn) if facts.roughness else []

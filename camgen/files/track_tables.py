@@ -26,7 +26,7 @@ _COLUMNS = {
     "Cam": "angle by which the part has turned",
     "Drum": "angle by which the drum has turned",
     "Angle": "from X, ccw",
-    "At": "direction of the point that the follower then touches, from X, ccw; on a drum of its roller's axis",
+    "At": "direction of the point that the follower then touches, from X, ccw",
     "Radius": "distance of that point from the axis, mm",
     "Axis at": "direction of the axis of the follower's roller then, from X, ccw",
     "Axis": "distance of that axis from the cam's, mm: the path of a cutter as thick as the roller",
@@ -34,6 +34,9 @@ _COLUMNS = {
     "Y": "height of its edge there, mm",
     "Z": "height of the roller's axis over the lower end, mm",
 }
+
+
+_ON_DRUM = {"At": "direction of the axis of the follower's roller then, from X, ccw"}
 
 
 @dataclass(frozen=True)
@@ -123,9 +126,10 @@ def _frame(sheet: Sheet, heads: Sequence[str]) -> None:
     low, high = complex(_FILING, _MARGIN), complex(_WIDTH - _MARGIN, _HIGH - _MARGIN)
     corners = low, complex(high.real, low.imag), high, complex(low.real, high.imag)
     sheet.line(*corners, layer="TEXT", closed=True)
+    columns = _COLUMNS | _ON_DRUM if "Z" in heads else _COLUMNS
     for k, head in enumerate(heads):
         at = complex(_FILING + ROW, _MARGIN + ROW * (len(heads) - k))
-        sheet.text(at, f"{head}: {_COLUMNS[head]}")
+        sheet.text(at, f"{head}: {columns[head]}")
 
 
 def track_tables(

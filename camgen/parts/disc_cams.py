@@ -194,7 +194,7 @@ class CamParts(ShaftHole):
         if screw is None:
             return super().notes()
         height = self.thickness + self.hub_height / 2
-        thread = f"thread {screw.thread} through the hub into the keyway, square to hole A, {height:g} over the lower face"
+        thread = f"thread {screw.thread} through the hub into the keyway, square to hole A, {height:g} from the face without the hub"
         return (*super().notes(), thread)
 
     def misfits(self) -> list[Fault]:

@@ -398,6 +398,15 @@ def _roller(mechanism: Mechanism, part: Part) -> tuple[float, float, float] | No
     return None
 
 
+def _thread_of(assembly: Assembly, part: Part, place: complex) -> str:
+    """Thread that a hole is for by which the machine is screwed to a frame from behind; "" of another hole, or a wider one."""
+    frame = assembly.frame
+    if frame is None or part.name != frame.part:
+        return ""
+    sizes = [size for z, size in frame.fixings if abs(z - place) < SAME_POINT]
+    return next((name for name, core in CORE_HOLES.items() if core in sizes), "")
+
+
 def _off(z: complex, rim: Points) -> float:
     """Distance of a point from a polygon, mm."""
     edges = np.roll(rim, -1) - rim
@@ -511,9 +520,10 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
                 holes.add((place, radius))
                 yield Fit(place, dowel, f"{in_limits(seat, dowel)}, dowel m6")
                 continue
-            if thread and abs(2 * radius - CORE_HOLES[thread]) < SAME_POINT:
+            cut = thread or _thread_of(mechanism.assembly, part, place)
+            if cut and abs(2 * radius - CORE_HOLES[cut]) < SAME_POINT:
                 holes.add((place, radius))
-                yield Fit(place, CORE_HOLES[thread], f"core hole, {thread} through")
+                yield Fit(place, CORE_HOLES[cut], f"core hole, {cut} through")
                 continue
             inside = list(_nominal_diameters(mechanism, part.name, place))
             bores = [standing(part, pose, layer, place, radius) for pose in poses[part.name]]

@@ -124,7 +124,7 @@ def test_a_set_screw_on_a_key_is_listed_drawn_and_keeps_a_cam_of_metal() -> None
     assert row.size.startswith("M5 x 5, flat point, on the key")
     (cam,) = made.assembly.parts
     assert (
-        "thread M5 through the hub into the keyway, square to hole A, 16 over the lower face"
+        "thread M5 through the hub into the keyway, square to hole A, 16 from the face without the hub"
         in (cam.notes)
     )
     assert not any("sliding along" in each for each in made.remarks().warnings)
