@@ -159,6 +159,11 @@ def _bench_first(actions: Sequence[_Action], columns: Sequence[str]) -> Iterator
         for alike in kinds.values()
     ]
     begins = "put these together on the bench, with a vice. They go into the machine later"
+    if any(len({run[0].apart for run in alike}) > 1 for alike in kinds.values()):
+        begins += (
+            ". Where several are made, half of them are for the far side, whose steps take them: put their pins in from the other "
+            "face, and mark them F"
+        )
     cells = {"what": "What is pressed together on the bench", "count": len(pressed)}
     row = tuple(cells.get(column, "") for column in columns)
     yield Step([Doing(begins, "", f".{said}")], laid=laid), [row]

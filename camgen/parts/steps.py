@@ -615,7 +615,8 @@ def _on_motor(
     if not driven:
         return [*places]
     shaft = "on the motor's shaft"
-    flat = ", flat on flat" if any(hole.flat for hole in driven) else ""
+    glued = ", flat on flat, with a trace of glue in its bore and none on the motor"
+    flat = glued if any(hole.flat for hole in driven) else ""
     gap, under = min(
         (each for hole in driven if (each := _under(hole, there))[1]), default=(0.0, "")
     )

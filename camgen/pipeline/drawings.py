@@ -502,6 +502,7 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
     poses, outlines = _standing_still(mechanism.assembly)
     dowel = mechanism.assembly.dowel
     thread = mechanism.assembly.thread
+    metal = materials.of(mechanism.material.name).metal
     shafts = [shaft for other, rounds in outlines.items() if other != part.name for shaft in rounds]
     rods = [
         shaft
@@ -520,7 +521,7 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
                 holes.add((place, radius))
                 yield Fit(place, dowel, f"{in_limits(seat, dowel)}, dowel m6")
                 continue
-            cut = thread or _thread_of(mechanism.assembly, part, place)
+            cut = thread or (metal and _thread_of(mechanism.assembly, part, place)) or ""
             if cut and abs(2 * radius - CORE_HOLES[cut]) < SAME_POINT:
                 holes.add((place, radius))
                 yield Fit(place, CORE_HOLES[cut], f"core hole, {cut} through")

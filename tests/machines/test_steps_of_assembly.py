@@ -842,11 +842,13 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
     assert "on crank-pin-1, flat on flat" in web
     (pressed,) = (title for title in titles if title.startswith("Put these together on the bench"))
     assert "☐ crank-pin-1 into N of crank_web2, flat on flat" in pressed
+    assert "put their pins in from the other face, and mark them F" in pressed  # a mirror image
     (upright,) = (title for title in titles if "it keeps the shaft upright" in title)
     assert "Lay second-plate on the pins, dry, with O over shaft-crank_web3." in upright
     (crank,) = (title for title in titles if "on the motor's shaft" in title)
     assert crank.endswith(
-        "flat on flat, 0.05 mm over ground (a strip of a plastic bag between, then pull it out)."
+        "flat on flat, with a trace of glue in its bore and none on the motor, 0.05 mm over ground (a strip of a plastic bag "
+        "between, then pull it out)."
     )
 
 

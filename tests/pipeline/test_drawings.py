@@ -48,6 +48,9 @@ def test_pins_of_a_linkage_are_pressed_in_one_link_and_turn_in_the_other() -> No
     assert fits(found["coupler"]) == {0: "slide on Ø5", 60: "slide on Ø5"}
     assert fits(found["rocker"]) == {0: "slide on Ø5", 50: "press on Ø5"}
     assert not found["shaft"].fits
+    _, found = facts("linkage", "material.name=C45")
+    cut = [words for words in fits(found["ground"]).values() if "core hole" in words]
+    assert cut == ["core hole, M3 through"] * 2  # the plate's screws, in metal
 
 
 def test_fits_follow_the_clearances_of_the_spec() -> None:
@@ -111,7 +114,8 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     mechanism, found = facts("gallery/geneva-table", *metal)
     glued, turns = "H7 (+0.015/0), glued on Ø10 h9", "+0.05/0, slide on"
     assert fits(found["crank"]) == {0: glued, 35: "H7 (+0.012/0), press on Ø5 m6"}
-    assert fits(found["ground"]) == {0: f"{turns} Ø10", 70: f"{turns} Ø10"}
+    screws = dict.fromkeys((82.25, -50.25), "core hole, M3 through")
+    assert fits(found["ground"]) == {0: f"{turns} Ø10", 70: f"{turns} Ø10", **screws}
     assert fits(found["roller-crank_to_table"]) == {0: f"{turns} Ø5"}
     parts = {part.name: part for part in mechanism.assembly.parts}
     sizes = {
