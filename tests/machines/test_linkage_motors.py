@@ -534,7 +534,10 @@ def test_the_walker_buys_one_motor_by_its_model_and_one_holder() -> None:
     spec = Path(__file__).resolve().parents[2] / "specs" / "gallery" / "walker.toml"
     made = read_mechanism(spec).assembly
     (motor,) = (each for each in made.bought if each.role == "drive")
-    assert "N20-1000:1 (measure its mounting holes: no maker's drawing was found)" in motor.size
+    assert (
+        "N20-1000:1 for 6 V (measure its mounting holes: no maker's drawing was found)"
+        in motor.size
+    )
     (holder,) = (each for each in made.bought if each.role == "supply")
     assert (holder.count, holder.size[:7]) == (1, "52 x 48")
     rows = order_of_assembly(made).rows

@@ -31,7 +31,9 @@ def driving_text(spec: LinkageSpec) -> str:
         model = spec.motor.model if spec.motor else None
         if model is None or model.lower() == spec.making.motor or spec.making.hand_crank:
             return turning
-        return ", ".join((f"{model} ({HOLES_UNKNOWN})" if model in GEARED else model, turning))
+        geared = GEARED.get(model)
+        more = "" if geared is None else f" for {geared.volts:g} V ({HOLES_UNKNOWN})"
+        return f"{model}{more}, {turning}"
     low, high = drive.range
     return f"linear, {high - low:g} mm at {drive.speed:g} mm/s, on link {drive.link}"
 

@@ -206,7 +206,7 @@ class Bodies:
         count = len(self.layout.drivers) or 1
         motors = [replace(each, count=count * each.count) for each in motors]
         if p.battery is not None:
-            size = f"{p.battery.length:g} x {p.battery.width:g}, with its batteries, a switch and wires to the motor"
+            size = f"{p.battery.length:g} x {p.battery.width:g}, with batteries for the motor's voltage, a switch and wires to it"
             place = "in the frame under the far plate; its wires to the motor, over the switch"
             motors.append(Bought("battery holder", "", size, 1, "supply", how=place))
         held = (
