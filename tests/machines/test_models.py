@@ -161,7 +161,8 @@ OTHERS = {
     "weighed",
     "no_use",
     "unused_faults",
-}  # what gives another machine, some of its limits, its spec, a model with its masses, and keys of no use to it
+    "hardened",
+}  # what gives another machine, some of its limits, its spec, a model with its masses, keys of no use to it, whether it has a case
 
 
 def test_a_mechanism_answers_a_dozen_questions() -> None:
