@@ -39,10 +39,10 @@ from camgen.machines.metal import with_walls
 from camgen.machines.spec_files import with_tables
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, Cycle, Process, tips
+from camgen.parts.fixing import Fixing
 from camgen.parts.inertia import printed_density
 from camgen.parts.journals import MaterialLimits, journals
 from camgen.parts.part import Part
-from camgen.parts.steps import Fixing
 from camgen.reading import Data
 from camgen.schemas import shown
 from camgen.settings import assigned

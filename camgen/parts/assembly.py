@@ -43,15 +43,18 @@ from camgen.machine.run import Lazy, solve
 from camgen.parts import coils, materials
 from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.coils import Coil
+from camgen.parts.fixing import Fixing
 from camgen.parts.inertia import Solids
 from camgen.parts.journals import Journal, MaterialLimits, Post, journals
+from camgen.parts.mates import mated
 from camgen.parts.part import Part
 from camgen.parts.screws import round_prism, with_screws
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.sheets import why_not
 from camgen.parts.springs import WorkingSpring
 from camgen.parts.standing import standing_copies
-from camgen.parts.steps import Fixing, called, holding_notes, listed, mated, order
+from camgen.parts.step_words import called, listed
+from camgen.parts.steps import holding_notes, order
 from camgen.study import Doing, Later, Mate, Step, Table
 from camgen.tolerances import SAME_POINT
 

@@ -19,7 +19,7 @@ from dataclasses import replace
 from itertools import takewhile
 
 from camgen.parts.sides import PREFIX
-from camgen.parts.steps import MOVES, ON_BENCH, listed
+from camgen.parts.step_words import MOVES, ON_BENCH, listed
 from camgen.study import Doing, Step, Table, sentences
 
 _SMALL = 5  # spacers and caps that are put on in one step, at most

@@ -15,10 +15,11 @@ from itertools import combinations
 from typing import TypeVar
 
 from camgen.geometry.outlines import extent
+from camgen.parts.fixing import Fixing
 from camgen.parts.part import Part
 from camgen.parts.reaming import begun, tight_holes
 from camgen.parts.standing import StandingCopy, discs, has_flat
-from camgen.parts.steps import Fixing, listed
+from camgen.parts.step_words import listed
 from camgen.parts.turning_over import middle
 from camgen.study import Table
 from camgen.tolerances import SAME_POINT

@@ -9,9 +9,10 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
+from camgen.parts.fixing import Fixing
 from camgen.parts.part import Part, SizeNote
 from camgen.parts.standing import Round, StandingCopy
-from camgen.parts.steps import Fixing, listed
+from camgen.parts.step_words import listed
 from camgen.study import Doing, Laid, Step, Table
 from camgen.tolerances import SAME_POINT
 

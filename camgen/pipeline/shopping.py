@@ -12,12 +12,12 @@ from camgen.parts import materials
 from camgen.parts.assembly import Assembly, depth_below, order_of_assembly
 from camgen.parts.bench_steps import at_bench
 from camgen.parts.catalogue import CAM_FOLLOWERS, HEX_KEYS, Bought
+from camgen.parts.fixing import Fixing, with_joints
 from camgen.parts.keyways import parallel_keys
 from camgen.parts.look_alikes import with_sorting
 from camgen.parts.part import SizeNote
 from camgen.parts.reaming import opened_holes, opener, tight_holes, with_cutting, with_reaming
 from camgen.parts.standing import StandingCopy, standing_copies
-from camgen.parts.steps import Fixing, with_joints
 from camgen.study import Table
 
 

@@ -27,12 +27,14 @@ from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
 from camgen.parts.assembly import order_of_assembly
 from camgen.parts.catalogue import SCREWS
+from camgen.parts.fixing import Fixing
 from camgen.parts.generator import bodies as body_parts
 from camgen.parts.generator import plates as plate_parts
 from camgen.parts.part import Layer, Part
 from camgen.parts.reaming import running_size
 from camgen.parts.standing import standing_copies
-from camgen.parts.steps import Fixing, between, order, thickness_gauge
+from camgen.parts.step_words import between, thickness_gauge
+from camgen.parts.steps import order
 from camgen.pipeline.making import parts_table
 from camgen.pipeline.shopping import steps_of_assembly
 from camgen.study import Mate

@@ -9,9 +9,10 @@ from typing import Literal
 import pytest
 
 from camgen.geometry.outlines import Arc, Contour, Line, Region, circle
+from camgen.parts.fixing import Fixing
 from camgen.parts.look_alikes import with_sorting
 from camgen.parts.part import Layer, Part
-from camgen.parts.steps import COLUMNS, Fixing
+from camgen.parts.steps import COLUMNS
 from camgen.study import Doing, Step, Table
 
 FIRST = Table("order", COLUMNS, [(1, *[""] * 6)], [Step([Doing("lay it")])])

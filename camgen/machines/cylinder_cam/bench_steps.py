@@ -14,7 +14,8 @@ from camgen.machines.cylinder_cam.bench import AIR, CAM, END_PLAY, FOOT, Bench
 from camgen.machines.cylinder_cam.pieces import GLUED, SEAT
 from camgen.numerics import Floats
 from camgen.parts.reaming import running, running_size
-from camgen.parts.steps import COLUMNS, between, thickness_gauge
+from camgen.parts.step_words import between, thickness_gauge
+from camgen.parts.steps import COLUMNS
 from camgen.study import Doing, Mate, Step, Table
 
 _FIRST = "on the table, its core up"

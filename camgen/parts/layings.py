@@ -1,0 +1,102 @@
+"""Copies of parts in the order in which they come, those of one step together, and those of a sub-assembly."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from camgen.machine.features import PinEyes
+from camgen.parts.fixing import Fixing
+from camgen.parts.mates import mates_between
+from camgen.parts.standing import StandingCopy
+
+_Key = tuple[float, int, str, int, bool, float]
+
+
+@dataclass(frozen=True)
+class Laying:
+    """Copies of one part that come in one step."""
+
+    copies: Sequence[StandingCopy]
+    z: float  # of their undersides, mm
+    turned_over: bool
+    cluster: Sequence[StandingCopy]  # the sub-assembly that they are of; empty where of none
+
+
+def layings_of(
+    copies: Sequence[StandingCopy], pairs: Sequence[object], fixing: Fixing
+) -> list[Laying]:
+    """All copies by steps, in their order; those of a sub-assembly one after the other."""
+    eyes = [each for each in pairs if isinstance(each, PinEyes)]
+    seats = {
+        ring.part: {eye.part for each in eyes for eye in (each.a, each.b)}
+        for each in eyes
+        for ring in each.rings
+    }
+    place = {name: k for k, name in enumerate(dict.fromkeys(copy.part.name for copy in copies))}
+
+    def height(copy: StandingCopy) -> float:
+        mount = copy.mount
+        holders = seats.get(copy.part.name, set())
+        beside = [each.mount for each in copies if each.mount.body == mount.body]
+        over = copy.part.thickness if mount.flipped else 0.0
+        undersides = [each.z for each in beside if each.part in holders]
+        return round(min([mount.z + over, *undersides]), 6) + 0.0
+
+    levels = {copy.name: height(copy) for copy in copies}
+    found: dict[_Key, list[StandingCopy]] = {}
+    clusters: dict[_Key, list[StandingCopy]] = {}
+    for cluster in _clusters(copies, levels, fixing):
+        carrier = {copy.name for copy in cluster if _carries(copy, cluster, fixing)}
+        cluster.sort(key=lambda copy: (copy.name not in carrier, place[copy.part.name]))
+        alone = len(cluster) == 1
+        names = list(dict.fromkeys(copy.part.name for copy in cluster))
+        for copy in cluster:
+            key = (
+                levels[copy.name],
+                place[cluster[0].part.name],
+                "" if alone else cluster[0].name,
+                names.index(copy.part.name),
+                copy.mount.flipped,
+                round(copy.mount.z, 6) + 0.0,
+            )
+            found.setdefault(key, []).append(copy)
+            clusters[key] = [] if alone else cluster
+    return [
+        Laying(found[key], found[key][0].mount.z, found[key][0].mount.flipped, clusters[key])
+        for key in sorted(found)
+    ]
+
+
+def _clusters(
+    copies: Sequence[StandingCopy], levels: Mapping[str, float], fixing: Fixing
+) -> list[list[StandingCopy]]:
+    """Copies of one body that begin at one height, as drawn, and are fixed on each other; all others each by itself."""
+    clusters: list[list[StandingCopy]] = []
+    for copy in copies:
+        joined = [copy]
+        rest = []
+        for cluster in clusters:
+            first = cluster[0]
+            beside = (
+                first.mount.body == copy.mount.body
+                and levels[first.name] == levels[copy.name]
+                and not (first.mount.flipped or copy.mount.flipped)
+            )
+            fixed = beside and any(
+                mate.how != "free" for mate in mates_between([copy], cluster, fixing)
+            )
+            if fixed:
+                joined = [*cluster, *joined]
+            else:
+                rest.append(cluster)
+        clusters = [*rest, joined]
+    return clusters
+
+
+def _carries(copy: StandingCopy, cluster: Sequence[StandingCopy], fixing: Fixing) -> bool:
+    """Whether all others of a sub-assembly, of which there are several, are fixed on one of it."""
+    others = [each for each in cluster if each is not copy]
+    return len(others) > 1 and all(
+        any(mate.how != "free" for mate in mates_between([each], [copy], fixing)) for each in others
+    )

@@ -1,0 +1,380 @@
+"""Where a part goes, in words: on which shaft, how high, over which hole, and how deep a pin is driven."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from camgen.machine.model import GROUND
+from camgen.parts.fixing import Fixing
+from camgen.parts.mates import mates_between
+from camgen.parts.standing import Round, StandingCopy
+from camgen.parts.step_words import (
+    FEELER,
+    HOLE,
+    IT,
+    VERBS,
+    WHAT,
+    WORDS,
+    Place,
+    between,
+    called,
+    listed,
+    thickness_gauge,
+)
+from camgen.study import Doing
+from camgen.tolerances import SAME_POINT
+
+RESTS = 1.0  # mm, at most between a part and what lies under it
+
+
+def places_of(
+    copies: Iterable[StandingCopy], below: Sequence[StandingCopy], fixing: Fixing
+) -> list[Place]:
+    """Where copies go; those that differ in their hole's letter alone together."""
+    letters: dict[Place, list[str]] = {}
+    loose = False
+    part = None
+    for copy in copies:
+        part = copy.part
+        place, letter = _where(copy, below, fixing)
+        if place.where:
+            letters.setdefault(place, []).append(letter)
+        loose = loose or not place.where
+    said = [
+        place.lettered(each, called(part, len(each)))
+        for place, each in letters.items()
+        if part is not None
+    ]
+    rest = Place("all else loose", (Doing("put ", "all else in place; nothing holds it yet"),))
+    return [*said, *([rest] if said and loose else [])]
+
+
+def _where(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> tuple[Place, str]:
+    """Where a copy goes, by what lies there before it, with HOLE for its hole's letter, and that letter."""
+    held = (mate.comes and mate.how != "free" for mate in mates_between([copy], below, fixing))
+    if not copy.holes or any(held):  # a pin, a shaft, a ball bearing
+        return _pin_words(copy, below, fixing)
+    return _hole_words(copy, below, fixing), ""
+
+
+@dataclass(frozen=True)
+class _Meeting:
+    """Where a hole of a copy goes: on a shaft or over another hole."""
+
+    letter: str  # of the hole; "" where it has none
+    place: str  # "on pin-1", "over crank"
+    fit: Literal["glue", "press", "free"] = "free"
+    high: str = ""  # how high on the shaft it is fixed
+    set_by: str = ""  # how that is set, by sheets of paper
+    lies: str = ""  # on what it lies
+    shaft: bool = False
+    flat: str = ""  # that a flat goes on a flat
+    hangs: str = ""  # the pin on which it is fixed, where that is held by nothing but its head
+    room: str = ""  # how high the gap under that head is
+    sinks: str = ""  # the shaft on which it is fixed, where that is loose in a plate
+
+    @property
+    def where(self) -> str:
+        """For the table."""
+        how = WORDS[self.fit]
+        return " ".join(filter(None, (self.letter, how, self.place))) + self.high
+
+
+def _hole_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> Place:
+    """On or over what the holes and slots of a copy go."""
+    found = [each for hole in copy.holes if (each := _meeting(hole, copy, below, fixing))]
+    over_pins = [
+        f"its slot over {other.part.name}"
+        for slot in copy.slots
+        for other in below
+        if any(map(slot.holds, other.outlines))
+    ]
+    where = ", ".join(dict.fromkeys([*(each.where for each in found), *over_pins]))
+    return Place(where, tuple(_hole_doings(found, over_pins))) if where else Place()
+
+
+def _meeting(
+    hole: Round, copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing
+) -> _Meeting | None:
+    """Where one hole of a copy goes."""
+    shaft, outline = next(
+        ((other, each) for other in below for each in other.outlines if hole.holds(each)),
+        (None, None),
+    )
+    letter = hole.name if shaft is None or hole.name != shaft.part.name else ""
+    if shaft is not None and outline is not None:
+        fit = fixing.how(hole, copy.part, outline, shaft.part)
+        long = shaft.slender or shaft.part.role == "shaft"
+        gap, name = gap_under(hole, below)
+        told = WORDS[fit] and (long or gap > SAME_POINT)
+        high = f", {_height(hole, shaft, below)}" if told else ""
+        set_by = between(gap) if " mm over " in high else ""
+        lying = [on for each in copy.holes if (on := _lies_on(each, below))]
+        if set_by and lying:
+            high, set_by = f", down on {lying[0]}: {gap:.3g} mm stay free over {name}", ""
+        flat = ", flat on flat" if WORDS[fit] and hole.flat and outline.flat else ""
+        lies = f", down on {name}" if name and gap <= SAME_POINT else ""
+        at = "" if hole.name or shaft.part.count == 1 else _joint(hole, shaft, below)
+        hangs = shaft.part.name if WORDS[fit] and _hangs(shaft, below, fixing) else ""
+        plates = [each for each in below if each.mount.body == GROUND]
+        loose = WORDS[fit] and shaft.part.role == "shaft" and mates_between([shaft], plates, fixing)
+        sinks = shaft.part.name if loose else ""
+        on = f"on {shaft.part.name}{at}"
+        room = _room(shaft, below) if hangs else ""
+        return _Meeting(letter, on, fit, high, set_by, lies, True, flat, hangs, room, sinks)
+    under = [
+        (each.high, other.part.name, each.name)
+        for other in below
+        for each in other.holes
+        if hole.in_line(each)
+    ]
+    through = [
+        other.part.name
+        for other in below
+        for each in other.outlines
+        if hole.in_line(each) and each.low < hole.high and each.high > hole.low
+    ]
+    if through and not letter:
+        return _Meeting(letter, f"over {through[0]}")
+    slots = [
+        (slot.high, other.part.name)
+        for other in below
+        for slot in other.slots
+        if slot.in_line(hole)
+    ]
+    if under:
+        _, name, point = max(under)
+        of = f"{point} of " if point and point != hole.name else ""
+        return _Meeting(letter, f"over {of}{name}")
+    return _Meeting(letter, f"over the slot of {max(slots)[1]}") if slots else None
+
+
+def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iterator[Doing]:
+    """What is done with a copy, its holes met one by one: what only goes on first, then what is glued."""
+    shafts = [each for each in meetings if each.shaft]
+    free = [each for each in meetings if each.letter and each.fit == "free"]
+    bare = [each for each in meetings if not each.letter and each.fit == "free"]
+    whole = WHAT  # what is glued, by its own name until it has been named
+    tight = [each for each in shafts if each.fit != "free"]
+    if len(tight) > 1 and tight == shafts and not any(each.letter for each in tight):
+        counts = Counter(each.place.removeprefix("on ") for each in tight)
+        pins = listed(f"{n} × {name}" if n > 1 else name for name, n in counts.items())
+        lies = next((each.lies for each in tight if each.lies), "")
+        told = next((each for each in tight if each.high), tight[0])
+        of = f"{told.place.removeprefix('on ')}'s"
+        flat = max(each.flat for each in tight)
+        high = "" if told.high == lies else told.high.replace(" its ", f" {of} ") + told.set_by
+        yield Doing(VERBS[tight[0].fit], f"{WHAT} on {pins}", f", all at once{lies}{flat}{high}")
+        return
+    if len(shafts) > 2:
+        ends = Counter((each.letter, each.place) for each in shafts)
+        said = listed(
+            f"{letter or ('one' if count == 1 else count)} {place}"
+            for (letter, place), count in ends.items()
+        )
+        rest = f", each in its hole before you press: {said}"
+        yield Doing("lower ", f"{WHAT} over all ends at once", rest)
+        whole = "it"
+    elif free or over_pins:
+        said = listed(
+            dict.fromkeys([*(f"{each.letter} {each.place}" for each in free), *over_pins])
+        )
+        yield Doing("set ", f"{WHAT} with {said}")
+        whole = "it"
+    for each in bare if whole == WHAT else ():
+        if each.shaft or not shafts:
+            bare_hole = not each.shaft and " of " not in each.place
+            place = each.place.replace("over ", "on ", 1) if bare_hole else each.place
+            yield Doing("put ", f"{WHAT} {place}", ", hole over hole" if bare_hole else "")
+    fixed = [each for each in meetings if each.fit != "free"]
+    highs = [each.high for each in fixed]
+    for each in sorted(fixed, key=lambda each: highs.index(each.high)):
+        thing = each.letter if whole == "it" else f"{each.letter} of {WHAT}"
+        thing = thing if each.letter else whole
+        yield Doing(
+            VERBS[each.fit], f"{thing} {each.place}", f"{each.flat}{each.high}{each.set_by}"
+        )
+    hanging = listed(dict.fromkeys(each.hangs for each in fixed if each.hangs))
+    if hanging:
+        rooms = listed(dict.fromkeys(each.room for each in fixed if each.room))
+        rod = f": push a rod or block from the side into the gap of {rooms}" if rooms else ""
+        yield Doing("hold ", hanging, f" from below by the head while you press{rod}")
+    sinking = listed(dict.fromkeys(each.sinks for each in fixed if each.sinks))
+    if sinking:
+        yield Doing("put a block under ", sinking, ": it must not sink while you press")
+
+
+def _room(pin: StandingCopy, below: Sequence[StandingCopy]) -> str:
+    """How high the gap is between a pin that stands on its head, with its cap, and what is in line with it below; "" of none."""
+    low = min(each.low for each in pin.outlines)
+    under = [
+        each.high
+        for other in below
+        for each in (*other.outlines, *other.holes)
+        if each.in_line(pin.outlines[0]) and each.high < low + SAME_POINT
+    ]
+    gap = low - max(under, default=low)
+    return f"{gap:.4g} mm under {pin.part.name}" if gap > RESTS else ""
+
+
+def _lies_on(hole: Round, below: Sequence[StandingCopy]) -> str:
+    """On what a part lies round one of its holes; "" where on nothing."""
+    gap, name = gap_under(hole, below)
+    return name if gap <= SAME_POINT else ""
+
+
+def _hangs(pin: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> bool:
+    """Whether a pin stands on its head, and nothing else there is fixed on it."""
+    fixed = [
+        other
+        for other in below
+        for mate in mates_between([other], [pin], fixing)
+        if mate.how != "free" and other is not pin
+    ]
+    return bool(fixed) and all(other.part.role == "cap" for other in fixed)
+
+
+def _joint(hole: Round, pin: StandingCopy, below: Sequence[StandingCopy]) -> str:
+    """At which point of which part a pin is, of several that are alike: of the next part under a hole, or else over it."""
+    named = [
+        (each.low > hole.low, abs(each.low - hole.low), f" at {each.name} of {other.part.name}")
+        for other in below
+        for each in other.holes
+        if each.name and any(map(each.holds, pin.outlines))
+    ]
+    return min(named, default=(False, 0.0, ""))[2]
+
+
+def _height(hole: Round, shaft: StandingCopy, below: Sequence[StandingCopy]) -> str:
+    """How high a part is fixed on a shaft: flush with an end, or over what lies there, or as far as one measures."""
+    low = min(each.low for each in shaft.outlines)
+    over = hole.low - low
+    gauge = thickness_gauge(over)
+    under = f" ({gauge} under it)" if gauge != FEELER else ""
+    return height_by(hole, shaft, below) or f"underside {over:.4g} mm from its lower end{under}"
+
+
+def height_by(hole: Round, shaft: StandingCopy, below: Sequence[StandingCopy]) -> str:
+    """What says how high a part is fixed on a shaft: an end that is flush, or what lies under it; "" where neither does."""
+    if abs(hole.low - min(each.low for each in shaft.outlines)) < SAME_POINT:
+        return "flush with its lower end"
+    if abs(hole.high - max(each.high for each in shaft.outlines)) < SAME_POINT:
+        return "flush with its upper end"
+    gap, name = gap_under(hole, below)
+    if not name:
+        return ""
+    return f"{gap:.3g} mm over {name}" if gap > SAME_POINT else f"down on {name}"
+
+
+def gap_under(hole: Round, below: Sequence[StandingCopy]) -> tuple[float, str]:
+    """How far over what lies next under a hole, mm, and its part's name; 0 and "" where nothing does."""
+    under = [
+        (hole.low - each.high, other.part.name)
+        for other in below
+        for each in other.holes
+        if hole.in_line(each) and -SAME_POINT < hole.low - each.high < RESTS
+    ]
+    return min(under, default=(0.0, ""))
+
+
+def _depth(
+    pin: StandingCopy, fixed: Sequence[tuple[Round, StandingCopy]], holes: Sequence[Round]
+) -> str:
+    """How deep a pin is driven into what it is fixed in: where the end is that goes in first, and what is left under a head.
+
+    holes: all that it goes through.
+    """
+    if pin.mount.flipped:
+        hole, _ = min(fixed, key=lambda each: each[0].low)
+        out = hole.low - min(each.low for each in pin.outlines)
+        side = "below"
+    else:
+        hole, _ = max(fixed, key=lambda each: each[0].high)
+        out = max(each.high for each in pin.outlines) - hole.high
+        side = "above"
+    end = f"till {out:.3g} mm of it stand out {side}" if out > SAME_POINT else f"flush {side}"
+    if out < -SAME_POINT:
+        end = f"its end {-out:.3g} mm inside"
+    head = max(pin.outlines, key=lambda each: each.diameter)
+    under = [head.low - hole.high for hole in holes if hole.high < head.low - SAME_POINT]
+    if pin.mount.flipped and len(pin.outlines) > 1 and under and min(under) < RESTS:
+        return f"{end}, {min(under):.3g} mm left under its head{between(min(under))}"
+    return end
+
+
+def _pin_words(
+    copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing
+) -> tuple[Place, str]:
+    """Through what a pin or a shaft goes that lies there, from above, and where it is fixed; HOLE for the hole's letter, and that."""
+    round_holes = [
+        (hole, other, outline)
+        for other in reversed(below)
+        for hole in other.holes
+        for outline in copy.outlines
+        if hole.holds(outline)
+    ]
+    letter = next((hole.name for hole, _, _ in round_holes if hole.name), "")
+    point = f"{HOLE} of " if letter else ""
+    words: dict[Literal["glue", "press", "free"], list[str]] = {}
+    for hole, other, outline in round_holes:
+        names = words.setdefault(fixing.how(hole, other.part, outline, copy.part), [])
+        names += [other.part.name] if other.part.name not in names else []
+    ways: list[str] = []
+    beginning = ""  # of the first of them
+    verb = "put "
+    first = ""  # of the sentence, after what it is done with
+    more = ""  # of the sentence, after that
+    above = " from above" if copy.mount.flipped else ""
+    for how, names in sorted(words.items(), key=lambda each: each[0] != "free"):
+        fit = f"{WORDS[how]} " if WORDS[how] else ""
+        into = "into " if fit else "through "
+        through = listed(names)
+        if not ways:
+            verb = VERBS[how] if fit else "push "
+            beginning = fit
+            first, more = f"{above} {into}{point or through}", f"{through if point else ''}"
+            ways.append(f"{into}{point}{through}")
+        else:
+            more += f"; {VERBS[how]}{IT} {into}{through}"
+            ways.append(f"{fit}{into}{through}")
+    slots = dict.fromkeys(
+        other.part.name
+        for other in reversed(below)
+        if any(slot.holds(outline) for slot in other.slots for outline in copy.outlines)
+    )
+    tight = [
+        each
+        for each in round_holes
+        if fixing.how(each[0], each[1].part, each[2], copy.part) != "free"
+    ]
+    fixed = [(hole, other) for hole, other, _ in tight]
+    flats = ["flat on flat"] if any(hole.flat and each.flat for hole, _, each in tight) else []
+    if copy.mount.flipped:  # from above, where a head may be in the way
+        side = "flush with its upper side"
+        top = max((each.high for each in copy.outlines), default=0.0)
+        gaps = [
+            (hole.high - other.mount.z - other.part.thickness, hole.high - top)
+            for hole, other in fixed
+        ]
+    else:
+        side = "flush with its underside"
+        foot = min((each.low for each in copy.outlines), default=0.0)
+        gaps = [(hole.low - other.mount.z, hole.low - foot) for hole, other in fixed]
+    if any(max(map(abs, gap)) < SAME_POINT for gap in gaps):
+        ways.append(side)
+    elif fixed and (deep := _depth(copy, fixed, [hole for hole, *_ in round_holes])):
+        ways.append(deep)
+    in_slots = [f"in the slot of {name}" for name in slots]
+    flush = [*flats, *ways[len(words) :]]
+    said = ", ".join([*ways, *in_slots])
+    rest = ", ".join(filter(None, (more, *flush, *in_slots)))
+    if point:
+        first = first.removesuffix(" of ")
+        rest = f" of {rest}"
+    elif rest and not rest.startswith(";"):
+        rest = f", {rest}" if first else f" {rest}"
+    doing = Doing(verb, f"{WHAT}{first}", rest)
+    return (Place(f"{beginning}{said}", (doing,)) if said else Place()), letter
