@@ -455,8 +455,8 @@ class Drawing(Record):
     )
     run_out: Annotated[float, quantity("mm", ge=0, le=1)] | None = Field(
         default=None,
-        description="axial run-out of a cam's face at z = 0 about its bore (ISO 1101); 0: not shown; left out: 0.03 in metal, "
-        "else not shown",
+        description="run-out of a cam's face at z = 0, of a cylinder cam's ends and outside, about its bore (ISO 1101); 0: not shown; "
+        "left out: 0.03 in metal, else not shown",
     )
     bore_chamfer: Annotated[float, quantity("mm", ge=0, le=5)] | None = Field(
         default=None,

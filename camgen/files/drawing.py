@@ -67,7 +67,8 @@ class _Layout:
 
     def __init__(self, part: Part, stem: str, tolerance: float, facts: Facts) -> None:
         drawn = self.drawn = DrawnPart(part, stem, tolerance, facts)
-        self.notes = notes_of(drawn)
+        self.tables = tables_sheets(drawn.own_tables, part, facts, stem)
+        self.notes = notes_of(drawn, len(self.tables))
         self.right = _RIGHT + (_RUN_OUT if drawn.drum and facts.run_out else 0.0)
         self.inner = _BORE if drawn.bored and not drawn.detailed else 0.0
         self.beside = _BESIDE + self.inner + BOSS * (len(drawn.bosses) + (part.drum is not None))
@@ -110,7 +111,6 @@ class _Layout:
         self._bore_detail()
         self._note_lines()
         self._tracks()
-        self.tables = tables_sheets(drawn.own_tables, part, facts, stem)
         facts = replace(facts, number=facts.number or f"{stem}-drawing")
         corner = complex(width - MARGIN, MARGIN)
         size = sheet_words(self.size_name, 1, 1 + len(self.tables))

@@ -39,6 +39,7 @@ from camgen.tolerances import SAME_POINT
 
 _LETTERS = 2  # of a hole's name that is a datum's
 _SMALLEST = 2.0  # height of text in a table, mm
+_OUTSIDE = "h9"  # fit of a drum's outside: what passes it gets no nearer
 
 
 class DrawnPart:
@@ -90,6 +91,7 @@ class DrawnPart:
             self.bored and (self.key or flat)
         )  # a round bore has its size in a view
         self.drum = part.drum if facts.heights else None
+        self.outer_fit = facts.outer_fit or (_OUTSIDE if self.drum and facts.profile else "")
         self.turns = (free(part.region.outer) or self.drum is not None) and part.bore is not None
         self.turns = self.turns or bool(self.tracks and facts.tracks)
         bored = self.turns or self.bored or any(map(flat_of, part.region.holes))

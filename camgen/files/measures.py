@@ -26,7 +26,7 @@ class Measure:
     @property
     def behind(self) -> str:
         """What stands behind the number: its fit, or the end of the parentheses of a reference size."""
-        return ")" if self.sign == REFERENCE else f" {self.fit}" if self.fit else ""
+        return ")" if self.sign.startswith(REFERENCE) else f" {self.fit}" if self.fit else ""
 
 
 def dimension(

@@ -20,8 +20,8 @@ NOTES = SIZES["A4"][0] - FILING - MARGIN - WIDTH - 6  # width, beside the title 
 _STRAIGHT = 1000.0  # mm, radius from which on a hollow is as good as straight to a wheel
 
 
-def notes_of(drawn: DrawnPart) -> list[str]:
-    """All notes on a part, in lines that fit beside the title block."""
+def notes_of(drawn: DrawnPart, own_sheets: int) -> list[str]:
+    """All notes on a part, in lines that fit beside the title block; own_sheets: how many its tables take after the first."""
     part = drawn.part
     stock = any(isinstance(note, SizeNote) for note in part.notes)  # which is cut
     bought = part.process == "bought" and not stock
@@ -45,8 +45,9 @@ def notes_of(drawn: DrawnPart) -> list[str]:
     lines += [f"Engraved {depth} deep" for depth in depths]
     lines += _files(drawn)
     if drawn.own_tables:
-        what = "Tables of the tracks" if len(drawn.own_tables) > 1 else "Table of the track"
-        lines.append(f"{what}: from sheet 2 on")
+        what = "tables of the tracks" if len(drawn.own_tables) > 1 else "table of the track"
+        sheets = "sheet 2" if own_sheets == 1 else f"sheets 2 to {own_sheets + 1}"
+        lines.append(f"Full {what}: {sheets}")
     if drawn.turns:
         lines.append("+ : positive sense of turning (ccw)")
     if drawn.slotted:
@@ -129,9 +130,11 @@ def _corner_notes(drawn: DrawnPart) -> list[str]:
     if facts.run_out and drawn.centred and (facts.outer_fit or drawn.part.points):
         lines.append(f"Rim runs out at most {number(facts.run_out)} to hole {drawn.centred}")
     if facts.profile and drawn.surface:
-        # rounded down: a larger wheel cuts into the track
-        least = f"R{math.floor(10 * drawn.hollow) / 10:g}" if drawn.hollow < _STRAIGHT else "none"
-        lines.append(f"Smallest hollow radius of the track: {least}")
+        if drawn.hollow < _STRAIGHT:  # rounded down: a larger wheel cuts into the track
+            least = math.floor(10 * drawn.hollow) / 10
+            lines.append(f"Smallest hollow radius of the track: R{least:g}")
+        else:
+            lines.append("Track without a hollow: a cutter of any size reaches it")
     if facts.rod_chamfer:
         lines.append(f"Both ends chamfered {number(facts.rod_chamfer)} × 45°")
         lines += [f"Round Ra {facts.bore_roughness:g}"] if facts.bore_roughness else []

@@ -74,7 +74,7 @@ class PlanView:
         )
         wide, tall = signs
         flat = over_flat(self.drawn.facts, shaft=True) if shaft else ""
-        outer_fit = self.drawn.facts.outer_fit
+        outer_fit = self.drawn.outer_fit
         round_fit = in_limits(outer_fit, span.real) if outer_fit else ""
         fit = round_fit if wide == "Ø" else flat
         self.page.dimension(

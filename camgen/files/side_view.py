@@ -23,7 +23,7 @@ from camgen.geometry.outlines import extent, rectangle
 BOSS = 10.0  # between the dimensions of bosses, beside the view from the left
 _FACE = 0.7  # of the radius of a drum's lower end: where its datum is in the view from the left
 _HATCH = 2.5  # mm of paper between the lines of a cut face
-_WALL = 7.0  # between dimensions of a drum's walls
+_OVER_OUTSIDE = 7.0  # from a drum's outside to the frame of its run-out
 
 
 @dataclass(frozen=True)
@@ -62,15 +62,14 @@ class SideViews:
             y = self.page.paper(self.drawn.zero).imag
             self.page.sheet.line(complex(left - 4, y), complex(left + thick + 4, y), layer="CENTER")
         bottom = self.page.paper(self.drawn.low).imag
-        away = -9j if self.drawn.part.drum is None else -3j * _WALL
         self.page.dimension(
             complex(left, bottom),
             complex(left + thick, bottom),
-            away,
+            -9j,
             Measure(self.drawn.part.thickness),
         )
         if self.drawn.part.drum:
-            self._walls(origin, self.drawn.part.drum)
+            self._floor(origin, self.drawn.part.drum)
             return
         heights = sorted(
             {layer.z1 for layer in self.drawn.part.layers} - {self.drawn.part.thickness}
@@ -103,20 +102,14 @@ class SideViews:
                 yield complex(end, side * (radius + c)), complex(inner, side * radius)
             yield complex(inner, -radius), complex(inner, radius)
 
-    def _walls(self, origin: complex, drum: Drum) -> None:
-        """Diameter of a drum's floor in its section, and how far its walls are from its ends there; origin: of the part, on paper."""
+    def _floor(self, origin: complex, drum: Drum) -> None:
+        """Diameter of a drum's floor, which follows from its outside and the depth of its track; origin: of the part, on paper."""
         right = origin + self.page.scale * self.drawn.part.thickness
         half = 1j * self.page.scale * drum.floor
         away = complex(self.page.inner + BOSS)
-        self.page.dimension(right - half, right + half, away, Measure(2 * drum.floor, "Ø"))
-        for side in (-1, 1):
-            rim = origin + 1j * side * self.page.scale * drum.outside
-            beta = np.array([side * math.pi / 2])
-            levels = [wall.over(beta, np.array([drum.outside])).z.item() for wall in drum.walls]
-            spans = [(0.0, levels[0]), (levels[-1], drum.length)][: len(levels)]
-            for k, (low, high) in enumerate(spans, 1):
-                ends = rim + self.page.scale * low, rim + self.page.scale * high
-                self.page.dimension(*ends, 1j * side * k * _WALL, Measure(high - low, REFERENCE))
+        self.page.dimension(
+            right - half, right + half, away, Measure(2 * drum.floor, f"{REFERENCE}Ø")
+        )
 
     def _boss_sizes(self, origin: complex) -> None:
         """Diameters of the bosses, to the right of the view from the left."""
@@ -170,34 +163,61 @@ class SideViews:
             )
 
     def run_out(self) -> None:
-        """Run-out of a cam's face at z = 0: to the left of it in the view from the left, where paper is free."""
+        """Run-out of a cam's face at z = 0, of a drum of both ends and of its outside too."""
         facts = self.drawn.facts
         if not (
             facts.run_out and self.drawn.part.bore and self.drawn.turns and self.drawn.datum_letter
         ):
             return
+        self._run_out_of_face(-1)
+        if self.drawn.drum:
+            self._run_out_of_face(1)
+            self._run_out_of_outside(self.drawn.drum)
+
+    def _run_out_of_face(self, side: int) -> None:
+        """That of the face at z = 0, side -1, or of the other end: beside it in the view from the left, where paper is free."""
         import shapely
 
+        facts = self.drawn.facts
         face = min(self.drawn.part.layers, key=lambda layer: layer.z0).region
         low, high = extent([fit_arcs(face.outer, self.drawn.tolerance)])
         bore = max((abs(z.imag) for z in extent(self.drawn.holes)), default=0.0)
         levels = np.linspace(high.imag, low.imag, 32)[1:-1]
         levels = levels[np.abs(levels) > bore]
         wide = width_of([number(facts.run_out), self.drawn.datum_letter])
-        left = self.page.side_x
-        places = (
-            left - 5 - wide + 1j * (self.page.datum.imag + self.page.scale * levels - FRAME / 2)
-        )
+        edge = self.page.side_x + self.page.scale * self.drawn.part.thickness * (side > 0)
+        near = edge - 5 - wide if side < 0 else edge + 5
+        places = near + 1j * (self.page.datum.imag + self.page.scale * levels - FRAME / 2)
         x = places.real
         y = places.imag
-        boxes = shapely.box(x - 1, y - 1, x + wide + 4, y + FRAME + 1)
+        boxes = shapely.box(
+            x - 4 + 3 * (side < 0), y - 1, x + wide + 1 + 3 * (side < 0), y + FRAME + 1
+        )
         obstacles = Obstacles()
         obstacles.add(self.page.sheet.primitives)
         met = obstacles.crossed(boxes) + 100 * ~obstacles.free(boxes) + ~obstacles.off_axes(boxes)
         corner = complex(places[int(np.argmin(met))])
-        end = (
-            run_out(self.page.sheet, corner, facts.run_out, self.drawn.datum_letter)
-            + 1j * FRAME / 2
-        )
-        self.page.sheet.line(end, complex(left, end.imag), layer="DIM")
-        self.page.sheet.arrow(complex(left, end.imag), 1)
+        end = run_out(self.page.sheet, corner, facts.run_out, self.drawn.datum_letter)
+        start = (end if side < 0 else corner) + 1j * FRAME / 2
+        tip = complex(edge, start.imag)
+        self.page.sheet.line(start, tip, layer="DIM")
+        self.page.sheet.arrow(tip, -side)
+
+    def _run_out_of_outside(self, drum: Drum) -> None:
+        """That of a drum's outside, over its section where that has the most of it."""
+        facts = self.drawn.facts
+        wide = width_of([number(facts.run_out), self.drawn.datum_letter])
+        top = np.array([math.pi / 2])
+        levels = [wall.over(top, np.array([drum.outside])).z.item() for wall in drum.walls]
+        spans = {
+            "groove": [(0.0, levels[0]), (levels[-1], drum.length)],
+            "rib": [(levels[0], levels[-1])],
+            "end": [(0.0, levels[0])],
+        }[drum.track]
+        low, high = max(spans, key=lambda span: span[1] - span[0])
+        x = self.page.side_x + self.page.scale * (low + high) / 2
+        tip = complex(x, self.page.paper(self.drawn.high).imag)
+        start = tip + 1j * _OVER_OUTSIDE
+        run_out(self.page.sheet, start - wide / 2, facts.run_out, self.drawn.datum_letter)
+        self.page.sheet.line(start, tip, layer="DIM")
+        self.page.sheet.arrow(tip, -1j)

@@ -51,6 +51,7 @@ SECTION_ROOM = 124 + 62j  # width and height of a section with its words, mm of 
 _WORDS = 54.0  # width of the words
 _ASIDE = 14.0  # from a track to the dimension of its width
 _OFF = 9.0  # from there to its dimensions
+_OF_GAP = 0.4  # between a track's floor and its roller, by which the floor may be deeper
 
 
 # ---- section along the axis ------------------------------------------------------------------------------------------
@@ -278,8 +279,16 @@ class Development:
         if self.facts.profile:
             corner = end - 1j * FRAME / 2
             end = line_profile(sheet, corner, self.facts.profile, self.datums) + 1j * FRAME / 2
-        said = "both walls, from floor to outside" if len(self._walls_z) > 1 else "the whole wall"
-        sheet.text(end + 2 - 1.2j, said, _SMALL)
+        sheet.text(end + 2 - 1.2j, self._said_of_walls, _SMALL)
+
+    @property
+    def _said_of_walls(self) -> str:
+        """Which walls the tolerance holds for: of two the upper one, from which the width gives the other its place."""
+        if len(self._walls_z) == 1:
+            return "the whole wall"
+        if not self.facts.profile:
+            return "both walls, from floor to outside"
+        return "upper wall, from floor to outside; lower wall by the width of the track"
 
 
 def shown(drum: Drum) -> tuple[float, float]:
@@ -427,7 +436,8 @@ def drum_section(drum: Drum, facts: Facts, scales: Sequence[float]) -> Section:
     top = walls[-1]
     start = complex(floor, top[2])
     up = scale * (high - top[2]) + _OFF
-    sizes.append((start, complex(outside, top[2]), 1j * up, Measure(outside - floor, REFERENCE)))
+    deep = Measure(outside - floor, *_deeper(drum, facts))
+    sizes.append((start, complex(outside, top[2]), 1j * up, deep))
     title = f"Section of the track ({ratio(scale)})"
     turned = math.degrees(-float(rest[0]) * facts.sense) % 360
     words = [
@@ -437,6 +447,9 @@ def drum_section(drum: Drum, facts: Facts, scales: Sequence[float]) -> Section:
     if facts.roller:
         diameter, length, _ = facts.roller
         words.append(f"roller Ø{number(diameter)} × {number(length)}")
+        play = 2 * drum.roller.radius - diameter
+        if facts.profile and drum.track == "groove":
+            words.append(f"its play {number(play)} to {number(play + facts.profile)}")
     if facts.profile and drum.track == "groove":
         words += _groove_words(drum, facts)
     if drum.roller.slope:
@@ -444,6 +457,14 @@ def drum_section(drum: Drum, facts: Facts, scales: Sequence[float]) -> Section:
         words.append(f"half angle of its cone {number(half)}°")
     face = [*edge, *corners]
     return Section(title, scale, words, [face], edges, breaks, rollers, axes, sizes)
+
+
+def _deeper(drum: Drum, facts: Facts) -> tuple[str, str]:
+    """Sign and deviations of a track's depth: it may only be deeper, by a share of the gap between its floor and its roller."""
+    if not (facts.profile and facts.roller):
+        return REFERENCE, ""
+    gap = facts.roller[2] - drum.floor
+    return "", f"+{math.floor(100 * _OF_GAP * gap + 1e-6) / 100:g}/0"
 
 
 def _groove_words(drum: Drum, facts: Facts) -> list[str]:

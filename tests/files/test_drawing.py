@@ -604,6 +604,8 @@ def test_the_smallest_hollow_radius_of_a_track_is_known():
         assert hollow_radius(way) == pytest.approx(22**2 / 10)
         assert hollow_radius(way, inside=True) == pytest.approx(38**2 / 70)
     assert hollow_radius(circle(0j, 5)) == math.inf
+    notes = _Layout(keyed_cam(), "d", TOLERANCE, SHOP).notes
+    assert "Track without a hollow" in " ".join(notes) and "none" not in " ".join(notes)
 
 
 def test_people_date_and_revision_have_fields_to_fill_in_by_hand(tmp_path):
@@ -749,7 +751,8 @@ def test_a_dowel_or_a_keyway_holds_the_angle_of_a_groove_s_track(root, bore):
 @pytest.mark.parametrize("speed", [30, -30])
 def test_a_metal_drum_s_drawing_has_its_track_and_the_datum_of_its_angle(root, tmp_path, speed):
     """A cycloidal rise of 15 over 120 deg is half done at 60 deg. The roller of 10 x 6 has 0.2 of play, and 0.5 at either end. The
-    drum's point at the follower goes back as it turns. Each wall may be off by half of 0.04, so the width by 0.04."""
+    drum's point at the follower goes back as it turns. The upper wall lies in a zone of 0.04; the lower one follows by the width. The
+    outside only gets smaller and the floor only deeper, by 0.2 of the 0.5, so that nothing comes nearer to the roller's ends."""
     settings = [
         "material.name=16MnCr5",
         "geometry.roller.length=6",
@@ -769,10 +772,28 @@ def test_a_metal_drum_s_drawing_has_its_track_and_the_datum_of_its_angle(root, t
     layout = _Layout(part, "d", TOLERANCE, facts)
     assert _frames(layout, "0.04") == ["A", "B", "C"]
     texts = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, facts)[0])
-    assert {"both walls, from floor to outside", "Ra 0.8", "B", "Ra 1.6"} <= set(texts)
+    upper = "upper wall, from floor to outside; lower wall by the width of the track"
+    assert {upper, "Ra 0.8", "B", "Ra 1.6", "its play 0.2 to 0.24"} <= set(texts)
     sizes = [each for each in layout.sheet.things if isinstance(each, Size)]
     (width,) = (each.value for each in sizes if each.fit == " +0.04/0")
     assert width == pytest.approx(10.2)
+    (depth,) = (each.value for each in sizes if each.fit == " +0.2/0")
+    assert depth == pytest.approx(6 + 2 * 0.5)
+    (outside,) = (each.value for each in sizes if each.fit.startswith(" h9 (0/-0.0"))
+    (floor,) = (each.value for each in sizes if each.sign == "(Ø")
+    assert (outside, outside - floor) == pytest.approx((2 * part.drum.outside, 2 * depth))
+    assert not [each for each in sizes if each.sign == "("]
+    assert (
+        texts.count("0.03") == 3
+    )  # run-outs: their arrows are on both ends, and on the outside where the track is not
+    tips = [each.corners[0] for each in layout.sheet.primitives if isinstance(each, Fill)]
+    ends = (layout.page.side_x, layout.page.side_x + layout.scale * part.thickness)
+    low, high = layout.page.paper(layout.drawn.low), layout.page.paper(layout.drawn.high)
+    for end in ends:
+        assert [z for z in tips if abs(z.real - end) < 1e-9 and low.imag < z.imag < high.imag]
+    (top,) = (z for z in tips if abs(z.imag - high.imag) < 1e-9 and ends[0] < z.real < ends[1])
+    cut = shapely.Point(part.drum.outside - 0.1, (top.real - ends[0]) / layout.scale)
+    assert layout.drawn.upright.faces.contains(cut)
     assert "Track: d-developed.dxf, the cutter's path: d-path.csv" in " ".join(layout.notes)
     k = texts.index("60%%d")
     at, high = rows[60.0]
@@ -942,7 +963,7 @@ def test_tables_of_a_metal_cam_have_the_axis_of_its_roller(root, tmp_path):
     sheet, *tables = (texts_of(path) for path in paths if path.suffix == ".dxf")
     names = ["d-cam-tracks-drawing", "d-cam-tracks-2-drawing"]
     assert [path.stem for path in paths[2::2]] == names
-    assert "Cam" not in sheet and "Table of the track: from sheet 2 on" in " ".join(sheet)
+    assert "Cam" not in sheet and "Full table of the track: sheets 2 to 3" in " ".join(sheet)
     own, last = tables
     assert ["A3, 1 of 3" in sheet, "A3, 2 of 3" in own, "A3, 3 of 3" in last] == [True] * 3
     assert "d-cam-tracks-drawing" in own, "its number is the name of its file"
