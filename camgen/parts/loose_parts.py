@@ -2,18 +2,30 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 
-from camgen.machine.model import GROUND
+from camgen.parts.blocks import block_height, lowest_plate
 from camgen.parts.fixing import Fixing
 from camgen.parts.layings import Laying
 from camgen.parts.mates import mates_between
 from camgen.parts.standing import Round, StandingCopy, has_flat
 from camgen.parts.step_places import RESTS, gap_under, height_by
-from camgen.parts.step_words import WHAT, WORDS, Place, between, called, listed, step_of, where_all
+from camgen.parts.step_words import (
+    WHAT,
+    WORDS,
+    Place,
+    between,
+    called,
+    listed,
+    pronoun,
+    step_of,
+    thickness_gauge,
+    where_all,
+)
 from camgen.study import Doing, Mate
 from camgen.tolerances import SAME_POINT
 
@@ -25,23 +37,32 @@ class Stop:
     shaft: StandingCopy
     name: str  # of the part over it, in which the shaft turns
     gap: float  # mm, between both
+    hidden: bool = False  # whether it is in a hole of another part, from which no gauge comes out
+    over: str = ""  # the part of the shaft that turns over the stop
+    play: float = 0.0  # mm, of the shaft between both
 
     def place(self) -> Place:
         """Where the part is glued."""
+        shaft = self.shaft.part.name
         near, gauge = "against", ""
         if self.gap > SAME_POINT:
             near, gauge = f"{self.gap:.2g} mm under", between(self.gap)
-        at = f"on {self.shaft.part.name}, {near} {self.name}"
-        return Place(
-            f"{WORDS['glue']} {at}",
-            (
-                Doing(
-                    f"push {WHAT} up: press and glue it ",
-                    f"on {self.shaft.part.name}",
-                    f", {near} {self.name}{gauge}",
-                ),
+        where = f"{WORDS['glue']} on {shaft}, {near} {self.name}"
+        push = Doing(
+            f"push {WHAT} up: press and glue it ", f"on {shaft}", f", {near} {self.name}{gauge}"
+        )
+        if not (gauge and self.hidden and self.over):
+            return Place(where, (push,))
+        gauge = thickness_gauge(self.play)
+        thick = f" and lay {gauge} between it and {self.name}"
+        doings = (
+            Doing("lift ", self.over, f"{thick}, at either side of {shaft}"),
+            Doing(f"push {WHAT} up against ", f"{self.name}: press and glue it on {shaft}"),
+            Doing(
+                f"pull {pronoun(gauge)} out from under {self.over}: {shaft} has {self.play:.2g} mm of play along its axis"
             ),
         )
+        return Place(where, doings)
 
 
 def stops_of(copies: Sequence[StandingCopy], fixing: Fixing) -> dict[str, Stop]:
@@ -58,8 +79,37 @@ def stops_of(copies: Sequence[StandingCopy], fixing: Fixing) -> dict[str, Stop]:
             ]
             if over and not height_by(hole, shaft, others):
                 gap, name = min(over)
-                stops[copy.name] = Stop(shaft, name, gap)
+                stops[copy.name] = Stop(
+                    shaft, name, gap, *_out_of_reach(copy, hole, shaft, others, fixing)
+                )
     return stops
+
+
+def _out_of_reach(
+    copy: StandingCopy,
+    hole: Round,
+    shaft: StandingCopy,
+    others: Sequence[StandingCopy],
+    fixing: Fixing,
+) -> tuple[bool, str, float]:
+    """Whether the upper face of a copy is in a hole of another part, the part that turns on its shaft next over the plates there, and
+    the play of the shaft between both, mm."""
+    wide = max((each.diameter for each in copy.outlines), default=math.inf)
+    over = [each for other in others for each in other.holes if hole.in_line(each)]
+    hidden = any(each.diameter > wide and each.low < hole.high < each.high for each in over)
+    plates = [each for each in over if each.low > hole.high - SAME_POINT and each.diameter < wide]
+    turning = [
+        (each.low, other.part.name)
+        for other in others
+        if other is not shaft
+        for each, _ in fixed_on(other, [shaft], fixing)
+        if each.low > hole.high
+    ]
+    if not turning:
+        return hidden, "", 0.0
+    low, name = min(turning)
+    thick = sum(each.high - each.low for each in plates if each.high < low + SAME_POINT)
+    return hidden, name, round(low - hole.high - thick, 6)
 
 
 def fixed_on(
@@ -200,18 +250,12 @@ def _loose(
 
 def _prop(copy: StandingCopy, there: Sequence[StandingCopy], blocks: float) -> str:
     """The block that goes under a part that is laid down; "" where it lies on something. blocks: height of those under the plate, mm."""
-    plate = min(
-        (each for each in there if each.mount.body == GROUND and each.holes),
-        key=lambda each: each.mount.z,
-        default=None,
-    )
+    plate = lowest_plate(there)
     if plate is None or not copy.holes or any(gap_under(hole, there)[1] for hole in copy.holes):
         return ""
     if copy.mount.z - plate.mount.z - plate.part.thickness < RESTS:
         return ""
-    high = copy.mount.z - plate.mount.z + blocks
-    where = f", where those under {plate.part.name} are {blocks:g} mm high" if blocks else ""
-    return f". Prop it on a block {high:.3g} mm high{where}"
+    return f". Prop it on a block {block_height(copy.mount.z, plate, blocks)}"
 
 
 def _end_down(shaft: StandingCopy) -> str:

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from camgen.machine.model import GROUND
 from camgen.parts.fixing import Fixing
 from camgen.parts.mates import mates_between
 from camgen.parts.standing import Round, StandingCopy
@@ -74,7 +73,6 @@ class _Meeting:
     flat: str = ""  # that a flat goes on a flat
     hangs: str = ""  # the pin on which it is fixed, where that is held by nothing but its head
     room: str = ""  # how high the gap under that head is
-    sinks: str = ""  # the shaft on which it is fixed, where that is loose in a plate
 
     @property
     def where(self) -> str:
@@ -119,12 +117,9 @@ def _meeting(
         lies = f", down on {name}" if name and gap <= SAME_POINT else ""
         at = "" if hole.name or shaft.part.count == 1 else _joint(hole, shaft, below)
         hangs = shaft.part.name if WORDS[fit] and _hangs(shaft, below, fixing) else ""
-        plates = [each for each in below if each.mount.body == GROUND]
-        loose = WORDS[fit] and shaft.part.role == "shaft" and mates_between([shaft], plates, fixing)
-        sinks = shaft.part.name if loose else ""
         on = f"on {shaft.part.name}{at}"
         room = _room(shaft, below) if hangs else ""
-        return _Meeting(letter, on, fit, high, set_by, lies, True, flat, hangs, room, sinks)
+        return _Meeting(letter, on, fit, high, set_by, lies, True, flat, hangs, room)
     under = [
         (each.high, other.part.name, each.name)
         for other in below
@@ -202,9 +197,6 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
         rooms = listed(dict.fromkeys(each.room for each in fixed if each.room))
         rod = f": push a rod or block from the side into the gap of {rooms}" if rooms else ""
         yield Doing("hold ", hanging, f" from below by the head while you press{rod}")
-    sinking = listed(dict.fromkeys(each.sinks for each in fixed if each.sinks))
-    if sinking:
-        yield Doing("put a block under ", sinking, ": it must not sink while you press")
 
 
 def _room(pin: StandingCopy, below: Sequence[StandingCopy]) -> str:

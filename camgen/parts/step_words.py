@@ -81,8 +81,12 @@ def thickness_gauge(gap: float) -> str:
 def between(gap: float) -> str:
     """How a gap, mm, is set at the bench, in brackets."""
     gauge = thickness_gauge(gap)
-    several = gauge.startswith(_SHEETS[2:]) or " and " in gauge
-    return f" ({gauge} between, then pull {'them' if several else 'it'} out)"
+    return f" ({gauge} between, then pull {pronoun(gauge)} out)"
+
+
+def pronoun(gauge: str) -> str:
+    """What stands for a thickness gauge: "them" of several things."""
+    return "them" if gauge.startswith(_SHEETS[2:]) or " and " in gauge else "it"
 
 
 ON_BENCH = " on the bench"

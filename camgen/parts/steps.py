@@ -12,11 +12,11 @@ have one axis, they lie over each other and a pin comes through.
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Iterator, Sequence
 
 from camgen.machine.features import CamOutline, SlideFaces
 from camgen.machine.model import GROUND
+from camgen.parts.blocks import bearing_blocks
 from camgen.parts.fixing import Fixing, with_joints
 from camgen.parts.layings import Laying, layings_of
 from camgen.parts.loose_parts import (
@@ -104,7 +104,7 @@ def order(
         rows.append((len(rows) + 1, *row))
         names = [copy.name for copy in laying.copies]
         said = _doings(laying, places, _led(laying.copies[0], there, pairs), first=not there)
-        borne = [] if alone else _borne(laying.copies, there, fixing, blocks)
+        borne = [] if alone else bearing_blocks(laying.copies, there, fixing, blocks)
         moved = [] if alone else _moved(laying.copies, there, fixing)
         steps.append(
             Step(
@@ -155,27 +155,6 @@ def _by_hand(
                             yield holder.part.name, hole.name
 
 
-def _borne(
-    coming: Sequence[StandingCopy],
-    there: Sequence[StandingCopy],
-    fixing: Fixing,
-    blocks: float,
-) -> list[Doing]:
-    """What bears links, and a plate on blocks, while pins are pressed into them from above."""
-    letters = defaultdict[str, list[str]](list)
-    for copy in coming:
-        for other in there if copy.mount.flipped else ():
-            bench = other.mount.body == GROUND and not blocks  # on which it lies
-            for mate in () if bench else mates_between([copy], [other], fixing):
-                if mate.how != "free" and mate.comes:
-                    letters[other.part.name] += [mate.label] if mate.label else []
-    under = listed(
-        f"{listed(dict.fromkeys(own))} of {name}" if own else name for name, own in letters.items()
-    )
-    rest = ", or under what lies there: it must not bend while you press"
-    return [Doing("put a block under ", under, rest)] if under else []
-
-
 def _moved(
     coming: Sequence[StandingCopy], there: Sequence[StandingCopy], fixing: Fixing
 ) -> list[Doing]:
@@ -223,7 +202,8 @@ def _put_in(
     what = f"{first.part.title} with {', '.join(others or [own])}"
     row = (own, what, where_all(places), "", first.mount.z, "as drawn")
     doings = [doing for place in places for doing in place.doings]
-    return row, [*doings, *_jig(cluster, there, later, fixing)]
+    borne = bearing_blocks(cluster, there, fixing, blocks)
+    return row, [*doings, *borne, *_jig(cluster, there, later, fixing)]
 
 
 def _jig(

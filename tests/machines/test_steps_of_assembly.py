@@ -177,8 +177,9 @@ def test_walls_of_a_groove_lie_on_their_back_plate_and_gaps_are_set_by_paper() -
     assert top["cam-contact-inner"] == pytest.approx(top["shaft"])
     titles = [step.title for step in steps_of_assembly(machine).steps]
     (inner,) = (title for title in titles if "the inner wall of" in title)
-    assert inner.endswith(
+    assert (
         "all at once, down on cam-contact-back, flat on flat, flush with shaft's upper end."
+        in inner
     )
     (outer,) = (title for title in titles if "the outer wall of" in title)
     assert outer.endswith("all at once, down on cam-contact-back.")
@@ -1147,10 +1148,52 @@ def test_a_machine_on_a_stand_lies_on_its_panel_and_is_screwed_on_before_its_pin
     (screwed,) = (k for k, title in enumerate(titles) if "screw of the plate" in title)
     assert screwed == panel + 2 and "the ground plate" in titles[panel + 1]
     pressed = [title for title in titles if "from above" in title]
-    assert len(pressed) == 3 and all("must not bend while you press" in each for each in pressed)
+    assert len(pressed) == 3 and all("it must not bend" in each for each in pressed)
     assert "Put a block under A of crank and R of right_wing" in pressed[-1]
     upright = [title for title in titles if "Check with a square that shaft is square" in title]
     assert len(upright) == 1 and not any(" dry, with" in title for title in titles)
+
+
+def test_blocks_reach_from_the_bench_to_what_they_bear() -> None:
+    """By the heights of the mounts: the blocks under the panel are as high as what hangs below it, and shaft and links stand as much
+    higher than the panel's underside. What lies on the plate is borne by a block under that."""
+    bird = built("flapping-bird")
+    levels = {each.part: each.z for each in bird.assembly.mounts}
+    panel = levels["stand-panel"]
+    deep = math.ceil(panel - min(z for part, z in levels.items() if not part.startswith("stand")))
+    titles = [step.title for step in steps_of_assembly(bird).steps]
+    under = f"where those under stand-panel are {deep} mm high"
+    high = levels["shaft"] - panel + deep
+    assert any(f"a block under shaft, {high:g} mm high, {under}: it must not" in t for t in titles)
+    assert any("under W and V of ground, as high as those under stand-panel" in t for t in titles)
+    leg = built("walking-leg")
+    titles = [step.title for step in steps_of_assembly(leg).steps]
+    assert any("Stand shaft on the bench, where those under ground are 15" in t for t in titles)
+    take_up = built("thread-take-up")
+    levels = {each.part: each.z for each in take_up.assembly.mounts}
+    (lifted,) = (
+        t for t in (s.title for s in steps_of_assembly(take_up).steps) if "B of output," in t
+    )
+    assert f"a block under B of output, {levels['output'] + 12:g} mm high" in lifted
+    assert "where those under ground are 12 mm high" in lifted
+
+
+def test_a_gauge_lies_where_it_comes_out_again() -> None:
+    """The bird's collar is in the panel's hole: paper goes under the crank instead, as thick as all play of the shaft."""
+    bird = built("flapping-bird")
+    made = bird.assembly
+    levels = {each.part: each.z for each in made.mounts}
+    top = {part: z + made.by_name[part].thickness for part, z in levels.items()}
+    assert levels["stand-panel"] < top["collar"] < levels["ground"] == top["stand-panel"]
+    play = levels["crank"] - top["ground"] + levels["ground"] - top["collar"]
+    (said,) = (step.title for step in steps_of_assembly(bird).steps if "it on shaft" in step.title)
+    gauge = thickness_gauge(play)
+    assert gauge == "four sheets of paper" and gauge in said and "under ground" not in said
+    assert said.startswith("Lift crank and lay") and "Pull them out from under crank" in said
+    assert f"{play:.2g} mm of play" in said
+    leg = built("walking-leg")  # nothing is round its collar
+    (said,) = (step.title for step in steps_of_assembly(leg).steps if "it on shaft" in step.title)
+    assert said.startswith("Push the shaft collar up") and "mm under ground (a strip" in said
 
 
 def test_a_stand_s_parts_come_from_where_they_go_and_show_their_glue() -> None:

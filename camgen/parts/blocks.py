@@ -1,0 +1,105 @@
+"""Blocks under a machine on the bench: how high those are that prop what is loose, and that bear what is pressed."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from camgen.geometry.distances import inside
+from camgen.geometry.facets import facet_contour
+from camgen.machine.model import GROUND
+from camgen.parts.fixing import Fixing
+from camgen.parts.mates import mates_between
+from camgen.parts.standing import Round, StandingCopy
+from camgen.parts.step_places import RESTS
+from camgen.parts.step_words import listed
+from camgen.study import Doing
+from camgen.tolerances import SAME_POINT
+
+_CHORD = 0.1  # mm, of outlines that a block bears
+_ASIDE = 1.0  # mm, beside a hole, where its part bears on a block
+_AROUND = np.exp(1j * math.tau * np.arange(12) / 12)
+
+
+def lowest_plate(there: Sequence[StandingCopy]) -> StandingCopy | None:
+    """The plate under which the blocks lie, or which lies on the bench; None as long as there is none."""
+    plates = [each for each in there if each.mount.body == GROUND and each.holes]
+    return min(plates, key=lambda each: each.mount.z, default=None)
+
+
+def block_height(low: float, plate: StandingCopy, blocks: float) -> str:
+    """How high a block is that reaches from the bench up to a height, mm; blocks: height of those under the plate, mm."""
+    high = low - plate.mount.z + blocks
+    if not blocks:
+        return f"{high:.3g} mm high"
+    if abs(high - blocks) < SAME_POINT:
+        return f"as high as those under {plate.part.name}"
+    return f"{high:.3g} mm high, where those under {plate.part.name} are {blocks:g} mm high"
+
+
+def bearing_blocks(
+    coming: Sequence[StandingCopy], there: Sequence[StandingCopy], fixing: Fixing, blocks: float
+) -> Iterator[Doing]:
+    """Blocks that bear a shaft which is loose in its plate, and links and a plate on blocks, while something is pressed on or in them
+    from above."""
+    plate = lowest_plate(there)
+    if plate is None:
+        return
+    plates = [each for each in there if each.mount.body == GROUND]
+    sinking = dict[float, list[str]]()
+    bending = defaultdict[float, dict[str, list[str]]](dict)
+    for copy in coming:
+        for other in there:
+            mates = [mate for mate in mates_between([copy], [other], fixing) if mate.how != "free"]
+            shaft = other.part.role == "shaft" and mates_between([other], plates, fixing)
+            if shaft and any(not mate.comes for mate in mates):
+                low = min(each.low for each in other.outlines)
+                sinking.setdefault(low, []).append(other.part.name)
+            for mate in mates if copy.mount.flipped else ():
+                holes = (hole for hole in other.holes if hole.in_line(copy.outlines[0]))
+                low = _foot(next(holes), other, there)
+                if mate.comes and (blocks or low > plate.mount.z + SAME_POINT):
+                    letters = bending[low].setdefault(other.part.name, [])
+                    letters += [mate.label] if mate.label else []
+    for low, names in sinking.items():
+        shafts = listed(dict.fromkeys(names))
+        if low - plate.mount.z + blocks < SAME_POINT:
+            rest = f" on the bench, where those under {plate.part.name} are {blocks:g} mm high"
+            yield Doing("stand ", shafts, f"{rest}: it must not sink")
+            continue
+        yield Doing(
+            "put a block under ", shafts, f", {block_height(low, plate, blocks)}: it must not sink"
+        )
+    for low, parts in bending.items():
+        under = listed(
+            f"{listed(dict.fromkeys(own))} of {name}" if own else name
+            for name, own in parts.items()
+        )
+        yield Doing(
+            "put a block under ", under, f", {block_height(low, plate, blocks)}: it must not bend"
+        )
+
+
+def _foot(hole: Round, holder: StandingCopy, there: Sequence[StandingCopy]) -> float:
+    """How high the underside is of what lies under a hole's part there, one on the other, mm."""
+    around = hole.at + (hole.diameter / 2 + _ASIDE) * _AROUND
+    low = holder.mount.z
+    for other in sorted(there, key=lambda each: -each.mount.z):
+        top = other.mount.z + other.part.thickness
+        if -SAME_POINT < low - top < RESTS and _lies_at(other, around):
+            low = other.mount.z
+    return low
+
+
+def _lies_at(copy: StandingCopy, points: np.ndarray) -> bool:
+    """Whether most of some points of the assembly, (n,) complex mm, lie in the outline of a copy."""
+    if copy.pose.standing:
+        return False
+    own = (points - complex(copy.pose.place[0])) * cmath.exp(-1j * float(copy.pose.angle[0]))
+    own = -own.conjugate() if copy.pose.flipped else own
+    rings = (facet_contour(layer.region.outer, _CHORD) for layer in copy.part.layers)
+    return any(np.count_nonzero(inside(own, ring)) > len(own) / 2 for ring in rings)
