@@ -33,6 +33,7 @@ from camgen.files.track_tables import ROW, own_tables, relief_table, track_table
 from camgen.files.tracks import axial_section
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.outlines import Contour, extent
+from camgen.parts.catalogue import CORE_HOLES
 from camgen.parts.keyways import keyed
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
@@ -103,7 +104,7 @@ class DrawnPart:
         self.plate = several and not layered and part.side_profile is None
         upright = _across_bore(part, tolerance) if across else None
         section = None if upright else views.section(part, tolerance)
-        self.upright = self._chamfered(upright)
+        self.upright = self._tapped(self._chamfered(upright))
         if self.upright and part.drum:
             self.upright = axial_section(part.drum, self.upright)
         self.section = self._chamfered(section)
@@ -176,6 +177,17 @@ class DrawnPart:
             beyond.append((complex(-radius, inner), complex(radius, inner)))
             beyond.append((complex(-radius - c, end), complex(-radius, end)))
         return replace(section, faces=faces, beyond=beyond)
+
+    def _tapped(self, section: views.Section | None) -> views.Section | None:
+        """A section along y with the core hole of the part's thread."""
+        tap = self.part.tap
+        if section is None or tap is None:
+            return section
+        import shapely
+
+        half = CORE_HOLES[tap.thread] / 2
+        hole = shapely.box(tap.inner, tap.height - half, tap.outer, tap.height + half)
+        return replace(section, faces=section.faces.difference(hole))
 
     def _bored(self) -> Contour | None:
         """The bore that is dimensioned: one with a keyway, or a round one to which a cam's track refers or the dowels that carry one,

@@ -44,6 +44,8 @@ def notes_of(drawn: DrawnPart, own_sheets: int) -> list[str]:
     depths = sorted({number(layer.z1 - layer.z0) for layer in part.engraved})
     lines += [f"Engraved {depth} deep" for depth in depths]
     lines += _files(drawn)
+    if part.tap:
+        lines.append(f"Thread {part.tap.thread}: on this sheet alone, no file has it")
     if drawn.own_tables:
         what = "tables of the tracks" if len(drawn.own_tables) > 1 else "table of the track"
         sheets = "sheet 2" if own_sheets == 1 else f"sheets 2 to {own_sheets + 1}"
@@ -158,7 +160,7 @@ def _running(drawn: DrawnPart) -> list[str]:
 
 def _soft(drawn: DrawnPart) -> list[str]:
     """What is not hardened where a case is, as far as the part has it."""
-    tapped = drawn.facts.thread or any(note.startswith("thread ") for note in drawn.part.notes)
+    tapped = drawn.facts.thread or drawn.part.tap
     faces = (("bore", drawn.part.bore), ("keyway", drawn.key), ("threads", tapped))
     return [name for name, own in faces if own]
 

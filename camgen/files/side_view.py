@@ -15,14 +15,18 @@ from camgen.files.labels import Obstacles
 from camgen.files.limits import in_limits
 from camgen.files.measures import REFERENCE, Measure
 from camgen.files.page import Page
+from camgen.files.sheet import Text
 from camgen.files.symbols import FRAME, datum, roughness, run_out, width_of
 from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.drums import Drum
 from camgen.geometry.outlines import extent, rectangle
+from camgen.parts.catalogue import SCREWS
+from camgen.parts.part import Tap
 
 BOSS = 10.0  # between the dimensions of bosses, beside the view from the left
 _FACE = 0.7  # of the radius of a drum's lower end: where its datum is in the view from the left
 _HATCH = 2.5  # mm of paper between the lines of a cut face
+_THREAD = "6H"  # tolerance class of threads in a part [ISO 965-1]
 _OVER_OUTSIDE = 7.0  # from a drum's outside to the frame of its run-out
 
 
@@ -74,6 +78,9 @@ class SideViews:
         heights = sorted(
             {layer.z1 for layer in self.drawn.part.layers} - {self.drawn.part.thickness}
         )
+        if self.drawn.part.tap and self.drawn.upright:
+            self._thread(origin, self.drawn.part.tap)
+            heights.append(self.drawn.part.tap.height)
         heights = heights if len(heights) <= 2 else []  # no room for more; the table has them all
         for i, height in enumerate(heights, 1):
             top = complex(left, self.page.paper(self.drawn.high).imag)
@@ -110,6 +117,23 @@ class SideViews:
         self.page.dimension(
             right - half, right + half, away, Measure(2 * drum.floor, f"{REFERENCE}Ø")
         )
+
+    def _thread(self, origin: complex, tap: Tap) -> None:
+        """A thread in its section: its core is cut out of that, its diameter a thin line on either side [ISO 6410-1]; its axis up to
+        the dimension of its height; origin: of the part, on paper."""
+        scale = self.page.scale
+        half = SCREWS[tap.thread].nominal / 2
+        ends = [origin + scale * (tap.height + 1j * y) for y in (tap.inner, tap.outer)]
+        for side in (-half, half):
+            self.page.sheet.line(*(end + scale * side for end in ends), layer="DIM")
+        top = complex(ends[0].real, self.page.paper(self.drawn.high).imag)
+        self.page.sheet.line(ends[0] - 2j, top, layer="CENTER")
+        tip = ends[1] + scale * half
+        bend = tip + complex(5, 8)
+        text = f"{tap.thread}-{_THREAD}"
+        self.page.sheet.line(tip, bend, bend + Text(0j, text, 2.5).room + 1, layer="DIM")
+        self.page.sheet.arrow(tip, (tip - bend) / abs(tip - bend))
+        self.page.sheet.text(bend + complex(0.5, 0.8), text)
 
     def _boss_sizes(self, origin: complex) -> None:
         """Diameters of the bosses, to the right of the view from the left."""

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, TypeGuard
 
 from camgen.parts import materials
-from camgen.parts.catalogue import CAM_FOLLOWERS, DOWELS
+from camgen.parts.catalogue import CAM_FOLLOWERS, DOWELS, SCREWS, Bought
 from camgen.parts.disc_cams import CamParts, ShaftBore
 from camgen.parts.keyways import keyway
 from camgen.parts.motors import SHAFTS, STEPPERS
+from camgen.parts.shafts import retaining_rings, shaft_and_bearings
 
 _WALL = 1.0  # mm, least wall
 _CASES = 4.0  # depths of a hardened case: least wall, half of which stays tough
 _FACE = 0.6  # of the bore: least thickness
 _HUB = 1.8  # of the bore: diameter
+_SCREWED = 2.4  # diameters of its set screw: least height of a hub
 _END = 3.0  # mm, walls of a drum of any material
 _GROOVE = 0.05  # mm, by which a milled groove is wider than its roller
 _BACK = 0.5  # of the thickness: back plate of a groove; its dowels at least
@@ -71,7 +73,7 @@ def filled(data: Any) -> Any:
 
     Thickness: as the roller of the catalogue, at least 0.6 bores. The bore has the keyway of DIN 6885 where the norm has one and the
     base circle leaves a wall of half the bore about it. With a keyway a hub of 1.8 bores, so high that the key is as
-    long as the bore is wide; none in a groove, or where the base circle has no room for it. A groove has a back of half the
+    long as the bore is wide, and its set screw has room; none in a groove, or where the base circle has no room for it. A groove has a back of half the
     thickness, dowels as thick at least, as far as the base circle has room for them, and a rim of 2.5 dowels, or with such walls
     beside them.
     """
@@ -101,7 +103,9 @@ def filled(data: Any) -> Any:
         and not _too_small(geometry, parts.get("hub_diameter", hub))
     ):
         given = parts.get("thickness", thickness)
-        sizes["hub_height"] = max(0.0, bore - given) if isinstance(given, int | float) else 0.0
+        sizes["hub_height"] = (
+            max(0.0, bore - given, _under_screw(parts)) if isinstance(given, int | float) else 0.0
+        )
     if grooved:
         given = parts.get("thickness", thickness)
         sizes |= _grooved(given, geometry.get("base_radius"), bore)
@@ -111,6 +115,12 @@ def filled(data: Any) -> Any:
             sizes["rim"] = max(CamParts.model_fields["rim"].default, rim)
     made = {**data, "parts": {**sizes, **parts}}
     return {**made, "print": {"slide_clearance": _GROOVE, **fits}} if grooved else made
+
+
+def _under_screw(parts: Mapping[str, Any]) -> float:
+    """Height of a hub that its set screw asks for, mm: more than half its diameter is left on either side of its thread."""
+    screw = SCREWS.get(str(parts.get("set_screw")))
+    return _SCREWED * screw.nominal if screw else 0.0
 
 
 def _is_metal(name: object) -> TypeGuard[str]:
@@ -139,11 +149,26 @@ def _is_keyed(bore: float, geometry: Mapping[str, Any]) -> bool:
     return not isinstance(base, int | float) or base >= bore + usual[1]
 
 
+def _shaft_of(model: str | None) -> float | None:
+    """Diameter of a motor's shaft, mm; None of one whose frame is not known."""
+    row = STEPPERS.get(model or "")
+    return SHAFTS[row.frame][0] if row else None
+
+
+def shaft_of_cams(bore: ShaftBore, material: str, length: float, model: str | None) -> list[Bought]:
+    """A shaft with its bearings for cams of metal made alone, and what keeps them from sliding along it; nothing where they sit on
+    the motor's own.
+
+    length: of their bores together, mm."""
+    if not materials.of(material).metal or _shaft_of(model) == bore.bore:
+        return []
+    return [*shaft_and_bearings(bore.bore, length), *rings_of(bore, material)]
+
+
 def motor_notes(bore: float, model: str | None) -> list[str]:
     """A sentence on a cam that does not fit the shaft of the motor that is named."""
-    row = STEPPERS.get(model or "")
-    shaft = SHAFTS[row.frame][0] if row else bore
-    if bore == shaft:
+    shaft = _shaft_of(model)
+    if shaft in (None, bore):
         return []
     return [
         f'motor.model = "{model}": its shaft is {shaft:g} mm thick, parts.bore {bore:g} mm. '
@@ -151,11 +176,25 @@ def motor_notes(bore: float, model: str | None) -> list[str]:
     ]
 
 
+def rings_of(bore: ShaftBore, material: str) -> list[Bought]:
+    """Rings on the shaft that keep a bore in metal from sliding along its key; none where a set screw does, or no ring is known."""
+    keyed = materials.of(material).metal and bore.bore_shape == "keyway"
+    screwed = isinstance(bore, CamParts) and bore.key_screw is not None
+    return retaining_rings(bore.bore) if keyed and not screwed else []
+
+
+def ring_notes(bore: ShaftBore, material: str) -> Iterator[str]:
+    """What the drawing of such a part says of its rings."""
+    for rings in rings_of(bore, material):
+        name = rings.size.partition(",")[0]
+        yield f"held on its shaft by {rings.count} retaining rings {rings.standard}, {name}"
+
+
 def bore_notes(bore: ShaftBore, material: str) -> list[str]:
     """A sentence on a bore in metal that turns nothing, slides on its key, or that no drill, reamer and broach makes."""
     if not materials.of(material).metal:
         return []
-    if getattr(bore, "key_screw", None) is not None:
+    if getattr(bore, "key_screw", None) is not None or rings_of(bore, material):
         return []
     if bore.bore_shape == "keyway":
         has_hub = isinstance(bore, CamParts) and bore.hub_height

@@ -515,25 +515,3 @@ def fastener(name: str, thread: str, through: float, count: int) -> Bought:
     if not length:
         return Bought(name, "DIN 976-1", f"{thread} x {math.ceil(through + 2 * screw.nut)}", count)
     return Bought(name, screw.standard, f"{thread} x {length:g}", count)
-
-
-def shaft_and_bearings(bore: float, length: float) -> list[Bought]:
-    """A shaft for a drum with a bore and a length, mm, and the bearings in which it turns, if there are some of its size."""
-    through = "through the drum, fast in its bore"
-    found = [
-        Bought(
-            "shaft",
-            "",
-            f"{bore:g} h6 of steel, such as C45, at least {length:.4g} long",
-            1,
-            how=through,
-        )
-    ]
-    bearing = narrowest(bore)
-    if bearing is not None:
-        size = f"{bearing.name}, {bearing.size}"
-        ends = "on both ends of the shaft, in a frame of yours"
-        found.append(
-            Bought("bearing of the shaft", bearing.standard, size, 2, how=ends, key="parts.bore")
-        )
-    return found

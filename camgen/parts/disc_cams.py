@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -17,7 +18,7 @@ from camgen.geometry.outlines import Contour, Points, Region, circle
 from camgen.numerics import magnitude
 from camgen.parts.catalogue import CORE_HOLES, SCREWS, Screw
 from camgen.parts.keyways import RANGE, keyway
-from camgen.parts.part import Layer, Part, d_bore, keyed_bore
+from camgen.parts.part import Layer, Part, Tap, d_bore, keyed_bore
 from camgen.parts.set_screws import KeyScrew, SetScrewHub
 from camgen.spec import Length, Record, quantity
 from camgen.vocabulary import OldWords
@@ -145,7 +146,7 @@ class CamParts(ShaftHole):
     hub_height: Annotated[float, quantity("mm", ge=0, le=1000, examples=[6.0])] = Field(
         default=0.0,
         description="height of the hub on top of the cam; 0: none, as in a groove;\na disc cam of metal with a keyway: so "
-        "high that the bore is as long as it is wide, camgen's own rule",
+        "high that the bore is as long as it is wide, and 2.4 diameters of its set screw, camgen's own rule",
     )
     set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = Field(
         default="none",
@@ -188,14 +189,14 @@ class CamParts(ShaftHole):
             return None
         return KeyScrew(self.set_screw, self.hub_diameter / 2 - self.bore / 2 - self.key_depth)
 
-    def notes(self) -> tuple[str, ...]:
-        """What the drawing says of the hole and its set screw."""
+    @property
+    def tap(self) -> Tap | None:
+        """The thread of the set screw on the key, in the middle of the hub."""
         screw = self.key_screw
         if screw is None:
-            return super().notes()
+            return None
         height = self.thickness + self.hub_height / 2
-        thread = f"thread {screw.thread} through the hub into the keyway, square to hole A, {height:g} from the face without the hub"
-        return (*super().notes(), thread)
+        return Tap(screw.thread, height, self.bore / 2 + self.key_depth, self.hub_diameter / 2)
 
     def misfits(self) -> list[Fault]:
         """Keys that are no match for the bore, a hub that its set screw does not fit."""
@@ -315,7 +316,8 @@ def _cam(
             [plain] if clamp is None else clamp.layers(hub / 2, sizes.thickness, sizes.hub_height)
         )
     centres = (0j, *(pin.centroid for pin in pins))
-    return Part(name, title, tuple(layers), 1, (), centres, sizes.notes(), sizes.bore, min_wall)
+    made = Part(name, title, tuple(layers), 1, (), centres, sizes.notes(), sizes.bore, min_wall)
+    return replace(made, tap=sizes.tap)
 
 
 def _ring(distance: float, angles: Sequence[float], diameter: float) -> list[Contour]:

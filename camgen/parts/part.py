@@ -73,6 +73,16 @@ class SizeNote(str):
         return note
 
 
+@dataclass(frozen=True)
+class Tap:
+    """A thread through a part along +y, square to its axis, which its files do not have; mm."""
+
+    thread: str
+    height: float  # of its own axis, z
+    inner: float  # from the part's axis to where it begins, and to where it ends
+    outer: float
+
+
 class HoldingNote(str):
     """A note that says how a part is held, or which way it lies; the steps of assembly have it too."""
 
@@ -104,6 +114,7 @@ class Part:
     drum: Drum | None = None  # what its track leaves of the layers, which are its blank
     # whether it fits turned over too, moves wrongly then, and no engraving says which side is up: whoever makes it marks that
     to_mark: bool = False
+    tap: Tap | None = None
     stacked: bool = (
         False  # whether each of its layers has an outline of its own, none of which is the part's
     )

@@ -42,7 +42,7 @@ from camgen.geometry.outlines import (
     start_point,
 )
 from camgen.machines.sources import read_mechanism
-from camgen.parts.part import Layer, Part, d_bore, hull, keyed_bore
+from camgen.parts.part import Layer, Part, Tap, d_bore, hull, keyed_bore
 from camgen.parts.wheels.geneva import Geneva, InnerGeneva
 from camgen.pipeline.drawings import facts_of
 
@@ -808,6 +808,28 @@ def test_a_printed_drum_has_no_tolerance_of_its_walls(root):
     words = [each.text for each in layout.sheet.primitives if isinstance(each, Text)]
     assert "10.2" in words
     assert not [text for text in words if text.startswith(("both walls", "Ra ", "±"))]
+
+
+def test_a_thread_is_drawn_in_its_section_with_its_class_and_height():
+    """Its core hole, 4.2 of M5, is cut out of the section, so that the hatching ends there; thin lines 5 apart are its diameter
+    [ISO 6410-1: of a nut in section the crests are thick lines, to which the hatching goes, and the roots thin ones]."""
+    part = replace(keyed_cam_with_hub(), tap=Tap("M5", 9.0, 8.0, 11.0))
+    plain = _Layout(keyed_cam_with_hub(), "d", TOLERANCE, SHOP)
+    layout = _Layout(part, "d", TOLERANCE, SHOP)
+    gone = plain.drawn.upright.faces.difference(layout.drawn.upright.faces)
+    assert gone.bounds[1::2] == pytest.approx((9.0 - 2.1, 9.0 + 2.1))
+    scale = layout.scale
+    x = [
+        ends[0].real
+        for each in layout.sheet.primitives
+        if isinstance(each, Stroke) and each.layer == "DIM"
+        for ends in [[start_point(each.pieces[0]), end_point(each.pieces[0])]]
+        if abs(ends[1] - ends[0] - 3j * scale) < 1e-9
+    ]
+    assert sorted((each - layout.page.side_x) / scale for each in x) == pytest.approx([6.5, 11.5])
+    words = {each.text for each in layout.sheet.primitives if isinstance(each, Text)}
+    assert {"M5-6H", "9"} <= words
+    assert "Thread M5: on this sheet alone, no file has it" in " ".join(layout.notes)
 
 
 def test_frames_and_the_circle_of_a_whole_outline_are_drawn():

@@ -193,8 +193,30 @@ def test_a_bore_in_metal_that_turns_nothing_or_is_hard_to_cut_is_told(spec: str)
     keyed = (steel, "parts.bore_shape=keyway", "parts.bore=10")
     assert not told(*keyed)
     assert not told("parts.bore_shape=plain")
-    (slides,) = read_mechanism(STARTER.with_name(spec), keyed).remarks().warnings
-    assert "sliding along its shaft" in slides
+    # DIN 471 has a ring for 10, none for 6.5
+    held = read_mechanism(STARTER.with_name(spec), keyed)
+    (rings,) = (each for each in held.assembly.bought if each.standard == "DIN 471")
+    assert (rings.count, rings.size[:6]) == (2, "10 x 1") and not held.remarks().warnings
+    slides = read_mechanism(STARTER.with_name(spec), [*keyed[:2], "parts.bore=6.5"])
+    assert "sliding along its shaft" in " ".join(slides.remarks().warnings)
+
+
+def test_a_cam_of_metal_has_a_shaft_unless_it_sits_on_its_motor_s() -> None:
+    """Of a cam of 12 and a hub of 8: 20 in the bore, 10 and a 6004 of 12 on either side, 30 for the coupling: 94."""
+
+    def listed(*settings: str) -> dict[str, str]:
+        made = read_mechanism(STARTER, ["material.name=C45", *settings]).assembly
+        return {each.name: each.size for each in made.bought}
+
+    keyed = ("parts.bore=20", "parts.bore_shape=keyway", "geometry.base_radius=32")
+    sizes = ("parts.hub_diameter=36", "parts.hub_height=8", "parts.thickness=12")
+    found = listed(*keyed, *sizes)
+    assert found["shaft"].startswith("20 h6 x 95, C45: 20 in the bore, on either side 10 free")
+    assert found["bearing of the shaft"] == "6004, 20 x 42 x 12"
+    screwed = listed(*keyed, *sizes, "parts.set_screw=M5")
+    assert "retaining ring" in found and "retaining ring" not in screwed
+    assert "shaft" not in listed("parts.bore=5", "motor.model=17HS19-2004S1")
+    assert "shaft" not in listed("material.name=PLA")
 
 
 @pytest.mark.parametrize(

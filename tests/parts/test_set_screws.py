@@ -13,6 +13,7 @@ from camgen.machines.loads.assess import assess
 from camgen.machines.sources import read_mechanism
 from camgen.parts.assembly import order_of_assembly
 from camgen.parts.catalogue import SCREWS
+from camgen.parts.part import Tap
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.solids import solid
 from camgen.pipeline.build import build
@@ -123,13 +124,13 @@ def test_a_set_screw_on_a_key_is_listed_drawn_and_keeps_a_cam_of_metal() -> None
     (row,) = [each for each in made.assembly.bought if each.name == "set screw of the hub"]
     assert row.size.startswith("M5 x 5, flat point, on the key")
     (cam,) = made.assembly.parts
-    assert (
-        "thread M5 through the hub into the keyway, square to hole A, 16 from the face without the hub"
-        in (cam.notes)
-    )
+    # the hub is 12 high on a cam of 12, its thread from 10 + 2.8 to 36 / 2 from the axis
+    assert made.making.hub_height == 12
+    assert cam.tap == Tap("M5", 18.0, pytest.approx(12.8), 18.0)
     assert not any("sliding along" in each for each in made.remarks().warnings)
     loose = read_mechanism(SPECS / "disc-cam.toml", [*KEYED[:-1], *bare])
-    assert any("parts.set_screw" in each for each in loose.remarks().warnings)
+    assert [each.name for each in loose.assembly.bought if each.standard == "DIN 471"]
+    assert loose.making.hub_height == 8 and loose.assembly.parts[0].tap is None
     for settings, path in (
         (("parts.hub_height=7",), "parts.hub_height"),
         (("parts.hub_height=8", "parts.hub_diameter=35"), "parts.hub_diameter"),

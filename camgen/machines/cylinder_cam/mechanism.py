@@ -61,7 +61,7 @@ from camgen.machines.loads.lift_off import bounce_figures, bounce_of
 from camgen.machines.loads.tables import thin_walls
 from camgen.machines.loads.weights import gravity
 from camgen.machines.mechanism import Mechanism, Remarks
-from camgen.machines.metal import bore_notes, of_drum
+from camgen.machines.metal import bore_notes, of_drum, ring_notes, rings_of
 from camgen.machines.pairs import still_faults
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
@@ -76,10 +76,10 @@ from camgen.parts.catalogue import (
     CamFollower,
     ball_roller,
     no_ball_roller,
-    shaft_and_bearings,
 )
 from camgen.parts.disc_cams import turning_note
 from camgen.parts.part import Part, drum_part
+from camgen.parts.shafts import shaft_and_bearings
 from camgen.spec import validate
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study, Upright
 from camgen.vocabulary import OldWords
@@ -463,6 +463,7 @@ class CylinderCam(Mechanism):
             turning_note(self._sense),
             *p.notes(),
             f"{said}, its inner end {track.inner:.4g} from the axis",
+            *ring_notes(p, self.material.name),
         )
         part = replace(part, notes=notes, bore=p.bore, min_wall=self.allowed.min_wall)
         mounts = [Mount(DRUM, "cam"), *(ring_mount(each, track.length) for each in rings)]
@@ -555,7 +556,8 @@ class CylinderCam(Mechanism):
         else:
             rolls = Bought("roller", ball.standard, f"{ball.name}, {ball.size}", count)
         rolls = replace(rolls, how="on your follower, in the track")
-        return [*shaft_and_bearings(bore, self.track.length), rolls]
+        rings = rings_of(self.making, self.material.name)
+        return [*shaft_and_bearings(bore, self.track.length), *rings, rolls]
 
     # ---- checks and figures -----------------------------------------------------------------------------------------
 

@@ -72,7 +72,7 @@ from camgen.machines.free_play import between
 from camgen.machines.loads.lift_off import bounce_figures, bounce_of
 from camgen.machines.loads.tables import CamLimitsTable, thin_walls
 from camgen.machines.loads.weights import gravity
-from camgen.machines.metal import filled
+from camgen.machines.metal import filled, shaft_of_cams
 from camgen.machines.pairs import air_faults, still_faults
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
@@ -382,10 +382,13 @@ class DiscCamDrive(CamTables):
         screw = [] if hub is None else hub.bought(self.making.hub_diameter / 2, name)
         on_key = self.making.key_screw
         screw += [] if on_key is None else [on_key.bought(name)]
+        heights = {part.name: part.thickness for part in parts}
+        length = max(mount.z + heights[mount.part] for mount in made.mounts if mount.body == "cam")
+        shaft = shaft_of_cams(self.making, self.material.name, length, self.motor.model)
         return replace(
             made,
             springs=spring,
-            bought=[*screw, *to_wind(self._spring_wish), *alone.dowels(), *alone.screws()],
+            bought=[*shaft, *screw, *to_wind(self._spring_wish), *alone.dowels(), *alone.screws()],
             motor=MotorSeat(hub=hub),
             dowel=self.making.pin_diameter if groove else 0.0,
             thread=alone.screw.thread if groove and alone.screw else "",

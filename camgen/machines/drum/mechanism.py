@@ -41,12 +41,14 @@ from camgen.machines.drum.tables import (
 from camgen.machines.included import placed
 from camgen.machines.loads.tables import thin_walls
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.metal import rings_of
 from camgen.numerics import Floats
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly
-from camgen.parts.catalogue import Bought, shaft_and_bearings
+from camgen.parts.catalogue import Bought
 from camgen.parts.disc_cams import turning_note
 from camgen.parts.part import Layer, Part
+from camgen.parts.shafts import shaft_and_bearings
 from camgen.spec import validate
 from camgen.study import Figure, Figures, Later, Study, Table, together
 from camgen.vocabulary import OldWords
@@ -353,7 +355,8 @@ class CamDrum(Mechanism):
 
     def _bought(self) -> list[Bought]:
         """What turns; followers and comb are the person's own."""
-        return shaft_and_bearings(self.making.bore, self.length)
+        rings = rings_of(self.making, self.material.name)
+        return [*shaft_and_bearings(self.making.bore, self.length), *rings]
 
     # ---- checks and figures -----------------------------------------------------------------------------------------
 
