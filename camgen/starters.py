@@ -71,6 +71,7 @@ _SHAFTS = (
     "parts.thickness=6",
     "parts.shaft_diameter=10",
     "parts.shaft_made=steel",
+    "parts.shaft_key=true",
     "print.slide_clearance=0.1",
 )
 METAL = {

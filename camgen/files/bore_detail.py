@@ -11,13 +11,13 @@ import numpy as np
 
 from camgen.files.dimensions import flat_of, hole_of, number
 from camgen.files.labels import Obstacles
-from camgen.files.limits import in_limits
+from camgen.files.limits import deviations, in_limits
 from camgen.files.measures import Measure, dimension
 from camgen.files.sheet import Sheet, Text
 from camgen.files.symbols import FRAME, datum, roughness, symmetry, width_of
 from camgen.files.title_block import Facts
 from camgen.geometry.outlines import Contour, extent
-from camgen.parts.keyways import keyed, keyway
+from camgen.parts.keyways import keyed, keyway, shaft_keyway
 from camgen.tolerances import SAME_POINT
 
 HEIGHT = 99.0  # of a detail with its sizes
@@ -30,7 +30,8 @@ _OFF = 10.0  # of a size
 _OFF_KEY = 8.0
 _PAST_DATUM = 10.0  # more where the datum of a flat is between
 _BESIDE = 0.6  # of half a flat's width, from the axis to its datum
-_OVER_FLAT = 0.1  # mm, as of keyways up to a bore of 22 [DIN 6885]
+_TURN = math.radians(1.0)  # that a flat may leave: camgen's own rule
+_STEP = 0.005  # mm, of the limits over a flat
 
 
 @dataclass(frozen=True)
@@ -51,18 +52,27 @@ class BoreDetail:
     @property
     def _radius(self) -> float:
         key = keyed(self.contour)
-        return key[0] if key else hole_of(self.contour).radius
+        return key.radius if key else hole_of(self.contour).radius
 
     @property
     def _top(self) -> float:
-        """Of the bore over its axis, mm of the part."""
-        return extent([self.contour])[1].imag
+        """Of the bore, or of the floor of a keyway, over its axis, mm of the part."""
+        key = keyed(self.contour)
+        return key.radius + key.depth if key else extent([self.contour])[1].imag
+
+    @property
+    def _of_shaft(self) -> bool:
+        """Whether it is no bore but a shaft, whose diameter is in its views."""
+        key = keyed(self.contour)
+        return key is not None and key.depth < 0
 
     def draw(self, sheet: Sheet, scales: Sequence[float]) -> None:
-        """Draw it, a flat that stands askew upwards; scales: from the largest down."""
+        """Draw it, a flat that stands askew upwards, a keyway always; scales: from the largest down."""
         flat = flat_of(self.contour)
-        if flat and min(abs(flat[0].real), abs(flat[0].imag)) > SAME_POINT:
-            upright = self.contour.moved(1j / flat[0])
+        key = keyed(self.contour)
+        way = key.way if key else flat[0] if flat else 1j
+        if min(abs(way.real), abs(way.imag)) > SAME_POINT or (key and abs(way - 1j) > SAME_POINT):
+            upright = self.contour.moved(1j / way)
             replace(self, contour=upright, turned=True).draw(sheet, scales)
             return
         low, high = self.room
@@ -78,8 +88,10 @@ class BoreDetail:
             end = at + scale * (top if way == 1j else radius) * way + over
             sheet.line(start, end, layer="CENTER")
         larger = f" ({number(scale)}:1)" if scale > self.scale else ""  # else as the views
-        title = f"Bore {self.letters[0]}".rstrip() + ", turned" * self.turned + larger
-        level = min(high.imag - 6, middle + scale * top + _TITLE)
+        title = "Keyway" if self._of_shaft else f"Bore {self.letters[0]}".rstrip()
+        title += ", turned" * self.turned + larger
+        over = max(top, radius if self._of_shaft else 0.0)
+        level = min(high.imag - 6, middle + scale * over + _TITLE)
         sheet.text(complex(low.real + 1.5, level), title, 3.5)
         if keyed(self.contour) and self.facts.key_fit and keyway(2 * radius):
             sheet.text(complex(low.real + 1.5, level - 4.2), "keyway's corners as DIN 6885", 2.5)
@@ -101,8 +113,9 @@ class BoreDetail:
         bore = -1j * (scale * radius + _OFF + _PAST_DATUM * below)
         beside = complex(scale * radius + _OFF)
         over = at + 1j * scale * top
-        size(-radius + 0j, radius + 0j, bore, "Ø", _limits(facts.bore_fit, 2 * radius))
-        if facts.bore_roughness:
+        if not self._of_shaft:
+            size(-radius + 0j, radius + 0j, bore, "Ø", _limits(facts.bore_fit, 2 * radius))
+        if facts.bore_roughness and not self._of_shaft:
             self._surface(sheet, at + cmath.rect(scale * radius, _LEANING))
         if facts.profile:
             datum(sheet, at + bore, -1j, self.letters[0])
@@ -110,15 +123,17 @@ class BoreDetail:
             way, depth = flat
             ends = -radius * way, (depth - radius) * way
             upright = abs(way.imag) > 0.5
-            size(*ends, beside if upright else 1j * beside.real, "", over_flat(facts))
+            limits = over_flat(facts, radius, depth)
+            size(*ends, beside if upright else 1j * beside.real, "", limits)
             beside_axis = _BESIDE * math.sqrt(radius**2 - (depth - radius) ** 2)
             over = at + scale * (
                 ends[1] + beside_axis * abs(way.imag) + 1j * beside_axis * abs(way.real)
             )
         if key:
-            half = key[1] / 2
-            width = _limits(facts.key_fit, key[1])
-            size(complex(-half, top), complex(half, top), 1j * _OFF_KEY, "", width)
+            half = key.width / 2
+            width = _limits(facts.key_fit, key.width)
+            up = 1j * (_OFF_KEY + scale * max(0.0, -key.depth))
+            size(complex(-half, top), complex(half, top), up, "", width)
             size(complex(0, -radius), complex(0, top), beside, "", self._depth)
             over += 1j * _OFF_KEY
         if facts.profile and (key or flat):
@@ -128,8 +143,10 @@ class BoreDetail:
 
     @property
     def _depth(self) -> str:
-        """Limits of bore and keyway together, of a keyway of its usual depth."""
+        """Limits of bore and keyway together, of a keyway of its usual depth; of a shaft's what is left."""
         radius = self._radius
+        if self._of_shaft:
+            return f"0/-{shaft_keyway(2 * radius)[1]:g}" if self.facts.key_fit else ""
         deeper = keyway(2 * radius)
         usual = deeper is not None and abs(deeper[1] - (self._top - radius)) < SAME_POINT
         return f"+{deeper[2]:g}/0" if self.facts.key_fit and deeper and deeper[2] and usual else ""
@@ -174,11 +191,38 @@ class BoreDetail:
         roughness(sheet, foot, text)
 
 
-def over_flat(facts: Facts, shaft: bool = False) -> str:
-    """Deviations of the distance over a bore's flat, mm, or over a shaft's: in metal those of a keyway's depth; "" where none is
-    asked for."""
-    sizes = f"0/-{_OVER_FLAT:g}" if shaft else f"+{_OVER_FLAT:g}/0"
-    return sizes if facts.key_fit else ""
+def over_flat(facts: Facts, radius: float, over: float, shaft: bool = False) -> str:
+    """Deviations of the distance over a bore's flat, or over a shaft's, of that radius and distance, mm; "" where none is asked for."""
+    if not facts.key_fit:
+        return ""
+    allowed = flat_allowance(radius, over)
+    return f"0/-{allowed:g}" if shaft else f"+{allowed:g}/0"
+
+
+def flat_allowance(radius: float, over: float) -> float:
+    """By what bore and shaft may each differ over a flat, mm: both together let the shaft turn by at most a degree either way, about
+    an edge of the flat, where a step of a hundredth does."""
+    steps = math.floor(_half_flat(radius, over) * math.sin(_TURN) / 2 / _STEP + 1e-9)
+    return max(2, steps) * _STEP
+
+
+def turn_of_flat(radius: float, over: float) -> float:
+    """By how much a shaft turns either way in a bore with a flat at these limits, rad; lengths mm."""
+    return math.asin(min(1.0, 2 * flat_allowance(radius, over) / _half_flat(radius, over)))
+
+
+def turn_of_key(diameter: float, width: float, fit: str) -> float:
+    """By how much a hub turns either way on a shaft by a key h9 in keyways of one fit, rad; nan beyond the table of fits; lengths mm."""
+    keyway_limits = deviations(width, fit)
+    key_limits = deviations(width, "h9")
+    if keyway_limits is None or key_limits is None:
+        return math.nan
+    return max(0.0, keyway_limits[1] - key_limits[0]) / (diameter / 2)  # half the play of each
+
+
+def _half_flat(radius: float, over: float) -> float:
+    """Half the width of a flat, mm."""
+    return math.sqrt(radius**2 - (over - radius) ** 2)
 
 
 def _limits(fit: str, size: float) -> str:

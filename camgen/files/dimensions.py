@@ -88,7 +88,7 @@ def flatted(contour: Contour) -> tuple[complex, float, list[Line]] | None:
     """Centre and radius, mm, of a round outline with flats, and the flats; None of any other."""
     arcs = [piece for piece in contour.pieces if isinstance(piece, Arc)]
     flats = [piece for piece in contour.pieces if isinstance(piece, Line)]
-    if not (arcs and flats) or len(arcs) + len(flats) < len(contour.pieces):
+    if not (arcs and flats) or len(arcs) + len(flats) < len(contour.pieces) or keyed(contour):
         return None
     centre = arcs[0].centre
     radius = arcs[0].radius
@@ -163,7 +163,7 @@ def zero_of(part: Part, holes: Sequence[tuple[str, Hole]]) -> tuple[complex, str
     centred = [label for label, hole in holes if hole.radius and abs(hole.place) < SAME_POINT]
     if centred:
         return 0j, f"the centre of hole {centred[0]}"
-    circle = as_circle(part.region.outer) or flatted(part.region.outer)
+    circle = round_of(part.region.outer)
     if circle and abs(circle[0]) < SAME_POINT:
         return 0j, "the centre of the rim"
     for label, hole in holes:
@@ -208,8 +208,9 @@ def hole_of(contour: Contour) -> Hole:
         shape = f"slot {number(abs(b - a) + 2 * radius)} × {number(2 * radius)}{at}"
         return Hole((a + b) / 2, shape, (a + b) / 2, 0.0, (upper - lower) / 2)
     if key := keyed(contour):
-        size = f"Ø{number(2 * key[0])}, keyway {number(key[1])}, {number(upper.imag - lower.imag)} overall"
-        return Hole(0j, size, 0j, key[0])
+        over = number(2 * key.radius + key.depth)
+        size = f"Ø{number(2 * key.radius)}, keyway {number(key.width)}, {over} overall"
+        return Hole(key.centre, size, key.centre, key.radius)
     box = f"{number(upper.real - lower.real)} × {number(upper.imag - lower.imag)}"
     if flat := flat_of(contour):
         hole = round_of(contour)
@@ -428,6 +429,14 @@ def edge_rows(
             deep = f"flat, {number(radius - abs(foot - centre))} deep, at {math.degrees(cmath.phase(way)):z.4g}°"
             rows.append((number(foot.real), number(foot.imag), deep))
         return rows
+    if key := keyed(contour):
+        floor = key.centre + (key.radius + key.depth) * key.way
+        at = f"{math.degrees(cmath.phase(key.way)):z.4g}°"
+        deep = f"keyway {number(key.width)} wide, {number(abs(key.depth))} deep, at {at}"
+        return [
+            (number(key.centre.real), number(key.centre.imag), f"Ø{number(2 * key.radius)}, round"),
+            (number(floor.real), number(floor.imag), deep),
+        ]
     if free(contour):
         return [("", "", f"a curve by {source}")]
     pieces = [

@@ -246,15 +246,15 @@ class _Layout:
         self.free = top - len(lines) * ROW
 
     def _bore_detail(self) -> None:
-        """A bore with a keyway or a flat by itself, under the tables."""
-        if self.drawn.bored is None or not self.drawn.detailed:
+        """A bore with a keyway or a flat by itself, or a shaft with a keyway, under the tables."""
+        if self.drawn.detail is None:
             return
         letters = self.drawn.datum_letter, self.drawn.angle_letter
         low = complex(self.table_x, MARGIN + BLOCK)
         high = complex(self.sheet.width - MARGIN, self.free)
         foot = complex(FILING, MARGIN)
         detail = BoreDetail(
-            self.drawn.bored, self.drawn.facts, letters, self.scale, (low, high), foot
+            self.drawn.detail, self.drawn.facts, letters, self.scale, (low, high), foot
         )
         detail.draw(self.sheet, SCALES)
 

@@ -82,15 +82,16 @@ class DrawnPart:
             if part.side_profile is None
             else views.from_above(part, part.side_profile, tolerance)
         )
-        self.key = next(filter(None, map(keyed, part.region.holes)), None)
+        self.key = next(iter(filter(_about_axis, part.region.holes)), None)
         contours = (part.region.outer, *part.region.holes)
         self.slotted = list(filter(None, map(slotted_wheel, contours)))[:1]
         self.lock = None if facts.profile_step_deg or facts.levels else lock_of(part.region.outer)
         self.bored = self._bored()
         flat = self.bored is not None and flat_of(self.bored) is not None
-        self.detailed = bool(
-            self.bored and (self.key or flat)
-        )  # a round bore has its size in a view
+        outer = part.region.outer
+        # what is drawn by itself: a bore with a keyway or a flat, for a round one has its size in a view; a shaft with a keyway
+        self.detail = self.bored if self.key or flat else outer if keyed(outer) else None
+        self.detailed = self.detail is not None
         self.drum = part.drum if facts.heights else None
         self.outer_fit = facts.outer_fit or (_OUTSIDE if self.drum and facts.profile else "")
         self.turns = (free(part.region.outer) or self.drum is not None) and part.bore is not None
@@ -103,7 +104,7 @@ class DrawnPart:
         several = len(part.region.holes) - len(self.tracks) > 1
         self.plate = several and not layered and part.side_profile is None
         upright = _across_bore(part, tolerance) if across else None
-        section = None if upright else views.section(part, tolerance)
+        section = None if upright or keyed(outer) else views.section(part, tolerance)
         self.upright = self._tapped(self._chamfered(upright))
         if self.upright and part.drum:
             self.upright = axial_section(part.drum, self.upright)
@@ -199,7 +200,7 @@ class DrawnPart:
         datum = (self.facts.profile or flat) and self.part.bore and tracked
         circles = [(hole, round_of(hole)) for hole in holes] if datum else []
         round_ones = [hole for hole, disc in circles if disc and abs(disc[0]) < SAME_POINT]
-        return next(iter([hole for hole in holes if keyed(hole)] + round_ones), None)
+        return next(iter([*filter(_about_axis, holes), *round_ones]), None)
 
     def _disc(self) -> float | None:
         """Radius of the circle that bounds the view along z, mm; None where that is no circle."""
@@ -246,8 +247,10 @@ class DrawnPart:
     def _shape(self, hole: Hole) -> str:
         """What a hole is, with its fit; of a bore on whose shaft nothing else is known that of the spec."""
         fit = self.facts.bore_fit
-        off = over_flat(self.facts)
         shape = self.facts.shape(hole)
+        flats = filter(None, map(flat_of, self.part.region.holes))
+        over = next((far for _, far in flats if number(far) in shape), 0.0)
+        off = over_flat(self.facts, hole.radius, over) if over else ""
         bore = hole.radius and self.part.bore and abs(hole.place) < SAME_POINT
         if fit and bore and shape == hole.shape:
             size, _, more = shape.partition(",")
@@ -304,9 +307,20 @@ class DrawnPart:
         return next(letter for letter in ascii_uppercase if letter not in taken)
 
 
+def _about_axis(contour: Contour) -> bool:
+    """Whether a contour is a bore about the origin with a keyway."""
+    key = keyed(contour)
+    return key is not None and abs(key.centre) < SAME_POINT
+
+
 def _two_lines(row: tuple[str, str, str, str]) -> list[tuple[str, str, str, str]]:
-    """A row of the table of holes, on a second line what would make its last column's text small."""
-    size, comma, more = row[3].rpartition(", ")
+    """A row of the table of holes, on a second line what would make its last column's text small: a keyway, or what is behind the
+    last comma."""
+    size, comma, more = row[3].partition(", keyway ")
+    if comma:
+        more = f"keyway {more}"
+    else:
+        size, comma, more = row[3].rpartition(", ")
     if not comma or Text(0j, row[3], _SMALLEST).room <= TABLE_WIDTHS[3] - 2:
         return [row]
     return [(*row[:3], size), ("", "", "", more)]

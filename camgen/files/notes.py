@@ -6,12 +6,14 @@ import cmath
 import math
 import re
 
-from camgen.files.dimensions import STACK, free, number
+from camgen.files.bore_detail import turn_of_flat, turn_of_key
+from camgen.files.dimensions import STACK, flat_of, free, number, round_of
 from camgen.files.drawn_part import DrawnPart
 from camgen.files.page import FILING, MARGIN, SIZES
 from camgen.files.sheet import Text
 from camgen.files.title_block import WIDTH
 from camgen.geometry.arcs import as_circle
+from camgen.parts.keyways import keyed
 from camgen.parts.part import SizeNote
 from camgen.tolerances import SAME_POINT
 
@@ -88,6 +90,7 @@ def _shop_notes(drawn: DrawnPart) -> list[str]:
     if drawn.chamfer:
         lines.append(f"Bore chamfered {number(drawn.chamfer)} × 45° at both ends")
     lines += _corner_notes(drawn)
+    lines += _turn_notes(drawn)
     if drawn.plate:
         lines.append("All holes go through")
     fine = _listed(_ground(drawn))
@@ -141,6 +144,25 @@ def _corner_notes(drawn: DrawnPart) -> list[str]:
         lines.append(f"Both ends chamfered {number(facts.rod_chamfer)} × 45°")
         lines += [f"Round Ra {facts.bore_roughness:g}"] if facts.bore_roughness else []
     return lines
+
+
+def _turn_notes(drawn: DrawnPart) -> list[str]:
+    """By how much what holds a part on its shaft lets it turn, at the limits of the sheets of both."""
+    facts = drawn.facts
+    if not facts.key_fit:
+        return []
+    for hole in drawn.part.region.holes:
+        key = keyed(hole)
+        flat = flat_of(hole)
+        around = round_of(hole)
+        if key and facts.own_key:
+            turn = math.degrees(turn_of_key(2 * key.radius, key.width, facts.key_fit))
+            return [f"Keyway of shaft and bore {facts.key_fit}, key h9: turns at most ±{turn:.1g}°"]
+        if flat and around:
+            turn = math.degrees(turn_of_flat(around[1], flat[1]))
+            return [f"On the flat of its shaft it turns at most ±{turn:.1g}°"]
+    key = keyed(drawn.part.region.outer)
+    return [f"Keyway symmetric to the axis within {facts.own_key:g}"] if key else []
 
 
 def _rim(drawn: DrawnPart) -> str:

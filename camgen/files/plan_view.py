@@ -10,7 +10,7 @@ import numpy as np
 
 from camgen.files import views
 from camgen.files.bore_detail import over_flat
-from camgen.files.dimensions import Hole, flatted, free, nearest_and_farthest, number
+from camgen.files.dimensions import Hole, flat_of, flatted, free, nearest_and_farthest, number
 from camgen.files.drawn_part import DrawnPart
 from camgen.files.geneva_view import PAST_SLOT
 from camgen.files.labels import Label, Obstacles, along, callouts, leader, upper_mark
@@ -73,7 +73,8 @@ class PlanView:
             for size in (span.real, span.imag)
         )
         wide, tall = signs
-        flat = over_flat(self.drawn.facts, shaft=True) if shaft else ""
+        one = flat_of(self.drawn.part.region.outer) if shaft else None
+        flat = over_flat(self.drawn.facts, shaft[1], one[1], shaft=True) if shaft and one else ""
         outer_fit = self.drawn.outer_fit
         round_fit = in_limits(outer_fit, span.real) if outer_fit else ""
         fit = round_fit if wide == "Ø" else flat

@@ -75,6 +75,7 @@ class Facts:
     outer_fit: str = ""  # of a round outline
     shank: tuple[float, str] = (0.0, "")  # of a headed pin its diameter, mm, and fit
     key_fit: str = ""  # of a keyway's width
+    own_key: float = 0.0  # symmetry of the keyways of shafts that are made too, mm; 0: none is
     # of each track its name, and by cam angle, deg, where its follower touches it: complex mm, in the sense in which it turns
     tracks: Sequence[tuple[str, Sequence[tuple[float, complex]]]] = ()
     riders: Sequence[Rider] = ()  # of these tracks, where the cam has not turned

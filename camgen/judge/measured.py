@@ -36,6 +36,7 @@ Sections = Sequence[Sequence[Shape]]  # of a part: shapes at each height
 _PARALLEL = 0.01  # rad, leaning more is another face
 _SAME_FACE = 0.02  # of the width: faces at two heights that are further apart are two faces
 _FLAT = 0.35  # of the diameter: a longer straight piece of a hole is a flat
+_KEYWAY = 0.08  # of the diameter: points of a bore or a shaft that are further off are a keyway's
 _STRAIGHT = (
     0.002  # of the diameter: no piece of a circle as straight as this is longer than 0.09 of it
 )
@@ -90,10 +91,9 @@ def measure(eye: Eye, sections: Sections) -> MeasuredEye | None:
                 for ring in rings
                 if abs(ring.centroid - eye.at) <= _SAME_HOLE * eye.diameter
             ]
-            circles = hole_circles(Shape(shape.outer, tuple(near)))
-            pairs = zip(circles, near, strict=True)
+            found = [_round_part(ring, eye) for ring in near]
             known[id(shape)] = [
-                (c, _free(c, ring)) for c, ring in pairs if abs(c.diameter - eye.diameter) <= least
+                each for each in found if abs(each[0].diameter - eye.diameter) <= least
             ]
         circles_of_eye += known[id(shape)]
     if not circles_of_eye:
@@ -103,6 +103,16 @@ def measure(eye: Eye, sections: Sections) -> MeasuredEye | None:
     spread = magnitude(centres - centres[0])
     size = max(each for each in sizes if each <= min(sizes) + _SHANK) if eye.shaft else min(sizes)
     return MeasuredEye(complex(centres.mean()), size, spread)
+
+
+def _round_part(ring: Ring, eye: Eye) -> tuple[Circle, float]:
+    """The circle of a ring near an eye, and its free diameter, mm: a keyway, whose corners lie far off it, is left out."""
+    off = np.abs(np.abs(ring.samples() - eye.at) - eye.diameter / 2) / eye.diameter
+    if np.max(off) > _KEYWAY and np.count_nonzero(off < _SAME_FACE) > 4:
+        circle = bore_circle(ring.moved(shift=-eye.at), eye.diameter)
+        return replace(circle, centre=circle.centre + eye.at), circle.clear_diameter
+    (circle,) = hole_circles(Shape(ring, (ring,)))
+    return circle, _free(circle, ring)
 
 
 def _with_whole_flats(ring: Ring, diameter: float) -> Ring:

@@ -1,6 +1,6 @@
 """Keyways of hubs and the parallel keys in them, after DIN 6885 sheet 1.
 
-Up to a bore of 44: berger-tools.co.uk, Standard_Parts_Catalogue, page 2078 (widths, t2 and its tolerance) and
+Up to a bore of 44: berger-tools.co.uk, Standard_Parts_Catalogue, page 2078 (widths, t2 and its tolerance, t1) and
 engineeringhardware.com, DIN 6885 Parallel Keys (heights of keys, their lengths up to a bore of 58); beyond: Siemens, Flender gear
 units, MD 31.1, 2016, page 7/3, which has no tolerance of t2; lengths there: blog.csdn.net/weixin_39519072/article/details/111860237,
 table of plain parallel keys, whose other rows are the same.
@@ -8,37 +8,37 @@ table of plain parallel keys, whose other rows are the same.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from camgen.geometry.outlines import Arc, Contour, Line, end_point, start_point
 from camgen.parts.catalogue import Bought
 from camgen.parts.part import Part
-from camgen.tolerances import SAME_POINT
 
-# Width and height of the key, depth t2 of the hub's keyway, what t2 may be deeper, 0 where the source has none, and the shortest and
-# the longest key; by the bores up to which they are, mm.
+# Width and height of the key, depth t2 of the hub's keyway, what t2 may be deeper, 0 where the source has none, depth t1 of the
+# shaft's, and the shortest and the longest key; by the bores up to which they are, mm.
 _KEYWAYS = (
-    (8.0, 2.0, 2.0, 1.0, 0.1, 6.0, 20.0),
-    (10.0, 3.0, 3.0, 1.4, 0.1, 6.0, 36.0),
-    (12.0, 4.0, 4.0, 1.8, 0.1, 8.0, 45.0),
-    (17.0, 5.0, 5.0, 2.3, 0.1, 10.0, 56.0),
-    (22.0, 6.0, 6.0, 2.8, 0.1, 14.0, 70.0),
-    (30.0, 8.0, 7.0, 3.3, 0.2, 18.0, 90.0),
-    (38.0, 10.0, 8.0, 3.3, 0.2, 22.0, 110.0),
-    (44.0, 12.0, 8.0, 3.3, 0.2, 28.0, 140.0),
-    (50.0, 14.0, 9.0, 3.8, 0.0, 36.0, 160.0),
-    (58.0, 16.0, 10.0, 4.3, 0.0, 45.0, 180.0),
-    (65.0, 18.0, 11.0, 4.4, 0.0, 50.0, 200.0),
-    (75.0, 20.0, 12.0, 4.9, 0.0, 56.0, 220.0),
-    (85.0, 22.0, 14.0, 5.4, 0.0, 63.0, 250.0),
-    (95.0, 25.0, 14.0, 5.4, 0.0, 70.0, 280.0),
-    (110.0, 28.0, 16.0, 6.4, 0.0, 80.0, 320.0),
-    (130.0, 32.0, 18.0, 7.4, 0.0, 90.0, 360.0),
-    (150.0, 36.0, 20.0, 8.4, 0.0, 100.0, 400.0),
-    (170.0, 40.0, 22.0, 9.4, 0.0, 100.0, 400.0),
-    (200.0, 45.0, 25.0, 10.4, 0.0, 110.0, 450.0),
-    (230.0, 50.0, 28.0, 11.4, 0.0, 125.0, 500.0),
+    (8.0, 2.0, 2.0, 1.0, 0.1, 1.2, 6.0, 20.0),
+    (10.0, 3.0, 3.0, 1.4, 0.1, 1.8, 6.0, 36.0),
+    (12.0, 4.0, 4.0, 1.8, 0.1, 2.5, 8.0, 45.0),
+    (17.0, 5.0, 5.0, 2.3, 0.1, 3.0, 10.0, 56.0),
+    (22.0, 6.0, 6.0, 2.8, 0.1, 3.5, 14.0, 70.0),
+    (30.0, 8.0, 7.0, 3.3, 0.2, 4.0, 18.0, 90.0),
+    (38.0, 10.0, 8.0, 3.3, 0.2, 5.0, 22.0, 110.0),
+    (44.0, 12.0, 8.0, 3.3, 0.2, 5.0, 28.0, 140.0),
+    (50.0, 14.0, 9.0, 3.8, 0.0, 5.5, 36.0, 160.0),
+    (58.0, 16.0, 10.0, 4.3, 0.0, 6.0, 45.0, 180.0),
+    (65.0, 18.0, 11.0, 4.4, 0.0, 7.0, 50.0, 200.0),
+    (75.0, 20.0, 12.0, 4.9, 0.0, 7.5, 56.0, 220.0),
+    (85.0, 22.0, 14.0, 5.4, 0.0, 9.0, 63.0, 250.0),
+    (95.0, 25.0, 14.0, 5.4, 0.0, 9.0, 70.0, 280.0),
+    (110.0, 28.0, 16.0, 6.4, 0.0, 10.0, 80.0, 320.0),
+    (130.0, 32.0, 18.0, 7.4, 0.0, 11.0, 90.0, 360.0),
+    (150.0, 36.0, 20.0, 8.4, 0.0, 12.0, 100.0, 400.0),
+    (170.0, 40.0, 22.0, 9.4, 0.0, 13.0, 100.0, 400.0),
+    (200.0, 45.0, 25.0, 10.4, 0.0, 15.0, 110.0, 450.0),
+    (230.0, 50.0, 28.0, 11.4, 0.0, 17.0, 125.0, 500.0),
 )
 # Lengths of keys, mm, up to 28, 63, 140 and beyond.
 _LENGTHS = (
@@ -48,6 +48,7 @@ _LENGTHS = (
     *(160, 180, 200, 220, 250, 280, 320, 360, 400, 450, 500),
 )
 _LEAST_KEYED = 6.0  # mm
+_DEEPER_FROM = 22.0  # mm, a thicker shaft's keyway may be 0.2 deeper in place of 0.1
 RANGE = f"a bore of {_LEAST_KEYED:g} to {_KEYWAYS[-1][0]:g} mm, for which camgen has the keyway of DIN 6885"
 
 
@@ -57,14 +58,40 @@ def keyway(bore: float) -> tuple[float, float, float] | None:
     return None if row is None else (row[1], row[3], row[4])
 
 
-def keyed(contour: Contour) -> tuple[float, float] | None:
-    """Radius of a bore about the origin with a keyway at its top, and the keyway's width, mm; None of any other hole."""
+def shaft_keyway(diameter: float) -> tuple[float, float]:
+    """Depth t1 of the keyway in a shaft of a diameter in RANGE, and by what it may be deeper, mm."""
+    row = _row(diameter)
+    assert row is not None
+    return row[5], 0.1 if diameter <= _DEEPER_FROM else 0.2
+
+
+@dataclass(frozen=True)
+class Keyed:
+    """A round contour with a keyway: of a bore outwards, of a shaft inwards; mm."""
+
+    centre: complex
+    radius: float
+    width: float
+    depth: float  # from the circle's top to the keyway's floor, < 0 of a shaft's
+    way: complex  # from the centre to the keyway, a unit
+
+
+def keyed(contour: Contour) -> Keyed | None:
+    """A circle with a keyway; None of any other contour."""
     arcs = [piece for piece in contour.pieces if isinstance(piece, Arc)]
     walls = [piece for piece in contour.pieces if isinstance(piece, Line)]
-    if len(arcs) != 1 or len(walls) != 3 or abs(arcs[0].centre) > SAME_POINT:
+    if len(arcs) != 1 or len(walls) != 3 or len(contour.pieces) != 4:
         return None
-    ends = [end for wall in walls for end in (start_point(wall), end_point(wall))]
-    return arcs[0].radius, max(end.real for end in ends) - min(end.real for end in ends)
+    (arc,) = arcs
+    if abs(arc.sweep) <= math.pi:
+        return None
+    # the floor is between two walls, which end on the arc
+    after = contour.pieces[(contour.pieces.index(arc) + 2) % 4]
+    ends = [end - arc.centre for end in (start_point(after), end_point(after))]
+    middle = sum(ends) / 2
+    way = middle / abs(middle)
+    width = abs(ends[0] - ends[1])
+    return Keyed(arc.centre, arc.radius, width, abs(middle) - arc.radius, way)
 
 
 def parallel_keys(parts: Sequence[Part], through: bool) -> Iterator[Bought]:
@@ -76,9 +103,8 @@ def parallel_keys(parts: Sequence[Part], through: bool) -> Iterator[Bought]:
         for hole in part.region.holes:
             found = keyed(hole)
             if found is not None:
-                radius, width = found
-                top = max(start_point(piece).imag for piece in hole.pieces)
-                key = parallel_key(2 * radius, width, top - radius, whole or part.thickness, 0)
+                long = whole or part.thickness
+                key = parallel_key(2 * found.radius, found.width, found.depth, long, 0)
                 holders.setdefault(key, []).append(part)
     for key, held in holders.items():
         at = tuple((part.name, 1) for part in held)

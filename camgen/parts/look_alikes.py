@@ -18,7 +18,7 @@ from camgen.geometry.outlines import extent
 from camgen.parts.fixing import Fixing
 from camgen.parts.part import Part
 from camgen.parts.reaming import begun, tight_holes
-from camgen.parts.standing import StandingCopy, discs, has_flat
+from camgen.parts.standing import StandingCopy, discs, seat_of
 from camgen.parts.step_words import listed
 from camgen.parts.turning_over import middle
 from camgen.study import Table
@@ -76,7 +76,7 @@ class _Link:
     def flats(self) -> list[tuple[str, str, int, float]]:
         """Lettered holes with a flat, each with another hole, how far its flat is turned from that, deg, and its radius, mm."""
         found = []
-        for hole in filter(has_flat, self.part.region.holes):
+        for hole in filter(seat_of, self.part.region.holes):
             for at, radius in discs(hole):
                 own = [name for name, z in self.named if abs(z - at) < SAME_POINT]
                 others = [each for each in self.named if abs(each[1] - at) > SAME_POINT]

@@ -12,7 +12,7 @@ from camgen.parts.blocks import block_height, lowest_plate
 from camgen.parts.fixing import Fixing
 from camgen.parts.layings import Laying
 from camgen.parts.mates import mates_between
-from camgen.parts.standing import Round, StandingCopy, has_flat
+from camgen.parts.standing import Round, StandingCopy, seat_of
 from camgen.parts.step_places import RESTS, gap_under, height_by
 from camgen.parts.step_words import (
     WHAT,
@@ -261,18 +261,21 @@ def _prop(copy: StandingCopy, there: Sequence[StandingCopy], blocks: float) -> s
 def _end_down(shaft: StandingCopy) -> str:
     """Which end of a shaft is down, as ", its flat end down"; "" where both ends are alike."""
     layers = sorted(shaft.part.layers, key=lambda each: each.z0)
+    seats = {seat_of(each.region.outer) for each in layers}
+    what = "keyway" if "key" in seats else "flat"
     low, high = (
         sum(
             each.z1 - each.z0
-            for each in takewhile(lambda each: has_flat(each.region.outer), ordered)
+            for each in takewhile(lambda each: seat_of(each.region.outer), ordered)
         )
         for ordered in ((layers[::-1], layers) if shaft.mount.flipped else (layers, layers[::-1]))
     )
     if abs(low - high) < RESTS / 2:
         return ""
     if not (low and high):
-        return f", its flat end {'down' if low else 'up'}"
-    return f", its {'longer' if low > high else 'shorter'} flat, of {low:.3g} mm, down"
+        end = "flat end" if what == "flat" else "end with the keyway"
+        return f", its {end} {'down' if low else 'up'}"
+    return f", its {'longer' if low > high else 'shorter'} {what}, of {low:.3g} mm, down"
 
 
 def _stands_over(shaft: StandingCopy, there: Sequence[StandingCopy]) -> str:

@@ -203,7 +203,7 @@ def d_bore(diameter: float, flat_depth: float) -> Contour:
 
 
 def keyed_bore(diameter: float, key_width: float, key_depth: float) -> Contour:
-    """Bore with a keyway at its top: key_depth is the keyway's floor above the circle's top, mm (the hub's t2)."""
+    """Bore with a keyway at its top: key_depth is the keyway's floor above the circle's top, mm (the hub's t2); of a shaft < 0."""
     radius = diameter / 2
     half = key_width / 2
     lean = math.acos(half / radius)

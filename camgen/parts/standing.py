@@ -7,13 +7,17 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
 from camgen.geometry.outlines import Arc, Contour
 from camgen.machine.features import Mount, PartPose, heights
+from camgen.parts.keyways import keyed
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
+
+Seat = Literal["", "flat", "key"]
 
 _ONE_AXIS = 1e-3  # mm, far below any play
 _LOOSE = 1.0  # mm, by which a hole may be wider than what it goes on
@@ -30,7 +34,7 @@ class Round:
     high: float
     diameter: float
     name: str
-    flat: bool = False  # whether it is no whole circle
+    flat: Seat = ""  # what it has where it is no whole circle
 
     def in_line(self, other: Round) -> bool:
         """Whether both have one axis."""
@@ -116,7 +120,7 @@ def _in_standing_plane(part: Part, pose: PartPose) -> PartPose | None:
 
 
 def standing(
-    part: Part, pose: PartPose, layer: Layer, at: complex, radius: float, flat: bool = False
+    part: Part, pose: PartPose, layer: Layer, at: complex, radius: float, flat: Seat = ""
 ) -> Round:
     """A circle of a part's layer, its centre and radius in the part's frame, mm, where a copy stands."""
     centre = -at.conjugate() if pose.flipped else at
@@ -157,13 +161,13 @@ class StandingCopy:
 def _standing_copy(name: str, part: Part, mount: Mount, pose: PartPose) -> StandingCopy:
     """A copy's round things where it stands; of a hole through several layers the lowest and highest end."""
     outlines = [
-        standing(part, pose, layer, *disc, has_flat(layer.region.outer))
+        standing(part, pose, layer, *disc, seat_of(layer.region.outer))
         for layer in part.layers
         for disc in discs(layer.region.outer)
     ]
     holes: list[Round] = []
     bored = (
-        (layer, (*disc, has_flat(hole)))
+        (layer, (*disc, seat_of(hole)))
         for layer in part.layers
         for hole in layer.region.holes
         for disc in discs(hole)
@@ -208,9 +212,11 @@ def _stadium(contour: Contour) -> Iterator[tuple[complex, complex, float]]:
         yield a, others[0][0], radius
 
 
-def has_flat(contour: Contour) -> bool:
+def seat_of(contour: Contour) -> Seat:
     """Whether a round contour has a flat or a keyway."""
-    return any(not isinstance(piece, Arc) for piece in contour.pieces)
+    if keyed(contour):
+        return "key"
+    return "flat" if any(not isinstance(piece, Arc) for piece in contour.pieces) else ""
 
 
 def discs(contour: Contour) -> Iterator[tuple[complex, float]]:

@@ -14,6 +14,7 @@ from camgen.parts.step_words import (
     FEELER,
     HOLE,
     IT,
+    TURNED,
     VERBS,
     WHAT,
     WORDS,
@@ -113,7 +114,7 @@ def _meeting(
         lying = [on for each in copy.holes if (on := _lies_on(each, below))]
         if set_by and lying:
             high, set_by = f", down on {lying[0]}: {gap:.3g} mm stay free over {name}", ""
-        flat = ", flat on flat" if WORDS[fit] and hole.flat and outline.flat else ""
+        flat = f", {TURNED[outline.flat]}" if WORDS[fit] and hole.flat and outline.flat else ""
         lies = f", down on {name}" if name and gap <= SAME_POINT else ""
         at = "" if hole.name or shaft.part.count == 1 else _joint(hole, shaft, below)
         hangs = shaft.part.name if WORDS[fit] and _hangs(shaft, below, fixing) else ""
@@ -343,7 +344,7 @@ def _pin_words(
         if fixing.how(each[0], each[1].part, each[2], copy.part) != "free"
     ]
     fixed = [(hole, other) for hole, other, _ in tight]
-    flats = ["flat on flat"] if any(hole.flat and each.flat for hole, _, each in tight) else []
+    flats = list({TURNED[each.flat]: 0 for hole, _, each in tight if hole.flat and each.flat})
     if copy.mount.flipped:  # from above, where a head may be in the way
         side = "flush with its upper side"
         top = max((each.high for each in copy.outlines), default=0.0)

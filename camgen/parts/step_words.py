@@ -15,6 +15,7 @@ HOLE = "{hole}"  # in words, for a hole's letter
 WHAT = "{what}"  # in what is done, for what it is done with
 IT = "{it}"  # the same where it is named again
 WORDS = {"glue": "pressed and glued", "press": "pressed", "free": ""}
+TURNED = {"flat": "flat on flat", "key": "its key in both keyways"}
 VERBS = {"glue": "press and glue ", "press": "press ", "free": "put "}
 # What a machine has many of is called by its name alone, as it lies in the folder.
 _BY_NAME = ("pin", "crank-pin", "spacer", "cap", "nut", "cover", "keeper", "thread-post")

@@ -30,6 +30,7 @@ from camgen.motion.program import Program
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, cut_of_sheet
 from camgen.parts.catalogue import CORE_HOLES, CUT, TURNED
+from camgen.parts.keyways import keyed
 from camgen.parts.materials import STEEL, Material
 from camgen.parts.part import Layer, Part, SizeNote
 from camgen.parts.standing import Round, standing
@@ -60,6 +61,9 @@ _PIN = "m6"  # of pins that are pressed in a hole H7, as dowels are sold [ISO 87
 # are within a few thousandths of j and J.
 _JOURNAL = "js6"
 _SEAT = "JS7"
+# Fits of keyways for keys h9 by their width: of DIN 6885 the light and the tight one [berger-tools.co.uk, page 2078].
+_KEY = "JS9"
+_TIGHT_KEY = "P9"
 _ROD = "h9"  # fit of rod as it is sold, and of rollers
 # Chamfer of a bore by the diameter up to which it is usual, mm: camgen's own rule.
 _CHAMFERS = ((10.0, 0.5), (40.0, 1.0), (math.inf, 1.5))
@@ -93,6 +97,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     usual = _IN_METAL if cut else _OF_ROD if rod else _IN_PLASTIC
     names = [each.name for each in mechanism.assembly.parts]
     bore_fit = sheet.bore_fit or ("H7" if metal else "")
+    own = metal and _has_keyed_shaft(mechanism.assembly)
     profile = sheet.profile or usual.profile
     dowelled = cut and mechanism.assembly.dowel and profile
     place = _asked(sheet.position, usual.position)
@@ -132,7 +137,8 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         dowel=mechanism.assembly.dowel,
         thread=mechanism.assembly.thread,
         bore_fit=bore_fit,
-        key_fit=sheet.key_fit or ("JS9" if metal else ""),
+        key_fit=sheet.key_fit or (_TIGHT_KEY if own else _KEY if metal else ""),
+        own_key=_asked(sheet.symmetry, _IN_METAL.symmetry) if own else 0.0,
         tracks=tuple(
             (each.name, tuple(zip(each.turned.tolist(), each.places.tolist(), strict=True)))
             for each in tracks
@@ -166,6 +172,11 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         drawn_by=sheet.drawn_by or "",
         checked_by=sheet.checked_by or "",
     )
+
+
+def _has_keyed_shaft(assembly: Assembly) -> bool:
+    """Whether shafts with keyways are made: these are tight, for what they turn may go to and fro."""
+    return any(keyed(layer.region.outer) for part in assembly.parts for layer in part.layers)
 
 
 def _material(material: Material) -> str:

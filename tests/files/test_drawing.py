@@ -506,7 +506,7 @@ def test_the_flat_of_a_bore_is_dimensioned_over_its_far_side(at):
     sizes = {
         (round(each.value, 6), each.fit) for each in layout.sheet.things if isinstance(each, Size)
     }
-    assert (7.5, " +0.1/0") in sizes
+    assert (7.5, " +0.015/0") in sizes
     things = list(layout.sheet.primitives)
     axes = [
         shapely.LineString([(z.real, z.imag) for z in (each.pieces[0].a, each.pieces[-1].b)])
@@ -531,7 +531,7 @@ def test_the_flat_of_a_bore_is_dimensioned_over_its_far_side(at):
     titles = [t.text for t in layout.sheet.primitives if isinstance(t, Text) and "Bore A" in t.text]
     assert [", turned" in title for title in titles] == [at % 90 != 0]
     assert layout.drawn.angle_letter == "B"
-    assert layout.drawn.rows[0][3] == "Ø8 H7, 7.5 +0.1/0 over its flat"
+    assert layout.drawn.rows[0][3] == "Ø8 H7, 7.5 +0.015/0 over its flat"
 
 
 def test_a_keyway_s_detail_is_larger_than_the_view():

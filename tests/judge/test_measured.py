@@ -287,6 +287,22 @@ def test_five_points_show_a_rounded_end() -> None:
     )
 
 
+@pytest.mark.parametrize(("depth", "shaft"), [(1.4, False), (-1.8, True)])
+@pytest.mark.parametrize("off", [0j, 0.02 + 0.01j])
+def test_an_eye_with_a_keyway_is_its_round_part(depth: float, shaft: bool, off: complex) -> None:
+    """Of a bore of 10 with t2 1.4 and a shaft of 10 with t1 1.8 [DIN 6885], 3 wide, in 400 facets; where it is off by so much too."""
+    foot = math.sqrt(25 - 1.5**2)
+    notch = [1.5 + 1j * (5 + depth), -1.5 + 1j * (5 + depth)]
+    start = math.atan2(foot, -1.5)
+    round_part = 5 * np.exp(1j * np.linspace(start, math.tau + math.pi - start, 400))
+    ring = polygon(3 + off + np.concatenate([round_part, notch]))
+    shape = Shape(ring, ()) if shaft else Shape(facets(3, 9, 40), (ring,))
+    eye = measure(Eye("x", 3 + 0j, 10.0, shaft), [[shape]])
+    assert eye is not None
+    assert eye.centre == pytest.approx(3 + off, abs=1e-6)
+    assert eye.diameter == pytest.approx(10, abs=1e-3), "sagittas of 400 facets: 0.0006"
+
+
 def test_a_bore_with_a_keyway_is_its_round_part() -> None:
     """Of the lowest height alone, whatever the part has else; where it has no hole it counts as meant."""
     notch = [0.9 + 2.5j, 0.9 + 3.4j, -0.9 + 3.4j, -0.9 + 2.5j]

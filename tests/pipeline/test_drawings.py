@@ -24,7 +24,9 @@ from camgen.files.title_block import Facts
 from camgen.geometry.outlines import polygon
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
+from camgen.parts.keyways import keyed
 from camgen.pipeline.drawings import facts_of
+from camgen.pipeline.making import parts_table
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 
@@ -129,8 +131,12 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
         assert size in {each.dxf.text for each in space.query("DIMENSION")}
     path, *_ = write_drawing(tmp_path, "x", parts["shaft"], 1e-3, found["shaft"])
     space = ezdxf.readfile(path).modelspace()
-    assert "<> 0/-0.1" in {each.dxf.text for each in space.query("DIMENSION")}, "over its flat"
+    # a key 3 wide, t1 1.8 deep [DIN 6885: berger-tools.co.uk, page 2078], tight in the shaft and in what it turns
+    sizes_of_shaft = {each.dxf.text for each in space.query("DIMENSION")}
+    assert {"<> P9 (-0.006/-0.031)", "<> 0/-0.1"} <= sizes_of_shaft
     texts = {each.dxf.text for each in space.query("TEXT")}
+    assert {"Keyway (5:1)", "keyway 3 wide, 1.8 deep, at 90%%d"} <= texts
+    assert "Keyway symmetric to the axis within 0.04" in texts
     assert {"Both ends chamfered 0.5 x 45%%d", "Round Ra 1.6", "C45+C (1.0503)"} <= texts
     assert {"All faces but for the round Ra 3.2", "Tensile strength at least 700 MPa"} <= texts
     assert {name for name, each in found.items() if each.outer_fit} == {*sizes, "shaft-table"}
@@ -169,6 +175,51 @@ def test_rods_of_a_drum_s_machine_have_their_fit_at_the_dimension(tmp_path: Path
     assert found["shaft"].outer_fit == "h9"
     said = [each.dxf.text for each in space.query("TEXT")]
     assert not [each for each in said if each.startswith("Bought")]
+
+
+def _notes(part: str, tmp_path: Path, *settings: str) -> str:
+    """What the sheet of a part of the Geneva table in metal says, in one line."""
+    metal = (*starters.METAL["geneva-table"], *settings)
+    mechanism, found = facts("gallery/geneva-table", *metal)
+    own = next(each for each in mechanism.assembly.parts if each.name == part)
+    path, *_ = write_drawing(tmp_path, "x", own, 1e-3, found[part])
+    space = ezdxf.readfile(path).modelspace()
+    texts = [each.dxf.text for each in space.query("TEXT")]
+    # notes are written from the last line up
+    return " ".join([*reversed(texts), *(each.dxf.text for each in space.query("DIMENSION"))])
+
+
+def test_what_holds_a_part_on_its_shaft_says_how_far_it_turns(tmp_path: Path) -> None:
+    """A key h9 (3: 0/-0.025) in keyways P9 (-0.006/-0.031) has 0.019 mm in either, half of both each way at a radius of 5: 0.22 deg.
+    A flat 0.8 deep on 10 is 2 x 2.713 wide: bore and shaft may both be 0.02 off, and 0.04 over 2.713 is 0.84 deg."""
+    keyed = _notes("geneva-crank_to_table", tmp_path)
+    assert "<> P9 (-0.006/-0.031)" in keyed and "<> +0.1/0" in keyed
+    assert "Keyway of shaft and bore P9, key h9: turns at most %%p0.2%%d" in keyed
+    flat = _notes("geneva-crank_to_table", tmp_path, "parts.shaft_key=false")
+    assert "On the flat of its shaft it turns at most %%p0.8%%d" in flat
+    assert "<> +0.02/0" in flat
+    assert "<> 0/-0.02" in _notes("shaft", tmp_path, "parts.shaft_key=false")
+
+
+def test_keys_turn_all_that_is_fixed_on_shafts() -> None:
+    """Of the Geneva table in metal: a key for each of hand crank, crank, lock, wheel and table, as long as these are thick, in keyways
+    of the shafts that end where these turn in the plate; the collars turn nothing."""
+    machine, _ = facts("gallery/geneva-table", *starters.METAL["geneva-table"])
+    bought = {str(row[1]): row[2:4] for row in parts_table(machine).rows if row[0] == "bought"}
+    assert bought["parallel key"] == ("3 x 3 x 6, DIN 6885 form A", 5)
+    parts = {part.name: part for part in machine.assembly.parts}
+    assert not any(map(keyed, parts["collar"].region.holes))
+    z = {mount.part: mount.z for mount in machine.assembly.mounts}
+    for name, cut in (("shaft", 2), ("shaft-table", 1)):
+        spans = [
+            (round(z[name] + each.z0, 6), round(z[name] + each.z1, 6))
+            for each in parts[name].layers
+            if keyed(each.region.outer)
+        ]
+        assert len(spans) == cut
+        assert not any(low < 5 and 0 < high for low, high in spans), "round in the plate"
+        upper = max(high for _, high in spans)
+        assert upper == pytest.approx(z[name] + parts[name].thickness), "to its end"
 
 
 def test_a_ball_bearing_in_metal_has_the_fits_of_its_makers() -> None:

@@ -26,6 +26,7 @@ OLD_WORDS: OldWords = {
 ELSEWHERE = {
     "shaft_diameter": "geometry.shaft_diameter says it",
     "shaft_flat": "the motor's shaft is round",
+    "shaft_key": "the motor's shaft is round",
     "discs": "geometry.eccentric_diameter says it",
     "thread_posts": "it has no thread",
     "mount_diameter": "parts.screw says it",

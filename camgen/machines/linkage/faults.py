@@ -106,6 +106,11 @@ def _making_faults(spec: LinkageSpec) -> Iterator[Fault]:
             if name not in points:
                 yield unknown(("parts", key, name), name, points)
     yield from _eccentric_faults(spec)
+    if making.shaft_key:
+        for name, beside in (("[[include]]", spec.includes), ("[[freewheel]]", spec.freewheels)):
+            if beside:
+                right = f"nothing here beside {name}, whose shaft has a flat"
+                yield Fault(("parts", "shaft_key"), "true", right)
 
 
 def _thread_faults(spec: LinkageSpec) -> Iterator[Fault]:

@@ -56,7 +56,7 @@ from camgen.parts.generator.troughs import covers, rails
 from camgen.parts.generator.wheels import with_touches
 from camgen.parts.hardware import refuse_thin, spacer
 from camgen.parts.inertia import Solids
-from camgen.parts.part import Layer, Part, Role, d_bore
+from camgen.parts.part import Layer, Part, Role
 from camgen.parts.set_screws import SetScrewHub
 
 _SHAFT = "shaft"
@@ -165,7 +165,7 @@ class Bodies:
     def flat_seat(self) -> FlatSeat | None:
         """The printed link that a flat of the shaft turns, with the set screw's hub on it; None without a flat."""
         s = self.sizes
-        if not s.shaft_flat or s.of_sheet or not self.layout.drivers:
+        if not s.shaft_flat or s.shaft_key or s.of_sheet or not self.layout.drivers:
             return None
         link = self.layout.driven
         length = self.layout.thickness(link) + (self.collar.height if self.collar else 0.0)
@@ -260,6 +260,8 @@ class Bodies:
             return f"The hand crank turns it from {'below' if self.sizes.stand == 'none' else 'behind'}"
         flat = self.sizes.shaft_flat
         by = f", by {'their flats' if several else 'its flat'} {flat:g} mm deep" if flat else ""
+        if self.sizes.shaft_key:
+            by = f", by {'their keyways' if several else 'its keyway'}"
         if several:
             return f"Couple your drive to the shafts' lower ends{by}"
         return f"Couple your drive to the shaft's lower end{by}"
@@ -349,14 +351,10 @@ class Bodies:
         """Of a shaft's collar, mm."""
         return self.sizes.shaft_diameter / 2 + self.sizes.head + self.sizes.wall
 
-    def _profile(self, fit: float) -> Contour:
-        """Outline of a shaft, a circle with a flat, or of its hole."""
-        return d_bore(self.sizes.shaft_diameter + fit, self.sizes.shaft_flat)
-
     @property
     def bore(self) -> Contour:
         """Of what is pressed on a shaft."""
-        return self._profile(self.fits.press_clearance)
+        return self.sizes.shaft_bore(self.fits.press_clearance)
 
     def _counterweight(self) -> Iterator[MountedPart]:
         """The counterweight and its pins."""
@@ -432,9 +430,10 @@ class Bodies:
         s = self.sizes
         press = self.fits.press_clearance
         name = "collar"
-        bore = self._profile(press)
+        bore = self.bore
         if self.layout.clutch(point):
             name = f"collar-{link}"
+        if self.layout.clutch(point) or s.shaft_key:  # it turns nothing
             bore = circle(0j, (s.shaft_diameter + press) / 2)
         part = Part(
             name,
@@ -464,7 +463,7 @@ class Bodies:
             if stub.far and link in (self.layout.driven, self.layout.upper_web)
             else 0.0
         )
-        layer = Layer(Region(self._profile(0.0)), 0.0, below + top)
+        layer = Layer(Region(self.sizes.shaft_profile), 0.0, below + top)
         title = "Shaft" if alone else f"Shaft of link {link}"
         said = f"glued into link {link}" + (
             ", turns in the second plate" if stub.hangs else " and the collar"
@@ -475,14 +474,19 @@ class Bodies:
             f"x {below + top:g}",
         )
         flat = f", a flat {s.shaft_flat:g} deep" if s.shaft_flat else ""
+        layers: tuple[Layer, ...] = (layer,)
+        place = "all along"
+        if s.shaft_key:
+            layers, place = self._keyed(stub, below, below + top, driven)
         part = Part(
             name,
             title,
-            (layer,),
+            layers,
             centres=(0j,),
-            notes=(*s.rod(below + top, "all along"), said),
+            notes=(*s.rod(below + top, place), said),
             process=s.shafts_made,
             role="shaft",
+            drawn_layer=max(range(len(layers)), key=lambda k: layers[k].region == layer.region),
         )
         loose = [wheel for wheel, (on, _) in self.layout.freewheels.items() if on == link]
         if loose:
@@ -497,6 +501,34 @@ class Bodies:
                 drawn_layer=1,
             )
         return part, Mount(name, self.layout.carrier(link), at, z=-below)
+
+    def _keyed(
+        self, stub: Stub, below: float, long: float, driven: bool
+    ) -> tuple[tuple[Layer, ...], str]:
+        """Layers of a shaft that is round where it turns in plates, with keyways along what it turns; and where these are, in words.
+
+        below: how far it reaches under the plate, mm; long: all of it, mm; driven: whether its lower end drives.
+        """
+        s = self.sizes
+        upper = below + stub.grips[1][0]
+        end = below + stub.grips[-2][1] if stub.through else long
+        lower = 0.0
+        if driven and s.hand_crank:
+            lower = s.thickness
+        elif driven:
+            play = self.fits.slide_clearance
+            lower = below - play - (self.under is None) * (s.thickness + play)
+        keyed = Region(s.shaft_profile)
+        bare = Region(circle(0j, s.shaft_diameter / 2))
+        ends = (0.0, lower, upper, end, long)
+        spans = zip((keyed, bare, keyed, bare), pairwise(ends), strict=True)
+        layers = tuple(Layer(region, *span) for region, span in spans if span[1] > span[0] + 1e-9)
+        lengths = [f"{span:.4g}" for span in (lower, end - upper) if span > 1e-9]
+        at = "" if end == long else f" from {upper:.4g} on"
+        return (
+            layers,
+            f"over {' and '.join(lengths)}{at or (' from its ends' if lower else ' from its end')}",
+        )
 
     # ---- joints -----------------------------------------------------------------------------------------------------
 

@@ -323,7 +323,8 @@ class Connections:
     @cached_property
     def edge_drives(self) -> list[EdgeDrive]:
         """Pairs whose wheels drive each other by their edges."""
-        hub = (self.sizes.shaft_diameter + self.fits.press_clearance) / 2 + self.rim
+        wide = (self.sizes.shaft_diameter + self.fits.press_clearance) / 2
+        hub = wide + self.sizes.key_room + self.rim
         return [
             _DRIVES[type(wish)](self.machine.cam(name), wish, hub)
             for name, wish in self.edges.items()

@@ -41,7 +41,7 @@ from camgen.parts.generator.wheels import (
     outline,
 )
 from camgen.parts.hardware import plate, spacer
-from camgen.parts.part import HoldingNote, Layer, Part, d_bore, rod
+from camgen.parts.part import HoldingNote, Layer, Part, rod
 from camgen.parts.wheels import involute
 from camgen.tolerances import SAME_POINT
 
@@ -98,7 +98,7 @@ def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
         turn=float(-np.angle(tip.turn)),
         thickness=thick,
         bore=s.shaft_diameter + press,
-        bore_shape="d-flat",
+        bore_shape="keyway" if s.shaft_key else "d-flat",
         flat_depth=s.shaft_flat,
         pin_diameter=s.pin_diameter,
         rim=groove_rim(s),
@@ -187,7 +187,7 @@ def _wheel_bore(layout: Layout, link: str, start: float) -> tuple[Contour, float
     point = layout.shaft_of(link)
     if layout.shafts.get(point) == link:
         wide = sizes.shaft_diameter + press
-        bore = d_bore(wide, sizes.shaft_flat).moved(cmath.exp(1j * start))
+        bore = sizes.shaft_bore(press).moved(cmath.exp(1j * start))
         return bore, wide, f"glued on the shaft of {link}"
     wide = layout.hole(point, link)
     fixed = layout.pressed_in(point) == link
@@ -282,8 +282,9 @@ def _on_shaft(layout: Layout, link: str, drive: EdgeDrive, edge: Contour) -> Mou
     name = drive.part_on(link)
     sizes = layout.sizes
     start = float(layout.machine.start_of(link).angle)
-    wide = sizes.shaft_diameter + layout.fits.press_clearance
-    bore = d_bore(wide, sizes.shaft_flat).moved(cmath.exp(1j * start))
+    press = layout.fits.press_clearance
+    wide = sizes.shaft_diameter + press
+    bore = sizes.shaft_bore(press).moved(cmath.exp(1j * start))
     with naming(drive.thing, drive.remedy):
         region = plate(wheel.about, edge, {"bore": bore}, layout.min_wall)
     level = layout.level[drive.level]
@@ -321,9 +322,7 @@ def cycloid_pins(layout: Layout) -> Iterator[MountedPart]:
 def shaft_cap(layout: Layout, point: str) -> MountedPart:
     """What holds links that turn on a shaft over all that is fixed on it."""
     link = layout.shafts[point]
-    bore = d_bore(
-        layout.sizes.shaft_diameter + layout.fits.press_clearance, layout.sizes.shaft_flat
-    )
+    bore = layout.sizes.shaft_bore(layout.fits.press_clearance)
     rim = circle(0j, layout.head_radius(point))
     over = " and ".join(layout.over_shafts[point])
     name = f"cap-{link}"

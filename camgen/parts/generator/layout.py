@@ -174,7 +174,7 @@ class Layout(Connections):
         s = self.sizes
         fit = self.fits.press_clearance
         if self.shafts.get(point) == link or (link in self.webs and point in self.shafts):
-            return d_bore(s.shaft_diameter + fit, s.shaft_flat)
+            return s.shaft_bore(fit)
         if link in self.webs_at(point) and point not in self.shafts:
             return d_bore(s.pin_diameter + fit, self.key_depth)
         return None
@@ -249,7 +249,8 @@ class Layout(Connections):
             bearing = None if link in self._fixing(point) else self.bearing(point)
             turning = self.turning(point) if bearing is None else bearing.outside
             hole = turning + max(self.fits.press_clearance, self.fits.slide_clearance)
-        return (self.sizes.shape(link).hub_diameter or hole + 2 * self.rim) / 2
+        room = self.sizes.key_room if self.shafts.get(point) == link else 0.0
+        return (self.sizes.shape(link).hub_diameter or hole + 2 * (self.rim + room)) / 2
 
     def points_of(self, link: str) -> dict[str, complex]:
         """The points of a link that have a round hole, in its axes."""

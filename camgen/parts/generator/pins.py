@@ -28,7 +28,7 @@ from camgen.parts.generator.seats import least_thickness, lip, seat_floor
 from camgen.parts.generator.stubs import Stub
 from camgen.parts.generator.webs import keyed_pin
 from camgen.parts.hardware import headed, plate, spacer
-from camgen.parts.part import HoldingNote, Layer, Part, d_bore, hull, rod
+from camgen.parts.part import HoldingNote, Layer, Part, hull, rod
 
 _HELD = 0.75  # of the thickness of a cap of sheet: its pin fills that at least
 KNOB = 4.0  # lengths of a hand crank's knob to the pin's diameter
@@ -389,7 +389,7 @@ def hand_crank(layout: Layout) -> Iterator[MountedPart]:
     at = layout.at(link, layout.shaft_of(link))
     knob = complex(s.hand_crank)
     z = -s.shaft_length
-    bore = d_bore(s.shaft_diameter + press, s.shaft_flat)
+    bore = s.shaft_bore(press)
     hubs = [(0j, s.shaft_diameter / 2 + s.head + s.wall), (knob, s.pin_diameter / 2 + s.wall)]
     region = plate(
         "hand crank",

@@ -451,7 +451,7 @@ def _sleeve(layout: Layout, name: str, sleeve: Sleeve) -> tuple[Part, Mount]:
     low, middle = sleeve_ends(layout)
     rim = circle(0j, max(s.shaft_diameter, sleeve.diameter) / 2 + s.head + s.wall)
     bores = (
-        d_bore(s.shaft_diameter + press, s.shaft_flat),
+        s.shaft_bore(press),
         d_bore(sleeve.diameter + press, sleeve.flat),
     )
     own, other = (

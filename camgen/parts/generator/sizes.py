@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import AfterValidator, ConfigDict, Field, model_validator
 
 from camgen.errors import Fault, Key
+from camgen.geometry.outlines import Contour
 from camgen.geometry.rings import Ring
 from camgen.parts.catalogue import (
     CORE_HOLES,
@@ -24,7 +25,8 @@ from camgen.parts.catalogue import (
     in_bar,
     in_sleeve,
 )
-from camgen.parts.part import SizeNote
+from camgen.parts.keyways import RANGE, keyway, shaft_keyway
+from camgen.parts.part import SizeNote, d_bore, keyed_bore
 from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Coordinate, Distance, Length, Record, quantity, text_of_form, unknown
 
@@ -225,6 +227,10 @@ class Parts(Record):
         default=0.8,
         description="depth of that flat; 0: a round shaft, on which all is pressed and glued",
     )
+    shaft_key: bool = Field(
+        default=False,
+        description="whether parallel keys (DIN 6885) in keyways of the shafts, P9 in metal, turn what sits there, in place of flats",
+    )
     shaft: Literal["through", "interrupted"] = Field(
         default="through",
         description='"through"; or "interrupted": webs on their own levels, joined by crank pins; rods '
@@ -361,13 +367,46 @@ class Parts(Record):
     def rod(self, length: float, flat: str) -> tuple[str, ...]:
         """Of what a shaft of steel is cut, for the parts list; nothing of one that is printed.
 
-        length: of it, mm; flat: where on it the flat is.
+        length: of it, mm; flat: where on it the flat or the keyway is.
         """
         if self.shaft_made == "printed":
             return ()
-        flattened = f", a flat {self.shaft_flat:g} deep {flat}" if self.shaft_flat else ""
+        cut = ""
+        if self.shaft_key:
+            width, _, depth = self.keyway
+            cut = f", keyway {width:g} wide, {depth:g} deep {flat}"
+        elif self.shaft_flat:
+            cut = f", a flat {self.shaft_flat:g} deep {flat}"
         stock = f"rod {self.shaft_diameter:g} h9"
-        return (SizeNote(f"{stock} x {length:g}{flattened}", stock, length),)
+        return (SizeNote(f"{stock} x {length:g}{cut}", stock, length),)
+
+    @property
+    def keyway(self) -> tuple[float, float, float]:
+        """Width of the keyways of shafts and what sits there, depth in that and in the shaft, mm."""
+        usual = keyway(self.shaft_diameter)
+        assert usual is not None  # a fault else
+        return usual[0], usual[1], shaft_keyway(self.shaft_diameter)[0]
+
+    @property
+    def key_room(self) -> float:
+        """How far the bore of what a shaft turns reaches over its circle, mm."""
+        return self.keyway[1] if self.shaft_key else 0.0
+
+    def shaft_bore(self, fit: float) -> Contour:
+        """Of what a shaft turns, with its keyway or flat upwards; fit: by which it is wider, mm."""
+        wide = self.shaft_diameter + fit
+        if self.shaft_key:
+            width, depth, _ = self.keyway
+            return keyed_bore(wide, width, depth - fit / 2)
+        return d_bore(wide, self.shaft_flat)
+
+    @property
+    def shaft_profile(self) -> Contour:
+        """Outline of a shaft where what sits there is turned."""
+        if self.shaft_key:
+            width, _, depth = self.keyway
+            return keyed_bore(self.shaft_diameter, width, -depth)
+        return d_bore(self.shaft_diameter, self.shaft_flat)
 
     @property
     def of_sheet(self) -> bool:
@@ -425,6 +464,8 @@ class Parts(Record):
     @property
     def shaft_text(self) -> str:
         """The shaft that drives, for the parts list."""
+        if self.shaft_key:
+            return f"shaft of {self.shaft_diameter:g} with a keyway {self.keyway[0]:g} wide"
         if not self.shaft_flat:
             return f"round shaft of {self.shaft_diameter:g}"
         return f"shaft of {self.shaft_diameter:g} with a flat {self.shaft_flat:g} deep"
@@ -559,7 +600,9 @@ class Parts(Record):
             yield self._fault("stand", right)
 
     def _shaft_faults(self) -> Iterator[Fault]:
-        """Of the driven shaft, its flat and its hand crank."""
+        """Of the driven shaft, its flat or its keys, and its hand crank."""
+        if self.shaft_key:
+            yield from self._key_faults()
         least = self.thickness + 2
         held = "the collar under the plate, and its play"
         if self.hand_crank:
@@ -573,8 +616,25 @@ class Parts(Record):
                 yield self._fault("hand_crank", right)
         if self.shaft_length < least:
             yield self._fault("shaft_length", f"at least {least:g} mm: {held}")
-        flat = self.shaft_flat or self.shaft != "through"
+        flat = (self.shaft_flat and not self.shaft_key) or self.shaft != "through"
         if flat and not 0.05 <= self.shaft_flat / self.shaft_diameter < 0.5:
             thin, half = 0.05 * self.shaft_diameter, self.shaft_diameter / 2
             right = f"{thin:g} to less than {half:g} mm on this shaft, so that it turns the link"
             yield self._fault("shaft_flat", right)
+
+    def _key_faults(self) -> Iterator[Fault]:
+        """Of keys on shafts that have none."""
+        if keyway(self.shaft_diameter) is None:
+            yield self._fault("shaft_diameter", RANGE)
+        others = (
+            ("shaft_made", self.shaft_made == "printed", '"steel": a key is for shafts of steel'),
+            ("make", self.of_sheet, '"printed", or no parts.shaft_key: keys are no sheet'),
+            ("shaft", self.shaft != "through", '"through", or no parts.shaft_key: webs have flats'),
+        )
+        yield from (self._fault(key, right) for key, wrong, right in others if wrong)
+        if self.discs is not None:
+            right = "nothing here beside parts.discs: eccentrics are turned by a flat"
+            yield Fault(("parts", "shaft_key"), "true", right)
+        if self.motor != "none" or self.can is not None:
+            right = "nothing here beside a motor: its own shaft has no keyway"
+            yield Fault(("parts", "shaft_key"), "true", right)

@@ -112,6 +112,11 @@ def test_what_is_no_disc_is_refused(discs: dict[str, float], said: str) -> None:
         ({"can": CAN, "motor": "nema-17"}, "parts.can"),
         ({"shaft_flat": 0.0, "shaft": "interrupted"}, "parts.shaft_flat"),
         ({"can": {"diameter": 21.0, "length": 25.0}}, "parts.can.boss_diameter"),
+        ({"shaft_key": True, "can": CAN}, "parts.shaft_key"),
+        ({"shaft_key": True}, "parts.shaft_made"),
+        ({"shaft_key": True, "shaft": "interrupted"}, "parts.shaft"),
+        ({"shaft_key": True, "shaft_diameter": 5.0}, "parts.shaft_diameter"),
+        ({"shaft_key": True, "discs": {"E": 30.0}}, "parts.shaft_key"),
     ],
 )
 def test_faults_are_told_by_their_keys(keys: dict[str, Any], path: str) -> None:
