@@ -217,12 +217,12 @@ def timing_of(mechanism: Mechanism) -> list[Motion]:
     ]
 
 
-def timing_facts(mechanism: Mechanism) -> Facts:
-    """What the title block of a timing diagram says."""
+def machine_facts(mechanism: Mechanism, kind: str, number: str) -> Facts:
+    """What the title block of a sheet of the whole machine says; kind: in its file's name; number: behind that of the drawings."""
     sheet = mechanism.drawing
     return Facts(
         machine=_machine(mechanism),
-        number=f"{sheet.number}-00" if sheet.number else f"{mechanism.name}-timing-drawing",
+        number=f"{sheet.number}-{number}" if sheet.number else f"{mechanism.name}-{kind}-drawing",
         date=sheet.date or "",
         revision=sheet.revision or "",
         drawn_by=sheet.drawn_by or "",

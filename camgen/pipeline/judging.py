@@ -657,7 +657,7 @@ def _machine_files(case: Case) -> list[str]:
     several = [
         f"{track.part}-tracks" for track in case.mechanism.assembly.outlines.values() if track.track
     ]
-    names = (*case.parts, *dict.fromkeys(several), "timing")
+    names = ("assembly", *case.parts, *dict.fromkeys(several), "timing")
     drawings = [case.file(f"{name}-drawing", "pdf") for name in names]
     others = (*plates_of(case), *cut_files(case), *servo_files(case), *texts, *drawings)
     return [path.name for path in (*single, *others) if path.exists()]

@@ -24,7 +24,6 @@ from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Part
 from camgen.parts.reaming import glue
 from camgen.pipeline.case import Case
-from camgen.pipeline.drawings import timing_facts, timing_of
 from camgen.pipeline.scope import machined
 from camgen.pipeline.shopping import bought_things, stock, tools
 from camgen.pipeline.summary import draw_part
@@ -70,10 +69,8 @@ def put_together(case: Case, only: frozenset[str], solids: Made, progress: Progr
         from camgen.pipeline.laser import make_sheets
 
         make_sheets(case)
-    if "dxf" in only and len(motions := timing_of(mechanism)) > 1:
-        from camgen.files.timing import write_timing
-
-        write_timing(case.folder, mechanism.name, motions, timing_facts(mechanism))
+    if "dxf" in only:
+        draw_machine(case, case.folder)
     if "dxf" in only and machined(mechanism):
         from camgen.pipeline.machining import make_tables
 
@@ -108,6 +105,23 @@ def put_together(case: Case, only: frozenset[str], solids: Made, progress: Progr
         parts, printable, mechanism.print.bed, PLATE_GAP, sides, mechanism.print.bed_margin
     )
     write_plates(case.folder, mechanism.name, layout, printable, case.key)
+
+
+def draw_machine(case: Case, folder: Path) -> None:
+    """Write the sheets of the machine as a whole: its timing diagram where it has several cams, its arrangement of several parts."""
+    from camgen.files.arrangement import write_arrangement
+    from camgen.files.timing import write_timing
+    from camgen.pipeline.arrangement import arrangement_of
+    from camgen.pipeline.drawings import machine_facts, timing_of
+
+    mechanism = case.mechanism
+    name = mechanism.name
+    motions = timing_of(mechanism)
+    if len(motions) > 1:
+        write_timing(folder, name, motions, machine_facts(mechanism, "timing", "00"))
+    if len(mechanism.assembly.parts) > 1:
+        arrangement = arrangement_of(mechanism, parts_table(mechanism))
+        write_arrangement(folder, name, arrangement, machine_facts(mechanism, "assembly", "0"))
 
 
 def written(case: Case) -> dict[str, Mesh]:

@@ -29,7 +29,7 @@ from camgen.files.shelves import located
 from camgen.findings import NotJudged, at_most, in_file
 from camgen.geometry.outlines import Floats
 from camgen.pipeline.case import Case
-from camgen.pipeline.making import lying_sides, write_parts_list, written
+from camgen.pipeline.making import draw_machine, lying_sides, write_parts_list, written
 from camgen.pipeline.scope import Outcome, machined
 from camgen.pipeline.servo import make_servo_tables, servo_files
 from camgen.pipeline.summary import (
@@ -226,10 +226,12 @@ class Rebuild:
             from camgen.pipeline.multibody import make_mjcf
 
             make_mjcf(case, folder)
-        if "dxf" in kinds and machined(case.mechanism):
-            from camgen.pipeline.machining import make_tables
+        if "dxf" in kinds:
+            draw_machine(case, folder)
+            if machined(case.mechanism):
+                from camgen.pipeline.machining import make_tables
 
-            make_tables(copy)
+                make_tables(copy)
         write_texts(case, folder)
         write_report(Summary(kinds, self.report, self.columns, scene), case, folder)
         for _ in tasks:

@@ -178,7 +178,7 @@ def solids(mechanism: Mechanism, frames: int) -> tuple[list[Shape], list[Track]]
     planes = mechanism.assembly.planes
     number = {part.name: k for k, part in enumerate(parts)}
     shapes = [
-        Shape(part.name, _coarse(part, mechanism.accuracy.chord_tolerance), part_colour(k))
+        Shape(part.name, coarse(part, mechanism.accuracy.chord_tolerance), part_colour(k))
         for k, part in enumerate(parts)
     ]
     copies: Counter[str] = Counter()
@@ -261,7 +261,7 @@ def _over(pose: Pose, frames: int, origin: complex) -> tuple[Floats, Points]:
     )
 
 
-def _coarse(part: Part, tolerance: float) -> Mesh:
+def coarse(part: Part, tolerance: float) -> Mesh:
     """The part's solid with fewer facets; where coarse outlines would touch, with those of its files."""
     from camgen.parts.solids import solid
 

@@ -1,0 +1,401 @@
+"""The arrangement drawing of a machine on one sheet: its front, a section through its axes, numbered parts and their list.
+
+The front is seen along z, what lies behind other parts left out. The section A-A is cut square to the front along a line; it lies
+below the front, heights z downwards, as in first-angle projection. Pins, shafts and what is bought are not hatched in it. [ISO 128]
+A part that is seen in the front has its number above it, one that only the section shows has it below. Nothing here knows a mechanism.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from camgen.files.dimensions import Hole
+from camgen.files.labels import Label, callouts
+from camgen.files.measures import REFERENCE, Measure, dimension
+from camgen.files.page import FILING, MARGIN, SCALES, SIZES
+from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
+from camgen.files.title_block import BLOCK, WIDTH, Facts, title_block
+from camgen.files.track_tables import ROW, grid
+from camgen.files.views import contours_of, hatching
+from camgen.parts.part import Part
+
+_SIZE = "A3"
+_LETTER = "A"
+_BALLOON = 4.0  # radius, mm of paper
+_APART = 9.5  # from one balloon to the next
+_STAGGER = 10.0  # from one row of balloons to the next
+_CLEAR = 12.0  # from a view to its balloons
+_SIDE = 24.0  # room left of the views, for a height
+_BETWEEN = 34.0  # between the views: the width, and the section's name
+_HATCH = 2.0  # between lines, of the first part; of others more
+_COLUMNS = (10.0, 110.0, 10.0, 40.0)  # of the list: number, part, quantity, how it is made
+_SEEN = 3.0  # mm^2 of paper, from which on a part is pointed at in a view
+_SLIVER = 0.01  # mm^2, up to which a piece counts as hidden
+_MITE = 1e-4  # mm: what is left of an edge that is hidden
+_CLAUSE = re.compile(r"[,;:] ")
+_NOTE = 5.0  # from one line of notes to the next
+_SMOOTH = 0.005  # mm of paper, by which a line may be straightened
+
+
+@dataclass(frozen=True)
+class Item:
+    """A row of the list."""
+
+    what: str
+    count: object
+    made: str  # how, and of what
+    number: int = 0  # 0: no part of its own
+
+
+@dataclass(frozen=True)
+class Copy:
+    """A copy of a part where it stands, mm of the machine.
+
+    faces: polygons as seen along z, each with the height of its upper side; cut: polygon of what the section meets, along the line and z.
+    """
+
+    number: int
+    faces: Sequence[tuple[Any, float]]
+    cut: Any
+    hatched: bool
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An axis that stands: where, mm, and its name in the spec."""
+
+    at: complex
+    name: str
+
+
+@dataclass(frozen=True)
+class Arrangement:
+    """A machine as its sheet shows it."""
+
+    copies: Sequence[Copy]
+    items: Sequence[Item]
+    line: tuple[
+        complex, complex
+    ]  # of the section: a point, and its unit direction, from which the cut's places count
+    axes: Sequence[Axis]
+    notes: Sequence[str]
+
+    @cached_property
+    def seen(self) -> list[tuple[int, Any, Any]]:
+        """Number, visible polygon and visible edges of each face, from the highest down."""
+        import shapely
+
+        faces = [(top, copy.number, face) for copy in self.copies for face, top in copy.faces]
+        above = shapely.Polygon()
+        seen = []
+        levels = sorted({top for top, _, _ in faces}, reverse=True)
+        for level in levels:
+            here = [(number, face) for top, number, face in faces if top == level]
+            for number, face in here:
+                edges = face.boundary.difference(above.buffer(_MITE))
+                seen.append((number, face.difference(above), edges))
+            above = shapely.union_all([above, *(face for _, face in here)])
+        return seen
+
+    @cached_property
+    def box(self) -> tuple[complex, complex]:
+        """Corners of the front, mm."""
+        import shapely
+
+        x0, y0, x1, y1 = shapely.total_bounds([face for _, face, _ in self.seen])
+        return complex(x0, y0), complex(x1, y1)
+
+    @cached_property
+    def deep(self) -> tuple[complex, complex]:
+        """Corners of the section, along the line and z, mm."""
+        import shapely
+
+        s0, z0, s1, z1 = shapely.total_bounds([copy.cut for copy in self.copies])
+        return complex(s0, z0), complex(s1, z1)
+
+    def anchors(self, scale: float) -> tuple[dict[int, complex], dict[int, complex]]:
+        """Of each number a point of its part in the front, of those that are hardly seen there one in the section, as far as they are cut."""
+        front = _largest((number, face) for number, face, _ in self.seen)
+        cut = _largest((copy.number, copy.cut) for copy in self.copies)
+        ahead = {number for number, (area, _) in front.items() if area >= _SEEN / scale**2}
+        below = cut.keys() - ahead
+        rest = front.keys() - ahead - below
+        return (
+            {number: front[number][1] for number in sorted(ahead | rest)},
+            {number: cut[number][1] for number in sorted(below)},
+        )
+
+
+def _largest(faces: Iterator[tuple[int, Any]]) -> dict[int, tuple[float, complex]]:
+    """Of each number the area of its largest piece, and a point inside of it."""
+    import shapely
+
+    largest: dict[int, tuple[float, complex]] = {}  # none of what rounding leaves along an edge
+    for number, face in faces:
+        for piece in shapely.get_parts(face):
+            if piece.area > largest.get(number, (_SLIVER, 0j))[0]:
+                inside = piece.representative_point()
+                largest[number] = float(piece.area), complex(inside.x, inside.y)
+    return largest
+
+
+def write_arrangement(
+    folder: Path, name: str, arrangement: Arrangement, facts: Facts
+) -> tuple[Path, Path]:
+    """Write `<name>-assembly-drawing.dxf` and `.pdf` into folder; returns their paths."""
+    page = _Page(arrangement)
+    sheet = page.draw(f"Arrangement ({name})", facts)
+    dxf = folder / f"{name}-assembly-drawing.dxf"
+    pdf = folder / f"{name}-assembly-drawing.pdf"
+    write_dxf_sheet(dxf, sheet, page.scale, page.datum)
+    write_pdf(pdf, sheet)
+    return dxf, pdf
+
+
+class _Page:
+    """Its views on paper."""
+
+    def __init__(self, arrangement: Arrangement) -> None:
+        self.arrangement = arrangement
+        self.wide, self.high = SIZES[_SIZE]
+        low, high = arrangement.box
+        near, far = arrangement.deep
+        span = high - low
+        section = far - near
+        wide = max(span.real, section.real)
+        tall = span.imag + section.imag
+        for self.scale in SCALES:
+            above, below = (self._over(len(each)) for each in arrangement.anchors(self.scale))
+            spare = self._room.imag - above - below - self.scale * tall
+            if spare >= 0 and self.scale * wide <= self._room.real:
+                break
+        left = FILING + _SIDE + (self._room.real - self.scale * wide) / 2
+        top = self.high - MARGIN - above - spare / 3
+        self.datum = complex(left - self.scale * low.real, top - self.scale * high.imag)
+        self.foot = top - self.scale * span.imag - _BETWEEN  # where the section begins
+        along = arrangement.line[1]
+        start = (low.real - (arrangement.line[0] / along).real) if along == 1 else near.real
+        self.start = complex(left, self.foot) - self.scale * start  # of the line's own origin
+
+    def _over(self, count: int) -> float:
+        """Room for so many balloons over or under a view."""
+        return _CLEAR + 2 + _STAGGER * _rows(count, self._columns) if count else 2.0
+
+    @property
+    def _room(self) -> complex:
+        """Width and height that the views have on the sheet, mm."""
+        notes = _NOTE * (len(self.arrangement.notes) + 1) + 4  # one more of what is hidden
+        wide = self.wide - FILING - MARGIN - WIDTH - _SIDE - 12
+        return complex(wide, self.high - 2 * MARGIN - _BETWEEN - notes)
+
+    def at(self, z: complex) -> complex:
+        """A point of the front on paper."""
+        return self.datum + self.scale * z
+
+    def below(self, z: complex) -> complex:
+        """A point of the section on paper, z downwards from the lowest."""
+        return self.start + self.scale * complex(z.real, self.arrangement.deep[0].imag - z.imag)
+
+    def draw(self, title: str, facts: Facts) -> Sheet:
+        """The whole sheet."""
+        sheet = Sheet(self.wide, self.high, title)
+        right = self.wide - MARGIN
+        top = self.high - MARGIN
+        corners = (FILING + 1j * MARGIN, right + 1j * MARGIN, right + 1j * top, FILING + 1j * top)
+        sheet.line(*corners, layer="TEXT", closed=True)
+        self._front(sheet)
+        self._section(sheet)
+        self._sizes(sheet, facts.tolerance)
+        front, cut = self.arrangement.anchors(self.scale)
+        head = self.at(self.arrangement.box[1]).imag + _CLEAR
+        _balloons(sheet, {n: self.at(z) for n, z in front.items()}, head, 1, self._columns)
+        end = self.below(self.arrangement.deep[1]).imag - _CLEAR
+        _balloons(sheet, {n: self.below(z) for n, z in cut.items()}, end, -1, self._columns)
+        self._names(sheet)
+        self._list(sheet)
+        hidden = [
+            str(item.number)
+            for item in self.arrangement.items
+            if item.number and item.number not in front and item.number not in cut
+        ]
+        said = f"Hidden in both views: item {', '.join(hidden)}"
+        notes = [*self.arrangement.notes, *([said] if hidden else [])]
+        for k, line in enumerate(reversed(notes)):
+            sheet.text(
+                complex(FILING + 3, MARGIN + 3 + _NOTE * k),
+                line,
+                2.5,
+                room=right - WIDTH - FILING - 6,
+            )
+        block = Part("assembly", "Arrangement", ())
+        title_block(sheet, complex(right, MARGIN), block, facts, self.scale, _SIZE)
+        return sheet
+
+    @property
+    def _columns(self) -> tuple[float, float]:
+        """From where to where balloons may stand along x."""
+        return FILING + 8, self.wide - MARGIN - WIDTH - 8
+
+    def _front(self, sheet: Sheet) -> None:
+        """Visible edges, axes that stand, and where the section is cut."""
+        import shapely
+
+        for _, _, edges in self.arrangement.seen:
+            merged = shapely.line_merge(edges) if edges.geom_type == "MultiLineString" else edges
+            for line in shapely.get_parts(shapely.simplify(merged, _SMOOTH / self.scale)):
+                points = shapely.get_coordinates(line) @ np.array([1, 1j])
+                if len(points) > 1:
+                    sheet.line(*(self.at(z) for z in points.tolist()), layer="VIEW")
+        for axis in self.arrangement.axes:
+            for way in (4.0, 4j):
+                sheet.line(self.at(axis.at) - way, self.at(axis.at) + way, layer="CENTER")
+        origin, along = self.arrangement.line
+        begin, end = _chord(self.arrangement.box, self.arrangement.line)
+        view = -1j * along
+        for place, out in ((begin, -along), (end, along)):
+            near = self.at(origin + place * along) + 2 * out
+            sheet.line(near, near + 6 * out, layer="VIEW")
+            tip = near + 6 * out + 5 * view
+            sheet.line(near + 6 * out, tip, layer="DIM")
+            sheet.arrow(tip, view)
+            sheet.text(near + 6 * out - 4 * view - 1.75j, _LETTER, 3.5, "centre")
+
+    def _names(self, sheet: Sheet) -> None:
+        """Names of axes that stand, on free paper."""
+        circle = 1.5 * np.exp(2j * np.pi * np.arange(16) / 16)
+        labels = []
+        for axis in self.arrangement.axes:
+            at = self.at(axis.at)
+            labels.append(Label(axis.name, Hole(at, "", at, 1.5), at + circle))
+        area = complex(FILING + 1, MARGIN + 1), complex(self._columns[1], self.high - MARGIN - 1)
+        for each in callouts(labels, sheet, area):
+            sheet.things += each.things
+
+    def _section(self, sheet: Sheet) -> None:
+        """Faces of the section, hatched part by part."""
+        for copy in self.arrangement.copies:
+            if copy.cut.is_empty:
+                continue
+            for contour in contours_of(copy.cut):
+                whole = contour.moved(self.scale, self.below(0j), mirror=True)
+                sheet.contour(whole, "VIEW")
+            if copy.hatched:
+                step = (_HATCH + 0.7 * (copy.number % 3)) / self.scale
+                lean = -1 if copy.number % 2 else 1
+                for ends in _hatched(copy.cut, step, lean):
+                    sheet.line(*(self.below(z) for z in ends), layer="HATCH")
+        name = f"{_LETTER}-{_LETTER}"
+        near, far = self.arrangement.deep
+        middle = self.below(complex((near.real + far.real) / 2, near.imag))
+        sheet.text(middle + 5j, name, 5.0, "centre")
+
+    def _sizes(self, sheet: Sheet, tolerance: str) -> None:
+        """Width and height of the front, depth of the section: they follow from the parts."""
+        low, high = (self.at(z) for z in self.arrangement.box)
+        near, far = (self.below(z) for z in self.arrangement.deep)
+        sizes = (
+            (low, complex(high.real, low.imag), -14j),
+            (low, complex(low.real, high.imag), -14.0),
+            (complex(near.real, far.imag), near, -14.0),
+        )
+        for a, b, away in sizes:
+            value = Measure(round(abs(b - a) / self.scale, 1), REFERENCE)
+            dimension(sheet, (a, b), complex(away), value, tolerance, FILING + 1)
+
+    def _list(self, sheet: Sheet) -> None:
+        """The list of parts over the title block, its first row the lowest. [ISO 7573]"""
+        items = self.arrangement.items
+        most = int((self.high - 2 * MARGIN - BLOCK) / ROW) - 1
+        shown = items if len(items) <= most else items[: most - 1]
+        rows = [
+            (str(each.number or ""), _fitting(each.what), str(each.count), each.made)
+            for each in shown
+        ]
+        if len(shown) < len(items):
+            rows.append(("...", f"{len(items) - len(shown)} more: see the list of parts", "", ""))
+        lines = [*reversed(rows), ("Item", "Part", "Qty", "Made")]
+        corner = complex(self.wide - MARGIN - WIDTH, MARGIN + BLOCK + ROW * len(lines))
+        grid(sheet, corner, lines, _COLUMNS, (0, 2))
+        sheet.line(corner, corner + WIDTH, layer="TEXT")
+
+
+def _chord(box: tuple[complex, complex], line: tuple[complex, complex]) -> tuple[float, float]:
+    """From where to where a line runs through a box, mm from its point; where it misses the box, as far as that reaches."""
+    low, high = box
+    origin, along = line
+    ends = [
+        ((complex(x, y) - origin) / along).real
+        for x in (low.real, high.real)
+        for y in (low.imag, high.imag)
+    ]
+    spans = [
+        sorted(((a - at) / way, (b - at) / way))
+        for a, b, at, way in (
+            (low.real, high.real, origin.real, along.real),
+            (low.imag, high.imag, origin.imag, along.imag),
+        )
+        if abs(way) > _MITE
+    ]
+    begin, end = max(a for a, _ in spans), min(b for _, b in spans)
+    return (begin, end) if begin < end else (min(ends), max(ends))
+
+
+def _hatched(face: Any, step: float, lean: int) -> list[tuple[complex, complex]]:
+    """Lines that fill a face, at 45 deg or leaning to the other side."""
+    from shapely import affinity
+
+    turned = face if lean > 0 else affinity.scale(face, -1, 1, origin=(0, 0))
+    lines = hatching(turned, step)
+    return lines if lean > 0 else [(-a.conjugate(), -b.conjugate()) for a, b in lines]
+
+
+def _balloons(
+    sheet: Sheet,
+    anchors: Mapping[int, complex],
+    first: float,
+    way: int,
+    columns: tuple[float, float],
+) -> None:
+    """Numbers in circles, in rows from the height `first` on, up (1) or down (-1), each with a line to its part that ends in a dot."""
+    order = sorted(anchors, key=lambda number: (anchors[number].real, anchors[number].imag))
+    rows = _rows(len(order), columns)
+    for row in range(rows):
+        numbers = order[row::rows]
+        places = _spread([anchors[number].real for number in numbers], columns)
+        for number, x in zip(numbers, places, strict=True):
+            middle = complex(x, first + way * (_BALLOON + _STAGGER * row))
+            to = anchors[number] - middle
+            sheet.arc(middle, _BALLOON, 0.0, 2 * np.pi, "TEXT")
+            sheet.text(middle - 1.25j, str(number), 2.5, "centre")
+            sheet.line(middle + _BALLOON * to / abs(to), anchors[number], layer="DIM")
+            sheet.arc(anchors[number], 0.5, 0.0, 2 * np.pi, "DIM")
+
+
+def _fitting(text: str) -> str:
+    """As many of a text's first clauses as a line of the list has room for, at least one."""
+    while Text(0j, text, 2.5).room > _COLUMNS[1] - 2 and (clauses := _CLAUSE.split(text))[1:]:
+        text = text[: len(text) - len(clauses[-1])].rstrip(" ,;:")
+    return text
+
+
+def _rows(count: int, columns: tuple[float, float]) -> int:
+    """In how many rows so many balloons stand."""
+    return -(-count // int((columns[1] - columns[0]) / _APART))
+
+
+def _spread(wanted: Sequence[float], columns: tuple[float, float]) -> list[float]:
+    """Places in order, as near as can be to those wanted, which rise, one balloon's room apart, mm."""
+    steps = _APART * np.arange(len(wanted))
+    low, high = columns
+    shifted = np.array(wanted) - steps  # of which places in order rise
+    pushed = np.maximum.accumulate(shifted), np.minimum.accumulate(shifted[::-1])[::-1]
+    middle = (pushed[0] + pushed[1]) / 2  # to the right by those before, to the left by those after
+    places: list[float] = (np.clip(middle, low, max(low, high - steps[-1])) + steps).tolist()
+    return places

@@ -1,0 +1,216 @@
+"""The arrangement of a machine for its drawing: its parts where they stand at the first angle of its drive, and the line of its section.
+
+The section goes through the axis of the drive, or the first that stands, along the line that meets the most axes, those that stand first.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import reduce
+from typing import Any
+
+import numpy as np
+
+from camgen.files.arrangement import Arrangement, Axis, Copy, Item
+from camgen.files.dimensions import number
+from camgen.files.views import area
+from camgen.geometry.mesh import Mesh, in_standing_plane, placing, slice_mesh
+from camgen.machine.features import PartPose, heights
+from camgen.machine.model import GROUND, Pin, centres_of
+from camgen.machines.mechanism import Mechanism
+from camgen.numerics import coordinates
+from camgen.parts.assembly import Assembly
+from camgen.parts.catalogue import TURNED
+from camgen.parts.part import Part
+from camgen.pipeline.shown import coarse
+from camgen.study import Table
+
+_FINE = 0.01  # mm, chord tolerance of outlines
+_ON_LINE = 1e-3  # mm, by which an axis may miss the line of the section
+_LISTED = "bought"  # what the list names beside parts
+_UNDER = 1e-4  # mm, by which a level is cut below
+_IN_ROW = 4  # axes in a line of notes
+_WHOLE = ("bought", TURNED)  # how parts are made that a section does not hatch
+
+
+def arrangement_of(mechanism: Mechanism, listed: Table) -> Arrangement:
+    """A machine of several parts as its arrangement drawing shows it; listed: its parts list, how, part, what and count first."""
+    assembly = mechanism.assembly
+    axes, moving = _axes(assembly)
+    line = _line([axis.at for axis in axes], moving)
+    poses = assembly.poses(np.zeros(1))
+    numbers = {part.name: k for k, part in enumerate(assembly.parts, 1)}
+    tolerance = mechanism.accuracy.chord_tolerance
+    copies = [
+        _copy(k, assembly.by_name[name], pose, line, tolerance)
+        for name, k in numbers.items()
+        for pose in poses[name]
+    ]
+    rows = [row[:4] for row in listed.rows]
+    items = [
+        Item(str(what), count, str(how), numbers[name])
+        for how, name, what, count in rows
+        if name in numbers
+    ]
+    items.sort(key=lambda item: item.number)
+    items += [
+        Item(f"{name}: {what}", count, str(how))
+        for how, name, what, count in rows
+        if name not in numbers and how == _LISTED
+    ]
+    return Arrangement(copies, items, line, axes, _notes(mechanism, axes))
+
+
+def _axes(assembly: Assembly) -> tuple[list[Axis], list[complex]]:
+    """Axes that stand, the drive's first, and those that move, where they are at theta = 0, mm; without those of standing planes."""
+    courses = assembly.courses(np.zeros(1))
+    driven = {drive.body for drive in assembly.machine.drives}
+    standing: dict[complex, Axis] = {}
+    moving = list[complex]()
+    for joint in sorted(
+        (each for each in assembly.machine.joints if isinstance(each, Pin)),
+        key=lambda joint: not {joint.a.body, joint.b.body} & driven,
+    ):
+        place, other = centres_of(joint)
+        if {place.body, other.body} & assembly.planes.keys():
+            continue
+        if GROUND not in (place.body, other.body):
+            body = courses[place.body]
+            at = complex(np.ravel(body.place)[0]) + place.at * np.exp(1j * np.ravel(body.angle)[0])
+            moving.append(complex(at))
+            continue
+        at = place.at if place.body == GROUND else other.at
+        standing.setdefault(complex(round(at.real, 6), round(at.imag, 6)), Axis(at, joint.name))
+    return list(standing.values()), moving
+
+
+def _line(standing: Sequence[complex], moving: Sequence[complex]) -> tuple[complex, complex]:
+    """A point and a unit direction to the right of the line that meets the most axes; the x axis where none stands."""
+    if not standing:
+        return 0j, 1 + 0j
+    origin = standing[0]
+
+    def met(way: complex) -> tuple[int, int, float]:
+        """How many axes lie on it that stand, how many that move, and how level it is."""
+        counts = (
+            sum(abs(((z - origin) * way.conjugate()).imag) < _ON_LINE for z in places)
+            for places in (standing, moving)
+        )
+        return next(counts), next(counts), abs(way.real)
+
+    ways = [1 + 0j]
+    for z in (*standing, *moving):
+        if abs(z - origin) > _ON_LINE:
+            way = (z - origin) / abs(z - origin)
+            ways.append(-way if way.real < -_ON_LINE else way)
+    best = max(ways, key=met)
+    return origin, 1 + 0j if math.isclose(best.real, 1.0) else best
+
+
+def _copy(
+    item: int, part: Part, pose: PartPose, line: tuple[complex, complex], tolerance: float
+) -> Copy:
+    """A copy as it is seen and cut."""
+    flat = part.prismatic and not (pose.upright or pose.standing)
+    faces, cut = _of_layers(part, pose, line) if flat else _of_solid(part, pose, line, tolerance)
+    return Copy(item, faces, cut, part.process not in _WHOLE)
+
+
+def _of_layers(
+    part: Part, pose: PartPose, line: tuple[complex, complex]
+) -> tuple[list[tuple[Any, float]], Any]:
+    """Faces of a part's layers, and what the section meets of them."""
+    import shapely
+
+    origin, along = line
+    place, angle = complex(pose.place[0]), float(pose.angle[0])
+    turn = np.exp(1j * angle)
+
+    def put(points: Any) -> Any:
+        """Points of the part where the copy stands, along the line and to its left."""
+        z = points @ np.array([1, 1j])
+        return coordinates(
+            ((place + turn * (-z.conjugate() if pose.flipped else z)) - origin) / along
+        )
+
+    def upright(points: Any) -> Any:
+        """These as points of the machine."""
+        return coordinates(origin + along * (points @ np.array([1, 1j])))
+
+    faces, boxes = [], []
+    for layer in part.layers:
+        low, high = heights(pose, part.thickness, layer.z0, layer.z1)
+        shape = shapely.transform(area(layer.region, _FINE), put)
+        x0, _, x1, _ = shape.bounds
+        chord = shape.intersection(shapely.LineString([(x0 - 1, 0), (x1 + 1, 0)]))
+        boxes += [
+            shapely.box(piece.bounds[0], low, piece.bounds[2], high)
+            for piece in shapely.get_parts(chord)
+            if piece.length
+        ]
+        faces.append((shapely.transform(shape, upright), high))
+    return faces, shapely.union_all([shapely.Polygon(), *boxes])
+
+
+def _of_solid(
+    part: Part, pose: PartPose, line: tuple[complex, complex], tolerance: float
+) -> tuple[list[tuple[Any, float]], Any]:
+    """Outlines from above of what of a solid reaches as high as each of its level faces, then of all of it; and what the section meets."""
+    import manifold3d
+    import shapely
+
+    at = complex(pose.place[0])
+    placed = placing(float(pose.angle[0]), at, pose.z, part.thickness, pose.flipped, pose.upright)
+    solid = coarse(part, tolerance).moved(in_standing_plane(placed) if pose.standing else placed)
+    body = manifold3d.Manifold(
+        manifold3d.Mesh64(np.ascontiguousarray(solid.vertices), solid.faces.astype(np.uint64))
+    )
+    levels = _levels(solid)
+    faces = [
+        (body.trim_by_plane((0.0, 0.0, 1.0), level - _UNDER).project(), level) for level in levels
+    ]
+    lowest = levels[-1] - _UNDER if levels else float(np.max(solid.vertices[:, 2]))
+    faces.append((body.project(), lowest))
+    seen = [(shapely.simplify(_even(face.to_polygons()), _FINE), top) for face, top in faces]
+    origin, along = line
+    local = (solid.vertices[:, :2] @ np.array([1, 1j]) - origin) / along
+    turned = np.column_stack([local.real, solid.vertices[:, 2], -local.imag])
+    rings = [ring.points for ring in slice_mesh(Mesh(turned, solid.faces), 0.0)]
+    cut = _even([coordinates(z) for z in rings])
+    return seen, cut
+
+
+def _levels(solid: Mesh) -> list[float]:
+    """Heights of a solid's level upper faces, mm, from the highest down."""
+    corners = solid.vertices[solid.faces]
+    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    doubled = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]  # of the area from above
+    level = (np.ptp(corners[:, :, 2], axis=1) < _UNDER) & (doubled > 0)
+    tops: list[float] = np.unique(np.round(corners[level, 0, 2], 6))[::-1].tolist()
+    return tops
+
+
+def _even(rings: Sequence[Any]) -> Any:
+    """The area inside an odd number of rings, each (n, 2) mm."""
+    import shapely
+
+    areas = (shapely.make_valid(shapely.Polygon(ring)) for ring in rings if len(ring) > 2)
+    return reduce(shapely.symmetric_difference, areas, shapely.Polygon())
+
+
+def _notes(mechanism: Mechanism, axes: Sequence[Axis]) -> list[str]:
+    """What the sheet says of the machine as it is shown."""
+    cycle = mechanism.assembly.cycle
+    start = math.degrees(float(cycle.theta(np.zeros(1))[0]))
+    turns = "clockwise" if cycle.sense < 0 else "counter-clockwise"
+    way = "to and fro" if cycle.to_and_fro else turns
+    shown = f"Shown at {cycle.name} {start:.4g} {cycle.unit}, driven {way}; section A-A along the line A."
+    notes = [shown]
+    places = [
+        f"{axis.name} ({number(axis.at.real - axes[0].at.real)}, {number(axis.at.imag - axes[0].at.imag)})"
+        for axis in axes[1:]
+    ]
+    rows = [places[k : k + _IN_ROW] for k in range(0, len(places), _IN_ROW)]
+    first = f"Axes that stand, X and Y from {axes[0].name}: " if axes else ""
+    return notes + [(first if k == 0 else "") + ", ".join(row) for k, row in enumerate(rows)]

@@ -1,0 +1,194 @@
+"""The arrangement drawing: what is seen and cut against the solids of the machine, and the sheet against its own paper."""
+
+from __future__ import annotations
+
+from collections import Counter
+from functools import cache
+from itertools import combinations
+from pathlib import Path
+
+import ezdxf
+import ezdxf.bbox
+import numpy as np
+import pytest
+import shapely
+
+from camgen.files.arrangement import Arrangement, Copy, Item, write_arrangement
+from camgen.files.sheet import Stroke, Text
+from camgen.files.title_block import Facts
+from camgen.geometry.mesh import Mesh
+from camgen.geometry.outlines import Arc
+from camgen.machines.mechanism import Mechanism
+from camgen.machines.sources import read_mechanism
+from camgen.parts.solids import solid
+from camgen.pipeline.arrangement import arrangement_of
+from camgen.pipeline.making import assembly_copies, parts_table
+
+SPECS = Path(__file__).resolve().parents[2] / "specs"
+# A stand that is upright, a drum on its side in a box, gears, a section that is not level, a coil and a lever.
+MACHINES = (
+    "gallery/flapping-bird",
+    "gallery/drum-feeder",
+    "planetary-reducer",
+    "walking-leg",
+    "gallery/plate-gripper",
+)
+FAR = 0.05  # mm from an edge, within which a point may count to either side: more than any chord
+
+
+@cache
+def machine(name: str) -> tuple[Mechanism, Arrangement]:
+    """A shipped machine and its arrangement."""
+    mechanism = read_mechanism(SPECS / f"{name}.toml")
+    return mechanism, arrangement_of(mechanism, parts_table(mechanism))
+
+
+@cache
+def solids(name: str) -> list[tuple[int, Mesh]]:
+    """Number and solid of every copy where it stands."""
+    mechanism, _ = machine(name)
+    parts = {part.name: k for k, part in enumerate(mechanism.assembly.parts, 1)}
+    fine = mechanism.accuracy.chord_tolerance
+    meshes = {part.name: solid(part, fine) for part in mechanism.assembly.parts}
+    return [
+        (parts[copy.object], meshes[copy.object].moved(copy.transform))
+        for copy in assembly_copies(mechanism)
+    ]
+
+
+def met(mesh: Mesh, x: float, y: float) -> np.ndarray:
+    """Heights at which the upright line through (x, y) goes through a solid's facets, mm."""
+    corners = mesh.vertices[mesh.faces]
+    flat = corners[:, :, :2] - np.array([x, y])
+    a, b, c = flat[:, 0], flat[:, 1], flat[:, 2]
+    weights = np.stack(
+        [p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0] for p, q in ((b, c), (c, a), (a, b))], axis=1
+    )
+    inside = (weights > 0).all(axis=1) | (weights < 0).all(axis=1)
+    share = weights[inside] / weights[inside].sum(axis=1, keepdims=True)
+    return np.sum(share * corners[inside, :, 2], axis=1)
+
+
+def highest(name: str, z: complex) -> set[int]:
+    """Numbers of the parts that a line of sight meets first there, several where they are as high."""
+    tops = [(max(tops), k) for k, mesh in solids(name) if len(tops := met(mesh, z.real, z.imag))]
+    return {k for top, k in tops if top > max(tops)[0] - 1e-6}
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_what_is_seen_from_the_front_is_what_a_line_of_sight_meets_first(name: str) -> None:
+    """Random points: the number whose visible face holds it is that of the solid that reaches highest there."""
+    _, arrangement = machine(name)
+    low, high = arrangement.box
+    rng = np.random.default_rng(3)
+    looked = 0
+    edges = shapely.union_all([edges for _, _, edges in arrangement.seen])
+    for x, y in rng.uniform((low.real, low.imag), (high.real, high.imag), (400, 2)):
+        point = shapely.Point(x, y)
+        if edges.distance(point) < FAR:
+            continue
+        first = highest(name, complex(x, y))
+        holders = {number for number, face, _ in arrangement.seen if face.contains(point)}
+        assert holders <= first and bool(holders) == bool(first), (x, y, holders, first)
+        looked += bool(first)
+    assert looked > 50
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_the_section_holds_what_lies_inside_of_the_solids(name: str) -> None:
+    """Random points in the plane of the section: a copy's face holds one just where an odd number of its facets is above."""
+    _, arrangement = machine(name)
+    near, far = arrangement.deep
+    origin, along = arrangement.line
+    rng = np.random.default_rng(4)
+    inside = 0
+    for s, z in rng.uniform((near.real, near.imag), (far.real, far.imag), (600, 2)):
+        at = origin + (s + 1e-5j) * along  # beside the edges of facets that lie in the plane
+        point = shapely.Point(s, z)
+        for copy, (number, mesh) in zip(arrangement.copies, solids(name), strict=True):
+            assert copy.number == number
+            if not copy.cut.is_empty and copy.cut.boundary.distance(point) < FAR:
+                continue
+            held = np.count_nonzero(met(mesh, at.real, at.imag) > z) % 2 == 1
+            assert copy.cut.contains(point) == held, (s, z, number)
+            inside += held
+    assert inside > 20
+
+
+def test_what_lies_behind_is_left_out() -> None:
+    """Two plates of 10 x 10, one 4 to the right and higher: of the lower 40 mm^2 and 24 mm of its edge are seen, by hand."""
+    lower, upper = shapely.box(0, 0, 10, 10), shapely.box(4, 0, 14, 10)
+    copies = [Copy(1, [(lower, 2.0)], lower, True), Copy(2, [(upper, 5.0)], upper, True)]
+    seen = {
+        number: (face, edges)
+        for number, face, edges in Arrangement(copies, [], (0j, 1), [], []).seen
+    }
+    assert seen[1][0].area == pytest.approx(40, abs=1e-9)
+    # 10 on the left, 4 above and 4 below: the rest is under the upper plate or on its edge
+    assert seen[1][1].length == pytest.approx(18, abs=1e-3)
+    assert seen[2][0].area == pytest.approx(100) and seen[2][1].length == pytest.approx(40)
+
+
+@pytest.mark.parametrize("name", [*MACHINES, "gallery/walker", "gallery/heart", "cylinder-cam"])
+def test_every_part_has_its_number_and_its_row(name: str, tmp_path: Path) -> None:
+    """Balloons overlap nowhere, name each part at most once, and point at their own part; rows are those of the parts list."""
+    from camgen.files.arrangement import _Page
+
+    mechanism, arrangement = machine(name)
+    page = _Page(arrangement)
+    sheet = page.draw(name, Facts())
+    balloons = [
+        piece.centre
+        for thing in sheet.primitives
+        if isinstance(thing, Stroke)
+        for piece in thing.pieces
+        if isinstance(piece, Arc) and piece.radius == 4.0
+    ]
+    assert all(abs(a - b) >= 8.0 for a, b in combinations(balloons, 2))
+    front, cut = arrangement.anchors(page.scale)
+    assert len(balloons) == len(front) + len(cut) and not front.keys() & cut.keys()
+    for number, z in front.items():
+        assert number in highest(name, z)
+    texts = [thing for thing in sheet.primitives if isinstance(thing, Text)]
+    for text in texts:
+        reach = text.width * {"left": 1, "centre": 0.5, "right": 0}[text.align] * text.direction
+        end = text.at + reach
+        assert 20 <= text.at.real <= 410 and 20 <= end.real <= 410.5, text.text
+        assert 10 <= text.at.imag <= 287 and 10 <= end.imag <= 287, text.text
+    parts = mechanism.assembly.parts
+    shown = [item for item in arrangement.items if item.number]
+    assert [(item.number, item.count) for item in shown] == [
+        (k, part.count) for k, part in enumerate(parts, 1)
+    ]
+    numbers = Counter(text.text for text in texts)
+    hidden = [str(item.number) for item in shown if item.number not in front.keys() | cut.keys()]
+    said = [text.text for text in texts if text.text.startswith("Hidden in both views: item")]
+    assert len(said) == bool(hidden) and all(number in said[0] for number in hidden)
+    assert all(numbers[str(number)] >= 2 for number in (*front, *cut))
+
+
+def test_the_drawing_for_cad_is_at_full_size(tmp_path: Path) -> None:
+    """Its edges as ezdxf reads them are as wide and as high as the machine, from the machine's own origin."""
+    _, arrangement = machine("gallery/flapping-bird")
+    dxf, pdf = write_arrangement(tmp_path, "bird", arrangement, Facts())
+    assert dxf.name == "bird-assembly-drawing.dxf" and pdf.read_bytes().startswith(b"%PDF")
+    document = ezdxf.readfile(dxf)
+    assert not document.audit().errors
+    low, high = arrangement.box
+    lines = document.modelspace().query('LINE[layer=="VIEW"]')
+    ends = np.array([tuple(end)[:2] for line in lines for end in (line.dxf.start, line.dxf.end)])
+    ahead = ends[ends[:, 1] > low.imag - 1]  # above the section and the line A
+    assert ahead[:, 0].min() == pytest.approx(low.real, abs=0.01)
+    assert ahead[:, 1].max() >= high.imag - 0.01
+
+
+def test_a_row_that_is_too_long_keeps_its_first_clauses() -> None:
+    """No word of the list gets smaller where its end can go."""
+    from camgen.files.arrangement import _fitting
+
+    long = "Shaft: rod 10 h9 x 32.2, " + "a flat all along, " * 20
+    assert _fitting("Pin 1: dowel") == "Pin 1: dowel"
+    assert _fitting(long).startswith("Shaft: rod 10 h9 x 32.2")
+    assert Text(0j, _fitting(long), 2.5).room <= 108
+    item = Item("x" * 300, 1, "bought")
+    assert _fitting(item.what) == item.what  # one clause: it is set smaller
