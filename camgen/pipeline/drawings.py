@@ -217,12 +217,12 @@ def timing_of(mechanism: Mechanism) -> list[Motion]:
     ]
 
 
-def machine_facts(mechanism: Mechanism, kind: str, number: str) -> Facts:
-    """What the title block of a sheet of the whole machine says; kind: in its file's name; number: behind that of the drawings."""
+def machine_facts(mechanism: Mechanism, kind: str, behind: str = "") -> Facts:
+    """What the title block of a sheet of the whole machine says; kind: in its file's name; behind: what follows the drawings' number."""
     sheet = mechanism.drawing
     return Facts(
         machine=_machine(mechanism),
-        number=f"{sheet.number}-{number}" if sheet.number else f"{mechanism.name}-{kind}-drawing",
+        number=f"{sheet.number}{behind}" if sheet.number else f"{mechanism.name}-{kind}-drawing",
         date=sheet.date or "",
         revision=sheet.revision or "",
         drawn_by=sheet.drawn_by or "",

@@ -118,10 +118,10 @@ def draw_machine(case: Case, folder: Path) -> None:
     name = mechanism.name
     motions = timing_of(mechanism)
     if len(motions) > 1:
-        write_timing(folder, name, motions, machine_facts(mechanism, "timing", "00"))
+        write_timing(folder, name, motions, machine_facts(mechanism, "timing", "-00"))
     if len(mechanism.assembly.parts) > 1:
         arrangement = arrangement_of(mechanism, parts_table(mechanism))
-        write_arrangement(folder, name, arrangement, machine_facts(mechanism, "assembly", "0"))
+        write_arrangement(folder, name, arrangement, machine_facts(mechanism, "assembly"))
 
 
 def written(case: Case) -> dict[str, Mesh]:
