@@ -201,6 +201,9 @@ class Step:
     laid: Laid = ()
     # holes, by part and letter, in which no vice presses what comes: it goes in by hand
     hand_fits: Sequence[tuple[str, str]] = ()
+    gauges: Sequence[
+        str
+    ] = ()  # that are cut of steel for it and stay in no machine: of what stock, and how long
     along: tuple[float, float, float] | None = (
         None  # in which they come, where neither from above nor from below
     )

@@ -619,18 +619,38 @@ def depth_below(assembly: Assembly) -> int:
     return max(0, math.ceil(foot - min(ends) - SAME_POINT))
 
 
-def by_heights(
-    assembly: Assembly, before: Mapping[str, int] | None = None, blocks: int = 0
+def _own_order(
+    assembly: Assembly,
+    before: Mapping[str, int] | None,
+    blocks: int,
+    by_hand: frozenset[tuple[str, str]],
 ) -> Table:
-    """The order by height of its own parts but the stand's; before: how many copies of each part are numbered already; blocks:
-    height of those under the plate, mm, at least as high as all that hangs below it."""
+    """The order by height of all but the stand and what goes under the plate."""
     roles = {part.name: part.role for part in assembly.parts}
     over = [mount for mount in _low_mounts(assembly) if roles[mount.part] not in _UNDER]
-    poses = assembly.poses(np.zeros(1))
-    fixing = assembly.process.fixing
+    copies = standing_copies(assembly.parts, over, assembly.poses(np.zeros(1)), before)
+    fixing = replace(assembly.process.fixing, by_hand=by_hand)
+    return order(copies, assembly.features, fixing, blocks)
+
+
+def hand_fits(assembly: Assembly) -> frozenset[tuple[str, str]]:
+    """Holes of printed parts, by part and letter, in which something is glued where no vice gets in."""
+    table = _own_order(assembly, None, 0, frozenset())
+    fits = {each for step in table.steps for each in step.hand_fits}
+    return frozenset(each for each in fits if assembly.by_name[each[0]].process == "printed")
+
+
+def by_heights(
+    assembly: Assembly,
+    before: Mapping[str, int] | None = None,
+    blocks: int = 0,
+    by_hand: frozenset[tuple[str, str]] | None = None,
+) -> Table:
+    """The order by height of its own parts but the stand's; before: how many copies of each part are numbered already; blocks:
+    height of those under the plate, mm, at least as high as all that hangs below it; by_hand: its hand fits, where these are known."""
     blocks = blocks or depth_below(assembly)
-    copies = standing_copies(assembly.parts, over, poses, before)
-    table = order(copies, assembly.features, fixing, blocks)
+    by_hand = hand_fits(assembly) if by_hand is None else by_hand
+    table = _own_order(assembly, before, blocks, by_hand)
     rows: list[Row] = []
     there = set[str]()
     for cells, step in zip(table.rows, table.steps, strict=True):

@@ -10,6 +10,8 @@ from camgen.machine.features import PinEyes
 from camgen.parts.part import Part
 from camgen.parts.standing import Round, Slot
 
+Fit = Literal["glue", "press", "free"]
+
 
 @dataclass(frozen=True)
 class Fixing:
@@ -19,10 +21,10 @@ class Fixing:
     rings: frozenset[str] = frozenset()  # names of ball bearings, which are pressed and not glued
     driven: frozenset[str] = frozenset()  # names of parts in which the shaft of a motor ends
     dry: frozenset[str] = frozenset()  # names of parts that are held without glue
+    # holes, by part and letter, that are opened until what is glued in them goes in by hand
+    by_hand: frozenset[tuple[str, str]] = frozenset()
 
-    def how(
-        self, hole: Round | Slot, holder: Part, outline: Round, held: Part
-    ) -> Literal["glue", "press", "free"]:
+    def how(self, hole: Round | Slot, holder: Part, outline: Round, held: Part) -> Fit:
         """How an outline is fixed in a hole: "free" where it goes through with play, or both are bought to go together."""
         if hole.diameter - outline.diameter > self.play or {holder.name, held.name} & self.dry:
             return "free"

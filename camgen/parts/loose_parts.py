@@ -48,16 +48,14 @@ class Stop:
         if self.gap > SAME_POINT:
             near, gauge = f"{self.gap:.2g} mm under", between(self.gap)
         where = f"{WORDS['glue']} on {shaft}, {near} {self.name}"
-        push = Doing(
-            f"push {WHAT} up: press and glue it ", f"on {shaft}", f", {near} {self.name}{gauge}"
-        )
+        push = Doing(f"push {WHAT} up: glue it ", f"on {shaft}", f", {near} {self.name}{gauge}")
         if not (gauge and self.hidden and self.over):
             return Place(where, (push,))
         gauge = thickness_gauge(self.play)
         thick = f" and lay {gauge} between it and {self.name}"
         doings = (
             Doing("lift ", self.over, f"{thick}, at either side of {shaft}"),
-            Doing(f"push {WHAT} up against ", f"{self.name}: press and glue it on {shaft}"),
+            Doing(f"push {WHAT} up against ", f"{self.name}: glue it on {shaft}"),
             Doing(
                 f"pull {pronoun(gauge)} out from under {self.over}: {shaft} has {self.play:.2g} mm of play along its axis"
             ),

@@ -26,18 +26,21 @@ from camgen.parts.assembly import (
     coupled,
     depth_below,
     further_rows,
+    hand_fits,
     joined,
     numbered,
     renamed,
     with_things,
 )
 from camgen.parts.catalogue import Bought
+from camgen.parts.generator.plates import SECOND
 from camgen.parts.generator.sizes import SIDE_SPACER, Parts
 from camgen.parts.part import Layer, Part, SizeNote
 from camgen.parts.standing import standing_copies
 from camgen.study import Doing, Later, Step, Table
 
 PREFIX = "far"  # of the names of the far side
+_GAUGE = 30.0  # mm, length of a gauge: through a plate and a web, and long enough to be held
 _DIGITS = 6  # to which places count as one, mm
 
 
@@ -257,6 +260,27 @@ def _greased(step: Step) -> Step:
     return replace(step, doings=doings)
 
 
+def _centred(step: Step, hole: tuple[str, str], far: Assembly, sizes: Parts) -> Step:
+    """A step that glues a web on a crank pin, in which the shaft of both sides comes last: till then a gauge like that shaft, through
+    the plate that is not on yet, holds its hole over the axis."""
+    part, letter = hole
+    comes = any(name.rpartition("-")[0] == part for name in step.copies)
+    webbed = any(each.role == "crank-pin" for each in far.parts)
+    plate = next((each.name for each in far.parts if each.name == SECOND), "")
+    glued = any(mate.how == "glue" for mate in step.mates)
+    if not (comes and webbed and plate and glued) or step.group:
+        return step
+    gauges = sizes.rod(_GAUGE, "all along")
+    gauge = "the gauge" if gauges else "a spare shaft"
+    doings = [
+        Doing(
+            f"lay {plate} on the pins, dry, and push {gauge} through its {letter} into {letter} of {part}"
+        ),
+        Doing("leave both there until the glue is hard: then its axis is that of the shaft"),
+    ]
+    return replace(step, doings=[*step.doings, *doings], gauges=gauges)
+
+
 def _fed(row: Row, far: Assembly, mirror: Mirror) -> Row:
     """A row of what is bought; of batteries, with what they take of their frame, which is up before the far side goes on."""
     cells, step = row
@@ -271,7 +295,9 @@ def _fed(row: Row, far: Assembly, mirror: Mirror) -> Row:
         return row
     doings = [
         Doing("turn it over: the frame is up"),
-        Doing(f"put the {cells[1]}, {cells[2]}, into the frame"),
+        Doing(
+            f"stick the {cells[1]}, {cells[2]}, on the plate in the frame with double-sided tape"
+        ),
     ]
     return cells, Step(doings, apart=f"{PREFIX} side", shapes=shapes)
 
@@ -287,8 +313,9 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str])
     for mount in near.mounts:
         before[mount.part] += 1
     blocks = max(map(depth_below, (near, far)))  # the same ones, for steps that are done again
-    first = by_heights(near, blocks=blocks)
-    second = by_heights(far, before, blocks)
+    by_hand = hand_fits(near) | hand_fits(far) | {hole}
+    first = by_heights(near, None, blocks, by_hand)
+    second = by_heights(far, before, blocks, by_hand)
     screws = [
         replace(each, at=())
         for each in far.bought
@@ -307,7 +334,8 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str])
     )
     rows = [(tuple(row), step) for row, step in zip(first.rows, first.steps, strict=True)]
     for row, step in zip(second.rows, second.steps, strict=True):
-        there = replace(_greased(step), apart=f"{PREFIX} side", up=(0.0, 0.0, -1.0))
+        held = _centred(_greased(step), hole, far, mirror.sizes)
+        there = replace(held, apart=f"{PREFIX} side", up=(0.0, 0.0, -1.0))
         rows.append((tuple(row), there))
     on = "spacers" if mirror.gap else "second plate of the near side"
     further = [_fed(row, far, mirror) for row in further_rows(near)]

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
-from camgen.parts.fixing import Fixing
+from camgen.parts.fixing import Fit, Fixing
 from camgen.parts.mates import mates_between
 from camgen.parts.standing import Round, StandingCopy
 from camgen.parts.step_words import (
@@ -15,7 +14,6 @@ from camgen.parts.step_words import (
     HOLE,
     IT,
     TURNED,
-    VERBS,
     WHAT,
     WORDS,
     Place,
@@ -23,6 +21,7 @@ from camgen.parts.step_words import (
     called,
     listed,
     thickness_gauge,
+    verb,
 )
 from camgen.study import Doing
 from camgen.tolerances import SAME_POINT
@@ -66,7 +65,8 @@ class _Meeting:
 
     letter: str  # of the hole; "" where it has none
     place: str  # "on pin-1", "over crank"
-    fit: Literal["glue", "press", "free"] = "free"
+    fit: Fit = "free"
+    by_hand: bool = False  # whether the hole is opened until the shaft goes in by hand
     high: str = ""  # how high on the shaft it is fixed
     set_by: str = ""  # how that is set, by sheets of paper
     lies: str = ""  # on what it lies
@@ -113,14 +113,17 @@ def _meeting(
         set_by = between(gap) if " mm over " in high else ""
         lying = [on for each in copy.holes if (on := _lies_on(each, below))]
         if set_by and lying:
-            high, set_by = f", down on {lying[0]}: {gap:.3g} mm stay free over {name}", ""
+            high, set_by = f", down on {lying[0]}: {name} must keep some play", ""
+        elif told and fit == "glue" and shaft.part.process == "bought":
+            high = _past_the_end(copy, shaft, gap, below, fixing) or high
         flat = f", {TURNED[outline.flat]}" if WORDS[fit] and hole.flat and outline.flat else ""
         lies = f", down on {name}" if name and gap <= SAME_POINT else ""
         at = "" if hole.name or shaft.part.count == 1 else _joint(hole, shaft, below)
         hangs = shaft.part.name if WORDS[fit] and _hangs(shaft, below, fixing) else ""
         on = f"on {shaft.part.name}{at}"
         room = _room(shaft, below) if hangs else ""
-        return _Meeting(letter, on, fit, high, set_by, lies, True, flat, hangs, room)
+        by_hand = (copy.part.name, hole.name) in fixing.by_hand
+        return _Meeting(letter, on, fit, by_hand, high, set_by, lies, True, flat, hangs, room)
     under = [
         (each.high, other.part.name, each.name)
         for other in below
@@ -163,7 +166,11 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
         of = f"{told.place.removeprefix('on ')}'s"
         flat = max(each.flat for each in tight)
         high = "" if told.high == lies else told.high.replace(" its ", f" {of} ") + told.set_by
-        yield Doing(VERBS[tight[0].fit], f"{WHAT} on {pins}", f", all at once{lies}{flat}{high}")
+        yield Doing(
+            verb(tight[0].fit, tight[0].by_hand),
+            f"{WHAT} on {pins}",
+            f", all at once{lies}{flat}{high}",
+        )
         return
     if len(shafts) > 2:
         ends = Counter((each.letter, each.place) for each in shafts)
@@ -171,7 +178,7 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
             f"{letter or ('one' if count == 1 else count)} {place}"
             for (letter, place), count in ends.items()
         )
-        rest = f", each in its hole before you press: {said}"
+        rest = f", each in its hole: {said}"
         yield Doing("lower ", f"{WHAT} over all ends at once", rest)
         whole = "it"
     elif free or over_pins:
@@ -191,13 +198,47 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
         thing = each.letter if whole == "it" else f"{each.letter} of {WHAT}"
         thing = thing if each.letter else whole
         yield Doing(
-            VERBS[each.fit], f"{thing} {each.place}", f"{each.flat}{each.high}{each.set_by}"
+            verb(each.fit, each.by_hand),
+            f"{thing} {each.place}",
+            f"{each.flat}{each.high}{each.set_by}",
         )
     hanging = listed(dict.fromkeys(each.hangs for each in fixed if each.hangs))
     if hanging:
         rooms = listed(dict.fromkeys(each.room for each in fixed if each.room))
         rod = f": push a rod or block from the side into the gap of {rooms}" if rooms else ""
-        yield Doing("hold ", hanging, f" from below by the head while you press{rod}")
+        yield Doing("hold ", hanging, f" from below by the head meanwhile{rod}")
+
+
+def _past_the_end(
+    copy: StandingCopy,
+    pin: StandingCopy,
+    gap: float,
+    below: Sequence[StandingCopy],
+    fixing: Fixing,
+) -> str:
+    """How high a part is fixed on a pin that is bought, whose ends are not where they are drawn: a cap so far over what lies under
+    it, a plate with a gap over the head of a pin that hangs in it; "" where nothing says."""
+    if copy.part.role == "cap" and gap > SAME_POINT:
+        return f", with {thickness_gauge(gap)} under it"
+    head = next(
+        (
+            mate
+            for mate in below
+            if mate.part.role == "cap" and mates_between([mate], [pin], fixing)
+        ),
+        None,
+    )
+    if head is None or not _hangs(pin, below, fixing):
+        return ""
+    top = head.mount.z + head.part.thickness
+    over = [
+        (each.low - top, other.part.name)
+        for other in below
+        for each in other.holes
+        if each.in_line(pin.outlines[0]) and -SAME_POINT < each.low - top < RESTS
+    ]
+    gap, name = min(over, default=(0.0, ""))
+    return f", with {thickness_gauge(gap)} between {head.part.name} and {name}" if gap else ""
 
 
 def _room(pin: StandingCopy, below: Sequence[StandingCopy]) -> str:
@@ -311,27 +352,28 @@ def _pin_words(
     ]
     letter = next((hole.name for hole, _, _ in round_holes if hole.name), "")
     point = f"{HOLE} of " if letter else ""
-    words: dict[Literal["glue", "press", "free"], list[str]] = {}
+    words: dict[tuple[Fit, bool], list[str]] = {}
     for hole, other, outline in round_holes:
-        names = words.setdefault(fixing.how(hole, other.part, outline, copy.part), [])
+        by_hand = (other.part.name, hole.name) in fixing.by_hand
+        names = words.setdefault((fixing.how(hole, other.part, outline, copy.part), by_hand), [])
         names += [other.part.name] if other.part.name not in names else []
     ways: list[str] = []
     beginning = ""  # of the first of them
-    verb = "put "
+    begins = "put "
     first = ""  # of the sentence, after what it is done with
     more = ""  # of the sentence, after that
     above = " from above" if copy.mount.flipped else ""
-    for how, names in sorted(words.items(), key=lambda each: each[0] != "free"):
+    for (how, by_hand), names in sorted(words.items(), key=lambda each: each[0][0] != "free"):
         fit = f"{WORDS[how]} " if WORDS[how] else ""
         into = "into " if fit else "through "
         through = listed(names)
         if not ways:
-            verb = VERBS[how] if fit else "push "
+            begins = verb(how, by_hand) if fit else "push "
             beginning = fit
             first, more = f"{above} {into}{point or through}", f"{through if point else ''}"
             ways.append(f"{into}{point}{through}")
         else:
-            more += f"; {VERBS[how]}{IT} {into}{through}"
+            more += f"; {verb(how, by_hand)}{IT} {into}{through}"
             ways.append(f"{fit}{into}{through}")
     slots = dict.fromkeys(
         other.part.name
@@ -369,5 +411,5 @@ def _pin_words(
         rest = f" of {rest}"
     elif rest and not rest.startswith(";"):
         rest = f", {rest}" if first else f" {rest}"
-    doing = Doing(verb, f"{WHAT}{first}", rest)
+    doing = Doing(begins, f"{WHAT}{first}", rest)
     return (Place(f"{beginning}{said}", (doing,)) if said else Place()), letter

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from camgen.parts.fixing import Fit
 from camgen.parts.part import Part
 from camgen.parts.standing import StandingCopy
 from camgen.study import Doing
@@ -16,9 +17,14 @@ WHAT = "{what}"  # in what is done, for what it is done with
 IT = "{it}"  # the same where it is named again
 WORDS = {"glue": "pressed and glued", "press": "pressed", "free": ""}
 TURNED = {"flat": "flat on flat", "key": "its key in both keyways"}
-VERBS = {"glue": "press and glue ", "press": "press ", "free": "put "}
+_VERBS = {"glue": "press and glue ", "press": "press ", "free": "put "}
 # What a machine has many of is called by its name alone, as it lies in the folder.
 _BY_NAME = ("pin", "crank-pin", "spacer", "cap", "nut", "cover", "keeper", "thread-post")
+
+
+def verb(how: Fit, by_hand: bool = False) -> str:
+    """How a sentence begins that fixes a part; by_hand: whether its hole is opened until the other part goes in by hand."""
+    return "glue " if by_hand and how == "glue" else _VERBS[how]
 
 
 @dataclass(frozen=True)

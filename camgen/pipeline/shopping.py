@@ -49,10 +49,12 @@ def choices(mechanism: Mechanism) -> list[tuple[str, object]]:
 def stock(mechanism: Mechanism) -> list[Bought]:
     """Steel from which parts are cut: of each size the length of all of them."""
     pieces = defaultdict[str, list[float]](list)
-    for part in mechanism.assembly.parts:
-        for note in part.notes:
-            if isinstance(note, SizeNote):
-                pieces[note.stock] += [note.length] * part.count
+    assembly = mechanism.assembly
+    notes = [note for part in assembly.parts for note in part.notes for _ in range(part.count)]
+    gauges = [gauge for step in order_of_assembly(assembly).steps for gauge in step.gauges]
+    for note in (*notes, *gauges):
+        if isinstance(note, SizeNote):
+            pieces[note.stock].append(note.length)
     return [
         Bought(f"steel {name}", "", f"{sum(lengths):.4g} mm without saw cuts", len(lengths))
         for name, lengths in pieces.items()
@@ -90,7 +92,7 @@ def steps_of_assembly(mechanism: Mechanism) -> Table:
     """In which order a machine goes together, with all that is bought for it, as a person at the bench takes it."""
     assembly = replace(mechanism.assembly, bought=bought_things(mechanism))
     copies, fixing = _standing(assembly)
-    cut = with_cutting(order_of_assembly(assembly), assembly.parts)
     metal = materials.of(mechanism.material.name).metal
+    cut = with_cutting(order_of_assembly(assembly), assembly.parts, metal)
     reamed = with_reaming(cut, copies, fixing, metal)
     return at_bench(with_sorting(reamed, assembly.parts, copies, fixing))
