@@ -121,6 +121,7 @@ class DrawnPart:
         self.track_table = None if full else self.track_table
         if self.lock:
             self.track_table = relief_table(self.lock[1], facts)
+        self.cased = self._cased()
         self.own_tables = own_tables(facts, self.track_tables, full)
         radii = [hollow_radius(x.region.outer) for x in part.layers if free(x.region.outer)]
         self.hollow = min(
@@ -178,6 +179,13 @@ class DrawnPart:
             beyond.append((complex(-radius, inner), complex(radius, inner)))
             beyond.append((complex(-radius - c, end), complex(-radius, end)))
         return replace(section, faces=faces, beyond=beyond)
+
+    def _cased(self) -> list[Contour]:
+        """Contours beside which a thick chain line shows that they alone are case hardened; of several tracks none."""
+        one = self.facts.case_only and len(self.track_tables) == 1 and not self.facts.levels
+        if not one or self.drum:
+            return []
+        return [each for each in (self.part.region.outer, *self.tracks) if free(each)]
 
     def _tapped(self, section: views.Section | None) -> views.Section | None:
         """A section along y with the core hole of the part's thread."""

@@ -28,7 +28,8 @@ def notes_of(drawn: DrawnPart, own_sheets: int) -> list[str]:
     stock = any(isinstance(note, SizeNote) for note in part.notes)  # which is cut
     bought = part.process == "bought" and not stock
     lines = ["Bought, not made: drawn to tell it by"] if bought else []
-    if drawn.zero_is and drawn.rows:
+    off_zero = any({x, y} - {"0", ""} for _, x, y, _ in drawn.rows)
+    if drawn.zero_is and drawn.rows and (off_zero or drawn.zero):
         lines.append(f"X and Y from {drawn.zero_is}")
     if drawn.zero:
         lines[-1] += (
@@ -116,7 +117,9 @@ def _shop_notes(drawn: DrawnPart) -> list[str]:
     lines += [facts.heat_treatment] if facts.heat_treatment else []
     if facts.case_only and (running := _running(drawn)):
         soft = _listed(_soft(drawn))
-        lines.append(f"Case on the {_listed(running)} only{f'; keep {soft} soft' if soft else ''}")
+        where = " (thick chain line)" if drawn.cased or drawn.drum else ""
+        kept = f"; keep {soft} soft" if soft else ""
+        lines.append(f"Case on the {_listed(running)} only{where}{kept}")
     if facts.ground and fine:
         lines.append(f"{fine} ground after hardening; all sizes hold after it")
     if facts.thread:

@@ -13,6 +13,7 @@ SIZES = {"A4": (297.0, 210.0), "A3": (420.0, 297.0)}
 # Frame: 20 mm at the filing edge, 10 mm elsewhere. [ISO 5457]
 FILING = 20.0
 MARGIN = 10.0
+BESIDE_CASE = 2.0  # from a face that is hardened to the line that shows it
 TABLE_WIDTHS = (10.0, 17.0, 17.0, 58.0)  # columns of the table of holes
 
 

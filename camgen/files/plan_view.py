@@ -16,7 +16,7 @@ from camgen.files.geneva_view import PAST_SLOT
 from camgen.files.labels import Label, Obstacles, along, callouts, leader, upper_mark
 from camgen.files.limits import in_limits
 from camgen.files.measures import REFERENCE, Measure
-from camgen.files.page import FILING, MARGIN, Page
+from camgen.files.page import BESIDE_CASE, FILING, MARGIN, Page
 from camgen.files.symbols import FRAME, all_round, datum, line_profile, roughness
 from camgen.files.title_block import Rider
 from camgen.geometry.arcs import as_circle, fit_arcs
@@ -28,6 +28,7 @@ _GAP = 24.0  # to overall sizes
 _ASIDE = 0.6  # rad, of a leader from the lines of overall sizes
 # where the sense of turning goes, the best first: dimensions are below and to the left
 _ARROWS = np.radians([45, 135, -45, -135, 65, 25, 115, 155, -25, -65, -115, -155, 90, 0, -90, 180])
+_CASE_FINE = 0.02  # mm of paper, of what shows a case
 _FACE_SHOWN = 12.0  # half of what is shown of a flat follower, mm of paper
 # from the upper edge of the room over the view down, of the frame of a track's tolerance
 _OVER = 8.0
@@ -56,6 +57,7 @@ class PlanView:
             put(contour, "HIDDEN")
         for contour in self.drawn.engraved:
             put(contour, "TEXT")
+        self._cases()
         self._centre_lines()
         for rider in self.drawn.riders:
             self._rider(rider)
@@ -213,6 +215,21 @@ class PlanView:
             reach = self.page.scale * radius + 2
             for direction in (1, 1j):
                 sheet.line(at - reach * direction, at + reach * direction, layer="CENTER")
+
+    def _cases(self) -> None:
+        """Thick chain lines beside contours that are case hardened, outside the material.
+
+        [blickinsbuch.westermann.de/978-3-7100-2824-3/160, 7.3.4.3: some 2 mm outside what is treated; ISO 15787]
+        """
+        import shapely
+
+        for contour in self.drawn.cased:
+            ring = along([fit_arcs(contour, self.drawn.tolerance)]) * self.page.scale
+            way = 1 if contour is self.drawn.part.region.outer else -1
+            line = shapely.Polygon(coordinates(ring)).buffer(way * BESIDE_CASE).exterior
+            x, y = shapely.simplify(line, _CASE_FINE).coords.xy
+            points = self.page.datum + np.array(x) + 1j * np.array(y)
+            self.page.sheet.line(*points[:-1].tolist(), layer="CASE", closed=True)
 
     def _rider(self, rider: Rider) -> None:
         """A follower where the cam has not turned, dashed, and beside it the way in which its displacement s grows."""

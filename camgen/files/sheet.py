@@ -27,12 +27,13 @@ if TYPE_CHECKING:
     from reportlab.pdfgen.canvas import Canvas
 
 # Layer -> (colour index, line width in 1/100 mm). CUT holds closed contours, WALL those of a drum unrolled, which are open,
-# VIEW visible edges that are not cut, HIDDEN those behind material.
+# VIEW visible edges that are not cut, HIDDEN those behind material, CASE what runs beside faces that are hardened.
 LAYERS = {
     "CUT": (7, 50),
     "WALL": (7, 50),
     "VIEW": (8, 35),
     "HIDDEN": (8, 18),
+    "CASE": (7, 70),
     "CENTER": (1, 18),
     "DIM": (5, 18),
     "HATCH": (8, 13),
@@ -42,6 +43,7 @@ LAYERS = {
 _DASHES = {
     "CENTER": ("CENTER2", (), (6, 1.2, 0.8, 1.2)),
     "HIDDEN": ("HIDDEN2", (9.0, 6.0, -3.0), (3, 1.5)),
+    "CASE": ("CASE", (20.0, 14.0, -2.5, 1.0, -2.5), (7, 1.6, 0.8, 1.6)),
 }
 # What a character takes at most in CAD programs, by the height of capitals: of LibreCAD's standard font most letters and
 # digits take 0.78, the space 0.75; the wide ones stand here.
@@ -61,6 +63,7 @@ _DXF_CODES = str.maketrans({"Ø": "%%c", "°": "%%d", "±": "%%p", "×": "x"})
 
 Align = Literal["left", "centre", "right"]
 _DIMSTYLE = "camgen"
+_ALONG = 128  # flag of a polyline whose dashes go on past its corners
 _LINEAR = 32  # a DIMENSION that is turned, with a block of its own
 _HALIGN: dict[Align, int] = {"left": 0, "centre": 1, "right": 2}  # in a DXF
 
@@ -329,6 +332,8 @@ class _ToPart:
             contour = Contour(thing.pieces).moved(1 / self.scale, -self.datum / self.scale)
             add_contour(space, contour, thing.layer)
             space[-1].update_dxf_attribs(at)
+            if "linetype" in at and space[-1].dxftype() == "LWPOLYLINE":
+                space[-1].dxf.flags |= _ALONG
         else:
             self._strokes(space, thing, at)
 

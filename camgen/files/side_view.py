@@ -211,8 +211,10 @@ class SideViews:
         import shapely
 
         facts = self.drawn.facts
-        face = min(self.drawn.part.layers, key=lambda layer: layer.z0).region
-        low, high = extent([fit_arcs(face.outer, self.drawn.tolerance)])
+        layers = self.drawn.part.layers
+        lowest = min(layers, key=lambda layer: layer.z0)
+        face = lowest if side < 0 else max(layers, key=lambda layer: layer.z1)
+        low, high = extent([fit_arcs(face.region.outer, self.drawn.tolerance)])
         bore = max((abs(z.imag) for z in extent(self.drawn.holes)), default=0.0)
         levels = np.linspace(high.imag, low.imag, 32)[1:-1]
         levels = levels[np.abs(levels) > bore]

@@ -18,6 +18,7 @@ from camgen.files import views
 from camgen.files.dimensions import number
 from camgen.files.labels import Obstacles
 from camgen.files.measures import REFERENCE, Measure, dimension
+from camgen.files.page import BESIDE_CASE
 from camgen.files.sheet import Sheet
 from camgen.files.symbols import FRAME, line_profile, roughness
 from camgen.files.title_block import Facts, Groove, ratio
@@ -337,6 +338,8 @@ class Section:
     axes: Sequence[tuple[complex, complex]]  # of rollers
     # ends, way to the dimension's line, what it says
     sizes: Sequence[tuple[complex, complex, complex, Measure]]
+    # faces that are case hardened, with the unit way off them
+    cased: Sequence[tuple[complex, complex, complex]] = ()
 
     @cached_property
     def _points(self) -> Points:
@@ -381,6 +384,8 @@ class Section:
             put(ends, "HATCH")
         for axis in self.axes:
             put(axis, "CENTER")
+        for start, end, away in self.cased:
+            put([z + away * BESIDE_CASE / scale for z in (start, end)], "CASE")
         for a, b, away, measure in self.sizes:
             said = Measure(measure.value, measure.sign, measure.fit, own / scale)
             dimension(sheet, (origin + scale * a, origin + scale * b), away, said, tolerance)
@@ -456,7 +461,12 @@ def drum_section(drum: Drum, facts: Facts, scales: Sequence[float]) -> Section:
         half = math.degrees(math.atan(drum.roller.slope))
         words.append(f"half angle of its cone {number(half)}°")
     face = [*edge, *corners]
-    return Section(title, scale, words, [face], edges, breaks, rollers, axes, sizes)
+    ends = [
+        (complex(floor, levels[0]), complex(outside, levels[2]), -1j * wall.side)
+        for wall, levels in zip(drum.walls, walls, strict=True)
+    ]
+    cased = ends if facts.case_only else []
+    return Section(title, scale, words, [face], edges, breaks, rollers, axes, sizes, cased)
 
 
 def _deeper(drum: Drum, facts: Facts) -> tuple[str, str]:

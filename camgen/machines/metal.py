@@ -187,7 +187,7 @@ def ring_notes(bore: ShaftBore, material: str) -> Iterator[str]:
     """What the drawing of such a part says of its rings."""
     for rings in rings_of(bore, material):
         name = rings.size.partition(",")[0]
-        yield f"held on its shaft by {rings.count} retaining rings {rings.standard}, {name}"
+        yield f"held by {rings.count} rings {rings.standard}, {name}"
 
 
 def bore_notes(bore: ShaftBore, material: str) -> list[str]:

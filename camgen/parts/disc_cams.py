@@ -218,7 +218,7 @@ class CamParts(ShaftHole):
 
 def turning_note(sense: int) -> str:
     """What the drawing of a cam says of its turning; sense: -1 clockwise."""
-    return f"drawn at cam angle 0, turns {'counter-clockwise' if sense > 0 else 'clockwise'}"
+    return f"drawn at cam angle 0, turns {'ccw' if sense > 0 else 'cw'}"
 
 
 def roller_note(diameter: float) -> tuple[str, ...]:

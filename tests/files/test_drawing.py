@@ -832,6 +832,33 @@ def test_a_thread_is_drawn_in_its_section_with_its_class_and_height():
     assert "Thread M5: on this sheet alone, no file has it" in " ".join(layout.notes)
 
 
+def test_what_is_case_hardened_has_a_thick_chain_line_beside_it(tmp_path, root):
+    """2 mm of paper outside the material [blickinsbuch.westermann.de/978-3-7100-2824-3/160]; its dashes go on past corners (flag 128 of
+    a polyline). A part without a case has none; of a groove both walls have one, which stands in the groove."""
+    facts = replace(SHOP, case_only=True, heat_treatment="60+4 HRC, CHD 0.8+0.4")
+    layout = _Layout(keyed_cam(), "d", TOLERANCE, facts)
+    (line,) = (each for each in layout.sheet.things if getattr(each, "layer", "") == "CASE")
+    chain = shapely.Polygon(_corners(line))
+    paper = fit_arcs(layout.drawn.outer, 1e-3).moved(layout.scale, layout.datum)
+    material = shapely.Polygon([(z.real, z.imag) for z in facet_contour(paper, 1e-3)])
+    assert chain.contains(material)
+    assert chain.exterior.hausdorff_distance(material.exterior) == pytest.approx(2.0, abs=0.1)
+    assert "Case on the track only (thick chain line)" in " ".join(layout.notes)
+    path = write_drawing(tmp_path, "d", keyed_cam(), TOLERANCE, facts)[0]
+    (chain,) = ezdxf.readfile(path).modelspace().query("LWPOLYLINE[layer=='CASE']")
+    assert chain.dxf.flags & 128 and chain.dxf.linetype == "CASE"
+    plain = _Layout(keyed_cam(), "d", TOLERANCE, SHOP)
+    assert "CASE" not in {getattr(each, "layer", "") for each in plain.sheet.things}
+    settings = ["material.name=16MnCr5", "print.slide_clearance=0.2"]
+    machine = read_mechanism(root / "specs" / "cylinder-cam.toml", settings).resolved()
+    (part,) = machine.assembly.parts
+    layout = _Layout(part, "d", TOLERANCE, facts_of(machine, part))
+    cased = [each for each in layout.sheet.things if getattr(each, "layer", "") == "CASE"]
+    low, high = sorted(start_point(each.pieces[0]).imag for each in cased)
+    apart = layout.track_section.scale * 10.2 - 2 * 2.0
+    assert high - low == pytest.approx(apart, abs=0.01)
+
+
 def test_frames_and_the_circle_of_a_whole_outline_are_drawn():
     """The circle at the bend of the track's leader; the run-out's arrow on the face at z = 0, its frame on free paper."""
     layout = _Layout(keyed_cam_with_hub(), "d", TOLERANCE, SHOP)

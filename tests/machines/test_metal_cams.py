@@ -150,12 +150,12 @@ def test_a_groove_s_walls_are_ground_after_hardening_and_the_rim_is_a_datum_with
     inner = _words(_layout("inner"))
     assert "Track and bore ground after hardening; all sizes hold after it" in inner
     assert "within 0.001 of the exact curve" in inner
-    assert "Case on the track only; keep bore, keyway and threads soft" in inner
+    assert "Case on the track only (thick chain line); keep bore, keyway and threads soft" in inner
     own = _words(_layout("inner", "drawing.heat_treatment=nitrided"))
     assert "Nitrided" in own and "Case on" not in own
     outer = _layout("outer")
     assert "Smallest hollow radius of the track: R" in _words(outer)
-    assert "Case on the track only; keep threads soft" in _words(outer)
+    assert "Case on the track only (thick chain line); keep threads soft" in _words(outer)
     assert f"Rim {outer.drawn.rim_letter} round within 0.025, Ra 1.6" in _words(outer)
     assert "Track and rim ground after hardening" in _words(outer)
 

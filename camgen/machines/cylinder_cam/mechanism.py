@@ -458,11 +458,13 @@ class CylinderCam(Mechanism):
             part, ring = pieces.parts(p.hole())
             rings = [replace(ring, min_wall=self.allowed.min_wall)]
         roller = self.geometry.roller
-        said = f"{self.geometry.track} for a roller of {2 * roller.radius:g} x {roller.length:g}"
+        said = (
+            f"roller {2 * roller.radius:g} x {roller.length:g}, its inner end at R{track.inner:.4g}"
+        )
         notes = (
             turning_note(self._sense),
             *p.notes(),
-            f"{said}, its inner end {track.inner:.4g} from the axis",
+            said,
             *ring_notes(p, self.material.name),
         )
         part = replace(part, notes=notes, bore=p.bore, min_wall=self.allowed.min_wall)
