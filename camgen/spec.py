@@ -617,13 +617,18 @@ def unknown(path: Key, value: object, known: Iterable[str], kind: str = "") -> F
 
 
 _SIZED = re.compile(r"([A-Za-z-]+)(\d+)")  # a name of a catalogue, such as KR16
+_TWICE = re.compile(r"(\d)\1")  # a digit that was typed twice
 
 
 def _alike(value: str, names: Sequence[str]) -> Sequence[str]:
-    """The name that a person may have meant: of a catalogue's the one with the nearest number, else the nearest in spelling.
+    """The name that a person may have meant: without a digit typed twice, of a catalogue's the one with the nearest number, else the
+    nearest in spelling.
 
     A name that begins otherwise has to be nearer: "rolling" does not mean oscillating.
     """
+    once = _TWICE.sub(r"\1", value)  # H7 for H77
+    if once in names:
+        return [once]
     sized = _SIZED.fullmatch(value)
     if sized is not None:
         sizes = {
