@@ -30,7 +30,7 @@ _FINE = 0.01  # mm, chord tolerance of outlines
 _ON_LINE = 1e-3  # mm, by which an axis may miss the line of the section
 _LISTED = "bought"  # what the list names beside parts
 _UNDER = 1e-4  # mm, by which a level is cut below
-_IN_ROW = 4  # axes in a line of notes
+_IN_ROW = 3  # axes in a line of notes
 _WHOLE = ("bought", TURNED)  # how parts are made that a section does not hatch
 
 
