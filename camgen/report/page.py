@@ -326,6 +326,9 @@ def _shows(plot: Plot, other: Plot) -> bool:
 # ---- parts, plates, steps --------------------------------------------------------------------------------------------
 
 
+_OF_ALL = {"assembly": "arrangement drawing", "timing": "timing diagram"}  # sheets of the machine
+
+
 def _parts(report: Report) -> str:
     """A card for each part: how it looks, how many, how thick, its files."""
     cards = []
@@ -352,6 +355,11 @@ def _parts(report: Report) -> str:
         cards.append(_card(title, "; ".join(facts), links, f"part-{k}", report.scene is not None))
     whole = [file for file in report.files if file.startswith(f"{report.name}-assembly.")]
     links = [_link(report, file, file.rpartition(".")[2].upper()) for file in whole]
+    links += [
+        _link(report, file, said)
+        for kind, said in _OF_ALL.items()
+        if (file := f"{report.name}-{kind}-drawing.pdf") in report.files
+    ]
     return (f'<p class="links">All together: {" ".join(links)}</p>' if links else "") + _cards(
         cards
     )
