@@ -865,7 +865,7 @@ def test_a_wrong_size_hides_no_fault_of_the_program(wrong: str) -> None:
         ("base_radius=20", "did you mean 'geometry.base_radius'?"),
         ("motor.rpm=20", "did you mean 'speed_rpm'?"),
         ("drawing.bore_fit=H77", "did you mean 'H7'?"),
-        ("drawing.bore_fit=H10", "did you mean 'H9'?"),
+        ("drawing.bore_fit=H12", "did you mean 'H11'?"),
         ("geometry.follower.diameter=16", "write radius = 8, which is half of it"),
         ("geometry.base_diameter=50", "write base_radius = 25, which is half of it"),
         (f"geometry.base_diameter={10**400}", "known here: follower, base_radius"),
