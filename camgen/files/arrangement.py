@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from camgen.files.dimensions import Hole
+from camgen.files.dimensions import number as rounded_number
 from camgen.files.labels import Label, callouts
 from camgen.files.measures import REFERENCE, Measure, dimension
 from camgen.files.page import FILING, MARGIN, SCALES, SIZES
@@ -27,6 +28,9 @@ from camgen.files.views import contours_of, hatching
 from camgen.parts.part import Part
 
 _SIZE = "A3"
+_FACE = 0.5  # mm, from which on a level face has its height beside the section
+_LINE = 2.4  # from one height beside the section to the next
+_LOOSE = 12.0  # by which such heights may stand beyond its ends
 _LETTER = "A"
 _BALLOON = 4.0  # radius, mm of paper
 _APART = 9.5  # from one balloon to the next
@@ -119,6 +123,22 @@ class Arrangement:
 
         s0, z0, s1, z1 = shapely.total_bounds([copy.cut for copy in self.copies])
         return complex(s0, z0), complex(s1, z1)
+
+    @property
+    def levels(self) -> list[float]:
+        """Heights of level faces that the section cuts, mm to hundredths, from the highest down."""
+        import shapely
+
+        edges = [
+            np.column_stack([z[:-1], z[1:]])
+            for copy in self.copies
+            for ring in shapely.get_rings(shapely.get_parts(copy.cut))
+            for z in [shapely.get_coordinates(ring)]
+        ]
+        a, low, b, high = np.concatenate(edges).T
+        level = (abs(high - low) < _MITE) & (abs(b - a) > _FACE)
+        heights: list[float] = np.unique(np.round(low[level], 2))[::-1].tolist()
+        return heights
 
     def anchors(self, scale: float) -> tuple[dict[int, complex], dict[int, complex]]:
         """Of each number a point of its part in the front, of those that are hardly seen there one in the section, as far as they are cut."""
@@ -213,6 +233,7 @@ class _Page:
         self._front(sheet)
         self._section(sheet)
         self._sizes(sheet, facts.tolerance)
+        self._levels(sheet)
         front, cut = self.arrangement.anchors(self.scale)
         head = self.at(self.arrangement.box[1]).imag + _CLEAR
         _balloons(sheet, {n: self.at(z) for n, z in front.items()}, head, 1, self._columns)
@@ -309,6 +330,21 @@ class _Page:
             value = Measure(round(abs(b - a) / self.scale, 1), REFERENCE)
             dimension(sheet, (a, b), complex(away), value, tolerance, FILING + 1)
 
+    def _levels(self, sheet: Sheet) -> None:
+        """Heights of the faces that the section cuts, mm, from z = 0, right of it; none where they are too many to stand there."""
+        levels = self.arrangement.levels
+        near, far = (self.below(z) for z in self.arrangement.deep)
+        wanted = [self.below(complex(0, level)).imag for level in levels]
+        least, most = far.imag - _LOOSE, near.imag + _LOOSE
+        if (len(levels) - 1) * _LINE > most - least:
+            return
+        places = _spread(wanted, (least, most), _LINE)
+        for level, at, place in zip(levels, wanted, places, strict=True):
+            start = complex(far.real + 2, at)
+            sheet.line(start, start + 3, complex(far.real + 9, place), layer="DIM")
+            text = rounded_number(level, 2)
+            sheet.text(complex(far.real + 10, place - 0.9), text, 1.8, layer="DIM")
+
     def _list(self, sheet: Sheet) -> None:
         """The list of parts over the title block, its first row the lowest. [ISO 7573]"""
         items = self.arrangement.items
@@ -390,9 +426,11 @@ def _rows(count: int, columns: tuple[float, float]) -> int:
     return -(-count // int((columns[1] - columns[0]) / _APART))
 
 
-def _spread(wanted: Sequence[float], columns: tuple[float, float]) -> list[float]:
-    """Places in order, as near as can be to those wanted, which rise, one balloon's room apart, mm."""
-    steps = _APART * np.arange(len(wanted))
+def _spread(
+    wanted: Sequence[float], columns: tuple[float, float], apart: float = _APART
+) -> list[float]:
+    """Places in order, as near as can be to those wanted, which rise, so far apart, mm."""
+    steps = apart * np.arange(len(wanted))
     low, high = columns
     shifted = np.array(wanted) - steps  # of which places in order rise
     pushed = np.maximum.accumulate(shifted), np.minimum.accumulate(shifted[::-1])[::-1]

@@ -205,7 +205,7 @@ def _notes(mechanism: Mechanism, axes: Sequence[Axis]) -> list[str]:
     start = math.degrees(float(cycle.theta(np.zeros(1))[0]))
     turns = "clockwise" if cycle.sense < 0 else "counter-clockwise"
     way = "to and fro" if cycle.to_and_fro else turns
-    shown = f"Shown at {cycle.name} {start:.4g} {cycle.unit}, driven {way}; section A-A along the line A."
+    shown = f"Shown at {cycle.name} {start:.4g} {cycle.unit}, driven {way}; section A-A along the line A, its heights from z = 0."
     notes = [shown]
     places = [
         f"{axis.name} ({number(axis.at.real - axes[0].at.real)}, {number(axis.at.imag - axes[0].at.imag)})"

@@ -129,6 +129,22 @@ def test_what_lies_behind_is_left_out() -> None:
     assert seen[2][0].area == pytest.approx(100) and seen[2][1].length == pytest.approx(40)
 
 
+def test_heights_beside_the_section_are_those_of_the_faces_that_it_cuts() -> None:
+    """A plate 2 thick, one 2.9 thick that lies 0.1 over it: four heights, by hand; the side of a face 0.4 wide has none."""
+    from camgen.files.arrangement import _Page
+
+    plates = [shapely.box(0, 0, 10, 2), shapely.box(4, 2.1, 14, 5), shapely.box(20, 0, 20.4, 7)]
+    copies = [Copy(k, [(plate, 2.0 * k)], plate, True) for k, plate in enumerate(plates, 1)]
+    arrangement = Arrangement(copies, [], (0j, 1), [], [])
+    assert arrangement.levels == [5.0, 2.1, 2.0, 0.0]
+    sheet = _Page(arrangement).draw("two", Facts())
+    texts = [thing for thing in sheet.primitives if isinstance(thing, Text) and thing.height == 1.8]
+    heights = {thing.text: thing.at.imag for thing in texts}
+    # downwards on paper, none on another
+    places = [heights[text] for text in ("0", "2", "2.1", "5")]
+    assert all(a - b >= 2.4 - 1e-9 for a, b in zip(places, places[1:], strict=False))
+
+
 @pytest.mark.parametrize("name", [*MACHINES, "gallery/walker", "gallery/heart", "cylinder-cam"])
 def test_every_part_has_its_number_and_its_row(name: str, tmp_path: Path) -> None:
     """Balloons overlap nowhere, name each part at most once, and point at their own part; rows are those of the parts list."""

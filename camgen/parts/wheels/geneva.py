@@ -286,11 +286,6 @@ class InnerGeneva(_Slotted):
         return self.slot_end + self.pin + self.slot_air
 
     @property
-    def hollowed(self) -> float:
-        """Radius of the lock's inner edge in its middle, mm."""
-        return abs(complex(self._relief(self._begin, 0)))
-
-    @property
     def seats(self) -> tuple[complex, complex]:
         """Places of two dowels in the middle of the lock, halfway to both its ends, mm, its pin on Ox."""
         half = self.dwell / 2
