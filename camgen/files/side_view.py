@@ -67,11 +67,12 @@ class SideViews:
             y = self.page.paper(self.drawn.zero).imag
             self.page.sheet.line(complex(left - 4, y), complex(left + thick + 4, y), layer="CENTER")
         bottom = self.page.paper(self.drawn.low).imag
+        thinner = self.drawn.facts.thinner
         self.page.dimension(
             complex(left, bottom),
             complex(left + thick, bottom),
             -9j,
-            Measure(self.drawn.part.thickness),
+            Measure(self.drawn.part.thickness, fit=f"0/-{thinner:g}" if thinner else ""),
         )
         if self.drawn.part.drum:
             self._floor(origin, self.drawn.part.drum)

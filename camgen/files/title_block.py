@@ -74,6 +74,9 @@ class Facts:
     bore_fit: str = ""  # of the bore, such as "H7"
     outer_fit: str = ""  # of a round outline
     shank: tuple[float, str] = (0.0, "")  # of a headed pin its diameter, mm, and fit
+    thinner: float = (
+        0.0  # by which the gaps beside the part let it be, mm; 0: they bear its general tolerance
+    )
     key_fit: str = ""  # of a keyway's width
     own_key: float = 0.0  # symmetry of the keyways of shafts that are made too, mm; 0: none is
     # of each track its name, and by cam angle, deg, where its follower touches it: complex mm, in the sense in which it turns

@@ -228,7 +228,10 @@ class Mechanism(Spec, ABC):
         return Process(
             tolerance,
             max(0.0, 0.8 * slide / 2 - 2 * tolerance),
-            Fixing((press + slide) / 2 if press < slide else -math.inf),
+            Fixing(
+                (press + slide) / 2 if press < slide else -math.inf,
+                metal=materials.of(self.material.name).metal,
+            ),
             self.material.name,
             printed_density(self.material),
             None if self.laser is None else self.laser.thickness,

@@ -346,6 +346,8 @@ def no_ball_roller(diameter: float) -> str:
 
 
 DOWEL_STANDARD = "ISO 2338"
+# Length up to which a pin may be so much longer, mm [DIN 7: nutbolt.org/Standards/Pin-Dowel.html, table 2].
+_DOWEL_EXCESS = ((10.0, 0.3), (50.0, 0.5), (math.inf, 0.8))
 # Of hardened steel, m6, 1 to 20 mm thick [ISO 8734:1997, scope: scribd.com/document/429524111]; in lengths of ISO 2338.
 HARD_DOWEL_STANDARD = "ISO 8734"
 # Diameter -> shortest and longest, mm.
@@ -374,6 +376,11 @@ def dowel(diameter: float, longest: float) -> float:
             default=0,
         )
     )
+
+
+def dowel_excess(length: float) -> float:
+    """By how much a dowel pin of a length may be longer, mm: more than the +0.25, +0.5 and +0.75 of ISO 2338."""
+    return next(excess for most, excess in _DOWEL_EXCESS if length <= most)
 
 
 def next_dowel(diameter: float, shortest: float) -> float:

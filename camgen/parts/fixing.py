@@ -23,6 +23,7 @@ class Fixing:
     dry: frozenset[str] = frozenset()  # names of parts that are held without glue
     # holes, by part and letter, that are opened until what is glued in them goes in by hand
     by_hand: frozenset[tuple[str, str]] = frozenset()
+    metal: bool = False  # whether parts are of metal: a feeler gauge sets their gaps, and no end that is flush does
 
     def how(self, hole: Round | Slot, holder: Part, outline: Round, held: Part) -> Fit:
         """How an outline is fixed in a hole: "free" where it goes through with play, or both are bought to go together."""

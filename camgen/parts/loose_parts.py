@@ -37,6 +37,7 @@ class Stop:
     shaft: StandingCopy
     name: str  # of the part over it, in which the shaft turns
     gap: float  # mm, between both
+    metal: bool  # whether both are of metal
     hidden: bool = False  # whether it is in a hole of another part, from which no gauge comes out
     over: str = ""  # the part of the shaft that turns over the stop
     play: float = 0.0  # mm, of the shaft between both
@@ -46,7 +47,7 @@ class Stop:
         shaft = self.shaft.part.name
         near, gauge = "against", ""
         if self.gap > SAME_POINT:
-            near, gauge = f"{self.gap:.2g} mm under", between(self.gap)
+            near, gauge = f"{self.gap:.2g} mm under", between(self.gap, self.metal)
         where = f"{WORDS['glue']} on {shaft}, {near} {self.name}"
         push = Doing(f"push {WHAT} up: glue it ", f"on {shaft}", f", {near} {self.name}{gauge}")
         if not (gauge and self.hidden and self.over):
@@ -75,11 +76,10 @@ def stops_of(copies: Sequence[StandingCopy], fixing: Fixing) -> dict[str, Stop]:
                 for each in other.holes
                 if hole.in_line(each) and -SAME_POINT < each.low - hole.high < RESTS
             ]
-            if over and not height_by(hole, shaft, others):
+            if over and not height_by(hole, shaft, others, fixing.metal):
                 gap, name = min(over)
-                stops[copy.name] = Stop(
-                    shaft, name, gap, *_out_of_reach(copy, hole, shaft, others, fixing)
-                )
+                reach = _out_of_reach(copy, hole, shaft, others, fixing)
+                stops[copy.name] = Stop(shaft, name, gap, fixing.metal, *reach)
     return stops
 
 

@@ -7,7 +7,7 @@ import cmath
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from camgen.parts.fixing import Fixing
 from camgen.parts.part import Part, SizeNote
@@ -31,7 +31,7 @@ def with_reaming(
     table: Table, copies: Sequence[StandingCopy], fixing: Fixing, metal: bool = False
 ) -> Table:
     """The order of assembly, begun with the holes that are to be reamed and those that stay tight; as it is where there are none.
-    metal: whether the parts are of it, and so is their glue."""
+    metal: whether the parts are of it: their sheets have the fits, and their glue is one for metal."""
     opened = _holes(copies, fixing, _reamed)
     fixed = tight_holes(copies, copies, fixing)
     by_hand = {hole for step in table.steps for hole in step.hand_fits}
@@ -40,24 +40,20 @@ def with_reaming(
     if not opened and not fixed:
         return table
     said = []
-    lines = _lines(opened, running)
+    words = _IN_METAL if metal else _IN_PLASTIC
+    lines = _lines(opened, words.running)
     if lines:
         count = sum(opened_holes(copies, fixing).values())
-        said = [_OPEN.format(f"all {count} holes" if count > 1 else "the hole") + _ticks(lines)]
-    said += [_BY_HAND + _ticks(_lines(fitted))] if fitted else []
-    said += [_TIGHT + _ticks(_lines(tight))] if tight else []
+        holes = f"all {count} holes" if count > 1 else "the hole"
+        said = [words.opened.format(holes) + _ticks(lines)]
+    said += [words.by_hand + _ticks(_lines(fitted, words.tool))] if fitted else []
+    said += [words.tight + _ticks(_lines(tight, words.tool))] if tight else []
     if fixed:
         with_glue = f"Glue with {glue(metal)}, a trace only"
         said += [f"{with_glue}. {_SWING}" if lines else with_glue]
     what = "Holes in which something turns" if lines else "Holes in which something is fixed"
-    where = "; ".join(lines or _lines(fixed))
+    where = "; ".join(lines or _lines(fixed, words.tool))
     return begun(table, "\n".join(said), what, where, count if lines else "")
-
-
-_OPEN = (
-    "open {} in which something turns. Turn a drill of this size in it by hand, and keep it straight, until what goes in drops "
-    "through by its own weight"
-)
 
 
 def with_cutting(table: Table, parts: Sequence[Part], metal: bool = False) -> Table:
@@ -66,7 +62,8 @@ def with_cutting(table: Table, parts: Sequence[Part], metal: bool = False) -> Ta
     sizes = [(part, note) for part in parts for note in part.notes if isinstance(note, SizeNote)]
     lines = [f"{part.count} × {part.name}: {note}" for part, note in sizes]
     lines += [f"1 × gauge: {gauge}" for step in table.steps for gauge in step.gauges]
-    said = [f"cut and file the steel parts, and deburr them{_ticks(lines)}"] if lines else []
+    how = "saw the rods, and turn and mill them as on their sheets" if metal else _FILED
+    said = [f"{how}{_ticks(lines)}"] if lines else []
     if not metal and any(part.process == "bought" and part.role == "pin" for part in parts):
         said.append(_DOWELS if lines else _DOWELS[:1].lower() + _DOWELS[1:])
     if not said:
@@ -76,6 +73,7 @@ def with_cutting(table: Table, parts: Sequence[Part], metal: bool = False) -> Ta
     return begun(table, "\n".join(said), what, "; ".join(lines), count or "")
 
 
+_FILED = "cut and file the steel parts, and deburr them"
 # DIN 7 allows 0.3 mm at lengths up to 10 mm, 0.5 mm at those up to 50 mm [nutbolt.org/Standards/Pin-Dowel.html].
 _DOWELS = (
     "Measure the dowels: as they are sold some are up to 0.5 mm too long. File or grind these to their length in the list, for "
@@ -83,14 +81,6 @@ _DOWELS = (
 )
 
 
-_BY_HAND = (
-    "Open these until the part slides in by hand. Use a drill of this size, or a scraper where there is a flat. No vice reaches "
-    "them later; the glue holds the part where its step says so"
-)
-_TIGHT = (
-    "These holes stay tight. In their step, press the part in with a vice. If it does not go in, scrape the hole, or turn a "
-    "drill of this size in it by hand"
-)
 _SWING = (
     "First put a drop of oil into the joint beside it: that keeps the glue out. When a pin or cap keeps a link in place, tilt the "
     "machine. As long as its other end is free, the link must swing by its own weight"
@@ -138,7 +128,46 @@ def running(size: float) -> str:
     return f"{size:g} mm, with a drill of {_drill(size):g}" if between else _tool(size)
 
 
-def _lines(holes: Mapping[float, _Holes], tool: Callable[[float], str] = _tool) -> list[str]:
+def _bare(size: float) -> str:
+    """The size of a hole, mm."""
+    return f"{size:g} mm"
+
+
+@dataclass(frozen=True)
+class _Words:
+    """How holes of a material are brought to their fits."""
+
+    opened: str  # those in which something turns
+    by_hand: str  # those into which something goes by hand
+    tight: str
+    running: Callable[
+        [float], str
+    ]  # the size of a hole in which something turns, and what opens it
+    tool: Callable[[float], str]  # the same of a hole in which something is fixed
+
+
+_IN_PLASTIC = _Words(
+    "open {} in which something turns. Turn a drill of this size in it by hand, and keep it straight, until what goes in drops "
+    "through by its own weight",
+    "Open these until the part slides in by hand. Use a drill of this size, or a scraper where there is a flat. No vice reaches "
+    "them later; the glue holds the part where its step says so",
+    "These holes stay tight. In their step, press the part in with a vice. If it does not go in, scrape the hole, or turn a "
+    "drill of this size in it by hand",
+    running,
+    _tool,
+)
+_IN_METAL = _Words(
+    "ream {} in which something turns to the size and the limits on the sheet of its part. What goes in drops through by its own "
+    "weight",
+    "Ream these to the fits on their sheets. Part and shaft slide together by hand, with a key where they have keyways; the "
+    "compound holds them",
+    "Ream these to the fits on their sheets, and press in what they hold in its step",
+    _bare,
+    _bare,
+)
+
+
+def _lines(holes: Mapping[float, _Holes], tool: Callable[[float], str]) -> list[str]:
     """What opens holes, and which, in words."""
     return [f"{tool(size)}: {listed(_named(parts))}" for size, parts in sorted(holes.items())]
 

@@ -109,12 +109,12 @@ def _meeting(
         long = shaft.slender or shaft.part.role == "shaft"
         gap, name = gap_under(hole, below)
         told = WORDS[fit] and (long or gap > SAME_POINT)
-        high = f", {_height(hole, shaft, below)}" if told else ""
-        set_by = between(gap) if " mm over " in high else ""
+        high = f", {_height(hole, shaft, below, fixing.metal)}" if told else ""
+        set_by = between(gap, fixing.metal) if " mm over " in high else ""
         lying = [on for each in copy.holes if (on := _lies_on(each, below))]
         if set_by and lying:
             high, set_by = f", down on {lying[0]}: {name} must keep some play", ""
-        elif told and fit == "glue" and shaft.part.process == "bought":
+        elif told and fit == "glue" and shaft.part.process == "bought" and not fixing.metal:
             high = _past_the_end(copy, shaft, gap, below, fixing) or high
         flat = f", {TURNED[outline.flat]}" if WORDS[fit] and hole.flat and outline.flat else ""
         lies = f", down on {name}" if name and gap <= SAME_POINT else ""
@@ -282,22 +282,31 @@ def _joint(hole: Round, pin: StandingCopy, below: Sequence[StandingCopy]) -> str
     return min(named, default=(False, 0.0, ""))[2]
 
 
-def _height(hole: Round, shaft: StandingCopy, below: Sequence[StandingCopy]) -> str:
+def _height(hole: Round, shaft: StandingCopy, below: Sequence[StandingCopy], metal: bool) -> str:
     """How high a part is fixed on a shaft: flush with an end, or over what lies there, or as far as one measures."""
     low = min(each.low for each in shaft.outlines)
     over = hole.low - low
     gauge = thickness_gauge(over)
     under = f" ({gauge} under it)" if gauge != FEELER else ""
-    return height_by(hole, shaft, below) or f"underside {over:.4g} mm from its lower end{under}"
+    return (
+        height_by(hole, shaft, below, metal) or f"underside {over:.4g} mm from its lower end{under}"
+    )
 
 
-def height_by(hole: Round, shaft: StandingCopy, below: Sequence[StandingCopy]) -> str:
-    """What says how high a part is fixed on a shaft: an end that is flush, or what lies under it; "" where neither does."""
+def height_by(
+    hole: Round, shaft: StandingCopy, below: Sequence[StandingCopy], metal: bool = False
+) -> str:
+    """What says how high a part is fixed on a shaft: an end that is flush, or what lies under it; "" where neither does.
+
+    metal: what lies under it first: the length of a shaft or a dowel differs by more than the gaps of metal bear.
+    """
+    gap, name = gap_under(hole, below)
+    if metal and name and gap > SAME_POINT:
+        return f"{gap:.3g} mm over {name}"
     if abs(hole.low - min(each.low for each in shaft.outlines)) < SAME_POINT:
         return "flush with its lower end"
     if abs(hole.high - max(each.high for each in shaft.outlines)) < SAME_POINT:
         return "flush with its upper end"
-    gap, name = gap_under(hole, below)
     if not name:
         return ""
     return f"{gap:.3g} mm over {name}" if gap > SAME_POINT else f"down on {name}"

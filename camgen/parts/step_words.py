@@ -85,9 +85,9 @@ def thickness_gauge(gap: float) -> str:
     return listed(filter(None, (_SHEETS[count], _STRIP if halves % 2 else "")))
 
 
-def between(gap: float) -> str:
-    """How a gap, mm, is set at the bench, in brackets."""
-    gauge = thickness_gauge(gap)
+def between(gap: float, metal: bool = False) -> str:
+    """How a gap, mm, is set at the bench, in brackets; metal: between parts of it."""
+    gauge = FEELER if metal else thickness_gauge(gap)
     return f" ({gauge} between, then pull {pronoun(gauge)} out)"
 
 

@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from camgen.files.dimensions import free, number, round_of
-from camgen.files.limits import in_limits
+from camgen.files.limits import general, in_limits
 from camgen.files.timing import Motion
 from camgen.files.title_block import Facts, Fit, Groove, Rider
 from camgen.files.tracks import looser
@@ -34,6 +34,7 @@ from camgen.parts.keyways import keyed
 from camgen.parts.materials import STEEL, Material
 from camgen.parts.part import Layer, Part, SizeNote
 from camgen.parts.standing import Round, standing
+from camgen.pipeline.thicknesses import thickness_allowances
 from camgen.tolerances import SAME_POINT
 
 _SAMPLES = 1441  # of a turn
@@ -61,6 +62,7 @@ _PIN = "m6"  # of pins that are pressed in a hole H7, as dowels are sold [ISO 87
 # are within a few thousandths of j and J.
 _JOURNAL = "js6"
 _SEAT = "JS7"
+_CAP = "F7"  # of a cap that goes on a pin m6 by hand and is glued there
 # Fits of keyways for keys h9 by their width: of DIN 6885 the light and the tight one [berger-tools.co.uk, page 2078].
 _KEY = "JS9"
 _TIGHT_KEY = "P9"
@@ -137,6 +139,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         dowel=mechanism.assembly.dowel,
         thread=mechanism.assembly.thread,
         bore_fit=bore_fit,
+        thinner=_thinner(mechanism, part, sheet.tolerance or _IN_METAL.tolerance) if cut else 0.0,
         key_fit=sheet.key_fit or (_TIGHT_KEY if own else _KEY if metal else ""),
         own_key=_asked(sheet.symmetry, _IN_METAL.symmetry) if own else 0.0,
         tracks=tuple(
@@ -172,6 +175,12 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         drawn_by=sheet.drawn_by or "",
         checked_by=sheet.checked_by or "",
     )
+
+
+def _thinner(mechanism: Mechanism, part: Part, tolerance: str) -> float:
+    """By how much a part of metal may be thinner than drawn, mm, where the gaps beside it do not bear a general tolerance; else 0."""
+    allowed = thickness_allowances(mechanism.assembly).get(part.name, math.inf)
+    return allowed if allowed < general(part.thickness, tolerance) else 0.0
 
 
 def _has_keyed_shaft(assembly: Assembly) -> bool:
@@ -550,6 +559,9 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
                         words = _held(bores, rods, pins, words, sizes[0])
                         borne = any(bore.holds(ring) for bore in bores for ring in rings)
                         own = _SEAT if borne and play and not mechanism.drawing.seat_fit else seat
+                        if part.role == "cap" and play and not mechanism.drawing.seat_fit:
+                            own = _CAP
+                            words = words.replace("press on", "glued on")
                         words = f"{in_limits(own, 2 * radius)}, {words}"
                     elif word == "slide" and play:
                         words = f"{play}, {words}"

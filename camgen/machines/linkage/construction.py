@@ -191,6 +191,7 @@ class Construction:
             keep_outs=inc.clearings(spec.includes, lambda: spec.host),
             fitting=spec.additions.fitting,
             drawn_poses=spec.drawn.start,
+            metal=materials.of(spec.material.name).metal,
         )
 
     @cached_property

@@ -164,6 +164,7 @@ class Connections:
     ] = ()  # discs on the ground that posts keep clear of
     fitting: Callable[[Any], Fitting] | None = None  # makes `fitted` of the layout on its levels
     fitted: Fitting = Fitting()
+    metal: bool = False  # whether parts are of it
     drawn_poses: Mapping[str, m.Pose] = field(default_factory=dict)  # of links by [points] alone
 
     # ---- joints -----------------------------------------------------------------------------------------------------

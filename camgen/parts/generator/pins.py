@@ -20,7 +20,15 @@ from dataclasses import replace
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.machine.features import Mount
-from camgen.parts.catalogue import BEARINGS, DOWELS, TURNED, Bearing, dowel, next_dowel
+from camgen.parts.catalogue import (
+    BEARINGS,
+    DOWELS,
+    TURNED,
+    Bearing,
+    dowel,
+    dowel_excess,
+    next_dowel,
+)
 from camgen.parts.generator.changes import Change, Unmade
 from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.layout import Layout
@@ -245,16 +253,26 @@ def _dowel_length(layout: Layout, grip: float) -> tuple[float, float, float]:
     """Length of the dowel through so much, the least that holds its cap, and the most, mm.
 
     As thick a cap is printed as it is long, one of sheet is filled by three quarters, or by the next longer one, which stands
-    out by less than another sheet.
+    out by less than another sheet. Between parts of metal the longest that is sold under its name has room, where one is long enough.
     """
     s = layout.sizes
-    length = dowel(s.pin_diameter, grip + s.thickness)
+    most = grip + s.thickness
+    length = dowel(s.pin_diameter, most)
+    if layout.metal and not s.of_sheet:
+        room = most + layout.fits.slide_clearance
+        shorter = dowel(s.pin_diameter, room - dowel_excess(length)) if length else 0.0
+        length = shorter if shorter >= grip + _least_cap(layout) else length
     if not s.of_sheet:
-        return length, grip + max(layout.min_wall, s.head / 2), grip + s.thickness
+        return length, grip + _least_cap(layout), most
     least = grip + _HELD * s.thickness
     if length < least:
         length = next_dowel(s.pin_diameter, least)
     return length, least, grip + 2 * s.thickness
+
+
+def _least_cap(layout: Layout) -> float:
+    """Thickness of the thinnest cap of a dowel that is not of sheet, mm."""
+    return max(layout.min_wall, layout.sizes.head / 2)
 
 
 def tall(layout: Layout) -> frozenset[str]:
