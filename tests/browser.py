@@ -103,6 +103,17 @@ PROBE = """(async () => {
     found.address = [location.hash, count.value];
     location.hash = "#step=2";
     await until(() => seek.value == 2);
+    const names = () => [...document.querySelectorAll("#marks .part")];  // of what comes, clear of all other labels
+    for (let k = 2; k <= seek.max && !names().length; k++) {
+      location.hash = "#step=" + k;
+      await until(() => seek.value == k);
+    }
+    const before = Number(bench.dataset.drawn || 0);
+    if (names().length) await until(() => Number(bench.dataset.drawn) > before);
+    const boxes = [...document.querySelectorAll("#marks b")].map(label => [label, label.getBoundingClientRect()]);
+    const meet = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
+    found.named = names().map(label => label.textContent);
+    found.over = boxes.filter(([label, box]) => label.className === "part" && boxes.some(([other, more]) => other !== label && meet(box, more))).length;
   }
   found.wide = document.documentElement.scrollWidth - document.documentElement.clientWidth;
   return found;
@@ -264,6 +275,8 @@ def chromium(path: Path) -> str:
         addressed = found["address"] == [f"#step={one_back}", f"Step {one_back} of {last}"]
         wrong += [] if addressed else [f"address of a step: {found['address']}"]
         wrong += [] if found["bench"] > 100 else [f"bench: {found['bench']} pixels drawn"]
+        wrong += [] if found["named"] else ["no part that comes is named"]
+        wrong += [f"{found['over']} names of parts over other labels"] if found["over"] else []
     wrong += [f"{found['edges']} pixels at the edges"] if found["edges"] else []
     wrong += [] if found["wheel"] == [True, False] else ["the wheel scrolls where it is to zoom"]
     wrong += [] if found["part"] else ["no part is named"]

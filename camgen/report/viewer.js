@@ -907,7 +907,7 @@
       if (lift.length()) arrows(box, into, now.spring.length ? [] : [...mates.filter(({ within }) => !within), ...loose]);
       mates.forEach(mate => glued(mate.comes || mate.within ? coming : there, mate));
       tags = lettered(now.own.map(k => ({ k, matrix: stand(k) })));
-      name(mates);
+      name(mates, called(now.coming));
     }
     function unmet(things, mates) {  // middles of what comes and is nowhere fixed on or loose against another; things: by their copies
       const boxes = things.map(numbers => new THREE.Box3().setFromPoints(corners(numbers)));
@@ -924,8 +924,18 @@
         mark(coming, body, tip.toArray(), "--link", { transparent: true, depthTest: false });
       });
     }
+    function called(numbers) {  // names of what comes: each copy has its own where they are few, else alike ones one together
+      const alike = new Map();
+      numbers.forEach(k => {
+        const key = numbers.length > 6 ? copies[k].part.name : k;
+        alike.set(key, [...(alike.get(key) || []), k]);
+      });
+      return [...alike.values()].map(own => ({
+        label: copies[own[0]].part.name + (own.length > 1 ? " × " + own.length : ""), how: "part", moves: true, ends: corners([own[0]]),
+      }));
+    }
     const most = 24;  // labels in one picture: of more, those of glue alone
-    function name(mates) {  // letters of the holes that come, and of those that they go on or through
+    function name(mates, parts = []) {  // letters of the holes that come, and of those that they go on or through
       const words = { glue: "glue", press: "pressed, no glue", free: "no glue" };
       mates.forEach(({ how, label, place, comes, within }) => {
         const at = new THREE.Vector3(...place);
@@ -934,9 +944,11 @@
         else tags.push({ label, how, moves: within || !comes, at });
       });
       if (tags.length > most) tags = tags.filter(tag => tag.how && tag.how !== "free");
+      tags.push(...parts);
       marks.replaceChildren(...tags.map(({ label, how }) => {
-        const text = [label, words[how]].filter(Boolean).join(": ");
-        return Object.assign(document.createElement("b"), { textContent: text, className: how });
+        const text = [label, words[how]].filter(Boolean).join(": "), mark = Object.assign(document.createElement("b"), { textContent: text, className: how });
+        if (how === "part") mark.append(document.createElement("i"));  // its leader
+        return mark;
       }));
       ["glue", "free"].forEach(how => { frame.querySelector(".bench-keys ." + how).hidden = !mates.some(mate => mate.how === how); });
       frame.querySelector(".below").hidden = direction(steps[number]).z <= 0;
@@ -966,9 +978,13 @@
         });
         renderer.setScissorTest(false);
       }
-      const taken = [], origin = new THREE.Vector3();
+      const taken = inset.hidden ? [] : [[inset.offsetLeft, inset.offsetTop, inset.offsetWidth, inset.offsetHeight]], origin = new THREE.Vector3();
       tags.forEach((tag, k) => {
-        const { at, moves, how } = tag, label = marks.children[k], { wide, high } = tag.size ||= { wide: label.offsetWidth, high: label.offsetHeight };
+        const { at, moves, how, ends } = tag, label = marks.children[k], { wide, high } = tag.size ||= { wide: label.offsetWidth, high: label.offsetHeight };
+        if (ends) return lead(label, ends.map(end => {
+          place.copy(end).add(coming.position).project(camera);
+          return [(place.x + 1) / 2 * width, (1 - place.y) / 2 * height];
+        }), [wide, high], width, taken);
         place.copy(at).add(moves ? coming.position : origin).project(camera);
         const aside = { glue: -1.04, press: -1.04, free: 0.04 }[how] || -0.5;
         const [x, y] = clear([(place.x + 1) / 2 * width + aside * wide, (1 - place.y) / 2 * height - high / 2, wide, high], taken);
@@ -976,6 +992,17 @@
       });
       canvas.dataset.drawn = Number(canvas.dataset.drawn || 0) + 1;
       if (!calm && share < 1 && lift.length()) ask();
+    }
+    // A part's name beside it, on the side on which it is nearer to the picture's edge, and a line to its end there.
+    function lead(label, ends, [wide, high], width, taken) {
+      const right = ends.reduce((sum, [x]) => sum + x, 0) > width / 2 * ends.length, along = right ? 1 : -1;
+      const [px, py] = ends.reduce((best, end) => (end[0] - best[0]) * along > 0 ? end : best);
+      const left = Math.max(2, Math.min(width - wide - 2, right ? px + 24 : px - 24 - wide));
+      const [x, y] = clear([left, py - high / 2, wide, high], taken), from = right ? x : x + wide, line = label.lastChild;
+      label.style.transform = "translate(" + x + "px, " + y + "px)";
+      line.style.left = from - x + "px";
+      line.style.width = Math.hypot(px - from, py - y - high / 2) + "px";
+      line.style.transform = "rotate(" + Math.atan2(py - y - high / 2, px - from) + "rad)";
     }
     const turns = { ArrowLeft: -1, ArrowRight: 1, Home: -Infinity, End: Infinity };
     canvas.addEventListener("keydown", event => {
