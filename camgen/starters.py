@@ -93,6 +93,7 @@ METAL = {
         "parts.bore=20",
         "parts.bore_shape=keyway",
         *_ROLLER,
+        "load.gravity_deg=-90",
     ),
     "indexing-cam": (
         "material.name=C45",

@@ -14,6 +14,9 @@ fatigue  the amplitude of the stress at a mean keeps below Goodman's line for en
          extension springs, after Shigley, Mechanical Engineering Design; machinecalcs.com, Spring fatigue life calculator]
 solid    of a compression spring with closed, ground ends: (n + 2) d; it is never pressed so far by 15 % of its greatest stretch
          [Shigley, Mechanical Engineering Design, eq. 10-17, table 10-1]
+eyes     whole German ones, 0.8 to 1.1 of the inside diameter high: a round one [blog.federnshop.com/en/eyelet-shapes-extension-springs]
+forces   of extension springs to DIN 2097, grade 2 [blog.federnshop.com/en/tension-spring-tolerances], of compression springs to
+         EN 15800, grade 2
 """
 
 from __future__ import annotations
@@ -44,6 +47,10 @@ _RESERVE = 0.15  # of a compression spring's greatest stretch, that it is off it
 
 
 _BESIDE = "between your frame and your follower"
+_ROUND_STEM = "round your follower's stem, between its guide and its head"
+_WIRE = "EN 10270-1 SM"
+_PLAY = 1.0  # mm, of a spring round a stem
+_WIDER_COILS = (1.0, 1.25, 1.5, 2.0, 3.0)  # than its stem needs
 
 
 @dataclass(frozen=True)
@@ -197,7 +204,7 @@ class ExtensionSpring(HelicalSpring):
             f"wire {self.wire:g}, outside diameter {self.outside:.3g}, {self.coils:.3g} coils, free length {self.free:.4g} "
             f"inside the eyes: closed coils of {self.body:.4g}{legs}, "
             f"{self.rate:.4g} N/mm, {self.force(shortest):.4g} N at {shortest:.4g} "
-            f"and {self.force(longest):.4g} N at {longest:.4g}"
+            f"and {self.force(longest):.4g} N at {longest:.4g}, {_WIRE}, no initial tension, whole German eyes, DIN 2097 grade 2"
         )
         return Bought("extension spring", "EN 13906-2", size, 1, "spring", key="spring.rate")
 
@@ -275,7 +282,7 @@ class CompressionSpring(HelicalSpring):
         size = (
             f"wire {self.wire:g}, inside diameter {self.inside:.3g}, {self.coils:.3g} coils and a closed, ground one at each end, "
             f"free length {self.free:.4g}, {self.rate:.4g} N/mm, {self.force(longest):.4g} N at {longest:.4g} "
-            f"and {self.force(shortest):.4g} N at {shortest:.4g}, solid length {self.solid:.4g}"
+            f"and {self.force(shortest):.4g} N at {shortest:.4g}, solid length {self.solid:.4g}, {_WIRE}, EN 15800 grade 2"
         )
         return Bought("compression spring", "EN 13906-1", size, 1, "spring", key="spring.rate")
 
@@ -350,21 +357,52 @@ def wound(rate: float, low: float, travel: float) -> WorkingSpring | None:
     return min(springs, key=lambda each: each.shortest, default=None)
 
 
-def wished(wish: tuple[float, float, float] | None) -> dict[str, WorkingSpring]:
+def round_stem(rate: float, low: float, travel: float, stem: float) -> WorkingSpring | None:
+    """A compression spring to be wound round a stem of a diameter, mm, that presses with `low` N at its longest and by `rate` N/mm
+    more over its travel, mm; the slimmest that lasts, of these the shortest; None where none does. Without a rate as `wound`."""
+    stiff = rate or low / 3 / travel
+    stretch = low / stiff + travel
+    for wider in _WIDER_COILS:
+        springs: list[WorkingSpring] = []
+        for wire in WIRES:
+            mean = wider * (stem + _PLAY) + wire
+            coils = _SHEAR * wire**4 / (8 * mean**3 * stiff)
+            spring = CompressionSpring(wire, mean + wire, coils, 0.0, stiff)
+            shortest = spring.solid + _RESERVE * stretch
+            spring = replace(spring, free=shortest + stretch)
+            windable = coils >= _LEAST_COILS and _INDEX[0] <= mean / wire <= _INDEX[1]
+            made = WorkingSpring(spring, shortest, shortest + travel, False)
+            if windable and spring.stress(spring.solid) <= spring.strength and made.lasts:
+                springs.append(made)
+        if springs:
+            return min(springs, key=lambda each: each.longest)
+    return None
+
+
+def wished(wish: tuple[float, float, float] | None, stem: float = 0.0) -> dict[str, WorkingSpring]:
     """A return spring that is no part, by its name in findings; wish: rate, N/mm, least pull, N, travel, mm. None where none
-    is asked for, or none can be."""
-    spring = None if wish is None else wound(*wish)
+    is asked for, or none can be.
+
+    stem: diameter of that round which it presses, mm; 0, or where no such spring lasts: it pulls."""
+    spring = None if wish is None or not stem else round_stem(*wish, stem)
+    spring = spring or (None if wish is None else wound(*wish))
     return {} if spring is None else {"return spring, to be wound": spring}
 
 
-def to_wind(wish: tuple[float, float, float] | None) -> list[Bought]:
+def to_wind(wish: tuple[float, float, float] | None, stem: float = 0.0) -> list[Bought]:
     """Lines in the parts list of the same; where none can be wound, what is asked of a spring that is yours to choose."""
     if wish is None:
         return []
-    found = wished(wish)
+    found = wished(wish, stem)
     if found:
         return [
-            replace(each.bought, name=name, role="", how=_BESIDE) for name, each in found.items()
+            replace(
+                each.bought,
+                name=name,
+                role="",
+                how=_ROUND_STEM if each.spring.stretches < 0 else _BESIDE,
+            )
+            for name, each in found.items()
         ]
     rate, low, travel = wish
     size = f"preload {low:.4g} N, rate {rate or low / 3 / travel:.4g} N/mm, stretched {travel:.4g} mm further: yours to choose"

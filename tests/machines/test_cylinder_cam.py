@@ -339,6 +339,17 @@ def test_forces_are_those_of_the_follower() -> None:
     assert not off.ok
 
 
+def test_the_weight_of_the_follower_counts_or_is_said_not_to() -> None:
+    """0.5 kg up a drum that stands and hardly turns: m g ds/dtheta, 14.32 mm/rad at the steepest of a cycloid of 15 mm over 120 deg."""
+    slow = {"speed_rpm": 1e-3}
+    upright = drum(load={"mass_kg": 0.5, "gravity_deg": -90.0}, motor=slow).study()
+    weight = 0.5 * 9.80665
+    assert upright.numbers["peak_torque_n_m"] == pytest.approx(weight * 14.32394e-3, rel=1e-4)
+    assert not any("axis lies level" in note for note in upright.notes)
+    level = drum(load={"mass_kg": 0.5}, motor=slow).study()
+    assert any("load.gravity_deg = -90 counts it" in note for note in level.notes)
+
+
 # rollers of the reference reach from 22 to 30 mm
 LONG = {"radius": 30.0, "roller": {"radius": 5.0, "length": 8.0, "end_clearance": 0.001}}
 

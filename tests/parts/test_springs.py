@@ -8,10 +8,13 @@ import pytest
 
 from camgen import guide
 from camgen.parts.springs import (
+    WIRES,
     CompressionSpring,
     ExtensionSpring,
     compression_spring,
     extension_spring,
+    round_stem,
+    to_wind,
     wound,
 )
 
@@ -193,3 +196,23 @@ def test_a_compression_spring_is_wider_where_a_slim_one_is_long_or_not_at_all() 
     assert isinstance(wide.spring, CompressionSpring) and wide.spring.inside > 6.61
     assert wide.shortest < 80
     assert compression_spring(50.0, 4000.0, 12.0, 6.6, 12.2) is None
+
+
+def test_a_spring_round_a_stem_presses_with_its_force_and_stays_off_its_solid_length() -> None:
+    """15 N at its longest and 12 more over 12 mm at 1 N/mm: R = G d^4 / (8 D^3 n) [EN 13906-1]; of its stretch of 27 mm 15 % are left
+    over the solid length (n + 2) d [Shigley, eq. 10-17, table 10-1]. Where no such spring lasts one pulls."""
+    made = round_stem(1.0, 15.0, 12.0, 10.0)
+    assert made is not None and made.lasts
+    spring = made.spring
+    assert spring.inside >= 11.0 and spring.wire in WIRES
+    assert 81500 * spring.wire**4 / (8 * spring.mean**3 * spring.coils) == pytest.approx(1.0)
+    assert spring.force(made.longest) == pytest.approx(15.0)
+    assert spring.force(made.longest - 12) == pytest.approx(27.0)
+    solid = (spring.coils + 2) * spring.wire
+    assert made.shortest - solid == pytest.approx(0.15 * 27)
+    (line,) = to_wind((1.0, 15.0, 12.0), 10.0)
+    assert line.standard == "EN 13906-1" and "EN 10270-1 SM, EN 15800 grade 2" in line.size
+    assert line.how.startswith("round your follower's stem")
+    assert round_stem(100.0, 10.0, 12.0, 4.0) is None
+    for pulls in (to_wind((1.0, 15.0, 12.0)), to_wind((100.0, 10.0, 12.0), 4.0)):
+        assert pulls[0].standard == "EN 13906-2" and "no initial tension" in pulls[0].size

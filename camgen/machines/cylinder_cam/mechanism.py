@@ -88,6 +88,11 @@ _FOLLOWER = "follower"
 _LEAST_PRESS = 2.0  # N, of the springs of a machine: its carriage rubs
 _OVER = 1.5  # of what keeps contact
 _SMOOTHER = "a law that ends smoother, or 'matched', joins them"
+_WEIGHTLESS = (
+    "The drum's axis lies level, so that the follower's weight asks for no torque; where it stands upright, "
+    "load.gravity_deg = -90 counts it."
+)
+_ARM_S_WEIGHT = "The arm's weight is not judged: its inertia does not say where it pulls."
 _FLATTER = "a larger geometry.radius, a longer span or a smaller lift lowers it"
 
 
@@ -752,6 +757,8 @@ class CylinderCam(Mechanism):
         guide = self.geometry.follower.guide or self.track.radius
         borne = [*pressed(self.track, effort).figures(guide), *self._lives.figures]
         notes = [*study.notes]
+        if not gravity(self.load):
+            notes.append(_WEIGHTLESS if slides else _ARM_S_WEIGHT)
         if self.geometry.track == "groove":
             spins = self._roller.reversals(effort)
             borne += self._roller.reversal_figures(spins)

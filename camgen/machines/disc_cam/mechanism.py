@@ -83,6 +83,7 @@ from camgen.parts.springs import to_wind, wished
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study
 from camgen.tolerances import WALL_FACETS
 
+_STEM = 0.5  # of the bore: diameter of a stem of metal
 _TIE = 1e-6  # deg or mm from a limit, nearer than which a cam of many is looked at by itself
 
 
@@ -346,6 +347,11 @@ class DiscCamDrive(CamTables):
             return None
         return self.spring.rate, self.spring.preload, self._highest[1] - self._highest[0]
 
+    @property
+    def _stem(self) -> float:
+        """Diameter of the follower's stem, mm, round which a spring presses it on a cam of metal: camgen's own rule; else 0."""
+        return _STEM * self.making.bore if materials.of(self.material.name).metal else 0.0
+
     def _unjudged(self) -> Sequence[NotJudged]:
         """Of a cam alone without a load: a material that is not printed has a strength that wants to be judged."""
         if self.standing or self._load is not None or materials.of(self.material.name).printed:
@@ -376,7 +382,7 @@ class DiscCamDrive(CamTables):
         groove = self.geometry.closure == "groove"
         parts = [*with_upper_sides(alone.plates, alone.outlines), *alone.shoe]
         made = self._assembly(parts, alone.mounts(), alone.outlines)
-        spring = wished(self._spring_wish)
+        spring = wished(self._spring_wish, self._stem)
         hub = self.making.hub(self.allowed.min_wall)
         name = alone.plates[0].name
         screw = [] if hub is None else hub.bought(self.making.hub_diameter / 2, name)
@@ -388,7 +394,13 @@ class DiscCamDrive(CamTables):
         return replace(
             made,
             springs=spring,
-            bought=[*shaft, *screw, *to_wind(self._spring_wish), *alone.dowels(), *alone.screws()],
+            bought=[
+                *shaft,
+                *screw,
+                *to_wind(self._spring_wish, self._stem),
+                *alone.dowels(),
+                *alone.screws(),
+            ],
             motor=MotorSeat(hub=hub),
             dowel=self.making.pin_diameter if groove else 0.0,
             thread=alone.screw.thread if groove and alone.screw else "",
