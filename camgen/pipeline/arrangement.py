@@ -39,14 +39,13 @@ def arrangement_of(mechanism: Mechanism, listed: Table) -> Arrangement:
     assembly = mechanism.assembly
     axes, moving = _axes(assembly)
     line = _line([axis.at for axis in axes], moving)
-    poses = assembly.poses(np.zeros(1))
     numbers = {part.name: k for k, part in enumerate(assembly.parts, 1)}
-    tolerance = mechanism.accuracy.chord_tolerance
-    copies = [
-        _copy(k, assembly.by_name[name], pose, line, tolerance)
-        for name, k in numbers.items()
-        for pose in poses[name]
-    ]
+    copies = _copies(mechanism, line)
+    if all(copy.cut.is_empty for copy in copies):  # axes apart from all that is made
+        faces = [face for copy in copies for face, _ in copy.faces]
+        inside = max(faces, key=lambda face: float(face.area)).representative_point()
+        line = complex(inside.x, inside.y), 1 + 0j
+        copies = _copies(mechanism, line)
     rows = [row[:4] for row in listed.rows]
     items = [
         Item(str(what), count, str(how), numbers[name])
@@ -106,6 +105,18 @@ def _line(standing: Sequence[complex], moving: Sequence[complex]) -> tuple[compl
             ways.append(-way if way.real < -_ON_LINE else way)
     best = max(ways, key=met)
     return origin, 1 + 0j if math.isclose(best.real, 1.0) else best
+
+
+def _copies(mechanism: Mechanism, line: tuple[complex, complex]) -> list[Copy]:
+    """All copies where they stand, cut along a line."""
+    assembly = mechanism.assembly
+    poses = assembly.poses(np.zeros(1))
+    tolerance = mechanism.accuracy.chord_tolerance
+    return [
+        _copy(k, part, pose, line, tolerance)
+        for k, part in enumerate(assembly.parts, 1)
+        for pose in poses[part.name]
+    ]
 
 
 def _copy(

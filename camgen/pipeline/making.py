@@ -119,7 +119,7 @@ def draw_machine(case: Case, folder: Path) -> None:
     motions = timing_of(mechanism)
     if len(motions) > 1:
         write_timing(folder, name, motions, machine_facts(mechanism, "timing", "-00"))
-    if len(mechanism.assembly.parts) > 1:
+    if len(mechanism.assembly.parts) > 1 and mechanism.assembly.mounts:
         arrangement = arrangement_of(mechanism, parts_table(mechanism))
         write_arrangement(folder, name, arrangement, machine_facts(mechanism, "assembly"))
 

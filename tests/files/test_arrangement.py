@@ -183,6 +183,17 @@ def test_every_part_has_its_number_and_its_row(name: str, tmp_path: Path) -> Non
     assert all(numbers[str(number)] >= 2 for number in (*front, *cut))
 
 
+def test_a_section_that_would_miss_all_parts_goes_through_the_largest(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As where all axes lie beside what is made."""
+    mechanism, _ = machine("gallery/flapping-bird")
+    monkeypatch.setattr("camgen.pipeline.arrangement._line", lambda *_: (1e4j, 1 + 0j))
+    found = arrangement_of(mechanism, parts_table(mechanism))
+    largest = max(found.copies, key=lambda copy: max(face.area for face, _ in copy.faces))
+    assert not largest.cut.is_empty and found.line[1] == 1
+
+
 def test_the_drawing_for_cad_is_at_full_size(tmp_path: Path) -> None:
     """Its edges as ezdxf reads them are as wide and as high as the machine, from the machine's own origin."""
     _, arrangement = machine("gallery/flapping-bird")
