@@ -31,6 +31,7 @@ _OFF_KEY = 8.0
 _PAST_DATUM = 10.0  # more where the datum of a flat is between
 _BESIDE = 0.6  # of half a flat's width, from the axis to its datum
 _TURN = math.radians(1.0)  # that a flat may leave: camgen's own rule
+_CORNER = 0.2  # mm, of a bore's flat: as much as the edges of its shaft are broken
 _STEP = 0.005  # mm, of the limits over a flat
 
 
@@ -95,6 +96,9 @@ class BoreDetail:
         sheet.text(complex(low.real + 1.5, level), title, 3.5)
         if keyed(self.contour) and self.facts.key_fit and keyway(2 * radius):
             sheet.text(complex(low.real + 1.5, level - 4.2), "keyway's corners as DIN 6885", 2.5)
+        elif flat and self.facts.key_fit:
+            said = f"corners of the flat at most R{number(_CORNER)}"
+            sheet.text(complex(low.real + 1.5, level - 4.2), said, 2.5)
         self._sizes(sheet, at, scale)
 
     def _sizes(self, sheet: Sheet, at: complex, scale: float) -> None:

@@ -38,6 +38,7 @@ from camgen.parts.keyways import keyed
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
 
+_MISREAD = ("I", "O", "Q")  # letters that are no datum's [ISO 5459]
 _LETTERS = 2  # of a hole's name that is a datum's
 _SMALLEST = 2.0  # height of text in a table, mm
 _OUTSIDE = "h9"  # fit of a drum's outside: what passes it gets no nearer
@@ -142,8 +143,9 @@ class DrawnPart:
         tops = [each.centre.imag + each.tip - self.high.imag for each in self.riders]
         self.rise = max([0.0, *tops])  # of a follower over the part, mm of the part
         self.disc = self._disc()
-        # the hole about the axis of a round part
-        self.centred = self.datum_letter if self.disc is not None and not self.turns else ""
+        # the hole about the axis of a round part, in words
+        centred = self.disc is not None and not self.turns and bool(self.datum_letter)
+        self.centred = self.zero_is.removeprefix("the centre of ") if centred else ""
         self.rim_letter = self._rim_letter()
         self.datum_letter = self.datum_letter or self.rim_letter
         self.angle_hole = self._angle_hole()
@@ -249,8 +251,8 @@ class DrawnPart:
         return self._letter_of(name) if name and abs(self.zero) > SAME_POINT else self.datum_letter
 
     def _letter_of(self, name: str) -> str:
-        """Letter of the datum that a hole is: its name, or where that is a word the next that is free [ISO 5459]."""
-        return name if len(name) <= _LETTERS else self._second
+        """Letter of the datum that a hole is: its name, or where that is a word or may be misread the next that is free [ISO 5459]."""
+        return name if len(name) <= _LETTERS and name not in _MISREAD else self._second
 
     def _shape(self, hole: Hole) -> str:
         """What a hole is, with its fit; of a bore on whose shaft nothing else is known that of the spec."""
@@ -311,7 +313,7 @@ class DrawnPart:
     def _second(self) -> str:
         """Letter of the next datum that is no hole with a name: a keyway, a dowel's hole, a rim, a face."""
         names = {label[:1] for label, _ in self.named}
-        taken = {*names, self.datum_letter, self.angle_letter, "I", "O"}
+        taken = {*names, self.datum_letter, self.angle_letter, *_MISREAD}
         return next(letter for letter in ascii_uppercase if letter not in taken)
 
 

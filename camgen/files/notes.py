@@ -136,7 +136,7 @@ def _corner_notes(drawn: DrawnPart) -> list[str]:
     if facts.corner and drawn.bosses and drawn.turns and not drawn.part.drum:
         lines.append(f"Corners of hub and disc at most R{number(facts.corner)}")
     if facts.run_out and drawn.centred and (facts.outer_fit or drawn.part.points):
-        lines.append(f"Rim runs out at most {number(facts.run_out)} to hole {drawn.centred}")
+        lines.append(f"Rim runs out at most {number(facts.run_out)} to {drawn.centred}")
     if facts.profile and drawn.surface:
         if drawn.hollow < _STRAIGHT:  # rounded down: a larger wheel cuts into the track
             least = math.floor(10 * drawn.hollow) / 10

@@ -105,7 +105,8 @@ def called(part: Part, count: int = 1) -> str:
     """What so many copies of a part are called in a sentence: by their name, and where that says too little by their title."""
     title = part.title[:1].lower() + part.title[1:]
     words = set(re.split(r"\W+|_", title.lower()))
-    if part.role in _BY_NAME or part.title == f"Link {part.name}":
+    link = part.points and part.title.lower() == part.name.replace("_", " ").lower()
+    if part.role in _BY_NAME or link:
         title = part.name
     elif count == 1:
         title = f"the {title}"

@@ -965,11 +965,9 @@ def test_a_step_says_which_end_is_down_and_counts_what_has_no_letter() -> None:
     round_below = machine.assembly.by_name["shaft-driven_link"].layers[0].region.outer
     assert len(round_below.pieces) == 1, "no flat at its lower end"
     titles = [step.title for step in steps_of_assembly(machine).steps]
-    (shaft,) = (
-        title for title in titles if title.startswith("Stand the shaft of link driven_link")
-    )
+    (shaft,) = (title for title in titles if title.startswith("Stand the shaft of driven link"))
     assert "upright, its flat end up; loose" in shaft
-    (plain,) = (title for title in titles if title.startswith("Stand the shaft of link follower"))
+    (plain,) = (title for title in titles if title.startswith("Stand the shaft of follower"))
     assert "upright; loose" in plain, "both ends are alike"
     (plate,) = (
         title for title in titles if "lower the ground plate over all ends at once" in title

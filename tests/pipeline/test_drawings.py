@@ -20,6 +20,7 @@ from camgen import starters
 from camgen.errors import SpecError
 from camgen.files.dimensions import edge_rows
 from camgen.files.drawing import write_drawing
+from camgen.files.drawn_part import DrawnPart
 from camgen.files.title_block import Facts
 from camgen.geometry.outlines import polygon
 from camgen.machines.mechanism import Mechanism
@@ -427,3 +428,22 @@ def test_only_cams_have_a_table_of_radii() -> None:
         told == {name for name in names if name.startswith("cam-")}
         and "gear-gears-follower" in names
     )
+
+
+def test_datums_have_no_letter_that_is_misread_and_parts_the_names_of_their_field() -> None:
+    """ISO 5459 advises against I, O and Q: the crank's hole O is datum A, and its table has it as hole O still."""
+    mechanism, found = facts("gallery/geneva-table", *starters.METAL["geneva-table"])
+    parts = {part.name: part for part in mechanism.assembly.parts}
+    crank = DrawnPart(parts["crank"], "x", 1e-3, found["crank"])
+    assert (crank.datum_letter, crank.angle_letter, crank.rows[0][0]) == ("A", "B", "O")
+    ground = DrawnPart(parts["ground"], "x", 1e-3, found["ground"])
+    assert ground.datum_letter == "A" and ground.zero_is == "the centre of hole O"
+    titles = {name: part.title for name, part in parts.items()}
+    assert titles["crank"] == "Driver crank" and titles["table"] == "Table"
+    assert titles["lock-crank_to_table"] == "Locking disc of crank"
+    assert titles["shaft-table"] == "Shaft of table"
+
+
+def test_the_corners_of_a_flat_have_a_radius(tmp_path: Path) -> None:
+    said = _notes("geneva-crank_to_table", tmp_path, "parts.shaft_key=false")
+    assert "corners of the flat at most R0.2" in said

@@ -43,6 +43,7 @@ from camgen.parts.generator.discs import (
     shaft_cap,
 )
 from camgen.parts.generator.dowels import dowel_holes, stud_holes
+from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.joints import features_of, part_name, point_of
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.link_outlines import own_contours, slot_holes
@@ -316,7 +317,7 @@ class Bodies:
         ]
         return Part(
             part_name(link),
-            f"Link {link}",
+            self._titled(link),
             (*layers, *rails(layout, link, thick)),
             centres=tuple(points.values()),
             notes=tuple(notes),
@@ -325,6 +326,12 @@ class Bodies:
             drawn_layer=len(layers) - 1,
             points=tuple(points.items()),
         )
+
+    def _titled(self, link: str) -> str:
+        """What a link is called: by its name, one that drives a Geneva wheel as the driver too."""
+        name = link.replace("_", " ")
+        drives = any(each.joint.cam == link for each in self.layout.drives_of(GenevaDrive))
+        return f"Driver {name}" if drives else name[:1].upper() + name[1:]
 
     def _pressed(self, link: str) -> list[str]:
         layout = self.layout
@@ -464,8 +471,8 @@ class Bodies:
             else 0.0
         )
         layer = Layer(Region(self.sizes.shaft_profile), 0.0, below + top)
-        title = "Shaft" if alone else f"Shaft of link {link}"
-        said = f"glued into link {link}" + (
+        title = "Shaft" if alone else f"Shaft of {link.replace('_', ' ')}"
+        said = f"glued into {link}" + (
             ", turns in the second plate" if stub.hangs else " and the collar"
         )
         s = self.sizes

@@ -223,7 +223,8 @@ def dowelled_parts(layout: Layout, dowelled: DowelledWheel | DowelledEdge) -> It
     link = wheel.link
     sizes = layout.sizes
     start = float(layout.machine.start_of(link).angle)
-    kind = "ring" if dowelled.within else "lock" if isinstance(dowelled, DowelledEdge) else "sun"
+    locks = isinstance(dowelled, DowelledEdge)
+    kind = "ring" if dowelled.within else "locking crescent" if locks else "sun"
     above = "which lies under it" if dowelled.lies == "over" else "which lies over it"
     on = "the ground plate" if link == GROUND else f"link {link}, {above}"
     region = _dowelled_region(layout, dowelled, f"{kind} of {link}")

@@ -62,7 +62,7 @@ class GenevaDrive(EdgeDrive):
     def lock(self) -> Wheel:
         """What locks the wheel."""
         link = self.joint.cam
-        return Wheel(self.level, link, self.geneva.lock, f"lock of {link}")
+        return Wheel(self.level, link, self.geneva.lock, f"locking disc of {link}")
 
     @property
     def slotted(self) -> Wheel:

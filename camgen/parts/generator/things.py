@@ -246,7 +246,7 @@ def _kind(dowelled: DowelledWheel | DowelledEdge) -> str:
     """What dowels hold, in messages."""
     if dowelled.within:
         return "ring"
-    return "lock" if isinstance(dowelled, DowelledEdge) else "sun"
+    return "locking crescent" if isinstance(dowelled, DowelledEdge) else "sun"
 
 
 def _chords(
