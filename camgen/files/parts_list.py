@@ -32,6 +32,11 @@ class Row:
     print_min: float
 
 
+def layer_height(nozzle: float, layer: float | None) -> float:
+    """Height of layers, mm: as given, or a share of the nozzle's diameter, mm."""
+    return layer or LAYER_SHARE * nozzle
+
+
 def parts_list(
     parts: Sequence[Part],
     density: float,
@@ -46,7 +51,7 @@ def parts_list(
     LAYER_SHARE * nozzle unless given. sides: on which each part lies; without them as drawn.
     """
     filled = infill * density / 1000  # g/mm^3
-    layer = layer or LAYER_SHARE * nozzle
+    layer = layer_height(nozzle, layer)
     flow = nozzle * layer * PRINT_SPEED
     rows = []
     for part in parts:

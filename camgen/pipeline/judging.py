@@ -50,7 +50,7 @@ from camgen.pipeline.shopping import choices, steps_of_assembly
 from camgen.pipeline.summary import plates_of
 from camgen.progress import Progress
 from camgen.report.report import Report
-from camgen.study import Figure, Figures, Plot, Study, Table, united
+from camgen.study import Figure, Figures, Plot, Study, Table, figures_in, united
 from camgen.workers import Workers
 
 _SIDE_FILES = ("spec.toml", "motion.csv", "report.json", "manifest.json")
@@ -556,6 +556,7 @@ def judge_animation(case: Case, kinds: Sequence[str]) -> Outcome:
 def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
     """The parts list, as in its file, with mass and print time of all that is printed, what of it needs supports, faces
     between layers, and the steps of assembly."""
+    from camgen.files.parts_list import layer_height
     from camgen.judge.parts_table import judge_list
     from camgen.pipeline.whole_layers import between, too_thin
 
@@ -568,6 +569,8 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
         minutes = sum(float(str(row[6])) for row in rows)
         figures.append(Figure("print time", minutes / 60, "h"))
         figures.append(Figure("print infill", mechanism.material.infill, ""))
+        layer = layer_height(mechanism.print.nozzle, mechanism.print.layer)
+        figures += figures_in("mm", print_layer=layer, print_nozzle=mechanism.print.nozzle)
         stand = mechanism.assembly.support
         if stand is not None:
             of_stand = sum(float(str(row[6])) for row in rows if row[1] in stand.parts)

@@ -381,8 +381,21 @@ def _plates(report: Report) -> str:
         )
     count = len(cards)
     these = f"these {count} plates: they hold" if count > 1 else "this plate: it holds"
-    said = f"<p>Print {these} every part. The files of single parts are for one that you print again.</p>"
+    again = "The files of single parts are for one that you print again."
+    said = f"<p>Print {these} every part. {_settings(report)}{again}</p>"
     return said + _cards(cards) if cards else ""
+
+
+def _settings(report: Report) -> str:
+    """With which settings of the slicer the estimates are, as a sentence; "" where nothing is known of them."""
+    known = {each.quantity: each.value for each in report.numbers.records}
+    if not {"print layer", "print nozzle", "print infill", "print time"} <= {*known}:
+        return ""
+    supports = "supports under overhangs" if known.get("supports") else "no supports"
+    return (
+        f"Settings: layers of {known['print layer']:.2g} mm, a nozzle of {known['print nozzle']:g} mm, "
+        f"{known['print infill']:.0%} infill, {supports}. So it takes about {known['print time']:.2g} h. "
+    )
 
 
 def _sheets(report: Report) -> str:

@@ -196,8 +196,9 @@ def _print_time(report: Report) -> str:
         return ""
     of_stand = f"; the stand takes {stand:.2g} h of it, and can be cut from sheet instead"
     infill = hours.get("print infill", 1.0)
-    filled = "if solid" if infill == 1 else f"at {infill:.0%} infill"
-    return f" (all parts, estimated {whole:.2g} h {filled}{of_stand if stand > whole / 2 else ''})"
+    layers = f"in layers of {hours['print layer']:.2g} mm " if "print layer" in hours else ""
+    how = f"{layers}at {infill:.0%} infill"
+    return f" (all parts, estimated {whole:.2g} h {how}{of_stand if stand > whole / 2 else ''})"
 
 
 def _steps(name: str, files: Mapping[str, str], time: str) -> Iterator[FileStep]:

@@ -24,6 +24,8 @@ NAMES = {
     "print time": "time to print all",
     "flat pressure": "pressure of the shaft's flat in its bore, greatest",
     "print time stand": "time to print the stand alone",
+    "print layer": "height of layers",
+    "print nozzle": "diameter of the nozzle",
     "print infill": "share of the volume in mass and time to print, material.infill",
     "index": "indexing",
     "drive torque": "torque needed, greatest",

@@ -132,6 +132,18 @@ def test_what_the_scripts_ask_for_is_there(page: str) -> None:
         )
 
 
+def test_the_page_says_with_which_settings_a_slicer_prints() -> None:
+    """Layers, nozzle, infill and supports of the estimate stand where the plates are; without them nothing is said."""
+    known = {"print layer": 0.2, "print nozzle": 0.4, "print infill": 0.35, "print time": 5.61}
+    figures = [Figure(name, value) for name, value in known.items()]
+    page = to_html(replace(solid(), numbers=Figures(figures)))
+    said = "Settings: layers of 0.2 mm, a nozzle of 0.4 mm, 35% infill, no supports. So it takes about 5.6 h."
+    assert said in page
+    page = to_html(replace(solid(), numbers=Figures([*figures, Figure("supports", 20.0, "mm²")])))
+    assert "35% infill, supports under overhangs." in page
+    assert "Settings" not in to_html(replace(solid(), numbers=Figures(figures[:3])))
+
+
 def test_a_report_without_solids_is_as_small_as_ever() -> None:
     plain = to_html(made_up())
     assert len(plain) < 60_000 and 'id="three"' not in plain and "<canvas" not in plain

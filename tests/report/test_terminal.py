@@ -259,10 +259,10 @@ def test_too_long_a_list_is_told_its_limit(run: object, root: Path, tmp_path: Pa
     ("stand", "told"),
     [
         (None, " (all parts, estimated 4.9 h at 40% infill)"),
-        (1.0, " (all parts, estimated 4.9 h if solid)"),
+        (1.0, " (all parts, estimated 4.9 h in layers of 0.2 mm at 100% infill)"),
         (
             3.2,
-            " (all parts, estimated 4.9 h if solid; the stand takes 3.2 h of it, and can be cut from sheet instead)",
+            " (all parts, estimated 4.9 h in layers of 0.2 mm at 100% infill; the stand takes 3.2 h of it, and can be cut from sheet instead)",
         ),
     ],
 )
@@ -274,6 +274,7 @@ def test_a_stand_that_takes_most_of_the_printing_is_told(
     figures.append(Figure("print infill", 0.4 if stand is None else 1.0, ""))
     if stand is not None:
         figures.append(Figure("print time stand", stand, "h"))
+        figures.append(Figure("print layer", 0.2, "mm"))
     report = Report("m", "linkage", [], Figures(figures), folder=tmp_path)
     (step,) = [each for each in summary(report).steps if each.verb == "print"]
     assert step.rest == told
