@@ -37,7 +37,7 @@ from camgen.machine.features import (
 from camgen.machine.model import Pose
 
 _SHOWN = 24  # rows of the list: pairs that move past each other, the nearest first
-COLUMNS = ("pair", "meant to", "least gap seen, mm", "proven, mm", "at")
+COLUMNS = ("pair", "intended", "least gap seen, mm", "proven, mm", "at")
 
 Row = tuple[str, str, float, float, float]
 _PRESSED = 0.01  # mm, overlap of bodies that are fixed together which still counts as touching

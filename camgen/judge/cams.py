@@ -168,7 +168,7 @@ class FollowerOnOutline:
             self.nominal.ripple,
             "share",
             self.place(worst),
-            f"of the greatest speed, averaged over {window}; "
+            f"share of the greatest speed, averaged over {window}; "
             "a smaller accuracy.chord_tolerance lowers it",
         )
 

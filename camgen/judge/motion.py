@@ -30,7 +30,7 @@ _STILL = 1e-9  # mm or rad, the stroke of an output that does not move
 _RANGE = 0.5  # of an output's range: with more play a mechanism is none
 _ROUNDING = 1e-10  # mm or rad, of an output that no joint moves, such as the driven link's angle
 MOTION_ERROR = "motion error {of}"  # its figure
-COLUMNS = ("joint", "play, mm", "meant, mm", "centres off, mm")
+COLUMNS = ("joint", "play, mm", "wanted, mm", "centres off, mm")
 
 
 @dataclass(frozen=True)

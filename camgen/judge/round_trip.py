@@ -355,7 +355,7 @@ def _judge_sections(
         facets = 2 * max(
             tolerances.WALL_FACETS, expected.chord_tolerance
         )  # what facets on both sides may take of a wall
-        remark = f"smallest wall between contours; a wall {facets:g} mm thinner also holds, because facets on both sides may take that"
+        remark = f"smallest wall between contours; a wall {facets:g} mm thinner also holds, to allow for the facets on both sides"
         findings.append(
             at_least(
                 "MIN_WALL",

@@ -243,8 +243,8 @@ def judge_plate(
         )
         + margin
     )
-    bodies = "1 body stands" if len(meshes) == 1 else f"{len(meshes)} bodies stand"
-    remark = f"how far {bodies} out over the bed of {bed[0]:g} x {bed[1]:g} mm"
+    bodies = "1 body extends" if len(meshes) == 1 else f"{len(meshes)} bodies extend"
+    remark = f"how far {bodies} beyond the bed of {bed[0]:g} x {bed[1]:g} mm"
     remark += f", {margin:g} mm of its rim left free" if margin else ""
     findings = [
         at_most("BED_FIT", overhang, rounding, "mm", where, remark),

@@ -191,9 +191,7 @@ def line_hertz(
         why = f"{pressure:.4g} MPa in the {where.thing}, and no limit is published for {material}"
         return NotJudged("HERTZ", why, "limits.hertz_mpa")
     by = "limits.hertz_mpa" if given else own.hertz_source
-    said = (
-        f"steel roller on a line of {length:.4g} mm, {own.name}; {by}; its ends press harder still"
-    )
+    said = f"steel roller on {own.name}, contact line of {length:.4g} mm; {by}; the pressure is higher at the ends of the line"
     return at_most("HERTZ", pressure, limit, "MPa", where, said)
 
 

@@ -124,7 +124,7 @@ _CUT = (
         "szrtjs.com/en_product_detail.asp?id=930: 210 GPa, 0.269, 7.85; appluslaboratories.com, C45 1.0503, quenched and "
         "tempered, 16 to 40 mm: 650 to 800 MPa",
         57 * _KGF,
-        "of gears of S45C, quenched and tempered to 200 HB (SDP/SI, table 17-12)",
+        "limit for gears of S45C, quenched and tempered to 200 HB (SDP/SI, table 17-12)",
         metal=True,
         treatment="quenched and tempered, at least 200 HB",
         number="1.0503",
@@ -136,7 +136,7 @@ _CUT = (
         7.84,
         "kooz.si, 1.7225: 190 to 210 GPa, 7.84, quenched and tempered, 17 to 40 mm, 1000 to 1200 MPa; Poisson's ratio as steel",
         84 * _KGF,
-        "of gears of SCM440, quenched and tempered to 310 HB (SDP/SI, table 17-12)",
+        "limit for gears of SCM440, quenched and tempered to 310 HB (SDP/SI, table 17-12)",
         metal=True,
         treatment="quenched and tempered, at least 310 HB",
         number="1.7225",
@@ -148,7 +148,7 @@ _CUT = (
         7.85,
         "case hardened, HRC 60 and more: akrostal.pl, 1.7131: 7.85, core 820 MPa at 16 to 40 mm; 210 GPa, 0.3 as with the pressure",
         1460.0,
-        "of gears, case hardened (DIN 3990:1987, as a public gear program has it)",
+        "limit for gears, case hardened (DIN 3990:1987, as a public gear program has it)",
         metal=True,
         # the depth is camgen's own rule: under a roller of 40 mm at that pressure the shear is greatest at 0.4
         treatment="case hardened and tempered, 60+4 HRC, CHD 0.8+0.4",
@@ -196,7 +196,7 @@ _CUT = (
         1.39,
         "scribd.com/document/479235228, POM-C: 2855 MPa, 65 MPa, 1.39; 0.37 as with the pressure",
         48.0,
-        "of worm wheels on steel, 23 deg C, 1e7 turns (Hostaform and ISO 14521, by a public library of plastic worm wheels)",
+        "limit for worm wheels on steel, 23 deg C, 1e7 turns (Hostaform and ISO 14521, by a public library of plastic worm wheels)",
     ),
     Material(
         "plywood",

@@ -223,5 +223,5 @@ def _notes(mechanism: Mechanism, axes: Sequence[Axis]) -> list[str]:
         for axis in axes[1:]
     ]
     rows = [places[k : k + _IN_ROW] for k in range(0, len(places), _IN_ROW)]
-    first = f"Axes that stand, X and Y from {axes[0].name}: " if axes else ""
+    first = f"Fixed axes, X and Y from {axes[0].name}: " if axes else ""
     return notes + [(first if k == 0 else "") + ", ".join(row) for k, row in enumerate(rows)]

@@ -58,7 +58,7 @@ _CLOCKWISE = (
     "The input shaft turns clockwise. Angles are counted counter-clockwise all the same, so time runs from right to left in "
     "curves over them; speeds and torques are positive counter-clockwise."
 )
-_CHOSEN = "What camgen chooses unless its key is in the spec"
+_CHOSEN = "What camgen chose because its key is not in the spec"
 _STRIP = 1.5  # height of a strip of a timing chart, in strokes
 _DRAWN = 0.01  # mm, chord tolerance of an outline that is only to be packed
 

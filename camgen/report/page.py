@@ -246,8 +246,8 @@ def _margins(report: Report) -> str:
 
 
 _BARS = (
-    "<p>A bar shows how much of its limit is used; the mark on it is the limit. Up to 100 % holds: some sizes, such as "
-    "gaps on a plate, are made right at their limit.</p>"
+    "<p>A bar shows how much of its limit a finding uses; the mark on the bar is the limit. A finding holds up to 100 %: some "
+    "sizes, such as gaps on a plate, are made exactly at their limit.</p>"
 )
 
 
@@ -381,7 +381,7 @@ def _plates(report: Report) -> str:
         )
     count = len(cards)
     these = f"these {count} plates: they hold" if count > 1 else "this plate: it holds"
-    again = "The files of single parts are for one that you print again."
+    again = "Take the file of a single part only to print that part again."
     said = f"<p>Print {these} every part. {_settings(report)}{again}</p>"
     return said + _cards(cards) if cards else ""
 

@@ -49,10 +49,10 @@ _OTHERS = (
 # What breaks or wears first: before torque and error where more than half of its limit is used.
 _STRENGTH = {
     "HERTZ": "Contact pressure",
-    "PIN_STRESS": "Stress of a pin",
-    "SHAFT_STRESS": "Stress of the shaft",
-    "SPRING_STRESS": "Stress of the spring",
-    "TOOTH_STRESS": "Stress of a tooth",
+    "PIN_STRESS": "Pin stress",
+    "SHAFT_STRESS": "Shaft stress",
+    "SPRING_STRESS": "Spring stress",
+    "TOOTH_STRESS": "Tooth stress",
     "PV": "Pressure times speed",
 }
 _MUCH = 0.5

@@ -135,7 +135,7 @@ def margins(findings: Sequence[Finding]) -> str:
         count = sum(map(len, rest))
         codes = len({group[0].code for group in rest})
         more = "more " if shown else ""
-        hold = f"{count} {more}findings of {codes} kinds hold, none uses {100 * _NEAR:.0f} % of its limit"
+        hold = f"{count} {more}findings of {codes} kinds hold; none uses {100 * _NEAR:.0f} % of its limit"
         text += f"<details><summary>{hold}</summary>{_margins(rest, kinds)}</details>"
     return text
 

@@ -429,7 +429,7 @@ def test_plate(tmp_path: Path, shift: complex, lift: float, verdict: list[bool])
     findings = judge_plate(plate(tmp_path / "x-plate.3mf", shift, lift), (100.0, 60.0), 2.0)
     assert [f.ok for f in findings] == verdict
     assert {f.code for f in findings} == {"BED_FIT"}
-    assert findings[0].message.startswith("how far 2 bodies stand out over the bed of 100 x 60 mm")
+    assert findings[0].message.startswith("how far 2 bodies extend beyond the bed of 100 x 60 mm")
 
 
 def test_a_plate_of_one_body(tmp_path: Path) -> None:
@@ -442,7 +442,7 @@ def test_a_plate_of_one_body(tmp_path: Path) -> None:
     )
     out, lift = judge_plate(tmp_path / "x.3mf", (100.0, 60.0), 2.0)
     assert out.measured == pytest.approx(5, abs=1e-5) and not out.ok and lift.ok
-    assert out.message.startswith("how far 1 body stands out over")
+    assert out.message.startswith("how far 1 body extends beyond")
 
 
 @pytest.mark.parametrize("nose", [0.0, 0.05, 0.09])

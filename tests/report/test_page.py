@@ -188,7 +188,7 @@ def test_what_to_print_is_told_over_the_plates(count: int, said: str) -> None:
     text = " ".join(
         Page(to_html(replace(report, scene=replace(report.scene, plates=plates)))).text().split()
     )
-    assert said in text and "single parts are for one that you print again" in text
+    assert said in text and "Take the file of a single part only to print that part again" in text
 
 
 def test_what_fails_is_said_first_and_what_to_change() -> None:

@@ -310,7 +310,7 @@ def test_a_cam_tells_its_size_after_its_pressure_angle() -> None:
     spring = at_most("SPRING_STRESS", 780.0, 891.0, "MPa", Where(), "")
     strained = summary(Report("m", "disc-cam", (angle, spring), figures)).figures
     told = [(each.name, each.value) for each in strained]
-    assert told[2:] == [("Base radius", 30.0), ("Stress of the spring", 780.0)]
+    assert told[2:] == [("Base radius", 30.0), ("Spring stress", 780.0)]
 
 
 def test_what_is_strained_stands_before_torque_and_error() -> None:
@@ -331,7 +331,7 @@ def test_what_is_strained_stands_before_torque_and_error() -> None:
     calm = replace(steel, measured=20.0)
     assert headlines(*always, calm)[1:4] == ["Torque needed", "Motion error", "Contact pressure"]
     pin = replace(always[2], measured=99.0)
-    assert headlines(*always[:2], pin, steel)[1] == "Stress of a pin"
+    assert headlines(*always[:2], pin, steel)[1] == "Pin stress"
     asked = at_most("STRAIGHTNESS", 0.4, 0.5, "mm", Where(), "")
     assert headlines(*always, asked)[1] == "Straightness"
 

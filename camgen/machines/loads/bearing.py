@@ -269,8 +269,8 @@ def contacts(run: Run, forces: Forces, assembly: Assembly, load: Weight | None) 
         title = f"Hertz pressure, {joint.name}"
         check.plots.append(Plot(title, assembly.cycle.label, "MPa", curve))
         remark = (
-            f"by {force[worst]:.4g} N on a line of {length:.4g} mm, {tip.name} on {own.name}; {by}; "
-            "the ends of the line press harder still: round them"
+            f"{force[worst]:.4g} N on a contact line of {length:.4g} mm, {tip.name} on {own.name}; {by}; "
+            "the pressure is higher at the ends of the line: round them"
         )
         where = Where(
             f"{joint.name}, {outline.part}",
@@ -356,7 +356,7 @@ def _hertz(
         check.not_judged.append(NotJudged("HERTZ", why, "limits.hertz_mpa"))
         return
     by = "limits.hertz_mpa" if limits.hertz else own.hertz_source
-    said = f"{remark}, {own.name} on its like; {by}"
+    said = f"{remark}, {own.name} on {own.name}; {by}"
     check.findings.append(at_most("HERTZ", pressure, limit, "MPa", where, said))
 
 
@@ -397,10 +397,10 @@ def edges(run: Run, forces: Mapping[str, Floats], assembly: Assembly) -> LoadChe
             continue
         layers = [assembly.by_name[edge.part].drawn for edge in feature.edges]
         width = min(layer.z1 - layer.z0 for layer in layers)
-        remark = f"by {force:.4g} N on a line of {width:.4g} mm"
+        remark = f"{force:.4g} N on a contact line of {width:.4g} mm"
         if feature.tracks is not None:
             curvature = feature.tracks.curvature
-            remark += ", as if one pin alone held all"
+            remark += ", as if one pin alone bore the whole load"
         else:
             joint = run.machine.cam(feature.joint)
             assert isinstance(joint.law, GenevaLaw)

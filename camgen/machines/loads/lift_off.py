@@ -64,10 +64,10 @@ def spring_reserve(
     k = int(np.argmin(share))
     if not 0 < share[k] < math.inf:
         return []
-    said = "of the spring's force is left to press the follower on; friction and the spring's own tolerance take from that"
+    said = "share of the spring's force that is left to press the follower on; friction and the spring's own tolerance reduce it"
     if share[k] < least:
         more = float(np.nanmax((least * spring - effort)[pressing])) / (1 - least)
-        said += f"; {more:.3g} {'N' if slides else 'N m'} more of preload leaves enough, as does less mass or a lower speed"
+        said += f"; {more:.3g} {'N' if slides else 'N m'} more preload is enough, and so is less mass or a lower speed"
     place = replace(where, theta=float(theta[k]), digits=1)
     return [at_least("SPRING_RESERVE", min(1.0, float(share[k])), least, "", place, said)]
 

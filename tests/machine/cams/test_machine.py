@@ -162,8 +162,8 @@ def test_the_spring_that_lift_off_asks_for_has_its_reserve() -> None:
     assert f"a spring.preload above {asked:.4g} N" in said("LIFT_OFF", 0.5)
     assert "keeps it, with SPRING_RESERVE" in said("LIFT_OFF", 0.5)
     assert f"a spring.preload above {needed:.4g} N" in said("LIFT_OFF", 0.5, 0.0)
-    assert f"; {0.1 * asked:.3g} N more of preload leaves enough" in said("SPRING_RESERVE", 0.9)
-    assert "more of preload" not in said("SPRING_RESERVE", 1.01)
+    assert f"; {0.1 * asked:.3g} N more preload is enough" in said("SPRING_RESERVE", 0.9)
+    assert "more preload" not in said("SPRING_RESERVE", 1.01)
 
 
 def test_a_spring_that_no_wire_bears_is_no_advice() -> None:
