@@ -35,7 +35,7 @@ def design(
     """Search for the machine that the table [wanted] of SPEC describes ([synthesis] for an indexing cam); write its spec to FILE,
     or print it.
 
-    It finds a linkage for a path, poses, points, a function, places of a slide or a dwell, cams that draw a line, or values of keys with
+    It finds a linkage for a path, poses, points, a function, positions of a slide or a dwell, cams that draw a line, or values of keys with
     which every limit holds: camgen guide design.
     """
     from camgen.design import run

@@ -50,7 +50,7 @@ def explain(codes: Sequence[str], settings: Sequence[str]) -> None:
     findings.
 
     With a SPEC (a file that ends in .toml) explain it for this machine too: how near the value is to its limit, which key sets
-    the limit, and how much each key changes the value. camgen tries each key: seconds, of a walker two minutes.
+    the limit, and how much each key changes the value. camgen tries each key: this takes seconds, for a walker two minutes.
     """
     files = [each for each in codes if each.endswith(".toml")]
     if len(files) > 1:
@@ -107,7 +107,7 @@ def guide_(topic: str | None, html: str | None, reports: bool) -> None:
 
 @click.command()
 def selftest() -> None:
-    """Compare published constants, and the numbers of the five papers, with ours; exit code 1 if one is off."""
+    """Compare published constants, and the numbers of the five papers, with those of camgen; exit code 1 if one is off."""
     from camgen.machines.selftest import rows, to_text
 
     found = list(rows())

@@ -49,7 +49,7 @@ def simulate(
     seed: int,
     **shown: bool,
 ) -> None:
-    """Let each SPEC with a table [walk] walk on a floor: whether it walks, falls, slips or stalls, at each friction of walk.friction.
+    """Put each SPEC with a table [walk] on a floor: does it walk, fall, slip or stall, at each friction of walk.friction?
 
     Writes OUT/<name>-walk/ with a page, a film and a table of the curves. Needs mujoco-core, the extra simulate.
     """
