@@ -245,11 +245,11 @@ class Through(Record):
                 self.tolerance,
                 "mm",
                 where,
-                "the path never passes them in this order",
+                "the path never passes the points in this order",
             )
         k = max(range(len(passes)), key=lambda k: passes[k][1])
         x, y = self.at[k]
-        message = f"{len(passes)} {'place' if len(passes) == 1 else 'places'}, {how}: place {k + 1} ({x:g}, {y:g}) is missed most, "
+        message = f"{len(passes)} {'point' if len(passes) == 1 else 'points'}, {how}: point {k + 1} ({x:g}, {y:g}) is missed most, "
         message += f"theta {math.degrees(passes[k][0]) % 360 if course.whole else math.degrees(passes[k][0]):.2f} {course.by}"
         return at_most(self.code, passes[k][1], self.tolerance, "mm", where, message)
 
@@ -287,8 +287,8 @@ class Trace(Record):
         distance = self.distance(course)
         x = distance.place.real
         y = distance.place.imag
-        message = f"path and wanted {'line' if self.joined else 'places'} are farthest apart at ({x:.4g}, {y:.4g}) of the "
-        message += f"{'path' if distance.of_path else 'wanted one'}, {distance.farthest:.6g} mm; proven for all of both, not only the corners"
+        message = f"path and wanted {'line' if self.joined else 'points'} are farthest apart at ({x:.4g}, {y:.4g}) of the "
+        message += f"{'path' if distance.of_path else 'wanted one'}, {distance.farthest:.6g} mm; proven for the whole of both, not only the corners"
         return at_most(self.code, distance.proven, self.tolerance, "mm", where, message)
 
 
@@ -377,7 +377,7 @@ class Lines(Record):
             if apart.of_path
             else f"the lines, beyond where {self.lift} has let it down"
         )
-        message += f", {apart.farthest:.6g} mm; proven for all of both, not only the corners"
+        message += f", {apart.farthest:.6g} mm; proven for the whole of both, not only the corners"
         return at_most(self.code, apart.proven, self.tolerance, "mm", where, message)
 
 

@@ -255,7 +255,7 @@ def force_plots(found: Loaded, who: str) -> list[Plot]:
 
 def _notes(weighs: bool, more: Sequence[str]) -> tuple[str, ...]:
     said = "with gravity, without" if weighs else "without gravity,"
-    return (f"Forces: at an even speed of the cam, {said} friction, play and elasticity.", *more)
+    return (f"Forces: at constant speed of the cam, {said} friction, play and elasticity.", *more)
 
 
 def _spring_units(slides: bool) -> tuple[str, str]:

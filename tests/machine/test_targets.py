@@ -92,7 +92,7 @@ def test_places_of_a_path() -> None:
     path = ellipse()
     error = Through(at=((25.0, 0.0), (0.0, -8.0)), tolerance=4.0).finding(path, Where())
     assert error.measured == pytest.approx(5, abs=1e-9) and not error.ok
-    assert "place 1 (25, 0) is missed most" in error.message
+    assert "point 1 (25, 0) is missed most" in error.message
     t = math.radians(33)
     there = 20 * math.cos(t), 5 * math.sin(t)
     assert Through(at=(there,), tolerance=1e-6, theta_deg=(33.0,)).finding(path, Where()).ok

@@ -136,7 +136,7 @@ def cam_findings(
 def edge_findings(cam: LinearCam, limits: CamLimits, where: str, flatter: str) -> list[Finding]:
     """PRESSURE_ANGLE and CURVATURE of a plate's edge; flatter: what lowers the angle and widens the edge, by the keys of the spec."""
     steep = limits.steepest(cam)
-    curved = f"least radius of the convex edge; {flatter} widens it"
+    curved = f"least radius of the convex edge; {flatter} makes it larger"
     return [
         at_most("PRESSURE_ANGLE", cam.steepest, steep, "deg", Where(where), f"{flatter} lowers it"),
         at_least("CURVATURE", cam.least_radius, limits.least_radius, "mm", Where(where), curved),
@@ -243,7 +243,7 @@ def _rounding(program: Program, most: float, where: str) -> list[Finding]:
     if not tables:
         return []
     message = (
-        "share of the greatest acceleration that the last digit of the table's rows can make: more digits, fewer rows, or, "
+        "share of the greatest acceleration that the last digit of the table's rows can cause; more digits, fewer rows, or, "
         "over 360 deg, law.tolerance lower it"
     )
     share = max(law.rounding for law in tables)

@@ -585,7 +585,7 @@ class CylinderCam(Mechanism):
                 self.allowed.min_wall,
                 "mm",
                 Where("between bore and track"),
-                "a larger geometry.radius or a smaller bore widens it",
+                "a larger geometry.radius or a smaller bore makes it thicker",
             ),
             at_least(
                 "MIN_WALL",
@@ -593,7 +593,7 @@ class CylinderCam(Mechanism):
                 self.allowed.min_wall,
                 "mm",
                 Where("between track and end"),
-                "a larger geometry.length or parts.wall widens it",
+                "a larger geometry.length or parts.wall makes it thicker",
             ),
         ]
         if self.pieces is not None:
@@ -604,7 +604,7 @@ class CylinderCam(Mechanism):
                     self.allowed.min_wall,
                     "mm",
                     Where("shoulder, key or its bore"),
-                    "a larger parts.wall widens it",
+                    "a larger parts.wall makes it thicker",
                 )
             )
         air = []
@@ -863,6 +863,6 @@ class CylinderCam(Mechanism):
             ]
             return [*said, *self._pressing_notes()]
         return [
-            f"The drum is what is made. Bring the follower, its guide, the roller, shaft and bearings: {place}, the roller's inner end {track.inner:.4g} mm from the drum's axis.",
+            f"camgen makes the drum only. You make or buy the follower, its guide, the roller, shaft and bearings: {place}, the roller's inner end {track.inner:.4g} mm from the drum's axis.",
             "theta is counter-clockwise as seen from above; at 0 the follower stands at +x of the drum's files.",
         ]

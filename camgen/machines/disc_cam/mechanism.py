@@ -605,7 +605,7 @@ class DiscCamDrive(CamTables):
             notes += open_rails(self.linkage.bodies.layout)
         elif self.geometry.closure == "force" and not self._loaded:
             notes.append(
-                "You hold the follower on the cam: with [load] and [spring], LIFT_OFF and HERTZ judge how."
+                "You must press the follower on the cam yourself. With [load] and [spring] in the spec, LIFT_OFF and HERTZ judge whether it stays on and how hard it presses."
             )
         if self._is_as_wide_as_its_hub:
             keys = "parts.shaft_diameter" if self.standing else "parts.bore, parts.hub_diameter"

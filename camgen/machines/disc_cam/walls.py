@@ -15,7 +15,7 @@ from camgen.machine.cams.profile import DiscCam
 from camgen.parts.disc_cams import CamParts, pins_beside, refuse_wide
 from camgen.parts.part import Part
 
-_REMEDY = "a smaller bore or a larger base_radius widens it"
+_REMEDY = "a smaller bore or a larger base_radius makes it thicker"
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class CamWalls:
             walls.append(self._wall(wall, Where(f"holes and nearest side of {name}")))
         if self.grooved:
             rim = (sizes.rim - max(sizes.pin_diameter, self.screw_hole)) / 2
-            remedy = "a wider parts.rim or a smaller parts.pin_diameter widens it"
+            remedy = "a wider parts.rim or a smaller parts.pin_diameter makes it thicker"
             walls.append(self._wall(rim, Where("pins and edge of outer"), remedy))
         return walls
 

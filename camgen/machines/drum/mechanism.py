@@ -365,7 +365,7 @@ class CamDrum(Mechanism):
         self._layers  # noqa: B018  refuses a core that hides a track
         least = self.allowed.min_wall
         wall = self.geometry.core_radius - self.making.reach
-        remedy = "a larger geometry.core_radius or a smaller bore widens it"
+        remedy = "a larger geometry.core_radius or a smaller bore makes it thicker"
         return [
             *(
                 replace(each, where=replace(each.where, module=name))
@@ -445,7 +445,7 @@ class CamDrum(Mechanism):
 
     def _notes(self) -> list[str]:
         notes = [
-            "The drum alone is made. Bring its shaft, the followers and what presses them on their tracks: no force is judged."
+            "camgen makes the drum only. You make its shaft, the followers and what presses them on their tracks: no force is judged."
         ]
         if self.row:
             notes.append(

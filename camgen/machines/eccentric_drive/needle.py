@@ -374,7 +374,7 @@ class Needle:
         least, most = self.out
         held = round(min(s.tube_length, s.tube_length + least), 9)
         longer = "a longer parts.tube_length or parts.wire_length"
-        said = f"wire in the tube, its point {least:.4g} mm past the mouth; {longer}"
+        said = f"length of wire in the tube, whose point is {least:.4g} mm past the mouth; {longer} makes it more"
         wanted = _GUIDED * s.wire_diameter
         findings = [at_least("NEEDLE_GUIDED", held, wanted, "mm", Where("innermost"), said)]
         if stroke is None:

@@ -30,9 +30,9 @@ FORWARDS: Literal[
     -1
 ] = -1  # sense of the wheel's angle as the follower swings out: it is geared to it
 NOTE = (
-    "The driven link turns on: its shaft runs in two freewheels. One is in the wheel that the follower rocks, and takes the "
-    "shaft along forwards alone; the other is in the plate, and holds it while the wheel goes back. So each turn of the cam "
-    "shaft makes one indexing, and the dwell lasts from the end of a rise to the next. The unloader's crank turns on with "
+    "The driven link turns in one sense only: its shaft runs in two freewheels. One is in the wheel that the follower rocks, and takes the "
+    "shaft along forwards only; the other is in the plate, and holds it while the wheel goes back. So each turn of the cam "
+    "shaft makes one indexing, and the dwell lasts from the end of a rise to the next. The unloader's crank turns with "
     "the link, once for each indexing, and stops unloader.lead_deg before its dead centre: there its spring draws the link "
     "back on the freewheel of the plate, which holds it. In the source's fig. 1 a second cam (3) swings a carrier (8) with "
     "the gears and the spring about the output shaft; we take it that this changes the spring over in the dwell. Here the "
@@ -149,7 +149,7 @@ class Stepping:
                 process,
                 "N m",
                 Where("freewheel of the plate, in the dwell"),
-                "torque that keeps the link from turning on by itself, by unloader and friction; the limit is the process's",
+                "torque of unloader and friction that keeps the link from turning by itself; the limit is the process's torque",
             ),
             at_most(
                 "CLUTCH_TORQUE",

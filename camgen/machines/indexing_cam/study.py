@@ -134,7 +134,7 @@ class IndexingStudy:
                     residual_limit,
                     "share",
                     Where("follower, while the link turns"),
-                    f"peak torque that is left to the cam, of that without the unloader, by {self._kind}; "
+                    f"share of the peak torque that is left to the cam with the unloader, by {self._kind}; "
                     "friction and another speed than the spring's raise it",
                 )
             )

@@ -420,6 +420,6 @@ class LinearCamDrive(Mechanism):
             pivot = follower.pivot
             place = f"its pivot is at x = {pivot.real:.4g}, y = {pivot.imag:.4g} mm; {place}"
         return [
-            f"The plate is what is made. Bring its slide, the follower with its guide, and what presses it on the edge: {place}.",
-            "The plate goes along -x from travel 0, where the follower stands at x = 0 of its files.",
+            f"camgen makes the plate only. You make its slide, the follower with its guide, and what presses it on the edge: {place}.",
+            "The plate moves along -x from travel 0, where the follower stands at x = 0 of its files.",
         ]

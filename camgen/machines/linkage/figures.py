@@ -213,7 +213,7 @@ def _notes(linkage: LinkageMotion, made: Build | None) -> list[str]:
     """What a person should know of its springs, rails, slots and links."""
     notes = []
     for cam in by_force(linkage.chain):
-        figure = f"hold_{cam.name.replace(' ', '_')} is the least that it needs"
+        figure = f"hold_{cam.name.replace(' ', '_')} is the least force that it needs"
         least = f"no spring is made for it; {figure}"
         if linkage.springs:
             least = f"{figure} beyond the springs of the spec"
@@ -229,9 +229,8 @@ def _notes(linkage: LinkageMotion, made: Build | None) -> list[str]:
         notes += steps(made.layout)
         notes += gearing.notes(made.layout)
     if linkage.cycle.to_and_fro:
-        way = "motion" if linkage.cycle.unit == "mm" else "turn"
         notes.append(
-            f"The drive goes to and fro over its range; speeds are those of an even {way} of it."
+            "The drive goes to and fro over its range; speeds are those at a constant speed of the drive."
         )
     return notes
 
@@ -265,7 +264,7 @@ def _bows(layout: Layout) -> list[str]:
     """What to say of links that are bent."""
     bows = {link: shape.bow for link, shape in layout.sizes.shapes.items() if shape.bow}
     return [
-        f"Link {link} is bent by {abs(bow):g} mm, to the {'left' if bow > 0 else 'right'} from its first point, to pass "
+        f"Link {link} is bent by {abs(bow):g} mm, to the {'left' if bow > 0 else 'right'} as seen from its first point, to pass "
         f"what is in its way (parts.{link}.bow)."
         for link, bow in bows.items()
     ]

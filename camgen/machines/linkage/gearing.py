@@ -110,9 +110,9 @@ def notes(layout: Layout) -> Iterator[str]:
         links = mutilated.links
         sense = "counter-clockwise" if law.way > 0 else "clockwise"
         yield (
-            f"Mutilated gears {mutilated.joint.name}: turn {links[0]} {sense} only. In each turn it takes {links[1]} on by "
-            f"{math.degrees(pair.pitch):.6g} deg while it turns by {math.degrees(2 * pair.half):.4g}, and holds it for the rest. "
-            f"{links[1].capitalize()} starts at once, at {pair.jumps[0]:.3g} of its speed: turn slowly, or keep its mass small."
+            f"Mutilated gears {mutilated.joint.name}: turn {links[0]} {sense} only. In each turn it turns {links[1]} by "
+            f"{math.degrees(pair.pitch):.6g} deg while it turns by {math.degrees(2 * pair.half):.4g} deg itself, and holds {links[1]} for the rest. "
+            f"As {links[1]} starts, its speed jumps to {pair.jumps[0]:.3g} times that of {links[0]}: turn slowly, or keep its mass small."
         )
     for wish in layout.planets:
         fixed, fast, slow = _members(wish)

@@ -237,7 +237,7 @@ class ThreadTakeUp(Template):
         findings = [at_least("FOLD_MARGIN", margin, play, "mm", Where("lengths"), said)]
         for name, (gap, theta) in self._gaps(t, _TURN).items():
             where = Where(name, theta=theta, angle="crank angle", digits=2)
-            said = "least over the turn, by joints without play; under 0 they overlap"
+            said = "least over the turn, with joints without play; below 0 they overlap"
             findings.append(at_least("GAP", gap, self.allowed.gap, "mm", where, said))
         if self.masses is not None and self.motor is not None:
             thick = p.shaft_diameter - p.shaft_flat

@@ -127,18 +127,18 @@ class SwingMachine:
         usual = base.face.shaft
         known = f" On a {base.face.title} {usual:g} mm is usual" if usual else ""
         length = " and 24 mm long" if base.motor == "nema-17" else ""
-        return f"The motor's shaft is to be {self.shaft_size}.{known}{length}{'.' if known else ''}"
+        return f"The motor's shaft must be {self.shaft_size}.{known}{length}{'.' if known else ''}"
 
     @property
     def shaft_size(self) -> str:
         """Diameter and length of the shaft."""
         p = self.sizes.making
         thick = f"{p.bore:g} mm thick"
-        reach = f"{self.shaft_length:g} mm over its face"
+        reach = f"{self.shaft_length:g} mm long beyond its face"
         if self.sizes.plain:
-            return f"{thick} and to reach {self.shaft_needed:g} to {reach}"
+            return f"{thick} and {self.shaft_needed:g} to {reach}"
         flat = f", with a flat {p.flat_depth:g} deep," if p.bore_shape == "d-flat" else ""
-        return f"{thick}{flat} and to reach {reach}"
+        return f"{thick}{flat} and {reach}"
 
     # ---- base and frame ---------------------------------------------------------------------------------------------
 
