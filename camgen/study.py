@@ -155,6 +155,7 @@ class Doing:
     verb: str  # such as "press and glue "
     thing: str = ""  # that is handled, and where it goes: "cap-2 on pin-5"
     rest: str = ""  # such as ", flush with its upper end"
+    needs: tuple[str, ...] = ()  # tools and what is used up that it names, as in parts.tools
 
 
 Prism = tuple[Sequence[complex], float, float]  # corners, from where to where it reaches, mm

@@ -571,7 +571,7 @@ def _with_spring(rows: Sequence[Row], coil: Coil, poses: Mapping[str, Pose]) -> 
     """Rows with a spring before the first head or cap over an eye of it, and pins that come through its eyes."""
     length = coil.length(poses)
     hooked = coil.stringing(length)
-    step = Step([Doing(hooked)], wire=coil.wire(poses))
+    step = Step([Doing(hooked, needs=("pliers",))], wire=coil.wire(poses))
     spring = (0, "extension spring", hooked, "", 1, coil.eyes[0], "as bought"), step
     over = {copy for end in coil.heads for copy in end}
     first = next((k for k, (_, each) in enumerate(rows) if over & set(each.copies)), len(rows))

@@ -345,6 +345,7 @@ def no_ball_roller(diameter: float) -> str:
     )
 
 
+NUT_STANDARD = "ISO 4032"
 DOWEL_STANDARD = "ISO 2338"
 # Length up to which a pin may be so much longer, mm [DIN 7: nutbolt.org/Standards/Pin-Dowel.html, table 2].
 _DOWEL_EXCESS = ((10.0, 0.3), (50.0, 0.5), (math.inf, 0.8))
@@ -486,7 +487,7 @@ def screw_for(core: float) -> str:
 
 def nut(name: str, thread: str, count: int) -> Bought:
     """Nuts of a thread."""
-    return Bought(name, "ISO 4032", thread, count)
+    return Bought(name, NUT_STANDARD, thread, count)
 
 
 def fixed_motor(name: str, face: MotorFace, shaft: str, grip: float) -> list[Bought]:

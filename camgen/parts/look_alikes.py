@@ -21,7 +21,7 @@ from camgen.parts.reaming import begun, tight_holes
 from camgen.parts.standing import StandingCopy, discs, seat_of
 from camgen.parts.step_words import listed
 from camgen.parts.turning_over import middle
-from camgen.study import Table
+from camgen.study import Doing, Table
 from camgen.tolerances import SAME_POINT
 
 _ALIKE = 0.1  # share by which sizes may differ of what one takes for the same at sight
@@ -136,7 +136,9 @@ def with_sorting(
     one = {copy.part.name: copy.name for copy in reversed(copies)}
     seen = [link.part for group in alike for link in group]
     laid = [(part.name, [one[part.name]], ()) for part in seen if part.name in one]
-    return begun(table, said, "Parts that look alike", "; ".join(lines), laid=laid)
+    needs = ("marker", "caliper") if alike else ("caliper",)
+    begins = Doing(said, needs=needs)
+    return begun(table, begins, "Parts that look alike", "; ".join(lines), laid=laid)
 
 
 _SORT = "sort what looks alike"

@@ -20,6 +20,7 @@ from camgen.parts.step_words import (
     Place,
     between,
     called,
+    gauge_tools,
     listed,
     pronoun,
     step_of,
@@ -48,14 +49,19 @@ class Stop:
         near, gauge = "against", ""
         if self.gap > SAME_POINT:
             near, gauge = f"{self.gap:.2g} mm under", between(self.gap, self.metal)
+        tools = gauge_tools(self.gap) if gauge else ()
         where = f"{WORDS['glue']} on {shaft}, {near} {self.name}"
-        push = Doing(f"push {WHAT} up: glue it ", f"on {shaft}", f", {near} {self.name}{gauge}")
+        push = Doing(
+            f"push {WHAT} up: glue it ", f"on {shaft}", f", {near} {self.name}{gauge}", tools
+        )
         if not (gauge and self.hidden and self.over):
             return Place(where, (push,))
         gauge = thickness_gauge(self.play)
         thick = f" and lay {gauge} between it and {self.name}"
         doings = (
-            Doing("lift ", self.over, f"{thick}, at either side of {shaft}"),
+            Doing(
+                "lift ", self.over, f"{thick}, at either side of {shaft}", gauge_tools(self.play)
+            ),
             Doing(f"push {WHAT} up against ", f"{self.name}: glue it on {shaft}"),
             Doing(
                 f"pull {pronoun(gauge)} out from under {self.over}: {shaft} has {self.play:.2g} mm of play along its axis"

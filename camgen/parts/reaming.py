@@ -51,9 +51,21 @@ def with_reaming(
     if fixed:
         with_glue = f"Glue with {glue(metal)}, a trace only"
         said += [f"{with_glue}. {_SWING}" if lines else with_glue]
+        gauges = sorted({need for needs in _needs(table) for need in needs} & {*_GAUGES})
+        said += (
+            [_PULLED.format(" and ".join(_GAUGES[each] for each in gauges))]
+            if gauges and not metal
+            else []
+        )
     what = "Holes in which something turns" if lines else "Holes in which something is fixed"
     where = "; ".join(lines or _lines(fixed, words.tool))
-    return begun(table, "\n".join(said), what, where, count if lines else "")
+    needs = ("scraper",) * bool(fixed) + ("vice",) * bool(tight) + ("oil",) * bool(fixed and lines)
+    return begun(table, Doing("\n".join(said), needs=needs), what, where, count if lines else "")
+
+
+def _needs(table: Table) -> Iterator[set[str]]:
+    """Tools of all that is done."""
+    return ({*doing.needs} for step in table.steps for doing in step.doings)
 
 
 def with_cutting(table: Table, parts: Sequence[Part], metal: bool = False) -> Table:
@@ -70,7 +82,8 @@ def with_cutting(table: Table, parts: Sequence[Part], metal: bool = False) -> Ta
         return table
     count = sum(part.count for part, _ in sizes)
     what = "What is cut of steel" if lines else "Lengths of dowels"
-    return begun(table, "\n".join(said), what, "; ".join(lines), count or "")
+    needs = ("file", "caliper", *(("saw",) if lines else ()))
+    return begun(table, Doing("\n".join(said), needs=needs), what, "; ".join(lines), count or "")
 
 
 _FILED = "cut and file the steel parts, and deburr them"
@@ -85,6 +98,10 @@ _SWING = (
     "First put a drop of oil into the joint beside it: that keeps the glue out. When a pin or cap keeps a link in place, tilt the "
     "machine. As long as its other end is free, the link must swing by its own weight"
 )
+
+
+_GAUGES = {"plastic bag": "a strip", "sheets of paper": "paper"}  # of tools that set gaps
+_PULLED = "Pull {} out of a gap as soon as the part is on, before the glue is hard"
 
 
 def glue(metal: bool) -> str:
@@ -178,13 +195,19 @@ def _ticks(lines: Sequence[str]) -> str:
 
 
 def begun(
-    table: Table, said: str, what: str, where: str, count: int | str = "", laid: Laid = ()
+    table: Table,
+    doing: Doing,
+    what: str,
+    where: str,
+    count: int | str = "",
+    laid: Laid = (),
 ) -> Table:
     """The order of assembly with one more step before all others; laid: what its picture shows."""
+    said = doing.verb
     cells = {"step": 1, "what": what, "where": where, "count": count, "how": said}
     row = tuple(cells.get(column, "") for column in table.columns)
     rows = [row, *((int(str(step)) + 1, *cells) for step, *cells in table.rows)]
-    return replace(table, rows=rows, steps=[Step([Doing(said)], laid=laid), *table.steps])
+    return replace(table, rows=rows, steps=[Step([doing], laid=laid), *table.steps])
 
 
 def running_size(diameter: float, play: float) -> float:

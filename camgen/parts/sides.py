@@ -252,7 +252,7 @@ def _taker(far: Assembly, shaft: str) -> tuple[str, str]:
 def _greased(step: Step) -> Step:
     """A spacer that no shaft holds, and that would slip where its side is turned over, stuck where it lies."""
     doings = [
-        replace(each, rest=f"{each.rest}, stuck there with a dot of grease")
+        replace(each, rest=f"{each.rest}, stuck there with a dot of grease", needs=("grease",))
         if step.small and each.verb == "put " and " over " in each.thing
         else each
         for each in step.doings
@@ -296,7 +296,8 @@ def _fed(row: Row, far: Assembly, mirror: Mirror) -> Row:
     doings = [
         Doing("turn it over: the frame is up"),
         Doing(
-            f"stick the {cells[1]}, {cells[2]}, on the plate in the frame with double-sided tape"
+            f"stick the {cells[1]}, {cells[2]}, on the plate in the frame with double-sided tape",
+            needs=("double-sided tape",),
         ),
     ]
     return cells, Step(doings, apart=f"{PREFIX} side", shapes=shapes)
@@ -349,7 +350,10 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str])
     doings = [
         Doing(f"{lower} on the {on}, without {'screws' if screws else 'glue'} yet"),
         Doing(f"{mirror.shaft} goes into {taker}; turn the far crank until the flat fits"),
-        Doing(f"{run}, slowly through the whole motion: no joint may be stiff{backwards}"),
+        Doing(
+            f"{run}, slowly through the whole motion: no joint may be stiff{backwards}",
+            needs=("connectors",) if fed else (),
+        ),
     ]
     if screws:
         through = "screw it on the spacers through the far plate and its posts, tight crosswise"

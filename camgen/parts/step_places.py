@@ -19,6 +19,7 @@ from camgen.parts.step_words import (
     Place,
     between,
     called,
+    gauge_tools,
     listed,
     thickness_gauge,
     verb,
@@ -74,6 +75,7 @@ class _Meeting:
     flat: str = ""  # that a flat goes on a flat
     hangs: str = ""  # the pin on which it is fixed, where that is held by nothing but its head
     room: str = ""  # how high the gap under that head is
+    tools: tuple[str, ...] = ()  # that set how high it is
 
     @property
     def where(self) -> str:
@@ -123,7 +125,12 @@ def _meeting(
         on = f"on {shaft.part.name}{at}"
         room = _room(shaft, below) if hangs else ""
         by_hand = (copy.part.name, hole.name) in fixing.by_hand
-        return _Meeting(letter, on, fit, by_hand, high, set_by, lies, True, flat, hangs, room)
+        tools = gauge_tools(gap) if set_by or ", with " in high else ()
+        if " under it)" in high:
+            tools = gauge_tools(hole.low - min(each.low for each in shaft.outlines))
+        return _Meeting(
+            letter, on, fit, by_hand, high, set_by, lies, True, flat, hangs, room, tools
+        )
     under = [
         (each.high, other.part.name, each.name)
         for other in below
@@ -170,6 +177,7 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
             verb(tight[0].fit, tight[0].by_hand),
             f"{WHAT} on {pins}",
             f", all at once{lies}{flat}{high}",
+            told.tools,
         )
         return
     if len(shafts) > 2:
@@ -201,6 +209,7 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
             verb(each.fit, each.by_hand),
             f"{thing} {each.place}",
             f"{each.flat}{each.high}{each.set_by}",
+            each.tools,
         )
     hanging = listed(dict.fromkeys(each.hangs for each in fixed if each.hangs))
     if hanging:
@@ -341,11 +350,17 @@ def _depth(
     end = f"till {out:.3g} mm of it stand out {side}" if out > SAME_POINT else f"flush {side}"
     if out < -SAME_POINT:
         end = f"its end {-out:.3g} mm inside"
+    if gap := _head_gap(pin, holes):
+        return f"{end}, {gap:.3g} mm left under its head{between(gap)}"
+    return end
+
+
+def _head_gap(pin: StandingCopy, holes: Sequence[Round]) -> float:
+    """How much is left under the head of a pin that comes from above, mm; 0 where nothing says."""
     head = max(pin.outlines, key=lambda each: each.diameter)
     under = [head.low - hole.high for hole in holes if hole.high < head.low - SAME_POINT]
-    if pin.mount.flipped and len(pin.outlines) > 1 and under and min(under) < RESTS:
-        return f"{end}, {min(under):.3g} mm left under its head{between(min(under))}"
-    return end
+    hangs = pin.mount.flipped and len(pin.outlines) > 1 and under and min(under) < RESTS
+    return min(under) if hangs else 0.0
 
 
 def _pin_words(
@@ -407,6 +422,7 @@ def _pin_words(
         side = "flush with its underside"
         foot = min((each.low for each in copy.outlines), default=0.0)
         gaps = [(hole.low - other.mount.z, hole.low - foot) for hole, other in fixed]
+    deep = ""
     if any(max(map(abs, gap)) < SAME_POINT for gap in gaps):
         ways.append(side)
     elif fixed and (deep := _depth(copy, fixed, [hole for hole, *_ in round_holes])):
@@ -420,5 +436,6 @@ def _pin_words(
         rest = f" of {rest}"
     elif rest and not rest.startswith(";"):
         rest = f", {rest}" if first else f" {rest}"
-    doing = Doing(begins, f"{WHAT}{first}", rest)
+    gap = _head_gap(copy, [hole for hole, *_ in round_holes]) if deep else 0.0
+    doing = Doing(begins, f"{WHAT}{first}", rest, gauge_tools(gap) if gap else ())
     return (Place(f"{beginning}{said}", (doing,)) if said else Place()), letter

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from camgen.parts.fixing import Fit
 from camgen.parts.part import Part
@@ -42,7 +42,10 @@ class Place:
         def full(text: str) -> str:
             return text.replace(HOLE, said).replace(WHAT, called).replace(IT, again)
 
-        doings = (Doing(*map(full, (each.verb, each.thing, each.rest))) for each in self.doings)
+        doings = (
+            replace(each, verb=full(each.verb), thing=full(each.thing), rest=full(each.rest))
+            for each in self.doings
+        )
         return Place(full(self.where), tuple(doings))
 
 
@@ -89,6 +92,14 @@ def between(gap: float, metal: bool = False) -> str:
     """How a gap, mm, is set at the bench, in brackets; metal: between parts of it."""
     gauge = FEELER if metal else thickness_gauge(gap)
     return f" ({gauge} between, then pull {pronoun(gauge)} out)"
+
+
+def gauge_tools(gap: float) -> tuple[str, ...]:
+    """The tools of a thickness gauge, as in parts.tools."""
+    gauge = thickness_gauge(gap)
+    if gauge == FEELER:
+        return ("feeler gauges",)
+    return ("sheets of paper",) * ("paper" in gauge) + ("plastic bag",) * (_STRIP in gauge)
 
 
 def pronoun(gauge: str) -> str:

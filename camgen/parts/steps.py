@@ -33,7 +33,16 @@ from camgen.parts.mates import mated, mates_between
 from camgen.parts.part import HoldingNote, Part
 from camgen.parts.standing import StandingCopy
 from camgen.parts.step_places import gap_under, places_of
-from camgen.parts.step_words import LIES_ON_BENCH, MOVES, Place, between, called, listed, where_all
+from camgen.parts.step_words import (
+    LIES_ON_BENCH,
+    MOVES,
+    Place,
+    between,
+    called,
+    gauge_tools,
+    listed,
+    where_all,
+)
 from camgen.study import Doing, Step, Table
 from camgen.tolerances import SAME_POINT
 
@@ -221,7 +230,7 @@ def _jig(
     if plates and not any(mates_between([plate], there, fixing) for plate in plates):
         holder = next(copy for copy in cluster if copy not in shafts).part.name
         square = f" is square to {holder}, and leave it until the glue is hard"
-        yield Doing("check with a square that ", shafts[0].part.name, square)
+        yield Doing("check with a square that ", shafts[0].part.name, square, ("square",))
         return
     for plate in plates:
         mates = [mate for mate in mates_between([plate], shafts, fixing) if mate.label]
@@ -259,7 +268,8 @@ def _on_motor(
     named = called(copies[0].part)
     doings = [one for each in places for one in each.doings]
     on = doings.pop(0).thing.removeprefix(named) if doings and doings[0].verb == "set " else ""
-    push = Doing("push ", f"{named} {shaft}{f',{on}' if on else ''}{flat}{high}")
+    tools = gauge_tools(gap) if high else ()
+    push = Doing("push ", f"{named} {shaft}{f',{on}' if on else ''}{flat}{high}", "", tools)
     return [Place(f"pushed {where}", (push, *doings))]
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -11,13 +13,14 @@ from camgen.machines.mechanism import Mechanism
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, depth_below, order_of_assembly
 from camgen.parts.bench_steps import at_bench
-from camgen.parts.catalogue import CAM_FOLLOWERS, HEX_KEYS, Bought
+from camgen.parts.catalogue import CAM_FOLLOWERS, HEX_KEYS, NUT_STANDARD, Bought
 from camgen.parts.fixing import Fixing, with_joints
 from camgen.parts.keyways import parallel_keys
 from camgen.parts.look_alikes import with_sorting
 from camgen.parts.part import SizeNote
 from camgen.parts.reaming import opened_holes, opener, tight_holes, with_cutting, with_reaming
 from camgen.parts.standing import StandingCopy, standing_copies
+from camgen.parts.tools import USES
 from camgen.study import Table
 
 
@@ -51,18 +54,29 @@ def stock(mechanism: Mechanism) -> list[Bought]:
     pieces = defaultdict[str, list[float]](list)
     assembly = mechanism.assembly
     notes = [note for part in assembly.parts for note in part.notes for _ in range(part.count)]
-    gauges = [gauge for step in order_of_assembly(assembly).steps for gauge in step.gauges]
+    gauges = [gauge for step in _work(mechanism).steps for gauge in step.gauges]
     for note in (*notes, *gauges):
         if isinstance(note, SizeNote):
             pieces[note.stock].append(note.length)
     return [
-        Bought(f"steel {name}", "", f"{sum(lengths):.4g} mm without saw cuts", len(lengths))
+        Bought(
+            f"steel {name}",
+            "",
+            f"{sum(lengths):.4g} mm in all without saw cuts, {_pieces(lengths)}",
+            1,
+        )
         for name, lengths in pieces.items()
     ]
 
 
+def _pieces(lengths: Sequence[float]) -> str:
+    """Into how many pieces a rod is cut."""
+    return f"cut into {len(lengths)} pieces" if len(lengths) > 1 else "in one piece"
+
+
 def tools(mechanism: Mechanism) -> list[Bought]:
-    """What the steps of assembly of a printed machine ask for: drills for its holes, and what else is at hand on a bench."""
+    """What the steps of assembly of a printed machine ask for: drills for its holes, what they name, and what else is at hand on a
+    bench."""
     if not materials.of(mechanism.material.name).printed:
         return []
     assembly = mechanism.assembly
@@ -70,15 +84,14 @@ def tools(mechanism: Mechanism) -> list[Bought]:
     found = dict[str, str]()
     for size, count in opened_holes(copies, fixing).items():
         found[opener(size)] = f"{size:g} mm, for {count} hole{'' if count == 1 else 's'}"
-    tight = tight_holes(copies, copies, fixing)
-    for size in sorted(tight):
+    for size in sorted(tight_holes(copies, copies, fixing)):
         found.setdefault(opener(size), f"{size:g} mm, for holes that turn out too tight")
-    if tight:
-        found["vice"] = "for what is pressed into tight holes"
-        found["oil"] = "a drop in joints beside glue"
-        found["sheets of paper"] = "of 80 g, 0.1 mm each, for gaps that steps set"
-    if stock(mechanism):
-        found["saw, file and caliper"] = "for what is cut of steel"
+    needs = {
+        need for step in _work(mechanism).steps for doing in step.doings for need in doing.needs
+    }
+    if any(each.standard == NUT_STANDARD for each in assembly.bought):
+        needs.add("pliers")
+    found |= {name: what for name, what in USES.items() if name in needs}
     for each in assembly.bought:
         key = HEX_KEYS.get(each.standard, {}).get(each.thread)
         if key:
@@ -88,11 +101,22 @@ def tools(mechanism: Mechanism) -> list[Bought]:
     return [Bought(name, "", size, 1) for name, size in found.items()]
 
 
-def steps_of_assembly(mechanism: Mechanism) -> Table:
-    """In which order a machine goes together, with all that is bought for it, as a person at the bench takes it."""
-    assembly = replace(mechanism.assembly, bought=bought_things(mechanism))
-    copies, fixing = _standing(assembly)
+def _work(mechanism: Mechanism) -> Table:
+    """In which order a machine goes together, with all that is bought for it, one part after the other."""
     metal = materials.of(mechanism.material.name).metal
+    return _made_once(mechanism.assembly, tuple(bought_things(mechanism)), metal)
+
+
+@lru_cache(maxsize=1)  # a machine's lists and its page ask for it one after the other
+def _made_once(made: Assembly, bought: Sequence[Bought], metal: bool) -> Table:
+    """The same of an assembly."""
+    assembly = replace(made, bought=bought)
+    copies, fixing = _standing(assembly)
     cut = with_cutting(order_of_assembly(assembly), assembly.parts, metal)
     reamed = with_reaming(cut, copies, fixing, metal)
-    return at_bench(with_sorting(reamed, assembly.parts, copies, fixing))
+    return with_sorting(reamed, assembly.parts, copies, fixing)
+
+
+def steps_of_assembly(mechanism: Mechanism) -> Table:
+    """In which order a machine goes together, with all that is bought for it, as a person at the bench takes it."""
+    return at_bench(_work(mechanism))

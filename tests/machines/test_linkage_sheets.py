@@ -24,10 +24,13 @@ TOOLS = (
     "drill 6.2",
     "drill 4",
     "drill 6",
+    "caliper",
+    "saw",
+    "file",
+    "scraper",
     "vice",
     "oil",
     "sheets of paper",
-    "saw, file and caliper",
     "blocks, two",
 )
 

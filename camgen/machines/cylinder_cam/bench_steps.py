@@ -14,7 +14,7 @@ from camgen.machines.cylinder_cam.bench import AIR, CAM, END_PLAY, FOOT, Bench
 from camgen.machines.cylinder_cam.pieces import GLUED, SEAT
 from camgen.numerics import Floats
 from camgen.parts.reaming import running, running_size
-from camgen.parts.step_words import between, thickness_gauge
+from camgen.parts.step_words import between, gauge_tools, thickness_gauge
 from camgen.parts.steps import COLUMNS
 from camgen.study import Doing, Mate, Step, Table
 
@@ -44,12 +44,13 @@ class _Act:
     follows: bool = False
     wire: Floats | None = None
     glued: Sequence[Mate] = ()  # what is glued in a part that stands
+    needs: tuple[str, ...] = ()  # tools
 
     @property
     def step(self) -> Step:
         """For the pictures."""
         return Step(
-            [Doing(self.done)],
+            [Doing(self.done, needs=self.needs)],
             self.copies,
             apart=self.apart,
             up=_INWARDS if self.apart not in ("", _beside("drum")) else Step.up,
@@ -264,17 +265,19 @@ class BenchSteps:
 
     def _drum_acts(self) -> Iterator[_Act]:
         """The shaft, and on it the drum, which takes the follower along."""
-        yield self._act(
+        shaft = self._act(
             "shaft",
             "upright in the bearing",
             f"lay {thickness_gauge(FOOT)}, {FOOT:g} mm in all, under the bearing's bore. Stand the shaft upright in the "
             f"bearing, down on the paper. Leave the paper there until the {self._last} is on and the glue is hard",
         )
-        yield self._act(
+        yield replace(shaft, needs=gauge_tools(FOOT))
+        spacer = self._act(
             "spacer-below",
             "glued on the shaft over the bearing",
             f"glue spacer-below on the shaft, {END_PLAY:g} mm over the bearing{between(END_PLAY)}",
         )
+        yield replace(spacer, needs=gauge_tools(END_PLAY))
         track = "on the drum's end" if self.bench.track.geometry.track == "end" else "in the track"
         end = "bracket" if self.bench.track.swings else self._held
         into = f"the roller {track} and the bores of the {end} on the two front rods"

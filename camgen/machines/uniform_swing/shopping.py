@@ -76,6 +76,7 @@ class _Act:
     how: str
     laid: tuple[str, ...] = ()  # what of the parts it lays
     height: float = 0.0  # mm, at which a layer is laid
+    needs: tuple[str, ...] = ()  # tools
 
 
 def steps(machine: SwingMachine) -> Table:
@@ -101,7 +102,10 @@ def steps(machine: SwingMachine) -> Table:
         "Assembly, step by step",
         ("step", "part", "how"),
         [(k, each.part, each.how) for k, each in enumerate(acts, 1)],
-        [Step([Doing(each.how)], each.laid, 1 if "axle" in each.laid else -1) for each in acts],
+        [
+            Step([Doing(each.how, needs=each.needs)], each.laid, 1 if "axle" in each.laid else -1)
+            for each in acts
+        ],
     )
 
 
@@ -123,6 +127,7 @@ def _ground(machine: SwingMachine, things: Mapping[str, Bought]) -> Iterator[_Ac
         "axle",
         "push 2 × axle from below, one through the hole, one through the arc slot; a tape holds both",
         ("axle",),
+        needs=("adhesive tape",),
     )
     yield _Act("axle-washer", "put an axle-washer on each axle", ("axle-washer",))
     if machine.base_plate.mounts:
