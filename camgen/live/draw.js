@@ -14,14 +14,14 @@ const TOOLS = [
   ["move", "v", "Move", "Drag a point; onto another one pins them together. Drag the paper to shift it, turn the wheel to zoom."],
   ["link", "l", "Link", "Press where the link begins, drag to where it ends; on a point it is pinned there."],
   ["point", "p", "Point", "Press on a link and drag to the new point's place; on a point of another link it is pinned there."],
-  ["ground", "g", "Ground", "Click the points that stand still; once more lets one go."],
+  ["ground", "g", "Ground", "Click the points that stand still; click one again to release it."],
   ["slide", "s", "Slide", "Press on a point, or on a link, and drag in the direction in which it slides."],
   ["slot", "t", "Slot", "Press on a point and drag onto the link in whose slot it runs."],
-  ["gear", "e", "Gear", "Drag from a link to another one; both turn on the ground. Once more takes the gear away. Its ratio is among the keys."],
-  ["cam", "c", "Cam", "Press on the link that turns as the cam, drag to the point of the follower that has the roller. Once more takes the cam away."],
+  ["gear", "e", "Gear", "Drag from a link to another one; both turn on the ground. Draw it again to remove the gear. Its ratio is among the keys."],
+  ["cam", "c", "Cam", "Press on the link that turns as the cam, drag to the point of the follower that has the roller. Draw it again to remove the cam."],
   ["drive", "d", "Drive", "Click the link that drives; it is pinned to the ground."],
-  ["output", "o", "Output", "Click the point whose path counts, or a link whose motion does; once more takes it away."],
-  ["delete", "x", "Delete", "Click a point or a link to take it away."],
+  ["output", "o", "Output", "Click the point whose path you want, or a link whose motion you want; click it again to remove the output."],
+  ["delete", "x", "Delete", "Click a point or a link to remove it."],
 ];
 
 function draw(seen) {
@@ -231,7 +231,7 @@ function draw(seen) {
   function wanted() {  // what a sheet lacks to be a machine
     const sheet = seen.sheet;
     return !moving().length ? "Draw a link" : !ground().length ? "Choose the points that stand still (Ground)"
-      : !sheet.drive ? "Choose the link that drives (Drive)" : !sheet.output.length ? "Choose what counts (Output)" : "";
+      : !sheet.drive ? "Choose the link that drives (Drive)" : !sheet.output.length ? "Choose an output (Output)" : "";
   }
 
   async function rested() {
@@ -416,7 +416,7 @@ function draw(seen) {
     else if (tool === "gear" && linkOf(on)) await commit({ op: "gear", a: linkOf(mine), b: linkOf(on) });
     else if (tool === "cam" && on.point) await commit({ op: "cam", cam: linkOf(mine), point: on.point });
     else if (tool === "slot" && on.link) await commit({ op: "slot", point: mine.point, link: on.link });
-    else note = `Nothing is done: it ends on no ${{ cam: "point of a follower" }[tool] || "link"}.`;
+    else note = `Nothing was drawn: it does not end on a ${{ cam: "point of a follower" }[tool] || "link"}.`;
     if (drag === mine) drag = null;
     render();
   }
@@ -496,7 +496,7 @@ function draw(seen) {
   async function report() {
     const answer = await ask("preview", { quick: false });
     show(frame => { frame.srcdoc = answer.page || noReport(answer); });
-    tell(answer, "by the design's own limits, before any file is made");
+    tell(answer, "by the limits of the design, before any file is made");
   }
 
   function noReport(answer) {  // why there is none

@@ -114,7 +114,7 @@ def _built(
         gone = ", ".join(sorted({name.rpartition(".")[2].upper() for name in staged.gone}))
         count = f"{len(staged.gone)} more file{'' if len(staged.gone) == 1 else 's'} ({gone})"
         remarks.append(
-            f"the earlier {staged.target} had {count}, gone with it: a build without --only makes all"
+            f"the earlier {staged.target} had {count}, which this build removed: a build without --only makes all"
         )
     if other:
         remarks.append(

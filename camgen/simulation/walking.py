@@ -85,7 +85,9 @@ def simulate(
     mechanism = read_mechanism(spec, overrides).resolved()
     standing = standing_of(mechanism)
     if standing is None:
-        raise SpecError([Fault(("walk",), "none", "a linkage with a table [walk], its feet")])
+        raise SpecError(
+            [Fault(("walk",), "none", "a linkage with a table [walk] that names its feet")]
+        )
     engine()
     progress("making the solids", 0.1)
     model = simulated(mechanism, standing)
