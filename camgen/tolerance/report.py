@@ -43,11 +43,11 @@ _HOLD = "copies that hold, %", "interval of 95 %, %"
 _SHOWN = 10  # of the worst copies
 _MOST = 10_000_000  # copies
 _NOTES = (
-    "Standard deviations: print.size_error, place_error, form_error; unless given the usual tolerance of the plastic, taken as "
-    "three of them (FDM tolerance guide, toolsfast.app). Print a part and measure it for your own.",
-    "First order: errors along the normal over the contact's lever, and centres by the joints' slopes. Means are taken as right: "
+    "Standard deviations: print.size_error, place_error, form_error. Unless the spec gives them, a third of the usual tolerance "
+    "of the plastic (FDM tolerance guide, toolsfast.app). Print a part and measure it to find your own.",
+    "First order: errors along the normal over the contact's lever, and centres by the joints' slopes. Mean sizes are taken as correct: "
     "compensations of [print] correct a size that is always too small.",
-    "MOTION_ERROR and UNDERCUT have the limits of files; for copies see the quantiles. Walls, and figures from a machine's own "
+    "The limits of MOTION_ERROR and UNDERCUT are for files; for copies see the quantiles. Walls, and figures from a machine's own "
     "lengths (thread, unloader), are not judged on copies.",
 )
 
@@ -184,7 +184,7 @@ def _waves(spread: Spread) -> list[str]:
     least, most = spread.sizes.orders
     waves = f"{least}" if least == most else f"{least} to {most}"
     notes = [
-        f"The form of a cam: {waves} waves a turn, all of a size, together print.form_error, {spread.sizes.form:.4g} mm. "
+        f"The form error of a cam: {waves} waves a turn of equal size, together print.form_error, {spread.sizes.form:.4g} mm. "
         "print.form_orders sets how many: more waves of the same size turn the normal more."
     ]
     if any(
