@@ -231,8 +231,8 @@ def _surface(out: _Entities, body: Brep, face: Face) -> tuple[int, bool]:
         return _patch(out, face.patch), True
     if face.radius:
         return out.add(
-            f"CYLINDRICAL_SURFACE('',#{out.place((0, 0, 0))},{_real(face.radius)})"
-        ), True
+            f"CYLINDRICAL_SURFACE('',#{out.place((0, 0, 0))},{_real(abs(face.radius))})"
+        ), face.radius > 0
     step = min(
         face.loops[0], key=lambda step: (_rise(body, step), body.corners[body.first(step), 2])
     )
@@ -592,10 +592,12 @@ class _Reader:
         splines = any(body.edges[edge].spline is not None for loop in loops for edge, _ in loop)
         if not splines:
             return Face(self.looks(body, loops, surface, same), loops)
-        if len(loops) != 1 or len(loops[0]) != _SIDES or not same:
+        if len(loops) != 1 or len(loops[0]) != _SIDES:
             raise ValueError(f"{surface} has splines for edges, and not {_SIDES} of them round it")
         runs = [body.along(step, _SHARES) for step in loops[0]]
         if "=B_SPLINE_SURFACE_WITH_KNOTS" in self.entities[surface]:
+            if not same:
+                raise ValueError(f"{surface} looks the other way")
             _, *degrees, rows, _, _, _, _, counts, across, knots, others, _ = self.get(
                 surface, "B_SPLINE_SURFACE_WITH_KNOTS"
             )
@@ -615,12 +617,11 @@ class _Reader:
         self.off(magnitude(np.hypot(around[:, 0], around[:, 1]) - radius), *at[:2])
         turn = np.unwrap(np.arctan2(around[:, 1], around[:, 0]))
         height = around[:, 2]
-        if (
-            z.tolist() != [0, 0, 1]
-            or np.sum(turn * np.roll(height, -1) - np.roll(turn, -1) * height) <= 0
-        ):
-            raise ValueError(f"{surface} does not stand about z, or its face looks inwards")
-        return Face(0, loops, radius)
+        outwards = 1 if same else -1
+        around_it = np.sum(turn * np.roll(height, -1) - np.roll(turn, -1) * height)
+        if z.tolist() != [0, 0, 1] or outwards * around_it <= 0:
+            raise ValueError(f"{surface} does not stand about z, or its face looks the other way")
+        return Face(0, loops, outwards * radius)
 
     def looks(self, body: Brep, loops: Sequence[Loop], surface: str, same: bool) -> int:
         """Where a face looks, its corners held to its surface, and its loops to the side on which it has the material."""

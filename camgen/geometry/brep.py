@@ -23,6 +23,7 @@ from camgen.geometry.rings import Floats, Ring, Shape, shape_of
 from camgen.geometry.splines import Patch, Spline
 from camgen.numerics import magnitude
 
+_ALONG = 1025  # points of a spline, of which the highest is looked for
 _FEWEST = 4  # cells of a patch each way
 _ASLANT = 0.8  # square roots of tolerance over radius, of a cell of a cylinder across
 _DIGITS = 9  # of points, mm, that are one where patches meet
@@ -48,7 +49,7 @@ Loop = tuple[Step, ...]
 class Face:
     """A level face or a wall.
 
-    radius: of a piece of a cylinder about z that is seen from outside, whose edges need not be level; patch: of a wall that is a
+    radius: of a piece of a cylinder about z, whose edges need not be level, below 0 where it is seen from the axis; patch: of a wall that is a
     spline, whose four sides are its loop, from its v = 0, u growing.
     """
 
@@ -77,6 +78,14 @@ class Brep:
         return np.unique(
             [self.corners[self.first(face.loops[0][0]), 2] for face in self.faces if face.looks]
         )
+
+    @cached_property
+    def reach(self) -> Floats:
+        """Its lowest and its highest place, mm, of splines at many points."""
+        share = np.linspace(0, 1, _ALONG)
+        splines = [each.spline(share)[:, 2] for each in self.edges if each.spline is not None]
+        z = np.concatenate([self.corners[:, 2], *splines])
+        return np.array([np.min(z), np.max(z)])
 
     def first(self, step: tuple[int, bool]) -> int:
         """The corner where a step of a loop begins."""
@@ -145,7 +154,7 @@ class Brep:
                 (loop,) = face.loops
                 low = self.along(loop[0], u)
                 high = self.along(loop[2], u)[::-1]
-                bands[face.radius].append(_Band(low, high))
+                bands[abs(face.radius)].append(_Band(low, high))
         for radius, pieces in bands.items():
             steps = max(piece.steps(radius, tolerance) for piece in pieces)
             grids += [piece.grid(radius, steps) for piece in pieces]

@@ -212,9 +212,8 @@ def judge_exact(path: Path, expected: NominalPart) -> PartVerdict:
         ]
     except ValueError as error:
         return _unread(findings, where, error)
-    return _judge_sections(
-        sections, expected, where, 0.0, findings, _level_error(body.heights, expected)
-    )
+    levels = body.heights if expected.levels_complete else body.reach
+    return _judge_sections(sections, expected, where, 0.0, findings, _level_error(levels, expected))
 
 
 def judge_cut(rings: Sequence[Ring], expected: NominalPart, where: Where) -> PartVerdict:

@@ -18,7 +18,7 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.arcs import bulges, fit_arcs
-from camgen.geometry.brep import Brep, Edge, Face, Step
+from camgen.geometry.brep import Brep, Edge, Face, Loop, Step
 from camgen.geometry.drum_walls import DrumWall
 from camgen.geometry.drums import Drum
 from camgen.geometry.outlines import Contour
@@ -103,9 +103,15 @@ class _Body:
         return _Wall(patches, floor, outside, seams)
 
     def join(
-        self, lower: _Curve, upper: _Curve, seams: Sequence[Step], patches: Sequence[Patch]
+        self,
+        lower: _Curve,
+        upper: _Curve,
+        seams: Sequence[Step],
+        patches: Sequence[Patch],
+        looks: int = 1,
     ) -> None:
-        """The faces between two curves; without patches they lie on their cylinder."""
+        """The faces between two curves; without patches they lie on their cylinder, from which they look outwards or, looks -1, to
+        its axis."""
         count = len(lower.edges)
         for k in range(count):
             edge, forward = seams[k]
@@ -115,7 +121,8 @@ class _Body:
                 (upper.edges[k], False),
                 (edge, not forward),
             )
-            face = Face(0, (loop,), patch=patches[k]) if patches else Face(0, (loop,), lower.radius)
+            round_face = Face(0, (loop,), looks * lower.radius)
+            face = Face(0, (loop,), patch=patches[k]) if patches else round_face
             self.faces.append(face)
 
     def between(self, wall: _Wall, outwards: bool) -> None:
@@ -127,16 +134,16 @@ class _Body:
         patches = [each.turned for each in wall.patches]
         self.join(wall.outside, wall.floor, seams, patches)
 
-    def cylinder(self, lower: _Curve, upper: _Curve) -> None:
-        """What joins two curves of one radius."""
+    def cylinder(self, lower: _Curve, upper: _Curve, looks: int = 1) -> None:
+        """What joins two curves of one radius, the material within it, or looks -1: outside."""
         seams = [
             (self.edge(self._upwards(a, b, lower.radius)), True)
             for a, b in zip(lower.corners, upper.corners, strict=True)
         ]
-        self.join(lower, upper, seams, ())
+        self.join(lower, upper, seams, (), looks)
 
     def _upwards(self, a: int, b: int, radius: float) -> Edge:
-        """From a corner to one above it on a cylinder: straight, or turning evenly."""
+        """From a corner to one above or below it on a cylinder: straight, or turning evenly."""
         low = self.corners[a]
         high = self.corners[b]
         if np.array_equal(low[:2], high[:2]):
@@ -151,30 +158,57 @@ class _Body:
         return Edge(a, b, spline=through(share, points))
 
     def ends(
-        self, lower: _Curve, upper: _Curve, holes: Sequence[Contour], tolerance: float
+        self,
+        lower: _Curve,
+        upper: _Curve,
+        holes: Sequence[Contour],
+        key: tuple[Contour, float] | None,
+        tolerance: float,
     ) -> None:
-        """Both level faces, and the holes from one to the other."""
+        """Both level faces, and the holes from one to the other; key: outline of what stands on the upper one, through which the
+        holes go on, and its height."""
         down = [tuple((edge, False) for edge in reversed(lower.edges))]
         up = [tuple((edge, True) for edge in upper.edges)]
-        heights = [float(self.corners[curve.corners[0]][2]) for curve in (lower, upper)]
+        low, high = (float(self.corners[curve.corners[0]][2]) for curve in (lower, upper))
+        if key is not None:
+            outline, top = key
+            under, over = self._upright(outline, (high, top), tolerance, clockwise=False)
+            up.append(_turned(under))
+            self.faces.append(Face(1, tuple(up)))
+            up = [over]
+            high = top
         for hole in holes:
-            rings = [self._ring(hole, height, tolerance) for height in heights]
-            (lows, under), (highs, over) = rings
-            seams = [self.edge(Edge(a, b)) for a, b in zip(lows, highs, strict=True)]
-            for k, (edge, forward) in enumerate(under):
-                above, onward = over[k]
-                after = seams[(k + 1) % len(seams)]
-                loop = ((edge, forward), (after, True), (above, not onward), (seams[k], False))
-                self.faces.append(Face(0, (loop,)))
-            up.append(tuple(over))
-            down.append(tuple((edge, not forward) for edge, forward in reversed(under)))
+            under, over = self._upright(hole, (low, high), tolerance)
+            up.append(over)
+            down.append(_turned(under))
         self.faces += [Face(-1, tuple(down)), Face(1, tuple(up))]
 
-    def _ring(self, hole: Contour, height: float, tolerance: float) -> tuple[list[int], list[Step]]:
-        """Corners and steps of a hole at a height, clockwise."""
-        z, bulge = bulges(fit_arcs(hole.counter_clockwise(), tolerance))
-        z = z[::-1]
-        bulge = -np.roll(bulge[::-1], -1)
+    def _upright(
+        self,
+        contour: Contour,
+        heights: tuple[float, float],
+        tolerance: float,
+        clockwise: bool = True,
+    ) -> tuple[Loop, Loop]:
+        """Walls along a contour between two heights, round a hole clockwise; the loops below and above them, as they run."""
+        rings = [self._ring(contour, height, tolerance, clockwise) for height in heights]
+        (lows, under), (highs, over) = rings
+        seams = [self.edge(Edge(a, b)) for a, b in zip(lows, highs, strict=True)]
+        for k, (edge, forward) in enumerate(under):
+            above, onward = over[k]
+            after = seams[(k + 1) % len(seams)]
+            loop = ((edge, forward), (after, True), (above, not onward), (seams[k], False))
+            self.faces.append(Face(0, (loop,)))
+        return tuple(under), tuple(over)
+
+    def _ring(
+        self, contour: Contour, height: float, tolerance: float, clockwise: bool
+    ) -> tuple[list[int], list[Step]]:
+        """Corners and steps of a contour at a height."""
+        z, bulge = bulges(fit_arcs(contour.counter_clockwise(), tolerance))
+        if clockwise:
+            z = z[::-1]
+            bulge = -np.roll(bulge[::-1], -1)
         corners = [self.corner([each.real, each.imag, height]) for each in z.tolist()]
         steps = []
         for k, (a, b) in enumerate(zip(corners, np.roll(corners, -1).tolist(), strict=True)):
@@ -191,8 +225,19 @@ class _Body:
         return corners, steps
 
 
-def drum_solid(drum: Drum, holes: Sequence[Contour], tolerance: float) -> Brep:
-    """The drum with holes along its axis, their outlines as arcs within tolerance, mm.
+def _turned(loop: Loop) -> Loop:
+    """A loop, run the other way."""
+    return tuple((edge, not forward) for edge, forward in reversed(loop))
+
+
+def drum_solid(
+    drum: Drum,
+    holes: Sequence[Contour],
+    tolerance: float,
+    key: tuple[Contour, float] | None = None,
+) -> Brep:
+    """The drum with holes along its axis, their outlines as arcs within tolerance, mm; key: outline of what stands on its upper
+    end, and its height.
 
     DesignError as of `Drum.span`, and where no spline of a reasonable size is within FIT of its walls.
     """
@@ -203,7 +248,7 @@ def drum_solid(drum: Drum, holes: Sequence[Contour], tolerance: float) -> Brep:
     first = walls[0].floor if drum.track == "rib" else walls[0].outside
     last = walls[-1].outside if drum.track == "groove" else walls[-1].floor
     bottom = body.circle(first, 0.0)
-    top = body.circle(last, drum.length)
+    top = body.circle(last, drum.length if drum.pocket is None else drum.pocket)
     body.cylinder(bottom, first)
     for wall, each in zip(walls, drum.walls, strict=True):
         body.between(wall, outwards=each.side > 0)
@@ -211,8 +256,8 @@ def drum_solid(drum: Drum, holes: Sequence[Contour], tolerance: float) -> Brep:
         body.cylinder(walls[0].floor, walls[1].floor)
     if drum.track == "rib":
         body.cylinder(walls[0].outside, walls[1].outside)
-    body.cylinder(last, top)
-    body.ends(bottom, top, holes, tolerance)
+    body.cylinder(last, top, 1 if drum.pocket is None else -1)
+    body.ends(bottom, top, holes, key, tolerance)
     return Brep(np.array(body.corners), body.edges, body.faces)
 
 

@@ -108,14 +108,9 @@ def exact(part: Part, tolerance: float) -> Brep:
     A drum's walls are splines, see `drum_exact`. DesignError, with what to do, for a crossed part, and for layers that meet in a
     line or do not make exactly one body.
     """
-    if part.drum is not None and (part.key is not None or part.drum.pocket is not None):
-        message = (
-            f"{part.name} is a piece of a drum; an exact solid is written of a drum in one piece"
-        )
-        remedy = "take its STL or 3MF, or parts.pieces = 1"
-        raise DesignError("exact solid", 1, 0, "", "", remedy).saying(message)
     if part.drum is not None:
-        return drum_solid(part.drum, part.layers[0].region.holes, tolerance)
+        key = None if part.key is None else (part.key.region.outer, part.key.z1)
+        return drum_solid(part.drum, part.layers[0].region.holes, tolerance, key)
     if not part.prismatic:
         message = f"{part.name} is where two outlines that are extruded crosswise overlap; no exact solid of it can be written"
         raise DesignError("exact solid", 1, 0, "", "", "take its STL or 3MF").saying(message)

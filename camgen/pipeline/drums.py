@@ -92,8 +92,12 @@ def _judged(case: Case, track: DrumTrack, kinds: Sequence[str]) -> Outcome:
         try:
             mesh = _mesh(path, track.part, table.tolerance)
             if track.ring is not None:
-                ring = read_solid(case.file(track.ring.part, kind), track.ring.part)[0]
-                pieces = DrumPieces(mesh, placed(ring, track.ring.top), track.ring.key)
+                file = case.file(track.ring.part, kind)
+                ring = placed(_mesh(file, track.ring.part, table.tolerance), track.ring.top)
+            if track.ring is not None and kind in EXACT:  # of which this has the tracks alone
+                mesh = together(mesh, ring)
+            elif track.ring is not None:
+                pieces = DrumPieces(mesh, ring, track.ring.key)
                 findings += pieces_findings(
                     pieces, track.ring.corner, press, table.tolerance, where
                 )

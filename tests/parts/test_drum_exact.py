@@ -19,8 +19,10 @@ from camgen.findings import in_file
 from camgen.geometry.brep import Brep
 from camgen.geometry.drums import Drum
 from camgen.geometry.splines import patch, through
+from camgen.judge.drum_pieces import placed, together
 from camgen.judge.rolled_drum import Rolled, roll, track_findings
 from camgen.judge.round_trip import judge_exact
+from camgen.machines.sources import read_mechanism
 from camgen.measuring.drum import read_roller
 from camgen.parts.drum_exact import FIT
 from camgen.parts.exact import exact
@@ -216,3 +218,44 @@ def test_damages_of_the_file_are_told(
         return
     found = judge_exact(path, expected).findings
     assert {each.code for each in found if not each.ok} == codes
+
+
+@pytest.fixture(scope="module")
+def pieces() -> tuple[Part, Part]:
+    """Drum with a core and a key, and the ring on it, of the starter."""
+    spec = Path(__file__).parents[2] / "specs" / "cylinder-cam.toml"
+    drum, ring = read_mechanism(spec, ["parts.pieces=2"]).resolved().assembly.parts
+    return drum, ring
+
+
+def test_both_pieces_of_a_drum_are_closed_and_as_large_as_their_walls_make_them(
+    pieces: tuple[Part, Part], tmp_path: Path
+) -> None:
+    """Of the splines by Gauss; of parts by heights over even angles. The ring is seen from its axis within its wall."""
+    for piece in pieces:
+        part = replace(piece, name="drum")  # as in the file
+        body = exact(part, TOLERANCE)
+        assert (body.faults, body.bodies) == (0, 1)
+        assert body.volume == pytest.approx(part.volume, rel=1e-7)
+        path = written(tmp_path, part)
+        verdict = judge_exact(path, nominal_part(part, TOLERANCE))
+        assert [each for each in verdict.findings if not each.ok] == []
+        assert read(path).volume == pytest.approx(body.volume, rel=1e-14)
+    assert {face.radius < 0 for face in body.faces if face.radius} == {True, False}
+    # the first face whose surface looks the other way is that cylinder
+    text = path.read_text(encoding="ascii")
+    turned = re.sub(r"(ADVANCED_FACE\('',.*,)\.F\.", r"\1.T.", text, count=1)
+    assert turned != text
+    path.write_text(turned, encoding="ascii")
+    with pytest.raises(FileError, match="looks the other way"):
+        judge_exact(path, nominal_part(part, TOLERANCE))
+
+
+def test_a_roller_runs_between_both_pieces(pieces: tuple[Part, Part]) -> None:
+    """At 60 deg of a cycloidal rise of 15 mm over 120 deg it has gone half of the way."""
+    drum, ring = (exact(part, TOLERANCE).facets(COARSE) for part in pieces)
+    mesh = together(drum, placed(ring, pieces[0].thickness))
+    run = roll(mesh, read_roller("radius=5,length=4,inner=25,tolerance=0.005"), 60, 360)
+    rise = np.interp(math.radians(60), run.theta, run.motion) - run.motion[0]
+    assert rise == pytest.approx(7.5, abs=COARSE)
+    assert run.play.max() - run.play.min() < 0.2
