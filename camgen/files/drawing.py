@@ -39,7 +39,6 @@ _RUN_OUT = 10.0  # more to the right of a drum's plan view, for the run-out of t
 _THIRD = 8.0  # from the plan view's dimension to the third view, and from that to what is below
 _BORE = 21.0  # to the dimension of a round bore there, past the sign of its roughness
 _SURFACE = 10.0  # room above for them
-_TITLE = 4.0  # for the title of a drum's section, over its dimensions
 
 
 def write_drawing(
@@ -73,13 +72,8 @@ class _Layout:
         self.inner = _BORE if drawn.bored and not drawn.detailed else 0.0
         self.beside = _BESIDE + self.inner + BOSS * (len(drawn.bosses) + (part.drum is not None))
         self.depth = part.thickness if part.side_profile or drawn.section else 0.0
-        self.over = _ABOVE + (
-            _SURFACE
-            if drawn.surface or (drawn.slotted and facts.profile)
-            else _TITLE
-            if part.drum
-            else 0.0
-        )
+        surface = drawn.surface or (drawn.slotted and facts.profile)
+        self.over = _ABOVE + (_SURFACE if surface else 0.0)
         self.unrolled = None
         self.track_section = None
         if drawn.drum:

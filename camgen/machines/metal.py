@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any, TypeGuard
 
+from camgen.machines.cylinder_cam.tables import DrumRollerTable
 from camgen.parts import materials
 from camgen.parts.catalogue import CAM_FOLLOWERS, DOWELS, SCREWS, Bought
 from camgen.parts.disc_cams import CamParts, ShaftBore
@@ -19,6 +20,7 @@ _FACE = 0.6  # of the bore: least thickness
 _HUB = 1.8  # of the bore: diameter
 _SCREWED = 2.4  # diameters of its set screw: least height of a hub
 _END = 3.0  # mm, walls of a drum of any material
+_RIM_OF_DEPTH = 0.5  # of the depth of its track: walls of a drum
 _GROOVE = 0.05  # mm, by which a milled groove is wider than its roller
 _BACK = 0.5  # of the thickness: back plate of a groove; its dowels at least
 _LOOSE = 0.6  # mm, by which screws are loose in the rim
@@ -51,8 +53,8 @@ def _least_wall(metal: str) -> float:
 
 
 def of_drum(data: Any) -> Any:
-    """A spec's tables of a drum with the width of a milled groove and walls as thick as the least, where they leave them open and
-    name a metal."""
+    """A spec's tables of a drum with the width of a milled groove and walls as thick as the least and as half of the track's depth, where
+    they leave them open and name a metal."""
     if not isinstance(data, Mapping):
         return data
     material, fits = (data.get(key, {}) for key in ("material", "print"))
@@ -63,9 +65,21 @@ def of_drum(data: Any) -> Any:
         return data
     made = {**data, "print": {"slide_clearance": _GROOVE, **fits}}
     parts = data.get("parts", {})
-    if _least_wall(name) <= _END or not isinstance(parts, Mapping):
+    if not isinstance(parts, Mapping):
         return made
-    return {**made, "parts": {"wall": float(math.ceil(_least_wall(name))), **parts}}
+    wall = max(_END, _least_wall(name), _RIM_OF_DEPTH * _depth(data.get("geometry", {})))
+    return {**made, "parts": {"wall": float(math.ceil(wall)), **parts}}
+
+
+def _depth(geometry: Any) -> float:
+    """Depth of a drum's track as far as its tables say it, mm."""
+    table = geometry.get("roller", {}) if isinstance(geometry, Mapping) else {}
+    if not isinstance(table, Mapping):
+        return 0.0
+    fields = DrumRollerTable.model_fields
+    length, gap = (table.get(key, fields[key].default) for key in ("length", "end_clearance"))
+    known = isinstance(length, int | float) and isinstance(gap, int | float)
+    return length + 2 * gap if known else 0.0
 
 
 def filled(data: Any) -> Any:

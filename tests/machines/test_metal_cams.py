@@ -372,6 +372,9 @@ def test_the_ends_of_a_hardened_drum_are_as_thick_as_its_walls() -> None:
         drum: Any = read_mechanism(file, ["limits.min_wall=", f"material.name={material}"])
         assert drum.making.wall == end
         assert end >= drum.allowed.min_wall
+    # a track for a roller of 11 with 0.5 at either end is 12 deep
+    deep: Any = read_mechanism(file, ["material.name=C45", "geometry.roller.length=11"])
+    assert deep.making.wall == 6.0
 
 
 def test_the_list_of_parts_has_the_key_of_each_keyway() -> None:
