@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from camgen.errors import DesignError
@@ -53,8 +54,8 @@ class KeyScrew:
         """Of its hub, mm."""
         return _ABOUT * SCREWS[self.thread].nominal
 
-    def bought(self, part: str) -> Bought:
-        """Its row in the parts list; it ends within the hub where such a length is sold."""
+    def bought(self, parts: Sequence[str]) -> Bought:
+        """Its row in the parts list, one in each of these parts; it ends within the hub where such a length is sold."""
         length = max((each for each in _LENGTHS if each <= self.wall), default=_LENGTHS[0])
         holds = (
             f", holds some {_ON_KEY:g} N along the shaft"
@@ -62,7 +63,8 @@ class KeyScrew:
             else ""
         )
         size = f"{self.thread} x {length:g}, flat point, on the key{holds}"
-        return Bought("set screw of the hub", "ISO 4026", size, 1, at=((part, 1),))
+        at = tuple((part, 1) for part in parts)
+        return Bought("set screw of the hub", "ISO 4026", size, len(at), at=at)
 
 
 @dataclass(frozen=True)

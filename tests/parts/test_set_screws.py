@@ -128,6 +128,9 @@ def test_a_set_screw_on_a_key_is_listed_drawn_and_keeps_a_cam_of_metal() -> None
     assert made.making.hub_height == 12
     assert cam.tap == Tap("M5", 18.0, pytest.approx(12.8), 18.0)
     assert not any("sliding along" in each for each in made.remarks().warnings)
+    pair = read_mechanism(SPECS / "disc-cam.toml", [*KEYED, *bare, "geometry.closure=conjugate"])
+    (row,) = [each for each in pair.assembly.bought if each.name == "set screw of the hub"]
+    assert (row.count, row.at) == (2, (("cam-1", 1), ("cam-2", 1)))
     loose = read_mechanism(SPECS / "disc-cam.toml", [*KEYED[:-1], *bare])
     assert [each.name for each in loose.assembly.bought if each.standard == "DIN 471"]
     assert loose.making.hub_height == 8 and loose.assembly.parts[0].tap is None

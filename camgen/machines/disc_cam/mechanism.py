@@ -387,7 +387,8 @@ class DiscCamDrive(CamTables):
         name = alone.plates[0].name
         screw = [] if hub is None else hub.bought(self.making.hub_diameter / 2, name)
         on_key = self.making.key_screw
-        screw += [] if on_key is None else [on_key.bought(name)]
+        tapped = [part.name for part in alone.plates if part.tap]
+        screw += [] if on_key is None else [on_key.bought(tapped)]
         heights = {part.name: part.thickness for part in parts}
         length = max(mount.z + heights[mount.part] for mount in made.mounts if mount.body == "cam")
         shaft = shaft_of_cams(self.making, self.material.name, length, self.motor.model)
