@@ -22,6 +22,7 @@ class Measure:
     sign: str = ""  # before the number
     fit: str = ""
     factor: float = 1.0
+    digits: int = 3  # after the point, of a number with a fit
 
     @property
     def behind(self) -> str:
@@ -57,7 +58,7 @@ def dimension(
     drawn.line(start, end, layer="DIM")
     drawn.arrow(start + 6 * along if outside else start, along if outside else -along)
     drawn.arrow(end - 6 * along if outside else end, -along if outside else along)
-    digits = 3 if measure.fit else decimals(general(measure.value, tolerance))
+    digits = measure.digits if measure.fit else decimals(general(measure.value, tolerance))
     high = 3.5 if measure.factor == 1.0 else 2.5
     text = f"{measure.sign}{number(measure.value, digits)}{measure.behind}"
     label = Text(0j, text, high, "centre", reading, "DIM")

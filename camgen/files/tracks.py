@@ -387,7 +387,7 @@ class Section:
         for start, end, away in self.cased:
             put([z + away * BESIDE_CASE / scale for z in (start, end)], "CASE")
         for a, b, away, measure in self.sizes:
-            said = Measure(measure.value, measure.sign, measure.fit, own / scale)
+            said = replace(measure, factor=own / scale)
             dimension(sheet, (origin + scale * a, origin + scale * b), away, said, tolerance)
 
 
@@ -441,7 +441,8 @@ def drum_section(drum: Drum, facts: Facts, scales: Sequence[float]) -> Section:
     top = walls[-1]
     start = complex(floor, top[2])
     up = scale * (high - top[2]) + _OFF
-    deep = Measure(outside - floor, *_deeper(drum, facts))
+    # of an arm's drum in the plane of its roller, some thousandths off that from the axis
+    deep = Measure(outside - floor, *_deeper(drum, facts), digits=2)
     sizes.append((start, complex(outside, top[2]), 1j * up, deep))
     title = f"Section of the track ({ratio(scale)})"
     turned = math.degrees(-float(rest[0]) * facts.sense) % 360
