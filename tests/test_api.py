@@ -415,7 +415,7 @@ def test_a_sweep_is_the_commands_table(tmp_path: Path, capsys: pytest.CaptureFix
     ("key", "said"),
     [
         ("lengths.A-Q", "there is no point Q; the points are O, C, A, B, P"),
-        ("lengths.O-B", "O and B are on none together"),
+        ("lengths.O-B", "no link has both O and B"),
         ("lengths.AB", 'two points of one link, such as "A-B"'),
         ("geometry.base_radius", "unknown key"),
     ],

@@ -641,7 +641,7 @@ class CylinderCam(Mechanism):
                 self.allowed.least_radius,
                 "mm",
                 drum,
-                f"least radius of curvature of the convex walls; {_FLATTER.replace('lowers', 'widens')}",
+                f"least radius of curvature of the convex walls; {_FLATTER.replace('lowers it', 'makes it larger')}",
             ),
             *program_findings(
                 self.program, self.geometry.follower.unit, self.allowed.of_cams(0.0), _SMOOTHER

@@ -76,7 +76,7 @@ def _point_faults(drawing: Drawing) -> Iterable[Fault]:
     used = {point for points in drawing.links.values() for point in points}
     for point in drawing.points:
         if point not in used:
-            yield Fault(("points", point), "", "is on no link: name it in [links], or take it away")
+            yield Fault(("points", point), "", "is on no link: name it in [links], or remove it")
 
 
 def _meets_another(drawing: Drawing, name: str) -> bool:
@@ -113,7 +113,7 @@ def _length_faults(drawing: Drawing) -> Iterable[Fault]:
             yield Fault(
                 path,
                 "",
-                f"a length between two points of one link: {a} and {b} are on none together",
+                f"a length between two points of one link: no link has both {a} and {b}",
                 unknown=True,
             )
         elif pair in seen:
