@@ -19,10 +19,10 @@ from camgen.study import Figure, Figures, Plot, Study
 
 _ANGLES = 1441
 _SAID = (
-    "Walk: so slow that inertia does nothing, in the plane, on points as feet. With equal friction of all feet the distance does not "
-    "depend on it; the range is that of feet which differ within walk.friction. The distance is a lower estimate. "
-    "Drive, pins and bearings bear the machine's weight on the feet on which it stands; the foot that slips rubs with the middle "
-    "walk.friction."
+    "Walk: in the plane, with points as feet, so slowly that inertia does not matter. If all feet have the same friction, the "
+    "distance does not depend on it; the range is for feet whose frictions differ within walk.friction. The distance is a lower "
+    "estimate. Drive, pins and bearings bear the machine's weight, on the feet on which it stands at each angle; the foot that slips "
+    "rubs with the middle walk.friction."
 )
 
 
