@@ -79,7 +79,7 @@ MinWall = Annotated[
     float,
     quantity(
         "mm",
-        "least wall of every part: two lines of the nozzle; of metal 1; of a hardened cam or drum alone at least 4 depths of "
+        "least wall of every part: two lines of the nozzle; in metal 1; in a hardened cam or drum made alone at least 4 depths of "
         "its case, camgen's own rule",
         ge=1e-3,
         le=1e6,
@@ -344,7 +344,7 @@ class Files(Record):
     )
     step: bool | None = Field(
         default=None,
-        description="true: a whole build makes exact solids as well (STEP); unless given, of metals",
+        description="true: a whole build makes exact solids as well (STEP); unless given, only of metals",
     )
     profile_step_deg: Annotated[float | None, quantity("deg", ge=0.01, le=90)] = Field(
         default=None,
@@ -384,7 +384,7 @@ class Drawing(Record):
         | None
     ) = Field(
         default=None,
-        description="general tolerance: f, m, c or v; then H, K or L for form and position, as in -mK; left out: of metal -mK, else -m",
+        description="general tolerance: f, m, c or v; then H, K or L for form and position, as in -mK; left out: in metal -mK, else -m",
     )
     number: (
         Annotated[
@@ -417,7 +417,7 @@ class Drawing(Record):
     )
     position: Annotated[float, quantity("mm", ge=0, le=5)] | None = Field(
         default=None,
-        description="diameter within which the axes of holes must lie (ISO 1101); left out: 0.2, of metal 0.05; of dowels that "
+        description="diameter within which the axes of holes must lie (ISO 1101); left out: 0.2, in metal 0.05; of dowels that "
         "carry a track in metal at most profile; 0: not shown",
     )
     profile_step_deg: Annotated[float, quantity("deg", ge=5, le=90)] = Field(

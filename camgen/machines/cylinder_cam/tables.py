@@ -110,7 +110,7 @@ class DrumParts(ShaftBore):
     wall: Length = Field(
         default=3.0,
         description="least wall between the bore and the floor of the track, and at the drum's ends; in a machine "
-        "round holes; of a drum in two pieces also the height of the key; of metal at least half as thick as the track "
+        "round holes; of a drum in two pieces also the height of the key; in metal at least half as thick as the track "
         "is deep, hardened at least limits.min_wall, camgen's own rule",
     )
     thickness: Length = Field(
