@@ -188,7 +188,7 @@ def long_run(links: int, kinds: int) -> str:
     """How long so many links take that are closed together, with so many kinds of files; nothing where that is short."""
     seconds = kinds * (_OF_A_KIND + _OF_THREE * links**3)
     return (
-        f"{links} links: to make and judge it takes about {seconds:.0f} s"
+        f"{links} links: making and judging them takes about {seconds:.0f} s"
         if links and seconds > _LONG
         else ""
     )

@@ -394,7 +394,7 @@ def _settings(report: Report) -> str:
     supports = "supports under overhangs" if known.get("supports") else "no supports"
     return (
         f"Settings: layers of {known['print layer']:.2g} mm, a nozzle of {known['print nozzle']:g} mm, "
-        f"{known['print infill']:.0%} infill, {supports}. So it takes about {known['print time']:.2g} h. "
+        f"{known['print infill']:.0%} infill, {supports}. With these it takes about {known['print time']:.2g} h. "
     )
 
 

@@ -291,11 +291,11 @@ def test_a_long_run_is_told_beforehand(
         Linkage, {**four_bar, "points": points, "links": links, "lengths": {}, "output": [last]}
     )
     links = row.remarks().links
-    assert long_run(links, 3) == "42 links: to make and judge it takes about 38 s"
+    assert long_run(links, 3) == "42 links: making and judging them takes about 38 s"
     assert long_run(links, 1) == "" == long_run(validate(Linkage, four_bar).remarks().links, 3)
     with Bar() as progress:
         progress(f"note: {long_run(links, 3)}")
-    assert capsys.readouterr().err == "note: 42 links: to make and judge it takes about 38 s\n"
+    assert capsys.readouterr().err == "note: 42 links: making and judging them takes about 38 s\n"
 
 
 def test_a_base_radius_that_is_found_is_filled_into_the_rows_as_they_are_typed() -> None:

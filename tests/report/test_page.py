@@ -137,7 +137,7 @@ def test_the_page_says_with_which_settings_a_slicer_prints() -> None:
     known = {"print layer": 0.2, "print nozzle": 0.4, "print infill": 0.35, "print time": 5.61}
     figures = [Figure(name, value) for name, value in known.items()]
     page = to_html(replace(solid(), numbers=Figures(figures)))
-    said = "Settings: layers of 0.2 mm, a nozzle of 0.4 mm, 35% infill, no supports. So it takes about 5.6 h."
+    said = "Settings: layers of 0.2 mm, a nozzle of 0.4 mm, 35% infill, no supports. With these it takes about 5.6 h."
     assert said in page
     page = to_html(replace(solid(), numbers=Figures([*figures, Figure("supports", 20.0, "mm²")])))
     assert "35% infill, supports under overhangs." in page
