@@ -34,6 +34,12 @@ def edited(text: str, settings: Sequence[str]) -> str:
 def put(holder: Any, key: str | int, value: Any) -> None:
     """Set a key of a document's table, or an item of its list; a comment behind it stays in its column."""
     if isinstance(key, str) and key not in holder:
+        if isinstance(value, dict):  # on one line, among the keys of its table
+            from tomlkit import inline_table
+
+            row = inline_table()
+            row.update(value)
+            value = row
         holder[key] = value
     elif holder[key] != value:
         before = holder[key]

@@ -72,6 +72,7 @@ _SHAFTS = (
     "parts.shaft_diameter=10",
     "parts.shaft_made=steel",
     "parts.shaft_key=true",
+    "parts.base_thickness=10",
     "print.slide_clearance=0.1",
 )
 METAL = {
@@ -101,8 +102,13 @@ METAL = {
         "load.cam_follower=KR19",
         "parts.thickness=12",
     ),
-    "geneva-table": (*_SHAFTS, "parts.pin=dowel"),
-    "linkage": (*_SHAFTS, "parts.pin=bearing"),
+    "geneva-table": (
+        *_SHAFTS,
+        "parts.pin=dowel",
+        'parts.pins={ O = "bush", C = "bush" }',
+        "parts.wall=3",
+    ),
+    "linkage": (*_SHAFTS, "parts.pin=bearing", 'parts.pins={ O = "bush" }'),
 }
 
 # What its comments say of a print, and what is so in metal.

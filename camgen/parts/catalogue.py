@@ -45,7 +45,7 @@ class Screw:
 
 @dataclass(frozen=True)
 class Bearing:
-    """A deep groove ball bearing; mm."""
+    """A deep groove ball bearing, or a plain bush; mm."""
 
     name: str
     bore: float
@@ -53,6 +53,7 @@ class Bearing:
     width: float
     standard: str = "ISO 15"
     rating: float | None = None  # dynamic, C, kN; None: not published
+    plain: bool = False  # whether it is a bush of bronze
     exponent: ClassVar[float] = 3.0  # of its life
 
     @property
@@ -267,6 +268,20 @@ BEARINGS = {
     )
 }
 
+# Bushes of bronze, solid, form C: a choice of sizes, not checked against the standard; seats H7, and 1.75 MPa m/s for most bronzes
+# with oil or grease [mecmove.se, lathed bronze bearing].
+BUSHES = tuple(
+    Bearing(f"C {bore} x {outside} x {width}", bore, outside, width, "ISO 4379", plain=True)
+    for bore, outside, width in (
+        *((6, 10, 6), (6, 10, 10), (8, 12, 6), (8, 12, 10), (10, 16, 6), (10, 16, 10)),
+        *((12, 18, 10), (12, 18, 15), (15, 21, 10), (15, 21, 15), (16, 22, 12), (16, 22, 15)),
+        *((20, 26, 15), (20, 26, 20)),
+    )
+)
+BUSH = "bush"  # name of its part
+BRONZE = "CuSn8"
+BRONZE_PV = 1.75  # MPa m/s
+
 # Cam followers: IKO, C-Lube Cam Followers, CF .. WBUUR/SG [scribd.com/document/676557690]; ring, stud and length of KR19 to KR35
 # as INA has them [nodeshk.com/ina/art/track-roller-clearance.html].
 CAM_FOLLOWERS = {
@@ -320,6 +335,13 @@ def narrowest(bore: float) -> Bearing | None:
     """The narrowest ball bearing of a bore, mm, of these the smallest outside."""
     fitting = (each for each in BEARINGS.values() if each.bore == bore)
     return min(fitting, key=lambda each: (each.width, each.outside), default=None)
+
+
+def bush_in(bore: float, plate: float) -> Bearing | None:
+    """The longest bush of a bore that is no longer than a plate is thick, or else the shortest, mm; None where none has the bore."""
+    fitting = sorted((each for each in BUSHES if each.bore == bore), key=lambda each: each.width)
+    held = [each for each in fitting if each.width <= plate]
+    return held[-1] if held else next(iter(fitting), None)
 
 
 def ball_roller(diameter: float, width: float) -> Bearing | None:

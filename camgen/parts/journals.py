@@ -15,7 +15,7 @@ from camgen.geometry.outlines import Arc, Contour
 from camgen.machine.cams.limits import MotionLimits
 from camgen.machine.features import Eye, Faces, Feature, Mount, PinEyes, SlotFaces, heights
 from camgen.machine.model import Machine, Pin, Place, Slot
-from camgen.parts.catalogue import BEARINGS, Bearing
+from camgen.parts.catalogue import BEARINGS, BUSH, Bearing
 from camgen.parts.part import Part, Role
 
 _SAME = 1e-6  # mm
@@ -35,6 +35,7 @@ class Journal:
     part: str = ""  # what the pin or shaft is in the parts list
     slot: bool = False  # whether it is the walls of a slot
     role: Role = ""  # of the pin or shaft
+    bush: bool = False  # whether it is a bush of bronze
 
 
 @dataclass(frozen=True)
@@ -246,7 +247,8 @@ def _journal(feature: PinEyes, places: _Places, sides: Sequence[Place]) -> Journ
         return None
     sizes = [(each.bore, each.outside) for each in feature.rings]
     ball = next((each for each in BEARINGS.values() if (each.bore, each.outside) in sizes), None)
+    bush = any(each.part == BUSH for each in feature.rings)
     materials = places.material(shaft.part), places.material(turning[0].part)
     size = (shaft.diameter, high - low, lever)
     role = places.role(shaft.part)
-    return Journal(feature.joint, *size, *materials, ball, shaft.part or "", role=role)
+    return Journal(feature.joint, *size, *materials, ball, shaft.part or "", role=role, bush=bush)

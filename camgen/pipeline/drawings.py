@@ -29,7 +29,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.motion.program import Program
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, cut_of_sheet
-from camgen.parts.catalogue import CORE_HOLES, CUT, TURNED
+from camgen.parts.catalogue import BUSH, CORE_HOLES, CUT, TURNED
 from camgen.parts.keyways import keyed
 from camgen.parts.materials import STEEL, Material
 from camgen.parts.part import Layer, Part, SizeNote
@@ -451,7 +451,8 @@ def _pins(mechanism: Mechanism) -> dict[str, tuple[float, str]]:
 
 def _rings(assembly: Assembly) -> list[Part]:
     """Ball bearings."""
-    return [p for p in assembly.parts if p.process == "bought" and p.region.holes]
+    rings = (p for p in assembly.parts if p.process == "bought" and p.region.holes)
+    return [ring for ring in rings if ring.name != BUSH]
 
 
 @lru_cache(maxsize=1)

@@ -17,12 +17,13 @@ from ezdxf.query import EntityQuery
 from reportlab.pdfbase.pdfmetrics import stringWidth
 
 from camgen import starters
-from camgen.errors import SpecError
-from camgen.files.dimensions import edge_rows
+from camgen.errors import DesignError, SpecError
+from camgen.files.dimensions import edge_rows, round_of
 from camgen.files.drawing import write_drawing
 from camgen.files.drawn_part import DrawnPart
 from camgen.files.title_block import Facts
 from camgen.geometry.outlines import polygon
+from camgen.machines.loads.assess import assess
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
 from camgen.parts.keyways import keyed
@@ -117,8 +118,9 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     mechanism, found = facts("gallery/geneva-table", *metal)
     glued, turns = "H7 (+0.015/0), glued on Ø10 h9", "+0.05/0, slide on"
     assert fits(found["crank"]) == {0: glued, 35: "H7 (+0.012/0), press on Ø5 m6"}
-    screws = dict.fromkeys((82.25, -50.25), "core hole, M3 through")
-    assert fits(found["ground"]) == {0: f"{turns} Ø10", 70: f"{turns} Ø10", **screws}
+    screws = dict.fromkeys((83.25, -50.25), "core hole, M3 through")
+    seat = "H7 (+0.018/0), press on Ø16"  # of a bush [mecmove.se]
+    assert fits(found["ground"]) == {0: seat, 70: seat, **screws}
     assert fits(found["roller-crank_to_table"]) == {0: f"{turns} Ø5"}
     parts = {part.name: part for part in mechanism.assembly.parts}
     sizes = {
@@ -218,7 +220,7 @@ def test_keys_turn_all_that_is_fixed_on_shafts() -> None:
             if keyed(each.region.outer)
         ]
         assert len(spans) == cut
-        assert not any(low < 5 and 0 < high for low, high in spans), "round in the plate"
+        assert not any(low < 10 and 0 < high for low, high in spans), "round in the plate"
         upper = max(high for _, high in spans)
         assert upper == pytest.approx(z[name] + parts[name].thickness), "to its end"
 
@@ -447,3 +449,34 @@ def test_datums_have_no_letter_that_is_misread_and_parts_the_names_of_their_fiel
 def test_the_corners_of_a_flat_have_a_radius(tmp_path: Path) -> None:
     said = _notes("geneva-crank_to_table", tmp_path, "parts.shaft_key=false")
     assert "corners of the flat at most R0.2" in said
+
+
+def test_shafts_of_metal_run_in_bushes_whose_work_is_judged() -> None:
+    """Of the Geneva table: two bushes of bronze 10 x 16 x 10 in a plate of 10, each with the play of what slides, at most 1.75 MPa m/s
+    [mecmove.se]; without them the shafts of C45 run in C45, of which no limit is known."""
+    metal = starters.METAL["geneva-table"]
+    mechanism, _ = facts("gallery/geneva-table", *metal)
+    bush = mechanism.assembly.by_name["bush"]
+    (hole,) = map(round_of, bush.region.holes)
+    assert hole is not None and 2 * hole[1] == pytest.approx(10.1)
+    assert (bush.count, bush.thickness, bush.process) == (2, 10.0, "bought")
+    assert "ISO 4379 C 10 x 16 x 10" in bush.notes[0]
+    (judged,) = (each for each in assess(mechanism).findings if each.code == "PV")
+    assert judged.ok and judged.limit == 1.75 and "bronze" in judged.message
+    bare, _ = facts("gallery/geneva-table", *metal, "parts.pins={}")
+    assert "PV" in {each.code for each in assess(bare).not_judged}
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ("parts.pins.P=bush", "parts.pins.P: no link turns there"),
+        ("parts.base_thickness=5", "parts.base_thickness = 6"),
+        ("parts.shaft_diameter=11", "a bore of the bushes there are: 6, 8, 10, 12, 15, 16, 20"),
+    ],
+)
+def test_bushes_that_cannot_be_are_refused(settings: str, said: str) -> None:
+    with pytest.raises(DesignError) as caught:
+        facts("gallery/geneva-table", *starters.METAL["geneva-table"], settings)
+    whole = f"{caught.value.sentence} {caught.value.where} {caught.value.remedy}"
+    assert said in whole

@@ -22,8 +22,8 @@ SPECS = Path(__file__).resolve().parents[2] / "specs"
 
 @cache
 def table(*settings: str) -> Mechanism:
-    """The Geneva table in metal."""
-    metal = (*starters.METAL["geneva-table"], *settings)
+    """The Geneva table in metal, with walls that leave room for wide gaps."""
+    metal = (*starters.METAL["geneva-table"], "parts.wall=2", *settings)
     return read_mechanism(SPECS / "gallery" / "geneva-table.toml", metal)
 
 

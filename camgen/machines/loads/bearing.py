@@ -27,7 +27,7 @@ from camgen.machines.loads.tables import Weight
 from camgen.numerics import Floats, magnitude
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly
-from camgen.parts.catalogue import BEARINGS, CAM_FOLLOWERS, Bearing, CamFollower
+from camgen.parts.catalogue import BEARINGS, BRONZE_PV, CAM_FOLLOWERS, Bearing, CamFollower
 from camgen.parts.journals import Journal, MaterialLimits, Post
 from camgen.parts.wheels.geneva import GenevaLaw
 from camgen.study import Figure, Plot, Table
@@ -87,15 +87,20 @@ class _PlainBearing:
 
     def judge(self, check: LoadCheck, limit: float | None, friction: float) -> None:
         """PV; limit: MPa m/s, that the spec gives."""
-        usual = materials.PV_MOST
+        usual = BRONZE_PV if self.journal.bush else materials.PV_MOST
         hole = self.journal.hole
+        if self.journal.bush and limit is None:
+            limit = BRONZE_PV
         if limit is None and not materials.of(hole).printed:
             why = f"{self.slides.pv:.3g} MPa m/s in {self.journal.joint}; the limit of {hole} depends on oil and on its shaft"
             check.not_judged.append(NotJudged("PV", why, "limits.pv_mpa_m_s"))
             return
+        made, how = "a plastic made for bearings", "dry"
+        if self.journal.bush:
+            made, how = "a bush of bronze", "with oil or grease"
         remark = f"{self.slides.power:.2g} W of heat at a friction of {friction:g}"
         remark += (
-            f"; limits.pv_mpa_m_s; a plastic made for bearings bears {usual:g} dry"
+            f"; limits.pv_mpa_m_s; {made} bears {usual:g} {how}"
             if limit
             else f"; no limit is published for prints of {hole}: this one is that of a bearing plastic, dry on steel (iglidur "
             "P210). A lower speed, less mass or a longer pin lowers it. With oil the limit is five times as high, with a metal bush higher "
@@ -156,7 +161,8 @@ def plain_bearings(
         return check
 
     def share(each: _PlainBearing) -> float:
-        return each.slides.pv / (limits(each.journal.joint).pv or materials.PV_MOST)
+        usual = BRONZE_PV if each.journal.bush else materials.PV_MOST
+        return each.slides.pv / (limits(each.journal.joint).pv or usual)
 
     worst = max(plain, key=share)
     worst.judge(check, limits(worst.journal.joint).pv, coefficient(worst.journal, load))

@@ -12,7 +12,7 @@ from dataclasses import replace
 from functools import cached_property
 
 from camgen.geometry.outlines import Contour
-from camgen.parts.catalogue import Bearing, narrowest
+from camgen.parts.catalogue import Bearing, bush_in, narrowest
 from camgen.parts.generator.changes import Change
 from camgen.parts.generator.connections import GROUND, Connections, StretchedSpring
 from camgen.parts.generator.covers import Cover, cover
@@ -76,6 +76,9 @@ class Layout(Connections):
 
     def bearing(self, point: str) -> Bearing | None:
         """The narrowest ball bearing on the pin of a point, or the clutch of a shaft."""
+        if self.kind(point) == "bush":  # drawn with the play of what slides
+            bush = bush_in(self.turning(point), self.sizes.base_thickness)
+            return bush and replace(bush, bore=bush.bore + self.fits.slide_clearance)
         if self.kind(point) != "bearing":
             return None
         return self.clutch(point) or narrowest(self.turning(point))
@@ -221,7 +224,7 @@ class Layout(Connections):
             return self.sizes.face.boss + self.fit(point, link)  # type: ignore[union-attr]
         bearing = self.bearing_in(point, link)
         if bearing is not None:
-            return bearing.outside + self.fit(point, link)
+            return bearing.outside + self.fits.press_clearance
         return self.turning(point) + self.fit(point, link)
 
     def fit(self, point: str, link: str) -> float:

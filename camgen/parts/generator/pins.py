@@ -22,6 +22,9 @@ from camgen.geometry.outlines import Region, circle, polygon
 from camgen.machine.features import Mount
 from camgen.parts.catalogue import (
     BEARINGS,
+    BRONZE,
+    BUSH,
+    BUSHES,
     DOWELS,
     TURNED,
     Bearing,
@@ -69,6 +72,8 @@ def refuse(layout: Layout) -> None:
             "it is the motor's shaft": layout.on_motor(point, GROUND),
             "a roller hangs on it": kind == "shoulder" and hangs,
             "it joins webs of the shaft": layout.kind(point) == "keyed",
+            "only a shaft has a bush": kind == "bush" and point not in layout.shafts,
+            "a second plate holds it too": kind == "bush" and layout.sizes.plates > 1,
             'it is a shaft (of steel: parts.shaft_made = "steel")': kind
             in ("shoulder", "dowel", "turned")
             and point in layout.shafts,
@@ -77,14 +82,16 @@ def refuse(layout: Layout) -> None:
             raise DesignError(
                 f"{kind} pins", 1, 0, "", f"parts.pins.{point}: {why}", "leave it out"
             )
-    for point in (point for point in layout.pivots if layout.kind(point) == "bearing"):
+    borne = (point for point in layout.pivots if layout.kind(point) in ("bearing", "bush"))
+    for point in borne:
         bearing = layout.bearing(point)
         shaft = point in layout.shafts
         if bearing is None:
-            bores = [each.bore for each in BEARINGS.values()]
+            plain = layout.kind(point) == "bush"
+            bores = [each.bore for each in (BUSHES if plain else BEARINGS.values())]
             sold = ", ".join(f"{bore:g}" for bore in sorted(set(bores)))
             key = "parts.shaft_diameter" if shaft else "parts.pin_diameter"
-            remedy = f"use a bore of the bearings there are: {sold}"
+            remedy = f"use a bore of the {'bushes' if plain else 'bearings'} there are: {sold}"
             wanted = layout.turning(point)
             error = DesignError(key, wanted, 0, "mm", f"pin {point}", remedy)
             near = min(bores, key=lambda bore: abs(bore - wanted))
@@ -93,7 +100,8 @@ def refuse(layout: Layout) -> None:
         for link in (link for link in layout.pivots[point] if (link == GROUND) == shaft):
             least = bearing.width
             key = "parts.base_thickness"
-            remedy = f"make it at least the width of a bearing {bearing.name}"
+            kind = "bush" if bearing.plain else "bearing"
+            remedy = f"make it at least the width of a {kind} {bearing.name}"
             if not shaft:
                 least = least_thickness(layout, bearing)
                 key = f"parts.{link}.thickness"
@@ -379,7 +387,7 @@ def bearings(layout: Layout, point: str) -> Iterator[MountedPart]:
 
 def bearing_name(bearing: Bearing) -> str:
     """Name of its part."""
-    return f"bearing-{bearing.name.lower()}"
+    return BUSH if bearing.plain else f"bearing-{bearing.name.lower()}"
 
 
 def _bearing(layout: Layout, bearing: Bearing) -> Part:
@@ -389,6 +397,11 @@ def _bearing(layout: Layout, bearing: Bearing) -> Part:
         said = HoldingNote("seen from above, the ring can only turn counter-clockwise on its shaft")
         title = "One-way clutch"
         notes = [f"one-way clutch {bearing.name}, {bearing.size}", "pressed in", said]
+    if bearing.plain:
+        title = "Bush"
+        notes = [
+            f"bush {bearing.standard} {bearing.name}, bronze {BRONZE}, pressed into the plate; drawn with its play"
+        ]
     ring = spacer(
         bearing_name(bearing), title, bearing.bore, bearing.outside, bearing.width, layout.min_wall
     )

@@ -122,6 +122,7 @@ class Shape(Record):
 
 
 PinKind = Literal["printed", "turned", "dowel", "shoulder", "bearing"]
+PivotKind = Literal["printed", "turned", "dowel", "shoulder", "bearing", "bush"]
 _STEEL_PINS = ("turned", "dowel", "shoulder", "steel")  # the last is an old word for dowel
 
 
@@ -205,8 +206,10 @@ class Parts(Record):
         "printed cap;\n"
         '"shoulder": a screw and a nut; "bearing": printed, in ball bearings that are pressed into the links',
     )
-    pins: dict[Name, PinKind] = Field(
-        default={}, description='in place of pin, for single points: { A = "bearing" }'
+    pins: dict[Name, PivotKind] = Field(
+        default={},
+        description='in place of pin, for single points: { A = "bearing" }; { O = "bush" }: a shaft in a bush of bronze '
+        "(ISO 4379), pressed into the plate",
     )
     pin_diameter: Length = Field(default=5.0, description="diameter of the pins")
     discs: Annotated[dict[Name, Length], Field(min_length=1)] | None = Field(
