@@ -47,7 +47,8 @@ _LOOSE = 0.5  # mm, by which a hole for a screw without a known thread is wider
 _TOO_NEAR = (
     "use a smaller parts.hand_crank or a longer parts.shaft_length, or leave parts.stand out"
 )
-_FRAME = 10.0  # mm, width of the frame round a window of a stand, at least
+_FRAME = 10.0  # mm, width of a window of a stand, and of the frame round that of a box, at least
+_RIB = 4.0  # mm, width of what a window of a board leaves beside holes, slots and edges, at least
 _TABLE = 3.0  # mm, half of what is taken of the table
 
 
@@ -288,6 +289,11 @@ class TableStand:
         """Width of the frame round a window, mm: fingers or a tab with material on both sides."""
         return max(2 * self.rim + self.thick, _FRAME)
 
+    @property
+    def rib(self) -> float:
+        """Width of what windows of a board leave, mm: a screw's head or a tab's glue bears on no less."""
+        return max(2 * self.rim, _RIB)
+
     def _slot(self, low: complex, high: complex) -> Contour:
         """For a tab between two corners."""
         by = complex(self.fit, self.fit) / 2
@@ -363,7 +369,7 @@ def _window(name: str, low: complex, high: complex, edge: float) -> dict[str, Co
     """An opening between two corners that leaves a frame, if it is worth one: the frame lies on the table or has a gusset behind."""
     low += edge * (1 + 1j)
     high -= edge * (1 + 1j)
-    small = min(high.real - low.real, high.imag - low.imag) < edge
+    small = min(high.real - low.real, high.imag - low.imag) < max(edge, _FRAME)
     return {} if small else {name: rectangle(low, high)}
 
 
@@ -461,7 +467,7 @@ class _Board:
         }
         for k, (low, high) in enumerate(self.bays(stand), 1):
             corners = complex(self.left, low), complex(self.right, high)
-            slots |= _window(f"window {k}", *corners, stand.frame)
+            slots |= _window(f"window {k}", *corners, stand.rib)
         return stand._panel("stand-panel", "Panel of the stand", outer, slots)
 
     def foot(self, stand: TableStand) -> Part:
@@ -481,9 +487,9 @@ class _Board:
             complex(self.right + t + self.rim, self.front),
         )
         behind = complex(self.left, -t - self.deep), complex(self.right, -t)
-        slots |= _window("window 1", *behind, stand.frame)
+        slots |= _window("window 1", *behind, stand.rib)
         before = complex(self.left, 0), complex(self.right, self.front)
-        slots |= _window("window 2", *before, stand.frame)
+        slots |= _window("window 2", *before, stand.rib)
         region = plate("foot of the stand", outer, slots, stand.min_wall)
         return stand._sheet("stand-foot", "Foot of the stand", region)
 
@@ -506,7 +512,11 @@ class _Board:
         area = _area(web).union(_box_of(complex(self.floor - t, low), complex(self.floor, up)))
         low, up = self.panel_tab
         area = area.union(_box_of(complex(low, -t), complex(up, 0)))
-        made = stand._sheet("stand-gusset", "Gusset of the stand", Region(_contour(area)))
+        inner = _area(web).buffer(-stand.rib, join_style="mitre")
+        holes = (
+            (_contour(inner),) if inner.geom_type == "Polygon" and inner.area > stand.rib**2 else ()
+        )
+        made = stand._sheet("stand-gusset", "Gusset of the stand", Region(_contour(area), holes))
         return replace(made, count=2)
 
 
