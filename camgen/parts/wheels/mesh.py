@@ -232,6 +232,11 @@ class Mesh:
         return replace(self, a=a, b=b)
 
     @property
+    def inner_margin(self) -> float:
+        """How far a ring's tips stay outside of the feet of the pinion's involutes, mm along the line of action."""
+        return self.b.tangent(self.b.tip) - self.line - self.a.tangent(self.a.form)
+
+    @property
     def fillet_overlaps(self) -> tuple[float, float]:
         """How far a tip of b cuts into the roots of a, and one of a into those of b, mm beside the flank; below 0 neither does.
 
