@@ -1090,7 +1090,7 @@ def test_a_geneva_drive_of_metal_is_made_from_its_sheets_alone(root, tmp_path):
     assert frames("geneva", "0.05") == [["A", "B"]]  # of middle planes
     assert frames("geneva", "%%c0.05") == [["A", "B"]]  # of hollows' axes
     assert frames("lock", "%%c0.05")[0][0] == "A" and frames("lock", "0.05") == [["A", "B"]]
-    assert frames("crank", "%%c0.05") == [["O", "A"]]
+    assert frames("crank", "%%c0.05") == [["A", "B"]]
     assert {name: each.count("Ra 0.8") for name, each in texts.items()} == {
         "geneva": 2,
         "lock": 1,

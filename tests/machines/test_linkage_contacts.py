@@ -58,7 +58,7 @@ def test_hertz_of_a_face_on_its_cam_by_hand() -> None:
         hertz.ok
         and hertz.measured >= 0.999 * base
         and hertz.measured < 2 * base
-        and "press harder" in hertz.message
+        and "the pressure is higher at the ends" in hertz.message
     )
     plot = next(each for each in found.study.plots if each.title.startswith("Hertz"))
     _, degrees, pressure = plot.series[0]
