@@ -2,7 +2,8 @@
 
 The front is seen along z, what lies behind other parts left out. The section A-A is cut square to the front along a line; it lies
 below the front, heights z downwards, as in first-angle projection. Pins, shafts and what is bought are not hatched in it. [ISO 128]
-A part that is seen in the front has its number above it, one that only the section shows has it below. Nothing here knows a mechanism.
+A part that is seen in the front has its number above it, one that only the section shows has it below; of one that neither shows the edge is
+dashed in the front. Nothing here knows a mechanism.
 """
 
 from __future__ import annotations
@@ -20,14 +21,15 @@ from camgen.files.dimensions import Hole
 from camgen.files.dimensions import number as rounded_number
 from camgen.files.labels import Label, callouts
 from camgen.files.measures import REFERENCE, Measure, dimension
-from camgen.files.page import FILING, MARGIN, SCALES, SIZES
+from camgen.files.page import FILING, LARGE, MARGIN, SCALES, SIZES
 from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
 from camgen.files.title_block import BLOCK, WIDTH, Facts, title_block
 from camgen.files.track_tables import ROW, grid
 from camgen.files.views import contours_of, hatching
 from camgen.parts.part import Part
 
-_SIZE = "A3"
+_SIZES = {"A3": SIZES["A3"], **LARGE}  # the smallest that will do
+_SMALLEST = 0.5  # scale that will do
 _FACE = 0.5  # mm, from which on a level face has its height beside the section
 _LINE = 2.4  # from one height beside the section to the next
 _LOOSE = 12.0  # by which such heights may stand beyond its ends
@@ -35,16 +37,16 @@ _LETTER = "A"
 _BALLOON = 4.0  # radius, mm of paper
 _APART = 9.5  # from one balloon to the next
 _STAGGER = 10.0  # from one row of balloons to the next
-_CLEAR = 12.0  # from a view to its balloons
+_CLEAR = 11.0  # from a view to its balloons
 _SIDE = 24.0  # room left of the views, for a height
-_BETWEEN = 34.0  # between the views: the width, and the section's name
+_BETWEEN = 30.0  # between the views: the width, and the section's name
 _HATCH = 2.0  # between lines, of the first part; of others more
 _COLUMNS = (10.0, 110.0, 10.0, 40.0)  # of the list: number, part, quantity, how it is made
 _SEEN = 3.0  # mm^2 of paper, from which on a part is pointed at in a view
 _SLIVER = 0.01  # mm^2, up to which a piece counts as hidden
 _MITE = 1e-4  # mm: what is left of an edge that is hidden
 _CLAUSE = re.compile(r"[,;:] ")
-_NOTE = 5.0  # from one line of notes to the next
+_NOTE = 4.5  # from one line of notes to the next
 _SMOOTH = 0.005  # mm of paper, by which a line may be straightened
 
 
@@ -55,7 +57,7 @@ class Item:
     what: str
     count: object
     made: str  # how, and of what
-    number: int = 0  # 0: no part of its own
+    number: int
 
 
 @dataclass(frozen=True)
@@ -147,10 +149,21 @@ class Arrangement:
         ahead = {number for number, (area, _) in front.items() if area >= _SEEN / scale**2}
         below = cut.keys() - ahead
         rest = front.keys() - ahead - below
+        covered = _largest((number, face) for number, face in self.hidden.items())
         return (
-            {number: front[number][1] for number in sorted(ahead | rest)},
+            {number: front[number][1] for number in sorted(ahead | rest)}
+            | {number: place for number, (_, place) in covered.items()},
             {number: cut[number][1] for number in sorted(below)},
         )
+
+    @cached_property
+    def hidden(self) -> dict[int, Any]:
+        """Of each number that neither view shows the highest face, which is drawn dashed."""
+        cut = _largest((copy.number, copy.cut) for copy in self.copies)
+        shown = _largest((number, face) for number, face, _ in self.seen).keys() | cut.keys()
+        faces = [(top, copy.number, face) for copy in self.copies for face, top in copy.faces]
+        highest = sorted(faces, key=lambda each: each[0])
+        return {number: face for _, number, face in highest if number not in shown}
 
 
 def _largest(faces: Iterator[tuple[int, Any]]) -> dict[int, tuple[float, complex]]:
@@ -184,7 +197,19 @@ class _Page:
 
     def __init__(self, arrangement: Arrangement) -> None:
         self.arrangement = arrangement
-        self.wide, self.high = SIZES[_SIZE]
+        for self.size, (self.wide, self.high) in _SIZES.items():
+            self._lay_out()
+            if self.scale >= _SMALLEST and len(arrangement.items) <= self._most:
+                break
+
+    @property
+    def _most(self) -> int:
+        """Rows that the list has room for, without its head."""
+        return int((self.high - 2 * MARGIN - BLOCK) / ROW) - 1
+
+    def _lay_out(self) -> None:
+        """The largest scale at which all fits on the paper, and where the views are there."""
+        arrangement = self.arrangement
         low, high = arrangement.box
         near, far = arrangement.deep
         span = high - low
@@ -206,12 +231,12 @@ class _Page:
 
     def _over(self, count: int) -> float:
         """Room for so many balloons over or under a view."""
-        return _CLEAR + 2 + _STAGGER * _rows(count, self._columns) if count else 2.0
+        return _CLEAR + _STAGGER * _rows(count, self._columns) if count else 2.0
 
     @property
     def _room(self) -> complex:
         """Width and height that the views have on the sheet, mm."""
-        notes = _NOTE * (len(self.arrangement.notes) + 1) + 4  # one more of what is hidden
+        notes = _NOTE * len(self.arrangement.notes) + 3
         wide = self.wide - FILING - MARGIN - WIDTH - _SIDE - 12
         return complex(wide, self.high - 2 * MARGIN - _BETWEEN - notes)
 
@@ -241,14 +266,7 @@ class _Page:
         _balloons(sheet, {n: self.below(z) for n, z in cut.items()}, end, -1, self._columns)
         self._names(sheet)
         self._list(sheet)
-        hidden = [
-            str(item.number)
-            for item in self.arrangement.items
-            if item.number and item.number not in front and item.number not in cut
-        ]
-        said = f"Hidden in both views: item {', '.join(hidden)}"
-        notes = [*self.arrangement.notes, *([said] if hidden else [])]
-        for k, line in enumerate(reversed(notes)):
+        for k, line in enumerate(reversed(self.arrangement.notes)):
             sheet.text(
                 complex(FILING + 3, MARGIN + 3 + _NOTE * k),
                 line,
@@ -256,7 +274,7 @@ class _Page:
                 room=right - WIDTH - FILING - 6,
             )
         block = Part("assembly", "Arrangement", ())
-        title_block(sheet, complex(right, MARGIN), block, facts, self.scale, _SIZE)
+        title_block(sheet, complex(right, MARGIN), block, facts, self.scale, self.size)
         return sheet
 
     @property
@@ -274,6 +292,9 @@ class _Page:
                 points = shapely.get_coordinates(line) @ np.array([1, 1j])
                 if len(points) > 1:
                     sheet.line(*(self.at(z) for z in points.tolist()), layer="VIEW")
+        for face in self.arrangement.hidden.values():
+            for contour in contours_of(face):
+                sheet.contour(contour.moved(self.scale, self.datum), "HIDDEN")
         for axis in self.arrangement.axes:
             for way in (4.0, 4j):
                 sheet.line(self.at(axis.at) - way, self.at(axis.at) + way, layer="CENTER")
@@ -348,11 +369,9 @@ class _Page:
     def _list(self, sheet: Sheet) -> None:
         """The list of parts over the title block, its first row the lowest. [ISO 7573]"""
         items = self.arrangement.items
-        most = int((self.high - 2 * MARGIN - BLOCK) / ROW) - 1
-        shown = items if len(items) <= most else items[: most - 1]
+        shown = items if len(items) <= self._most else items[: self._most - 1]
         rows = [
-            (str(each.number or ""), _fitting(each.what), str(each.count), each.made)
-            for each in shown
+            (str(each.number), _fitting(each.what), str(each.count), each.made) for each in shown
         ]
         if len(shown) < len(items):
             rows.append(("...", f"{len(items) - len(shown)} more: see the list of parts", "", ""))

@@ -15,6 +15,7 @@ import numpy as np
 from camgen.files.arrangement import Arrangement, Axis, Copy, Item
 from camgen.files.dimensions import number
 from camgen.files.views import area
+from camgen.geometry.arcs import as_circle
 from camgen.geometry.mesh import Mesh, in_standing_plane, placing, slice_mesh
 from camgen.machine.features import PartPose, heights
 from camgen.machine.model import GROUND, Pin, centres_of
@@ -47,17 +48,15 @@ def arrangement_of(mechanism: Mechanism, listed: Table) -> Arrangement:
         line = complex(inside.x, inside.y), 1 + 0j
         copies = _copies(mechanism, line)
     rows = [row[:4] for row in listed.rows]
-    items = [
-        Item(str(what), count, str(how), numbers[name])
+    made = {
+        name: Item(str(what), count, str(how), numbers[name])
         for how, name, what, count in rows
         if name in numbers
-    ]
-    items.sort(key=lambda item: item.number)
-    items += [
-        Item(f"{name}: {what}", count, str(how))
-        for how, name, what, count in rows
-        if name not in numbers and how == _LISTED
-    ]
+    }
+    items = [made[name] for name in numbers]
+    for how, name, what, count in rows:
+        if name not in numbers and how == _LISTED:
+            items.append(Item(f"{name}: {what}", count, str(how), len(items) + 1))
     return Arrangement(copies, items, line, axes, _notes(mechanism, axes))
 
 
@@ -125,7 +124,8 @@ def _copy(
     """A copy as it is seen and cut."""
     flat = part.prismatic and not (pose.upright or pose.standing)
     faces, cut = _of_layers(part, pose, line) if flat else _of_solid(part, pose, line, tolerance)
-    return Copy(item, faces, cut, part.process not in _WHOLE)
+    round_ = all(as_circle(each.region.outer) and not each.region.holes for each in part.layers)
+    return Copy(item, faces, cut, not (round_ or part.process in _WHOLE))
 
 
 def _of_layers(
