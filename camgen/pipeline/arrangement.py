@@ -32,6 +32,11 @@ _ON_LINE = 1e-3  # mm, by which an axis may miss the line of the section
 _LISTED = "bought"  # what the list names beside parts
 _UNDER = 1e-4  # mm, by which a level is cut below
 _IN_ROW = 3  # axes in a line of notes
+_RODS = (
+    "pin",
+    "crank-pin",
+    "shaft",
+)  # roles of parts with flats or grooves that it does not hatch either
 _WHOLE = ("bought", TURNED)  # how parts are made that a section does not hatch
 
 
@@ -124,8 +129,8 @@ def _copy(
     """A copy as it is seen and cut."""
     flat = part.prismatic and not (pose.upright or pose.standing)
     faces, cut = _of_layers(part, pose, line) if flat else _of_solid(part, pose, line, tolerance)
-    round_ = all(as_circle(each.region.outer) and not each.region.holes for each in part.layers)
-    return Copy(item, faces, cut, not (round_ or part.process in _WHOLE))
+    rod = all(as_circle(each.region.outer) and not each.region.holes for each in part.layers)
+    return Copy(item, faces, cut, not (rod or part.role in _RODS or part.process in _WHOLE))
 
 
 def _of_layers(

@@ -238,3 +238,13 @@ def test_a_row_that_is_too_long_keeps_its_first_clauses() -> None:
     assert Text(0j, _fitting(long), 2.5).room <= 108
     item = Item("x" * 300, 1, "bought", 1)
     assert _fitting(item.what) == item.what  # one clause: it is set smaller
+
+
+def test_pins_shafts_and_what_is_bought_are_not_hatched() -> None:
+    """As is usual where they are cut along their axis; links, wheels and plates are."""
+    mechanism, arrangement = machine("planetary-reducer")
+    hatched = {
+        mechanism.assembly.parts[copy.number - 1].name: copy.hatched for copy in arrangement.copies
+    }
+    assert not any(hatched[name] for name in ("shaft", "pin-1", "knob-pin"))
+    assert all(hatched[name] for name in ("ground", "carrier", "knob", "collar"))
