@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, TypeGuard
 
 from camgen.machines.cylinder_cam.tables import DrumRollerTable
@@ -12,7 +12,7 @@ from camgen.parts.catalogue import CAM_FOLLOWERS, DOWELS, SCREWS, Bought
 from camgen.parts.disc_cams import CamParts, ShaftBore
 from camgen.parts.keyways import keyway
 from camgen.parts.motors import SHAFTS, STEPPERS
-from camgen.parts.shafts import retaining_rings, shaft_and_bearings
+from camgen.parts.shafts import Seat, retaining_rings
 
 _WALL = 1.0  # mm, least wall
 _CASES = 4.0  # depths of a hardened case: least wall, half of which stays tough
@@ -169,14 +169,16 @@ def _shaft_of(model: str | None) -> float | None:
     return SHAFTS[row.frame][0] if row else None
 
 
-def shaft_of_cams(bore: ShaftBore, material: str, length: float, model: str | None) -> list[Bought]:
-    """A shaft with its bearings for cams of metal made alone, and what keeps them from sliding along it; nothing where they sit on
-    the motor's own.
+def seat_of(bore: ShaftBore, material: str, lengths: Sequence[float], key_fit: str | None) -> Seat:
+    """Where bores of these lengths, mm, sit on a shaft of their own; key_fit: of their keyways, unless it is the usual one."""
+    key = bore.key_width if bore.bore_shape == "keyway" else 0.0
+    fit = "P9" if key_fit == "P9" else "N9"
+    return Seat(bore.bore, lengths, key, fit, bool(rings_of(bore, material)))
 
-    length: of their bores together, mm."""
-    if not materials.of(material).metal or _shaft_of(model) == bore.bore:
-        return []
-    return [*shaft_and_bearings(bore.bore, length), *rings_of(bore, material)]
+
+def has_own_shaft(bore: ShaftBore, material: str, model: str | None) -> bool:
+    """Whether cams of metal made alone have a shaft, and sit not on that of their motor."""
+    return materials.of(material).metal and _shaft_of(model) != bore.bore
 
 
 def motor_notes(bore: float, model: str | None) -> list[str]:
@@ -200,8 +202,7 @@ def rings_of(bore: ShaftBore, material: str) -> list[Bought]:
 def ring_notes(bore: ShaftBore, material: str) -> Iterator[str]:
     """What the drawing of such a part says of its rings."""
     for rings in rings_of(bore, material):
-        name = rings.size.partition(",")[0]
-        yield f"held by {rings.count} rings {rings.standard}, {name}"
+        yield f"held by {rings.count} rings {rings.standard}, {rings.size}"
 
 
 def bore_notes(bore: ShaftBore, material: str) -> list[str]:

@@ -564,7 +564,8 @@ def with_things(row: Row, things: Sequence[Bought]) -> Row:
     text = "; ".join(filter(None, (str(cells[3]), said)))
     cells = (*cells[:3], text, *cells[4:])
     threads = [(each.thread, each.length) for each in things if each.thread]
-    return cells, replace(step.also(said), threads=[*step.threads, *threads])
+    use = f"use {', '.join(each.text for each in things)}"
+    return cells, replace(step.also(use), threads=[*step.threads, *threads])
 
 
 def _with_spring(rows: Sequence[Row], coil: Coil, poses: Mapping[str, Pose]) -> list[Row]:

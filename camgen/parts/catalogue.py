@@ -182,8 +182,8 @@ class Bought:
     size: str
     count: int
     # turns the machine; fixes what does; feeds its motor; holds its frame from behind; hangs between two of its points;
-    # joins it to what is the builder's own
-    role: Literal["", "drive", "drive screw", "supply", "mount", "spring", "own"] = ""
+    # joins it to what is the builder's own; turns with cams that are made alone
+    role: Literal["", "drive", "drive screw", "supply", "mount", "spring", "own", "shaft"] = ""
     at: tuple[
         tuple[str, int], ...
     ] = ()  # parts with which it is put in, and how many with each copy
@@ -191,6 +191,8 @@ class Bought:
     key: str = ""  # of the spec, that sets its size
     thread: str = ""  # of a screw that pictures of steps show, such as "M3"
     length: float = 0.0  # of that, mm
+    process: str = "bought"  # or how it is made
+    details: str = ""  # what its maker has to know, for the parts list alone
 
     @property
     def text(self) -> str:

@@ -119,11 +119,24 @@ def parallel_key(bore: float, width: float, depth: float, length: float, count: 
         most = f"at most {length:.4g} long, as its bore"
         size = f"{width:g} wide, for a keyway {depth:.4g} deep in the hub, {most}"
         return Bought("parallel key", "", size, count)
-    *_, shortest, longest = row
-    fitting = [each for each in _LENGTHS if shortest <= each <= min(longest, length + 1e-6)]
-    size = f"{width:g} x {row[2]:g} x {max(fitting, default=shortest):g}"
-    cut = "" if fitting else f", shortened to {length:.4g}, as its bore: shorter ones are not sold"
+    shortest = row[-2]
+    long = key_length(bore, length)
+    size = f"{width:g} x {row[2]:g} x {max(long, shortest):g}"
+    cut = (
+        ""
+        if long >= shortest
+        else f", shortened to {length:.4g}, as its bore: shorter ones are not sold"
+    )
     return Bought("parallel key", "DIN 6885 form A", size + cut, count)
+
+
+def key_length(bore: float, length: float) -> float:
+    """Of the longest key of the standard that is no longer than a hub with this bore, or as the hub where all are longer, or none
+    is for the bore; mm."""
+    row = _row(bore)
+    shortest, longest = (0.0, 0.0) if row is None else row[-2:]
+    fitting = [each for each in _LENGTHS if shortest <= each <= min(longest, length + 1e-6)]
+    return max(fitting, default=length)
 
 
 def _row(bore: float) -> tuple[float, ...] | None:

@@ -19,7 +19,6 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from camgen.errors import DesignError
@@ -54,17 +53,17 @@ class KeyScrew:
         """Of its hub, mm."""
         return _ABOUT * SCREWS[self.thread].nominal
 
-    def bought(self, parts: Sequence[str]) -> Bought:
-        """Its row in the parts list, one in each of these parts; it ends within the hub where such a length is sold."""
+    def bought(self, count: int) -> Bought:
+        """Its row in the parts list; it ends within the hub where such a length is sold."""
         length = max((each for each in _LENGTHS if each <= self.wall), default=_LENGTHS[0])
         holds = (
             f", holds some {_ON_KEY:g} N along the shaft"
             if SCREWS[self.thread].nominal >= 3
             else ""
         )
-        size = f"{self.thread} x {length:g}, flat point, on the key{holds}"
-        at = tuple((part, 1) for part in parts)
-        return Bought("set screw of the hub", "ISO 4026", size, len(at), at=at)
+        size = f"{self.thread} x {length:g}, flat point{holds}"
+        how = "in the thread of the hub; tighten it on the key"
+        return Bought("set screw of the hub", "ISO 4026", size, count, how=how)
 
 
 @dataclass(frozen=True)

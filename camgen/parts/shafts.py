@@ -2,15 +2,18 @@
 
 Bearings 6000 to 6010: bearingsblog.blogspot.com/2024/10/understanding-6000-bearing-dimensions.html. Retaining rings, DIN 471:
 scribd.com/document/416335815, External Retaining Rings; up to 19 the same at capitalbolts.in/din-471, which has the tolerances of
-grooves. Gaps and the end for a coupling: camgen's own rules.
+grooves. Gaps, the end for a coupling, and what shims fill: camgen's own rules. A key h9 is light in keyways N9 of the shaft and JS9
+of the bore, tight in P9 of both: berger-tools.co.uk, Standard_Parts_Catalogue, page 2078.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
-from camgen.parts.catalogue import Bearing, Bought, narrowest
+from camgen.parts.catalogue import TURNED, Bearing, Bought, narrowest
+from camgen.parts.keyways import key_length, keyway, shaft_keyway
 
 _LARGER = {
     each.bore: each
@@ -54,38 +57,85 @@ _FINER = 10.0  # mm, shaft up to which a groove is h10, then h11
 _GAP = 0.5  # of the shaft: from the bore to a bearing
 _COUPLING = 1.5  # of it: end for a coupling
 _STEP = 5.0  # mm, of lengths of shafts
+_SHIMMED = 0.3  # mm, that shims fill between rings and bore, at least
+_WIDER = 0.2  # mm, by which grooves may lie farther apart
+_SNAPPED = (
+    "one in each groove of the shaft; shims (DIN 988) beside the bore fill what is free there"
+)
+_KEYED = "its key in the keyway of the bore"
+_FAST = "fast in it"
+_BEARINGS = (
+    "one on either side, in a frame of yours: it holds one of them on both its rings, so that the shaft cannot slide, and leaves the "
+    "other one free in its seat"
+)
 
 
-def shaft_and_bearings(bore: float, length: float) -> list[Bought]:
-    """A shaft for bores of a diameter that are so long together, mm, and the bearings in which it turns, if there are some of its
-    size."""
+@dataclass(frozen=True)
+class Seat:
+    """Where bores sit on a shaft, one after the other; mm."""
+
+    bore: float  # diameter
+    lengths: Sequence[float]  # of the bores
+    key_width: float = 0.0  # of the key in each of them; 0: none
+    key_fit: str = "N9"  # of the shaft's keyways
+    ringed: bool = False  # whether retaining rings hold it along the shaft
+
+
+def shaft_and_bearings(seat: Seat) -> list[Bought]:
+    """A shaft with all that its maker has to know, rings on it, and the bearings in which it turns, if there are some of its size;
+    in the order in which they are put on."""
+    bore = seat.bore
+    length = sum(seat.lengths)
     bearing = narrowest(bore) or _LARGER.get(bore)
-    shaft = Bought("shaft", "", "", 1, how="through the bore, fast in it")
+    how = f"through the bore, {_KEYED if seat.key_width else _FAST}"
+    shaft = Bought("shaft", "", "", 1, "shaft", how=how, process=TURNED)
+    rings = retaining_rings(bore) if seat.ringed else []
+    place = f"{length:.4g} in the bore"
     if bearing is None:
-        size = f"{bore:g} h6, C45, {length:.4g} in the bore, and as long as its bearings need"
-        return [replace(shaft, size=size)]
+        size = f"{bore:g} h6, C45, {place}, and as long as its bearings need"
+        cuts = _cuts(seat, 0.0, "from where the bore begins")
+        return [replace(shaft, size=size, details="; ".join(cuts)), *rings]
     gap = _GAP * bore
     coupling = _COUPLING * bore
     whole = length + 2 * (gap + bearing.width) + coupling
     whole = _STEP * math.ceil(whole / _STEP - 1e-9)
-    size = (
-        f"{bore:g} h6 x {whole:g}, C45: {length:.4g} in the bore, on either side {gap:g} free and a bearing of {bearing.width:g}, "
-        f"at least {coupling:g} for the coupling"
-    )
-    ends = "on both sides of it, in a frame of yours"
+    place += f", on either side {gap:g} free and a bearing of {bearing.width:g}, at least {coupling:g} for the coupling"
+    cuts = _cuts(seat, gap + bearing.width, "from the end without the coupling")
+    shaft = replace(shaft, size=f"{bore:g} h6 x {whole:g}, C45", details="; ".join([place, *cuts]))
     turns = Bought(
-        "bearing of the shaft", bearing.standard, f"{bearing.name}, {bearing.size}", 2, how=ends
+        "bearing of the shaft",
+        bearing.standard,
+        f"{bearing.name}, {bearing.size}",
+        2,
+        how=_BEARINGS,
     )
-    return [replace(shaft, size=size), replace(turns, key="parts.bore")]
+    return [shaft, *rings, replace(turns, key="parts.bore")]
+
+
+def _cuts(seat: Seat, start: float, origin: str) -> Iterator[str]:
+    """Keyways and grooves of a shaft whose first bore begins there, mm from an origin."""
+    for length in seat.lengths if seat.key_width else ():
+        long = key_length(seat.bore, length)
+        first = start + (length - long) / 2
+        depth = shaft_keyway(seat.bore) if keyway(seat.bore) else None
+        deep = f", {depth[0]:g} +{depth[1]:g}/0 deep" if depth else ""
+        yield (
+            f"keyway {seat.key_width:g} {seat.key_fit} x {long:.4g}{deep}, round at both ends, "
+            f"from {first:.4g} to {first + long:.4g} {origin}"
+        )
+        start += length
+    if seat.ringed and seat.bore in _RINGS:
+        thick, groove, wide = _RINGS[seat.bore]
+        fit = "h10" if seat.bore <= _FINER else "h11"
+        apart = sum(seat.lengths) + 2 * thick + _SHIMMED
+        yield (
+            f"two grooves for rings, Ø{groove:g} {fit}, {wide:g} H13 wide, {apart:.4g} +{_WIDER:g}/0 over their outer walls, "
+            "the bore in the middle"
+        )
 
 
 def retaining_rings(bore: float) -> list[Bought]:
     """Rings on the shaft at both ends of a bore, mm; none of a diameter that the table has not."""
     if bore not in _RINGS:
         return []
-    thick, groove, wide = _RINGS[bore]
-    fit = "h10" if bore <= _FINER else "h11"
-    size = f"{bore:g} x {thick:g}, in grooves Ø{groove:g} {fit} of the shaft, {wide:g} H13 wide"
-    return [
-        Bought("retaining ring", "DIN 471", size, 2, how="on the shaft, at both ends of the bore")
-    ]
+    return [Bought("retaining ring", "DIN 471", f"{bore:g} x {_RINGS[bore][0]:g}", 2, how=_SNAPPED)]

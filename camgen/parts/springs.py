@@ -47,7 +47,7 @@ _RESERVE = 0.15  # of a compression spring's greatest stretch, that it is off it
 
 
 _BESIDE = "between your frame and your follower"
-_ROUND_STEM = "round your follower's stem, between its guide and its head"
+_ROUND_STEM = "round your follower's stem, between its guide and its head, pressed together"
 _WIRE = "EN 10270-1 SM"
 _PLAY = 1.0  # mm, of a spring round a stem
 _WIDER_COILS = (1.0, 1.25, 1.5, 2.0, 3.0)  # than its stem needs
@@ -400,10 +400,19 @@ def to_wind(wish: tuple[float, float, float] | None, stem: float = 0.0) -> list[
                 each.bought,
                 name=name,
                 role="",
-                how=_ROUND_STEM if each.spring.stretches < 0 else _BESIDE,
+                how=_fitted(each),
+                process="wound",
             )
             for name, each in found.items()
         ]
     rate, low, travel = wish
     size = f"preload {low:.4g} N, rate {rate or low / 3 / travel:.4g} N/mm, stretched {travel:.4g} mm further: yours to choose"
     return [Bought("return spring", "", size, 1, how=_BESIDE)]
+
+
+def _fitted(spring: WorkingSpring) -> str:
+    """Where a spring to be wound goes, and how long it is there."""
+    where, length = _BESIDE + ", stretched", spring.shortest
+    if spring.spring.stretches < 0:
+        where, length = _ROUND_STEM, spring.longest
+    return f"{where} to {length:.4g} while the follower is lowest"

@@ -23,11 +23,16 @@ from camgen.parts.standing import StandingCopy, standing_copies
 from camgen.parts.tools import USES
 from camgen.study import Table
 
+_IN_SHAFT = "pressed or tapped into the keyway of the shaft, before that goes through the bore"
+
 
 def bought_things(mechanism: Mechanism) -> list[Bought]:
     """What is bought for a machine, beside its parts: keys in keyways and the rollers that its load names too."""
     assembly = mechanism.assembly
-    things = [*assembly.bought, *parallel_keys(assembly.parts, bool(assembly.dowel))]
+    keys = [*parallel_keys(assembly.parts, bool(assembly.dowel))]
+    if any(each.role == "shaft" for each in assembly.bought):
+        keys = [replace(each, at=(), how=_IN_SHAFT) for each in keys]
+    things = [*keys, *assembly.bought]
     rollers = [cam.roller for cam in assembly.outlines.values()]
     named = None if mechanism.load is None else mechanism.load.cam_follower
     if named and rollers and not any(rollers):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,8 @@ from camgen.machines.sources import read_mechanism
 from camgen.parts.materials import MATERIALS
 from camgen.pipeline.drawings import facts_of
 from camgen.pipeline.making import parts_table
+from camgen.pipeline.shopping import steps_of_assembly
+from camgen.starters import in_metal
 
 STARTER = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"
 # The starter without its own hub, on a shaft of 20 with a key, and large enough for both.
@@ -206,17 +210,51 @@ def test_a_cam_of_metal_has_a_shaft_unless_it_sits_on_its_motor_s() -> None:
 
     def listed(*settings: str) -> dict[str, str]:
         made = read_mechanism(STARTER, ["material.name=C45", *settings]).assembly
-        return {each.name: each.size for each in made.bought}
+        return {each.name: f"{each.size}: {each.details}" for each in made.bought}
 
     keyed = ("parts.bore=20", "parts.bore_shape=keyway", "geometry.base_radius=32")
     sizes = ("parts.hub_diameter=36", "parts.hub_height=8", "parts.thickness=12")
     found = listed(*keyed, *sizes)
     assert found["shaft"].startswith("20 h6 x 95, C45: 20 in the bore, on either side 10 free")
-    assert found["bearing of the shaft"] == "6004, 20 x 42 x 12"
+    assert found["bearing of the shaft"] == "6004, 20 x 42 x 12: "
     screwed = listed(*keyed, *sizes, "parts.set_screw=M5")
     assert "retaining ring" in found and "retaining ring" not in screwed
     assert "shaft" not in listed("parts.bore=5", "motor.model=17HS19-2004S1")
     assert "shaft" not in listed("material.name=PLA")
+
+
+def test_a_cam_is_held_on_its_shaft_before_the_bearings_close_it_in() -> None:
+    """The key is tight in its shaft: it goes in first. What holds the bore along the shaft is inboard of the bearings. Some step
+    says how long the spring is at its longest, 15 N at a rate of 1 N/mm under its free length, and what holds the shaft."""
+
+    def steps(name: str) -> list[str]:
+        made = read_mechanism(tomllib.loads(in_metal(name)))
+        return [step.title for step in steps_of_assembly(made).steps]
+
+    def names(titles: list[str]) -> list[str]:
+        return [title.partition(",")[0] for title in titles]
+
+    cam = steps("disc-cam")
+    drum = steps("cylinder-cam")
+    own = ["Parallel key", "Shaft"], ["2 × bearing of the shaft"]
+    assert names(cam)[1:5] == [*own[0], "Set screw of the hub", *own[1]]
+    assert names(drum)[1:5] == [*own[0], "2 × retaining ring", *own[1]]
+    assert "tapped into the keyway of the shaft" in cam[1] and "tighten it on the key" in cam[3]
+    assert all("the shaft cannot slide" in each[4] for each in (cam, drum))
+    (spring,) = [each for each in cam if "spring" in each]
+    free = float(re.findall(r"free length ([\d.]+)", spring)[0])
+    assert f"pressed together to {free - 15:.4g} while the follower is lowest" in spring
+
+
+def test_the_list_has_who_makes_what_is_not_bought() -> None:
+    """A shaft with a keyway is turned, its sizes in its row; a spring of its own sizes is wound."""
+    starter = tomllib.loads(in_metal("disc-cam"))
+    rows = {row[1]: (row[0], str(row[2])) for row in parts_table(read_mechanism(starter)).rows}
+    how, shaft = rows["shaft"]
+    assert how == "turned of steel" and "keyway 6 N9 x 22, 3.5 +0.1/0 deep" in shaft
+    assert rows["return spring, to be wound"][0] == "wound"
+    tight = read_mechanism(starter, ["drawing.key_fit=P9"])
+    assert any("keyway 6 P9 x 22" in str(row[2]) for row in parts_table(tight).rows)
 
 
 @pytest.mark.parametrize(

@@ -2,26 +2,49 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
-from camgen.parts.shafts import retaining_rings, shaft_and_bearings
+from camgen.parts.shafts import Seat, shaft_and_bearings
 
 
 @pytest.mark.parametrize(
-    ("bore", "said"),
+    ("bore", "ring", "groove"),
     [
-        (8.0, "8 x 0.8, in grooves Ø7.6 h10 of the shaft, 0.9 H13 wide"),
-        (12.0, "12 x 1, in grooves Ø11.5 h11 of the shaft, 1.1 H13 wide"),
-        (20.0, "20 x 1.2, in grooves Ø19 h11 of the shaft, 1.3 H13 wide"),
+        (8.0, "8 x 0.8", "Ø7.6 h10, 0.9 H13 wide, 41.9 +0.2/0 over"),
+        (12.0, "12 x 1", "Ø11.5 h11, 1.1 H13 wide, 42.3 +0.2/0 over"),
+        (20.0, "20 x 1.2", "Ø19 h11, 1.3 H13 wide, 42.7 +0.2/0 over"),
     ],
 )
-def test_rings_are_those_of_din_471(bore: float, said: str) -> None:
-    """[DIN 471: d1, s, d2, m as tabled at capitalbolts.in/din-471; 20 in scribd.com/document/416335815]"""
-    (rings,) = retaining_rings(bore)
-    assert (rings.size, rings.count, rings.standard) == (said, 2, "DIN 471")
-    assert not retaining_rings(bore + 0.5)
+def test_rings_and_their_grooves_are_those_of_din_471(bore: float, ring: str, groove: str) -> None:
+    """[DIN 471: d1, s, d2, m as tabled at capitalbolts.in/din-471; 20 in scribd.com/document/416335815] Over the outer walls a
+    bore of 40, two rings and 0.3 for shims."""
+    shaft, rings, _ = shaft_and_bearings(Seat(bore, [40.0], ringed=True))
+    assert (rings.size, rings.count, rings.standard) == (ring, 2, "DIN 471")
+    assert groove in shaft.details
+    bare = shaft_and_bearings(Seat(bore, [40.0]))
+    assert "groove" not in bare[0].details and bare[1].standard != "DIN 471"
+    assert [each.name for each in shaft_and_bearings(Seat(bore + 0.5, [40.0], ringed=True))] == [
+        "shaft"
+    ]
+
+
+def test_a_keyway_lies_in_the_middle_of_its_bore() -> None:
+    """A 6004 of 12 and half a shaft of 20 free: the bore begins at 22. The longest key 6 x 6 in a bore of 24 is 22, in one of 20 it
+    is 20; t1 is 3.5 +0.1 [DIN 6885], N9 is light and P9 tight [berger-tools.co.uk, page 2078]."""
+
+    def keyways(*lengths: float, fit: str = "N9") -> list[tuple[str, ...]]:
+        details = shaft_and_bearings(Seat(20.0, lengths, 6.0, fit))[0].details
+        found = r"keyway (\S+ \S+) x (\S+), 3.5 \+0.1/0 deep, .*?from (\S+) to (\S+) "
+        return re.findall(found, details)
+
+    assert keyways(24.0) == [("6 N9", "22", "23", "45")]
+    assert keyways(20.0, 20.0, fit="P9") == [("6 P9", "20", "22", "42"), ("6 P9", "20", "42", "62")]
+    assert "keyway" not in shaft_and_bearings(Seat(20.0, [24.0]))[0].details
 
 
 def test_a_shaft_whose_bearings_are_not_known_says_how_much_is_in_the_bore() -> None:
-    (shaft,) = shaft_and_bearings(9.0, 31.5)
+    (shaft,) = shaft_and_bearings(Seat(9.0, [31.5], 3.0))
     assert shaft.size.startswith("9 h6, C45, 31.5 in the bore")
+    assert "from 1.75 to 29.75 from where the bore begins" in shaft.details  # a key 3 x 3 x 28

@@ -61,7 +61,7 @@ from camgen.machines.loads.lift_off import bounce_figures, bounce_of
 from camgen.machines.loads.tables import thin_walls
 from camgen.machines.loads.weights import gravity
 from camgen.machines.mechanism import Mechanism, Remarks
-from camgen.machines.metal import bore_notes, of_drum, ring_notes, rings_of
+from camgen.machines.metal import bore_notes, of_drum, ring_notes, seat_of
 from camgen.machines.pairs import still_faults
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
@@ -547,7 +547,6 @@ class CylinderCam(Mechanism):
         if self.making.make == "printed":
             return []
         roller = self.geometry.roller
-        bore = self.making.bore
         count = 2 if self.geometry.track == "rib" else 1
         size = f"{2 * roller.radius:g} x {roller.length:g}"
         ball = ball_roller(2 * roller.radius, roller.length)
@@ -563,8 +562,9 @@ class CylinderCam(Mechanism):
         else:
             rolls = Bought("roller", ball.standard, f"{ball.name}, {ball.size}", count)
         rolls = replace(rolls, how="on your follower, in the track")
-        rings = rings_of(self.making, self.material.name)
-        return [*shaft_and_bearings(bore, self.track.length), *rings, rolls]
+        length = self.track.length
+        seat = seat_of(self.making, self.material.name, [length], self.drawing.key_fit)
+        return [*shaft_and_bearings(seat), rolls]
 
     # ---- checks and figures -----------------------------------------------------------------------------------------
 

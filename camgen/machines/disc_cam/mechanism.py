@@ -72,13 +72,14 @@ from camgen.machines.free_play import between
 from camgen.machines.loads.lift_off import bounce_figures, bounce_of
 from camgen.machines.loads.tables import CamLimitsTable, thin_walls
 from camgen.machines.loads.weights import gravity
-from camgen.machines.metal import filled, shaft_of_cams
+from camgen.machines.metal import filled, has_own_shaft, seat_of
 from camgen.machines.pairs import air_faults, still_faults
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
 from camgen.parts.engraving import with_upper_sides
+from camgen.parts.shafts import shaft_and_bearings
 from camgen.parts.springs import to_wind, wished
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study
 from camgen.tolerances import WALL_FACETS
@@ -387,17 +388,21 @@ class DiscCamDrive(CamTables):
         name = alone.plates[0].name
         screw = [] if hub is None else hub.bought(self.making.hub_diameter / 2, name)
         on_key = self.making.key_screw
-        tapped = [part.name for part in alone.plates if part.tap]
+        tapped = sum(part.tap is not None for part in alone.plates)
         screw += [] if on_key is None else [on_key.bought(tapped)]
         heights = {part.name: part.thickness for part in parts}
         length = max(mount.z + heights[mount.part] for mount in made.mounts if mount.body == "cam")
-        shaft = shaft_of_cams(self.making, self.material.name, length, self.motor.model)
+        lengths = [length] if groove else [part.thickness for part in alone.plates]
+        own = has_own_shaft(self.making, self.material.name, self.motor.model)
+        seat = seat_of(self.making, self.material.name, lengths, self.drawing.key_fit)
+        carried = shaft_and_bearings(seat) if own else []
         return replace(
             made,
             springs=spring,
             bought=[
-                *shaft,
-                *screw,
+                *carried[:1],
+                *screw,  # before the bearings
+                *carried[1:],
                 *to_wind(self._spring_wish, self._stem),
                 *alone.dowels(),
                 *alone.screws(),

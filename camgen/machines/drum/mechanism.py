@@ -41,7 +41,7 @@ from camgen.machines.drum.tables import (
 from camgen.machines.included import placed
 from camgen.machines.loads.tables import thin_walls
 from camgen.machines.mechanism import Mechanism
-from camgen.machines.metal import rings_of
+from camgen.machines.metal import seat_of
 from camgen.numerics import Floats
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly
@@ -355,8 +355,8 @@ class CamDrum(Mechanism):
 
     def _bought(self) -> list[Bought]:
         """What turns; followers and comb are the person's own."""
-        rings = rings_of(self.making, self.material.name)
-        return [*shaft_and_bearings(self.making.bore, self.length), *rings]
+        seat = seat_of(self.making, self.material.name, [self.length], self.drawing.key_fit)
+        return shaft_and_bearings(seat)
 
     # ---- checks and figures -----------------------------------------------------------------------------------------
 
