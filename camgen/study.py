@@ -195,6 +195,8 @@ class Step:
     # of what is bought and comes, such as a motor: corners of each prism, complex mm, and from where to where it reaches, mm
     shapes: Sequence[Prism] = ()
     what: str = ""  # the parts that come, for people
+    # what is done in its place where all sub-assemblies are pressed before it; none where that is the same
+    pressed: Sequence[Doing] = ()
     small: bool = False  # whether all that come are spacers, caps or nuts
     follows: bool = False  # whether it is done in one go with the step before it
     dry: Sequence[str] = ()  # parts that are held without glue, however tight they are

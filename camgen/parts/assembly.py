@@ -41,12 +41,13 @@ from camgen.machine.joining import Module
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Lazy, solve
 from camgen.parts import coils, materials
+from camgen.parts.blocks import MUST_NOT_SINK
 from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.coils import Coil
-from camgen.parts.fixing import Fixing
+from camgen.parts.fixing import Fixing, with_joints
 from camgen.parts.inertia import Solids
 from camgen.parts.journals import Journal, MaterialLimits, Post, journals
-from camgen.parts.mates import mated
+from camgen.parts.mates import mated, mates_between
 from camgen.parts.part import Part
 from camgen.parts.screws import round_prism, with_screws
 from camgen.parts.set_screws import SetScrewHub
@@ -548,10 +549,10 @@ def _bought_row(each: Bought) -> Row:
     row = (0, each.name, each.size, each.how, each.count, 0.0, "as bought")
     many = f"{each.count} × {each.name}"
     name = many if each.count > 1 else each.name[:1].upper() + each.name[1:]
-    if each.role == "mount":
-        name = f"screw in {many}"
     threads = [(each.thread, each.length)] if each.thread else []
     said = f"{name}, {each.size}{f'; {each.how}' if each.how else ''}"
+    if each.role == "mount":
+        said = f"screw in {each.text}{f' {each.how}' if each.how else ''}"
     return row, Step([Doing(said)], threads=threads)
 
 
@@ -686,12 +687,33 @@ def _on_plate(rows: Sequence[Row], assembly: Assembly, blocks: int) -> Sequence[
     if blocks:
         lies = resting[0].part
         low = last if lies == name else next(k for k, row in enumerate(rows) if row[0][1] == lies)
+        rows, borne = _borne_at_once(rows, low)
         what = "the plate" if lies == name else called(assembly.by_name[lies])
         aside = ", outside of the circle of the hand crank" if assembly.motor.crank else ""
         cells, step = rows[low]
         said = f"put two blocks at least {blocks} mm high under {what}{aside}: parts hang below it"
-        rows[low] = cells, step.also(said)
+        step = step.also(said)
+        rows[low] = cells, replace(step, doings=[*step.doings, *borne])
     return rows if first else [*glued, *rows]
+
+
+def _borne_at_once(rows: Sequence[Row], low: int) -> tuple[list[Row], list[Doing]]:
+    """Rows without the blocks under shafts that stand before the blocks under the plate come, and what is done with these blocks."""
+    standing = {copy.rpartition("-")[0] for _, step in rows[: low + 1] for copy in step.copies}
+    found = list[Row](rows[: low + 1])
+    borne = list[Doing]()
+    for cells, step in rows[low + 1 :]:
+        own = [
+            each
+            for each in step.doings
+            if each.verb.startswith("put ")
+            and each.rest.endswith(MUST_NOT_SINK)
+            and each.thing in standing
+        ]
+        borne += [each for each in own if each not in borne]
+        kept = [each for each in step.doings if each not in own]
+        found.append((cells, replace(step, doings=kept) if own else step))
+    return found, borne
 
 
 def _row_of(part: Part, assembly: Assembly, doing: Doing) -> Row:
@@ -796,7 +818,38 @@ def _glued_below(part: Part, assembly: Assembly, there: bool) -> Row:
         return cells, step
     lay = Doing("lay ", called(plate), " on the bench, its underside up")
     copies = [f"{plate.name}-1", *step.copies]
-    return cells, replace(step, doings=[lay, *step.doings], copies=copies)
+    pressed = list[Doing]()
+    if high := _stands_out(assembly, plate, stands):
+        blocks = f", its underside up, on two blocks at least {math.floor(high) + 1} mm high: its pins stick out below"
+        pressed = [replace(lay, rest=blocks), *step.doings]
+    return cells, replace(step, doings=[lay, *step.doings], copies=copies, pressed=pressed)
+
+
+def _stands_out(assembly: Assembly, plate: Part, stands: Mount) -> float:
+    """How far the longest pin stands out of the upper face of a plate into which it is pressed from below, mm; 0 of none."""
+    fixing = with_joints(assembly.process.fixing, assembly.features)
+    copies = standing_copies(assembly.parts, assembly.mounts, assembly.poses(np.zeros(1)))
+    plates = [copy for copy in copies if copy.part is plate]
+    top = stands.z + plate.thickness
+    return max(
+        (
+            outline.high - top
+            for copy in copies
+            if copy.mount.z < stands.z + SAME_POINT
+            and any(mate.how != "free" for mate in mates_between([copy], plates, fixing))
+            for outline in copy.outlines
+        ),
+        default=0.0,
+    )
+
+
+def _turned_over(assembly: Assembly) -> Doing:
+    """That a machine with a stand, which lies face up till then, is turned over, and how deep its front is."""
+    front = max(mount.z + assembly.by_name[mount.part].thickness for mount in _low_mounts(assembly))
+    rest = _resting(assembly)[0]
+    high = math.ceil(front - rest.z - assembly.by_name[rest.part].thickness - SAME_POINT)
+    on = f"on blocks at least {high} mm high, beside all that moves"
+    return Doing(f"turn the machine over, its back up, with the panel's edges {on}")
 
 
 def _last_rows(assembly: Assembly) -> Iterator[Row]:
@@ -809,6 +862,7 @@ def _last_rows(assembly: Assembly) -> Iterator[Row]:
         screws = [each for each in assembly.bought if each.role == "mount"]
         yield with_things(last, [*screws, *coupled(assembly)])
         return
+    turned = False  # whether it lies on its front
     for each in assembly.support.steps:
         name, where = each.part, each.where
         mounts = [mount for mount in assembly.mounts if mount.part == name]
@@ -816,11 +870,14 @@ def _last_rows(assembly: Assembly) -> Iterator[Row]:
         low = min(mount.z for mount in mounts)
         part = assembly.by_name[name]
         row = 0, name, part.title, where, len(mounts), low, "upright"
-        doing = Doing("glue ", called(part, len(mounts)), f" {where}")
+        doings = [Doing("glue ", called(part, len(mounts)), f" {where}")]
+        if each.along[2] > 0 and not turned:
+            doings.insert(0, _turned_over(assembly))
+            turned = True
         mates = [
             Mate("glue", "", (at.real, at.imag, z), 1.5 * each.thick, each.thick)
             for at, z in each.glued
         ]
         below = each.along[2] > 0
-        yield row, Step([doing], copies, 1 if below else -1, mates, along=each.along)
+        yield row, Step(doings, copies, 1 if below else -1, mates, along=each.along)
     yield with_things(last, coupled(assembly))

@@ -41,8 +41,9 @@ def at_bench(table: Table) -> Table:
     runs = [*map(_one, actions)]
     if many:
         lists = [*takewhile(lambda run: not run[0].copies, runs)]
-        rest = [_placed(action) for action in actions[len(lists) :]]
-        runs = [*lists, *_bench_first(actions, table.columns), *_levels(rest)]
+        bench = [*_bench_first(actions, table.columns)]
+        rest = [_placed(action, bool(bench)) for action in actions[len(lists) :]]
+        runs = [*lists, *bench, *_levels(rest)]
     runs = [*_said_once(runs, 1 if many else _AGAIN)]
     steps = [step for step, _ in runs]
     return replace(
@@ -179,10 +180,12 @@ def _inner(run: Sequence[Step]) -> list[Doing]:
     ]
 
 
-def _placed(action: _Action) -> _Run:
-    """An action as one step; of a sub-assembly that is pressed before, how it is put in."""
+def _placed(action: _Action, bench: bool) -> _Run:
+    """An action as one step; of a sub-assembly that is pressed before, how it is put in. bench: whether a step presses them all."""
     run, rows = action
     whole = _whole(run)
+    if bench and whole.pressed:
+        return replace(whole, doings=whole.pressed), rows
     if not _is_pressed(run):
         return whole, rows
     inside = {mate.place for mate in whole.mates if mate.within}

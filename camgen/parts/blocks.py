@@ -20,6 +20,7 @@ from camgen.parts.step_words import listed
 from camgen.study import Doing
 from camgen.tolerances import SAME_POINT
 
+MUST_NOT_SINK = ": it must not sink"
 _CHORD = 0.1  # mm, of outlines that a block bears
 _ASIDE = 1.0  # mm, beside a hole, where its part bears on a block
 _AROUND = np.exp(1j * math.tau * np.arange(12) / 12)
@@ -69,10 +70,10 @@ def bearing_blocks(
         shafts = listed(dict.fromkeys(names))
         if low - plate.mount.z + blocks < SAME_POINT:
             rest = f" on the bench, where those under {plate.part.name} are {blocks:g} mm high"
-            yield Doing("stand ", shafts, f"{rest}: it must not sink")
+            yield Doing("stand ", shafts, f"{rest}{MUST_NOT_SINK}")
             continue
         yield Doing(
-            "put a block under ", shafts, f", {block_height(low, plate, blocks)}: it must not sink"
+            "put a block under ", shafts, f", {block_height(low, plate, blocks)}{MUST_NOT_SINK}"
         )
     for low, parts in bending.items():
         under = listed(

@@ -35,6 +35,26 @@ STEPPERS = {
     )
 }
 
+_CELL_VOLTS = 1.5
+# Cells that holders take: length and diameter at most, mm, the largest first [IEC 60086-2, R6 and R03].
+_CELLS = {"AA": (50.5, 14.5), "AAA": (44.5, 10.5)}
+
+
+def cells(volts: float, length: float, width: float) -> str:
+    """Which cells a holder of a size, mm, takes side by side for a voltage, such as "4 AAA"; "" where none fit."""
+    count = round(volts / _CELL_VOLTS)
+    if not count or abs(count * _CELL_VOLTS - volts) > 0.01:
+        return ""
+    short, long = sorted((length, width))
+    fits = (
+        name
+        for name, (high, across) in _CELLS.items()
+        if (high <= long and count * across <= short) or (high <= short and count * across <= long)
+    )
+    kind = next(fits, "")
+    return f"{count} {kind}" if kind else ""
+
+
 _KGF_CM = 0.0980665  # N m
 
 

@@ -60,16 +60,18 @@ Role = Literal[
 
 
 class SizeNote(str):
-    """A note that says of what stock a part is cut, such as "rod 6 h9", and how long, mm."""
+    """A note that says of what stock a part is cut, such as "rod 6 h9", how long, mm, and how at the bench; "" as any other."""
 
     stock: str
     length: float
+    how: str
 
-    def __new__(cls, text: str, stock: str = "", length: float = 0.0) -> SizeNote:
-        """The text, with what the parts list says of the stock."""
+    def __new__(cls, text: str, stock: str = "", length: float = 0.0, how: str = "") -> SizeNote:
+        """The text, with what the parts list and the steps say of it."""
         note = super().__new__(cls, text)
         note.stock = stock
         note.length = length
+        note.how = how
         return note
 
 

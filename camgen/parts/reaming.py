@@ -76,6 +76,7 @@ def with_cutting(table: Table, parts: Sequence[Part], metal: bool = False) -> Ta
     lines += [f"1 × gauge: {gauge}" for step in table.steps for gauge in step.gauges]
     how = "saw the rods, and turn and mill them as on their sheets" if metal else _FILED
     said = [f"{how}{_ticks(lines)}"] if lines else []
+    said += [note.how for _, note in sizes if note.how and not metal]
     if not metal and any(part.process == "bought" and part.role == "pin" for part in parts):
         said.append(_DOWELS if lines else _DOWELS[:1].lower() + _DOWELS[1:])
     if not said:

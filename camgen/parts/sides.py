@@ -89,10 +89,24 @@ class Mirror:
         rod = self.sizes.rod(
             layers[1].z1, f"on its lower {middle:g}; on the rest it is turned by {turn}"
         )
+        rod = tuple(_filed(note, part.name, math.degrees(self.phase)) for note in rod)
         notes = [note for note in part.notes if not isinstance(note, SizeNote)]
         if not rod:
             notes.append(f"its upper flat is turned by {turn}")
         return replace(part, title="Shaft of both sides", layers=layers, notes=(*rod, *notes))
+
+
+def _filed(note: SizeNote, name: str, angle: float) -> SizeNote:
+    """The note on a rod with two flats, with how a vice sets a quarter of a turn between these; angle: between them, deg."""
+    if abs(abs(angle) - 90) > 0.01:
+        return note
+    jaw = "right" if angle > 0 else "left"
+    how = (
+        f"The flats of {name} set the phase of both sides. File the lower one until a printed part with its bore goes on. Then clamp "
+        f"this half along a vice, its flat against the {jaw} jaw and the upper half, towards you, beside the jaws. File the other "
+        "flat level on top, until such a part goes on there too"
+    )
+    return SizeNote(note, note.stock, note.length, how)
 
 
 def _turns_over(part: Part) -> bool:
@@ -296,7 +310,7 @@ def _fed(row: Row, far: Assembly, mirror: Mirror) -> Row:
     doings = [
         Doing("turn it over: the frame is up"),
         Doing(
-            f"stick the {cells[1]}, {cells[2]}, on the plate in the frame with double-sided tape",
+            f"stick the {cells[1]} on the plate in the frame with double-sided tape",
             needs=("double-sided tape",),
         ),
     ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -208,7 +209,7 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
         yield Doing(
             verb(each.fit, each.by_hand),
             f"{thing} {each.place}",
-            f"{each.flat}{each.high}{each.set_by}",
+            f"{each.flat}{_of_shaft(each)}{each.set_by}",
             each.tools,
         )
     hanging = listed(dict.fromkeys(each.hangs for each in fixed if each.hangs))
@@ -216,6 +217,12 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
         rooms = listed(dict.fromkeys(each.room for each in fixed if each.room))
         rod = f": push a rod or block from the side into the gap of {rooms}" if rooms else ""
         yield Doing("hold ", hanging, f" from below by the head meanwhile{rod}")
+
+
+def _of_shaft(meeting: _Meeting) -> str:
+    """How high something is fixed on a shaft, with whose end that is: "flush with the upper end of shaft"."""
+    shaft = meeting.place.removeprefix("on ").partition(" at ")[0]
+    return re.sub(r" its (\w+ end)", rf" the \1 of {shaft}", meeting.high)
 
 
 def _past_the_end(

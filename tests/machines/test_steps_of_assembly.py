@@ -36,7 +36,7 @@ from camgen.parts.standing import standing_copies
 from camgen.parts.step_words import between, thickness_gauge
 from camgen.parts.steps import order
 from camgen.pipeline.making import parts_table
-from camgen.pipeline.shopping import steps_of_assembly, stock
+from camgen.pipeline.shopping import bought_things, steps_of_assembly, stock
 from camgen.study import Mate
 
 PLAY = Fixing(0.1)
@@ -787,8 +787,17 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
         height -= over["ground"]
         said = f"Prop it on a block {height + blocks:.3g} mm high, where those under ground are {blocks} mm high"
         assert said in laid
-    (far,) = (title for title in titles if "far-ground" in title and "two blocks" in title)
+    (on, far) = (title for title in titles if "far-ground" in title and "two blocks" in title)
     assert f"two blocks at least {blocks} mm" in far, "for steps that are done again"
+    assert "a block under far-shaft" in far, "as soon as it stands there"
+    parts = walker.assembly.by_name
+    pressed = max(parts[name].thickness for name in ("pin-1", "pin-2", "pin-3"))
+    out = pressed - parts["far-ground"].thickness
+    assert f"underside up, on two blocks at least {out + 1:g} mm high: its pins stick out" in on
+    supply = {each.name: each.size for each in bought_things(walker)}["battery holder"]
+    assert "for 4 AAA cells side by side, 6 V" in supply, "as the comments of its spec say"
+    (filed,) = (title for title in titles if title.startswith("Cut and file"))
+    assert "its flat against the right jaw and the upper half, towards you" in filed
 
 
 def test_a_walker_s_motor_and_batteries_come_from_where_they_go_and_are_seen() -> None:
@@ -840,7 +849,7 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
     top += walker.assembly.by_name["second-plate"].thickness
     gaps = [top - length["pin-2"] - length["pin-2"], top - length["pin-4"] - length["pin-3"]]
     assert f"gap of {gaps[0]:.4g} mm under pin-2 and {gaps[1]:.4g} mm under pin-4" in lid
-    assert "It lies on 4 posts, over all." in lid and "Lay it on" not in lid
+    assert "It lies on 4 posts, over all other parts." in lid and "Lay it on" not in lid
     assert "down on post: spacer-3 must keep some play" in lid
     assert "B on pin-2, with a strip of a plastic bag between cap-1 and low3" in lid, "by no end"
     web = next(title for title in titles if title.startswith("Glue M of crank_web2"))
@@ -1251,6 +1260,18 @@ def test_blocks_reach_from_the_bench_to_what_they_bear() -> None:
     under = f"where those under stand-panel are {deep} mm high"
     high = levels["shaft"] - panel + deep
     assert any(f"a block under shaft, {high:g} mm high, {under}: it must not" in t for t in titles)
+    (borne,) = (k for k, t in enumerate(titles) if "a block under shaft" in t)
+    assert "Put two blocks" in titles[borne], "from then on nothing else bears it"
+    over = max(
+        levels[part] + each.thickness
+        for part, each in bird.assembly.by_name.items()
+        if not part.startswith("stand")
+    )
+    front = math.ceil(over - panel - bird.assembly.by_name["stand-panel"].thickness)
+    (gussets,) = (t for t in titles if "gusset" in t and "Glue 2" in t)
+    assert (
+        gussets.startswith("Turn the machine over, its back up") and f"least {front} mm" in gussets
+    )
     assert any("under W and V of ground, as high as those under stand-panel" in t for t in titles)
     leg = built("walking-leg")
     titles = [step.title for step in steps_of_assembly(leg).steps]

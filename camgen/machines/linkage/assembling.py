@@ -23,6 +23,12 @@ from camgen.parts.stiffness import bending_stiffness
 from camgen.parts.turning_over import fit_turned_over
 
 
+def supply_volts(spec: LinkageSpec) -> float:
+    """For what voltage its motor is, V; 0 where that is not known."""
+    geared = GEARED.get(spec.motor.model or "") if spec.motor else None
+    return geared.volts if geared else 0.0
+
+
 def driving_text(spec: LinkageSpec) -> str:
     """What its drive is to do, in words."""
     drive = spec.drive

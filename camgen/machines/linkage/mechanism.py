@@ -41,6 +41,7 @@ from camgen.machines.linkage.assembling import (
     balance,
     driving_text,
     mirror,
+    supply_volts,
     with_engraving,
 )
 from camgen.machines.linkage.construction import Construction, closed
@@ -244,7 +245,11 @@ class Linkage(LinkageSpec):
             if weight is None
             else (balance(weight, construction.balanced[1], bodies, self._process.density),),
             coils=coils_of(bodies.layout, bodies.parts, bodies.mounts, ways=ways),
-            bought=[*bodies.bought(driving_text(self)), *sprung, *lifts.bought(self._moving)],
+            bought=[
+                *bodies.bought(driving_text(self), supply_volts(self)),
+                *sprung,
+                *lifts.bought(self._moving),
+            ],
             springs=coils.mounted(springs, by_force(self.chain), sizes.pin_diameter),
             journals=journals(machine, features, bodies.parts, bodies.mounts, plastic),
             posts=tuple(posts(bodies, {each.name: each.forces()[1] for each in springs}, plastic)),

@@ -18,6 +18,7 @@ thread   over posts that stand over all links: threads.py
 from __future__ import annotations
 
 import cmath
+import math
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
@@ -50,13 +51,15 @@ from camgen.parts.generator.link_outlines import own_contours, slot_holes
 from camgen.parts.generator.pins import MountedPart, bearings, hand_crank, pin
 from camgen.parts.generator.plates import ground_plate, second
 from camgen.parts.generator.seats import link_layers
-from camgen.parts.generator.second_plate import in_first, sleeve_ends
+from camgen.parts.generator.second_plate import ceiling_height, in_first, sleeve_ends
+from camgen.parts.generator.sizes import Battery
 from camgen.parts.generator.stubs import Stub, stubs
 from camgen.parts.generator.threads import strands, thread_posts
 from camgen.parts.generator.troughs import covers, rails
 from camgen.parts.generator.wheels import with_touches
 from camgen.parts.hardware import refuse_thin, spacer
 from camgen.parts.inertia import Solids
+from camgen.parts.motors import cells
 from camgen.parts.part import Layer, Part, Role
 from camgen.parts.set_screws import SetScrewHub
 
@@ -71,6 +74,9 @@ _NUMBERED: dict[Role, str] = {  # parts of which a machine has several unlike on
     "keeper": "Keeper {} of a disc",
     "thread-post": "Post {} of a thread",
 }
+# Wires reach over the whole machine, past the holder, and this far beyond; they are cut in steps of _WIRES, mm.
+_SLACK = 100.0
+_WIRES = 50.0
 _CHECK = "Move it slowly through its whole motion first: no joint may be stiff"
 
 
@@ -185,8 +191,8 @@ class Bodies:
         shafts = [self.layout.shaft_of(link) for link in self.layout.drivers[:1]]
         return self.layout.collar(shafts[0]) if shafts else None
 
-    def bought(self, turning: str) -> list[Bought]:
-        """Drive, by what it does in words, and screws."""
+    def bought(self, turning: str, volts: float = 0.0) -> list[Bought]:
+        """Drive, by what it does in words, and screws. volts: of the motor, 0 where that is not known."""
         p = self.sizes
         face = self.sizes.face
         screw = f"{screw_for(p.mount_diameter)}, at most {p.base_thickness:g} into the plate"
@@ -207,7 +213,7 @@ class Bodies:
         count = len(self.layout.drivers) or 1
         motors = [replace(each, count=count * each.count) for each in motors]
         if p.battery is not None:
-            size = f"{p.battery.length:g} x {p.battery.width:g}, with batteries for the motor's voltage, a switch and wires to it"
+            size = self._battery_text(p.battery, volts)
             place = "in the frame under the far plate; its wires to the motor, over the switch"
             motors.append(Bought("battery holder", "", size, 1, "supply", how=place))
         held = (
@@ -224,6 +230,21 @@ class Bodies:
             *screws,
             *plates.bought(self.layout),
         ]
+
+    def _battery_text(self, holder: Battery, volts: float) -> str:
+        """What feeds the motor: the holder, its cells, and how long its wires are."""
+        size = f"{holder.length:g} x {holder.width:g}"
+        kind = cells(volts, holder.length, holder.width)
+        held = (
+            f"for {kind} cells side by side, {volts:g} V, with these"
+            if kind
+            else "with batteries for the motor's voltage"
+        )
+        across = self.sizes.side_gap
+        if self.layout.second is not None:
+            across += 2 * (ceiling_height(self.layout) + self.sizes.base_thickness)
+        wires = _WIRES * math.ceil((across + abs(complex(*holder.at)) + _SLACK) / _WIRES)
+        return f"{size}, {held}, a switch and two wires of {wires:g} mm to it"
 
     @property
     def stands(self) -> str:

@@ -418,9 +418,9 @@ def _second_plate(layout: Layout) -> Part:
     layers += tuple(Layer(layer.region, floor + layer.z0, floor + layer.z1) for layer in raised)
     hanging = _hanging(layout, points)
     notes = [f"pins pressed in tight, heads down: {', '.join(hanging)}"] if hanging else []
-    held = f"screw it on {len(posts)} posts, over all, tight crosswise"
+    held = f"screw it on {len(posts)} posts, over all other parts, tight crosswise"
     if joined:
-        held = f"it lies on {len(posts)} posts, over all"
+        held = f"it lies on {len(posts)} posts, over all other parts"
     return Part(
         SECOND,
         "Second plate",

@@ -367,7 +367,7 @@ class Parts(Record):
         """How shafts are made, for the parts list."""
         return TURNED if self.shaft_made == "steel" else "printed"
 
-    def rod(self, length: float, flat: str) -> tuple[str, ...]:
+    def rod(self, length: float, flat: str) -> tuple[SizeNote, ...]:
         """Of what a shaft of steel is cut, for the parts list; nothing of one that is printed.
 
         length: of it, mm; flat: where on it the flat or the keyway is.
