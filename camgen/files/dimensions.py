@@ -368,6 +368,8 @@ def layer_rows(
             )
         elif len(layers) == 1 and slotted_wheel(layer.region.outer):
             pass  # all of its sizes are in the view
+        elif free(outer) and part.outlined and layer is part.drawn:
+            pass  # the notes say which file has it
         elif free(outer):
             rows.append(("", "", "", f"Profile by {_source(part)}, {span}"))
         else:

@@ -73,7 +73,9 @@ def _files(drawn: DrawnPart) -> list[str]:
     if part.outlined:
         if not any(map(free, (part.region.outer, *part.region.holes))):
             return [f"Outlines: {drawn.stem}.dxf"]
-        return [f"Profile: {drawn.stem}.dxf, within {drawn.tolerance:g} of the exact curve"]
+        span = f", z {number(part.drawn.z0)} to {number(part.drawn.z1)}" if part.layers[1:] else ""
+        exact = f"within {drawn.tolerance:g} of the exact curve"
+        return [f"Profile{span}: {drawn.stem}.dxf, {exact}"]
     if part.stacked:
         low, high = number(part.drawn.z0), number(part.drawn.z1)
         return [f"Drawn thick: the layer z {low} to {high}; all outlines: {drawn.stem}.stl"]
@@ -145,7 +147,7 @@ def _corner_notes(drawn: DrawnPart) -> list[str]:
             lines.append("Track without a hollow: a cutter of any size reaches it")
     if facts.rod_chamfer:
         lines.append(f"Both ends chamfered {number(facts.rod_chamfer)} × 45°")
-        lines += [f"Round Ra {facts.bore_roughness:g}"] if facts.bore_roughness else []
+        lines += [f"Round face Ra {facts.bore_roughness:g}"] if facts.bore_roughness else []
     return lines
 
 
@@ -203,7 +205,7 @@ def _ground(drawn: DrawnPart) -> list[str]:
     facts = drawn.facts
     faces = (
         ("bore", facts.bore_roughness and drawn.bored),
-        ("round", facts.bore_roughness and facts.rod_chamfer),
+        ("round face", facts.bore_roughness and facts.rod_chamfer),
         ("outside", facts.bore_roughness and facts.outer_fit and not facts.rod_chamfer),
         (_rim(drawn), facts.bore_roughness and drawn.rim_letter),
     )

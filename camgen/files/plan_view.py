@@ -260,8 +260,9 @@ class PlanView:
         if free(self.drawn.part.region.outer) and not (self.drawn.facts.levels or self.drawn.lock):
             ends = nearest_and_farthest(self.drawn.outer)
             ways = [(z / abs(z) if z else 1) for z in ends]
-            for point, way, word in zip(ends, ways, ("smallest", "largest"), strict=True):
-                self._leader(point, way, f"(R{number(abs(point))}) {word}")
+            inner = "base" if self.drawn.facts.tracks else "inner"
+            for point, way, word in zip(ends, ways, (inner, "outer"), strict=True):
+                self._leader(point, way, f"{word} circle (R{number(abs(point))})")
 
     def _diameter(self, size: float) -> str:
         """A diameter, mm, of a shank with its fit and its deviations."""

@@ -137,12 +137,14 @@ class SideViews:
             self.page.sheet.line(*(end + scale * side for end in ends), layer="DIM")
         top = complex(ends[0].real, self.page.paper(self.drawn.high).imag)
         self.page.sheet.line(ends[0] - 2j, top, layer="CENTER")
-        tip = ends[1] + scale * half
+        tip = ends[1]  # the mouth of the thread, on its axis
         bend = tip + complex(5, 8)
-        text = f"{tap.thread}-{_THREAD}"
-        self.page.sheet.line(tip, bend, bend + Text(0j, text, 2.5).room + 1, layer="DIM")
+        through = "through into the keyway"
+        shelf = Text(0j, through, 2.5).room + 1
+        self.page.sheet.line(tip, bend, bend + shelf, layer="DIM")
         self.page.sheet.arrow(tip, (tip - bend) / abs(tip - bend))
-        self.page.sheet.text(bend + complex(0.5, 0.8), text)
+        self.page.sheet.text(bend + complex(0.5, 0.8), f"{tap.thread}-{_THREAD}")
+        self.page.sheet.text(bend + complex(0.5, -3.3), through)
 
     def _boss_sizes(self, origin: complex) -> None:
         """Diameters of the bosses, to the right of the view from the left."""

@@ -92,6 +92,7 @@ class Facts:
     sense: int = 1  # in which a drum turns
     # of a drum's roller: diameter half way along it, length, distance of its inner end from the axis, mm
     roller: tuple[float, float, float] | None = None
+    crowned: float = 0.0  # by how much a crowned ring of that, if sold so, may be thinner, mm
     groove: Groove | None = None  # of whose walls the part is one
     levels: Sequence[complex] = ()  # of a plate's upper edge, on which a follower runs, mm
     cutter: bool = False  # whether a file has the path of a cutter along a drum's track

@@ -455,7 +455,10 @@ def drum_section(drum: Drum, facts: Facts, scales: Sequence[float]) -> Section:
         words.append(f"roller Ø{number(diameter)} × {number(length)}")
         play = 2 * drum.roller.radius - diameter
         if facts.profile and drum.track == "groove":
-            words.append(f"its play {number(play)} to {number(play + facts.profile)}")
+            most = play + facts.profile
+            words.append(f"its play {number(play)} to {number(most)}")
+            if facts.crowned:
+                words.append(f"of a crowned ring to {number(most + facts.crowned)}")
     if facts.profile and drum.track == "groove":
         words += _groove_words(drum, facts)
     if drum.roller.slope:

@@ -117,7 +117,7 @@ class CamFollower:
 
     def bought(self, count: int) -> Bought:
         """Its line in the parts list."""
-        size = f"{self.name}: ring {self.outside:g} x {self.width:g}, stud {self.stud:g} x {self.length:g} in a hole H7, {self.thread}"
+        size = f"{self.name}: cylindrical ring {self.outside:g} x {self.width:g}, stud {self.stud:g} x {self.length:g} in a hole H7, {self.thread}"
         return Bought("cam follower", "ISO 7063", size, count)
 
 

@@ -44,7 +44,7 @@ def with_reaming(
     lines = _lines(opened, words.running)
     if lines:
         count = sum(opened_holes(copies, fixing).values())
-        holes = f"all {count} holes" if count > 1 else "the hole"
+        holes = {1: "the hole", 2: "both holes"}.get(count, f"all {count} holes")
         said = [words.opened.format(holes) + _ticks(lines)]
     said += [words.by_hand + _ticks(_lines(fitted, words.tool))] if fitted else []
     said += [words.tight + _ticks(_lines(tight, words.tool))] if tight else []

@@ -59,9 +59,7 @@ _COUPLING = 1.5  # of it: end for a coupling
 _STEP = 5.0  # mm, of lengths of shafts
 _SHIMMED = 0.3  # mm, that shims fill between rings and bore, at least
 _WIDER = 0.2  # mm, by which grooves may lie farther apart
-_SNAPPED = (
-    "one in each groove of the shaft; shims (DIN 988) beside the bore fill what is free there"
-)
+_SNAPPED = "one in each groove of the shaft; put shims (DIN 988) beside the bore until it slides at most 0.05 mm"
 _KEYED = "its key in the keyway of the bore"
 _FAST = "fast in it"
 _BEARINGS = (

@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from camgen.files.dimensions import free, number, round_of
-from camgen.files.limits import general, in_limits
+from camgen.files.limits import deviations, general, in_limits
 from camgen.files.timing import Motion
 from camgen.files.title_block import Facts, Fit, Groove, Rider
 from camgen.files.tracks import looser
@@ -66,6 +66,9 @@ _CAP = "F7"  # of a cap that goes on a pin m6 by hand and is glued there
 # Fits of keyways for keys h9 by their width: of DIN 6885 the light and the tight one [berger-tools.co.uk, page 2078].
 _KEY = "JS9"
 _TIGHT_KEY = "P9"
+# By how much the crowned ring of a cam follower may be thinner, mm [nodeshk.com/ina/art/track-roller-clearance].
+_CROWNED = 0.05
+_BETWEEN_RINGS = "h11"  # length of a drum: shims fill what is free, as far as it may slide
 _ROD = "h9"  # fit of rod as it is sold, and of rollers
 # Chamfer of a bore by the diameter up to which it is usual, mm: camgen's own rule.
 _CHAMFERS = ((10.0, 0.5), (40.0, 1.0), (math.inf, 1.5))
@@ -153,6 +156,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         segments=tuple(_segments(mechanism, part)),
         sense=mechanism.assembly.cycle.sense,
         roller=_roller(mechanism, part),
+        crowned=_CROWNED if mechanism.load and mechanism.load.cam_follower else 0.0,
         levels=tuple(_levels(mechanism, part)),
         groove=_groove(mechanism.assembly, part),
         cutter=part.name in mechanism.assembly.whole_drums
@@ -180,6 +184,9 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
 def _thinner(mechanism: Mechanism, part: Part, tolerance: str) -> float:
     """By how much a part of metal may be thinner than drawn, mm, where the gaps beside it do not bear a general tolerance; else 0."""
     allowed = thickness_allowances(mechanism.assembly).get(part.name, math.inf)
+    between = deviations(part.thickness, _BETWEEN_RINGS) if part.drum else None
+    if between:
+        return -between[0]
     return allowed if allowed < general(part.thickness, tolerance) else 0.0
 
 

@@ -90,7 +90,7 @@ def test_dxf_has_the_part_at_its_own_size(tmp_path, part):
     assert (min(x), max(x)) == pytest.approx((-25, 37), abs=0.05)
     texts = texts_of(dxf)
     # oval of mean 28, wave 3 about x = 6: 62 wide; 50 high
-    assert {"(62)", "(50)", "(R37) largest", part.title, "mm", str(part.count)} <= set(texts)
+    assert {"(62)", "(50)", "outer circle (R37)", part.title, "mm", str(part.count)} <= set(texts)
 
 
 def test_both_outputs_say_the_same(tmp_path):
@@ -272,7 +272,7 @@ def test_only_a_cam_turns(tmp_path):
     rail = Region(polygon([4 - 1j, 8 - 1j, 8 + 1j, 4 + 1j]), (circle(6, 0.5),))
     part = Part("bar", "Bar", (Layer(bar, 0, 2), Layer(rail, 2, 5)), bore=2.0)
     texts = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, META)[0])
-    assert not any(t.endswith(("smallest", "largest")) or t.startswith("+") for t in texts)
+    assert not any("circle (R" in t or t.startswith("+") for t in texts)
     assert {
         "Edges, z 0 to 2:",
         "R3",
@@ -282,7 +282,7 @@ def test_only_a_cam_turns(tmp_path):
         "%%c1",
     } <= set(texts)
     turning = texts_of(write_drawing(tmp_path, "d", replace(cam(), bore=8.0), TOLERANCE, META)[0])
-    assert "+" in turning and "(R37) largest" in turning
+    assert "+" in turning and "outer circle (R37)" in turning
 
 
 def test_notes_stay_beside_the_title_block(tmp_path):
@@ -457,7 +457,8 @@ def test_a_cam_with_a_hub_is_cut_through_its_keyway(tmp_path):
     texts = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, SHOP)[0])
     assert texts.count("S-S") == 1 and texts.count("S") == 2
     assert texts.count("%%c22") == 1 and not [text for text in texts if "%%c22," in text]
-    assert "Profile by DXF, z 0 to 5" in texts
+    assert not [text for text in texts if "by DXF" in text]
+    assert layout.notes[0].startswith("Profile, z 0 to 5: d.dxf")
 
 
 def test_a_bore_s_chamfers_are_cut_off_in_its_section():
@@ -626,7 +627,7 @@ def test_a_track_s_tolerance_stands_once_and_its_radii_are_exact(tmp_path):
     texts = texts_of(write_drawing(tmp_path, "d", keyed_cam(), TOLERANCE, facts)[0])
     assert "Theoretically exact track: where the follower touches, from X, ccw" in texts
     assert not [text for text in texts if "%%p" in text and "JS9" not in text]
-    assert texts.count("0.02") == 1 and "(R37) largest" in texts
+    assert texts.count("0.02") == 1 and "outer circle (R37)" in texts
 
 
 def test_the_bore_of_a_metal_cam_is_its_datum_without_a_keyway_too(tmp_path):
@@ -828,7 +829,7 @@ def test_a_thread_is_drawn_in_its_section_with_its_class_and_height():
     ]
     assert sorted((each - layout.page.side_x) / scale for each in x) == pytest.approx([6.5, 11.5])
     words = {each.text for each in layout.sheet.primitives if isinstance(each, Text)}
-    assert {"M5-6H", "9"} <= words
+    assert {"M5-6H", "through into the keyway", "9"} <= words
     assert "Thread M5: on this sheet alone, no file has it" in " ".join(layout.notes)
 
 

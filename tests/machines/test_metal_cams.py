@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from camgen.files.drawing import _Layout
-from camgen.files.sheet import Text
+from camgen.files.sheet import Size, Text
 from camgen.geometry.arcs import as_circle
 from camgen.machines.sources import read_mechanism
 from camgen.parts.materials import MATERIALS
@@ -244,6 +244,27 @@ def test_a_cam_is_held_on_its_shaft_before_the_bearings_close_it_in() -> None:
     (spring,) = [each for each in cam if "spring" in each]
     free = float(re.findall(r"free length ([\d.]+)", spring)[0])
     assert f"pressed together to {free - 15:.4g} while the follower is lowest" in spring
+
+
+def test_the_sheets_of_the_starters_say_what_a_workshop_asks_back() -> None:
+    """The least radius of a cam is that of its base circle; a drum between rings is h11, of 30 to 50 mm 0/-0.16 [ISO 286]; a groove
+    of 16.05 +0.05 on a ring of 16, which may be 0.05 thinner where it is crowned [nodeshk.com/ina/art/track-roller-clearance]."""
+
+    def texts(name: str) -> tuple[set[str], str, list[str]]:
+        made = read_mechanism(tomllib.loads(in_metal(name)))
+        (part,) = made.assembly.parts
+        layout = _Layout(part, "d", 0.001, facts_of(made, part))
+        things = layout.sheet.primitives
+        sizes = [each.fit for each in layout.sheet.things if isinstance(each, Size)]
+        rows = [row[3] for row in layout.drawn.rows]
+        return {each.text for each in things if isinstance(each, Text)}, " ".join(sizes), rows
+
+    cam, _, rows = texts("disc-cam")
+    assert {"base circle (R32)", "outer circle (R44)", "through into the keyway"} <= cam
+    assert not any("DXF" in row for row in rows)
+    drum, sizes, _ = texts("cylinder-cam")
+    assert {"its play 0.05 to 0.1", "of a crowned ring to 0.15"} <= drum
+    assert "0/-0.16" in sizes
 
 
 def test_the_list_has_who_makes_what_is_not_bought() -> None:

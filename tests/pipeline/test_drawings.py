@@ -140,8 +140,8 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     texts = {each.dxf.text for each in space.query("TEXT")}
     assert {"Keyway (5:1)", "keyway 3 wide, 1.8 deep, at 90%%d"} <= texts
     assert "Keyway symmetric to the axis within 0.04" in texts
-    assert {"Both ends chamfered 0.5 x 45%%d", "Round Ra 1.6", "C45+C (1.0503)"} <= texts
-    assert {"All faces but for the round Ra 3.2", "Tensile strength at least 700 MPa"} <= texts
+    assert {"Both ends chamfered 0.5 x 45%%d", "Round face Ra 1.6", "C45+C (1.0503)"} <= texts
+    assert {"All faces but for the round face Ra 3.2", "Tensile strength at least 700 MPa"} <= texts
     assert {name for name, each in found.items() if each.outer_fit} == {*sizes, "shaft-table"}
     assert {name for name, each in found.items() if each.shank[0]} == {"pin-1", "knob-pin"}
     notes = {
