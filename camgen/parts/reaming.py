@@ -177,8 +177,8 @@ _IN_PLASTIC = _Words(
 _IN_METAL = _Words(
     "ream {} in which something turns to the size and the limits on the sheet of its part. What goes in drops through by its own "
     "weight",
-    "Ream these to the fits on their sheets. Part and shaft slide together by hand, and the compound holds them. Press or tap "
-    "a key into its keyway in the shaft first: it is tight there",
+    "Ream these to the fits on their sheets. Part and shaft slide together by hand, and the compound holds them. Where they have "
+    "keyways, tap the key into the shaft first, then press the part over it: the key is tight in both",
     "Ream these to the fits on their sheets, and press in what they hold in its step",
     _bare,
     _bare,

@@ -119,7 +119,7 @@ def _cuts(seat: Seat, start: float, origin: str) -> Iterator[str]:
         deep = f", {depth[0]:g} +{depth[1]:g}/0 deep" if depth else ""
         yield (
             f"keyway {seat.key_width:g} {seat.key_fit} x {long:.4g}{deep}, round at both ends, "
-            f"from {first:.4g} to {first + long:.4g} {origin}"
+            f"between {first:.4g} and {first + long:.4g} {origin}"
         )
         start += length
     if seat.ringed and seat.bore in _RINGS:

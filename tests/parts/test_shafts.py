@@ -36,7 +36,7 @@ def test_a_keyway_lies_in_the_middle_of_its_bore() -> None:
 
     def keyways(*lengths: float, fit: str = "N9") -> list[tuple[str, ...]]:
         details = shaft_and_bearings(Seat(20.0, lengths, 6.0, fit))[0].details
-        found = r"keyway (\S+ \S+) x (\S+), 3.5 \+0.1/0 deep, .*?from (\S+) to (\S+) "
+        found = r"keyway (\S+ \S+) x (\S+), 3.5 \+0.1/0 deep, .*?between (\S+) and (\S+) "
         return re.findall(found, details)
 
     assert keyways(24.0) == [("6 N9", "22", "23", "45")]
@@ -47,4 +47,4 @@ def test_a_keyway_lies_in_the_middle_of_its_bore() -> None:
 def test_a_shaft_whose_bearings_are_not_known_says_how_much_is_in_the_bore() -> None:
     (shaft,) = shaft_and_bearings(Seat(9.0, [31.5], 3.0))
     assert shaft.size.startswith("9 h6, C45, 31.5 in the bore")
-    assert "from 1.75 to 29.75 from where the bore begins" in shaft.details  # a key 3 x 3 x 28
+    assert "between 1.75 and 29.75 from where the bore begins" in shaft.details  # a key 3 x 3 x 28

@@ -29,6 +29,7 @@ from camgen.machines.sources import read_mechanism
 from camgen.parts.keyways import keyed
 from camgen.pipeline.drawings import facts_of
 from camgen.pipeline.making import parts_table
+from camgen.pipeline.shopping import steps_of_assembly
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 
@@ -202,6 +203,14 @@ def test_what_holds_a_part_on_its_shaft_says_how_far_it_turns(tmp_path: Path) ->
     assert "On the flat of its shaft it turns at most %%p0.8%%d" in flat
     assert "<> +0.02/0" in flat
     assert "<> 0/-0.02" in _notes("shaft", tmp_path, "parts.shaft_key=false")
+
+
+def test_a_tight_key_is_pressed_and_no_step_slides_over_it() -> None:
+    """A key h9, 3 wide, is 2.975 to 3; a keyway P9 is 2.969 to 2.994 [ISO 286]: in the middle 0.006 too wide for it."""
+    machine, _ = facts("gallery/geneva-table", *starters.METAL["geneva-table"])
+    said = steps_of_assembly(machine).steps[0].title
+    assert "tap the key into the shaft first, then press the part over it" in said
+    assert "with a key" not in said
 
 
 def test_keys_turn_all_that_is_fixed_on_shafts() -> None:
