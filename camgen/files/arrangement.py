@@ -137,7 +137,7 @@ class Arrangement:
             for ring in shapely.get_rings(shapely.get_parts(copy.cut))
             for z in [shapely.get_coordinates(ring)]
         ]
-        a, low, b, high = np.concatenate(edges).T
+        a, low, b, high = np.concatenate([np.zeros((0, 4)), *edges]).T
         level = (abs(high - low) < _MITE) & (abs(b - a) > _FACE)
         heights: list[float] = np.unique(np.round(low[level], 2))[::-1].tolist()
         return heights
@@ -357,7 +357,7 @@ class _Page:
         near, far = (self.below(z) for z in self.arrangement.deep)
         wanted = [self.below(complex(0, level)).imag for level in levels]
         least, most = far.imag - _LOOSE, near.imag + _LOOSE
-        if (len(levels) - 1) * _LINE > most - least:
+        if not levels or (len(levels) - 1) * _LINE > most - least:
             return
         places = _spread(wanted, (least, most), _LINE)
         for level, at, place in zip(levels, wanted, places, strict=True):

@@ -164,6 +164,21 @@ def test_heights_beside_the_section_are_those_of_the_faces_that_it_cuts() -> Non
     assert all(a - b >= 2.4 - 1e-9 for a, b in zip(places, places[1:], strict=False))
 
 
+def test_a_section_without_a_level_face_has_no_heights() -> None:
+    """A wedge on its edge: the sheet is drawn, as one of a looper's bent needles is."""
+    from camgen.files.arrangement import _Page
+
+    wedge = shapely.Polygon([(0, 0), (9, 6), (-2, 7)])
+    copies = [Copy(1, [(shapely.box(-2, 0, 9, 4), 7.0)], wedge, True)]
+    arrangement = Arrangement(copies, [], (0j, 1), [], [])
+    assert arrangement.levels == []
+    assert not [
+        each
+        for each in _Page(arrangement).draw("wedge", Facts()).things
+        if isinstance(each, Text) and each.height == 1.8 and each.layer == "DIM"
+    ]
+
+
 @pytest.mark.parametrize("name", [*MACHINES, "gallery/walker", "gallery/heart", "cylinder-cam"])
 def test_every_part_has_its_number_and_its_row(name: str, tmp_path: Path) -> None:
     """Balloons overlap nowhere, name each part at most once, and point at their own part; rows are those of the parts list."""
