@@ -1,7 +1,7 @@
 """What standards allow of a size: fits of holes, general tolerances; and to how many decimals a size is written.
 
-ISO 286     standard tolerances IT and fundamental deviations of holes (of h the H mirrored): deepri.com/technical/information/tech_iso_tolerances.html
-            (H7, H8), zh-ss.net/?p=841 (IT6 to IT11), Ralul/TI-84, ISO-286.py (F, G, N, P), online.flippingbook.com/view/962121/282
+ISO 286     standard tolerances IT and fundamental deviations of holes (of g and h those of G and H mirrored):
+            deepri.com/technical/information/tech_iso_tolerances.html (H7, H8), zh-ss.net/?p=841 (IT6 to IT11), Ralul/TI-84, ISO-286.py (F, G, N, P), online.flippingbook.com/view/962121/282
             (JS9); shafts m6: nutbolt.org/Standards/Pin-Dowel.html, table 3 (up to 50), docs.steelcam.org/sumitomo/
             tehnicheskaya-informaciya-page28 (up to 80)
 ISO 2768-1  linear sizes: scribd.com/document/585640440, "According to DIN ISO 2768-1"
@@ -22,11 +22,12 @@ _IT = {
     11: (60, 75, 90, 110, 130, 160, 190, 220, 250),
 }
 # What is nearest to the nominal size, in thousandths: the lower deviation of F, G and H, the upper one of N
-# and P from IT9 on and of a shaft h; the lower one of a shaft m.
+# and P from IT9 on and of a shaft g or h; the lower one of a shaft m.
 _NEAREST = {
     "F": (6, 10, 13, 16, 20, 25, 30, 36, 43),
     "G": (2, 4, 5, 6, 7, 9, 10, 12, 14),
     "H": (0,) * 9,
+    "g": (-2, -4, -5, -6, -7, -9, -10, -12, -14),
     "h": (0,) * 9,
     "m": (2, 4, 6, 7, 8, 9, 11),
     "N": (-4, 0, 0, 0, 0, 0, 0, 0, 0),
@@ -45,7 +46,7 @@ _FINEST = 3  # decimals
 
 
 def deviations(size: float, fit: str) -> tuple[float, float] | None:
-    """Lower and upper deviation of a hole of a fit such as "H7", or of a shaft "h7" or "m6", mm; None beyond 180 mm, of m beyond 80 mm."""
+    """Lower and upper deviation of a hole of a fit such as "H7", or of a shaft "g6", "h7" or "m6", mm; None beyond 180 mm, of m beyond 80 mm."""
     letter = fit.rstrip("0123456789")
     grade = _IT[int(fit.removeprefix(letter))]
     k = bisect.bisect_left(_STEPS, size)
@@ -57,7 +58,7 @@ def deviations(size: float, fit: str) -> tuple[float, float] | None:
     if k >= len(_NEAREST[letter]):
         return None
     nearest = _NEAREST[letter][k] / 1000
-    return (nearest - width, nearest) if letter in "NPh" else (nearest, nearest + width)
+    return (nearest - width, nearest) if letter in "NPgh" else (nearest, nearest + width)
 
 
 def signed(value: float) -> str:

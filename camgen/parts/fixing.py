@@ -7,10 +7,32 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from camgen.machine.features import PinEyes
-from camgen.parts.part import Part
+from camgen.parts.part import Part, SizeNote
 from camgen.parts.standing import Round, Slot
 
 Fit = Literal["glue", "press", "free"]
+Joint = Literal["glued", "keyed and glued", "pressed and glued", "pressed", ""]
+JOINTS: tuple[Joint, ...] = ("glued", "keyed and glued", "pressed and glued", "pressed")
+
+# Fits of what is fixed in holes H7 of metal. Pins m6, as dowels are sold [ISO 8734, ISO 2338]. A pin through a ball bearing stands
+# still while the load turns about its outer ring: g6, where the inner ring is to go on by hand [hchbearing.com, required running
+# accuracy and fit, Manuquality.aspx?cid=46&Seccid=229].
+PIN = "m6"
+JOURNAL = "g6"
+ROD = "h9"  # as it is sold
+_BY_HAND = (JOURNAL, ROD)  # never tighter than H7
+
+
+def joint_of(fit: str, key: bool = False) -> Joint:
+    """How what has a fit is fixed in a hole of its size: of what goes in by hand the glue alone holds it, or a key as well."""
+    if fit not in _BY_HAND:
+        return "pressed and glued"
+    return "keyed and glued" if key else "glued"
+
+
+def is_rod(part: Part) -> bool:
+    """Whether a part is cut of rod, which is sold as h9."""
+    return any(isinstance(note, SizeNote) for note in part.notes)
 
 
 @dataclass(frozen=True)
@@ -24,6 +46,7 @@ class Fixing:
     # holes, by part and letter, that are opened until what is glued in them goes in by hand
     by_hand: frozenset[tuple[str, str]] = frozenset()
     metal: bool = False  # whether parts are of metal: a feeler gauge sets their gaps, and no end that is flush does
+    journals: frozenset[str] = frozenset()  # names of pins through ball bearings
 
     def how(self, hole: Round | Slot, holder: Part, outline: Round, held: Part) -> Fit:
         """How an outline is fixed in a hole: "free" where it goes through with play, or both are bought to go together."""
@@ -33,6 +56,18 @@ class Fixing:
             return "free"  # a bearing's ring turns with its pin, and holds it by nothing
         return "press" if held.name in self.rings else "glue"
 
+    def joint(self, hole: Round | Slot, holder: Part, outline: Round, held: Part) -> Joint:
+        """The same in words; "" of what is free."""
+        how = self.how(hole, holder, outline, held)
+        if how != "glue":
+            return "pressed" if how == "press" else ""
+        if self.metal:
+            by_hand = is_rod(held) or held.name in self.journals or holder.role == "cap"
+        else:
+            by_hand = isinstance(hole, Round) and (holder.name, hole.name) in self.by_hand
+        seats = {hole.flat, outline.flat} if isinstance(hole, Round) else {""}
+        return joint_of(ROD if by_hand else PIN, self.metal and seats == {"key"})
+
 
 def with_joints(fixing: Fixing, pairs: Sequence[object]) -> Fixing:
     """The fixing that knows the ball bearings of joints, and what is on the shaft of a motor, which no part is."""
@@ -40,4 +75,6 @@ def with_joints(fixing: Fixing, pairs: Sequence[object]) -> Fixing:
     driving = (each for each in eyes if each.pin is not None and each.pin.part is None)
     driven = {eye.part for each in driving for eye in (each.a, each.b) if eye.part is not None}
     rings = frozenset(ring.part for each in eyes for ring in each.rings)
-    return replace(fixing, rings=fixing.rings | rings, driven=frozenset(driven))
+    pins = {each.pin.part for each in eyes if each.rings and each.pin is not None}
+    journals = frozenset(name for name in pins if name is not None)
+    return replace(fixing, rings=fixing.rings | rings, driven=frozenset(driven), journals=journals)

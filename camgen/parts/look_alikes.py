@@ -121,7 +121,7 @@ def with_sorting(
 ) -> Table:
     """The order of assembly, begun with the parts that look alike; as it is where none do."""
     tight: dict[str, set[str]] = {}
-    for holes in tight_holes(copies, copies, fixing).values():
+    for holes in tight_holes(copies, fixing).values():
         for name, (_, letters) in holes.items():
             tight.setdefault(name, set()).update(letters)
     made = (part for part in parts if part.process == "printed" and not part.role)

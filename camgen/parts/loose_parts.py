@@ -16,7 +16,6 @@ from camgen.parts.standing import Round, StandingCopy, seat_of
 from camgen.parts.step_places import RESTS, gap_under, height_by
 from camgen.parts.step_words import (
     WHAT,
-    WORDS,
     Place,
     between,
     called,
@@ -50,7 +49,7 @@ class Stop:
         if self.gap > SAME_POINT:
             near, gauge = f"{self.gap:.2g} mm under", between(self.gap, self.metal)
         tools = gauge_tools(self.gap) if gauge else ()
-        where = f"{WORDS['glue']} on {shaft}, {near} {self.name}"
+        where = f"glued on {shaft}, {near} {self.name}"
         push = Doing(
             f"push {WHAT} up: glue it ", f"on {shaft}", f", {near} {self.name}{gauge}", tools
         )

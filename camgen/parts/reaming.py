@@ -6,10 +6,10 @@ from __future__ import annotations
 import cmath
 import math
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from camgen.parts.fixing import Fixing
+from camgen.parts.fixing import JOINTS, Fixing, Joint
 from camgen.parts.part import Part, SizeNote
 from camgen.parts.standing import Round, StandingCopy
 from camgen.parts.step_words import listed
@@ -33,10 +33,13 @@ def with_reaming(
     """The order of assembly, begun with the holes that are to be reamed and those that stay tight; as it is where there are none.
     metal: whether the parts are of it: their sheets have the fits, and their glue is one for metal."""
     opened = _holes(copies, fixing, _reamed)
-    fixed = tight_holes(copies, copies, fixing)
+    fixed = tight_holes(copies, fixing)
     by_hand = {hole for step in table.steps for hole in step.hand_fits}
-    fitted = _of(fixed, lambda hole: hole in by_hand)
-    tight = _of(fixed, lambda hole: hole not in by_hand)
+    if metal:
+        by_hand = _letters(_joined(copies, fixing, "glued"))
+    keyed = _joined(copies, fixing, "keyed and glued")
+    fitted = _of(fixed, by_hand)
+    tight = _of(fixed, _letters(fixed) - _letters(keyed) - by_hand)
     if not opened and not fixed:
         return table
     said = []
@@ -47,6 +50,7 @@ def with_reaming(
         holes = {1: "the hole", 2: "both holes"}.get(count, f"all {count} holes")
         said = [words.opened.format(holes) + _ticks(lines)]
     said += [words.by_hand + _ticks(_lines(fitted, words.tool))] if fitted else []
+    said += [_KEYED + _ticks(_lines(keyed, words.tool))] if keyed else []
     said += [words.tight + _ticks(_lines(tight, words.tool))] if tight else []
     if fixed:
         with_glue = f"Glue with {glue(metal)}, a trace only"
@@ -112,17 +116,33 @@ def glue(metal: bool) -> str:
     return "superglue gel or two-part glue"
 
 
-def _of(
-    holes: Mapping[float, _Holes], chosen: Callable[[tuple[str, str]], bool]
-) -> dict[float, _Holes]:
+def _letters(holes: Mapping[float, _Holes]) -> set[tuple[str, str]]:
+    """Holes by part and letter."""
+    every = (each for parts in holes.values() for each in parts.items())
+    return {(name, letter) for name, (_, letters) in every for letter in letters}
+
+
+def _of(holes: Mapping[float, _Holes], chosen: Collection[tuple[str, str]]) -> dict[float, _Holes]:
     """Those of the holes that are chosen, by part and letter."""
     found = dict[float, _Holes]()
     for size, parts in holes.items():
         for name, (part, letters) in parts.items():
-            own = [letter for letter in letters if chosen((name, letter))]
+            own = [letter for letter in letters if (name, letter) in chosen]
             if own:
                 found.setdefault(size, {})[name] = part, own
     return found
+
+
+def _joined(copies: Sequence[StandingCopy], fixing: Fixing, *joints: Joint) -> dict[float, _Holes]:
+    """Holes of printed parts with one of these joints, by the diameter of what is fixed there, mm."""
+
+    def size_of(
+        hole: Round, holder: StandingCopy, copies: Sequence[StandingCopy], fixing: Fixing
+    ) -> float:
+        others = (each for each in copies if each is not holder)
+        return round(_widest(hole, holder, others, fixing, joints), 3)
+
+    return _holes(copies, fixing, size_of)
 
 
 def opener(size: float) -> str:
@@ -177,11 +197,14 @@ _IN_PLASTIC = _Words(
 _IN_METAL = _Words(
     "ream {} in which something turns to the size and the limits on the sheet of its part. What goes in drops through by its own "
     "weight",
-    "Ream these to the fits on their sheets. Part and shaft slide together by hand, and the compound holds them. Where they have "
-    "keyways, tap the key into the shaft first, then press the part over it: the key is tight in both",
+    "Ream these to the fits on their sheets. What they hold goes in by hand; the compound holds it",
     "Ream these to the fits on their sheets, and press in what they hold in its step",
     _bare,
     _bare,
+)
+_KEYED = (
+    "Ream these and broach their keyways to the fits on their sheets. They go on the shaft by hand, but not over a key: press the "
+    "key into the shaft first, then the part over it. The compound keeps it from sliding along"
 )
 
 
@@ -235,23 +258,20 @@ def _named(parts: _Holes) -> Iterator[str]:
 _Size = Callable[[Round, StandingCopy, Sequence[StandingCopy], Fixing], float]
 
 
-def tight_holes(
-    holders: Sequence[StandingCopy], copies: Sequence[StandingCopy], fixing: Fixing
-) -> dict[float, _Holes]:
+def tight_holes(copies: Sequence[StandingCopy], fixing: Fixing) -> dict[float, _Holes]:
     """Holes of printed parts in which something is fixed, by the diameter of that, mm."""
-    return _holes(copies, fixing, _fixed_in, holders)
+    return _joined(copies, fixing, *JOINTS)
 
 
 def _holes(
     copies: Sequence[StandingCopy],
     fixing: Fixing,
     size_of: _Size,
-    holders: Sequence[StandingCopy] | None = None,
 ) -> dict[float, _Holes]:
     """Holes of printed parts by a size, mm, that is 0 of those that do not count."""
     found = defaultdict[float, _Holes](dict)
     seen = set[tuple[object, ...]]()
-    for holder in copies if holders is None else holders:
+    for holder in copies:
         if holder.part.process != "printed":
             continue
         for hole in holder.holes:
@@ -276,16 +296,8 @@ def _reamed(
 ) -> float:
     """The size to which a hole is opened, mm, for what turns in it; 0 where nothing does."""
     others = (each for each in copies if each.mount.body != holder.mount.body)
-    widest = _widest(hole, holder, others, fixing, free=True)
+    widest = _widest(hole, holder, others, fixing, ("",))
     return running_size(round(widest, 3), hole.diameter - widest) if widest else 0.0
-
-
-def _fixed_in(
-    hole: Round, holder: StandingCopy, copies: Sequence[StandingCopy], fixing: Fixing
-) -> float:
-    """The diameter of what is fixed in a hole, mm; 0 where nothing is."""
-    others = (each for each in copies if each is not holder)
-    return round(_widest(hole, holder, others, fixing, free=False), 3)
 
 
 def _widest(
@@ -293,17 +305,16 @@ def _widest(
     holder: StandingCopy,
     others: Iterable[StandingCopy],
     fixing: Fixing,
-    free: bool,
+    joints: Sequence[Joint],
 ) -> float:
-    """The diameter of what goes through a hole, mm, of what is free there or of what is fixed; 0 of nothing."""
+    """The diameter of what goes through a hole with one of these joints, mm, "" what is free there; 0 of nothing."""
     return max(
         (
             outline.diameter
             for held in others
             if held.pose.standing == holder.pose.standing
             for outline in held.outlines
-            if hole.holds(outline)
-            and (fixing.how(hole, holder.part, outline, held.part) == "free") == free
+            if hole.holds(outline) and fixing.joint(hole, holder.part, outline, held.part) in joints
         ),
         default=0.0,
     )

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from camgen.parts.fixing import Fit, Fixing
+from camgen.parts.fixing import Fixing, Joint
 from camgen.parts.mates import mates_between
 from camgen.parts.standing import Round, StandingCopy
 from camgen.parts.step_words import (
@@ -16,7 +16,6 @@ from camgen.parts.step_words import (
     IT,
     TURNED,
     WHAT,
-    WORDS,
     Place,
     between,
     called,
@@ -67,8 +66,7 @@ class _Meeting:
 
     letter: str  # of the hole; "" where it has none
     place: str  # "on pin-1", "over crank"
-    fit: Fit = "free"
-    by_hand: bool = False  # whether the hole is opened until the shaft goes in by hand
+    joint: Joint = ""
     high: str = ""  # how high on the shaft it is fixed
     set_by: str = ""  # how that is set, by sheets of paper
     lies: str = ""  # on what it lies
@@ -81,8 +79,7 @@ class _Meeting:
     @property
     def where(self) -> str:
         """For the table."""
-        how = WORDS[self.fit]
-        return " ".join(filter(None, (self.letter, how, self.place))) + self.high
+        return " ".join(filter(None, (self.letter, self.joint, self.place))) + self.high
 
 
 def _hole_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> Place:
@@ -108,30 +105,27 @@ def _meeting(
     )
     letter = hole.name if shaft is None or hole.name != shaft.part.name else ""
     if shaft is not None and outline is not None:
-        fit = fixing.how(hole, copy.part, outline, shaft.part)
+        joint = fixing.joint(hole, copy.part, outline, shaft.part)
         long = shaft.slender or shaft.part.role == "shaft"
         gap, name = gap_under(hole, below)
-        told = WORDS[fit] and (long or gap > SAME_POINT)
+        told = joint and (long or gap > SAME_POINT)
         high = f", {_height(hole, shaft, below, fixing.metal)}" if told else ""
         set_by = between(gap, fixing.metal) if " mm over " in high else ""
         lying = [on for each in copy.holes if (on := _lies_on(each, below))]
         if set_by and lying:
             high, set_by = f", down on {lying[0]}: {name} must keep some play", ""
-        elif told and fit == "glue" and shaft.part.process == "bought" and not fixing.metal:
+        elif told and "glued" in joint and shaft.part.process == "bought" and not fixing.metal:
             high = _past_the_end(copy, shaft, gap, below, fixing) or high
-        flat = f", {TURNED[outline.flat]}" if WORDS[fit] and hole.flat and outline.flat else ""
+        flat = f", {TURNED[outline.flat]}" if joint and hole.flat and outline.flat else ""
         lies = f", down on {name}" if name and gap <= SAME_POINT else ""
         at = "" if hole.name or shaft.part.count == 1 else _joint(hole, shaft, below)
-        hangs = shaft.part.name if WORDS[fit] and _hangs(shaft, below, fixing) else ""
+        hangs = shaft.part.name if joint and _hangs(shaft, below, fixing) else ""
         on = f"on {shaft.part.name}{at}"
         room = _room(shaft, below) if hangs else ""
-        by_hand = (copy.part.name, hole.name) in fixing.by_hand
         tools = gauge_tools(gap) if set_by or ", with " in high else ()
         if " under it)" in high:
             tools = gauge_tools(hole.low - min(each.low for each in shaft.outlines))
-        return _Meeting(
-            letter, on, fit, by_hand, high, set_by, lies, True, flat, hangs, room, tools
-        )
+        return _Meeting(letter, on, joint, high, set_by, lies, True, flat, hangs, room, tools)
     under = [
         (each.high, other.part.name, each.name)
         for other in below
@@ -162,10 +156,10 @@ def _meeting(
 def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iterator[Doing]:
     """What is done with a copy, its holes met one by one: what only goes on first, then what is glued."""
     shafts = [each for each in meetings if each.shaft]
-    free = [each for each in meetings if each.letter and each.fit == "free"]
-    bare = [each for each in meetings if not each.letter and each.fit == "free"]
+    free = [each for each in meetings if each.letter and not each.joint]
+    bare = [each for each in meetings if not each.letter and not each.joint]
     whole = WHAT  # what is glued, by its own name until it has been named
-    tight = [each for each in shafts if each.fit != "free"]
+    tight = [each for each in shafts if each.joint]
     if len(tight) > 1 and tight == shafts and not any(each.letter for each in tight):
         counts = Counter(each.place.removeprefix("on ") for each in tight)
         pins = listed(f"{n} × {name}" if n > 1 else name for name, n in counts.items())
@@ -175,7 +169,7 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
         flat = max(each.flat for each in tight)
         high = "" if told.high == lies else told.high.replace(" its ", f" {of} ") + told.set_by
         yield Doing(
-            verb(tight[0].fit, tight[0].by_hand),
+            verb(tight[0].joint),
             f"{WHAT} on {pins}",
             f", all at once{lies}{flat}{high}",
             told.tools,
@@ -201,13 +195,13 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
             bare_hole = not each.shaft and " of " not in each.place
             place = each.place.replace("over ", "on ", 1) if bare_hole else each.place
             yield Doing("put ", f"{WHAT} {place}", ", hole over hole" if bare_hole else "")
-    fixed = [each for each in meetings if each.fit != "free"]
+    fixed = [each for each in meetings if each.joint]
     highs = [each.high for each in fixed]
     for each in sorted(fixed, key=lambda each: highs.index(each.high)):
         thing = each.letter if whole == "it" else f"{each.letter} of {WHAT}"
         thing = thing if each.letter else whole
         yield Doing(
-            verb(each.fit, each.by_hand),
+            verb(each.joint),
             f"{thing} {each.place}",
             f"{each.flat}{_of_shaft(each)}{each.set_by}",
             each.tools,
@@ -383,10 +377,9 @@ def _pin_words(
     ]
     letter = next((hole.name for hole, _, _ in round_holes if hole.name), "")
     point = f"{HOLE} of " if letter else ""
-    words: dict[tuple[Fit, bool], list[str]] = {}
+    words: dict[Joint, list[str]] = {}
     for hole, other, outline in round_holes:
-        by_hand = (other.part.name, hole.name) in fixing.by_hand
-        names = words.setdefault((fixing.how(hole, other.part, outline, copy.part), by_hand), [])
+        names = words.setdefault(fixing.joint(hole, other.part, outline, copy.part), [])
         names += [other.part.name] if other.part.name not in names else []
     ways: list[str] = []
     beginning = ""  # of the first of them
@@ -394,17 +387,17 @@ def _pin_words(
     first = ""  # of the sentence, after what it is done with
     more = ""  # of the sentence, after that
     above = " from above" if copy.mount.flipped else ""
-    for (how, by_hand), names in sorted(words.items(), key=lambda each: each[0][0] != "free"):
-        fit = f"{WORDS[how]} " if WORDS[how] else ""
+    for joint, names in sorted(words.items(), key=lambda each: each[0] != ""):
+        fit = f"{joint} " if joint else ""
         into = "into " if fit else "through "
         through = listed(names)
         if not ways:
-            begins = verb(how, by_hand) if fit else "push "
+            begins = verb(joint) if fit else "push "
             beginning = fit
             first, more = f"{above} {into}{point or through}", f"{through if point else ''}"
             ways.append(f"{into}{point}{through}")
         else:
-            more += f"; {verb(how, by_hand)}{IT} {into}{through}"
+            more += f"; {verb(joint)}{IT} {into}{through}"
             ways.append(f"{fit}{into}{through}")
     slots = dict.fromkeys(
         other.part.name

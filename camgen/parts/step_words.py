@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from camgen.parts.fixing import Fit
+from camgen.parts.fixing import Joint
 from camgen.parts.part import Part
 from camgen.parts.standing import StandingCopy
 from camgen.study import Doing
@@ -15,16 +15,21 @@ from camgen.tolerances import SAME_POINT
 HOLE = "{hole}"  # in words, for a hole's letter
 WHAT = "{what}"  # in what is done, for what it is done with
 IT = "{it}"  # the same where it is named again
-WORDS = {"glue": "pressed and glued", "press": "pressed", "free": ""}
 TURNED = {"flat": "flat on flat", "key": "its key in both keyways"}
-_VERBS = {"glue": "press and glue ", "press": "press ", "free": "put "}
+_VERBS: dict[Joint, str] = {
+    "glued": "glue ",
+    "keyed and glued": "press and glue ",  # the key is tight
+    "pressed and glued": "press and glue ",
+    "pressed": "press ",
+    "": "put ",
+}
 # What a machine has many of is called by its name alone, as it lies in the folder.
 _BY_NAME = ("pin", "crank-pin", "spacer", "cap", "nut", "cover", "keeper", "thread-post")
 
 
-def verb(how: Fit, by_hand: bool = False) -> str:
-    """How a sentence begins that fixes a part; by_hand: whether its hole is opened until the other part goes in by hand."""
-    return "glue " if by_hand and how == "glue" else _VERBS[how]
+def verb(joint: Joint) -> str:
+    """How a sentence begins that fixes a part."""
+    return _VERBS[joint]
 
 
 @dataclass(frozen=True)

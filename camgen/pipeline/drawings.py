@@ -30,9 +30,10 @@ from camgen.motion.program import Program
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, cut_of_sheet
 from camgen.parts.catalogue import BUSH, CORE_HOLES, CUT, TURNED
+from camgen.parts.fixing import JOURNAL, PIN, ROD, is_rod, joint_of
 from camgen.parts.keyways import keyed
 from camgen.parts.materials import STEEL, Material
-from camgen.parts.part import Layer, Part, SizeNote
+from camgen.parts.part import Layer, Part
 from camgen.parts.standing import Round, standing
 from camgen.pipeline.thicknesses import thickness_allowances
 from camgen.tolerances import SAME_POINT
@@ -56,11 +57,7 @@ _OF_ROD = replace(_IN_METAL, profile=0.0, roughness=0.0, symmetry=0.0, run_out=0
 _ROD_STEEL = "C45+C"  # bright drawn: camgen's own choice
 _ROD_STRENGTH = f"tensile strength at least {2 * STEEL.bears:g} MPa"  # on which loads count
 _MEDIUM = "ISO 2768-m"  # general tolerance of what is printed or cut of a sheet, unless its spec says other
-_PIN = "m6"  # of pins that are pressed in a hole H7, as dowels are sold [ISO 8734, ISO 2338]
-# A ball bearing up to 18 mm under a load whose direction turns: its shaft js5 to js6 [hchbearing.com, required running accuracy and
-# fit, Manuquality.aspx?cid=46&Seccid=229], its housing J7 under light load [auto-agro.sk/katalog/klietky, NTN, 6.4]; js and JS
-# are within a few thousandths of j and J.
-_JOURNAL = "js6"
+# The housing of a ball bearing is J7 under light load [auto-agro.sk/katalog/klietky, NTN, 6.4]; JS is within a few thousandths of J.
 _SEAT = "JS7"
 _CAP = "F7"  # of a cap that goes on a pin m6 by hand and is glued there
 # Fits of keyways for keys h9 by their width: of DIN 6885 the light and the tight one [berger-tools.co.uk, page 2078].
@@ -69,7 +66,6 @@ _TIGHT_KEY = "P9"
 # By how much the crowned ring of a cam follower may be thinner, mm [nodeshk.com/ina/art/track-roller-clearance].
 _CROWNED = 0.05
 _BETWEEN_RINGS = "h11"  # length of a drum: shims fill what is free, as far as it may slide
-_ROD = "h9"  # fit of rod as it is sold, and of rollers
 # Chamfer of a bore by the diameter up to which it is usual, mm: camgen's own rule.
 _CHAMFERS = ((10.0, 0.5), (40.0, 1.0), (math.inf, 1.5))
 _STEPS = (
@@ -97,8 +93,8 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     material = materials.of(mechanism.material.name)
     cut = printed and material.metal
     metal = steel or cut
-    rod = round_of(part.region.outer) if steel and material.metal and _of_rod(part) else None
-    of_metal = metal or _of_rod(part) or (material.metal and part.process == "bought")
+    rod = round_of(part.region.outer) if steel and material.metal and is_rod(part) else None
+    of_metal = metal or is_rod(part) or (material.metal and part.process == "bought")
     usual = _IN_METAL if cut else _OF_ROD if rod else _IN_PLASTIC
     names = [each.name for each in mechanism.assembly.parts]
     bore_fit = sheet.bore_fit or ("H7" if metal else "")
@@ -448,7 +444,7 @@ def _outer_fit(mechanism: Mechanism, part: Part) -> str:
         return ""
     if part.name in _pins(mechanism):
         return _pins(mechanism)[part.name][1]
-    return _ROD if _of_rod(part) or part.name in _rollers(mechanism) else ""
+    return ROD if is_rod(part) or part.name in _rollers(mechanism) else ""
 
 
 def _pins(mechanism: Mechanism) -> dict[str, tuple[float, str]]:
@@ -483,14 +479,14 @@ def _pressed(assembly: Assembly, clearance: float) -> dict[str, tuple[float, str
     for part in assembly.parts:
         round_layers = all(as_circle(layer.region.outer) for layer in part.layers)
         solid = not any(layer.region.holes for layer in part.layers)
-        if not (round_layers and solid) or _of_rod(part):
+        if not (round_layers and solid) or is_rod(part):
             continue
         size = min(shaft.diameter for shaft in outlines[part.name])
         shanks = [each for each in outlines[part.name] if abs(each.diameter - size) < SAME_POINT]
 
         if _tight(others, part, shanks, clearance):
             borne = _tight(rings, part, shanks, clearance)
-            found[part.name] = size, _JOURNAL if borne else _PIN
+            found[part.name] = size, JOURNAL if borne else PIN
     return found
 
 
@@ -504,11 +500,6 @@ def _tight(
         for shank in shanks
         if name != part.name
     )
-
-
-def _of_rod(part: Part) -> bool:
-    """Whether a part is cut of rod, which is sold as h9."""
-    return any(isinstance(note, SizeNote) for note in part.notes)
 
 
 def _rollers(mechanism: Mechanism) -> Iterator[str | None]:
@@ -535,16 +526,18 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
     rods = [
         shaft
         for other in mechanism.assembly.parts
-        if _of_rod(other)
+        if is_rod(other)
         for shaft in outlines[other.name]
     ]
     pins = [(shaft, fit) for name, (_, fit) in _pins(mechanism).items() for shaft in outlines[name]]
     rings = [shaft for ring in _rings(mechanism.assembly) for shaft in outlines[ring.name]]
     holes = set[tuple[complex, float]]()
     for layer in part.layers:
-        for place, radius in filter(None, map(round_of, layer.region.holes)):
-            if (place, radius) in holes:
+        for contour in layer.region.holes:
+            around = round_of(contour)
+            if around is None or around in holes:
                 continue
+            place, radius = around
             if seat and dowel and abs(2 * radius - dowel) < SAME_POINT and abs(place) > SAME_POINT:
                 holes.add((place, radius))
                 yield Fit(place, dowel, f"{in_limits(seat, dowel)}, dowel m6")
@@ -564,12 +557,14 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
                     holes.add((place, radius))
                     words = f"{word} on Ø{number(sizes[0])}"
                     if word == "press" and seat and not clearance:
-                        words = _held(bores, rods, pins, words, sizes[0])
+                        words = _held(
+                            bores, (rods, pins), words, sizes[0], keyed(contour) is not None
+                        )
                         borne = any(bore.holds(ring) for bore in bores for ring in rings)
                         own = _SEAT if borne and play and not mechanism.drawing.seat_fit else seat
                         if part.role == "cap" and play and not mechanism.drawing.seat_fit:
                             own = _CAP
-                            words = words.replace("press on", "glued on")
+                            words = words.replace(joint_of(PIN), joint_of(ROD))
                         words = f"{in_limits(own, 2 * radius)}, {words}"
                     elif word == "slide" and play:
                         words = f"{play}, {words}"
@@ -579,18 +574,16 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
 
 def _held(
     bores: Sequence[Round],
-    rods: Sequence[Round],
-    pins: Sequence[tuple[Round, str]],
+    held: tuple[Sequence[Round], Sequence[tuple[Round, str]]],
     words: str,
     size: float,
+    key: bool,
 ) -> str:
-    """Words of a hole in which something of so much is pressed, mm: a rod and what has no excess are glued, a pin has a fit."""
-    if any(bore.holds(rod) for bore in bores for rod in rods):
-        return f"glued on Ø{number(size)} {_ROD}"
-    fits = [fit for pin, fit in pins if any(bore.holds(pin) for bore in bores)]
-    if not fits:
-        return words
-    return f"glued on Ø{number(size)} {fits[0]}" if fits[0] == _JOURNAL else f"{words} {fits[0]}"
+    """Words of a hole in which something of so much is fixed, mm; held: rods, and pins with their fits; key: whether it has a keyway."""
+    rods, pins = held
+    fits = [ROD for rod in rods if any(bore.holds(rod) for bore in bores)]
+    fits += [fit for pin, fit in pins if any(bore.holds(pin) for bore in bores)]
+    return f"{joint_of(fits[0], key)} on Ø{number(size)} {fits[0]}" if fits else words
 
 
 @lru_cache(maxsize=1)  # an assembly is the same object for all of its parts

@@ -89,7 +89,7 @@ def tools(mechanism: Mechanism) -> list[Bought]:
     found = dict[str, str]()
     for size, count in opened_holes(copies, fixing).items():
         found[opener(size)] = f"{size:g} mm, for {count} hole{'' if count == 1 else 's'}"
-    for size in sorted(tight_holes(copies, copies, fixing)):
+    for size in sorted(tight_holes(copies, fixing)):
         found.setdefault(opener(size), f"{size:g} mm, for holes that turn out too tight")
     needs = {
         need for step in _work(mechanism).steps for doing in step.doings for need in doing.needs

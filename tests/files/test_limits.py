@@ -21,6 +21,13 @@ def test_holes_begin_at_their_size(fit: str) -> None:
         assert deviations(float(size), fit) == pytest.approx((0.0, upper / 1000))
 
 
+def test_shafts_that_go_in_by_hand() -> None:
+    """g6 in thousandths [insbearing.com/product9.htm, shaft tolerances]."""
+    published = {6.0: (-12, -4), 10.0: (-14, -5), 14.0: (-17, -6), 24.0: (-20, -7), 40.0: (-25, -9)}
+    for size, limits in published.items():
+        assert deviations(size, "g6") == pytest.approx(tuple(each / 1000 for each in limits))
+
+
 def test_keyways_light_and_tight() -> None:
     for size, half in FACTS["JS9"].items():
         assert deviations(float(size), "JS9") == pytest.approx((-half / 1000, half / 1000))

@@ -62,9 +62,9 @@ def test_each_link_is_said_to_go_over_those_that_it_is_jointed_to(leg: Mechanism
     )
     assert said["lower_rod"] == "A over upper_rod, E over hanger"
     assert (
-        said["hanger"] == "C pressed and glued on pin-1, flush with its upper end, E over foot"
+        said["hanger"] == "C glued on pin-1, flush with its upper end, E over foot"
     )  # its head is under the plate
-    fixed = "through {} of {}, pressed and glued into {}"  # of a pin the lowest link
+    fixed = "through {} of {}, glued into {}"  # of a pin the lowest link
     fixed += ", flush below, 0.05 mm left under its head (a strip of a plastic bag between, then pull it out)"
     assert leg.print.slide_clearance == 0.05
     rows = [("B", "upper_rod", "shoulder"), ("D", "link", "shoulder"), ("F", "link", "foot")]
@@ -98,7 +98,7 @@ def test_how_high_a_shaft_holds_each(leg: Mechanism) -> None:
     crank = max(int(str(row[0])) for row in table.rows if row[1] == "crank")
     assert collar == [
         (2, "loose on shaft"),
-        (crank + 1, f"pressed and glued on shaft, {gap:.2g} mm under ground"),
+        (crank + 1, f"glued on shaft, {gap:.2g} mm under ground"),
     ]
     first, last = (step for step in table.steps if "collar-1" in step.copies)
     assert {mate.how for mate in first.mates} == {"free"} and first.way == -1
@@ -106,7 +106,7 @@ def test_how_high_a_shaft_holds_each(leg: Mechanism) -> None:
     assert said["ground"].startswith("O on shaft, C on pin-1"), "what is loose has no height"
     shaft, crank = leg.assembly.by_name["shaft"], leg.assembly.by_name["crank"]
     assert z["shaft"] + shaft.thickness == pytest.approx(z["crank"] + crank.thickness)
-    assert said["crank"] == "O pressed and glued on shaft, flush with its upper end"
+    assert said["crank"] == "O glued on shaft, flush with its upper end"
 
 
 def test_of_pins_that_are_alike_a_step_says_the_joint_and_the_link() -> None:
@@ -449,7 +449,7 @@ def unfixed(machine: Mechanism) -> list[str]:
         laid = coming - (named[count - 1] & again)  # what comes again is loose until then
         said = {
             part
-            for clause in re.findall(r"press[a-z ]* (?:on|into) ([^,;]*)", where)
+            for clause in re.findall(r"(?:press|glued|keyed)[a-z ]* (?:on|into) ([^,;]*)", where)
             for part in re.findall(r"[\w-]+", clause.partition(" at ")[0])
             if part in made
         }
@@ -703,7 +703,7 @@ def test_a_pin_that_hangs_is_fixed_when_its_plate_comes() -> None:
         rows[pin][0] < rows["rocker"][0] < rows["second-plate"][0]
         and "C on " + pin in rows["rocker"][2]
     )
-    assert f"C pressed and glued on {pin}" in rows["second-plate"][2]
+    assert f"C glued on {pin}" in rows["second-plate"][2]
     notes = " ".join(load(BAR).study().notes)
     assert "Its pin C stands head down, under what turns on it" in notes
 

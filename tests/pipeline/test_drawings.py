@@ -26,6 +26,7 @@ from camgen.geometry.outlines import polygon
 from camgen.machines.loads.assess import assess
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
+from camgen.parts.assembly import by_heights
 from camgen.parts.keyways import keyed
 from camgen.pipeline.drawings import facts_of
 from camgen.pipeline.making import parts_table
@@ -114,11 +115,12 @@ def test_metal_has_the_tolerance_of_a_shop_unless_another_is_asked_for(
 
 
 def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
-    """A rod h9 (10: 0/-0.036, 11: 0/-0.043, ISO 286) is loose in any H7 and so is glued; a dowel m6 is pressed in."""
+    """A rod h9 (10: 0/-0.036, 11: 0/-0.043, ISO 286) is loose in any H7 and so is glued; a dowel m6 is pressed in. Table, notes and
+    steps say so in the same words."""
     metal = starters.METAL["geneva-table"]
     mechanism, found = facts("gallery/geneva-table", *metal)
-    glued, turns = "H7 (+0.015/0), glued on Ø10 h9", "+0.05/0, slide on"
-    assert fits(found["crank"]) == {0: glued, 35: "H7 (+0.012/0), press on Ø5 m6"}
+    glued, turns = "H7 (+0.015/0), keyed and glued on Ø10 h9", "+0.05/0, slide on"
+    assert fits(found["crank"]) == {0: glued, 35: "H7 (+0.012/0), pressed and glued on Ø5 m6"}
     screws = dict.fromkeys((83.25, -50.25), "core hole, M3 through")
     seat = "H7 (+0.018/0), press on Ø16"  # of a bush [mecmove.se]
     assert fits(found["ground"]) == {0: seat, 70: seat, **screws}
@@ -157,12 +159,18 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     texts = {each.dxf.text for each in ezdxf.readfile(path).modelspace().query("TEXT")}
     assert {"%%c8, z 0 to 1.5", "%%c5 m6 (+0.012/+0.004)"} <= texts
     assert [each for each in texts if each.startswith("%%c5 m6, z 1.5 to ")]
-    assert fits(found["hand-crank"])[40] == "H7 (+0.012/0), press on Ø5 m6"
+    assert fits(found["hand-crank"])[40] == "H7 (+0.012/0), pressed and glued on Ø5 m6"
     path, *_ = write_drawing(tmp_path, "x", parts["pin-1"], 1e-3, found["pin-1"])
     texts = [each.dxf.text for each in ezdxf.readfile(path).modelspace().query("TEXT")]
     assert "Bought, not made: drawn to tell it by" in texts
-    assert "hole P for a pin pressed in tight" in parts["crank"].notes
-    assert "hole O glued on the shaft" in parts["crank"].notes
+    assert "hole P for a pin pressed and glued in" in parts["crank"].notes
+    assert "pressed and glued in" in parts["knob-pin"].notes
+    assert "hole O keyed and glued on the shaft" in parts["crank"].notes
+    where = {str(row[1]): str(row[3]) for row in by_heights(mechanism.assembly).rows}
+    assert where["crank"].startswith("O keyed and glued on shaft, ")
+    assert where["pin-1"].startswith("pressed and glued into P of crank")
+    assert where["cap-1"].startswith("glued on pin-1, ")
+    assert where["collar"].startswith("glued on shaft, ")
     _, plain = facts("gallery/geneva-table")
     assert fits(plain["crank"]) == {0: "press on Ø6", 35: "press on Ø5"}
     assert not any(each.outer_fit or each.shank[0] or each.rod_chamfer for each in plain.values())
@@ -235,14 +243,15 @@ def test_keys_turn_all_that_is_fixed_on_shafts() -> None:
 
 
 def test_a_ball_bearing_in_metal_has_the_fits_of_its_makers() -> None:
-    """Up to 18 mm js6 on its pin, which is glued in the other link, and JS7 (8 mm: +-0.0075, half of IT7) in its own; nothing is told
+    """The load turns about its outer ring, and the inner one goes on by hand: g6 on its pin (5: -0.004/-0.012), which is glued in the
+    other link, and JS7 (8 mm: +-0.0075, half of IT7) in its own; nothing is told
     of the bearing's own bore."""
     linkage = (*starters.METAL["linkage"], "parts.pin=bearing")
     mechanism, found = facts("linkage", *linkage)
     (bearing,) = (each for each in mechanism.assembly.parts if each.name.startswith("bearing"))
     assert not found[bearing.name].fits and not found[bearing.name].outer_fit
-    assert {found[name].shank for name in found if name.startswith("pin")} == {(5.0, "js6")}
-    assert fits(found["crank"])[20] == "H7 (+0.012/0), glued on Ø5 js6"
+    assert {found[name].shank for name in found if name.startswith("pin")} == {(5.0, "g6")}
+    assert fits(found["crank"])[20] == "H7 (+0.012/0), glued on Ø5 g6"
     seats = fits(found["coupler"])
     assert seats[0] == seats[60] == "JS7 (±0.0075), press on Ø8"
     own = facts("linkage", *linkage, "drawing.seat_fit=H8")[1]

@@ -81,7 +81,7 @@ def counterbalanced(
             layout.sizes.thickness,
             layout.min_wall,
             layout.fits,
-            f"glued on the shaft of {link}",
+            f"{layout.on_shaft} on the shaft of {link}",
         )
         part, pins, reach = spec.fitted(whole - spec.other, own, seat, density)
         if under:  # no level depends on it

@@ -366,10 +366,14 @@ class Bodies:
         ]
         shafts = [point for point in fixed if point in layout.shafts]
         pins = [point for point in fixed if point not in shafts]
-        notes = [f"{listed('hole', shafts)} glued on the shaft"] if shafts else []
-        if pins:
-            said = "a pin" if len(pins) == 1 else "pins"
-            notes.append(f"{listed('hole', pins)} for {said} pressed in tight")
+        notes = [f"{listed('hole', shafts)} {layout.on_shaft} on the shaft"] if shafts else []
+        by_joint: dict[str, list[str]] = {}
+        for point in pins:
+            said = f"{layout.pin_joint(point)} in" if layout.metal else "pressed in tight"
+            by_joint.setdefault(said, []).append(point)
+        for said, points in by_joint.items():
+            what = "a pin" if len(points) == 1 else "pins"
+            notes.append(f"{listed('hole', points)} for {what} {said}")
         return notes
 
     # ---- pins and shafts --------------------------------------------------------------------------------------------
@@ -493,9 +497,9 @@ class Bodies:
         )
         layer = Layer(Region(self.sizes.shaft_profile), 0.0, below + top)
         title = "Shaft" if alone else f"Shaft of {link.replace('_', ' ')}"
-        said = f"glued into {link}" + (
-            ", turns in the second plate" if stub.hangs else " and the collar"
-        )
+        held = self.layout.on_shaft
+        collar = " and the collar" if held == "glued" else ", glued into the collar"
+        said = f"{held} into {link}" + (", turns in the second plate" if stub.hangs else collar)
         s = self.sizes
         size = (
             f"{self.sizes.shaft_diameter:g}",

@@ -64,7 +64,7 @@ def cam_parts(layout: Layout, tip: Tip) -> Iterator[MountedPart]:
     floor = layout.floor(layout.level[tip.level])
     said = (
         f"drawn at theta = 0, level {layout.level[tip.level]}",
-        f"glued on the shaft of {link}",
+        f"{layout.on_shaft} on the shaft of {link}",
     )
     for part, under, place in _discs(layout, tip):
         part = replace(
@@ -188,7 +188,7 @@ def _wheel_bore(layout: Layout, link: str, start: float) -> tuple[Contour, float
     if layout.shafts.get(point) == link:
         wide = sizes.shaft_diameter + press
         bore = sizes.shaft_bore(press).moved(cmath.exp(1j * start))
-        return bore, wide, f"glued on the shaft of {link}"
+        return bore, wide, f"{layout.on_shaft} on the shaft of {link}"
     wide = layout.hole(point, link)
     fixed = layout.pressed_in(point) == link
     on = "its pin" if link in layout.planet_pins else f"the shaft at {point}"
@@ -291,7 +291,7 @@ def _on_shaft(layout: Layout, link: str, drive: EdgeDrive, edge: Contour) -> Mou
     level = layout.level[drive.level]
     notes = (
         f"drawn at theta = 0, level {level}",
-        f"glued on the shaft of {link}",
+        f"{layout.on_shaft} on the shaft of {link}",
         *drive.table(link),
     )
     thick = layout.wheel_thickness(link)

@@ -13,6 +13,7 @@ from functools import cached_property
 
 from camgen.geometry.outlines import Contour
 from camgen.parts.catalogue import Bearing, bush_in, narrowest
+from camgen.parts.fixing import JOURNAL, PIN, ROD, Joint, joint_of
 from camgen.parts.generator.changes import Change
 from camgen.parts.generator.connections import GROUND, Connections, StretchedSpring
 from camgen.parts.generator.covers import Cover, cover
@@ -82,6 +83,16 @@ class Layout(Connections):
         if self.kind(point) != "bearing":
             return None
         return self.clutch(point) or narrowest(self.turning(point))
+
+    @property
+    def on_shaft(self) -> Joint:
+        """How what a shaft turns is fixed on it."""
+        return joint_of(ROD, self.metal and self.sizes.shaft_key)
+
+    def pin_joint(self, point: str) -> Joint:
+        """How the pin of a point is fixed in its link."""
+        borne = self.metal and self.bearing(point) is not None
+        return joint_of(JOURNAL if borne else PIN)
 
     def bearing_in(self, point: str, link: str) -> Bearing | None:
         """The ball bearing in a link's hole at a point."""

@@ -32,6 +32,7 @@ from camgen.parts.catalogue import (
     dowel_excess,
     next_dowel,
 )
+from camgen.parts.fixing import PIN, joint_of
 from camgen.parts.generator.changes import Change, Unmade
 from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.layout import Layout
@@ -165,7 +166,7 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[MountedPart]:
             yield from _shoulder(layout, grip, point, body, bottom)
         case _:
             wide = s.pin_diameter + 2 * s.head
-            notes = ["pressed and glued in"]
+            notes = [f"{layout.pin_joint(point)} in"]
             bearing = layout.bearing(point)
             if bearing is not None:
                 # its head reaches down to the inner ring, which lies a play below the link's upper side
@@ -434,7 +435,7 @@ def hand_crank(layout: Layout) -> Iterator[MountedPart]:
         (Layer(region, 0.0, s.thickness),),
         centres=(0j, knob),
         min_wall=layout.min_wall,
-        notes=("glued on the lower end of the shaft",),
+        notes=(f"{layout.on_shaft} on the lower end of the shaft",),
     )
     yield arm, Mount(arm.name, link, at, z=z)
     long = KNOB * s.pin_diameter
@@ -467,7 +468,7 @@ def hand_crank(layout: Layout) -> Iterator[MountedPart]:
         wide,
         s.head,
     )
-    pin = replace(pin, notes=("glued in",))
+    pin = replace(pin, notes=(f"{joint_of(PIN)} in",))
     yield pin, Mount("knob-pin", link, at + knob, z=z - 2 * play - long - s.head)
 
 
