@@ -55,7 +55,7 @@ class Stop:
         )
         if not (gauge and self.hidden and self.over):
             return Place(where, (push,))
-        where = f"{WORDS['glue']} on {shaft}, against {self.name}, {self.over} lifted by {self.play:.2g} mm"
+        where = f"glued on {shaft}, against {self.name}, {self.over} lifted by {self.play:.2g} mm"
         gauge = thickness_gauge(self.play)
         thick = f" and lay {gauge} between it and {self.name}"
         doings = (
