@@ -156,6 +156,7 @@ class Doing:
     thing: str = ""  # that is handled, and where it goes: "cap-2 on pin-5"
     rest: str = ""  # such as ", flush with its upper end"
     needs: tuple[str, ...] = ()  # tools and what is used up that it names, as in parts.tools
+    props: tuple[float, ...] = ()  # heights of blocks that prop or bear something, one each, mm
 
 
 Prism = tuple[Sequence[complex], float, float]  # corners, from where to where it reaches, mm

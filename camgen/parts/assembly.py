@@ -820,8 +820,11 @@ def _glued_below(part: Part, assembly: Assembly, there: bool) -> Row:
     copies = [f"{plate.name}-1", *step.copies]
     pressed = list[Doing]()
     if high := _stands_out(assembly, plate, stands):
-        blocks = f", its underside up, on two blocks at least {math.floor(high) + 1} mm high: its pins stick out below"
-        pressed = [replace(lay, rest=blocks), *step.doings]
+        least = math.floor(high) + 1
+        rest = (
+            f", its underside up, on two blocks at least {least} mm high: its pins stick out below"
+        )
+        pressed = [replace(lay, rest=rest, props=(least, least)), *step.doings]
     return cells, replace(step, doings=[lay, *step.doings], copies=copies, pressed=pressed)
 
 

@@ -36,10 +36,10 @@ def block_height(low: float, plate: StandingCopy, blocks: float) -> str:
     """How high a block is that reaches from the bench up to a height, mm; blocks: height of those under the plate, mm."""
     high = low - plate.mount.z + blocks
     if not blocks:
-        return f"{high:.3g} mm high"
+        return f"{high:.4g} mm high"
     if abs(high - blocks) < SAME_POINT:
         return f"as high as those under {plate.part.name}"
-    return f"{high:.3g} mm high, where those under {plate.part.name} are {blocks:g} mm high"
+    return f"{high:.4g} mm high, where those under {plate.part.name} are {blocks:g} mm high"
 
 
 def bearing_blocks(
@@ -73,7 +73,10 @@ def bearing_blocks(
             yield Doing("stand ", shafts, f"{rest}{MUST_NOT_SINK}")
             continue
         yield Doing(
-            "put a block under ", shafts, f", {block_height(low, plate, blocks)}{MUST_NOT_SINK}"
+            "put a block under ",
+            shafts,
+            f", {block_height(low, plate, blocks)}{MUST_NOT_SINK}",
+            props=(low - plate.mount.z + blocks,),
         )
     for low, parts in bending.items():
         under = listed(
@@ -81,7 +84,10 @@ def bearing_blocks(
             for name, own in parts.items()
         )
         yield Doing(
-            "put a block under ", under, f", {block_height(low, plate, blocks)}: it must not bend"
+            "put a block under ",
+            under,
+            f", {block_height(low, plate, blocks)}: it must not bend",
+            props=(low - plate.mount.z + blocks,) * sum(len(own) or 1 for own in parts.values()),
         )
 
 

@@ -239,7 +239,8 @@ def _loose(
         if hole.name and any(map(hole.in_line, other.holes))
     ]
     at = f"with {listed(dict.fromkeys(over))}" if over else "as the picture shows"
-    doing = Doing("lay ", f"{WHAT} {at}", f"; loose until {steps}{_prop(first, there, blocks)}")
+    prop, props = _prop(first, there, blocks)
+    doing = Doing("lay ", f"{WHAT} {at}", f"; loose until {steps}{prop}", props=props)
     if first.slender or (first.outlines and not first.holes):
         below = _stands_over(first, there)
         foot = [each for each in others if each.mount.z < first.mount.z + SAME_POINT]
@@ -252,14 +253,18 @@ def _loose(
     return Place(f"loose until {until}", (doing,))
 
 
-def _prop(copy: StandingCopy, there: Sequence[StandingCopy], blocks: float) -> str:
-    """The block that goes under a part that is laid down; "" where it lies on something. blocks: height of those under the plate, mm."""
+def _prop(
+    copy: StandingCopy, there: Sequence[StandingCopy], blocks: float
+) -> tuple[str, tuple[float, ...]]:
+    """The block that goes under a part that is laid down, and its height, mm; "" and () where it lies on something. blocks: height of
+    those under the plate, mm."""
     plate = lowest_plate(there)
     if plate is None or not copy.holes or any(gap_under(hole, there)[1] for hole in copy.holes):
-        return ""
+        return "", ()
     if copy.mount.z - plate.mount.z - plate.part.thickness < RESTS:
-        return ""
-    return f". Prop it on a block {block_height(copy.mount.z, plate, blocks)}"
+        return "", ()
+    said = f". Prop it on a block {block_height(copy.mount.z, plate, blocks)}"
+    return said, (copy.mount.z - plate.mount.z + blocks,)
 
 
 def _end_down(shaft: StandingCopy) -> str:

@@ -73,7 +73,7 @@ class _Meeting:
     shaft: bool = False
     flat: str = ""  # that a flat goes on a flat
     hangs: str = ""  # the pin on which it is fixed, where that is held by nothing but its head
-    room: str = ""  # how high the gap under that head is
+    room: float = 0.0  # how high the gap under that head is, mm; 0 of none
     tools: tuple[str, ...] = ()  # that set how high it is
 
     @property
@@ -121,7 +121,7 @@ def _meeting(
         at = "" if hole.name or shaft.part.count == 1 else _joint(hole, shaft, below)
         hangs = shaft.part.name if joint and _hangs(shaft, below, fixing) else ""
         on = f"on {shaft.part.name}{at}"
-        room = _room(shaft, below) if hangs else ""
+        room = _room(shaft, below) if hangs else 0.0
         tools = gauge_tools(gap) if set_by or ", with " in high else ()
         if " under it)" in high:
             tools = gauge_tools(hole.low - min(each.low for each in shaft.outlines))
@@ -208,9 +208,11 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
         )
     hanging = listed(dict.fromkeys(each.hangs for each in fixed if each.hangs))
     if hanging:
-        rooms = listed(dict.fromkeys(each.room for each in fixed if each.room))
+        under = dict.fromkeys((each.room, each.hangs) for each in fixed if each.room)
+        rooms = listed(f"{gap:.4g} mm under {pin}" for gap, pin in under)
         rod = f": push a rod or block from the side into the gap of {rooms}" if rooms else ""
-        yield Doing("hold ", hanging, f" from below by the head meanwhile{rod}")
+        props = tuple(gap for gap, _ in under)
+        yield Doing("hold ", hanging, f" from below by the head meanwhile{rod}", props=props)
 
 
 def _of_shaft(meeting: _Meeting) -> str:
@@ -251,8 +253,8 @@ def _past_the_end(
     return f", with {thickness_gauge(gap)} between {head.part.name} and {name}" if gap else ""
 
 
-def _room(pin: StandingCopy, below: Sequence[StandingCopy]) -> str:
-    """How high the gap is between a pin that stands on its head, with its cap, and what is in line with it below; "" of none."""
+def _room(pin: StandingCopy, below: Sequence[StandingCopy]) -> float:
+    """How high the gap is between a pin that stands on its head, with its cap, and what is in line with it below, mm; 0 of none."""
     low = min(each.low for each in pin.outlines)
     under = [
         each.high
@@ -261,7 +263,7 @@ def _room(pin: StandingCopy, below: Sequence[StandingCopy]) -> str:
         if each.in_line(pin.outlines[0]) and each.high < low + SAME_POINT
     ]
     gap = low - max(under, default=low)
-    return f"{gap:.4g} mm under {pin.part.name}" if gap > RESTS else ""
+    return gap if gap > RESTS else 0.0
 
 
 def _lies_on(hole: Round, below: Sequence[StandingCopy]) -> str:

@@ -258,7 +258,7 @@ def _on_motor(
     if not driven:
         return [*places]
     shaft = "on the motor's shaft"
-    glued = ", flat on flat, with a trace of glue in its bore and none on the motor"
+    glued = ", flat on flat, with a trace of two-part glue in its bore and none on the motor"
     flat = glued if any(hole.flat for hole in driven) else ""
     gap, under = min(
         (each for hole in driven if (each := gap_under(hole, there))[1]), default=(0.0, "")
@@ -269,6 +269,7 @@ def _on_motor(
     doings = [one for each in places for one in each.doings]
     on = doings.pop(0).thing.removeprefix(named) if doings and doings[0].verb == "set " else ""
     tools = gauge_tools(gap) if high else ()
+    tools += ("two-part glue",) if flat else ()
     push = Doing("push ", f"{named} {shaft}{f',{on}' if on else ''}{flat}{high}", "", tools)
     return [Place(f"pushed {where}", (push, *doings))]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -20,6 +20,7 @@ from camgen.parts.look_alikes import with_sorting
 from camgen.parts.part import SizeNote
 from camgen.parts.reaming import opened_holes, opener, tight_holes, with_cutting, with_reaming
 from camgen.parts.standing import StandingCopy, standing_copies
+from camgen.parts.step_words import listed
 from camgen.parts.tools import USES
 from camgen.study import Table
 
@@ -88,9 +89,9 @@ def tools(mechanism: Mechanism) -> list[Bought]:
     copies, fixing = _standing(assembly)
     found = dict[str, str]()
     for size, count in opened_holes(copies, fixing).items():
-        found[opener(size)] = f"{size:g} mm, for {count} hole{'' if count == 1 else 's'}"
+        found[opener(size)] = f"for {count} hole{'' if count == 1 else 's'} of {size:g} mm"
     for size in sorted(tight_holes(copies, fixing)):
-        found.setdefault(opener(size), f"{size:g} mm, for holes that turn out too tight")
+        found.setdefault(opener(size), f"for holes of {size:g} mm that turn out too tight")
     needs = {
         need for step in _work(mechanism).steps for doing in step.doings for need in doing.needs
     }
@@ -101,9 +102,28 @@ def tools(mechanism: Mechanism) -> list[Bought]:
         key = HEX_KEYS.get(each.standard, {}).get(each.thread)
         if key:
             found[f"hex key {key:g}"] = f"for {each.thread}, {each.standard}"
+    things = [Bought(name, "", size, 1) for name, size in found.items()]
     if blocks := depth_below(assembly):
-        found["blocks, two"] = f"at least {blocks} mm high, under the machine"
-    return [Bought(name, "", size, 1) for name, size in found.items()]
+        things.append(Bought("block", "", f"at least {blocks} mm high, under the machine", 2))
+    return [*things, *_props(mechanism)]
+
+
+def _props(mechanism: Mechanism) -> list[Bought]:
+    """Blocks that prop or bear something in steps: of each height as many as one step asks for."""
+    counts = Counter[str]()
+    for step in _work(mechanism).steps:
+        own = Counter(
+            f"{each:.4g}" for doing in (*step.doings, *step.pressed) for each in doing.props
+        )
+        counts |= own
+    if not counts:
+        return []
+    highs = listed(
+        f"{n} × {high}" if n > 1 else high
+        for high, n in sorted(counts.items(), key=lambda each: float(each[0]))
+    )
+    size = f"or stack of card, {highs} mm high, as steps say"
+    return [Bought("prop", "", size, sum(counts.values()))]
 
 
 def _work(mechanism: Mechanism) -> Table:

@@ -227,14 +227,31 @@ def _links(report: Report) -> str:
 
 def _shopping(report: Report) -> str:
     """What is not printed: bought, cut or turned."""
-    rows = [row[:4] for table in report.tables if table.shopping for row in table.rows]
-    rods = [str(row[1]).removeprefix("steel ") for row in rows if row[0] == "stock"]
+    columns = ("how", "part", "what", "count")
     others = [
-        (_CUT if any(rod in str(what) for rod in rods) else how, part, what, count)
-        for how, part, what, count in rows
-        if how != "printed"
+        tuple(row[column] for column in columns)
+        for row in _parts_list(report)
+        if row["how"] != "printed"
     ]
-    return html_table(Table("", ("how", "part", "what", "count"), others)) if others else ""
+    return html_table(Table("", columns, others)) if others else ""
+
+
+_Row = Mapping[str, object]  # of the parts list, by its columns
+
+
+def _parts_list(report: Report) -> list[_Row]:
+    """Its rows; what is cut from a rod of the list says so."""
+    rows = [
+        dict(zip(table.columns, row, strict=False))
+        for table in report.tables
+        if table.shopping
+        for row in table.rows
+    ]
+    rods = [str(row["part"]).removeprefix("steel ") for row in rows if row["how"] == "stock"]
+    return [
+        {**row, "how": _CUT} if any(rod in str(row["what"]) for rod in rods) else row
+        for row in rows
+    ]
 
 
 _CUT = "cut and filed of steel"  # from a rod of the list, which needs no lathe
@@ -332,10 +349,15 @@ _OF_ALL = {"assembly": "arrangement drawing", "timing": "timing diagram"}  # she
 def _parts(report: Report) -> str:
     """A card for each part: how it looks, how many, how thick, its files."""
     cards = []
+    rows = {str(row["part"]): row for row in _parts_list(report)}
     for k, part in enumerate(report.parts):
         label = str(part["name"])
+        row = rows.get(label, {})
+        how = str(row.get("how", "printed"))
         listed = part.get("files", ())
         assert isinstance(listed, Sequence)
+        if how in _NOT_PRINTED:
+            listed = [file for file in listed if str(file).rpartition(".")[2] not in _TO_PRINT]
         links = [_link(report, str(file), str(file).rpartition(".")[2].upper()) for file in listed]
         for kind, said in (("", "PDF"), ("-tracks", "PDF of its tracks")):
             drawing = f"{report.name}-{label}{kind}-drawing.pdf"
@@ -346,11 +368,8 @@ def _parts(report: Report) -> str:
             if "thickness_mm" in part
             else []
         )
-        facts += (
-            [f"{rounded(_float(part['material_mm3']) / 1000, 3)} cm³"]
-            if "material_mm3" in part
-            else []
-        )
+        facts += [how] if how in _NOT_PRINTED else []
+        facts += [each for each in [_estimate([(row, 1 / _count(row))])] if each]
         title = label + (f" × {part['count']}" if part.get("count", 1) != 1 else "")
         cards.append(_card(title, "; ".join(facts), links, f"part-{k}", report.scene is not None))
     whole = [file for file in report.files if file.startswith(f"{report.name}-assembly.")]
@@ -365,6 +384,37 @@ def _parts(report: Report) -> str:
     )
 
 
+_NOT_PRINTED = ("bought", "turned of steel", "cut of steel", _CUT)
+_TO_PRINT = ("stl", "3mf")  # files for a slicer
+
+
+def _count(row: _Row) -> float:
+    """How many copies a row of the parts list is of."""
+    count = row.get("count", 1)
+    return float(count) if isinstance(count, int | float) and count else 1.0
+
+
+def _amounts(rows: Sequence[tuple[_Row, float]]) -> tuple[float, float]:
+    """How much plastic printed parts take, g, and how long, min; rows: of the parts list, each with its share."""
+    mass = minutes = 0.0
+    for row, share in rows:
+        for column, value in row.items():
+            if isinstance(value, int | float) and column.startswith("mass"):
+                mass += value * share
+            if isinstance(value, int | float) and column.startswith("print time"):
+                minutes += value * share
+    return mass, minutes
+
+
+def _estimate(rows: Sequence[tuple[_Row, float]]) -> str:
+    """The same in words, as "12 g, 1.5 h"; "" where the list does not say."""
+    mass, minutes = _amounts(rows)
+    if not (mass and minutes):
+        return ""
+    time = f"{minutes / 60:.2g} h" if minutes >= 60 else f"{max(minutes, 1):.2g} min"
+    return f"{rounded(mass, 2)} g, {time}"
+
+
 def _float(value: object) -> float:
     assert isinstance(value, int | float)
     return float(value)
@@ -374,15 +424,23 @@ def _plates(report: Report) -> str:
     if report.scene is None:
         return ""
     cards = []
+    mass = 0.0
+    rows = {str(row["part"]): row for row in _parts_list(report)}
     for k, plate in enumerate(report.scene.plates):
         copies = f"{len(plate.copies)} {'copy' if len(plate.copies) == 1 else 'copies'}"
+        found = [rows[part] for part, _ in plate.copies if part in rows]
+        taken = [(row, 1 / _count(row)) for row in found]
+        mass += _amounts(taken)[0]
+        estimate = _estimate(taken)
+        copies += f"; about {estimate}" if estimate else ""
         cards.append(
             _card(f"Plate {k + 1}", copies, [_link(report, plate.file, "3MF")], f"plate-{k}", True)
         )
     count = len(cards)
     these = f"these {count} plates: they hold" if count > 1 else "this plate: it holds"
     again = "Take the file of a single part only to print that part again."
-    said = f"<p>Print {these} every part. {_settings(report)}{again}</p>"
+    filament = f"They need about {rounded(mass, 2)} g of filament. " if mass else ""
+    said = f"<p>Print {these} every part. {_settings(report)}{filament}{again}</p>"
     return said + _cards(cards) if cards else ""
 
 

@@ -31,7 +31,7 @@ TOOLS = (
     "vice",
     "oil",
     "sheets of paper",
-    "blocks, two",
+    "block",
 )
 
 

@@ -36,7 +36,7 @@ from camgen.parts.standing import standing_copies
 from camgen.parts.step_words import between, thickness_gauge
 from camgen.parts.steps import order
 from camgen.pipeline.making import parts_table
-from camgen.pipeline.shopping import bought_things, steps_of_assembly, stock
+from camgen.pipeline.shopping import bought_things, steps_of_assembly, stock, tools
 from camgen.study import Mate
 
 PLAY = Fixing(0.1)
@@ -785,7 +785,7 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
         (laid,) = (title for title in titles if f"Lay {leg} as the picture shows" in title)
         height = next(each.z for each in walker.assembly.mounts if each.part == leg)
         height -= over["ground"]
-        said = f"Prop it on a block {height + blocks:.3g} mm high, where those under ground are {blocks} mm high"
+        said = f"Prop it on a block {height + blocks:.4g} mm high, where those under ground are {blocks} mm high"
         assert said in laid
     (on, far) = (title for title in titles if "far-ground" in title and "two blocks" in title)
     assert f"two blocks at least {blocks} mm" in far, "for steps that are done again"
@@ -796,6 +796,11 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     assert f"underside up, on two blocks at least {out + 1:g} mm high: its pins stick out" in on
     supply = {each.name: each.size for each in bought_things(walker)}["battery holder"]
     assert "for 4 AAA cells side by side, 6 V" in supply, "as the comments of its spec say"
+    has = {each.name: each for each in tools(walker)}
+    assert has["block"].count == 2 and has["block"].size.startswith(f"at least {blocks} mm")
+    props = "12.55, 14.55, 25, 2 × 36, 50.3 and 53.35 mm high"
+    assert props in has["prop"].size and has["prop"].count == 7, "as steps name them"
+    assert "two-part glue" in has, "on the motor's shaft"
     (filed,) = (title for title in titles if title.startswith("Cut and file"))
     assert "its flat against the right jaw and the upper half, towards you" in filed
 
@@ -861,7 +866,7 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
     assert "Lay second-plate on the pins, dry, with O over shaft-crank_web3." in upright
     (crank,) = (title for title in titles if "on the motor's shaft" in title)
     assert crank.endswith(
-        "flat on flat, with a trace of glue in its bore and none on the motor, 0.05 mm over ground (a strip of a plastic bag "
+        "flat on flat, with a trace of two-part glue in its bore and none on the motor, 0.05 mm over ground (a strip of a plastic bag "
         "between, then pull it out)."
     )
 

@@ -114,7 +114,7 @@ def test_steel_and_drills_are_listed() -> None:
     assert {each.count for each in stock(feeder)} == {1}, "one rod, whatever comes of it"
     leg = camgen.load(tomllib.loads(starters.text("walking-leg")))
     drills = {each.name: each.size for each in tools(leg)}
-    assert drills["drill 4"].startswith("4.05 mm, for ")
+    assert drills["drill 4"].endswith(" of 4.05 mm")
     bird = {
         each.name: each.size
         for each in tools(camgen.load(tomllib.loads(starters.text("flapping-bird"))))
@@ -128,7 +128,8 @@ def test_steel_and_drills_are_listed() -> None:
         "oil",
         "hex key 2",
     } <= bird.keys(), "as its steps ask"
-    assert bird["blocks, two"].startswith("at least 34 mm high") and "saw" not in bird
+    assert bird["block"].startswith("at least 34 mm high") and "saw" not in bird
+    assert "22 and 2 × 34 mm high" in bird["prop"], "under the shaft, and under two pins at once"
     assert {"saw", "file", "caliper"} <= {each.name for each in tools(feeder)}
     own = {each.name: each.count for each in feeder.assembly.bought if each.role == "own"}
     assert own == {"screw from below": 2, "screw of the load": 4}

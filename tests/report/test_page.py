@@ -436,6 +436,30 @@ def test_what_a_maker_looks_for_first_is_linked_at_the_top() -> None:
     assert "What to buy" not in to_html(solid()), "where no list is there"
 
 
+def test_cards_and_plates_say_what_they_take_and_what_is_not_printed() -> None:
+    """Of two copies in the list half is one card's; what is bought or cut of a rod has no file for a slicer."""
+    columns = ("how", "part", "what", "count", "mass in PLA, g", "print time, min")
+    printed = ("printed", "cam", "Cam", 2, 24.0, 180.0)
+    bought = ("bought", "cam", "Cam", 2, "", "")
+    steel = ("turned of steel", "cam", "Cam: rod 3 h9 x 8", 2, "", "")
+    rod = ("stock", "steel rod 3 h9", "8 mm", 1, "", "")
+    part = {"name": "cam", "count": 2, "files": ["demo-cam.dxf", "demo-cam.stl", "demo-cam.3mf"]}
+    pages = [
+        to_html(
+            replace(
+                solid(), parts=[part], tables=[Table("Parts list", columns, rows, shopping=True)]
+            )
+        )
+        for rows in ([printed], [bought], [steel, rod])
+    ]
+    assert all(page.count("demo-cam.dxf") >= 1 for page in pages)
+    assert [page.count("STL</a>") for page in pages] == [1, 0, 0]
+    assert "12 g, 1.5 h" in pages[0] and "1 copy; about 12 g, 1.5 h" in pages[0]
+    assert pages[2].count("cut and filed of steel") == 2, "in the list and on the card"
+    assert "about 12 g of filament" in pages[0] and "g of filament" not in pages[1]
+    assert not any("1 copy; about" in page for page in pages[1:])
+
+
 def test_what_is_cut_from_a_rod_of_the_list_is_said_to_be_cut_and_filed() -> None:
     """A pin with a head, for which no rod is listed, is turned."""
     rows = [
