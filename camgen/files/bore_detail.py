@@ -39,11 +39,12 @@ _STEP = 0.005  # mm, of the limits over a flat
 class BoreDetail:
     """A bore, and the room for it: lower left and upper right corner; below it down to `foot` the sheet is still its own.
 
-    letters: of the datums that its axis and what holds its angle are; scale: of the sheet's views.
+    label: the hole's own; letters: of the datums that its axis and what holds its angle are; scale: of the sheet's views.
     """
 
     contour: Contour
     facts: Facts
+    label: str
     letters: tuple[str, str]
     scale: float
     room: tuple[complex, complex]
@@ -89,7 +90,7 @@ class BoreDetail:
             end = at + scale * (top if way == 1j else radius) * way + over
             sheet.line(start, end, layer="CENTER")
         larger = f" ({number(scale)}:1)" if scale > self.scale else ""  # else as the views
-        title = "Keyway" if self._of_shaft else f"Bore {self.letters[0]}".rstrip()
+        title = "Keyway" if self._of_shaft else f"Bore {self.label}".rstrip()
         title += ", turned" * self.turned + larger
         over = max(top, radius if self._of_shaft else 0.0)
         level = min(high.imag - 6, middle + scale * over + _TITLE)

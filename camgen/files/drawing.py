@@ -248,7 +248,13 @@ class _Layout:
         high = complex(self.sheet.width - MARGIN, self.free)
         foot = complex(FILING, MARGIN)
         detail = BoreDetail(
-            self.drawn.detail, self.drawn.facts, letters, self.scale, (low, high), foot
+            self.drawn.detail,
+            self.drawn.facts,
+            self.drawn.axis_label,
+            letters,
+            self.scale,
+            (low, high),
+            foot,
         )
         detail.draw(self.sheet, SCALES)
 

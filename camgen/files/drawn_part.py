@@ -131,14 +131,11 @@ class DrawnPart:
         self.surface = bool((self.polar or facts.levels) and (facts.profile or facts.roughness))
         self.angle_letter = ""
         self.datum_letter = ""
-        self.datum_letter = next(
-            (
-                self._letter_of(label)
-                for label, hole in self.named
-                if hole.radius and abs(hole.place) < SAME_POINT
-            ),
-            "",
+        about_axis = (
+            name for name, hole in self.named if hole.radius and abs(hole.place) < SAME_POINT
         )
+        self.axis_label = next(about_axis, "")  # of the hole about the axis
+        self.datum_letter = self._letter_of(self.axis_label) if self.axis_label else ""
         self.low, self.high = extent([self.outer, *self.above, *self.hidden])
         tops = [each.centre.imag + each.tip - self.high.imag for each in self.riders]
         self.rise = max([0.0, *tops])  # of a follower over the part, mm of the part

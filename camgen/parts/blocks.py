@@ -69,7 +69,7 @@ def bearing_blocks(
     for low, names in sinking.items():
         shafts = listed(dict.fromkeys(names))
         if low - plate.mount.z + blocks < SAME_POINT:
-            rest = f" on the bench, where those under {plate.part.name} are {blocks:g} mm high"
+            rest = f" on the bench, where blocks under {plate.part.name} are {blocks:g} mm high"
             yield Doing("stand ", shafts, f"{rest}{MUST_NOT_SINK}")
             continue
         yield Doing(

@@ -203,8 +203,8 @@ _IN_METAL = _Words(
     _bare,
 )
 _KEYED = (
-    "Ream these and broach their keyways to the fits on their sheets. They go on the shaft by hand, but not over a key: press the "
-    "key into the shaft first, then the part over it. The compound keeps it from sliding along"
+    "Ream these and broach their keyways to the fits on their sheets. In their step, tap the key into the shaft first, then press the "
+    "part over it: the key is tight in both. The compound keeps the part from sliding along the shaft"
 )
 
 

@@ -535,6 +535,15 @@ def test_the_flat_of_a_bore_is_dimensioned_over_its_far_side(at):
     assert layout.drawn.rows[0][3] == "Ø8 H7, 7.5 +0.015/0 over its flat"
 
 
+def test_a_bore_s_detail_has_the_label_of_its_hole_where_its_datum_has_another():
+    """O is no datum's letter [ISO 5459]: the datum is the next one that is free."""
+    part = replace(keyed_cam_with_hub(), points=(("O", 0j),))
+    layout = _Layout(part, "d", TOLERANCE, SHOP)
+    texts = [t.text for t in layout.sheet.primitives if isinstance(t, Text)]
+    assert len([text for text in texts if text.startswith("Bore O")]) == 1
+    assert layout.drawn.rows[0][0] == "O" and layout.drawn.datum_letter == "A"
+
+
 def test_a_keyway_s_detail_is_larger_than_the_view():
     layout = _Layout(keyed_cam_with_hub(), "d", TOLERANCE, SHOP)
     texts = [t.text for t in layout.sheet.primitives if isinstance(t, Text)]

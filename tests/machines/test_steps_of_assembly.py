@@ -1280,7 +1280,7 @@ def test_blocks_reach_from_the_bench_to_what_they_bear() -> None:
     assert any("under W and V of ground, as high as those under stand-panel" in t for t in titles)
     leg = built("walking-leg")
     titles = [step.title for step in steps_of_assembly(leg).steps]
-    assert any("Stand shaft on the bench, where those under ground are 15" in t for t in titles)
+    assert any("Stand shaft on the bench, where blocks under ground are 15" in t for t in titles)
     take_up = built("thread-take-up")
     levels = {each.part: each.z for each in take_up.assembly.mounts}
     (lifted,) = (

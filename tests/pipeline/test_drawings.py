@@ -22,7 +22,7 @@ from camgen.files.dimensions import edge_rows, round_of
 from camgen.files.drawing import write_drawing
 from camgen.files.drawn_part import DrawnPart
 from camgen.files.title_block import Facts
-from camgen.geometry.outlines import polygon
+from camgen.geometry.outlines import extent, polygon
 from camgen.machines.loads.assess import assess
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
@@ -219,6 +219,18 @@ def test_a_tight_key_is_pressed_and_no_step_slides_over_it() -> None:
     said = steps_of_assembly(machine).steps[0].title
     assert "tap the key into the shaft first, then press the part over it" in said
     assert "with a key" not in said
+
+
+def test_a_board_is_open_where_a_hand_crank_and_collars_turn() -> None:
+    """The knob is 40 from the shaft, 5 + 1.5 more to its rim; the collar of C is 6 high between gaps of 0.1."""
+    machine, _ = facts("gallery/geneva-table", *starters.METAL["geneva-table"])
+    (said,) = (
+        each.title for each in steps_of_assembly(machine).steps if "open under" in each.title
+    )
+    assert "deep and 93 mm across; under C 6.2 mm deep and " in said
+    rims = [part.region.outer for part in machine.assembly.parts if part.name == "collar"]
+    low, high = extent(rims)
+    assert f"under C 6.2 mm deep and {(high - low).real:g} mm across" in said
 
 
 def test_keys_turn_all_that_is_fixed_on_shafts() -> None:

@@ -263,10 +263,30 @@ class Bodies:
         if self.sizes.face is not None:
             return f"{board} {self._turned}: leave it room there. {_CHECK}"
         deep = -min(mount.z for mount in self.mounts)
-        if deep > 0:
-            under = "under the shaft" if self.layout.drivers else "underneath"
-            board += f" Leave it open {under}, at least {deep:.4g} mm deep."
+        if deep > 0 and self.layout.drivers:
+            board += f" Leave it open under the shaft, at least {deep:.4g} mm deep and {2 * self._swept:.4g} mm across{self._other_shafts}."
+        elif deep > 0:
+            board += f" Leave it open underneath, at least {deep:.4g} mm deep."
         return f"{board} {self._turned}. {_CHECK}"
+
+    @property
+    def _swept(self) -> float:
+        """Radius about its shaft that a collar takes under the plate, or a hand crank with its knob, mm."""
+        s = self.sizes
+        end = max(s.pin_diameter + s.head, s.pin_diameter / 2 + s.wall)
+        return max(self.collar_radius, s.hand_crank + end if s.hand_crank else 0.0)
+
+    @property
+    def _other_shafts(self) -> str:
+        """Where else the board is left open, in words: under the collars of shafts that turn by what is on the plate."""
+        layout = self.layout
+        still = {*layout.discs, *layout.guest_links}  # shafts that do not turn, or are another's
+        points = sorted(p for p in layout.shafts if p not in still)
+        points = [p for p in points if layout.shafts[p] not in layout.drivers]
+        if not points:
+            return ""
+        deep = self.sizes.thickness + 2 * self.fits.slide_clearance
+        return f"; under {' and '.join(points)} {deep:.4g} mm deep and {2 * self.collar_radius:.4g} mm across"
 
     @property
     def _turned(self) -> str:
