@@ -396,13 +396,7 @@ def to_wind(wish: tuple[float, float, float] | None, stem: float = 0.0) -> list[
     found = wished(wish, stem)
     if found:
         return [
-            replace(
-                each.bought,
-                name=name,
-                role="",
-                how=_fitted(each),
-                process="wound",
-            )
+            replace(each.bought, name=name, role="", how=_fitted(each))
             for name, each in found.items()
         ]
     rate, low, travel = wish

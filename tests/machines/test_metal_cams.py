@@ -268,12 +268,12 @@ def test_the_sheets_of_the_starters_say_what_a_workshop_asks_back() -> None:
 
 
 def test_the_list_has_who_makes_what_is_not_bought() -> None:
-    """A shaft with a keyway is turned, its sizes in its row; a spring of its own sizes is wound."""
+    """A shaft with a keyway is turned, its sizes in its row; a spring of its own sizes is ordered, as `bought` says."""
     starter = tomllib.loads(in_metal("disc-cam"))
     rows = {row[1]: (row[0], str(row[2])) for row in parts_table(read_mechanism(starter)).rows}
     how, shaft = rows["shaft"]
     assert how == "turned of steel" and "keyway 6 N9 x 22, 3.5 +0.1/0 deep" in shaft
-    assert rows["return spring, to be wound"][0] == "wound"
+    assert rows["return spring, to be wound"][0] == "bought"
     tight = read_mechanism(starter, ["drawing.key_fit=P9"])
     assert any("keyway 6 P9 x 22" in str(row[2]) for row in parts_table(tight).rows)
 
