@@ -185,7 +185,7 @@ def test_output_pins_come_last_from_above() -> None:
     """Through the link that holds them into the disc: before, they would stand loose in holes far wider than they are."""
     steps = {row[1]: row[0] for row in order_of_assembly(machine().assembly).rows}
     said = {row[1]: row[3] for row in order_of_assembly(machine().assembly).rows}
-    assert said["output-pin-disc"] == "pressed and glued into flange, flush with its upper side"
+    assert said["output-pin-disc"] == "glued into flange, flush with its upper side"
     assert steps["ring-pin-disc"] < steps["disc"] < steps["flange"] < steps["output-pin-disc"]
 
 
