@@ -19,6 +19,9 @@ from camgen.tolerances import SAME_POINT
 
 NOTES = SIZES["A4"][0] - FILING - MARGIN - WIDTH - 6  # width, beside the title block of an A4 sheet
 
+_SHANK = (
+    0.8  # roughness of a shank of grade 6, um: 1.6 takes half of its tolerance; camgen's own rule
+)
 _STRAIGHT = 1000.0  # mm, radius from which on a hollow is as good as straight to a wheel
 
 
@@ -99,6 +102,8 @@ def _shop_notes(drawn: DrawnPart) -> list[str]:
     fine = _listed(_ground(drawn))
     if "outside" in _ground(drawn):
         lines.append(f"Outside Ra {facts.bore_roughness:g}")
+    if "shank" in _ground(drawn):
+        lines.append(f"Shank Ra {_SHANK:g}")
     fitted = _fitted(drawn)
     lines += [f"Holes with a fit Ra {facts.bore_roughness:g}"] if fitted else []
     if facts.roughness_elsewhere:
@@ -207,6 +212,7 @@ def _ground(drawn: DrawnPart) -> list[str]:
         ("bore", facts.bore_roughness and drawn.bored),
         ("round face", facts.bore_roughness and facts.rod_chamfer),
         ("outside", facts.bore_roughness and facts.outer_fit and not facts.rod_chamfer),
+        ("shank", facts.roughness_elsewhere and facts.shank[1]),
         (_rim(drawn), facts.bore_roughness and drawn.rim_letter),
     )
     running = _running(drawn) if facts.roughness else []

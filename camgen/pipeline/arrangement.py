@@ -129,8 +129,10 @@ def _copy(
     """A copy as it is seen and cut."""
     flat = part.prismatic and not (pose.upright or pose.standing)
     faces, cut = _of_layers(part, pose, line) if flat else _of_solid(part, pose, line, tolerance)
-    rod = all(as_circle(each.region.outer) and not each.region.holes for each in part.layers)
-    return Copy(item, faces, cut, not (rod or part.role in _RODS or part.process in _WHOLE))
+    hollow = any(each.region.holes for each in part.layers)  # such as a bush
+    rod = all(as_circle(each.region.outer) for each in part.layers)
+    rod |= part.role in _RODS or part.process in _WHOLE
+    return Copy(item, faces, cut, hollow or not rod)
 
 
 def _of_layers(

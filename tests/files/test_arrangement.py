@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections import Counter
 from functools import cache
 from itertools import combinations
@@ -23,6 +24,7 @@ from camgen.machines.sources import read_mechanism
 from camgen.parts.solids import solid
 from camgen.pipeline.arrangement import arrangement_of
 from camgen.pipeline.making import assembly_copies, parts_table
+from camgen.starters import in_metal
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 # A stand that is upright, a drum on its side in a box, gears, a section that is not level, a coil and a lever.
@@ -263,3 +265,11 @@ def test_pins_shafts_and_what_is_bought_are_not_hatched() -> None:
     }
     assert not any(hatched[name] for name in ("shaft", "pin-1", "knob-pin"))
     assert all(hatched[name] for name in ("ground", "carrier", "knob", "collar"))
+
+
+def test_a_bush_is_hatched_though_it_is_bought() -> None:
+    """It stood as an empty ring round its shaft."""
+    mechanism = read_mechanism(tomllib.loads(in_metal("geneva-table")))
+    copies = arrangement_of(mechanism, parts_table(mechanism)).copies
+    hatched = {mechanism.assembly.parts[each.number - 1].name: each.hatched for each in copies}
+    assert hatched["bush"] and not hatched["pin-1"] and not hatched["shaft"]

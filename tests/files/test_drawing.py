@@ -3,6 +3,7 @@
 import cmath
 import math
 import re
+import tomllib
 from dataclasses import replace
 
 import ezdxf
@@ -45,6 +46,7 @@ from camgen.machines.sources import read_mechanism
 from camgen.parts.part import Layer, Part, Tap, d_bore, hull, keyed_bore
 from camgen.parts.wheels.geneva import Geneva, InnerGeneva
 from camgen.pipeline.drawings import facts_of
+from camgen.starters import in_metal
 
 META = Facts("uniform-swing", "steel (C45)", 12.345, "ISO 2768-m")
 
@@ -1135,3 +1137,15 @@ def test_a_metal_cam_has_fits_unless_others_are_asked_for(root):
 def test_a_mass_is_told_to_three_digits_in_g_or_kg():
     told = {12.34: "12.3 g", 999.4: "999 g", 999.6: "1 kg", 61812.0: "61.8 kg"}
     assert {mass: weighed(mass) for mass in told} == told
+
+
+def test_the_shank_of_a_pin_that_is_made_has_its_roughness(root):
+    """m6 on Ø5 is 8 thousandths: Ra 3.2 all over would take most of it. A bought dowel says nothing of that."""
+    machine = read_mechanism(tomllib.loads(in_metal("geneva-table"))).resolved()
+    parts = {part.name: part for part in machine.assembly.parts}
+    notes = {
+        name: _Layout(parts[name], "d", TOLERANCE, facts_of(machine, parts[name])).notes
+        for name in ("knob-pin", "pin-1")
+    }
+    assert {"Shank Ra 0.8", "All faces but for the shank Ra 3.2"} <= set(notes["knob-pin"])
+    assert not [each for each in notes["pin-1"] if "Ra" in each]
