@@ -58,6 +58,7 @@ _GAP = 0.5  # of the shaft: from the bore to a bearing
 _COUPLING = 1.5  # of it: end for a coupling
 _STEP = 5.0  # mm, of lengths of shafts
 _SHIMMED = 0.3  # mm, that shims fill between rings and bore, at least
+_MOST_SHIMMED = 0.7  # mm, where grooves and bore have the whole of their tolerances, h11 of the bore's length with it
 _WIDER = 0.2  # mm, by which grooves may lie farther apart
 _SNAPPED = "one in each groove of the shaft; put shims (DIN 988) beside the bore until it slides at most 0.05 mm"
 _KEYED = "its key in the keyway of the bore"
@@ -136,4 +137,7 @@ def retaining_rings(bore: float) -> list[Bought]:
     """Rings on the shaft at both ends of a bore, mm; none of a diameter that the table has not."""
     if bore not in _RINGS:
         return []
-    return [Bought("retaining ring", "DIN 471", f"{bore:g} x {_RINGS[bore][0]:g}", 2, how=_SNAPPED)]
+    size = f"{bore:g} x {_RINGS[bore][0]:g}"
+    ring = Bought("retaining ring", "DIN 471", size, 2, how=_SNAPPED)
+    shims = f"with shims DIN 988 for a shaft of {bore:g}, together {_SHIMMED:g} to {_MOST_SHIMMED:g} thick"
+    return [replace(ring, details=shims)]

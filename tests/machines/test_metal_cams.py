@@ -267,6 +267,13 @@ def test_the_sheets_of_the_starters_say_what_a_workshop_asks_back() -> None:
     assert "0/-0.16" in sizes
 
 
+def test_the_list_has_the_shims_that_a_step_asks_for() -> None:
+    """Rings 46.7 +0.2/0 over their outer walls, each 1.2, on a drum of 44 0/-0.16: 0.3 to 0.66 are left, by hand."""
+    rows = parts_table(read_mechanism(tomllib.loads(in_metal("cylinder-cam")))).rows
+    (ring,) = [str(row[2]) for row in rows if row[1] == "retaining ring"]
+    assert "shims DIN 988 for a shaft of 20, together 0.3 to 0.7 thick" in ring
+
+
 def test_the_list_has_who_makes_what_is_not_bought() -> None:
     """A shaft with a keyway is turned, its sizes in its row; a spring of its own sizes is ordered, as `bought` says."""
     starter = tomllib.loads(in_metal("disc-cam"))
