@@ -354,16 +354,25 @@ def _depth(
     if out < -SAME_POINT:
         end = f"its end {-out:.3g} mm inside"
     if gap := _head_gap(pin, holes):
-        return f"{end}, {gap:.3g} mm left under its head{between(gap)}"
+        return f"{end}, {gap:.3g} mm left under its head with all pushed down{between(gap)}"
     return end
 
 
 def _head_gap(pin: StandingCopy, holes: Sequence[Round]) -> float:
-    """How much is left under the head of a pin that comes from above, mm; 0 where nothing says."""
+    """How much is left under the head of a pin that comes from above, mm, with all that it goes through pushed together under it;
+    0 where nothing says."""
     head = max(pin.outlines, key=lambda each: each.diameter)
-    under = [head.low - hole.high for hole in holes if hole.high < head.low - SAME_POINT]
-    hangs = pin.mount.flipped and len(pin.outlines) > 1 and under and min(under) < RESTS
-    return min(under) if hangs else 0.0
+    top = head.low
+    left = 0.0
+    for hole in sorted(holes, key=lambda each: -each.high):
+        if hole.high > head.low - SAME_POINT:
+            continue
+        if top - hole.high >= RESTS:
+            break
+        left += max(0.0, top - hole.high)
+        top = min(top, hole.low)
+    hangs = pin.mount.flipped and len(pin.outlines) > 1
+    return left if hangs else 0.0
 
 
 def _pin_words(

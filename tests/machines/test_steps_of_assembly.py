@@ -65,12 +65,16 @@ def test_each_link_is_said_to_go_over_those_that_it_is_jointed_to(leg: Mechanism
         said["hanger"] == "C glued on pin-1, flush with its upper end, E over foot"
     )  # its head is under the plate
     fixed = "through {} of {}, glued into {}"  # of a pin the lowest link
-    fixed += ", flush below, 0.05 mm left under its head (a strip of a plastic bag between, then pull it out)"
+    fixed += ", flush below, 0.1 mm left under its head with all pushed down (one sheet of paper between, then pull it out)"
     assert leg.print.slide_clearance == 0.05
     rows = [("B", "upper_rod", "shoulder"), ("D", "link", "shoulder"), ("F", "link", "foot")]
     assert said["pin-3"] == "; ".join(fixed.format(*row) for row in rows)
     rows = [("A", "lower_rod and upper_rod", "crank"), ("E", "lower_rod and hanger", "foot")]
-    assert said["pin-2"] == "; ".join(fixed.format(*row) for row in rows)
+    three = fixed.replace("0.1 mm", "0.15 mm").replace(
+        "(one sheet of paper between, then pull it out)",
+        "(one sheet of paper and a strip of a plastic bag between, then pull them out)",
+    )  # two links and the crank, 0.05 between each two of them and under the head
+    assert said["pin-2"] == "; ".join(three.format(*row) for row in rows)
 
 
 @pytest.mark.parametrize("plates", [1, 2])
@@ -968,7 +972,9 @@ def test_a_pin_from_above_says_how_deep_it_goes() -> None:
         play = machine.print.slide_clearance
         titles = [step.title for step in steps_of_assembly(machine).steps]
         (said,) = (title for title in titles if re.search(rf"\b{part} from above", title))
-        assert f", {end}, {play:g} mm left under its head" in said
+        # of the play between each two of them and under the head, all that is left when they are pushed together
+        left = len(through) * play
+        assert f", {end}, {left:g} mm left under its head with all pushed down" in said
         shank = max(made[part].layers, key=lambda layer: layer.z1 - layer.z0)
         stack = sum(made[each].thickness for each in through) + len(through) * play
         out = 5 if "5 mm" in end else 0
