@@ -1,7 +1,7 @@
 """The arrangement drawing of a machine on one sheet: its front, a section through its axes, numbered parts and their list.
 
 The front is seen along z, what lies behind other parts left out. The section A-A is cut square to the front along a line; it lies
-below the front, heights z downwards, as in first-angle projection. Pins, shafts and what is bought are not hatched in it. [ISO 128]
+below the front, heights z downwards, as in first-angle projection. Pins, shafts and other rods are not hatched in it. [ISO 128]
 A part that is seen in the front has its number above it, one that only the section shows has it below; of one that neither shows the edge is
 dashed in the front. Nothing here knows a mechanism.
 """
