@@ -14,7 +14,7 @@ from camgen import tolerances
 from camgen.files.formats import READABLE
 from camgen.findings import Finding, NotJudged, Where, at_most
 from camgen.judge.cams import judge_cams, named
-from camgen.judge.edges import Engagement, judge_edges
+from camgen.judge.edges import judge_edges
 from camgen.judge.joints import Closable, Fit, Nominal, Outline, at_rest, measured_machine
 from camgen.judge.measured import Files, Sections, read
 from camgen.judge.meshes import judge_mesh
@@ -235,8 +235,8 @@ class _OutputResult:
         self.reach = {
             name: float(np.nanmax(reach, initial=0.0)) for name, reach in self.moved.reach.items()
         }
-        outlines = sum(  # of a pair that drives by its edges both are one
-            self.reach[j.name] * (2 if isinstance(j.law, Engagement) else 1)
+        outlines = sum(
+            self.reach[j.name]
             for j in proof.machine.joints
             if isinstance(j, Cam) and j.name in self.reach
         )

@@ -11,9 +11,6 @@ import numpy as np
 import pytest
 from judged import by_code, damaged, drawn
 
-import camgen
-from camgen import starters
-from camgen.machines.sources import read_mechanism
 from camgen.numerics import Points
 
 SPEC = {
@@ -91,13 +88,3 @@ def test_a_lock_too_large_jams_and_is_named(sound: Path, tmp_path: Path) -> None
     assert not found["CONTACT"].ok and found["CONTACT"].measured < 90
     assert "lock-geneva and geneva-geneva overlap" in found["CONTACT"].message
     assert not found["MOTION_ERROR"].ok
-
-
-def test_facets_of_both_edges_are_no_error_of_the_motion(tmp_path: Path) -> None:
-    """With air of 0.025 mm on a side facets of 1 um on the disc and on the wheel moved the wheel by 1.5 times what one edge can."""
-    root = Path(__file__).resolve().parents[2]
-    metal = (*starters.METAL["geneva-table"], "print.slide_clearance=0.05")
-    machine = read_mechanism(root / "specs" / "gallery" / "geneva-table.toml", metal)
-    report = camgen.build(machine, tmp_path, only="stl")
-    (error,) = (each for each in report.findings if each.code == "MOTION_ERROR")
-    assert error.ok and error.measured > error.limit / 2
