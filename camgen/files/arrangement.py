@@ -356,7 +356,8 @@ class _Page:
         levels = self.arrangement.levels
         near, far = (self.below(z) for z in self.arrangement.deep)
         wanted = [self.below(complex(0, level)).imag for level in levels]
-        least, most = far.imag - _LOOSE, near.imag + _LOOSE
+        least = far.imag - _LOOSE
+        most = near.imag + _LOOSE
         if not levels or (len(levels) - 1) * _LINE > most - least:
             return
         places = _spread(wanted, (least, most), _LINE)
@@ -398,7 +399,8 @@ def _chord(box: tuple[complex, complex], line: tuple[complex, complex]) -> tuple
         )
         if abs(way) > _MITE
     ]
-    begin, end = max(a for a, _ in spans), min(b for _, b in spans)
+    begin = max(a for a, _ in spans)
+    end = min(b for _, b in spans)
     return (begin, end) if begin < end else (min(ends), max(ends))
 
 

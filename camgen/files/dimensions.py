@@ -355,29 +355,23 @@ def layer_rows(
         outer = layer.region.outer.moved(1, -zero)
         span = f"z {number(layer.z0)} to {number(layer.z1)}"
         disc = None if sloped else as_circle(outer)
-        if disc and abs(disc[0] + zero) < SAME_POINT and disc[1] in in_view:
-            pass
-        elif disc:
-            rows.append(
-                (
-                    names.get(k, ""),
-                    number(disc[0].real),
-                    number(disc[0].imag),
-                    f"{shape_of(Hole(disc[0], f'Ø{number(2 * disc[1])}', *disc))}, {span}",
-                )
-            )
-        elif len(layers) == 1 and slotted_wheel(layer.region.outer):
-            pass  # all of its sizes are in the view
-        elif free(outer) and part.outlined and layer is part.drawn:
-            pass  # the notes say which file has it
-        elif free(outer):
-            rows.append(("", "", "", f"Profile by {_source(part)}, {span}"))
-        else:
-            edges = edge_rows(outer, sloped, _source(part))
-            same = spans.setdefault(tuple(edges), span)
-            rows.append(
-                ("", "", "", f"Edges, {span}:" if same is span else f"Edges, {span}: as {same}")
-            )
+        # its diameter or all of its sizes are in the view, or the notes say which file has it
+        shown = disc and abs(disc[0] + zero) < SAME_POINT and disc[1] in in_view
+        slotted = not disc and len(layers) == 1 and slotted_wheel(layer.region.outer)
+        noted = free(outer) and part.outlined and layer is part.drawn
+        if not (shown or slotted or noted):
+            edges = [] if disc or free(outer) else edge_rows(outer, sloped, _source(part))
+            same = spans.setdefault(tuple(edges), span) if edges else span
+            where = ("", "", "")
+            if disc:
+                where = names.get(k, ""), number(disc[0].real), number(disc[0].imag)
+                round_ = shape_of(Hole(disc[0], f"Ø{number(2 * disc[1])}", *disc))
+                said = f"{round_}, {span}"
+            elif free(outer):
+                said = f"Profile by {_source(part)}, {span}"
+            else:
+                said = f"Edges, {span}:" if same is span else f"Edges, {span}: as {same}"
+            rows.append((*where, said))
             rows += [("", *row) for row in edges if same is span]
         own = [
             hole

@@ -142,7 +142,8 @@ def _of_layers(
     import shapely
 
     origin, along = line
-    place, angle = complex(pose.place[0]), float(pose.angle[0])
+    place = complex(pose.place[0])
+    angle = float(pose.angle[0])
     turn = np.exp(1j * angle)
 
     def put(points: Any) -> Any:
@@ -156,7 +157,8 @@ def _of_layers(
         """These as points of the machine."""
         return coordinates(origin + along * (points @ np.array([1, 1j])))
 
-    faces, boxes = [], []
+    faces = []
+    boxes = []
     for layer in part.layers:
         low, high = heights(pose, part.thickness, layer.z0, layer.z1)
         shape = shapely.transform(area(layer.region, _FINE), put)
@@ -175,15 +177,14 @@ def _of_solid(
     part: Part, pose: PartPose, line: tuple[complex, complex], tolerance: float
 ) -> tuple[list[tuple[Any, float]], Any]:
     """Outlines from above of what of a solid reaches as high as each of its level faces, then of all of it; and what the section meets."""
-    import manifold3d
     import shapely
+
+    from camgen.parts.solids import manifold
 
     at = complex(pose.place[0])
     placed = placing(float(pose.angle[0]), at, pose.z, part.thickness, pose.flipped, pose.upright)
     solid = coarse(part, tolerance).moved(in_standing_plane(placed) if pose.standing else placed)
-    body = manifold3d.Manifold(
-        manifold3d.Mesh64(np.ascontiguousarray(solid.vertices), solid.faces.astype(np.uint64))
-    )
+    body = manifold(solid)
     levels = _levels(solid)
     faces = [
         (body.trim_by_plane((0.0, 0.0, 1.0), level - _UNDER).project(), level) for level in levels

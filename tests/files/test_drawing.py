@@ -755,11 +755,11 @@ def test_a_dowel_or_a_keyway_holds_the_angle_of_a_groove_s_track(root, bore):
         # dowels, then screws
         own = "A B1 B2 C1 C2" if part.name == "inner" else "A1 A2 B1 B2 B3 B4"
         assert " ".join(names) == own
-        # of a track that is a hole in the table of holes, else in the notes
+        # notes say which file has the track; of one that is a hole the table of holes does too
         tracks = [row[:3] for row in layout.drawn.rows if "profile by DXF" in row[3]]
         noted = [each for each in words if each.text.startswith("Profile") and ".dxf" in each.text]
-        assert tracks in ([], [("", "", "")]) and len(tracks) + len(noted) >= 1
-        assert tracks or part.name == "inner"
+        assert tracks == ([] if part.name == "inner" else [("", "", "")])
+        assert len(noted) == 1
 
 
 @pytest.mark.long
