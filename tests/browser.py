@@ -99,17 +99,18 @@ PROBE = """(async () => {
     await new Promise(done => requestAnimationFrame(() => { found.bench = ink(); done(); }));
     found.said = byId("said").textContent;
     document.activeElement.blur();  // the keys of the page turn the steps that are in its middle
+    bench.closest(".bench").scrollIntoView({ block: "center" });  // a step without a picture is low
     document.body.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft", bubbles: true, cancelable: true }));
     found.address = [location.hash, count.value];
     location.hash = "#step=2";
     await until(() => seek.value == 2);
     const names = () => [...document.querySelectorAll("#marks .part")];  // of what comes, clear of all other labels
-    for (let k = 2; k <= seek.max && !names().length; k++) {
-      location.hash = "#step=" + k;
-      await until(() => seek.value == k);
+    for (let k = 1; k == 1 || (k <= seek.max && !names().length); k++) {
+      const before = Number(bench.dataset.drawn || 0);
+      seek.value = k;
+      seek.dispatchEvent(new Event("input"));
+      if (names().length) await until(() => Number(bench.dataset.drawn) > before);  // a list has no picture to be drawn
     }
-    const before = Number(bench.dataset.drawn || 0);
-    if (names().length) await until(() => Number(bench.dataset.drawn) > before);
     const boxes = [...document.querySelectorAll("#marks b")].map(label => [label, label.getBoundingClientRect()]);
     const meet = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
     found.named = names().map(label => label.textContent);
