@@ -2,7 +2,8 @@
 
 A driven body between two edges is anywhere in what is free. Here it counts as where it is wanted, as far as the air that is
 meant is left on either side; where less is left, as in the middle of what is. So it is off as far as the edges push it off, and
-where it is loose on purpose, as a wheel is while one edge hands it over to another, nothing is said that is not so.
+where it is loose on purpose, as a wheel is while one edge hands it over to another, nothing is said that is not so: an edge
+that leaves it as much way as where it is held pushes nothing off.
 """
 
 from __future__ import annotations
@@ -64,6 +65,12 @@ class _Side:
     air: Floats  # where the follower is wanted, mm: of both ways to tell it to first order the nearer to what is meant
 
 
+def _lever(low: _Side, high: _Side) -> Floats:
+    """Of the middle between both sides, or of the one that is there, mm for 1 rad, (n,)."""
+    both = 2 / (1 / low.lever + 1 / high.lever)
+    return np.where(np.isnan(both), np.fmax(low.lever, high.lever), both)
+
+
 @dataclass(frozen=True, eq=False)
 class Engagement:
     """The law of a Cam as its edges give it: the follower's angle less its rest over the cam's angle less the phase, rad.
@@ -101,8 +108,12 @@ class Engagement:
         return PairMotion(self.pair, bounds, coarse, unknown)
 
     @cached_property
+    def _sample_sides(self) -> list[_Side]:
+        return self._sides(self.motion.samples)
+
+    @cached_property
     def _samples(self) -> _Place:
-        return self._placed(self.motion.samples)
+        return self._placed(self.motion.samples, self._sample_sides)
 
     def __call__(self, theta: Floats, order: int = 0) -> Floats:
         """The follower at the joint's angle, (n,) rad, or its derivative; of order 2 none."""
@@ -131,20 +142,22 @@ class Engagement:
         period = self.feature.period
         whole = np.floor(theta.ravel() / period)
         own, back = np.unique(theta.ravel() - period * whole, return_inverse=True)
-        place = self._placed(self.motion.bounds(own))
+        bounds = self.motion.bounds(own)
+        place = self._placed(bounds, self._sides(bounds))
         ends = self.wanted(np.array([0.0, period]), 0)
         value = place.value[back] + whole * (ends[1] - ends[0])
         others = place.slope, place.play, place.lever, place.gap, place.behind
         found = (value, *(each[back] for each in others))
         return _Place(*(each.reshape(theta.shape) for each in found))
 
-    def _placed(self, bounds: Bounds) -> _Place:
-        """The follower between bounds."""
-        low, high = self._sides(bounds)
+    def _placed(self, bounds: Bounds, sides: Sequence[_Side]) -> _Place:
+        """The follower between bounds and what holds it there."""
+        low, high = sides
         wanted = self.wanted(bounds.theta, 0)
-        # of a side that is open nan: nothing is there
-        least = np.where(np.isnan(low.end), -np.inf, low.end)
-        most = np.where(np.isnan(high.end), np.inf, high.end)
+        # of a side that is open nan: nothing is there; one that leaves as much way as where it is held pushes nothing off
+        way = self.feature.free / self._least_lever if len(self._held) else np.inf
+        least = np.where(np.isnan(low.end), -np.inf, np.fmin(low.end, bounds.low + way))
+        most = np.where(np.isnan(high.end), np.inf, np.fmax(high.end, bounds.high - way))
         between = least > most
         below = ~between & (wanted < least)
         above = ~between & (wanted > most)
@@ -155,8 +168,7 @@ class Engagement:
         value: Floats = np.select(cases, [lost, middle, least, most], wanted)
         slopes = [lost, (low.slope + high.slope) / 2, low.slope, high.slope]
         slope: Floats = np.select(cases, slopes, self.wanted(bounds.theta, 1))
-        lever = 2 / (1 / low.lever + 1 / high.lever)
-        lever = np.where(np.isnan(lever), np.fmax(low.lever, high.lever), lever)
+        lever = _lever(low, high)
         gap = (high.bound - low.bound) * lever + 2 * (self.feature.free - low.free)
         behind = np.where(self.wanted(bounds.theta, 1) > 0, low.air, high.air)
         return _Place(value, slope, bounds.play, lever, gap, 2 * behind)
@@ -224,7 +236,7 @@ class Engagement:
 
     @cached_property
     def _least_lever(self) -> float:
-        return float(np.fmin.reduce(self._samples.lever[self._held], initial=np.inf))
+        return float(np.fmin.reduce(_lever(*self._sample_sides)[self._held], initial=np.inf))
 
     @cached_property
     def worst_gap(self) -> Gap:
