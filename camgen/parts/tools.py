@@ -1,4 +1,4 @@
-"""Tools that steps of assembly name, and what they use up, with what each is for; in the order of the list of what to buy."""
+"""Tools that steps of assembly name, with what each is for, and what steps use up; in the order of the list of what to buy."""
 
 USES = {
     "marker": "permanent, for names on parts that look alike",
@@ -9,6 +9,9 @@ USES = {
     "vice": "for what is pressed into tight holes",
     "square": "a small one, for what must stand upright",
     "pliers": "small, for nuts and springs",
+    "feeler gauges": "for gaps that steps set",
+}
+SUPPLIES = {
     "connectors": "two, or a soldering iron, for wires of motor and batteries",
     "double-sided tape": "for the battery holder",
     "adhesive tape": "for what must not fall out while you go on",
@@ -17,5 +20,4 @@ USES = {
     "grease": "a dot, for a spacer that would slip",
     "sheets of paper": "of 80 g, 0.1 mm each, for gaps that steps set",
     "plastic bag": "for the freezer, 0.05 mm thick, cut in strips for gaps that steps set",
-    "feeler gauges": "for gaps that steps set",
 }

@@ -25,7 +25,7 @@ from camgen.parts.part import Part
 from camgen.parts.reaming import glue
 from camgen.pipeline.case import Case
 from camgen.pipeline.scope import machined
-from camgen.pipeline.shopping import bought_things, stock, tools
+from camgen.pipeline.shopping import bought_things, stock, supplies, tools
 from camgen.pipeline.summary import draw_part
 from camgen.progress import Progress
 from camgen.study import Table
@@ -295,6 +295,7 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
         "bought": things,
         "stock": stock(mechanism),
         "your own": own,
+        "used up": supplies(mechanism),
         "tool": tools(mechanism),
     }
     for how, group in groups.items():

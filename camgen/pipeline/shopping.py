@@ -21,7 +21,7 @@ from camgen.parts.part import SizeNote
 from camgen.parts.reaming import opened_holes, opener, tight_holes, with_cutting, with_reaming
 from camgen.parts.standing import StandingCopy, standing_copies
 from camgen.parts.step_words import listed
-from camgen.parts.tools import USES
+from camgen.parts.tools import SUPPLIES, USES
 from camgen.study import Table
 
 _IN_SHAFT = "pressed or tapped into the keyway of the shaft, before that goes through the bore"
@@ -92,9 +92,7 @@ def tools(mechanism: Mechanism) -> list[Bought]:
         found[opener(size)] = f"for {count} hole{'' if count == 1 else 's'} of {size:g} mm"
     for size in sorted(tight_holes(copies, fixing)):
         found.setdefault(opener(size), f"for holes of {size:g} mm that turn out too tight")
-    needs = {
-        need for step in _work(mechanism).steps for doing in step.doings for need in doing.needs
-    }
+    needs = _needs(mechanism)
     if any(each.standard == NUT_STANDARD for each in assembly.bought):
         needs.add("pliers")
     found |= {name: what for name, what in USES.items() if name in needs}
@@ -106,6 +104,18 @@ def tools(mechanism: Mechanism) -> list[Bought]:
     if blocks := depth_below(assembly):
         things.append(Bought("block", "", f"at least {blocks} mm high, under the machine", 2))
     return [*things, *_props(mechanism)]
+
+
+def supplies(mechanism: Mechanism) -> list[Bought]:
+    """What the steps of assembly of a printed machine use up."""
+    needs = _needs(mechanism) if materials.of(mechanism.material.name).printed else set()
+    return [Bought(name, "", what, 1) for name, what in SUPPLIES.items() if name in needs]
+
+
+def _needs(mechanism: Mechanism) -> set[str]:
+    """Tools and supplies that the steps of assembly name."""
+    steps = _work(mechanism).steps
+    return {need for step in steps for doing in step.doings for need in doing.needs}
 
 
 def _props(mechanism: Mechanism) -> list[Bought]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import base64
 import gzip
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, astuple, replace
 from functools import cache
 from html import escape
@@ -40,6 +40,7 @@ from camgen.report.words import rounded, sentence
 from camgen.study import Mate, Plot, Prism, Scene, Step, Table
 
 _FIRST_PLOTS = 12  # more curves than this are folded away; it fills rows of two, three and four
+_FIRST_OF_PRINTED = 4  # of what is printed, of which one looks for what to buy, print and do first
 _SERIES_DARK = ("#6db3f2", "#f2a069", "#74cf98", "#c99be8", "#dcc04e", "#f08fbf")
 
 
@@ -53,7 +54,7 @@ def to_html(report: Report) -> str:
     turn = frames(report.animation) if report.animation else {}
     scene = report.scene
     first = summary(report)
-    unjudged = len(report.not_judged)
+    plates = _plates(report)
     needs = left_out(report.not_judged)
     machine = player(report.animation, scene is not None) if report.animation else ""
     machine += _film(report)
@@ -63,8 +64,8 @@ def to_html(report: Report) -> str:
         mechanism=escape(report.mechanism),
         version=escape(__version__),
         verdict=escape(report.verdict),
-        outcome=escape(report.outcome + (f"; {unjudged} not judged" if unjudged else "")),
-        unjudged=f'<p class="unjudged">NOT JUDGED: {escape(needs)}</p>' if unjudged else "",
+        outcome=escape(report.outcome + first.asides),
+        unjudged=f'<p class="unjudged">NOT JUDGED: {escape(needs)}</p>' if needs else "",
         state=first.state,
         style=_asset("page.css")
         + _palette(len(report.animation.bodies) if report.animation else 0),
@@ -72,10 +73,13 @@ def to_html(report: Report) -> str:
         key=_key_figures(first),
         change=to_change(first.warnings, first.failing, first.not_judged),
         machine=machine,
-        plots=_section("Curves", _plots(report.plots)),
-        shopping=_section("What to buy and to cut", _shopping(report), "shopping"),
+        plots=_section(
+            "Curves", _plots(report.plots, _FIRST_OF_PRINTED if plates else _FIRST_PLOTS)
+        ),
+        shopping=_section("What to buy and to cut", _shopping(report), "shopping")
+        + _section("Tools", _tools(report), "tools-at-hand"),
         parts=_section("Parts", _parts(report))
-        + _section("Plates, ready to print", _plates(report), "plates")
+        + _section("Plates, ready to print", plates, "plates")
         + _section("Sheets, as they are cut", _sheets(report), "sheets")
         + _section(scene.work if scene else "", _steps(scene), "steps"),
         findings=_section("Margins", _margins(report), "findings"),
@@ -226,14 +230,27 @@ def _links(report: Report) -> str:
 
 
 def _shopping(report: Report) -> str:
-    """What is not printed: bought, cut or turned."""
-    columns = ("how", "part", "what", "count")
-    others = [
+    """What is not printed: bought, cut or turned, and what steps use up."""
+    return _rows_table(report, ("how", "part", "what", "count"), lambda how: how not in _OWNED)
+
+
+def _tools(report: Report) -> str:
+    """What one has on a bench."""
+    return _rows_table(report, ("part", "what"), lambda how: how == _TOOL)
+
+
+_TOOL = "tool"
+_OWNED = ("printed", _TOOL)
+
+
+def _rows_table(report: Report, columns: Sequence[str], wanted: Callable[[object], bool]) -> str:
+    """Rows of the parts list that are made in a wanted way; "" where none is."""
+    rows = [
         tuple(row[column] for column in columns)
         for row in _parts_list(report)
-        if row["how"] != "printed"
+        if wanted(row["how"])
     ]
-    return html_table(Table("", columns, others)) if others else ""
+    return html_table(Table("", columns, rows)) if rows else ""
 
 
 _Row = Mapping[str, object]  # of the parts list, by its columns
@@ -292,10 +309,11 @@ def _key_figure(each: Headline) -> str:
 # ---- curves, figures -------------------------------------------------------------------------------------------------
 
 
-def _plots(plots: Sequence[Plot]) -> str:
+def _plots(plots: Sequence[Plot], shown: int) -> str:
+    """Curves; more than so many are folded away."""
     drawn = [plot_figure(plot, f"plot-{k}") for k, plot in enumerate(once(plots))]
-    first = drawn[:_FIRST_PLOTS]
-    rest = drawn[_FIRST_PLOTS:]
+    first = drawn[:shown]
+    rest = drawn[shown:]
     said = f"{len(rest)} more curve{'' if len(rest) == 1 else 's'}"
     folded = (
         f'<details><summary>{said}</summary><div class="grid">{"".join(rest)}</div></details>'

@@ -20,6 +20,7 @@ from camgen.study import Figure
 
 _STROKES = ("stroke", "swing", "index", "needle stroke", "{of} stroke")  # how far a machine moves
 _ALONG = "{of} stroke along"
+_WALK = "walk way"
 _COUNT = 5  # of figures
 _NOTHING = (
     1e-6  # of a torque in N m, a mass in g or a time in h: less is none that a person speaks of
@@ -29,6 +30,8 @@ _LEAST_TORQUE = 1e-4  # N m, a gram on an arm of 10 mm: less comes of no load
 _KINDS = ("dxf", "stl", "3mf", "step", "glb", "svg", "png", "gif", "pdf")
 # What is shown beside the stroke, the weightiest first: what it is called, code of its findings, else quantity of a figure.
 _OTHERS = (
+    ("Walk in a turn", "", _WALK),
+    ("Walk, its speed", "", "walk speed"),
     ("Off the path", "PATH_ERROR", ""),
     ("Straightness", "STRAIGHTNESS", ""),
     ("Dwell", "DWELL", ""),
@@ -100,8 +103,9 @@ class FileStep:
 class Summary:
     """What a person reads first."""
 
-    state: str  # "ok", "open": something is not judged, "bad", or "" without findings
+    state: str  # "ok", "open": something is not judged or warned of, "bad", or "" without findings
     verdict: str
+    asides: str  # how much is not judged and warned of, such as "; 1 warning", behind the verdict
     failing: Sequence[tuple[Finding, str]]  # the worst of each kind, and where
     not_judged: Sequence[NotJudged]
     warnings: Sequence[str]
@@ -114,7 +118,8 @@ class Summary:
 def summary(report: Report) -> Summary:
     """What a person reads first of a report."""
     failing = report.failing
-    state = "bad" if failing else "open" if report.not_judged else "ok" if report.findings else ""
+    open_ = report.not_judged or report.warnings
+    state = "bad" if failing else "open" if open_ else "ok" if report.findings else ""
     folder = None if report.folder is None else Path(report.folder)
     found = [] if folder is None else sorted(each for each in folder.rglob("*") if each.is_file())
     files = {path.name: str(path.relative_to(folder)) for path in found if folder is not None}
@@ -122,14 +127,23 @@ def summary(report: Report) -> Summary:
     return Summary(
         state,
         report.outcome,
+        _asides(report),
         failing,
         report.not_judged,
         report.warnings,
         list(_figures(report))[:_COUNT],
         [*files.values()],
         [(kind, count[kind]) for kind in _KINDS if count[kind]],
-        list(_steps(report.name, files, _print_time(report))),
+        [*_steps(report.name, files, _print_time(report), _purchases(report))],
     )
+
+
+def _asides(report: Report) -> str:
+    """How much of a report is not judged, and of how much it warns, behind its verdict; "" of nothing."""
+    open_ = len(report.not_judged)
+    warned = len(report.warnings)
+    said = f"; {open_} not judged" if open_ else ""
+    return said + (f"; {warned} warning{'s' * (warned > 1)}" if warned else "")
 
 
 def _figures(report: Report) -> Iterator[Headline]:
@@ -139,7 +153,8 @@ def _figures(report: Report) -> Iterator[Headline]:
     for each in designed:
         if each.quantity in _STROKES:
             strokes.setdefault(each.of, each)
-    for stroke in list(strokes.values())[:2]:
+    walks = any(each.quantity == _WALK for each in designed)
+    for stroke in list(strokes.values())[: 1 if walks else 2]:
         same = (each for each in designed if each.quantity == _ALONG and each.of == stroke.of)
         along = next((each.value for each in same), None)
         yield Headline(words.name(stroke), stroke.value, stroke.unit, along=along)
@@ -201,11 +216,29 @@ def _print_time(report: Report) -> str:
     return f" (all parts, estimated {whole:.2g} h {how}{of_stand if stand > whole / 2 else ''})"
 
 
-def _steps(name: str, files: Mapping[str, str], time: str) -> Iterator[FileStep]:
-    """What to do with the files of a machine; files: their paths by their names; time: that it takes to print all, in words."""
+def _purchases(report: Report) -> str:
+    """How much of the parts list is bought, in words; "" of nothing."""
+    counts = [
+        row[table.columns.index("count")]
+        for table in report.tables
+        if table.shopping
+        for row in table.rows
+        if row[0] == "bought"
+    ]
+    pieces = sum(each for each in counts if isinstance(each, int))
+    kinds = f"{len(counts)} kind{'s' * (len(counts) > 1)}"
+    return f"{kinds}, {pieces} piece{'s' * (pieces > 1)}" if counts else ""
+
+
+def _steps(name: str, files: Mapping[str, str], time: str, bought: str) -> Iterator[FileStep]:
+    """What to do with the files of a machine; files: their paths by their names; time: that it takes to print all, and how much is
+    bought, in words."""
     if "report.html" in files:
         moves = " move" if "motion.csv" in files else ""  # a coupon's does not
         yield FileStep("open", "report.html", f" in a browser to see it{moves}")
+    parts = files.get(f"{name}-parts.csv")
+    if parts and bought:
+        yield FileStep("buy what", parts, f" has as bought: {bought}")
     plates = [each for each in files if re.fullmatch(rf"{re.escape(name)}-plate(-\d+)?\.3mf", each)]
     if plates:
         first, *more = sorted(plates, key=lambda each: (len(each), each))

@@ -53,12 +53,10 @@ def print_report(report: Report, quiet: bool = False, verbose: bool = False) -> 
         for text in report.remarks:
             _say(f"note: {report.name}: {text}")
         return
-    count = len(first.not_judged)
-    open_ = f"; {count} not judged" if count else ""
     outcome = first.verdict[:1].lower() + first.verdict[1:]
     if first.failing:
         outcome = re.sub("fails?$", lambda found: found[0].upper(), outcome)
-    _say(f"{report.name}: {outcome}{open_}", _STATES.get(first.state), bold=True)
+    _say(f"{report.name}: {outcome}{first.asides}", _STATES.get(first.state), bold=True)
     for text in (*_troubles(first), *_notes(report, first, quiet)):
         _say(text)
     if quiet:
@@ -92,9 +90,9 @@ def _troubles(first: Summary) -> Iterator[str]:
 
 def _notes(report: Report, first: Summary, quiet: bool) -> list[str]:
     """What to read before the parts are made, and what this run did beside the result."""
-    return [
-        f"note: {sentence(text)}" for text in (*(() if quiet else first.warnings), *report.remarks)
-    ]
+    warned = () if quiet else first.warnings
+    said = [f"warning: {sentence(text)}" for text in warned]
+    return said + [f"note: {sentence(text)}" for text in report.remarks]
 
 
 def _reasons(not_judged: Sequence[NotJudged]) -> Iterator[tuple[str, str]]:
@@ -227,7 +225,13 @@ def _sentence(finding: Finding, where: str) -> str:
     )
 
 
-_MAKING = ("print", "cut", "load", "send")  # what is done with a file to make a part or let it move
+_MAKING = (
+    "buy what",
+    "print",
+    "cut",
+    "load",
+    "send",
+)  # what is done with a file to make a part or let it move
 
 
 def _next_steps(report: Report, first: Summary, every: bool) -> list[str]:

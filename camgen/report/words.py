@@ -60,6 +60,7 @@ NAMES = {
     "settled speed": "mean speed once it runs",
     "turning inertia": "inertia as the shaft feels it, mean",
     "walk way": "walk: distance in a turn, slowly",
+    "walk speed": "walk: speed, slowly, at the drive's speed",
     "walk way least": "walk: distance in a turn, feet of different friction, least",
     "walk way greatest": "walk: distance in a turn, feet of different friction, greatest",
     "walk tilt least": "walk: tilt of the frame, least",

@@ -226,7 +226,7 @@ def test_what_was_not_judged_is_said_by_name_in_terminal_and_page(
 ) -> None:
     report = make("uniform-swing", "dxf,report")
     print_report(report)
-    first, *told, place, see = capsys.readouterr().out.splitlines()
+    first, *told, place, see, buy = capsys.readouterr().out.splitlines()
     assert first == f"uniform-swing: all {len(report.findings)} findings hold; 4 not judged"
     assert told[0] == (
         "not judged: INTERFERENCE (needs 3MF); BED_FIT (needs STL or 3MF); WATERTIGHT, VOLUME (need STL or 3MF or STEP): "
@@ -235,6 +235,7 @@ def test_what_was_not_judged_is_said_by_name_in_terminal_and_page(
     assert not told[1].startswith("not judged")
     assert place.startswith(f"files are in {tmp_path / 'uniform-swing'}: ")
     assert str(tmp_path) in see and see.endswith("to see it move")
+    assert buy.startswith(f"buy what {tmp_path}") and "-parts.csv has as bought: " in buy
     print_report(report, verbose=True)
     assert re.search(r"^ INTERFERENCE .* not judged *$", capsys.readouterr().out, re.M)
     data = json.loads((tmp_path / "uniform-swing" / "report.json").read_text("utf-8"))
@@ -267,7 +268,7 @@ def test_key_that_cannot_act_on_a_file_is_told(
     report = make("disc-cam", kinds, setting, "parts.hub_height=0", "motor.model=hand crank")
     print_report(report)
     assert told in " ".join(report.warnings) and len(report.warnings) == bool(told)
-    assert ("note: " in capsys.readouterr().out) is bool(told)
+    assert ("warning: " in capsys.readouterr().out) is bool(told)
 
 
 # ---- what was found --------------------------------------------------------------------------------------------------

@@ -222,6 +222,22 @@ def test_the_badge_is_short_and_what_is_not_judged_stands_below_it() -> None:
     assert "unjudged" not in to_html(made_up()).partition("</header>")[0].partition("<header>")[2]
 
 
+def test_the_badge_of_what_holds_is_not_green_beside_a_warning() -> None:
+    held = [each for each in made_up().findings if each.ok]
+    badges = [
+        re.findall(
+            r'<p class="verdict (\w+)">(.*?)</p>',
+            to_html(replace(made_up(), findings=held, warnings=said)),
+        )
+        for said in ((), ("Mind the gap.",), ("Mind the gap.", "Mind the step."))
+    ]
+    assert badges == [
+        [("ok", "The one finding holds")],
+        [("open", "The one finding holds; 1 warning")],
+        [("open", "The one finding holds; 2 warnings")],
+    ]
+
+
 def test_the_list_of_parts_says_how_many_there_are() -> None:
     (summary,) = re.findall(
         r'<details class="legend" open><summary>(.*?)</summary>', to_html(solid())
@@ -424,7 +440,12 @@ def test_what_is_built_apart_is_told_to_the_view() -> None:
 
 
 def test_what_a_maker_looks_for_first_is_linked_at_the_top() -> None:
-    rows = [("printed", "cam", "Cam", 1, 2.0), ("bought", "screw", "M3 x 6", 4, "")]
+    rows = [
+        ("printed", "cam", "Cam", 1, 2.0),
+        ("bought", "screw", "M3 x 6", 4, ""),
+        ("used up", "oil", "a drop", 1, ""),
+        ("tool", "saw", "for rods", 1, ""),
+    ]
     columns = ("how", "part", "what", "count", "material, mm^3")
     report = replace(solid(), tables=[Table("Parts list", columns, rows, shopping=True)])
     page = to_html(report)
@@ -432,7 +453,9 @@ def test_what_a_maker_looks_for_first_is_linked_at_the_top() -> None:
     assert ("shopping", "What to buy") in links and ("plates", "What to print") in links
     assert all(page.count(f'id="to-{kind}"') == 1 for kind, _ in links)
     bought = page.partition('id="to-shopping"')[2].partition("</section>")[0]
-    assert "M3 x 6" in bought and "cam" not in bought and "material" not in bought
+    assert "M3 x 6" in bought and "oil" in bought and "material" not in bought
+    assert "cam" not in bought and "saw" not in bought, "tools have a list of their own"
+    assert "for rods" in page.partition("<h2>Tools</h2>")[2].partition("</section>")[0]
     assert "What to buy" not in to_html(solid()), "where no list is there"
 
 

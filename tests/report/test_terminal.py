@@ -77,11 +77,11 @@ def test_the_verdict_stands_first_then_what_fails_then_figures(
     )
     print_report(report)
     assert capsys.readouterr().out.splitlines() == [
-        "demo: 1 of 3 findings FAILS; 2 not judged",
+        "demo: 1 of 3 findings FAILS; 2 not judged; 1 warning",
         "MIN_WALL (long-name-of-a-machine-cam.stl) fails: -12.35 mm; at least 0.8 mm is asked. Thin.",
         "what it means and what helps: camgen explain MIN_WALL",
         "not judged: VOLUME, BED_FIT: no STL is there",
-        "note: mind the gap",
+        "warning: mind the gap",
         "  Foot stroke               68  mm   along -5 deg",
         "  Transmission angle     88.21  deg  at least 45 (TRANSMISSION_ANGLE)",
         "  Torque needed           0.25  N m",

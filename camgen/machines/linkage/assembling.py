@@ -38,7 +38,8 @@ def driving_text(spec: LinkageSpec) -> str:
         if model is None or model.lower() == spec.making.motor or spec.making.hand_crank:
             return turning
         geared = GEARED.get(model)
-        more = "" if geared is None else f" for {geared.volts:g} V ({HOLES_UNKNOWN})"
+        known = "measure yours: parts.can" if spec.making.can else HOLES_UNKNOWN
+        more = "" if geared is None else f" for {geared.volts:g} V ({known})"
         return f"{model}{more}, {turning}"
     low, high = drive.range
     return f"linear, {high - low:g} mm at {drive.speed:g} mm/s, on link {drive.link}"

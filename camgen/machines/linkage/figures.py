@@ -42,7 +42,6 @@ from camgen.machines.loads.lift_off import by_force
 from camgen.numerics import peak
 from camgen.parts.assembly import Cycle
 from camgen.parts.generator.layout import Layout
-from camgen.parts.generator.plates import steps
 from camgen.parts.generator.threads import thread_heights
 from camgen.parts.generator.troughs import open_rails
 from camgen.parts.wheels.geneva import GenevaLaw
@@ -226,7 +225,6 @@ def _notes(linkage: LinkageMotion, made: Build | None) -> list[str]:
         notes += open_rails(made.layout)
         notes += _longer_slots(made)
         notes += _bows(made.layout)
-        notes += steps(made.layout)
         notes += gearing.notes(made.layout)
     if linkage.cycle.to_and_fro:
         notes.append(

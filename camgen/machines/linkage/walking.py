@@ -122,6 +122,7 @@ def study(standing: Standing | None) -> Study:
     tilt = np.degrees(found.tilt)
     figures = [
         Figure("walk way", found.way, "mm"),
+        Figure("walk speed", found.way * abs(standing.machine.speed) / math.tau, "mm/s"),
         Figure("walk way least", least, "mm"),
         Figure("walk way greatest", greatest, "mm"),
         Figure("walk tilt least", float(np.min(tilt)), "deg"),

@@ -73,7 +73,10 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         [finding for check in checks for finding in check.findings],
         at_work.study(checks),
         [*assembly.unjudged, *(each for check in checks for each in check.not_judged)],
-        overstated([pin for check in checks for pin in check.pins]),
+        [
+            *overstated([pin for check in checks for pin in check.pins]),
+            *(warning for check in checks for warning in check.warnings),
+        ],
     )
 
 

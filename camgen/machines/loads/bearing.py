@@ -47,6 +47,7 @@ class LoadCheck:
     plots: list[Plot] = field(default_factory=list)
     pins: list[PinLoad] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)

@@ -245,7 +245,7 @@ def hub_slip(hub: SetScrewHub | None, torque: float, plastic: str) -> LoadCheck:
 
 
 def flat_of_shaft(seat: FlatSeat | None, torque: float, plastic: str) -> LoadCheck:
-    """How hard the flat of the shaft presses its printed bore at a torque, N m; a note where that is more than a print bears."""
+    """How hard the flat of the shaft presses its printed bore at a torque, N m; a warning where that is more than a print bears."""
     check = LoadCheck()
     if seat is None or not torque or not materials.of(plastic).printed:
         return check
@@ -253,11 +253,11 @@ def flat_of_shaft(seat: FlatSeat | None, torque: float, plastic: str) -> LoadChe
     check.figures.append(Figure("flat pressure", pressure, "MPa"))
     bears = materials.of(plastic).bears
     if pressure > bears:
-        check.notes.append(
-            f"The flat of the shaft of {seat.diameter:g} mm presses the edge of the bore of {seat.part} with {pressure:.3g} MPa at the torque "
-            f"needed, and {plastic} bears {bears:g} MPa where it comes again and again. It is not judged: glue, which shares it with "
-            f"the round side, is not counted. Glue {seat.part} on with two-part glue; a bore longer than {seat.length:g} mm, a thicker "
-            "shaft or a deeper flat lowers it."
+        shear = 2 * torque / MM / (math.pi * seat.diameter**2 * seat.length)
+        check.warnings.append(
+            f"Glue {seat.part} on its shaft of {seat.diameter:g} mm with two-part glue, all round. The flat alone presses the bore with "
+            f"{pressure:.3g} MPa at the torque needed, and {plastic} bears {bears:g} MPa; the glue alone bears a shear of {shear:.2g} MPa. "
+            f"How well it is glued is not judged. A bore longer than {seat.length:g} mm, a thicker shaft or a deeper flat lowers both."
         )
     return check
 

@@ -12,11 +12,11 @@ import cmath
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import count, pairwise, product
+from itertools import count, product
 
 import numpy as np
 
-from camgen.errors import DesignError, listed
+from camgen.errors import DesignError
 from camgen.geometry.convex import distance
 from camgen.geometry.outlines import Contour, Points, circle, rectangle
 from camgen.machine.features import Mount
@@ -483,6 +483,8 @@ def bought(layout: Layout) -> list[Bought]:
     if long := _side_screw(layout):
         size = f"{screw.thread} x {long:g}, {core}"
         into = ((SIDE_SPACER, 1),)
+        out = screw.nominal - _depth(s)  # a head of ISO 4762 is as high as its thread is thick
+        proud = f"its head stands {out:.2g} mm out of the plate" if out > 0 else ""
         return [
             Bought(
                 "screw of a spacer",
@@ -493,6 +495,7 @@ def bought(layout: Layout) -> list[Bought]:
                 key=key,
                 thread=screw.thread,
                 length=long,
+                details=proud,
             )
         ]
     length = screw.length(
@@ -530,40 +533,6 @@ def _side_screw(layout: Layout) -> float:
     grip = ceiling_height(layout) + s.base_thickness - _depth(s)
     length = shortest_screw(grip + _ENGAGED * screw.nominal)
     return length if length - grip < s.side_gap / 2 else 0.0
-
-
-def steps(layout: Layout) -> list[str]:
-    """In which order what the second plate and an interrupted shaft ask for goes together."""
-    steps = []
-    webs = []
-    for (low, (_, point)), (high, _) in pairwise(layout.webs.items()):
-        rods = [link for link in layout.pivots[point] if link not in layout.webs]
-        between = ", ".join(sorted(rods, key=layout.level.__getitem__))
-        webs.append(f"pin {point} into {low}, {between} on it, {high} on its upper flat")
-    if layout.webs:
-        if layout.second is not None:
-            webs.append(f"the short shaft into {layout.upper_web}")
-        steps.append(f"The shaft is interrupted; from below, press and glue {'; '.join(webs)}.")
-    if layout.second is not None:
-        points = [point for point in layout.points_of(GROUND) if layout.in_second(point)]
-        hanging = _hanging(layout, points)
-        sentences = ["The second plate goes on last."]
-        if hanging:
-            one = len(hanging) == 1
-            sentences.append(
-                f"Its {listed('pin', hanging)} {'stands' if one else 'stand'} head down, under what turns on "
-                f"{'it: hold its head' if one else 'them: hold their heads'} from below while the plate is pressed "
-                f"and glued on {'it' if one else 'them'}."
-            )
-        places = [f"{', '.join(points)} find their holes"] if points else []
-        places += [f"pin {point} its slot" for point in channels_in(layout, True)]
-        so = f", so that {' and '.join(places)}," if places else ""
-        drawn = (
-            " and draw the screws of the spacers" if _side_screw(layout) else " and draw the screws"
-        )
-        sentences.append(f"Lay it on the posts{so}{drawn} tight crosswise.")
-        steps.append(" ".join(sentences))
-    return steps
 
 
 def _hanging(layout: Layout, points: Iterable[str]) -> list[str]:
