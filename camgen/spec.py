@@ -340,7 +340,7 @@ class Files(Record):
     )
     up_marks: bool = Field(
         default=True,
-        description="false: no UP engraved on the upper side of a machine's cam or wheel that also fits upside down",
+        description="false: no UP engraved on the upper side of a machine's cam, wheel or crank that also fits upside down",
     )
     step: bool | None = Field(
         default=None,

@@ -1,7 +1,8 @@
 """Whether a part that is turned over fits where it belongs, and moves its machine wrongly there.
 
 It fits where a mirror image of its holes is what they are: a round bore always, a bore with one flat about that flat's
-normal, several holes where they lie alike. It moves wrongly where the image of its working edge is another edge.
+normal, several holes where they lie alike. It moves wrongly where the image of its working edge is another edge, or where
+pins in it come to other places than the other parts of its body want them.
 """
 
 from __future__ import annotations
@@ -14,7 +15,19 @@ import numpy as np
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Points
-from camgen.machine.features import CamOutline, EdgePair, EngagedPair, Feature, GearTeeth, PinTracks
+from camgen.machine.features import (
+    CamOutline,
+    EdgePair,
+    EngagedPair,
+    Eye,
+    Feature,
+    GearTeeth,
+    Mark,
+    Mount,
+    PinEyes,
+    PinTracks,
+    SlotFaces,
+)
 from camgen.parts.part import Part
 from camgen.parts.standing import discs
 
@@ -31,6 +44,11 @@ class _Hole:
     centre: complex
     radius: float
     leaning: complex
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether it has a flat or a keyway."""
+        return abs(self.leaning) > _FITS / 10
 
     def is_at(self, place: complex, leaning: complex, radius: float) -> bool:
         """Whether a hole of that kind there is this one."""
@@ -51,18 +69,57 @@ class _Flip:
         return np.asarray(self.to + self.turn * np.conj(z - self.at))
 
 
-def fit_turned_over(parts: Sequence[Part], features: Sequence[Feature]) -> Iterator[str]:
-    """Names of parts with a working edge, of a cam or a wheel, that fit turned over and move wrongly then."""
+def fit_turned_over(
+    parts: Sequence[Part], features: Sequence[Feature], mounts: Sequence[Mount] = ()
+) -> Iterator[str]:
+    """Names of parts that fit turned over and move wrongly then: by the working edge of a cam or a wheel, or by pins of a
+    part that a flat or a keyway holds on the shaft of another one with edges or pins."""
     edges = dict[str, list[complex | None]]()
+    eyes = dict[str, list[complex]]()
     for feature in features:
         for name, hole in _working(feature):
             edges.setdefault(name, []).append(hole)
+        for eye in _eyes(feature):
+            eyes.setdefault(eye.part or "", []).append(eye.at)
+    bodies = dict[str, set[str]]()
+    for part in parts:
+        if (part.name in edges or part.name in eyes) and _flat_bores(part):
+            for body in {mount.body for mount in mounts if mount.part == part.name}:
+                bodies.setdefault(body, set()).add(part.name)
+    together = {name for names in bodies.values() if len(names) > 1 for name in names}
     for part in parts:
         flat = part.prismatic and len({(layer.z0, layer.z1) for layer in part.layers}) == 1
-        if flat and any(
-            _moves_wrongly(part, _edge(part, hole)) for hole in edges.get(part.name, ())
-        ):
+        wrong = (_moves_wrongly(part, _edge(part, hole)) for hole in edges.get(part.name, ()))
+        pins = part.name in together and _pins_move(part, eyes.get(part.name, ()))
+        if flat and (pins or any(wrong)):
             yield part.name
+
+
+def _eyes(feature: Feature) -> Iterator[Eye]:
+    """Eyes of parts of which a feature knows the place."""
+    match feature:
+        case PinEyes(a=a, b=b):
+            yield from (a, b)
+        case SlotFaces(eye=eye) | Mark(eye=eye):
+            yield eye
+        case CamOutline(tip=Eye() as tip):
+            yield tip
+        case EdgePair():
+            yield from (edge.seat for edge in feature.edges if edge.seat is not None)
+
+
+def _pins_move(part: Part, eyes: Sequence[complex]) -> bool:
+    """Whether eyes of a part come to other places where it is turned over about a bore with a flat or a keyway."""
+    return any(
+        min(abs(complex(flip(np.array(at))) - other) for other in eyes) > _MOVES
+        for flip in _flips(_flat_bores(part), np.zeros(0))
+        for at in eyes
+    )
+
+
+def _flat_bores(part: Part) -> list[_Hole]:
+    """Holes of a part with a flat or a keyway."""
+    return [each for each in _holes(part) if each.is_flat]
 
 
 def _working(feature: Feature) -> Iterator[tuple[str, complex | None]]:
@@ -99,15 +156,20 @@ def middle(contour: Contour) -> complex:
 def _moves_wrongly(part: Part, edge: Contour) -> bool:
     """Whether it fits turned over in a way in which its edge has another shape."""
     ring = facet_contour(edge, _FACETS)
-    holes = [
+    return any(
+        bool(np.max(point_to_ring(flip(ring), ring)) > _MOVES)
+        for flip in _flips(_holes(part, edge), ring)
+    )
+
+
+def _holes(part: Part, edge: Contour | None = None) -> list[_Hole]:
+    """Round holes of a part, without one that is its working edge."""
+    return [
         _Hole(centre, radius, middle(hole) - centre)
         for hole in part.region.holes
         if hole is not edge
         for centre, radius in discs(hole)
     ]
-    return any(
-        bool(np.max(point_to_ring(flip(ring), ring)) > _MOVES) for flip in _flips(holes, ring)
-    )
 
 
 def _flips(holes: Sequence[_Hole], ring: Points) -> Iterator[_Flip]:
@@ -115,7 +177,7 @@ def _flips(holes: Sequence[_Hole], ring: Points) -> Iterator[_Flip]:
     if not holes:
         return
     first = holes[0]
-    flat = next((each for each in holes if abs(each.leaning) > _FITS / 10), None)
+    flat = next((each for each in holes if each.is_flat), None)
     if flat is not None:
         turns = [_Flip(flat.centre, flat.centre, (flat.leaning / abs(flat.leaning)) ** 2)]
     elif len(holes) == 1:

@@ -19,7 +19,7 @@ from camgen.files.dxf import read_dxf
 from camgen.files.sheet import Text
 from camgen.files.views import area
 from camgen.geometry.outlines import Contour, Region, circle, polygon
-from camgen.machine.features import CamOutline, Eye
+from camgen.machine.features import CamOutline, Eye, Mount, PinEyes
 from camgen.machines.sources import read_mechanism
 from camgen.parts.assembly import order_of_assembly
 from camgen.parts.engraving import DEPTH, with_upper_side
@@ -76,6 +76,29 @@ def test_what_has_a_hub_lies_one_way_alone_and_a_part_without_a_working_edge_cou
     hub = Layer(Region(circle(0j, 6), (circle(0j, 3),)), 4.0, 8.0)
     assert not is_found(Part("cam", "Cam", (*part.layers, hub)))
     assert list(fit_turned_over([part], [])) == []
+
+
+@pytest.mark.parametrize(("direction", "wrong"), [(90, True), (60, True), (0, False), (180, False)])
+def test_a_crank_keyed_beside_a_cam_lies_one_way_unless_its_pin_is_on_the_line_of_its_flat(
+    direction: float, wrong: bool
+) -> None:
+    link = Region(circle(15 + 0j, 30), (flat(direction), circle(30 + 0j, 2.5)))
+    crank = Part("crank", "Crank", (Layer(link, 0.0, 4.0),))
+    disc = cam(KITE, flat(0))
+    pin = PinEyes("P", Eye("crank", 30 + 0j, 5.0), Eye("rod", 0j, 5.1))
+    body = [Mount("crank", "driver"), Mount("cam", "driver")]
+    found = list(fit_turned_over([crank, disc], [CAM, pin], body))
+    assert found == (["crank"] if wrong else [])
+    apart = [Mount("crank", "driver"), Mount("cam", "other")]
+    assert list(fit_turned_over([crank, disc], [CAM, pin], apart)) == [], "alone it is half a turn"
+
+
+def test_the_crank_of_a_geneva_drive_says_which_side_is_up() -> None:
+    machine = read_mechanism(tomllib.loads(starters.in_metal("geneva-table"))).resolved()
+    made = machine.assembly.by_name
+    for name in ("crank", "lock-crank_to_table"):
+        assert any("UP" in note for note in made[name].notes)
+    assert not any("UP" in note for note in made["geneva-crank_to_table"].notes)
 
 
 def test_up_stands_beside_the_bore_upright_as_deep_as_letters() -> None:

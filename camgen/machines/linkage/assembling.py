@@ -46,10 +46,10 @@ def driving_text(spec: LinkageSpec) -> str:
 
 
 def with_engraving(
-    spec: LinkageSpec, parts: Sequence[Part], features: Sequence[Feature]
+    spec: LinkageSpec, bodies: Bodies, features: Sequence[Feature]
 ) -> Sequence[Part]:
     """Parts with what is engraved in them: a text in a link, letters of holes in what has named points, and what says the
-    upper side of a cam or wheel that fits turned over as well; of sheet only where engraving is cut too.
+    upper side of a cam, wheel or crank that fits turned over as well; of sheet only where engraving is cut too.
     """
     texts = {
         part_name(link): (shape.engrave, f"parts.{link}.engrave")
@@ -57,7 +57,8 @@ def with_engraving(
         if (shape := spec.making.shape(link)).engrave
     }
     letters = bool(spec.files.hole_letters)
-    reversible = set(fit_turned_over(parts, features))
+    parts = bodies.parts
+    reversible = set(fit_turned_over(parts, features, bodies.mounts))
     if not (texts or letters or reversible):
         return parts
     from camgen.parts.engraving import engraved, with_upper_side

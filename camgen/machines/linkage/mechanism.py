@@ -233,7 +233,7 @@ class Linkage(LinkageSpec):
         ways = {each.name: each.way(sizes.pin_diameter) for each in springs}
         made = Assembly(
             machine,
-            with_engraving(self, bodies.parts, features),
+            with_engraving(self, bodies, features),
             self._process,
             self.cycle,
             bodies.mounts,
