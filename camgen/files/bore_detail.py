@@ -12,7 +12,7 @@ import numpy as np
 from camgen.files.dimensions import flat_of, hole_of, number
 from camgen.files.labels import Obstacles
 from camgen.files.limits import deviations, in_limits
-from camgen.files.measures import Measure, dimension
+from camgen.files.measures import REFERENCE, Measure, dimension
 from camgen.files.sheet import Sheet, Text
 from camgen.files.symbols import FRAME, datum, roughness, symmetry, width_of
 from camgen.files.title_block import Facts
@@ -118,12 +118,14 @@ class BoreDetail:
         bore = -1j * (scale * radius + _OFF + _PAST_DATUM * below)
         beside = complex(scale * radius + _OFF)
         over = at + 1j * scale * top
-        if not self._of_shaft:
+        if self._of_shaft:
+            size(-radius + 0j, radius + 0j, bore, f"{REFERENCE}Ø", "")
+        else:
             size(-radius + 0j, radius + 0j, bore, "Ø", _limits(facts.bore_fit, 2 * radius))
         if facts.bore_roughness and not self._of_shaft:
             self._surface(sheet, at + cmath.rect(scale * radius, _LEANING))
-        if facts.profile:
-            datum(sheet, at + bore, -1j, self.letters[0])
+        if facts.profile or self._symmetric:
+            datum(sheet, at + bore, -1j, self._axis)
         if flat:
             way, depth = flat
             ends = -radius * way, (depth - radius) * way
@@ -143,8 +145,18 @@ class BoreDetail:
             over += 1j * _OFF_KEY
         if facts.profile and (key or flat):
             datum(sheet, over, flat[0] if flat else 1j, self.letters[1])
-        if key and facts.symmetry:
+        if key and self._symmetric:
             self._symmetry(sheet, over)
+
+    @property
+    def _axis(self) -> str:
+        """The datum that the axis is; a shaft has no hole of which it could be."""
+        return self.letters[0] or "A"
+
+    @property
+    def _symmetric(self) -> float:
+        """Width of the zone of a keyway's middle plane, mm; 0: none is asked for."""
+        return self.facts.own_key if self._of_shaft else self.facts.symmetry
 
     @property
     def _depth(self) -> str:
@@ -160,7 +172,7 @@ class BoreDetail:
         """Symmetry of a keyway: beside the datum at the middle of its width, or higher, where paper is free."""
         import shapely
 
-        wide = width_of([number(self.facts.symmetry), self.letters[0]])
+        wide = width_of([number(self._symmetric), self._axis])
         rises = 1j * np.arange(4.4, 4.4 + 2 * FRAME)
         corners = np.concatenate([over - (wide + 4) + rises, over + 4 + rises])
         corners = corners[np.argsort(corners.imag, kind="stable")]
@@ -171,7 +183,7 @@ class BoreDetail:
         obstacles.add(sheet.primitives)
         met = obstacles.crossed(boxes) + 100 * (~obstacles.free(boxes) + ~obstacles.within(boxes))
         corner = complex(corners[int(np.argmin(met))])
-        symmetry(sheet, corner, self.facts.symmetry, self.letters[0])
+        symmetry(sheet, corner, self._symmetric, self._axis)
 
     def _own_scale(self, scales: Sequence[float]) -> float:
         """Above that of the views where there is room for that."""

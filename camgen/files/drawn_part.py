@@ -271,7 +271,7 @@ class DrawnPart:
         rows = [
             row
             for label, h, at in places
-            for row in _two_lines(
+            for row in _on_lines(
                 (label, number(at.real, digits), number(at.imag, digits), self._shape(h))
             )
         ]
@@ -320,8 +320,8 @@ def _about_axis(contour: Contour) -> bool:
     return key is not None and abs(key.centre) < SAME_POINT
 
 
-def _two_lines(row: tuple[str, str, str, str]) -> list[tuple[str, str, str, str]]:
-    """A row of the table of holes, on a second line what would make its last column's text small: a keyway, or what is behind the
+def _on_lines(row: tuple[str, str, str, str]) -> list[tuple[str, str, str, str]]:
+    """A row of the table of holes, on further lines what would make its last column's text small: a keyway, and what is behind the
     last comma."""
     size, comma, more = row[3].partition(", keyway ")
     if comma:
@@ -330,7 +330,7 @@ def _two_lines(row: tuple[str, str, str, str]) -> list[tuple[str, str, str, str]
         size, comma, more = row[3].rpartition(", ")
     if not comma or Text(0j, row[3], _SMALLEST).room <= TABLE_WIDTHS[3] - 2:
         return [row]
-    return [(*row[:3], size), ("", "", "", more)]
+    return [*_on_lines((*row[:3], size)), ("", "", "", more)]
 
 
 def _across_bore(part: Part, tolerance: float) -> views.Section | None:

@@ -14,7 +14,7 @@ from camgen.files.sheet import Text
 from camgen.files.title_block import WIDTH
 from camgen.geometry.arcs import as_circle
 from camgen.parts.keyways import keyed
-from camgen.parts.part import SizeNote
+from camgen.parts.part import Part, SizeNote
 from camgen.tolerances import SAME_POINT
 
 NOTES = SIZES["A4"][0] - FILING - MARGIN - WIDTH - 6  # width, beside the title block of an A4 sheet
@@ -171,8 +171,20 @@ def _turn_notes(drawn: DrawnPart) -> list[str]:
         if flat and around:
             turn = math.degrees(turn_of_flat(around[1], flat[1]))
             return [f"On the flat of its shaft it turns at most ±{turn:.1g}°"]
-    key = keyed(drawn.part.region.outer)
-    return [f"Keyway symmetric to the axis within {facts.own_key:g}"] if key else []
+    return _keyway_ends(drawn.part)
+
+
+def _keyway_ends(part: Part) -> list[str]:
+    """How the keyways of a shaft end, which its layers have as square: as the cutter leaves them."""
+    keys = [(layer, key) for layer in part.layers if (key := keyed(layer.region.outer))]
+    ends = {z for layer, _ in keys for z in (layer.z0, layer.z1)}
+    inner = ends - {0.0, part.thickness}
+    if not inner:
+        return []
+    wide = number(keys[0][1].width)
+    half = number(keys[0][1].width / 2)
+    form = "Inner ends of keyways" if ends - inner else "Ends of keyways"
+    return [f"{form} round, R{half}: end mill Ø{wide}, within the length drawn"]
 
 
 def _rim(drawn: DrawnPart) -> str:

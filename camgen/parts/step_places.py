@@ -430,7 +430,7 @@ def _pin_words(
             for hole, other in fixed
         ]
     else:
-        side = "flush with its underside"
+        side = "from above, flush with its underside"
         foot = min((each.low for each in copy.outlines), default=0.0)
         gaps = [(hole.low - other.mount.z, hole.low - foot) for hole, other in fixed]
     deep = ""

@@ -112,7 +112,7 @@ def _pins_move(part: Part, eyes: Sequence[complex]) -> bool:
     """Whether eyes of a part come to other places where it is turned over about a bore with a flat or a keyway."""
     return any(
         min(abs(complex(flip(np.array(at))) - other) for other in eyes) > _MOVES
-        for flip in _flips(_flat_bores(part), np.zeros(0))
+        for flip in _flips(_flat_bores(part), np.zeros(0, complex))
         for at in eyes
     )
 

@@ -267,7 +267,9 @@ WHITWORTH = {
 def test_pins_of_one_link_are_said_once_with_the_letters_of_their_holes() -> None:
     leg = read_mechanism(Path(__file__).parents[2] / "specs" / "walking-leg.toml")
     titles = [step.title for step in steps_of_assembly(leg).steps]
-    into = "Press and glue 2 × pin-3 into B and D of shoulder, flush with its underside."
+    into = (
+        "Press and glue 2 × pin-3 into B and D of shoulder, from above, flush with its underside."
+    )
     assert f"{into} Then set shoulder with C on pin-1." in titles
 
 

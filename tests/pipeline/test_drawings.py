@@ -121,7 +121,7 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     mechanism, found = facts("gallery/geneva-table", *metal)
     glued, turns = "H7 (+0.015/0), keyed and glued on Ø10 h9", "+0.05/0, slide on"
     assert fits(found["crank"]) == {0: glued, 35: "H7 (+0.012/0), pressed and glued on Ø5 m6"}
-    screws = dict.fromkeys((83.25, -50.25), "core hole, M3 through")
+    screws = dict.fromkeys((85.75, -52.75), "core hole, M3 through")
     seat = "H7 (+0.018/0), press on Ø16"  # of a bush [mecmove.se]
     assert fits(found["ground"]) == {0: seat, 70: seat, **screws}
     assert fits(found["roller-crank_to_table"]) == {0: f"{turns} Ø5"}
@@ -142,7 +142,9 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     assert {"<> P9 (-0.006/-0.031)", "<> 0/-0.1"} <= sizes_of_shaft
     texts = {each.dxf.text for each in space.query("TEXT")}
     assert {"Keyway (5:1)", "keyway 3 wide, 1.8 deep, at 90%%d"} <= texts
-    assert "Keyway symmetric to the axis within 0.04" in texts
+    assert {"0.04", "A"} <= texts, "symmetric to the shaft's axis"
+    assert "(%%c<>)" in sizes_of_shaft, "the datum"
+    assert {"Inner ends of keyways round, R1.5: end mill", "%%c3, within the length drawn"} <= texts
     assert {"Both ends chamfered 0.5 x 45%%d", "Round face Ra 1.6", "C45+C (1.0503)"} <= texts
     assert {"All faces but for the round face Ra 3.2", "Tensile strength at least 700 MPa"} <= texts
     assert {name for name, each in found.items() if each.outer_fit} == {*sizes, "shaft-table"}
@@ -228,6 +230,12 @@ def test_a_board_is_open_where_a_hand_crank_and_collars_turn() -> None:
         each.title for each in steps_of_assembly(machine).steps if "open under" in each.title
     )
     assert "deep and 93 mm across; under C 6.2 mm deep and " in said
+    assert "Grease the bushes, slots, locking disc and rollers. " in said
+    length = "as long as the board is thick and 4.5 to 10 more"  # 1.5 of M3, the plate's thickness
+    assert f"M3, for a core hole of 2.5, such as ISO 4762, {length}" in said
+    screws = machine.assembly.frame.fixings
+    board = min(abs(z) for z, _ in screws) - 93 / 2 - 3.4 / 2
+    assert board > 1.5 * 3, "of the board, between its opening and a screw's hole"
     rims = [part.region.outer for part in machine.assembly.parts if part.name == "collar"]
     low, high = extent(rims)
     assert f"under C 6.2 mm deep and {(high - low).real:g} mm across" in said

@@ -30,7 +30,7 @@ from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
 from camgen.machine.features import Feature, Mount, StandIn, Strand
 from camgen.parts.assembly import FlatSeat, Shaft
-from camgen.parts.catalogue import CORE_HOLES, Bought, fixed_motor, screw_for
+from camgen.parts.catalogue import CORE_HOLES, SCREWS, Bought, fixed_motor, screw_for
 from camgen.parts.generator import plates
 from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.discs import (
@@ -62,6 +62,7 @@ from camgen.parts.inertia import Solids
 from camgen.parts.motors import cells
 from camgen.parts.part import Layer, Part, Role
 from camgen.parts.set_screws import SetScrewHub
+from camgen.parts.step_words import listed as in_words
 
 _SHAFT = "shaft"
 _NUMBERED: dict[Role, str] = {  # parts of which a machine has several unlike ones, and their titles
@@ -77,6 +78,7 @@ _NUMBERED: dict[Role, str] = {  # parts of which a machine has several unlike on
 # Wires reach over the whole machine, past the holder, and this far beyond; they are cut in steps of _WIRES, mm.
 _SLACK = 100.0
 _WIRES = 50.0
+_THREADED = 1.5  # diameters of a screw that its thread is in the plate at least: camgen's own rule
 _CHECK = "Move it slowly through its whole motion first: no joint may be stiff"
 
 
@@ -195,7 +197,6 @@ class Bodies:
         """Drive, by what it does in words, and screws. volts: of the motor, 0 where that is not known."""
         p = self.sizes
         face = self.sizes.face
-        screw = f"{screw_for(p.mount_diameter)}, at most {p.base_thickness:g} into the plate"
         shaft = p.shaft_text
         motors = []
         if not self.layout.drivers:
@@ -222,14 +223,30 @@ class Bodies:
             else self.collar.bought(self.collar.least_radius, "shaft-collar")
         )
         screws += [replace(each, count=count * each.count) for each in held]
-        behind = Bought("screw of the plate, from behind", "", screw, p.mount_screws, "mount")
+        behind = Bought(
+            "screw of the plate, from behind", "", self._mount_screw, p.mount_screws, "mount"
+        )
         behind = replace(behind, key="parts.mount_diameter")
+        greased = "NLGI 2, for what the last step says"
         return [
             *motors,
+            *([Bought("grease", "", greased, 1, "own")] if self._greased else []),
             *(self.layout.fitted.bought if self.layout.fitted.holder else [behind]),
             *screws,
             *plates.bought(self.layout),
         ]
+
+    @property
+    def _mount_screw(self) -> str:
+        """The screw that holds the plate on a board, whose thickness is a person's own."""
+        core = self.sizes.mount_diameter
+        most = self.sizes.base_thickness
+        threads = [thread for thread, hole in CORE_HOLES.items() if hole == core]
+        if not threads:
+            return f"{screw_for(core)}, at most {most:g} into the plate"
+        least = min(_THREADED * SCREWS[threads[0]].nominal, most)
+        length = f"as long as the board is thick and {least:g} to {most:g} more"
+        return f"{screw_for(core)}, such as ISO 4762, {length}"
 
     def _battery_text(self, holder: Battery, volts: float) -> str:
         """What feeds the motor: the holder, its cells, and how long its wires are."""
@@ -250,7 +267,7 @@ class Bodies:
     def stands(self) -> str:
         """On what the plate stands, and what turns the shaft."""
         if self.sizes.stand != "none":
-            return f"Stand it on the table. {self._turned}. {_CHECK}"
+            return f"Stand it on the table. {self._turned}. {self._greased}{_CHECK}"
         count = "two" if self.sizes.mount_screws == 2 else "three"
         thread = next(
             (f" {each}" for each, core in CORE_HOLES.items() if core == self.sizes.mount_diameter),
@@ -261,13 +278,32 @@ class Bodies:
             f"Fix the plate on a board or frame of yours: {self.layout.fitted.holder or screws}."
         )
         if self.sizes.face is not None:
-            return f"{board} {self._turned}: leave it room there. {_CHECK}"
+            return f"{board} {self._turned}: leave it room there. {self._greased}{_CHECK}"
         deep = -min(mount.z for mount in self.mounts)
         if deep > 0 and self.layout.drivers:
             board += f" Leave it open under the shaft, at least {deep:.4g} mm deep and {2 * self._swept:.4g} mm across{self._other_shafts}."
         elif deep > 0:
             board += f" Leave it open underneath, at least {deep:.4g} mm deep."
-        return f"{board} {self._turned}. {_CHECK}"
+        return f"{board} {self._turned}. {self._greased}{_CHECK}"
+
+    @property
+    def _greased(self) -> str:
+        """What of metal runs on metal and has no bearing that is greased when it is sold, in a sentence."""
+        layout = self.layout
+        if not layout.metal:
+            return ""
+        genevas = layout.drives_of(GenevaDrive)
+        runs = (
+            ("bushes", any(layout.kind(point) == "bush" for point in layout.shafts)),
+            ("cams", layout.tips or layout.plates),
+            ("teeth", layout.gear_wheels),
+            ("slots", genevas),
+            ("locking disc", genevas),
+            ("rollers", layout.rollers),
+            ("edges of the wheels", len(layout.edge_drives) > len(genevas)),
+        )
+        named = [what for what, there in runs if there]
+        return f"Grease the {in_words(named)}. " if named else ""
 
     @property
     def _swept(self) -> float:

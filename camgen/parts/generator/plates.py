@@ -206,7 +206,8 @@ def _mount_screws(
     points, hubs, posts: what it has; collar: radius of those of shafts, mm.
     """
     s = layout.sizes
-    head = s.mount_diameter  # of a screw, beside what is there
+    # of a screw, beside what is there; a board that metal is screwed on has a wall there
+    head = s.mount_diameter * (2 if layout.metal else 1)
     motors = _motors(layout, points)
     beside = [*hubs]
     beside += [(points[shaft], collar + head) for shaft in layout.shafts if shaft in points]
@@ -225,7 +226,7 @@ def _mount_screws(
         _refuse_rails(layout, layout.shaft_of(link))
     if not layout.screwed:
         return []
-    radius = head / 2
+    radius = s.mount_diameter / 2
     screws = [a[0] - way * (a[1] + radius), b[0] + way * (b[1] + radius)]
     return [*screws, _third(beside, a[0], way, radius)] if s.mount_screws == 3 else screws
 
