@@ -292,10 +292,9 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
     if mechanism.assembly.board and mechanism.assembly.support is None:
         own.append(Bought("board", "", "or a frame; the last step says how the plate is fixed", 1))
     groups = {
-        "bought": things,
+        "bought": [*things, *supplies(mechanism)],
         "stock": stock(mechanism),
         "your own": own,
-        "used up": supplies(mechanism),
         "tool": tools(mechanism),
     }
     for how, group in groups.items():

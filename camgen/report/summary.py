@@ -238,7 +238,7 @@ def _steps(name: str, files: Mapping[str, str], time: str, bought: str) -> Itera
         yield FileStep("open", "report.html", f" in a browser to see it{moves}")
     parts = files.get(f"{name}-parts.csv")
     if parts and bought:
-        yield FileStep("buy what", parts, f" has as bought: {bought}")
+        yield FileStep("buy what is marked bought in", parts, f" ({bought})")
     plates = [each for each in files if re.fullmatch(rf"{re.escape(name)}-plate(-\d+)?\.3mf", each)]
     if plates:
         first, *more = sorted(plates, key=lambda each: (len(each), each))

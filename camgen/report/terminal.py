@@ -226,7 +226,7 @@ def _sentence(finding: Finding, where: str) -> str:
 
 
 _MAKING = (
-    "buy what",
+    "buy what is marked bought in",
     "print",
     "cut",
     "load",

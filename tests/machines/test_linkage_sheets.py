@@ -60,7 +60,7 @@ def test_a_four_bar_of_one_sheet(report):
         **dict.fromkeys(("pin-1", "drive", "screw of the plate, from behind", "glue"), "bought"),
         "steel rod 6 h9": "stock",
         "board": "your own",
-        **dict.fromkeys(SUPPLIES, "used up"),
+        **dict.fromkeys(SUPPLIES, "bought"),
         **dict.fromkeys(TOOLS, "tool"),
     }
     assert report.numbers["mass_g"] == report.numbers["print_time_h"] == 0

@@ -443,7 +443,7 @@ def test_what_a_maker_looks_for_first_is_linked_at_the_top() -> None:
     rows = [
         ("printed", "cam", "Cam", 1, 2.0),
         ("bought", "screw", "M3 x 6", 4, ""),
-        ("used up", "oil", "a drop", 1, ""),
+        ("bought", "oil", "a drop", 1, ""),
         ("tool", "saw", "for rods", 1, ""),
     ]
     columns = ("how", "part", "what", "count", "material, mm^3")
