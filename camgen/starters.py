@@ -108,7 +108,12 @@ METAL = {
         'parts.pins={ O = "bush", C = "bush" }',
         "parts.wall=3",
     ),
-    "linkage": (*_SHAFTS, "parts.pin=bearing", 'parts.pins={ O = "bush" }'),
+    "linkage": (
+        *_SHAFTS,
+        "parts.pin=bearing",
+        'parts.pins={ O = "bush" }',
+        "parts.hand_crank=40",
+    ),
 }
 
 # What its comments say of a print, and what is so in metal.

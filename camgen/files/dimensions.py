@@ -6,7 +6,7 @@ import cmath
 import itertools
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -35,6 +35,19 @@ class Hole:
     middle: complex
     radius: float = 0.0
     half: complex = 0j
+
+
+@dataclass(frozen=True)
+class Places:
+    """How a table writes places: zero is where X and Y are 0, mm; digits: after the point."""
+
+    zero: complex = 0j
+    digits: int = 3
+
+    def xy(self, place: complex) -> tuple[str, str]:
+        """X and Y of a place, mm."""
+        at = place - self.zero
+        return number(at.real, self.digits), number(at.imag, self.digits)
 
 
 def holes_of(
@@ -325,12 +338,13 @@ def layer_rows(
     holes: Sequence[Hole],
     tolerance: float,
     shape_of: Callable[[Hole], str],
-    zero: complex,
+    places: Places,
     names: Mapping[int, str],
 ) -> list[tuple[str, str, str, str]]:
     """Rows of the edges of every layer, and of holes that only it has; none for a plain circle or a tall stack.
 
-    holes: those that are told already; shape_of: what a hole or a round layer is; zero: where X and Y are 0, mm; names: of layers that have one.
+    holes: those that are told already; shape_of: what a hole or a round layer is; places: how X and Y are written; names: of layers that have
+    one.
     """
     layers = part.layers
     hole_keys = {(hole.place, hole.shape) for hole in holes}
@@ -352,19 +366,19 @@ def layer_rows(
     in_view = bosses(part)
     spans: dict[tuple[tuple[str, str, str], ...], str] = {}
     for k, layer in enumerate(layers):
-        outer = layer.region.outer.moved(1, -zero)
+        outer = layer.region.outer
         span = f"z {number(layer.z0)} to {number(layer.z1)}"
         disc = None if sloped else as_circle(outer)
         # its diameter or all of its sizes are in the view, or the notes say which file has it
-        shown = disc and abs(disc[0] + zero) < SAME_POINT and disc[1] in in_view
+        shown = disc and abs(disc[0]) < SAME_POINT and disc[1] in in_view
         slotted = not disc and len(layers) == 1 and slotted_wheel(layer.region.outer)
         noted = free(outer) and part.outlined and layer is part.drawn
         if not (shown or slotted or noted):
-            edges = [] if disc or free(outer) else edge_rows(outer, sloped, _source(part))
+            edges = [] if disc or free(outer) else edge_rows(outer, sloped, _source(part), places)
             same = spans.setdefault(tuple(edges), span) if edges else span
             where = ("", "", "")
             if disc:
-                where = names.get(k, ""), number(disc[0].real), number(disc[0].imag)
+                where = names.get(k, ""), *places.xy(disc[0])
                 round_ = shape_of(Hole(disc[0], f"Ø{number(2 * disc[1])}", *disc))
                 said = f"{round_}, {span}"
             elif free(outer):
@@ -378,17 +392,14 @@ def layer_rows(
             for hole in map(hole_of, layer.region.holes)
             if (hole.place, hole.shape) not in hole_keys
         ]
-        rows += [
-            ("", number((h.place - zero).real), number((h.place - zero).imag), shape_of(h))
-            for h in own
-        ]
+        rows += [("", *places.xy(hole.place), shape_of(hole)) for hole in own]
     if part.side_profile is not None:
         rows.append(("", "X", "Z", "Edges from above:"))
-        above = [
-            contour.moved(1, -zero.real)
-            for contour in (part.side_profile.outer, *part.side_profile.holes)
+        above = (part.side_profile.outer, *part.side_profile.holes)
+        along = replace(places, zero=complex(places.zero.real))
+        rows += [
+            ("", *row) for contour in above for row in edge_rows(contour, sloped, places=along)
         ]
-        rows += [("", *row) for contour in above for row in edge_rows(contour, sloped)]
     return rows
 
 
@@ -398,40 +409,39 @@ def _source(part: Part) -> str:
 
 
 def edge_rows(
-    contour: Contour, sloped: bool = False, source: str = "DXF"
+    contour: Contour, sloped: bool = False, source: str = "DXF", places: Places = Places()
 ) -> list[tuple[str, str, str]]:
     """X, Y and what is there, of an outline of lines and arcs: a rectangle, or else every rounding and every sharp corner.
 
     With these, and tangents between roundings, the outline can be drawn. sloped: tells the slope of each slanted edge too; source: kind of the
-    file that has what is too much for a table.
+    file that has what is too much for a table; places: how X and Y are written.
     """
     circle = as_circle(contour)
     if circle:
         return [
             (
-                number(circle[0].real),
-                number(circle[0].imag),
+                *places.xy(circle[0]),
                 f"Ø{number(2 * circle[1])}, its edge",
             )
         ]
     if shaft := flatted(contour):
         centre, radius, flats = shaft
-        rows = [(number(centre.real), number(centre.imag), f"Ø{number(2 * radius)}, round")]
+        rows = [(*places.xy(centre), f"Ø{number(2 * radius)}, round")]
         for flat in flats:
             way = (
                 (flat.b - flat.a) / abs(flat.b - flat.a) * -1j
             )  # outwards, for the outline runs counter-clockwise
             foot = centre + ((flat.a - centre) * way.conjugate()).real * way
             deep = f"flat, {number(radius - abs(foot - centre))} deep, at {math.degrees(cmath.phase(way)):z.4g}°"
-            rows.append((number(foot.real), number(foot.imag), deep))
+            rows.append((*places.xy(foot), deep))
         return rows
     if key := keyed(contour):
         floor = key.centre + (key.radius + key.depth) * key.way
         at = f"{math.degrees(cmath.phase(key.way)):z.4g}°"
         deep = f"keyway {number(key.width)} wide, {number(abs(key.depth))} deep, at {at}"
         return [
-            (number(key.centre.real), number(key.centre.imag), f"Ø{number(2 * key.radius)}, round"),
-            (number(floor.real), number(floor.imag), deep),
+            (*places.xy(key.centre), f"Ø{number(2 * key.radius)}, round"),
+            (*places.xy(floor), deep),
         ]
     if free(contour):
         return [("", "", f"a curve by {source}")]
@@ -448,20 +458,19 @@ def edge_rows(
     ):
         low, high = extent([contour])
         size = f"{number(high.real - low.real)} × {number(high.imag - low.imag)}, its lower left corner"
-        return [(number(low.real), number(low.imag), size)]
+        return [(*places.xy(low), size)]
     rows = []
     slopes = dict[int, str]()
     for piece, (place, turn) in zip(pieces, turns(contour), strict=True):
         if abs(turn) > 1e-3:
-            rows.append((number(place.real), number(place.imag), "corner"))
+            rows.append((*places.xy(place), "corner"))
         if sloped and isinstance(piece, Line):
             slopes[len(rows) - 1] = _slope(piece)
         if isinstance(piece, Arc):
             kind = "" if piece.sweep > 0 else ", hollow"
             rows.append(
                 (
-                    number(piece.centre.real),
-                    number(piece.centre.imag),
+                    *places.xy(piece.centre),
                     f"R{number(piece.radius)}{kind}",
                 )
             )

@@ -11,6 +11,7 @@ from camgen.files import bore_detail, views
 from camgen.files.bore_detail import over_flat
 from camgen.files.dimensions import (
     Hole,
+    Places,
     bosses,
     flat_of,
     free,
@@ -39,7 +40,6 @@ from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
 
 _MISREAD = ("I", "O", "Q")  # letters that are no datum's [ISO 5459]
-_LETTERS = 2  # of a hole's name that is a datum's
 _SMALLEST = 2.0  # height of text in a table, mm
 _OUTSIDE = "h9"  # fit of a drum's outside: what passes it gets no nearer
 
@@ -248,8 +248,9 @@ class DrawnPart:
         return self._letter_of(name) if name and abs(self.zero) > SAME_POINT else self.datum_letter
 
     def _letter_of(self, name: str) -> str:
-        """Letter of the datum that a hole is: its name, or where that is a word or may be misread the next that is free [ISO 5459]."""
-        return name if len(name) <= _LETTERS and name not in _MISREAD else self._second
+        """Letter of the datum that a hole is: its own where it is the only one, or the next that is free; so neither of several is taken for
+        the other."""
+        return self._second if len(self.named) > 1 or name in _MISREAD else name
 
     def _shape(self, hole: Hole) -> str:
         """What a hole is, with its fit; of a bore on whose shaft nothing else is known that of the spec."""
@@ -266,14 +267,11 @@ class DrawnPart:
 
     def _rows(self) -> list[tuple[str, str, str, str]]:
         """Rows of the table of holes and edges."""
-        places = [(label, h, h.place - self.zero) for label, h in self.named]
-        digits = decimals(self.facts.position / 2) if self.placed else 3
+        written = Places(self.zero, decimals(self.facts.position / 2) if self.placed else 3)
         rows = [
             row
-            for label, h, at in places
-            for row in _on_lines(
-                (label, number(at.real, digits), number(at.imag, digits), self._shape(h))
-            )
+            for label, hole in self.named
+            for row in _on_lines((label, *written.xy(hole.place), self._shape(hole)))
         ]
         rows += [("", "", "", hole_of(track).shape) for track in self.tracks]
         names = {k: name for k, (name, _) in self.standing.items()}
@@ -283,7 +281,7 @@ class DrawnPart:
             holes,
             self.tolerance,
             self.facts.shape,
-            self.zero,
+            written,
             names,
         )
 

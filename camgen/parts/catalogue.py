@@ -67,6 +67,11 @@ class Bearing:
         return (self.bore + self.outside) / 2
 
     @property
+    def shielded(self) -> str:
+        """Name of a ball bearing with shields, greased for life: the open one may be narrower."""
+        return f"{self.name}ZZ"
+
+    @property
     def size(self) -> str:
         """Bore, outside diameter and width."""
         return f"{self.bore:g} x {self.outside:g} x {self.width:g}"

@@ -54,6 +54,8 @@ class Fixing:
             return "free"
         if holder.process == held.process == "bought" or holder.name in self.rings:
             return "free"  # a bearing's ring turns with its pin, and holds it by nothing
+        if holder.role == "sleeve":
+            return "free"  # what the head of its pin clamps
         return "press" if held.name in self.rings else "glue"
 
     def joint(self, hole: Round | Slot, holder: Part, outline: Round, held: Part) -> Joint:

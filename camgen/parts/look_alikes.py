@@ -27,7 +27,13 @@ from camgen.tolerances import SAME_POINT
 _ALIKE = 0.1  # share by which sizes may differ of what one takes for the same at sight
 _MEASURED = 0.3  # mm, a difference that a person measures with a ruler or caliper
 _SEEN = 0.05  # mm, the least difference of which a tenth tells
-_ROUND = ("spacer", "cap", "pin", "crank-pin")  # roles of what is told apart by its height
+_ROUND = (
+    "spacer",
+    "sleeve",
+    "cap",
+    "pin",
+    "crank-pin",
+)  # roles of what is told apart by its height
 
 T = TypeVar("T")
 

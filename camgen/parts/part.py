@@ -48,6 +48,7 @@ Role = Literal[
     "crank-pin",
     "shaft",
     "spacer",
+    "sleeve",
     "cap",
     "nut",
     "cover",

@@ -294,8 +294,12 @@ def _own_place(hole: Round, holder: StandingCopy) -> tuple[float, float]:
 def _reamed(
     hole: Round, holder: StandingCopy, copies: Sequence[StandingCopy], fixing: Fixing
 ) -> float:
-    """The size to which a hole is opened, mm, for what turns in it; 0 where nothing does."""
-    others = (each for each in copies if each.mount.body != holder.mount.body)
+    """The size to which a hole is opened, mm, for what turns in it; 0 where nothing does, or a sleeve clear of it."""
+    others = (
+        each
+        for each in copies
+        if each.mount.body != holder.mount.body and each.part.role != "sleeve"
+    )
     widest = _widest(hole, holder, others, fixing, ("",))
     return running_size(round(widest, 3), hole.diameter - widest) if widest else 0.0
 

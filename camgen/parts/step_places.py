@@ -85,6 +85,10 @@ class _Meeting:
 def _hole_words(copy: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> Place:
     """On or over what the holes and slots of a copy go."""
     found = [each for hole in copy.holes if (each := _meeting(hole, copy, below, fixing))]
+    borne = {
+        each.letter for each in found if each.shaft
+    }  # a seat's lip may be on what its seat is over
+    found = [each for each in found if each.shaft or not each.letter or each.letter not in borne]
     over_pins = [
         f"its slot over {other.part.name}"
         for slot in copy.slots
@@ -336,12 +340,19 @@ def gap_under(hole: Round, below: Sequence[StandingCopy]) -> tuple[float, str]:
 
 
 def _depth(
-    pin: StandingCopy, fixed: Sequence[tuple[Round, StandingCopy]], holes: Sequence[Round]
+    pin: StandingCopy,
+    fixed: Sequence[tuple[Round, StandingCopy]],
+    holes: Sequence[tuple[Round, StandingCopy]],
 ) -> str:
-    """How deep a pin is driven into what it is fixed in: where the end is that goes in first, and what is left under a head.
+    """How deep a pin is driven into what it is fixed in: till its head is down, or where the end is that goes in first, and what is
+    left under a head.
 
     holes: all that it goes through.
     """
+    head = max(pin.outlines, key=lambda each: each.diameter)
+    borne = [other.part for hole, other in holes if abs(hole.high - head.low) < SAME_POINT]
+    if borne and pin.mount.flipped and len(pin.outlines) > 1:
+        return f"its head down on {borne[0].name}"
     if pin.mount.flipped:
         hole, _ = min(fixed, key=lambda each: each[0].low)
         out = hole.low - min(each.low for each in pin.outlines)
@@ -353,7 +364,7 @@ def _depth(
     end = f"till {out:.3g} mm of it stand out {side}" if out > SAME_POINT else f"flush {side}"
     if out < -SAME_POINT:
         end = f"its end {-out:.3g} mm inside"
-    if gap := _head_gap(pin, holes):
+    if gap := _head_gap(pin, [hole for hole, _ in holes]):
         return f"{end}, {gap:.3g} mm left under its head with all pushed down{between(gap)}"
     return end
 
@@ -436,7 +447,7 @@ def _pin_words(
     deep = ""
     if any(max(map(abs, gap)) < SAME_POINT for gap in gaps):
         ways.append(side)
-    elif fixed and (deep := _depth(copy, fixed, [hole for hole, *_ in round_holes])):
+    elif fixed and (deep := _depth(copy, fixed, [(hole, other) for hole, other, _ in round_holes])):
         ways.append(deep)
     in_slots = [f"in the slot of {name}" for name in slots]
     flush = [*flats, *ways[len(words) :]]

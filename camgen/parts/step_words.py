@@ -24,7 +24,7 @@ _VERBS: dict[Joint, str] = {
     "": "put ",
 }
 # What a machine has many of is called by its name alone, as it lies in the folder.
-_BY_NAME = ("pin", "crank-pin", "spacer", "cap", "nut", "cover", "keeper", "thread-post")
+_BY_NAME = ("pin", "crank-pin", "spacer", "sleeve", "cap", "nut", "cover", "keeper", "thread-post")
 
 
 def verb(joint: Joint) -> str:

@@ -47,7 +47,7 @@ from camgen.study import Doing, Step, Table
 from camgen.tolerances import SAME_POINT
 
 COLUMNS = ("step", "part", "what", "where", "count", "underside at z, mm", "lies")
-_SMALL = ("spacer", "cap", "nut")  # of parts of which several are put on in one step
+_SMALL = ("spacer", "sleeve", "cap", "nut")  # of parts of which several are put on in one step
 
 
 def order(

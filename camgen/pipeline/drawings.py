@@ -54,6 +54,8 @@ _IN_METAL = Facts(
 )
 _IN_PLASTIC = Facts(position=0.2)
 _OF_ROD = replace(_IN_METAL, profile=0.0, roughness=0.0, symmetry=0.0, run_out=0.0)  # in metal
+# Of what bears on an inner ring, on a face a few tenths wide: camgen's own rule.
+_ON_RING = "free of burrs, corners under a head at most R0.1"
 _ROD_STEEL = "C45+C"  # bright drawn: camgen's own choice
 _ROD_STRENGTH = f"tensile strength at least {2 * STEEL.bears:g} MPa"  # on which loads count
 _MEDIUM = "ISO 2768-m"  # general tolerance of what is printed or cut of a sheet, unless its spec says other
@@ -165,7 +167,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         run_out=_asked(sheet.run_out, usual.run_out),
         bore_chamfer=_asked(sheet.bore_chamfer, _chamfer(part.bore) if cut else 0.0),
         rod_chamfer=_chamfer(2 * rod[1]) if rod else 0.0,
-        edges=sheet.edges or usual.edges,
+        edges=sheet.edges or (_ON_RING if cut and _on_ring(mechanism, part) else usual.edges),
         heat_treatment=sheet.heat_treatment
         or (material.treatment if cut and (runs or not case) else _ROD_STRENGTH if rod else ""),
         case_only=case and runs and not sheet.heat_treatment,
@@ -178,12 +180,24 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
 
 
 def _thinner(mechanism: Mechanism, part: Part, tolerance: str) -> float:
-    """By how much a part of metal may be thinner than drawn, mm, where the gaps beside it do not bear a general tolerance; else 0."""
+    """By how much a part of metal may be thinner than drawn, mm, where the gaps beside it do not bear a general tolerance; else 0.
+
+    What an inner ring lies on takes at most half of the play over it; a pin with a head never reaches through what it is glued in.
+    """
+    if part.role == "sleeve":
+        return mechanism.print.slide_clearance / 2
+    if part.role == "pin" and len(part.layers) > 1:
+        return general(part.thickness, tolerance)
     allowed = thickness_allowances(mechanism.assembly).get(part.name, math.inf)
     between = deviations(part.thickness, _BETWEEN_RINGS) if part.drum else None
     if between:
         return -between[0]
     return allowed if allowed < general(part.thickness, tolerance) else 0.0
+
+
+def _on_ring(mechanism: Mechanism, part: Part) -> bool:
+    """Whether a part bears on the inner ring of a ball bearing."""
+    return part.role == "sleeve" or _pins(mechanism).get(part.name, (0.0, ""))[1] == JOURNAL
 
 
 def _has_keyed_shaft(assembly: Assembly) -> bool:
@@ -560,16 +574,24 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
                         words = _held(
                             bores, (rods, pins), words, sizes[0], keyed(contour) is not None
                         )
+                        usual = bool(play) and not mechanism.drawing.seat_fit
                         borne = any(bore.holds(ring) for bore in bores for ring in rings)
-                        own = _SEAT if borne and play and not mechanism.drawing.seat_fit else seat
-                        if part.role == "cap" and play and not mechanism.drawing.seat_fit:
-                            own = _CAP
-                            words = words.replace(joint_of(PIN), joint_of(ROD))
+                        own, words = _seat(part, words, borne, seat, usual)
                         words = f"{in_limits(own, 2 * radius)}, {words}"
                     elif word == "slide" and play:
                         words = f"{play}, {words}"
                     yield Fit(place, 2 * radius, words)
                     break
+
+
+def _seat(part: Part, words: str, borne: bool, seat: str, usual: bool) -> tuple[str, str]:
+    """Fit and words of a hole in which something sits; borne: whether that is a ball bearing; seat: the fit of others; usual: whether the
+    spec leaves it open. A cap goes on by hand, and nothing fixes a sleeve on its pin."""
+    if part.role == "sleeve":
+        return seat, words.replace(joint_of(JOURNAL), "slides")
+    if part.role == "cap" and usual:
+        return _CAP, words.replace(joint_of(PIN), joint_of(ROD))
+    return _SEAT if borne and usual else seat, words
 
 
 def _held(

@@ -29,6 +29,7 @@ def thickness_allowances(assembly: Assembly) -> dict[str, float]:
         copy
         for copy in standing_copies(assembly.parts, assembly.mounts, poses)
         if copy.part.process == "printed"
+        and copy.part.role != "sleeve"
         and copy.mount.body != GROUND
         and not copy.pose.upright
         and copy.holes

@@ -470,6 +470,20 @@ def test_only_cams_have_a_table_of_radii() -> None:
     )
 
 
+def test_a_place_is_written_one_way_and_no_datum_has_the_name_of_a_joint() -> None:
+    """P, at 43.358, 28.776 of the coupler, is a hole and the middle of a rounding: both to hundredths, by a position within 0.05."""
+    mechanism, found = facts("linkage", *starters.METAL["linkage"])
+    (coupler,) = (each for each in mechanism.assembly.parts if each.name == "coupler")
+    drawn = DrawnPart(coupler, "c", 1e-3, found["coupler"])
+    assert {(x, y) for _, x, y, _ in drawn.rows if x} == {
+        ("0", "0"),
+        ("60", "0"),
+        ("43.36", "28.78"),
+    }
+    names = {label for label, _ in drawn.named}
+    assert drawn.datum_letter and drawn.datum_letter not in names
+
+
 def test_datums_have_no_letter_that_is_misread_and_parts_the_names_of_their_field() -> None:
     """ISO 5459 advises against I, O and Q: the crank's hole O is datum A, and its table has it as hole O still."""
     mechanism, found = facts("gallery/geneva-table", *starters.METAL["geneva-table"])

@@ -48,7 +48,7 @@ from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.joints import features_of, part_name, point_of
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.link_outlines import own_contours, slot_holes
-from camgen.parts.generator.pins import MountedPart, bearings, hand_crank, pin
+from camgen.parts.generator.pins import MountedPart, bearings, hand_crank, pin, sleeves
 from camgen.parts.generator.plates import ground_plate, second
 from camgen.parts.generator.seats import link_layers
 from camgen.parts.generator.second_plate import ceiling_height, in_first, sleeve_ends
@@ -69,6 +69,7 @@ _NUMBERED: dict[Role, str] = {  # parts of which a machine has several unlike on
     "pin": "Pin {}",
     "crank-pin": "Crank pin {}",
     "spacer": "Spacer {}",
+    "sleeve": "Sleeve {}",
     "cap": "Cap {} of a pin",
     "nut": "Nut {} of a pin",
     "cover": "Cover {} of a guide",
@@ -485,7 +486,8 @@ class Bodies:
         if layout.capped(point):
             yield shaft_cap(layout, point)
         yield from bearings(layout, point)
-        yield from self._spacers(point, body, at)
+        inner_rings = list(sleeves(layout, point))
+        yield from inner_rings or self._spacers(point, body, at)
 
     def _spacers(self, point: str, body: str, at: complex) -> Iterator[MountedPart]:
         """What keeps apart what is threaded on a pin or shaft that is fixed in a body."""

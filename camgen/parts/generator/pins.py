@@ -5,7 +5,8 @@ turned     the same of steel
 dowel      of steel, with a printed cap on what stands out
 shoulder   a shoulder screw, its shoulder through all links, a nut on its thread under them, a spacer under its head
 bearing    a printed pin; each link that turns on it has a ball bearing pressed into it from above, down on a lip; the pin's
-           head bears on the highest one's inner ring, which so holds its link down by the lip under the outer ring
+           head bears on the highest one's inner ring, which so holds its link down by the lip under the outer ring; in metal
+           it clamps the rings on sleeves, which hold their links a play apart
 keyed      a crank pin, which joins the webs of an interrupted shaft
 crank      an arm at the lower end of the shaft that drives, with a knob that turns on a pin, to turn it by hand
 """
@@ -39,10 +40,11 @@ from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.seats import least_thickness, lip, seat_floor
 from camgen.parts.generator.stubs import Stub
 from camgen.parts.generator.webs import keyed_pin
-from camgen.parts.hardware import headed, plate, spacer
+from camgen.parts.hardware import FACETS, headed, plate, spacer
 from camgen.parts.part import HoldingNote, Layer, Part, hull, rod
 
 _HELD = 0.75  # of the thickness of a cap of sheet: its pin fills that at least
+_PRESSED = "press on its outer ring alone, with a tube; a trace of compound goes round that ring"
 KNOB = 4.0  # lengths of a hand crank's knob to the pin's diameter
 
 MountedPart = tuple[Part, Mount]
@@ -169,10 +171,10 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[MountedPart]:
             notes = [f"{layout.pin_joint(point)} in"]
             bearing = layout.bearing(point)
             if bearing is not None:
-                # its head reaches down to the inner ring, which lies a play below the link's upper side
-                grip -= play
+                # its head reaches down to the inner ring, which lies a play below the link's upper side; in metal it clamps that
+                grip -= 2 * play if layout.metal else play
                 wide = bearing.shoulder
-                notes.append(f"its head bears on the inner ring of the {bearing.name} alone")
+                notes.append(f"its head bears on the inner ring of the {bearing.shielded} alone")
             made = headed("pin", "Pin", s.pin_diameter, grip, wide, s.head)
             how = _made_of(layout, point)
             made = replace(made, notes=tuple(notes), role="pin", process=how)
@@ -386,6 +388,34 @@ def bearings(layout: Layout, point: str) -> Iterator[MountedPart]:
             )
 
 
+def sleeves(layout: Layout, point: str) -> Iterator[MountedPart]:
+    """In metal, what lies under the inner ring of each ball bearing on a pin, which the pin's head clamps: it holds the link a play over
+    what is beneath, so that neither that nor an outer ring rubs."""
+    if not layout.metal or point in layout.shafts:
+        return
+    fixed = layout.pressed_in(point)
+    top = layout.top_of(fixed)
+    for link in sorted(layout.pivots[point], key=lambda each: layout.level[each]):
+        bearing = layout.bearing_in(point, link)
+        if bearing is None:
+            continue
+        low = layout.floor(layout.level[link]) + seat_floor(layout, point, link)
+        wall = (bearing.shoulder - bearing.bore) / 2 - 2 * FACETS
+        ring = spacer(
+            "sleeve",
+            "Sleeve",
+            bearing.bore,
+            bearing.shoulder,
+            low - top,
+            min(wall, layout.min_wall),
+        )
+        ring = replace(
+            ring, notes=(f"bears on the inner ring of the {bearing.shielded} alone",), role="sleeve"
+        )
+        yield ring, Mount("sleeve", layout.carrier(fixed), layout.at(fixed, point), z=top)
+        top = low + bearing.width
+
+
 def bearing_name(bearing: Bearing) -> str:
     """Name of its part."""
     return BUSH if bearing.plain else f"bearing-{bearing.name.lower()}"
@@ -393,7 +423,9 @@ def bearing_name(bearing: Bearing) -> str:
 
 def _bearing(layout: Layout, bearing: Bearing) -> Part:
     title = "Ball bearing"
-    notes = [f"ball bearing {bearing.name}, {bearing.size}, pressed into its link"]
+    notes = [f"ball bearing {bearing.shielded}, {bearing.size}, pressed into its link"]
+    if layout.metal:
+        notes.append(HoldingNote(_PRESSED))
     if bearing in [clutch for _, clutch in layout.freewheels.values()]:
         said = HoldingNote("seen from above, the ring can only turn counter-clockwise on its shaft")
         title = "One-way clutch"
@@ -434,6 +466,7 @@ def hand_crank(layout: Layout) -> Iterator[MountedPart]:
         "Hand crank",
         (Layer(region, 0.0, s.thickness),),
         centres=(0j, knob),
+        bore=s.shaft_diameter + press,
         min_wall=layout.min_wall,
         notes=(f"{layout.on_shaft} on the lower end of the shaft",),
     )

@@ -55,7 +55,7 @@ def link_layers(
     }
     floor = seat_floor(layout, next(iter(seats)), link)
     under = plate(f"link {link}", outline, {**holes, **lips}, layout.min_wall)
-    names = ", ".join(f"{bearing.name} at {point}" for point, bearing in seats.items())
+    names = ", ".join(f"{bearing.shielded} at {point}" for point, bearing in seats.items())
     notes = [
         f"pressed in from above, down on the lip: {names}",
         f"seats {thick - floor:.4g} deep, lips under them {floor:.4g}",

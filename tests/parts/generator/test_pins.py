@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,8 @@ from camgen.pipeline.build import build
 from camgen.pipeline.making import parts_table
 from camgen.reading import read
 from camgen.spec import validate
+from camgen.starters import in_metal
+from camgen.study import sentences
 
 # ISO 7379: shoulder -> thread, head's diameter and height, thread's length, mm [BOSL2, screws.scad].
 SHOULDERS = {6.5: (5, 10, 4.5, 9.5), 8: (6, 13, 5.5, 11), 10: (8, 16, 7, 13), 13: (10, 18, 9, 16)}
@@ -128,6 +131,39 @@ def test_a_bearing_holds_its_link_down(root: Path, monkeypatch: pytest.MonkeyPat
     assert len(ways) == 3 and list(ways.values()) == pytest.approx([0.2] * 3)
     monkeypatch.setattr(Bearing, "lip", property(lambda self: self.outside))  # straight through
     assert set(rise(with_parts(root, pin="bearing")).values()) == {math.inf}
+
+
+def test_in_metal_a_pin_clamps_inner_rings_on_sleeves_and_no_link_rubs(root: Path) -> None:
+    """From below: the link in which the pin is fixed, a sleeve, the inner ring, the head. MR85's ring bears on 5.75 at most, its lip is
+    6.5 wide; between the links is a play of 0.1, whatever their thickness."""
+    machine = validate(Linkage, tomllib.loads(in_metal("linkage")))
+    parts = {part.name: part for part in machine.assembly.parts}
+    copies = {(each.part, each.at): each for each in machine.assembly.mounts}
+    (sleeve,) = (part for part in parts.values() if part.role == "sleeve")
+    assert (sleeve.count, sleeve.bore, sleeve.region.area) == (
+        3,
+        5,
+        pytest.approx(math.pi / 4 * (5.75**2 - 5**2)),
+    )
+    heights = {
+        (mount.body, round(mount.z, 6), round(mount.z + parts[mount.part].thickness, 6))
+        for mount in machine.assembly.mounts
+        if mount.part == sleeve.name
+    }
+    links = {each.body: each for each in copies.values() if each.part == each.body}
+    tops = {name: links[name].z + parts[name].thickness for name in ("ground", "crank", "rocker")}
+    rings = sorted({each.z for each in machine.assembly.mounts if each.part == "bearing-mr85"})
+    assert heights == {
+        ("ground", round(tops["ground"], 6), round(rings[0], 6)),
+        ("crank", round(tops["crank"], 6), round(rings[1], 6)),
+        ("rocker", round(tops["rocker"], 6), round(rings[1], 6)),
+    }
+    assert links["coupler"].z - tops["crank"] == pytest.approx(0.1)
+    assert list(rise(machine).values()) == pytest.approx([0.0] * 3)
+    steps = [sentences(step.doings) for step in order_of_assembly(machine.assembly).steps]
+    assert any("its head down on bearing-mr85" in each for each in steps)
+    assert not any(f"into {sleeve.name}" in each for each in steps)  # nothing glues it
+    assert not any(part.role == "sleeve" for part in with_parts(root, pin="bearing").assembly.parts)
 
 
 def test_a_bearing_is_pressed_in_before_its_link_goes_on(root: Path) -> None:
