@@ -1,17 +1,18 @@
 """The arrangement drawing of a machine on one sheet: its front, a section through its axes, numbered parts and their list.
 
-The front is seen along z, what lies behind other parts left out. The section A-A is cut square to the front along a line; it lies
-below the front, heights z downwards, as in first-angle projection. Pins, shafts and other rods are not hatched in it. [ISO 128]
-A part that is seen in the front has its number above it, one that only the section shows has it below; of one that neither shows the edge is
-dashed in the front. Nothing here knows a mechanism.
+The front is seen along z, what lies behind other parts left out. The section A-A is cut square to the front along a line and seen so
+that heights z go upwards; where both have one scale it stands over the front, as in first-angle projection. Pins, shafts, screws and
+other rods are not hatched in it. [ISO 128] A part that is seen in the front has its number over or under that, one that only the section
+shows has it over the section; of one that neither shows the edge is dashed in the front. Nothing here knows a mechanism.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ from camgen.files.labels import Label, callouts
 from camgen.files.measures import REFERENCE, Measure, dimension
 from camgen.files.page import FILING, LARGE, MARGIN, SCALES, SIZES
 from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
-from camgen.files.title_block import BLOCK, WIDTH, Facts, title_block
+from camgen.files.title_block import BLOCK, WIDTH, Facts, ratio, title_block
 from camgen.files.track_tables import ROW, grid
 from camgen.files.views import contours_of, hatching
 from camgen.parts.part import Part
@@ -31,15 +32,19 @@ from camgen.parts.part import Part
 _SIZES = {"A3": SIZES["A3"], **LARGE}  # the smallest that will do
 _SMALLEST = 0.5  # scale that will do
 _FACE = 0.5  # mm, from which on a level face has its height beside the section
-_LINE = 2.4  # from one height beside the section to the next
-_LOOSE = 12.0  # by which such heights may stand beyond its ends
+_HEIGHTS = (2.5, 1.8)  # of their letters, mm of paper
+_LINE = 4 / 3  # from one of them to the next, by that
+_LOOSE = 8.0  # by which such heights may stand beyond its ends
 _LETTER = "A"
 _BALLOON = 4.0  # radius, mm of paper
-_APART = 9.5  # from one balloon to the next
-_STAGGER = 10.0  # from one row of balloons to the next
-_CLEAR = 11.0  # from a view to its balloons
-_SIDE = 24.0  # room left of the views, for a height
-_BETWEEN = 30.0  # between the views: the width, and the section's name
+_APART = 9.0  # from one balloon to the next
+_STAGGER = 9.0  # from one row of balloons to the next
+_CLEAR = 9.0  # from a view to its balloons
+_LETTERED = 4.0  # from letters of the section to balloons beside them
+_LEFT = 18.0  # of a view, for a height
+_RIGHT = (12.0, 22.0)  # of the front, for a letter; of the section, for its heights
+_SIZED = 9.0  # under the front, for its width
+_NAMED = 12.0  # over the section, for its name
 _HATCH = 2.0  # between lines, of the first part; of others more
 _COLUMNS = (10.0, 110.0, 10.0, 40.0)  # of the list: number, part, quantity, how it is made
 _SEEN = 3.0  # mm^2 of paper, from which on a part is pointed at in a view
@@ -71,6 +76,7 @@ class Copy:
     faces: Sequence[tuple[Any, float]]
     cut: Any
     hatched: bool
+    bought: bool = False  # what is no part, and lies in the holes of parts
 
 
 @dataclass(frozen=True)
@@ -134,6 +140,7 @@ class Arrangement:
         edges = [
             np.column_stack([z[:-1], z[1:]])
             for copy in self.copies
+            if not copy.bought
             for ring in shapely.get_rings(shapely.get_parts(copy.cut))
             for z in [shapely.get_coordinates(ring)]
         ]
@@ -144,8 +151,7 @@ class Arrangement:
 
     def anchors(self, scale: float) -> tuple[dict[int, complex], dict[int, complex]]:
         """Of each number a point of its part in the front, of those that are hardly seen there one in the section, as far as they are cut."""
-        front = _largest((number, face) for number, face, _ in self.seen)
-        cut = _largest((copy.number, copy.cut) for copy in self.copies)
+        front, cut = self._pieces
         ahead = {number for number, (area, _) in front.items() if area >= _SEEN / scale**2}
         below = cut.keys() - ahead
         rest = front.keys() - ahead - below
@@ -157,10 +163,18 @@ class Arrangement:
         )
 
     @cached_property
+    def _pieces(self) -> tuple[dict[int, tuple[float, complex]], dict[int, tuple[float, complex]]]:
+        """Of each number its largest piece in the front, and in the section."""
+        return (
+            _largest((number, face) for number, face, _ in self.seen),
+            _largest((copy.number, copy.cut) for copy in self.copies),
+        )
+
+    @cached_property
     def hidden(self) -> dict[int, Any]:
         """Of each number that neither view shows the highest face, which is drawn dashed."""
-        cut = _largest((copy.number, copy.cut) for copy in self.copies)
-        shown = _largest((number, face) for number, face, _ in self.seen).keys() | cut.keys()
+        front, cut = self._pieces
+        shown = front.keys() | cut.keys()
         faces = [(top, copy.number, face) for copy in self.copies for face, top in copy.faces]
         highest = sorted(faces, key=lambda each: each[0])
         return {number: face for _, number, face in highest if number not in shown}
@@ -192,61 +206,134 @@ def write_arrangement(
     return dxf, pdf
 
 
+@dataclass(frozen=True)
+class _View:
+    """A view on paper."""
+
+    origin: complex  # its own origin there
+    scale: float
+    right: float  # up to where what belongs to it may stand
+
+    def at(self, z: complex) -> complex:
+        """A point of the view on paper."""
+        return self.origin + self.scale * z
+
+
+@dataclass(frozen=True)
+class _Room:
+    """What a view takes on paper, mm."""
+
+    size: complex  # of the view itself
+    over: float  # for balloons, and a name
+    under: float
+
+    @property
+    def high(self) -> float:
+        """From its lowest balloon to its highest."""
+        return self.over + self.size.imag + self.under
+
+
 class _Page:
-    """Its views on paper."""
+    """Its views on paper: one over the other left of the list, the upper one as wide as the sheet where it ends over the list."""
 
     def __init__(self, arrangement: Arrangement) -> None:
         self.arrangement = arrangement
         for self.size, (self.wide, self.high) in _SIZES.items():
-            self._lay_out()
-            if self.scale >= _SMALLEST and len(arrangement.items) <= self._most:
+            views = self._views()
+            if len(arrangement.items) <= self._most and views[0].scale >= _SMALLEST:
                 break
+        self.front, self.section, self.both = views
+        self.scale = self.front.scale
+
+    @property
+    def datum(self) -> complex:
+        """The machine's own origin in the front."""
+        return self.front.origin
 
     @property
     def _most(self) -> int:
         """Rows that the list has room for, without its head."""
         return int((self.high - 2 * MARGIN - BLOCK) / ROW) - 1
 
-    def _lay_out(self) -> None:
-        """The largest scale at which all fits on the paper, and where the views are there."""
+    def _views(self) -> tuple[_View, _View, bool]:
+        """Front and section as large as they fit, and whether the front has balloons under it too."""
+        for scale in SCALES:
+            near = [each for each in SCALES if scale / 5 <= each <= scale * 5]
+            for other, both, section_first in product(near, (True, False), (True, False)):
+                views = self._placed(scale, other, both, section_first)
+                if views:
+                    return *views, both
+        raise ValueError("no scale is small enough")
+
+    def _placed(
+        self, scale: float, other: float, both: bool, section_first: bool
+    ) -> tuple[_View, _View] | None:
+        """Front and section of these scales; None where they do not fit."""
         arrangement = self.arrangement
         low, high = arrangement.box
         near, far = arrangement.deep
-        span = high - low
-        section = far - near
-        wide = max(span.real, section.real)
-        tall = span.imag + section.imag
-        for self.scale in SCALES:
-            above, below = (self._over(len(each)) for each in arrangement.anchors(self.scale))
-            spare = self._room.imag - above - below - self.scale * tall
-            if spare >= 0 and self.scale * wide <= self._room.real:
-                break
-        left = FILING + _SIDE + (self._room.real - self.scale * wide) / 2
-        top = self.high - MARGIN - above - spare / 3
-        self.datum = complex(left - self.scale * low.real, top - self.scale * high.imag)
-        self.foot = top - self.scale * span.imag - _BETWEEN  # where the section begins
-        along = arrangement.line[1]
-        start = (low.real - (arrangement.line[0] / along).real) if along == 1 else near.real
-        self.start = complex(left, self.foot) - self.scale * start  # of the line's own origin
-
-    def _over(self, count: int) -> float:
-        """Room for so many balloons over or under a view."""
-        return _CLEAR + _STAGGER * _rows(count, self._columns) if count else 2.0
+        above, below, cut = (len(each) for each in self._numbers(scale, both))
+        limit = self.wide - MARGIN, self.wide - MARGIN - WIDTH
+        rooms = []
+        for size, up, down, extra in (
+            (scale * (high - low), above, below, (0.0, _SIZED)),
+            (other * (far - near), cut, 0, (_NAMED, _LOOSE)),
+        ):
+            rows = [self._over(count, limit[1] - FILING - 16) for count in (up, down)]
+            rooms.append(_Room(size, rows[0] + extra[0], rows[1] + extra[1]))
+        order = (1, 0) if section_first else (0, 1)
+        first, second = (rooms[k] for k in order)
+        top = self.high - MARGIN
+        notes = MARGIN + _NOTE * len(arrangement.notes) + 3
+        spare = top - notes - first.high - second.high
+        rows = min(len(arrangement.items), self._most) + 1
+        slack = top - first.high - (MARGIN + BLOCK + ROW * rows + 2)
+        over_list = slack > 0
+        head = min(spare / 3, slack) if over_list else spare / 3
+        if spare < 0:
+            return None
+        widths = [limit[0] if over_list else limit[1], limit[1]]
+        lefts = [
+            (FILING + _LEFT + right - _RIGHT[k] - room.size.real) / 2
+            for k, room, right in zip(order, (first, second), widths, strict=True)
+        ]
+        if min(lefts) < FILING + _LEFT:
+            return None
+        ends = [top - head - first.over, 0.0]
+        ends[1] = ends[0] - first.size.imag - first.under - (spare - head) / 2 - second.over
+        views: dict[int, _View] = {}
+        for k, room, right, left, end in zip(
+            order, (first, second), widths, lefts, ends, strict=True
+        ):
+            corner = complex(left, end - room.size.imag)
+            each = (scale, other)[k]
+            views[k] = _View(corner - each * (low, near)[k], each, right)
+        if scale == other and arrangement.line[1] == 1:  # over each other, as they are seen
+            start = views[0].at(arrangement.line[0]).real
+            under = complex(start, views[1].origin.imag)
+            begin, end = (start + other * each.real for each in (near, far))
+            if begin >= FILING + _LEFT and end + _RIGHT[1] <= views[1].right:
+                views[1] = replace(views[1], origin=under)
+        return views[0], views[1]
 
     @property
-    def _room(self) -> complex:
-        """Width and height that the views have on the sheet, mm."""
-        notes = _NOTE * len(self.arrangement.notes) + 3
-        wide = self.wide - FILING - MARGIN - WIDTH - _SIDE - 12
-        return complex(wide, self.high - 2 * MARGIN - _BETWEEN - notes)
+    def _clear(self) -> float:
+        """From a view to its balloons: clear of the section's letters too where these stand over or under the front."""
+        return _CLEAR + (_LETTERED if abs(self.arrangement.line[1].imag) > 0.5 else 0.0)
 
-    def at(self, z: complex) -> complex:
-        """A point of the front on paper."""
-        return self.datum + self.scale * z
+    def _over(self, count: int, wide: float) -> float:
+        """Room for so many balloons over or under a view."""
+        return self._clear + _STAGGER * _rows(count, (0.0, wide)) if count else 0.0
 
-    def below(self, z: complex) -> complex:
-        """A point of the section on paper, z downwards from the lowest."""
-        return self.start + self.scale * complex(z.real, self.arrangement.deep[0].imag - z.imag)
+    def _numbers(
+        self, scale: float, both: bool
+    ) -> tuple[dict[int, complex], dict[int, complex], dict[int, complex]]:
+        """Anchors of the balloons over the front, under it, and over the section."""
+        front, cut = self.arrangement.anchors(scale)
+        low, high = self.arrangement.box
+        middle = (low.imag + high.imag) / 2
+        below = {n: z for n, z in front.items() if both and z.imag < middle}
+        return {n: z for n, z in front.items() if n not in below}, below, cut
 
     def draw(self, title: str, facts: Facts) -> Sheet:
         """The whole sheet."""
@@ -257,13 +344,17 @@ class _Page:
         sheet.line(*corners, layer="TEXT", closed=True)
         self._front(sheet)
         self._section(sheet)
-        self._sizes(sheet, facts.tolerance)
+        above, below, cut = self._numbers(self.scale, self.both)
+        low, high = (self.front.at(z) for z in self.arrangement.box)
+        end = self.section.at(self.arrangement.deep[1]).imag
+        heads = [
+            self._balloons(sheet, self.front, above, high.imag + self._clear, 1),
+            self._balloons(sheet, self.front, below, low.imag - self._clear, -1),
+            self._balloons(sheet, self.section, cut, end + self._clear, 1),
+        ]
+        self._sizes(sheet, facts.tolerance, heads[1])
+        self._name(sheet, heads[2])
         self._levels(sheet)
-        front, cut = self.arrangement.anchors(self.scale)
-        head = self.at(self.arrangement.box[1]).imag + _CLEAR
-        _balloons(sheet, {n: self.at(z) for n, z in front.items()}, head, 1, self._columns)
-        end = self.below(self.arrangement.deep[1]).imag - _CLEAR
-        _balloons(sheet, {n: self.below(z) for n, z in cut.items()}, end, -1, self._columns)
         self._names(sheet)
         self._list(sheet)
         for k, line in enumerate(reversed(self.arrangement.notes)):
@@ -277,10 +368,18 @@ class _Page:
         title_block(sheet, complex(right, MARGIN), block, facts, self.scale, self.size)
         return sheet
 
-    @property
-    def _columns(self) -> tuple[float, float]:
-        """From where to where balloons may stand along x."""
-        return FILING + 8, self.wide - MARGIN - WIDTH - 8
+    def _balloons(
+        self, sheet: Sheet, view: _View, anchors: Mapping[int, complex], first: float, way: int
+    ) -> float:
+        """Balloons of a view, and where they end."""
+        columns = FILING + 8, view.right - 8
+        low, high = (view.at(z).real for z in self.arrangement.box)
+        if way < 0 and len(anchors) * _APART < high - low:  # clear of the width's own lines
+            columns = low + _BALLOON + 1, high - _BALLOON - 1
+        _balloons(sheet, {n: view.at(z) for n, z in anchors.items()}, first, way, columns)
+        if not anchors:
+            return first - way * self._clear
+        return first + way * (self._over(len(anchors), columns[1] - columns[0]) - self._clear)
 
     def _front(self, sheet: Sheet) -> None:
         """Visible edges, axes that stand, and where the section is cut."""
@@ -291,18 +390,20 @@ class _Page:
             for line in shapely.get_parts(shapely.simplify(merged, _SMOOTH / self.scale)):
                 points = shapely.get_coordinates(line) @ np.array([1, 1j])
                 if len(points) > 1:
-                    sheet.line(*(self.at(z) for z in points.tolist()), layer="VIEW")
+                    sheet.line(*(self.front.at(z) for z in points.tolist()), layer="VIEW")
         for face in self.arrangement.hidden.values():
             for contour in contours_of(face):
                 sheet.contour(contour.moved(self.scale, self.datum), "HIDDEN")
         for axis in self.arrangement.axes:
             for way in (4.0, 4j):
-                sheet.line(self.at(axis.at) - way, self.at(axis.at) + way, layer="CENTER")
+                sheet.line(
+                    self.front.at(axis.at) - way, self.front.at(axis.at) + way, layer="CENTER"
+                )
         origin, along = self.arrangement.line
         begin, end = _chord(self.arrangement.box, self.arrangement.line)
-        view = -1j * along
+        view = 1j * along
         for place, out in ((begin, -along), (end, along)):
-            near = self.at(origin + place * along) + 2 * out
+            near = self.front.at(origin + place * along) + 2 * out
             sheet.line(near, near + 6 * out, layer="VIEW")
             tip = near + 6 * out + 5 * view
             sheet.line(near + 6 * out, tip, layer="DIM")
@@ -314,58 +415,85 @@ class _Page:
         circle = 1.5 * np.exp(2j * np.pi * np.arange(16) / 16)
         labels = []
         for axis in self.arrangement.axes:
-            at = self.at(axis.at)
+            at = self.front.at(axis.at)
             labels.append(Label(axis.name, Hole(at, "", at, 1.5), at + circle))
-        area = complex(FILING + 1, MARGIN + 1), complex(self._columns[1], self.high - MARGIN - 1)
+        area = (
+            complex(FILING + 1, MARGIN + 1),
+            complex(self.front.right - 8, self.high - MARGIN - 1),
+        )
         for each in callouts(labels, sheet, area):
             sheet.things += each.things
 
     def _section(self, sheet: Sheet) -> None:
-        """Faces of the section, hatched part by part."""
+        """Faces of the section, hatched part by part, without what lies in their holes."""
+        import shapely
+
+        things = [each.cut for each in self.arrangement.copies if each.bought]
+        filled = shapely.union_all([shapely.Polygon(), *things])
+        near, far = self.arrangement.deep
         for copy in self.arrangement.copies:
             if copy.cut.is_empty:
                 continue
-            for contour in contours_of(copy.cut):
-                whole = contour.moved(self.scale, self.below(0j), mirror=True)
+            face = copy.cut if copy.bought else copy.cut.difference(filled)
+            for contour in contours_of(face):
+                whole = contour.moved(self.section.scale, self.section.origin)
                 sheet.contour(whole, "VIEW")
             if copy.hatched:
-                step = (_HATCH + 0.7 * (copy.number % 3)) / self.scale
+                step = (_HATCH + 0.7 * (copy.number % 3)) / self.section.scale
                 lean = -1 if copy.number % 2 else 1
-                for ends in _hatched(copy.cut, step, lean):
-                    sheet.line(*(self.below(z) for z in ends), layer="HATCH")
-        name = f"{_LETTER}-{_LETTER}"
-        near, far = self.arrangement.deep
-        middle = self.below(complex((near.real + far.real) / 2, near.imag))
-        sheet.text(middle + 5j, name, 5.0, "centre")
+                for ends in _hatched(face, step, lean):
+                    sheet.line(*(self.section.at(z) for z in ends), layer="HATCH")
+        for axis in self.arrangement.axes:
+            place = (axis.at - self.arrangement.line[0]) / self.arrangement.line[1]
+            if abs(place.imag) < _MITE:
+                ends = (complex(place.real, z) for z in (near.imag, far.imag))
+                low, high = (self.section.at(z) for z in ends)
+                sheet.line(low - 3j, high + 3j, layer="CENTER")
 
-    def _sizes(self, sheet: Sheet, tolerance: str) -> None:
-        """Width and height of the front, depth of the section: they follow from the parts."""
-        low, high = (self.at(z) for z in self.arrangement.box)
-        near, far = (self.below(z) for z in self.arrangement.deep)
+    def _name(self, sheet: Sheet, end: float) -> None:
+        """The section's name over its balloons, with its scale where that is its own."""
+        near, far = (self.section.at(z) for z in self.arrangement.deep)
+        name = f"{_LETTER}-{_LETTER}"
+        if self.section.scale != self.scale:
+            name += f" ({ratio(self.section.scale)})"
+        sheet.text(complex((near.real + far.real) / 2, end + 4), name, 5.0, "centre")
+
+    def _sizes(self, sheet: Sheet, tolerance: str, foot: float) -> None:
+        """Width and height of the front, the width's line under its balloons, depth of the section: they follow from the parts."""
+        low, high = (self.front.at(z) for z in self.arrangement.box)
+        near, far = (self.section.at(z) for z in self.arrangement.deep)
+        depth = self.section.scale, self.scale / self.section.scale
         sizes = (
-            (low, complex(high.real, low.imag), -14j),
-            (low, complex(low.real, high.imag), -14.0),
-            (complex(near.real, far.imag), near, -14.0),
+            (
+                low,
+                complex(high.real, low.imag),
+                (foot - _SIZED + 2 - low.imag) * 1j,
+                (self.scale, 1.0),
+            ),
+            (low, complex(low.real, high.imag), -14.0, (self.scale, 1.0)),
+            (near, complex(near.real, far.imag), -14.0, depth),
         )
-        for a, b, away in sizes:
-            value = Measure(round(abs(b - a) / self.scale, 1), REFERENCE)
+        for a, b, away, (scale, factor) in sizes:
+            value = Measure(round(abs(b - a) / scale, 1), REFERENCE, factor=factor)
             dimension(sheet, (a, b), complex(away), value, tolerance, FILING + 1)
 
     def _levels(self, sheet: Sheet) -> None:
-        """Heights of the faces that the section cuts, mm, from z = 0, right of it; none where they are too many to stand there."""
+        """Heights of the faces that the section cuts, mm, upwards from z = 0, right of it, in smaller letters where they are many; none
+        where they are too many even so."""
         levels = self.arrangement.levels
-        near, far = (self.below(z) for z in self.arrangement.deep)
-        wanted = [self.below(complex(0, level)).imag for level in levels]
-        least = far.imag - _LOOSE
-        most = near.imag + _LOOSE
-        if not levels or (len(levels) - 1) * _LINE > most - least:
+        near, far = (self.section.at(z) for z in self.arrangement.deep)
+        wanted = [self.section.at(complex(0, level)).imag for level in reversed(levels)]
+        least = near.imag - _LOOSE
+        most = far.imag + _LOOSE
+        high = next((each for each in _HEIGHTS if len(levels) * each * _LINE < most - least), 0.0)
+        if not levels or not high:
             return
-        places = _spread(wanted, (least, most), _LINE)
-        for level, at, place in zip(levels, wanted, places, strict=True):
+        places = _spread(wanted, (least, most), high * _LINE)
+        for level, at, place in zip(reversed(levels), wanted, places, strict=True):
             start = complex(far.real + 2, at)
             sheet.line(start, start + 3, complex(far.real + 9, place), layer="DIM")
             text = rounded_number(level, 2)
-            sheet.text(complex(far.real + 10, place - 0.9), text, 1.8, layer="DIM")
+            sheet.text(complex(far.real + 10, place - high / 2), text, high, layer="DIM")
 
     def _list(self, sheet: Sheet) -> None:
         """The list of parts over the title block, its first row the lowest. [ISO 7573]"""

@@ -194,8 +194,8 @@ class Bought:
     ] = ()  # parts with which it is put in, and how many with each copy
     how: str = ""  # where else it goes
     key: str = ""  # of the spec, that sets its size
-    thread: str = ""  # of a screw that pictures of steps show, such as "M3"
-    length: float = 0.0  # of that, mm
+    thread: str = ""  # of a screw or a nut that pictures show, such as "M3"
+    length: float = 0.0  # of a screw, mm; 0 where the spec leaves it open
     process: str = "bought"  # or how it is made
     details: str = ""  # what its maker has to know, for the parts list alone
 
@@ -203,6 +203,11 @@ class Bought:
     def text(self) -> str:
         """How many of what, for a step of assembly."""
         return f"{self.count} × {self.name} ({self.size})"
+
+    @property
+    def listing(self) -> str:
+        """What it is, as the parts list says it."""
+        return ", ".join(text for text in (self.size, self.standard, self.details) if text)
 
 
 CUT = "cut of steel"
@@ -516,7 +521,7 @@ def screw_for(core: float) -> str:
 
 def nut(name: str, thread: str, count: int) -> Bought:
     """Nuts of a thread."""
-    return Bought(name, NUT_STANDARD, thread, count)
+    return Bought(name, NUT_STANDARD, thread, count, thread=thread)
 
 
 def fixed_motor(name: str, face: MotorFace, shaft: str, grip: float) -> list[Bought]:
@@ -551,4 +556,5 @@ def fastener(name: str, thread: str, through: float, count: int) -> Bought:
     length = screw.through(through)
     if not length:
         return Bought(name, "DIN 976-1", f"{thread} x {math.ceil(through + 2 * screw.nut)}", count)
-    return Bought(name, screw.standard, f"{thread} x {length:g}", count)
+    size = f"{thread} x {length:g}"
+    return Bought(name, screw.standard, size, count, thread=thread, length=length)

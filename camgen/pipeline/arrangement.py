@@ -24,6 +24,8 @@ from camgen.numerics import coordinates
 from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import TURNED
 from camgen.parts.part import Part
+from camgen.pipeline.bought_shapes import bought_shapes
+from camgen.pipeline.shopping import bought_things
 from camgen.pipeline.shown import coarse
 from camgen.study import Table
 
@@ -59,9 +61,20 @@ def arrangement_of(mechanism: Mechanism, listed: Table) -> Arrangement:
         if name in numbers
     }
     items = [made[name] for name in numbers]
+    things = bought_things(mechanism)
+    shapes = {
+        (thing.name, thing.listing): found
+        for thing, found in bought_shapes(mechanism, things).items()
+    }
     for how, name, what, count in rows:
         if name not in numbers and how == _LISTED:
-            items.append(Item(f"{name}: {what}", count, str(how), len(items) + 1))
+            number = len(items) + 1
+            found = shapes.get((str(name), str(what)), [])
+            said = str(how) if found else f"{how}, not drawn"
+            items.append(Item(f"{name}: {what}", count, said, number))
+            copies += [
+                Copy(number, *_of_prisms(thing, line), False, bought=True) for thing in found
+            ]
     return Arrangement(copies, items, line, axes, _notes(mechanism, axes))
 
 
@@ -141,35 +154,47 @@ def _of_layers(
     """Faces of a part's layers, and what the section meets of them."""
     import shapely
 
-    origin, along = line
     place = complex(pose.place[0])
-    angle = float(pose.angle[0])
-    turn = np.exp(1j * angle)
+    turn = np.exp(1j * float(pose.angle[0]))
 
     def put(points: Any) -> Any:
-        """Points of the part where the copy stands, along the line and to its left."""
+        """Points of the part where the copy stands."""
         z = points @ np.array([1, 1j])
-        return coordinates(
-            ((place + turn * (-z.conjugate() if pose.flipped else z)) - origin) / along
+        return coordinates(place + turn * (-z.conjugate() if pose.flipped else z))
+
+    prisms = [
+        (
+            shapely.transform(area(layer.region, _FINE), put),
+            *heights(pose, part.thickness, layer.z0, layer.z1),
         )
+        for layer in part.layers
+    ]
+    return _of_prisms(prisms, line)
 
-    def upright(points: Any) -> Any:
-        """These as points of the machine."""
-        return coordinates(origin + along * (points @ np.array([1, 1j])))
 
-    faces = []
+def _of_prisms(
+    prisms: Sequence[tuple[Any, float, float]], line: tuple[complex, complex]
+) -> tuple[list[tuple[Any, float]], Any]:
+    """Upper faces of upright prisms, and what the section meets of them."""
+    import shapely
+
+    origin, along = line
+
+    def beside(points: Any) -> Any:
+        """Points of the machine along the line and to its left."""
+        return coordinates((points @ np.array([1, 1j]) - origin) / along)
+
     boxes = []
-    for layer in part.layers:
-        low, high = heights(pose, part.thickness, layer.z0, layer.z1)
-        shape = shapely.transform(area(layer.region, _FINE), put)
-        x0, _, x1, _ = shape.bounds
-        chord = shape.intersection(shapely.LineString([(x0 - 1, 0), (x1 + 1, 0)]))
+    for shape, low, high in prisms:
+        local = shapely.transform(shape, beside)
+        x0, _, x1, _ = local.bounds
+        chord = local.intersection(shapely.LineString([(x0 - 1, 0), (x1 + 1, 0)]))
         boxes += [
             shapely.box(piece.bounds[0], low, piece.bounds[2], high)
             for piece in shapely.get_parts(chord)
             if piece.length
         ]
-        faces.append((shapely.transform(shape, upright), high))
+    faces = [(shape, high) for shape, _, high in prisms]
     return faces, shapely.union_all([shapely.Polygon(), *boxes])
 
 
@@ -218,14 +243,25 @@ def _even(rings: Sequence[Any]) -> Any:
     return reduce(shapely.symmetric_difference, areas, shapely.Polygon())
 
 
+def _datum(assembly: Assembly) -> str:
+    """Whose lower face is at z = 0, in words; "" where no part of the ground lies there."""
+    lying = (
+        mount.part
+        for mount in assembly.mounts
+        if mount.body == GROUND and mount.z == 0 and not mount.upright
+    )
+    return next((f", the lower face of {part}" for part in lying), "")
+
+
 def _notes(mechanism: Mechanism, axes: Sequence[Axis]) -> list[str]:
     """What the sheet says of the machine as it is shown."""
     cycle = mechanism.assembly.cycle
     start = math.degrees(float(cycle.theta(np.zeros(1))[0]))
     turns = "clockwise" if cycle.sense < 0 else "counter-clockwise"
     way = "to and fro" if cycle.to_and_fro else turns
-    shown = f"Shown at {cycle.name} {start:.4g} {cycle.unit}, driven {way}; section A-A along the line A, its heights from z = 0."
-    notes = [shown]
+    shown = f"Shown at {cycle.name} {start:.4g} {cycle.unit}, driven {way}."
+    heights_from = f"Heights beside the section A-A upwards from z = 0{_datum(mechanism.assembly)}."
+    notes = [shown, heights_from]
     places = [
         f"{axis.name} ({number(axis.at.real - axes[0].at.real)}, {number(axis.at.imag - axes[0].at.imag)})"
         for axis in axes[1:]

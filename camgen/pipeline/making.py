@@ -299,9 +299,8 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
     }
     for how, group in groups.items():
         for thing in group:
-            size = ", ".join(text for text in (thing.size, thing.standard, thing.details) if text)
             made = how if thing.process == "bought" else thing.process
-            rows.append((made, thing.name, size, thing.count, "", *blank))
+            rows.append((made, thing.name, thing.listing, thing.count, "", *blank))
     columns = (
         "how",
         "part",

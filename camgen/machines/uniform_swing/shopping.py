@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from camgen.findings import Finding, Where, at_least
 from camgen.machines.uniform_swing.printed import SwingMachine
@@ -39,7 +39,9 @@ def bought(machine: SwingMachine) -> tuple[Bought, ...]:
     found = fixed_motor("motor", face, f"shaft {machine.shaft_size}", grip)
     if plate.mount:
         size = f"{plate.mount.thread}, {grip:.3g} mm longer than what it takes below the base"
-        found.append(Bought("screw of the base", plate.mount.standard, size, len(plate.mounts)))
+        many = len(plate.mounts)
+        held = Bought("screw of the base", plate.mount.standard, size, many, at=(("base", many),))
+        found.append(replace(held, thread=plate.mount.thread))
     screw = SCREWS[sizes.nozzle.screw]
     most = machine.last - machine.foot
     least = machine.thickness + screw.nut / 2 if sizes.pair else most
@@ -50,8 +52,10 @@ def bought(machine: SwingMachine) -> tuple[Bought, ...]:
             screw.standard,
             f"{screw.thread}, {longer} mm longer than the nozzle's foot",
             2,
+            at=(("nozzle-foot", 2),),
+            thread=screw.thread,
         ),
-        nut("nut of the nozzle", screw.thread, 2),
+        replace(nut("nut of the nozzle", screw.thread, 2), at=(("nozzle-foot", 2),)),
     ]
     if sizes.seat:
         found.append(

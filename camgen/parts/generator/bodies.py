@@ -227,7 +227,8 @@ class Bodies:
         behind = Bought(
             "screw of the plate, from behind", "", self._mount_screw, p.mount_screws, "mount"
         )
-        behind = replace(behind, key="parts.mount_diameter")
+        thread = next((name for name, core in CORE_HOLES.items() if core == p.mount_diameter), "")
+        behind = replace(behind, key="parts.mount_diameter", thread=thread)
         greased = "NLGI 2, for what the last step says"
         return [
             *motors,

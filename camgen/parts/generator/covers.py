@@ -84,7 +84,17 @@ class Cover:
         size = f"{self.screw.thread} x {self.length:g}, into core holes of {self.core:g}"
         at = tuple((name, 4) for name in dict.fromkeys(each.part for each in covers))
         name = "screw of a cover"
-        return [Bought(name, self.screw.standard, size, 4 * len(covers), at=at)] if covers else []
+        screw = self.screw
+        held = Bought(
+            name,
+            screw.standard,
+            size,
+            4 * len(covers),
+            at=at,
+            thread=screw.thread,
+            length=self.length,
+        )
+        return [held] if covers else []
 
 
 def cover(sizes: Parts, fits: Print, min_wall: float) -> Cover | None:

@@ -1,0 +1,280 @@
+"""What is bought and is no part, as simple solids where it stands: screws with their nuts, keys, springs, motors.
+
+Nothing says where a screw goes but the parts. Its column is all clearance holes of its thread on one axis, with the core hole
+that they lead to; a screw from behind has a core hole alone. Where a machine has another number of such columns than screws are
+bought, camgen knows no place for them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from camgen.machines.mechanism import Mechanism
+from camgen.numerics import coordinates
+from camgen.parts.assembly import Assembly
+from camgen.parts.catalogue import (
+    CORE_HOLES,
+    HEX_KEYS,
+    MOTOR_FACES,
+    NUT_STANDARD,
+    SCREWS,
+    Bought,
+    Screw,
+)
+from camgen.parts.coils import spring_sketches
+from camgen.parts.keyways import key_length, keyed, parallel_keys, shaft_keyway
+from camgen.parts.standing import Round, StandingCopy, discs, standing_copies
+
+_ALIKE = 0.35  # mm, by which a printed hole may differ from that of its thread
+_ON_CIRCLE = 0.01  # mm, by which a motor's screw may miss its circle
+_SOCKET = 0.5  # of a head's height, how deep its hexagon is
+_POCKET = 1.5  # heights of a nut, at most, between holes that hold one
+_WIRE = 0.1  # of a spring's diameter, as its wire is drawn
+
+Piece = tuple[Any, float, float]  # a polygon of shapely, from where to where it reaches, mm
+Thing = Sequence[Piece]  # one screw, key, spring or motor
+
+
+@dataclass(frozen=True)
+class _Column:
+    """Where a screw goes."""
+
+    at: complex
+    holes: Sequence[Round]  # of its clearance, from the lowest up
+    cores: Sequence[Round]
+    parts: frozenset[str]  # with these holes
+    sunk_below: bool  # whether a pocket for its head is under the lowest hole
+
+    @property
+    def up(self) -> bool:
+        """Whether its head is below."""
+        if self.cores:
+            return self.cores[0].high > self.holes[-1].high
+        return self.sunk_below
+
+
+def bought_shapes(mechanism: Mechanism, things: Sequence[Bought]) -> dict[Bought, list[Thing]]:
+    """Of each thing, the solids of all its copies at theta = 0; nothing of those that have no known place."""
+    assembly = mechanism.assembly
+    poses = assembly.poses(np.zeros(1))
+    copies = [
+        copy
+        for copy in standing_copies(assembly.parts, assembly.mounts, poses)
+        if not (copy.pose.standing or copy.pose.upright)
+    ]
+    found = _screws(assembly, things, copies)
+    for thing in things:
+        if not thing.thread:
+            found[thing] = _others(assembly, thing, copies)
+    springs = [thing for thing in things if thing.role == "spring"]
+    if len(springs) == len(assembly.coils):
+        lines = spring_sketches(assembly.coils, assembly.courses)
+        for thing, coil, sketch in zip(springs, assembly.coils, lines, strict=True):
+            found[thing] = [[_spring(sketch.course, coil.diameter, coil.eyes)]]
+    return {thing: shapes for thing, shapes in found.items() if shapes}
+
+
+def _others(assembly: Assembly, thing: Bought, copies: Sequence[StandingCopy]) -> list[Thing]:
+    """Keys and motors."""
+    if thing.role == "drive":
+        return list(_motors(assembly, copies))
+    own = {name for name, _ in thing.at}
+    keys = [key.size for key in parallel_keys(assembly.parts, bool(assembly.dowel))]
+    if thing.size not in keys:
+        return []
+    return [[each] for copy in copies if copy.part.name in own for each in _keys(copy)]
+
+
+# ---- screws ----------------------------------------------------------------------------------------------------------
+
+
+def _screws(
+    assembly: Assembly, things: Sequence[Bought], copies: Sequence[StandingCopy]
+) -> dict[Bought, list[Thing]]:
+    """Screws of all kinds, those of a motor first, then those that say with which parts they come; and their nuts."""
+    found = dict[Bought, list[Thing]]()
+    used = set[complex]()
+    screws = [each for each in things if each.thread and each.standard != NUT_STANDARD]
+    nuts = [each for each in things if each.thread and each.standard == NUT_STANDARD]
+    for thing in sorted(screws, key=lambda each: (each.role != "drive screw", not each.at)):
+        screw = SCREWS[thing.thread]
+        columns = [
+            column
+            for column in _columns(copies, screw)
+            if column.at not in used and _fits(assembly, thing, column)
+        ]
+        if len(columns) != thing.count:
+            continue
+        used |= {column.at for column in columns}
+        found[thing] = [_screw(screw, thing, column) for column in columns]
+        for own in nuts:
+            if not (set(thing.at) <= set(own.at) if thing.at else own.role == thing.role != ""):
+                continue
+            found.setdefault(own, []).extend(
+                [_nut(screw, column)] for column in columns if column.holes
+            )
+    return found
+
+
+def _columns(copies: Sequence[StandingCopy], screw: Screw) -> Iterator[_Column]:
+    """Where screws of a thread can go."""
+    holes = [(hole, copy.part.name) for copy in copies for hole in copy.holes]
+    core = CORE_HOLES[screw.thread]
+    alike = [
+        (hole, name)
+        for hole, name in holes
+        if abs(hole.diameter - screw.clearance) < _ALIKE or abs(hole.diameter - core) < _ALIKE
+    ]
+    while alike:
+        first = alike[0][0]
+        line = [(hole, name) for hole, name in alike if hole.in_line(first)]
+        alike = [(hole, name) for hole, name in alike if not hole.in_line(first)]
+        clear = [hole for hole, _ in line if abs(hole.diameter - screw.clearance) < _ALIKE]
+        clear.sort(key=lambda hole: hole.low)
+        cores = [hole for hole, _ in line if hole not in clear]
+        wide = [hole for hole, _ in holes if hole.in_line(first) and hole.diameter > screw.head]
+        low, high = (clear[0].low, clear[-1].high) if clear else (math.inf, -math.inf)
+        sunk_below = any(hole.high < low + _ALIKE for hole in wide) and not any(
+            hole.low > high - _ALIKE for hole in wide
+        )
+        parts = frozenset(name for _, name in line)
+        yield _Column(first.at, clear, cores, parts, sunk_below)
+
+
+def _fits(assembly: Assembly, thing: Bought, column: _Column) -> bool:
+    """Whether a screw may go into a column."""
+    if thing.at:
+        return bool(column.parts & {name for name, _ in thing.at})
+    if thing.role == "drive screw":
+        face = MOTOR_FACES.get(assembly.motor.frame)
+        motors = [disc for each in assembly.stand_ins if each.drives for disc in each.discs]
+        if motors:
+            return bool(column.holes) and any(
+                abs(column.at - at) < radius + SCREWS[thing.thread].head
+                for at, radius, *_ in motors
+            )
+        return face is not None and any(
+            abs(abs(column.at) - abs(z)) < _ON_CIRCLE for z in face.screws
+        )
+    if thing.role == "mount" and not thing.length:  # what it goes into is no part
+        return bool(column.holes) != bool(column.cores)
+    return bool(column.holes)
+
+
+def _screw(screw: Screw, thing: Bought, column: _Column) -> Thing:
+    """A shank and a head with its hexagon; of one from behind what is in the core hole."""
+    import shapely
+
+    shank = _disc(column.at, screw.nominal / 2)
+    ends = [end for hole in (*column.holes, *column.cores) for end in (hole.low, hole.high)]
+    if not column.holes:
+        return [(shank, min(ends), max(ends))]
+    way = 1.0 if column.up else -1.0
+    seat = column.holes[0].low if column.up else column.holes[-1].high
+    far = max(ends) if column.up else min(ends)
+    tip = seat + way * thing.length if thing.length else far
+    flats = HEX_KEYS.get(thing.standard, {}).get(screw.thread, screw.nominal / 2)
+    socket = shapely.Polygon(coordinates(_hexagon(column.at, flats)))
+    head = _disc(column.at, screw.head / 2)
+    top = seat - way * screw.height
+    floor = top + way * _SOCKET * screw.height
+    return [
+        (shank, *sorted((seat, tip))),
+        (head.difference(socket), *sorted((seat, top))),
+        (socket, *sorted((seat, floor))),
+    ]
+
+
+def _nut(screw: Screw, column: _Column) -> Piece:
+    """A nut in its pocket between clearance holes, else at the end away from the head."""
+    import shapely
+
+    gaps = [
+        (below.high, above.low)
+        for below, above in zip(column.holes, column.holes[1:], strict=False)
+        if screw.nut < above.low - below.high < _POCKET * screw.nut
+    ]
+    low = column.holes[-1].high if column.up else column.holes[0].low - screw.nut
+    if gaps:
+        low = sum(gaps[0]) / 2 - screw.nut / 2
+    return shapely.Polygon(coordinates(_hexagon(column.at, screw.flats))), low, low + screw.nut
+
+
+def _hexagon(at: complex, flats: float) -> Any:
+    """Its corners, (6,) complex mm; flats: width across them."""
+    return at + flats / math.sqrt(3) * np.exp(1j * math.pi / 3 * np.arange(6))
+
+
+def _disc(at: complex, radius: float) -> Any:
+    import shapely
+
+    return shapely.Point(at.real, at.imag).buffer(radius, quad_segs=24)
+
+
+# ---- keys, springs, motors -------------------------------------------------------------------------------------------
+
+
+def _keys(copy: StandingCopy) -> Iterator[Piece]:
+    """The key in each keyed bore of a copy, half way along it."""
+    import shapely
+
+    part = copy.part
+    for hole in part.region.holes:
+        seat = keyed(hole)
+        if seat is None:
+            continue
+        (centre, radius), *_ = discs(hole)
+        bore = next(each for each in copy.holes if abs(each.at - copy.at(centre)) < _ON_CIRCLE)
+        t1, _ = shaft_keyway(2 * radius)
+        inner, outer = radius - t1, radius + seat.depth
+        corners = [
+            copy.at(centre + seat.way * complex(along, side * seat.width / 2))
+            for along, side in ((inner, -1), (outer, -1), (outer, 1), (inner, 1))
+        ]
+        long = min(key_length(2 * radius, part.thickness), part.thickness)
+        middle = (bore.low + bore.high) / 2
+        yield (
+            shapely.Polygon(coordinates(np.array(corners))),
+            middle - long / 2,
+            middle + long / 2,
+        )
+
+
+def _spring(course: Any, diameter: float, eyes: tuple[float, float]) -> Piece:
+    """An extension spring as a zigzag from pin to pin."""
+    import shapely
+
+    line = shapely.LineString(coordinates(np.ravel(course(np.zeros(1)))))
+    return line.buffer(_WIRE * diameter / 2, cap_style="flat", join_style="mitre"), *eyes
+
+
+def _motors(assembly: Assembly, copies: Sequence[StandingCopy]) -> Iterator[Thing]:
+    """Bodies of motors with their shafts; of a frame without a known length as long as half its width."""
+    import shapely
+
+    face = MOTOR_FACES.get(assembly.motor.frame)
+    bodies = [disc for each in assembly.stand_ins if each.drives for disc in each.discs]
+    if not bodies and face is not None:
+        plates = [
+            hole
+            for copy in copies
+            for hole in copy.holes
+            if abs(hole.at) < _ON_CIRCLE and abs(hole.diameter - face.boss) < 1
+        ]
+        top = min((hole.low for hole in plates), default=0.0)
+        bodies = [(0j, face.half, top - face.half, top)]
+    for at, radius, low, high in bodies:
+        pieces: list[Piece] = [(_disc(at, radius), low, high)]
+        if face is not None and not face.length:
+            box = shapely.box(*(x + way * face.half for way in (-1, 1) for x in (at.real, at.imag)))
+            pieces = [(box, low, high), (_disc(at, face.boss / 2), high, high + face.boss_height)]
+        reach = assembly.motor.reach
+        shaft = assembly.motor.shaft or (face.shaft if face else 0.0)
+        if shaft and reach is not None:
+            pieces.append((_disc(at, shaft / 2), high, high + reach))
+        yield pieces
