@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -121,6 +122,17 @@ class Part:
     stacked: bool = (
         False  # whether each of its layers has an outline of its own, none of which is the part's
     )
+
+    @property
+    def heading(self) -> str:
+        """What sheets and lists call it: by its name where the title has no other words."""
+        words = re.sub("[-_]", " ", self.name)
+        return self.name if self.title.lower() == words.lower() else self.title
+
+    @property
+    def listed(self) -> str:
+        """Its name, and its title where that has other words."""
+        return self.name if self.heading == self.name else f"{self.name}: {self.title}"
 
     @property
     def thickness(self) -> float:

@@ -55,12 +55,13 @@ def arrangement_of(mechanism: Mechanism, listed: Table) -> Arrangement:
         line = complex(inside.x, inside.y), 1 + 0j
         copies = _copies(mechanism, line)
     rows = [row[:4] for row in listed.rows]
-    made = {
-        name: Item(str(what), count, str(how), numbers[name])
-        for how, name, what, count in rows
-        if name in numbers
-    }
-    items = [made[name] for name in numbers]
+    items = []
+    for how, name, what, count in rows:
+        if name in numbers:
+            part = assembly.by_name[name]
+            said = part.listed + str(what).removeprefix(part.title)
+            items.append(Item(said, count, str(how), numbers[name]))
+    items.sort(key=lambda item: item.number)
     things = bought_things(mechanism)
     shapes = {
         (thing.name, thing.listing): found
