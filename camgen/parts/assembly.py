@@ -549,7 +549,7 @@ def _bought_row(each: Bought) -> Row:
     row = (0, each.name, each.size, each.how, each.count, 0.0, "as bought")
     many = f"{each.count} × {each.name}"
     name = many if each.count > 1 else each.name[:1].upper() + each.name[1:]
-    threads = [(each.thread, each.length)] if each.thread else []
+    threads = [(each.thread, each.length)] if each.length else []
     said = f"{name}, {each.size}{f'; {each.how}' if each.how else ''}"
     if each.role == "mount":
         said = f"screw in {each.text}{f' {each.how}' if each.how else ''}"
@@ -564,7 +564,7 @@ def with_things(row: Row, things: Sequence[Bought]) -> Row:
     said = f"with {', '.join(each.text for each in things)}"
     text = "; ".join(filter(None, (str(cells[3]), said)))
     cells = (*cells[:3], text, *cells[4:])
-    threads = [(each.thread, each.length) for each in things if each.thread]
+    threads = [(each.thread, each.length) for each in things if each.length]
     use = f"use {', '.join(each.text for each in things)}"
     return cells, replace(step.also(use), threads=[*step.threads, *threads])
 
