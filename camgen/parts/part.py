@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import cmath
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -126,7 +125,7 @@ class Part:
     @property
     def heading(self) -> str:
         """What sheets and lists call it: by its name where the title has no other words."""
-        words = re.sub("[-_]", " ", self.name)
+        words = self.name.replace("-", " ").replace("_", " ")
         return self.name if self.title.lower() == words.lower() else self.title
 
     @property
