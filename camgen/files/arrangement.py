@@ -279,8 +279,8 @@ class _Page:
             (scale * (high - low), above, below, (0.0, _SIZED)),
             (other * (far - near), cut, 0, (_NAMED, _LOOSE)),
         ):
-            rows = [self._over(count, limit[1] - FILING - 16) for count in (up, down)]
-            rooms.append(_Room(size, rows[0] + extra[0], rows[1] + extra[1]))
+            over, under = (self._over(count, limit[1] - FILING - 16) for count in (up, down))
+            rooms.append(_Room(size, over + extra[0], under + extra[1]))
         order = (1, 0) if section_first else (0, 1)
         first, second = (rooms[k] for k in order)
         top = self.high - MARGIN
@@ -446,8 +446,8 @@ class _Page:
         for axis in self.arrangement.axes:
             place = (axis.at - self.arrangement.line[0]) / self.arrangement.line[1]
             if abs(place.imag) < _MITE:
-                ends = (complex(place.real, z) for z in (near.imag, far.imag))
-                low, high = (self.section.at(z) for z in ends)
+                ends = (near.imag, far.imag)
+                low, high = (self.section.at(complex(place.real, z)) for z in ends)
                 sheet.line(low - 3j, high + 3j, layer="CENTER")
 
     def _name(self, sheet: Sheet, end: float) -> None:
