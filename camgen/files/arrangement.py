@@ -311,8 +311,8 @@ class _Page:
         if scale == other and arrangement.line[1] == 1:  # over each other, as they are seen
             start = views[0].at(arrangement.line[0]).real
             under = complex(start, views[1].origin.imag)
-            begin, end = (start + other * each.real for each in (near, far))
-            if begin >= FILING + _LEFT and end + _RIGHT[1] <= views[1].right:
+            least, most = (start + other * each.real for each in (near, far))
+            if least >= FILING + _LEFT and most + _RIGHT[1] <= views[1].right:
                 views[1] = replace(views[1], origin=under)
         return views[0], views[1]
 
