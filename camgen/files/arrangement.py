@@ -310,10 +310,10 @@ class _Page:
             views[k] = _View(corner - each * (low, near)[k], each, right)
         if scale == other and arrangement.line[1] == 1:  # over each other, as they are seen
             start = views[0].at(arrangement.line[0]).real
-            under = complex(start, views[1].origin.imag)
+            aligned = complex(start, views[1].origin.imag)
             least, most = (start + other * each.real for each in (near, far))
             if least >= FILING + _LEFT and most + _RIGHT[1] <= views[1].right:
-                views[1] = replace(views[1], origin=under)
+                views[1] = replace(views[1], origin=aligned)
         return views[0], views[1]
 
     @property
