@@ -107,6 +107,7 @@ METAL = {
         "parts.pin=dowel",
         'parts.pins={ O = "bush", C = "bush" }',
         "parts.wall=3",
+        "geneva.0.gap=1",
     ),
     "linkage": (
         *_SHAFTS,

@@ -72,7 +72,7 @@ class _Layout:
         self.inner = _BORE if drawn.bored and not drawn.detailed else 0.0
         self.beside = _BESIDE + self.inner + BOSS * (len(drawn.bosses) + (part.drum is not None))
         self.depth = part.thickness if part.side_profile or drawn.section else 0.0
-        surface = drawn.surface or (drawn.slotted and facts.profile)
+        surface = drawn.surface or ((drawn.slotted or drawn.lock) and facts.profile)
         self.over = _ABOVE + (_SURFACE if surface else 0.0)
         self.unrolled = None
         self.track_section = None

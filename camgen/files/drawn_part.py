@@ -232,7 +232,8 @@ class DrawnPart:
         return self._second if centred and not self.datum_letter and (track or self.placed) else ""
 
     def _angle_hole(self) -> Hole | None:
-        """The dowel's hole that is the datum of a track's angle, of a part without a keyway; of a plate with an edge its first hole."""
+        """The dowel's hole that is the datum of a track's angle, of a part without a keyway; of a plate with an edge its first hole, of a
+        lock that without the shaft."""
         if self.facts.levels:
             return next((hole for _, hole in self.named if self.datum_letter and hole.radius), None)
         contours = (self.part.region.outer, *self.part.region.holes)
@@ -240,6 +241,8 @@ class DrawnPart:
             return None
         dowel = self.facts.dowel
         holes = (hole for _, hole in self.named if hole.radius and abs(hole.place) > SAME_POINT)
+        if self.lock:
+            return next(holes, None)
         return next((hole for hole in holes if abs(2 * hole.radius - dowel) < SAME_POINT), None)
 
     def _origin(self) -> str:

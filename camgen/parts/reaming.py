@@ -210,7 +210,7 @@ _KEYED = (
 
 def _lines(holes: Mapping[float, _Holes], tool: Callable[[float], str]) -> list[str]:
     """What opens holes, and which, in words."""
-    return [f"{tool(size)}: {listed(_named(parts))}" for size, parts in sorted(holes.items())]
+    return [f"{tool(size)}: {listed(_named(parts, size))}" for size, parts in sorted(holes.items())]
 
 
 def _ticks(lines: Sequence[str]) -> str:
@@ -245,13 +245,15 @@ def running_size(diameter: float, play: float) -> float:
 _Holes = dict[str, tuple[Part, list[str]]]  # by the name of a part
 
 
-def _named(parts: _Holes) -> Iterator[str]:
-    """Holes of each part in words: "B and C1 of low1 (2 ×)"."""
+def _named(parts: _Holes, size: float) -> Iterator[str]:
+    """Holes of each part in words: "B and C1 of low1 (2 ×)"; size: of what is fixed there, mm."""
     for part, holes in parts.values():
         many = f" ({part.count} ×)" if part.count > 1 else ""
         letters = [name for name in holes if name]
         rest = len(holes) - len(letters)
-        bare = ["the bore" if rest == 1 else f"{rest} bores"] if rest else []
+        beside = part.bore is not None and size < part.bore / 2 + SAME_POINT
+        one = "the hole beside the bore" if beside else "the bore"
+        bare = [one if rest == 1 else f"{rest} bores"] if rest else []
         yield f"{listed([*letters, *bare])} of {part.name}{many}"
 
 

@@ -14,6 +14,7 @@ import camgen
 from camgen import load
 from camgen.errors import DesignError, SpecError
 from camgen.machines.loads.assess import assess
+from camgen.parts.turning_over import middle
 
 SPEC: dict[str, Any] = {
     "mechanism": "linkage",
@@ -62,6 +63,39 @@ def test_the_wheel_of_the_model_is_the_closed_form(machine: camgen.Mechanism) ->
     rests = np.abs(np.angle(pin)) > math.pi / 4
     still = np.asarray(run["table"])[rests]
     assert np.abs(still[:, None] - np.array([still[0], still[-1]])).min(axis=1).max() < 1e-12
+
+
+def test_a_gap_stands_the_disc_on_its_crank_with_a_dowel_in_both() -> None:
+    """Shafts lean by 0.2 in 5 mm, at rims 60 mm from shaft to shaft by 2.4 mm together; from level to level there are 0.2."""
+    made = load(spec(gap=2.5)).assembly
+    stands = {mount.part: mount for mount in made.mounts}
+    parts = made.by_name
+    disc, wheel, dowel = "lock-step", "geneva-step", "dowel-lock-step"
+    top = stands["crank"].z + parts["crank"].thickness
+    assert stands[disc].z == pytest.approx(top)
+    assert stands[wheel].z - top == pytest.approx(2.5)
+    assert parts[disc].thickness == pytest.approx(2.5 + parts[wheel].thickness)
+    assert stands[dowel].z == pytest.approx(stands["crank"].z)
+    assert parts[dowel].thickness == pytest.approx(parts["crank"].thickness + parts[disc].thickness)
+    place = stands[dowel].at
+    for name in ("crank", disc):
+        holes = [
+            hole for hole in parts[name].region.holes if abs(hole.area) < math.tau * 2.6**2 / 2
+        ]
+        nearest = min(abs(stands[name].place(middle(hole)) - place) for hole in holes)
+        assert nearest < 1e-6, "one axis"
+    bores = [hole for hole in parts[disc].region.holes if abs(middle(hole)) < 1e-9]
+    assert all(len(hole.pieces) == 1 for hole in bores), "the dowel turns it: no flat"
+    assert load(SPEC).assembly.by_name[disc].thickness == parts[wheel].thickness
+
+
+def test_a_gap_is_more_than_crank_and_wheel_tip() -> None:
+    with pytest.raises(DesignError, match=r"tip by 2.4 mm .* more than the gap of 2 mm"):
+        _ = load(spec(gap=2)).assembly
+    thick = spec(gap=2) | {"parts": {"base_thickness": 7}}
+    assert "dowel-lock-step" in load(thick).assembly.by_name
+    with pytest.raises(SpecError, match="dowels hold both wheel and lock"):
+        load(spec(gap=2, inner=True))
 
 
 INNER: dict[str, Any] = SPEC | {

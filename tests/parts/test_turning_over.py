@@ -94,11 +94,11 @@ def test_a_crank_keyed_beside_a_cam_lies_one_way_unless_its_pin_is_on_the_line_o
 
 
 def test_the_crank_of_a_geneva_drive_says_which_side_is_up() -> None:
-    machine = read_mechanism(tomllib.loads(starters.in_metal("geneva-table"))).resolved()
-    made = machine.assembly.by_name
-    for name in ("crank", "lock-crank_to_table"):
-        assert any("UP" in note for note in made[name].notes)
-    assert not any("UP" in note for note in made["geneva-crank_to_table"].notes)
+    """On a dowel crank and disc turn over together, and the disc is its own image in the line of both."""
+    spec = starters.folder() / "gallery/geneva-table.toml"
+    for settings, told in (((), {"crank", "lock-crank_to_table"}), (("geneva.0.gap=3",), set())):
+        made = read_mechanism(spec, settings).resolved().assembly.parts
+        assert {part.name for part in made if any("UP" in note for note in part.notes)} == told
 
 
 def test_up_stands_beside_the_bore_upright_as_deep_as_letters() -> None:

@@ -22,8 +22,9 @@ SPECS = Path(__file__).resolve().parents[2] / "specs"
 
 @cache
 def table(*settings: str) -> Mechanism:
-    """The Geneva table in metal, with walls that leave room for wide gaps."""
-    metal = (*starters.METAL["geneva-table"], "parts.wall=2", *settings)
+    """The Geneva table in metal, with one gap between all levels and walls that leave room for wide ones."""
+    metal = (each for each in starters.METAL["geneva-table"] if not each.startswith("geneva.0.gap"))
+    metal = (*metal, "parts.wall=2", *settings)
     return read_mechanism(SPECS / "gallery" / "geneva-table.toml", metal)
 
 

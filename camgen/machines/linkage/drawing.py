@@ -175,7 +175,10 @@ class Drawing:
     def edge_wishes(self) -> dict[str, Any]:
         """What is asked of each pair that drives by its edge, by its joint; DesignError where there is none such."""
         return {
-            **{each.joint: GenevaWish(self.geneva_of(each), each.pin) for each in self.genevas},
+            **{
+                each.joint: GenevaWish(self.geneva_of(each), each.pin, each.gap)
+                for each in self.genevas
+            },
             **{each.joint: self._noncircular_pair(each) for each in self.noncirculars},
             **{each.joint: self._mutilated_law(each) for each in self.mutilated},
             **{each.joint: self.ratchet_of(each) for each in self.ratchets},

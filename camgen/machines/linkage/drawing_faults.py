@@ -279,6 +279,9 @@ def _noncircular_faults(drawing: Drawing, path: Key, pair: t.Noncircular) -> Ite
 
 def _geneva_faults(drawing: Drawing, path: Key, geneva: t.Geneva) -> Iterable[Fault]:
     yield from shaft_faults(drawing, path, geneva)
+    if geneva.gap is not None and geneva.inner:
+        right = "nothing here beside inner = true: dowels hold both wheel and lock"
+        yield Fault((*path, "gap"), f"{geneva.gap:g}", right)
     points = drawing.links.get(geneva.a, ())
     if points and (geneva.pin not in points or geneva.pin == drawing.pivot(geneva.a)):
         free = [point for point in points if point != drawing.pivot(geneva.a)]

@@ -398,6 +398,11 @@ class Geneva(Pair):
         default=None,
         description="gap of the roller in a slot, and of the disc in the wheel, on either side; half of print.slide_clearance unless given",
     )
+    gap: Annotated[float, quantity("mm", gt=0, le=20)] | None = Field(
+        default=None,
+        description="height between crank and wheel, more than the wheel's rim tips: the locking disc then stands on the crank, held by a dowel; "
+        "unless given print.slide_clearance, and the shaft alone holds the disc",
+    )
     name: JointName = None
 
 

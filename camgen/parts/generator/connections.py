@@ -286,6 +286,20 @@ class Connections:
         return [*self.dowelled_wheels, *edges]
 
     @cached_property
+    def pinned(self) -> list[DowelledEdge]:
+        """Locks on shafts that a dowel holds on their cranks."""
+        hub = (self.sizes.pin_diameter + self.fits.press_clearance) / 2 + self.rim
+        found = []
+        for drive in self.drives_of(GenevaDrive):
+            lock = drive.pinned(self.machine, hub)
+            if lock is None:
+                continue
+            if self.sizes.plates < 2:  # which hold a shaft at one end alone
+                drive.refuse_tipping(self.fits.slide_clearance / self.sizes.base_thickness)
+            found.append(lock)
+        return found
+
+    @cached_property
     def dowelled_wheels(self) -> list[DowelledWheel]:
         """Rings of inner teeth, and suns that stand still."""
         rim = groove_rim(self.sizes) + self.fits.press_clearance

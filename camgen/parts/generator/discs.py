@@ -16,7 +16,7 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine.features import Mount
-from camgen.parts.catalogue import TURNED
+from camgen.parts.catalogue import TURNED, dowel
 from camgen.parts.disc_cams import CamParts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.gears import table, windows
@@ -44,6 +44,8 @@ from camgen.parts.hardware import plate, spacer
 from camgen.parts.part import HoldingNote, Layer, Part, rod
 from camgen.parts.wheels import involute
 from camgen.tolerances import SAME_POINT
+
+_SUNK = 2.0  # mm, by which a dowel that is sold may end below the upper side of what it holds
 
 
 class _Disc(Disc):
@@ -221,7 +223,6 @@ def dowelled_parts(layout: Layout, dowelled: DowelledWheel | DowelledEdge) -> It
     """A ring as drawn at theta = 0, a sun or a lock, and the dowels that hold it on its link."""
     wheel = dowelled.wheel
     link = wheel.link
-    sizes = layout.sizes
     start = float(layout.machine.start_of(link).angle)
     locks = isinstance(dowelled, DowelledEdge)
     kind = "ring" if dowelled.within else "locking crescent" if locks else "sun"
@@ -245,14 +246,28 @@ def dowelled_parts(layout: Layout, dowelled: DowelledWheel | DowelledEdge) -> It
     )
     at = layout.at(link, layout.axis_of_wheel(wheel))
     yield part, Mount(part.name, link, at, -start, z=low)
+    yield from _dowels(layout, dowelled, part.title)
+
+
+def _dowels(
+    layout: Layout, dowelled: DowelledWheel | DowelledEdge, title: str
+) -> Iterator[MountedPart]:
+    """The dowels of what they hold on its link; title: of that. One that is sold ends below its upper side."""
+    sizes = layout.sizes
+    link = dowelled.wheel.link
     bottom, top = dowel_span(layout, dowelled)
+    length = round(top - bottom, 9)
+    held = "pressed and glued in"
     made = "printed" if sizes.pin == "printed" else TURNED
-    name = f"dowel-{part.name}"
-    dowel = rod(
-        name, f"Dowel of the {part.title.lower()}", sizes.pin_diameter, round(top - bottom, 9)
-    )
-    dowel = replace(dowel, notes=("pressed and glued in",), process=made)
-    yield from ((dowel, Mount(name, link, z, z=bottom)) for z in dowel_places(layout, dowelled))
+    sold = dowel(sizes.pin_diameter, length) if sizes.pin == "dowel" else 0.0
+    if sold >= length - _SUNK:
+        length = sold
+        held = f"dowel ISO 2338, {sizes.pin_diameter:g} m6 x {sold:g}, {held}"
+        made = "bought"
+    name = f"dowel-{dowelled.part}"
+    part = rod(name, f"Dowel of the {title.lower()}", sizes.pin_diameter, length)
+    part = replace(part, notes=(held,), process=made)
+    yield from ((part, Mount(name, link, z, z=bottom)) for z in dowel_places(layout, dowelled))
 
 
 def edge_parts(layout: Layout, drive: EdgeDrive) -> Iterator[MountedPart]:
@@ -261,7 +276,7 @@ def edge_parts(layout: Layout, drive: EdgeDrive) -> Iterator[MountedPart]:
         yield from _inner_geneva(layout, drive)
     else:
         for link, edge in zip(drive.links, drive.edges(layout.machine), strict=True):
-            yield _on_shaft(layout, link, drive, edge)
+            yield from _on_shaft(layout, link, drive, edge)
     if isinstance(drive, GenevaDrive):
         yield roller_part(layout, drive.roller)
 
@@ -277,35 +292,44 @@ def _inner_geneva(layout: Layout, drive: GenevaDrive) -> Iterator[MountedPart]:
                 yield replace(part, notes=(*part.notes, *rows)), mount
 
 
-def _on_shaft(layout: Layout, link: str, drive: EdgeDrive, edge: Contour) -> MountedPart:
-    """A plate on the shaft of one of its links."""
+def _on_shaft(layout: Layout, link: str, drive: EdgeDrive, edge: Contour) -> Iterator[MountedPart]:
+    """A plate on the shaft of one of its links; of one that stands on its link the dowel too."""
     wheel = next(each for each in drive.wheels if each.link == link)
     name = drive.part_on(link)
     sizes = layout.sizes
     start = float(layout.machine.start_of(link).angle)
     press = layout.fits.press_clearance
     wide = sizes.shaft_diameter + press
-    bore = sizes.shaft_bore(press).moved(cmath.exp(1j * start))
-    with naming(drive.thing, drive.remedy):
-        region = plate(wheel.about, edge, {"bore": bore}, layout.min_wall)
+    holes = {"bore": sizes.shaft_bore(press).moved(cmath.exp(1j * start))}
     level = layout.level[drive.level]
-    notes = (
-        f"drawn at theta = 0, level {level}",
-        f"{layout.on_shaft} on the shaft of {link}",
-        *drive.table(link),
-    )
+    low = layout.floor(level)
     thick = layout.wheel_thickness(link)
+    held = f"{layout.on_shaft} on the shaft of {link}"
+    pinned = next((each for each in layout.pinned if each.part == name), None)
+    if pinned:
+        (dowel_at,) = pinned.dowels
+        hole = (sizes.pin_diameter + press) / 2
+        holes = {"bore": circle(0j, wide / 2), "dowel": circle(dowel_at, hole)}
+        low, thick = dowelled_span(layout, pinned)
+        held = f"glued on the shaft of {link}, down on {link}: a dowel holds it there"
+        if layout.metal:
+            held += f"; ream its hole with that of {link} in one go, both on a rod of {sizes.shaft_diameter:g}"
+    with naming(drive.thing, drive.remedy):
+        region = plate(wheel.about, edge, holes, layout.min_wall)
+    notes = (f"drawn at theta = 0, level {level}", held, *drive.table(link))
     part = Part(
         name,
         wheel.about[:1].upper() + wheel.about[1:],
         (Layer(region, 0.0, thick),),
-        centres=(0j,),
+        centres=(0j, *(pinned.dowels if pinned else ())),
         notes=notes,
         bore=wide,
         min_wall=layout.min_wall,
     )
     at = layout.at(link, layout.shaft_of(link))
-    return part, Mount(name, link, at, -start, z=layout.floor(level))
+    yield part, Mount(name, link, at, -start, z=low)
+    if pinned:
+        yield from _dowels(layout, pinned, part.title)
 
 
 def cycloid_pins(layout: Layout) -> Iterator[MountedPart]:

@@ -47,7 +47,8 @@ def stud_hubs(layout: Layout, link: str) -> list[tuple[complex, float]]:
 def dowel_hubs(layout: Layout, link: str) -> list[tuple[complex, float]]:
     """Hubs round the dowels on a link: place in its axes and radius."""
     radius = (layout.sizes.pin_diameter + layout.fits.press_clearance) / 2 + layout.rim
-    held = (each for each in layout.dowelled if each.wheel.link == link)
+    every = (*layout.dowelled, *layout.pinned)
+    held = (each for each in every if each.wheel.link == link)
     return [(z, radius) for each in held for z in dowel_places(layout, each)]
 
 

@@ -1,7 +1,7 @@
 """Geneva drives of a linkage: the slotted wheel and the disc that locks it on one level, with the roller on the crank's pin.
 
 An inner wheel is a ring round its crank, on dowels under its link; its lock is a crescent on dowels over the crank, whose
-shaft ends below them.
+shaft ends below them. The disc of an outer wheel that has a gap over its crank stands on that, on their shaft, with a dowel.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 
+from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.parts.generator.wheels import EdgeDrive, Roller, Wheel
@@ -39,6 +40,9 @@ class GenevaWish:
 
     geneva: Geneva | InnerGeneva
     point: str  # of the crank, where its roller is
+    gap: float | None = (
+        None  # over the crank, mm, which a lock on a dowel fills; None: as between all levels
+    )
 
 
 @dataclass(frozen=True)
@@ -110,6 +114,33 @@ class GenevaDrive(EdgeDrive):
             lies="below",
         )
         return crescent, ring
+
+    def pinned(self, machine: m.Machine, hub: float) -> DowelledEdge | None:
+        """The lock of an outer wheel on its dowel, opposite the pin; hub: radius about the dowel, mm. None of one without a gap."""
+        geneva = self.geneva
+        if isinstance(geneva, InnerGeneva) or self.wish.gap is None:
+            return None
+        pin, _ = self._directions(machine)
+        return DowelledEdge(
+            self.lock,
+            self.part_on(self.joint.cam),
+            self.edges(machine)[0],
+            within=0.0,
+            outside=geneva.lock,
+            dowels=((hub - geneva.lock) * pin,),
+            lies="over",
+        )
+
+    def refuse_tipping(self, lean: float) -> None:
+        """DesignError where crank and wheel tip by more than the gap between them; lean: of their shafts in the plate, rad."""
+        tip = lean * self.geneva.distance  # of both together, where their rims pass each other
+        gap = self.wish.gap or 0.0
+        if gap < tip:
+            said = f"crank and wheel tip by {tip:.3g} mm in the play of their shafts, more than the gap of {gap:g} mm between them"
+            remedy = "use a greater geneva.gap or a thicker parts.base_thickness"
+            where = f"geneva {self.joint.name}"
+            error = DesignError("gap between crank and wheel", gap, tip, "mm", where, remedy)
+            raise error.saying(said)
 
     @property
     def roller(self) -> Roller:

@@ -18,6 +18,7 @@ from camgen.parts.generator.changes import Change
 from camgen.parts.generator.connections import GROUND, Connections, StretchedSpring
 from camgen.parts.generator.covers import Cover, cover
 from camgen.parts.generator.cycloids import CycloidDrive, CycloidWish
+from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.guides import Guide, Rails, Runner, Way, guide
 from camgen.parts.generator.wheels import Tip, naming, plate_outline
 from camgen.parts.part import d_bore
@@ -421,8 +422,15 @@ class Layout(Connections):
         links += [(wheel.level, wheel.high or self.wheel_thickness(wheel.link)) for wheel in wheels]
         suns = (each for each in self.standing_suns if self.axis_of_wheel(each) == point)
         links += [(sun.level, self.sizes.thickness) for sun in suns]
-        floors = [(self.level[name], self.floor(self.level[name]), thick) for name, thick in links]
-        levels = {(level, low, low + thick) for level, low, thick in floors}
+        floors = [(name, self.floor(self.level[name]), thick) for name, thick in links]
+        stands = {
+            each.wheel.level: self.top_of(each.wheel.link)
+            for each in self.pinned
+            if self.shaft_of(each.wheel.link) == point
+        }
+        levels = {
+            (self.level[name], stands.get(name, low), low + thick) for name, low, thick in floors
+        }
         grooves = [
             tip.level for tip in self.tips if tip.grooved and self.shaft_of(tip.joint.cam) == point
         ]
@@ -490,6 +498,10 @@ class Layout(Connections):
             (self.level[each.level], each.high or self.wheel_thickness(each.link))
             for each in self.wheels
         ]
+        for drive in self.drives_of(GenevaDrive):
+            more = (drive.wish.gap or 0.0) - self.fits.slide_clearance
+            crank = drive.joint.cam
+            thick.append((self.level[crank], self.thickness(crank) + max(0.0, more)))
         names = [*(tip.level for tip in self.tips if tip.grooved), *self.springs]
         levels = [
             *(self.level[name] for name in self.springs),

@@ -56,7 +56,7 @@ def things(layout: Layout, run: Run) -> Things:
     openings = _openings(layout, run.theta.size)
     # a ring hangs under its link, a lock stands on it, a ring or sun of the ground on the plate
     stacked = []
-    for each in layout.dowelled:
+    for each in (*layout.dowelled, *layout.pinned):
         link = "" if each.wheel.link == GROUND else each.wheel.link
         if each.lies != "below":
             on_each_other = (link, each.wheel.level)
