@@ -14,13 +14,14 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from camgen.files import bore_detail
+from camgen.files import bore_detail, seat_detail
 from camgen.files.bore_detail import BoreDetail
 from camgen.files.drawn_part import DrawnPart
 from camgen.files.geneva_view import GenevaView
 from camgen.files.notes import NOTES, notes_of
 from camgen.files.page import FILING, MARGIN, SCALES, SIZES, TABLE_WIDTHS, Page
 from camgen.files.plan_view import PlanView
+from camgen.files.seat_detail import SeatDetail
 from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
 from camgen.files.side_view import BOSS, SideViews
 from camgen.files.symbols import position
@@ -102,7 +103,7 @@ class _Layout:
         self._frame()
         self._views()
         self._table()
-        self._bore_detail()
+        self._details()
         self._note_lines()
         self._tracks()
         facts = replace(facts, number=facts.number or f"{stem}-drawing")
@@ -169,8 +170,8 @@ class _Layout:
         a3 = best("A3")
         long = (1 + len(self.drawn.rows) + self.drawn.track_lines()) * ROW > SIZES["A4"][
             1
-        ] - 2 * MARGIN - BLOCK - (bore_detail.HEIGHT if self.drawn.detailed else 0.0)
-        tables = self.drawn.track_table or self.drawn.detailed
+        ] - 2 * MARGIN - BLOCK - self.drawn.details
+        tables = self.drawn.track_table or self.drawn.details
         return ("A3", a3) if (a4 < 1 and a3 > a4) or (long and tables) else ("A4", a4)
 
     def _datum(self) -> complex:
@@ -239,13 +240,18 @@ class _Layout:
         grid(self.sheet, complex(self.table_x, top), lines, table.widths * beside, numbers)
         self.free = top - len(lines) * ROW
 
-    def _bore_detail(self) -> None:
-        """A bore with a keyway or a flat by itself, or a shaft with a keyway, under the tables."""
+    def _details(self) -> None:
+        """Under the tables the seat of a ball bearing by itself, and a bore with a keyway or a flat, or a shaft with a keyway."""
+        low = complex(self.table_x, MARGIN + BLOCK)
+        high = complex(self.sheet.width - MARGIN, self.free)
+        if self.drawn.seat:
+            above = bore_detail.HEIGHT * self.drawn.detailed
+            room = low + 1j * above, high
+            SeatDetail(self.drawn.seat, self.drawn.facts, self.scale, room).draw(self.sheet, SCALES)
+            high -= 1j * seat_detail.HEIGHT
         if self.drawn.detail is None:
             return
         letters = self.drawn.datum_letter, self.drawn.angle_letter
-        low = complex(self.table_x, MARGIN + BLOCK)
-        high = complex(self.sheet.width - MARGIN, self.free)
         foot = complex(FILING, MARGIN)
         detail = BoreDetail(
             self.drawn.detail,

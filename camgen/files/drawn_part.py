@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from string import ascii_uppercase
 
-from camgen.files import bore_detail, views
+from camgen.files import bore_detail, seat_detail, views
 from camgen.files.bore_detail import over_flat
 from camgen.files.dimensions import (
     Hole,
@@ -28,6 +28,7 @@ from camgen.files.dimensions import (
 )
 from camgen.files.limits import decimals, in_limits
 from camgen.files.page import MARGIN, SIZES, TABLE_WIDTHS
+from camgen.files.seat_detail import seat_of
 from camgen.files.sheet import Text
 from camgen.files.title_block import BLOCK, Facts
 from camgen.files.track_tables import ROW, own_tables, relief_table, track_tables
@@ -93,6 +94,7 @@ class DrawnPart:
         # what is drawn by itself: a bore with a keyway or a flat, for a round one has its size in a view; a shaft with a keyway
         self.detail = self.bored if self.key or flat else outer if keyed(outer) else None
         self.detailed = self.detail is not None
+        self.seat = seat_of(part, facts)
         self.drum = part.drum if facts.heights else None
         self.outer_fit = facts.outer_fit or (_OUTSIDE if self.drum and facts.profile else "")
         self.turns = (free(part.region.outer) or self.drum is not None) and part.bore is not None
@@ -300,8 +302,13 @@ class DrawnPart:
 
     def lines_beside(self, size: str) -> int:
         """Rows that there is room for over the title block and a bore's detail."""
-        detail = bore_detail.HEIGHT if self.detailed else 0.0
-        return int((SIZES[size][1] - 2 * MARGIN - BLOCK - detail) / ROW) - 1
+        return int((SIZES[size][1] - 2 * MARGIN - BLOCK - self.details) / ROW) - 1
+
+    @property
+    def details(self) -> float:
+        """Height of what is drawn by itself under the tables, mm of paper."""
+        seat = seat_detail.HEIGHT if self.seat else 0.0
+        return seat + (bore_detail.HEIGHT if self.detailed else 0.0)
 
     def track_lines(self) -> int:
         """Rows that a track's table takes, with its title and head."""

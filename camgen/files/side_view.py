@@ -23,6 +23,7 @@ from camgen.geometry.outlines import extent, rectangle
 from camgen.parts.catalogue import SCREWS
 from camgen.parts.keyways import keyed
 from camgen.parts.part import Tap
+from camgen.tolerances import SAME_POINT
 
 BOSS = 10.0  # between the dimensions of bosses, beside the view from the left
 _FACE = 0.7  # of the radius of a drum's lower end: where its datum is in the view from the left
@@ -80,6 +81,8 @@ class SideViews:
         heights = sorted(
             {layer.z1 for layer in self.drawn.part.layers} - {self.drawn.part.thickness}
         )
+        if self.drawn.seat:  # whose detail has its height
+            heights = [z for z in heights if abs(z - self.drawn.seat.floor) > SAME_POINT]
         if self.drawn.part.tap and self.drawn.upright:
             self._thread(origin, self.drawn.part.tap)
             heights.append(self.drawn.part.tap.height)

@@ -25,6 +25,7 @@ class Fit:
     at: complex  # its centre, mm
     diameter: float  # mm
     words: str  # such as "slide on Ø6"
+    ring: bool = False  # whether a ball bearing sits there
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,9 @@ class Facts:
     shank: tuple[float, str] = (0.0, "")  # of a headed pin its diameter, mm, and fit
     thinner: float = (
         0.0  # by which the gaps beside the part let it be, mm; 0: they bear its general tolerance
+    )
+    lip: float = (
+        0.0  # by which the lip under a ball bearing may be lower, mm; 0: nothing is asked of it
     )
     key_fit: str = ""  # of a keyway's width
     own_key: float = 0.0  # symmetry of the keyways of shafts that are made too, mm; 0: none is

@@ -140,6 +140,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         dowel=mechanism.assembly.dowel,
         thread=mechanism.assembly.thread,
         bore_fit=bore_fit,
+        lip=_lip(mechanism) if cut else 0.0,
         thinner=_thinner(mechanism, part, sheet.tolerance or _IN_METAL.tolerance) if cut else 0.0,
         key_fit=sheet.key_fit or (_TIGHT_KEY if own else _KEY if metal else ""),
         own_key=_asked(sheet.symmetry, _IN_METAL.symmetry) if own else 0.0,
@@ -185,7 +186,7 @@ def _thinner(mechanism: Mechanism, part: Part, tolerance: str) -> float:
     What an inner ring lies on takes at most half of the play over it; a pin with a head never reaches through what it is glued in.
     """
     if part.role == "sleeve":
-        return mechanism.print.slide_clearance / 2
+        return _lip(mechanism)
     if part.role == "pin" and len(part.layers) > 1:
         return general(part.thickness, tolerance)
     allowed = thickness_allowances(mechanism.assembly).get(part.name, math.inf)
@@ -193,6 +194,11 @@ def _thinner(mechanism: Mechanism, part: Part, tolerance: str) -> float:
     if between:
         return -between[0]
     return allowed if allowed < general(part.thickness, tolerance) else 0.0
+
+
+def _lip(mechanism: Mechanism) -> float:
+    """By how much a lip under an inner ring's bearing, and the sleeve through it, may be lower, mm: half of the play over the next link."""
+    return mechanism.print.slide_clearance / 2
 
 
 def _on_ring(mechanism: Mechanism, part: Part) -> bool:
@@ -565,6 +571,7 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
             bores = [standing(part, pose, layer, place, radius) for pose in poses[part.name]]
             for bore in bores:
                 inside += [shaft.diameter for shaft in shafts if bore.holds(shaft)]
+            borne = any(bore.holds(ring) for bore in bores for ring in rings)
             for word, clearance in clearances.items():
                 sizes = [size for size in inside if abs(2 * radius - size - clearance) < SAME_POINT]
                 if sizes:
@@ -575,12 +582,11 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
                             bores, (rods, pins), words, sizes[0], keyed(contour) is not None
                         )
                         usual = bool(play) and not mechanism.drawing.seat_fit
-                        borne = any(bore.holds(ring) for bore in bores for ring in rings)
                         own, words = _seat(part, words, borne, seat, usual)
                         words = f"{in_limits(own, 2 * radius)}, {words}"
                     elif word == "slide" and play:
                         words = f"{play}, {words}"
-                    yield Fit(place, 2 * radius, words)
+                    yield Fit(place, 2 * radius, words, borne)
                     break
 
 
@@ -591,7 +597,9 @@ def _seat(part: Part, words: str, borne: bool, seat: str, usual: bool) -> tuple[
         return seat, words.replace(joint_of(JOURNAL), "slides")
     if part.role == "cap" and usual:
         return _CAP, words.replace(joint_of(PIN), joint_of(ROD))
-    return _SEAT if borne and usual else seat, words
+    if borne:
+        return _SEAT if usual else seat, "ball bearing"
+    return seat, words
 
 
 def _held(

@@ -276,7 +276,7 @@ def test_a_ball_bearing_in_metal_has_the_fits_of_its_makers() -> None:
     assert {found[name].shank for name in found if name.startswith("pin")} == {(5.0, "g6")}
     assert fits(found["crank"])[20] == "H7 (+0.012/0), glued on Ø5 g6"
     seats = fits(found["coupler"])
-    assert seats[0] == seats[60] == "JS7 (±0.0075), press on Ø8"
+    assert seats[0] == seats[60] == "JS7 (±0.0075), ball bearing"
     own = facts("linkage", *linkage, "drawing.seat_fit=H8")[1]
     assert fits(own["coupler"])[0].startswith("H8")
     assert not any(

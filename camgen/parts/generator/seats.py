@@ -56,8 +56,7 @@ def link_layers(
     floor = seat_floor(layout, next(iter(seats)), link)
     under = plate(f"link {link}", outline, {**holes, **lips}, layout.min_wall)
     names = ", ".join(f"{bearing.shielded} at {point}" for point, bearing in seats.items())
-    notes = [
-        f"pressed in from above, down on the lip: {names}",
-        f"seats {thick - floor:.4g} deep, lips under them {floor:.4g}",
-    ]
+    notes = [f"pressed in from above, down on the lip: {names}"]
+    if not layout.metal:  # else the sheet shows a seat with its sizes
+        notes.append(f"seats {thick - floor:.4g} deep, lips under them {floor:.4g}")
     return [Layer(under, 0.0, floor), Layer(region, floor, thick)], notes
