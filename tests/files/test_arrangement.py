@@ -19,7 +19,6 @@ import shapely
 from camgen.files.arrangement import Arrangement, Copy, Item, write_arrangement
 from camgen.files.sheet import Stroke, Text
 from camgen.files.title_block import Facts
-from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Arc, Contour, extent, start_point
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
@@ -49,17 +48,39 @@ def machine(name: str) -> tuple[Mechanism, Arrangement]:
     return mechanism, arrangement_of(mechanism, parts_table(mechanism))
 
 
+class Facets:
+    """Of a solid: their corners where it stands, (n, 3, 3) mm, and between what each lies in the plan, (n, 2) mm."""
+
+    def __init__(self, corners: np.ndarray) -> None:
+        self.corners = corners
+        self.low, self.high = corners[:, :, :2].min(axis=1), corners[:, :, :2].max(axis=1)
+
+    def met(self, x: float, y: float) -> np.ndarray:
+        """Heights at which the upright line through (x, y) goes through them, mm."""
+        at = np.array([x, y])
+        corners = self.corners[((self.low <= at) & (self.high >= at)).all(axis=1)]
+        flat = corners[:, :, :2] - at
+        a, b, c = flat[:, 0], flat[:, 1], flat[:, 2]
+        weights = np.stack(
+            [p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0] for p, q in ((b, c), (c, a), (a, b))], axis=1
+        )
+        inside = (weights > 0).all(axis=1) | (weights < 0).all(axis=1)
+        share = weights[inside] / weights[inside].sum(axis=1, keepdims=True)
+        return np.sum(share * corners[inside, :, 2], axis=1)
+
+
 @cache
-def solids(name: str) -> list[tuple[int, Mesh]]:
-    """Number and solid of every copy where it stands."""
+def solids(name: str) -> list[tuple[int, Facets]]:
+    """Number of every copy and its facets where it stands."""
     mechanism, _ = machine(name)
     parts = {part.name: k for k, part in enumerate(mechanism.assembly.parts, 1)}
     fine = mechanism.accuracy.chord_tolerance
     meshes = {part.name: solid(part, fine) for part in mechanism.assembly.parts}
-    return [
+    moved = [
         (parts[copy.object], meshes[copy.object].moved(copy.transform))
         for copy in assembly_copies(mechanism)
     ]
+    return [(number, Facets(mesh.vertices[mesh.faces])) for number, mesh in moved]
 
 
 @cache
@@ -75,23 +96,10 @@ def bought(name: str) -> list[tuple[int, Any, float, float]]:
     ]
 
 
-def met(mesh: Mesh, x: float, y: float) -> np.ndarray:
-    """Heights at which the upright line through (x, y) goes through a solid's facets, mm."""
-    corners = mesh.vertices[mesh.faces]
-    flat = corners[:, :, :2] - np.array([x, y])
-    a, b, c = flat[:, 0], flat[:, 1], flat[:, 2]
-    weights = np.stack(
-        [p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0] for p, q in ((b, c), (c, a), (a, b))], axis=1
-    )
-    inside = (weights > 0).all(axis=1) | (weights < 0).all(axis=1)
-    share = weights[inside] / weights[inside].sum(axis=1, keepdims=True)
-    return np.sum(share * corners[inside, :, 2], axis=1)
-
-
 def highest(name: str, z: complex) -> set[int]:
     """Numbers of the parts that a line of sight meets first there, several where they are as high."""
     point = shapely.Point(z.real, z.imag)
-    tops = [(max(tops), k) for k, mesh in solids(name) if len(tops := met(mesh, z.real, z.imag))]
+    tops = [(max(tops), k) for k, facets in solids(name) if len(tops := facets.met(z.real, z.imag))]
     tops += [(high, k) for k, shape, _, high in bought(name) if shape.contains(point)]
     return {k for top, k in tops if top > max(tops)[0] - 1e-6}
 
@@ -121,17 +129,24 @@ def test_the_section_holds_what_lies_inside_of_the_solids(name: str) -> None:
     _, arrangement = machine(name)
     near, far = arrangement.deep
     origin, along = arrangement.line
-    rng = np.random.default_rng(4)
+    points = np.random.default_rng(4).uniform(
+        (near.real, near.imag), (far.real, far.imag), (600, 2)
+    )
+    beside = 1e-5  # mm, off the edges of facets that lie in the plane
     inside = 0
-    for s, z in rng.uniform((near.real, near.imag), (far.real, far.imag), (600, 2)):
-        at = origin + (s + 1e-5j) * along  # beside the edges of facets that lie in the plane
-        point = shapely.Point(s, z)
-        made = [copy for copy in arrangement.copies if not copy.bought]
-        for copy, (number, mesh) in zip(made, solids(name), strict=True):
-            assert copy.number == number
-            if not copy.cut.is_empty and copy.cut.boundary.distance(point) < FAR:
+    made = [copy for copy in arrangement.copies if not copy.bought]
+    for copy, (number, facets) in zip(made, solids(name), strict=True):
+        assert copy.number == number
+        edge = copy.cut.boundary
+        plan = facets.corners[:, :, 0] + 1j * facets.corners[:, :, 1]
+        off = np.imag((plan - origin) * np.conj(along))
+        crossed = Facets(facets.corners[(off.min(axis=1) <= beside) & (off.max(axis=1) >= beside)])
+        for s, z in points:
+            point = shapely.Point(s, z)
+            if not copy.cut.is_empty and edge.distance(point) < FAR:
                 continue
-            held = np.count_nonzero(met(mesh, at.real, at.imag) > z) % 2 == 1
+            at = origin + (s + 1j * beside) * along
+            held = np.count_nonzero(crossed.met(at.real, at.imag) > z) % 2 == 1
             assert copy.cut.contains(point) == held, (s, z, number)
             inside += held
     assert inside > 20
@@ -191,18 +206,17 @@ def test_what_has_no_known_place_is_said_to_be_not_drawn() -> None:
 def test_a_key_fills_its_keyway_and_a_spring_reaches_from_pin_to_pin() -> None:
     """A key 3 wide from 3.2 to 6.4 mm off the axis: shaft 10 less t1 1.8, bore 10 with t2 1.4; the spring's ends by its own coil."""
     mechanism = read_mechanism(tomllib.loads(in_metal("linkage")))
-    ((key, ((piece,),)),) = (
-        (thing, shapes)
+    (keys,) = (
+        shapes
         for thing, shapes in bought_shapes(mechanism, bought_things(mechanism)).items()
-        if not thing.thread
+        if thing.name == "parallel key"
     )
-    assert key.name == "parallel key"
-    shape, low, high = piece
-    off = np.abs(shapely.get_coordinates(shape) @ np.array([1, 1j]))
-    assert shape.area == pytest.approx(3 * 3.2) and high - low == pytest.approx(6.0)
-    assert off.min() == pytest.approx(abs(3.2 + 1.5j)) and off.max() == pytest.approx(
-        abs(6.4 + 1.5j)
-    )
+    assert len(keys) == 2  # of crank and hand crank
+    for ((shape, low, high),) in keys:
+        off = np.abs(shapely.get_coordinates(shape) @ np.array([1, 1j]))
+        assert shape.area == pytest.approx(3 * 3.2) and high - low == pytest.approx(6.0)
+        assert off.min() == pytest.approx(abs(3.2 + 1.5j))
+        assert off.max() == pytest.approx(abs(6.4 + 1.5j))
     mechanism, _ = machine("gallery/plate-gripper")
     (spring,) = mechanism.assembly.coils
     things = bought_shapes(mechanism, bought_things(mechanism))
@@ -301,7 +315,7 @@ def test_every_part_has_its_number_and_its_row(name: str, tmp_path: Path) -> Non
     assert len(balloons) == len(front) + len(cut) and not front.keys() & cut.keys()
     for number, place in front.items():
         z = place + (1e-5 + 2e-5j)  # off the edges of facets
-        met_there = [k for k, mesh in solids(name) if len(met(mesh, z.real, z.imag))]
+        met_there = [k for k, facets in solids(name) if len(facets.met(z.real, z.imag))]
         point = shapely.Point(z.real, z.imag)
         met_there += [k for k, shape, *_ in bought(name) if shape.contains(point)]
         assert number in (met_there if number in arrangement.hidden else highest(name, z))
