@@ -54,6 +54,7 @@ def with_reaming(
     said += [words.tight + _ticks(_lines(tight, words.tool))] if tight else []
     if fixed:
         with_glue = f"Glue with {glue(metal)}, a trace only"
+        with_glue += f". {_OUT_OF_BALLS}" if metal and fixing.journals else ""
         said += [f"{with_glue}. {_SWING}" if lines else with_glue]
         gauges = sorted({need for needs in _needs(table) for need in needs} & {*_GAUGES})
         said += (
@@ -105,6 +106,8 @@ _SWING = (
 )
 
 
+# Of a pin that goes through a ball bearing before it is glued.
+_OUT_OF_BALLS = "Where a pin goes through a ball bearing, put it in the hole under that alone, none on the pin: it would run into the balls"
 _GAUGES = {"plastic bag": "a strip", "sheets of paper": "paper"}  # of tools that set gaps
 _PULLED = "Pull {} out of a gap as soon as the part is on, before the glue is hard"
 

@@ -55,7 +55,8 @@ _IN_METAL = Facts(
 _IN_PLASTIC = Facts(position=0.2)
 _OF_ROD = replace(_IN_METAL, profile=0.0, roughness=0.0, symmetry=0.0, run_out=0.0)  # in metal
 # Of what bears on an inner ring, on a face a few tenths wide: camgen's own rule.
-_ON_RING = "free of burrs, corners under a head at most R0.1"
+_OF_SLEEVE = "free of burrs"
+_OF_JOURNAL = "free of burrs, corner under the head at most R0.1, free end chamfered 0.3 × 45°"
 _ROD_STEEL = "C45+C"  # bright drawn: camgen's own choice
 _ROD_STRENGTH = f"tensile strength at least {2 * STEEL.bears:g} MPa"  # on which loads count
 _MEDIUM = "ISO 2768-m"  # general tolerance of what is printed or cut of a sheet, unless its spec says other
@@ -168,7 +169,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         run_out=_asked(sheet.run_out, usual.run_out),
         bore_chamfer=_asked(sheet.bore_chamfer, _chamfer(part.bore) if cut else 0.0),
         rod_chamfer=_chamfer(2 * rod[1]) if rod else 0.0,
-        edges=sheet.edges or (_ON_RING if cut and _on_ring(mechanism, part) else usual.edges),
+        edges=sheet.edges or (cut and _ring_edges(mechanism, part)) or usual.edges,
         heat_treatment=sheet.heat_treatment
         or (material.treatment if cut and (runs or not case) else _ROD_STRENGTH if rod else ""),
         case_only=case and runs and not sheet.heat_treatment,
@@ -201,9 +202,11 @@ def _lip(mechanism: Mechanism) -> float:
     return mechanism.print.slide_clearance / 2
 
 
-def _on_ring(mechanism: Mechanism, part: Part) -> bool:
-    """Whether a part bears on the inner ring of a ball bearing."""
-    return part.role == "sleeve" or _pins(mechanism).get(part.name, (0.0, ""))[1] == JOURNAL
+def _ring_edges(mechanism: Mechanism, part: Part) -> str:
+    """State of the edges of what bears on the inner ring of a ball bearing; "" of any other part."""
+    if part.role == "sleeve":
+        return _OF_SLEEVE
+    return _OF_JOURNAL if _pins(mechanism).get(part.name, (0.0, ""))[1] == JOURNAL else ""
 
 
 def _has_keyed_shaft(assembly: Assembly) -> bool:

@@ -423,7 +423,9 @@ def bearing_name(bearing: Bearing) -> str:
 
 def _bearing(layout: Layout, bearing: Bearing) -> Part:
     title = "Ball bearing"
-    notes = [f"ball bearing {bearing.shielded}, {bearing.size}, pressed into its link"]
+    notes = [
+        f"ball bearing {bearing.shielded}, {bearing.size}, greased for life, pressed into its link"
+    ]
     if layout.metal:
         notes.append(HoldingNote(_PRESSED))
     if bearing in [clutch for _, clutch in layout.freewheels.values()]:

@@ -24,6 +24,7 @@ from camgen.parts.assembly import order_of_assembly
 from camgen.parts.catalogue import Bearing
 from camgen.pipeline.build import build
 from camgen.pipeline.making import parts_table
+from camgen.pipeline.shopping import steps_of_assembly
 from camgen.reading import read
 from camgen.spec import validate
 from camgen.starters import in_metal
@@ -163,6 +164,9 @@ def test_in_metal_a_pin_clamps_inner_rings_on_sleeves_and_no_link_rubs(root: Pat
     steps = [sentences(step.doings) for step in order_of_assembly(machine.assembly).steps]
     assert any("its head down on bearing-mr85" in each for each in steps)
     assert not any(f"into {sleeve.name}" in each for each in steps)  # nothing glues it
+    told = [sentences(step.doings) for step in steps_of_assembly(machine).steps]
+    assert any("put it in the hole under that alone" in each for each in told)
+    assert sum("on its outer ring alone" in each for each in told) == 2
     assert not any(part.role == "sleeve" for part in with_parts(root, pin="bearing").assembly.parts)
 
 
