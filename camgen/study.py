@@ -195,7 +195,6 @@ class Step:
     wire: Floats | None = None  # line of a spring that comes, (n, 3) mm
     # of what is bought and comes, such as a motor: corners of each prism, complex mm, and from where to where it reaches, mm
     shapes: Sequence[Prism] = ()
-    what: str = ""  # the parts that come, for people
     # what is done in its place where all sub-assemblies are pressed before it; none where that is the same
     pressed: Sequence[Doing] = ()
     small: bool = False  # whether all that come are spacers, caps or nuts

@@ -42,7 +42,7 @@ from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Lazy, solve
 from camgen.parts import coils, materials
 from camgen.parts.blocks import MUST_NOT_SINK
-from camgen.parts.catalogue import Bearing, Bought
+from camgen.parts.catalogue import NUT_STANDARD, Bearing, Bought
 from camgen.parts.coils import Coil
 from camgen.parts.fixing import Fixing, with_joints
 from camgen.parts.inertia import Solids
@@ -53,6 +53,7 @@ from camgen.parts.screws import round_prism, with_screws
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.sheets import why_not
 from camgen.parts.springs import WorkingSpring
+from camgen.parts.standing import discs as round_holes
 from camgen.parts.standing import standing_copies
 from camgen.parts.step_words import called, listed
 from camgen.parts.steps import holding_notes, order
@@ -590,6 +591,9 @@ def _with_spring(rows: Sequence[Row], coil: Coil, poses: Mapping[str, Pose]) -> 
     return found
 
 
+_COLLAR = (
+    0.5  # mm, by which a hole is wider than a motor's shaft where the collar round that goes in too
+)
 _UNDER = ("motor-bar", "battery-frame")  # roles of what goes under a plate as soon as that is there
 
 
@@ -721,7 +725,7 @@ def _row_of(part: Part, assembly: Assembly, doing: Doing) -> Row:
     stands = [mount for mount in assembly.mounts if mount.part == part.name]
     copies = [f"{part.name}-{k}" for k in range(1, len(stands) + 1)]
     row = (0, part.name, holding_notes(part), "", len(copies), stands[0].z, "as drawn")
-    return row, Step([doing], copies, 1, what=called(part, len(copies)).removeprefix("the "))
+    return row, Step([doing], copies, 1)
 
 
 def _plate(assembly: Assembly) -> tuple[Part, Mount]:
@@ -754,13 +758,7 @@ def _motor_rows(assembly: Assembly) -> Iterator[Row]:
     through = f" through {listed(letters)}" if letters else ""
     one = f"the motor under the plate, its shaft up{through}"
     many = f"{count} motors under the plate, their shafts up{through}"
-    it = "it" if count == 1 else "them"
-    fed = any(each.role == "supply" for each in assembly.bought)
-    supply = "the batteries" if fed else "its supply"
-    now = (
-        f", and screw {it} on now, from above. Hold {'its' if count == 1 else 'their'} wires to {supply} and let {it} run before you go "
-        "on: later parts cover the screws for good"
-    )
+    now = _fastening(assembly, plate, letters, "its" if count == 1 else "their")
     step = Step(
         [Doing("hold ", one if count == 1 else many, now)],
         way=1,
@@ -778,11 +776,34 @@ def _motor_rows(assembly: Assembly) -> Iterator[Row]:
         ],
         shapes=[*_motor_shapes(discs, stands.z, assembly.motor)],
         follows=bool(bars),
-        what="motor",
     )
     said = "Motor: under the plate, its shaft through it; screw it on now, before parts cover the screws"
     screws = [each for each in assembly.bought if each.role == "drive screw"]
     yield with_things(((0, "motor", said, "", count, 0.0, "as bought"), step), screws)
+
+
+def _fastening(assembly: Assembly, plate: Part, letters: Sequence[str], its: str) -> str:
+    """How motors are screwed on the plate, in words, behind where they are held; letters: of the holes of their shafts, its: whose
+    things are meant."""
+    it = "it" if its == "its" else "them"
+    bars = [part for part in assembly.parts if part.role == "motor-bar"]
+    nuts = any(
+        each.role == "drive screw" and each.standard == NUT_STANDARD for each in assembly.bought
+    )
+    below = f", its nuts below {called(bars[0])}" if nuts and bars else ""
+    seats = [z for name, z in plate.points if name in letters]
+    wide = max(
+        (2 * r for hole in plate.region.holes for z, r in round_holes(hole) if z in seats),
+        default=0.0,
+    )
+    collar = f" The collar round {its} shaft goes into {listed(letters)}, {wide:.4g} mm wide: scrape that until it does."
+    said = collar if wide > assembly.motor.shaft + _COLLAR else ""
+    fed = any(each.role == "supply" for each in assembly.bought)
+    supply = "the batteries" if fed else f"{its} supply"
+    return (
+        f", and screw {it} on now, from above{below}.{said} Hold {its} wires to {supply} and let {it} run before you go on: later "
+        "parts cover the screws for good"
+    )
 
 
 def _motor_shapes(

@@ -1,9 +1,8 @@
-"""Steps of assembly as a person at the bench takes them: what is one action is one step, and a side that is like another one is
-said once.
+"""Steps of assembly as a person at the bench takes them: what is one action is one step.
 
     sub-assembly   what is pressed together on the bench and put in goes into one step
     small parts    spacers and caps that come one after the other do too, a few at a time
-    far side       steps that are like those of the near side are done again by their numbers, with a list to tick off
+    far side       its steps say so, and are said in full: it is mirrored, and what was done pages before is forgotten
 
 Of a machine with many steps:
 
@@ -18,15 +17,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import takewhile
 
-from camgen.parts.sides import PREFIX
-from camgen.parts.step_words import MOVES, ON_BENCH, listed
+from camgen.parts.step_words import MOVES, ON_BENCH
 from camgen.study import Doing, Step, Table, sentences
 
 _SMALL = 5  # spacers and caps that are put on in one step, at most
 _MANY = 30  # steps, from which on they are drawn together
 _PRESSED = 3  # sub-assemblies that are worth a step of their own, at least
 _LINKS = 4  # other parts that go on in one step of these, at most
-_AGAIN = 8  # steps of the near side that one step repeats, at most: after it one compares with its picture
 
 _Rows = Sequence[Sequence[object]]
 _Run = tuple[Step, _Rows]  # a step, and its rows of the table
@@ -44,8 +41,7 @@ def at_bench(table: Table) -> Table:
         bench = [*_bench_first(actions, table.columns)]
         rest = [_placed(action, bool(bench)) for action in actions[len(lists) :]]
         runs = [*lists, *bench, *_levels(rest)]
-    runs = [*_said_once(runs, 1 if many else _AGAIN)]
-    steps = [step for step, _ in runs]
+    steps = [_of_side(step) if step.apart else step for step, _ in runs]
     return replace(
         table,
         rows=[(number, *row[1:]) for number, (_, rows) in enumerate(runs, 1) for row in rows],
@@ -97,7 +93,6 @@ def _whole(run: Sequence[Step]) -> Step:
         for step in run
         for mate in step.mates
     ]
-    others = listed(step.what for step in run[1:] if step.what)
     doings = [*_built(run)] if built else [doing for step in run for doing in step.doings]
     return Step(
         sorted(doings, key=lambda each: each.verb == MOVES),  # what is tried comes last
@@ -109,7 +104,6 @@ def _whole(run: Sequence[Step]) -> Step:
         shapes=[shape for step in run for shape in step.shapes],
         threads=[thread for step in run for thread in step.threads],
         screws=[screw for step in run for screw in step.screws],
-        what=f"{run[0].what} with {others}" if built else listed(step.what for step in run),
         small=all(step.small for step in run),
     )
 
@@ -236,60 +230,12 @@ def _level(runs: Sequence[_Run]) -> _Run:
         doings=[Doing(_IN_ORDER, "", f":{lines}")],
         copies=list(dict.fromkeys(copy for step in steps for copy in step.copies)),
         mates=[mate for step in steps for mate in step.mates],
-        what="\n☐ ".join(step.what for step in steps),
         small=False,
     )
     return whole, [row for _, rows in runs for row in rows]
 
 
-# ---- a side that is like another one ---------------------------------------------------------------------------------
-
-
-def _said_once(runs: Sequence[_Run], most: int) -> Iterator[_Run]:
-    """Runs of steps of what is built by itself that are like those of the rest, at most so many as one; all others say of which side they are."""
-    near = [_words(step) if not step.apart else "" for step, _ in runs]
-    after = 0  # of the near side's steps, the first that can be done again
-    again: list[
-        tuple[int, _Run]
-    ] = []  # steps of the near side, counted from 0, and those of the far one
-    for step, rows in runs:
-        alike = _words(step) in near[after:] and step.apart and step.copies
-        number = near.index(_words(step), after) if alike else -1
-        if again and (number != again[-1][0] + 1 or len(again) == most):
-            yield _again(again, most)
-            again = []
-        if alike:
-            after = number + 1
-            again.append((number, (step, rows)))
-        else:
-            yield (_of_side(step), rows) if step.apart else (step, rows)
-    if again:
-        yield _again(again, most)
-
-
-def _words(step: Step) -> str:
-    """What a step says, without the names of its side and the numbers of copies."""
-    said = step.title.replace(f"{PREFIX}-", "") if step.apart else step.title
-    return re.sub(r"\{([\w-]+)-\d+\}", r"{\1}", said)
-
-
-def _again(run: Sequence[tuple[int, _Run]], most: int) -> _Run:
-    """Steps of the near side done again; one alone, where several are meant, is said in full."""
-    steps = [step for _, (step, _) in run]
-    rows = [row for _, (_, rows) in run for row in rows]
-    if len(run) == 1 and (most > 1 or steps[0].doings[0].verb != _IN_ORDER):
-        return _of_side(steps[0]), rows
-    first, last = run[0][0] + 1, run[-1][0] + 1
-    again = f"do steps {first} to {last} again" if last > first else f"do step {first} again"
-    ticks = "".join(f"\n☐ {step.what}" for step in steps)
-    doings = [
-        Doing(f"{steps[0].apart}: {again}, mirrored, as the picture shows"),
-        Doing(f"tick off:{ticks}"),
-    ]
-    copies = list(dict.fromkeys(copy for step in steps for copy in step.copies))
-    mates = [mate for step in steps for mate in step.mates]
-    whole = Step(doings, copies, steps[-1].way, mates, apart=steps[0].apart, up=steps[0].up)
-    return whole, rows
+# ---- sides and numbers -----------------------------------------------------------------------------------------------
 
 
 def _of_side(step: Step) -> Step:
@@ -299,9 +245,6 @@ def _of_side(step: Step) -> Step:
     verb = f"{step.apart}: {begins[0]}"
     first = [replace(each, verb=verb) for each in alike]
     return replace(step, doings=[*first, *step.doings[len(alike) :]])
-
-
-# ---- numbers ---------------------------------------------------------------------------------------------------------
 
 
 def _with_numbers(step: Step, place: int, steps: Sequence[Step]) -> Step:

@@ -6,11 +6,13 @@ import cmath
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
 from camgen.geometry.distances import inside
 from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Contour, Points, Region
 from camgen.machine.model import GROUND
 from camgen.parts.fixing import Fixing
 from camgen.parts.mates import mates_between
@@ -62,8 +64,10 @@ def bearing_blocks(
                 sinking.setdefault(low, []).append(other.part.name)
             for mate in mates if copy.mount.flipped else ():
                 holes = (hole for hole in other.holes if hole.in_line(copy.outlines[0]))
-                low = _foot(next(holes), other, there)
-                if mate.comes and (blocks or low > plate.mount.z + SAME_POINT):
+                hole = next(holes)
+                low = _foot(hole, other, there)
+                bears = blocks or low > plate.mount.z + SAME_POINT
+                if mate.comes and bears and not _swept(hole.at, low, there):
                     letters = bending[low].setdefault(other.part.name, [])
                     letters += [mate.label] if mate.label else []
     for low, names in sinking.items():
@@ -102,11 +106,42 @@ def _foot(hole: Round, holder: StandingCopy, there: Sequence[StandingCopy]) -> f
     return low
 
 
-def _lies_at(copy: StandingCopy, points: np.ndarray) -> bool:
-    """Whether most of some points of the assembly, (n,) complex mm, lie in the outline of a copy."""
+def _swept(at: complex, low: float, there: Sequence[StandingCopy]) -> bool:
+    """Whether what turns with a shaft passes below a place and a height of the assembly, mm: no block stands there."""
+    shafts = [copy for copy in there if copy.part.role == "shaft"]
+    return any(
+        abs(at - complex(shaft.pose.place[0])) < _reach(copy, complex(shaft.pose.place[0]))
+        for shaft in shafts
+        for copy in there
+        if copy.mount.body == shaft.mount.body and copy.mount.z < low - SAME_POINT
+    )
+
+
+def _reach(copy: StandingCopy, axis: complex) -> float:
+    """How far a copy reaches from an axis, mm."""
+    if copy.pose.standing:
+        return 0.0
+    rings = (_placed(copy, layer.region.outer) for layer in copy.part.layers)
+    return max(float(np.abs(ring - axis).max()) for ring in rings)
+
+
+def _placed(copy: StandingCopy, contour: Contour) -> Points:
+    """A contour of a copy's part in the assembly, (n,) complex mm."""
+    ring = facet_contour(contour, _CHORD)
+    ring = -ring.conjugate() if copy.pose.flipped else ring
+    turned = cmath.exp(1j * float(copy.pose.angle[0])) * ring
+    return complex(copy.pose.place[0]) + turned
+
+
+def _lies_at(copy: StandingCopy, points: Points) -> bool:
+    """Whether most of some points of the assembly, (n,) complex mm, lie on a copy, and in none of its holes."""
     if copy.pose.standing:
         return False
-    own = (points - complex(copy.pose.place[0])) * cmath.exp(-1j * float(copy.pose.angle[0]))
-    own = -own.conjugate() if copy.pose.flipped else own
-    rings = (facet_contour(layer.region.outer, _CHORD) for layer in copy.part.layers)
-    return any(np.count_nonzero(inside(own, ring)) > len(own) / 2 for ring in rings)
+
+    def on(region: Region) -> Any:
+        found = inside(points, _placed(copy, region.outer))
+        for hole in region.holes:
+            found &= ~inside(points, _placed(copy, hole))
+        return found
+
+    return any(np.count_nonzero(on(layer.region)) > len(points) / 2 for layer in copy.part.layers)

@@ -67,7 +67,13 @@ def engraved(part: Part, letters: bool, text: str = "", key: str = "") -> Part:
         Layer(region, face.z1 - DEPTH, face.z1) for each in free.taken for region in _regions(each)
     )
     notes = [f"no room to engrave {', '.join(left)}"] if left else []
-    return replace(part, engraved=(*part.engraved, *layers), notes=(*part.notes, *notes))
+    lettered = frozenset(name for name, *_ in named if name not in left)
+    return replace(
+        part,
+        engraved=(*part.engraved, *layers),
+        notes=(*part.notes, *notes),
+        lettered=lettered or part.lettered,
+    )
 
 
 def with_upper_side(part: Part, mark: bool) -> Part:

@@ -1,7 +1,7 @@
 """A first step at the bench: parts that look alike are told apart by what one measures, and get their names.
 
 Links look alike where all lengths between their holes do, and so do round parts of one diameter. What tells links apart is,
-in this order: a length, the number of holes, which holes are tight, the size of the outline.
+in this order: engraved letters, which one reads, a length, the number of holes, which holes are tight, the size of the outline.
 """
 
 from __future__ import annotations
@@ -59,6 +59,11 @@ class _Link:
             if any(abs(z - at) < SAME_POINT for at, _ in self.holes)
         ]
 
+    @property
+    def lettered(self) -> bool:
+        """Whether the letters of all its holes are engraved."""
+        return {name for name, _ in self.named} <= self.part.lettered
+
     @cached_property
     def lengths(self) -> list[tuple[float, str, str]]:
         """Between the lettered holes, mm, the shortest first."""
@@ -110,7 +115,7 @@ class _Link:
     @property
     def key(self) -> tuple[object, ...]:
         """What two links have in common that are one and the same, turned over or not."""
-        plain = self.part.prismatic and not self.part.engraved
+        plain = self.part.prismatic and (self.part.lettered or not self.part.engraved)
         return (
             [each[0] for each in self.lengths],
             sorted(round(radius, 3) for _, radius in self.holes),
@@ -133,12 +138,22 @@ def with_sorting(
     made = (part for part in parts if part.process == "printed" and not part.role)
     links = (_Link(part, frozenset(tight.get(part.name, ()))) for part in made)
     alike = _groups((each for each in links if len(each.named) > 1), _Link.looks_like)
+    lettered = [link for group in alike if _told_by_letters(group) for link in group]
+    alike = [group for group in alike if not _told_by_letters(group)]
     lines = [*map(_told_apart, alike)]
     rounds = (part for part in parts if part.role in _ROUND)
     lines += [*map(_by_height, _groups(rounds, _of_one_width))]
-    if not lines:
+    if not (lines or lettered):
         return table
-    said = _SORT + (_WRITE if alike else "") + "".join(f"\n☐ {line}" for line in lines)
+    said = _SORT + (_WRITE if alike else "")
+    if any(_NARROW in line for line in lines):
+        said += _UNSEEN
+    if lettered:
+        names = (
+            f"{link.part.name} {' '.join(name for name, _ in link.named)}" for link in lettered
+        )
+        lines.insert(0, f"letters beside their holes name these: {', '.join(names)}")
+    said += "".join(f"\n☐ {line}" for line in lines)
     one = {copy.part.name: copy.name for copy in reversed(copies)}
     seen = [link.part for group in alike for link in group]
     laid = [(part.name, [one[part.name]], ()) for part in seen if part.name in one]
@@ -150,9 +165,19 @@ def with_sorting(
 _SORT = "sort what looks alike"
 _WRITE = (
     ". Write on each part its name and the letters of its holes; its picture among the parts shows them. Do this before you "
-    'open holes: tight holes and others still look alike. Lengths are from the middle of one hole to that of another. Parts with "or" between '
-    "them are the same, turned over"
+    'open holes. Lengths are from the middle of one hole to that of another. Parts with "or" between them are the same, turned over'
 )
+_NARROW = "narrower in "
+_UNSEEN = (
+    ". Narrower holes, in which pins are fixed, look like the others: write the name on such a part as you take it off the printer's "
+    "plate, where the slicer names it, or make all again with files.hole_letters = true, which engraves the letters"
+)
+
+
+def _told_by_letters(links: Sequence[_Link]) -> bool:
+    """Whether engraved letters tell links apart."""
+    names = {frozenset(name for name, _ in each.named) for each in links}
+    return all(each.lettered for each in links) and len(names) == len(links)
 
 
 def _groups(items: Iterable[T], alike: Callable[[T, T], bool]) -> list[list[T]]:
@@ -231,7 +256,7 @@ def _telling(links: Sequence[_Link]) -> list[_Telling]:
 
     def tight(link: _Link) -> tuple[str, str]:
         letters = [name for name, _ in link.named if name in link.tight]
-        return "tight in ", listed(letters) or "none"
+        return _NARROW, listed(letters) or "none"
 
     def count(link: _Link) -> tuple[str, str]:
         return f"{len(link.holes)} holes", ""

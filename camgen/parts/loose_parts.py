@@ -60,9 +60,15 @@ class Stop:
         thick = f" and lay {gauge} between it and {self.name}"
         doings = (
             Doing(
-                "lift ", self.over, f"{thick}, at either side of {shaft}", gauge_tools(self.play)
+                "when its glue is hard, lift ",
+                self.over,
+                f"{thick}, at either side of {shaft}",
+                gauge_tools(self.play),
             ),
-            Doing(f"push {WHAT} up against ", f"{self.name}: glue it on {shaft}"),
+            Doing(
+                f"push {WHAT} up from below against ",
+                f"{self.name}: glue it on {shaft} alone, and hold it there until the glue is hard",
+            ),
             Doing(
                 f"pull {pronoun(gauge)} out from under {self.over}: {shaft} has {self.play:.2g} mm of play along its axis"
             ),

@@ -117,6 +117,9 @@ class Part:
     drum: Drum | None = None  # what its track leaves of the layers, which are its blank
     # whether it fits turned over too, moves wrongly then, and no engraving says which side is up: whoever makes it marks that
     to_mark: bool = False
+    lettered: frozenset[str] = (
+        frozenset()
+    )  # names of points whose letter is engraved beside its hole
     tap: Tap | None = None
     stacked: bool = (
         False  # whether each of its layers has an outline of its own, none of which is the part's

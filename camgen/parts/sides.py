@@ -358,7 +358,8 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str])
     rows += fed
     run = "turn the shaft"
     if near.motor.reach is not None:
-        run = f"{'join the wires of the batteries' if fed else 'hold the wires of a supply'} to the motor's and let it run"
+        led = "lead the wires of the batteries past both plates and along a spacer, tied to it where no link comes, join them"
+        run = f"{led if fed else 'hold the wires of a supply'} to the motor's and let it run"
     backwards = ". If it goes backwards, swap the motor's two wires" if fed else ""
     lower = "lower the far side" if fed else "turn the far side over and lower it"
     doings = [

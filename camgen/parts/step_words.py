@@ -79,6 +79,7 @@ _SHEETS = (
     "three sheets of paper",
     "four sheets of paper",
     "five sheets of paper",
+    "six sheets of paper",
 )
 _STRIP = "a strip of a plastic bag"
 FEELER = "a feeler gauge"

@@ -114,13 +114,13 @@ def order(
         names = [copy.name for copy in laying.copies]
         said = _doings(laying, places, _led(laying.copies[0], there, pairs), first=not there)
         borne = [] if alone else bearing_blocks(laying.copies, there, fixing, blocks)
-        moved = [] if alone else _moved(laying.copies, there, fixing)
+        moved = [*_squared(laying.copies, bench, fixing)] if alone else []
+        moved += [] if alone else _moved(laying.copies, there, fixing)
         steps.append(
             Step(
-                [*said, *borne, *moved],
+                [*borne, *said, *moved],
                 names,
                 group=group,
-                what=called(part, len(names)).removeprefix("the "),
                 small=part.role in _SMALL or part.process == "dummy",
                 follows=begins,
                 hand_fits=by_hand,
@@ -139,7 +139,7 @@ def order(
             row, doings = push_up(each, stops)
             rows.append((len(rows) + 1, *row))
             names = [copy.name for copy in each.copies]
-            steps.append(Step(doings, names, way=1, what=each.copies[0].part.title.lower()))
+            steps.append(Step(doings, names, way=1))
     title = "Assembly from the bottom up, by height"
     return Table(title, COLUMNS, rows, mated(steps, copies, pairs, fixing))
 
@@ -212,7 +212,20 @@ def _put_in(
     row = (own, what, where_all(places), "", first.mount.z, "as drawn")
     doings = [doing for place in places for doing in place.doings]
     borne = bearing_blocks(cluster, there, fixing, blocks)
-    return row, [*doings, *borne, *_jig(cluster, there, later, fixing)]
+    return row, [*borne, *doings, *_jig(cluster, there, later, fixing)]
+
+
+def _squared(
+    coming: Sequence[StandingCopy], bench: Sequence[StandingCopy], fixing: Fixing
+) -> Iterator[Doing]:
+    """That a shaft which is glued in a link on the bench is set upright by a square: the link is too thin to hold it so."""
+    for copy in () if fixing.metal else coming:
+        for other in bench:
+            glued = any(mate.how == "glue" for mate in mates_between([copy], [other], fixing))
+            shaft, holder = (copy, other) if copy.part.role == "shaft" else (other, copy)
+            if glued and shaft.part.role == "shaft" and len(holder.part.points) > 1:
+                rest = f" is square to {holder.part.name}, and leave it until the glue is hard"
+                yield Doing("check with a square that ", shaft.part.name, rest, ("square",))
 
 
 def _jig(

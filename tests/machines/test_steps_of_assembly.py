@@ -36,7 +36,7 @@ from camgen.parts.standing import standing_copies
 from camgen.parts.step_words import between, thickness_gauge
 from camgen.parts.steps import order
 from camgen.pipeline.making import parts_table
-from camgen.pipeline.shopping import bought_things, steps_of_assembly, stock, tools
+from camgen.pipeline.shopping import bought_things, steps_of_assembly, stock, supplies, tools
 from camgen.study import Mate
 
 PLAY = Fixing(0.1)
@@ -159,14 +159,14 @@ def test_a_height_over_what_lies_there_is_said_by_the_gap() -> None:
 
 
 def test_a_gap_is_set_by_what_is_at_hand() -> None:
-    """Paper of 0.1 mm, up to five sheets, a strip of a bag of 0.05 mm, or a feeler gauge where no few of them are as thick."""
+    """Paper of 0.1 mm, up to six sheets, a strip of a bag of 0.05 mm, or a feeler gauge where no few of them are as thick."""
     assert between(0.2) == " (two sheets of paper between, then pull them out)"
     assert between(0.1) == " (one sheet of paper between, then pull it out)"
     assert between(0.05) == " (a strip of a plastic bag between, then pull it out)"
     both = "one sheet of paper and a strip of a plastic bag"
     assert between(0.15) == f" ({both} between, then pull them out)"
-    assert thickness_gauge(0.5) == "five sheets of paper"
-    assert {thickness_gauge(gap) for gap in (0.0, 0.02, 0.12, 0.6, 0.99)} == {"a feeler gauge"}
+    assert thickness_gauge(0.6) == "six sheets of paper"
+    assert {thickness_gauge(gap) for gap in (0.0, 0.02, 0.12, 0.7, 0.99)} == {"a feeler gauge"}
 
 
 def test_walls_of_a_groove_lie_on_their_back_plate_and_gaps_are_set_by_paper() -> None:
@@ -778,12 +778,15 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     batteries = next(k for k, title in enumerate(titles) if "Stick the battery holder" in title)
     assert titles[batteries].endswith("on the plate in the frame with double-sided tape.")
     assert batteries == join - 1, "it runs on them in the next step"
-    run = titles[join].index("Join the wires of the batteries to the motor's and let it run")
+    led = "Lead the wires of the batteries past both plates and along a spacer"
+    run = titles[join].index("join them to the motor's and let it run")
+    assert titles[join].index(led) < run
     assert "swap the motor's two wires" in titles[join]
     assert titles[join].index("without screws yet") < run < titles[join].index("Screw it on")
     assert "No glue: without these screws the far side comes off" in titles[join]
     (motor,) = (title for title in titles if "Hold the motor under the plate" in title)
     assert "Hold its wires to the batteries and let it run before you go on" in motor
+    assert "its nuts below the motor bar" in motor and "goes into O, 4 mm wide: scrape" in motor
     over = {mount.part: mount.z for mount in walker.assembly.mounts}
     for leg in ("leg3", "leg4"):
         (laid,) = (title for title in titles if f"Lay {leg} as the picture shows" in title)
@@ -804,7 +807,8 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     assert has["block"].count == 2 and has["block"].size.startswith(f"at least {blocks} mm")
     props = "12.55, 14.55, 25, 2 × 36, 50.3 and 53.35 mm high"
     assert props in has["prop"].size and has["prop"].count == 7, "as steps name them"
-    assert "two-part glue" in has, "on the motor's shaft"
+    used = {each.name for each in supplies(walker)}
+    assert "two-part glue" in used, "on the motor's shaft"
     (filed,) = (title for title in titles if title.startswith("Cut and file"))
     assert "its flat against the right jaw and the upper half, towards you" in filed
 
@@ -1255,7 +1259,8 @@ def test_a_machine_on_a_stand_lies_on_its_panel_and_is_screwed_on_before_its_pin
     assert screwed == panel + 2 and "the ground plate" in titles[panel + 1]
     pressed = [title for title in titles if "from above" in title]
     assert len(pressed) == 3 and all("it must not bend" in each for each in pressed)
-    assert "Put a block under A of crank and R of right_wing" in pressed[-1]
+    assert all(each.startswith("Put a block under") for each in pressed), "before it is glued"
+    assert pressed[-1].startswith("Put a block under R of right_wing, "), "the hand crank sweeps A"
     upright = [title for title in titles if "Check with a square that shaft is square" in title]
     assert len(upright) == 1 and not any(" dry, with" in title for title in titles)
 
@@ -1283,7 +1288,8 @@ def test_blocks_reach_from_the_bench_to_what_they_bear() -> None:
     assert (
         gussets.startswith("Turn the machine over, its back up") and f"least {front} mm" in gussets
     )
-    assert any("under W and V of ground, as high as those under stand-panel" in t for t in titles)
+    open_ = levels["ground"] - panel + deep  # the panel is open there, and the plate itself borne
+    assert any(f"under W and V of ground, {open_:g} mm high, {under}: it must" in t for t in titles)
     leg = built("walking-leg")
     titles = [step.title for step in steps_of_assembly(leg).steps]
     assert any("Stand shaft on the bench, where blocks under ground are 15" in t for t in titles)
@@ -1307,7 +1313,9 @@ def test_a_gauge_lies_where_it_comes_out_again() -> None:
     (said,) = (step.title for step in steps_of_assembly(bird).steps if "it on shaft" in step.title)
     gauge = thickness_gauge(play)
     assert gauge == "four sheets of paper" and gauge in said and "under ground" not in said
-    assert said.startswith("Lift crank and lay") and "Pull them out from under crank" in said
+    assert said.startswith("When its glue is hard, lift crank and lay")
+    assert "glue it on shaft alone, and hold it there until the glue is hard" in said
+    assert "Pull them out from under crank" in said
     assert f"{play:.2g} mm of play" in said
     leg = built("walking-leg")  # nothing is round its collar
     (said,) = (step.title for step in steps_of_assembly(leg).steps if "it on shaft" in step.title)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -82,6 +83,9 @@ def test_a_letter_without_room_is_told() -> None:
     ring = Part("ring", "Ring", (Layer(Region(circle(0, 4), (hole,)), 0, 3),), points=(("O", 0j),))
     tried = engraved(ring, letters=True)
     assert not tried.engraved and tried.notes == ("no room to engrave O",)
+    assert not tried.lettered
+    wide = replace(ring, layers=(Layer(Region(circle(0, 14), (hole,)), 0, 3),))
+    assert engraved(wide, letters=True).lettered == {"O"}
 
 
 def test_an_island_in_a_pocket_is_a_piece_of_its_own() -> None:

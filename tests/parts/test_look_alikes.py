@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Literal
 
 import pytest
@@ -85,3 +86,15 @@ def test_round_parts_of_one_diameter_are_told_apart_by_their_heights() -> None:
         for name, role, radius, high in SIZES
     ]
     assert lines(rounds) == ["☐ spacer-1 1.9 and cap-1 2.85 mm high"], "a pin is no cap"
+
+
+def test_links_that_read_their_letters_are_told_apart_by_these_alone() -> None:
+    """Two bars of the same holes, A B and A C; with the same letters nothing tells them apart but a measure."""
+    one = replace(bar("one", 0, 30), lettered=frozenset("AB"))
+    other = replace(
+        bar("other", 0, 30), points=(("A", 0j), ("C", 30 + 0j)), lettered=frozenset("AC")
+    )
+    assert lines([one, other]) == ["☐ letters beside their holes name these: one A B, other A C"]
+    bare = replace(other, lettered=frozenset("A"))  # no room for C
+    assert lines([one, bare]) == ["☐ one or other"]
+    assert lines([one, replace(one, name="twin")]) == ["☐ one or twin"]

@@ -22,7 +22,7 @@ from camgen.measuring.motion import Request, run
 from camgen.pipeline.build import build, check
 from camgen.pipeline.case import Case
 from camgen.pipeline.laser import sheet_files
-from camgen.pipeline.shopping import choices, steps_of_assembly, stock, tools
+from camgen.pipeline.shopping import choices, steps_of_assembly, stock, supplies, tools
 from camgen.pipeline.summary import plates_of
 
 GROOVE = """
@@ -125,7 +125,6 @@ def test_steel_and_drills_are_listed() -> None:
         "drill 6",
         "drill 6.2",
         "vice",
-        "oil",
         "hex key 2",
     } <= bird.keys(), "as its steps ask"
     assert bird["block"].startswith("at least 34 mm high") and "saw" not in bird
@@ -150,7 +149,7 @@ SAID = {
     "Write on each part": "marker",
     "Cut and file": "saw",
     "Cut and file|File or grind": "file",
-    "join the wires|Join the wires": "connectors",
+    "join them to the motor's": "connectors",
     "[Ee]xtension spring": "pliers",
 }
 
@@ -173,7 +172,7 @@ SAID = {
 def test_the_list_has_what_steps_name_and_nothing_that_none_names(name: str) -> None:
     machine = camgen.load(tomllib.loads(starters.text(name)))
     titles = " ".join(step.title for step in steps_of_assembly(machine).steps)
-    listed = {each.name for each in tools(machine)}
+    listed = {each.name for each in (*tools(machine), *supplies(machine))}
     nuts = any(each.standard == "ISO 4032" for each in machine.assembly.bought)
     for words, tool in SAID.items():
         named = bool(re.search(words, titles)) or (tool == "pliers" and nuts)

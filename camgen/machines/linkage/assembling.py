@@ -48,25 +48,34 @@ def driving_text(spec: LinkageSpec) -> str:
 def with_engraving(
     spec: LinkageSpec, bodies: Bodies, features: Sequence[Feature]
 ) -> Sequence[Part]:
-    """Parts with what is engraved in them: a text in a link, letters of holes in what has named points, and what says the
-    upper side of a cam, wheel or crank that fits turned over as well; of sheet only where engraving is cut too.
+    """Parts with what is engraved in them but letters: a text in a link, and what says the upper side of a cam, wheel or crank that
+    fits turned over as well; of sheet only where engraving is cut too.
     """
     texts = {
         part_name(link): (shape.engrave, f"parts.{link}.engrave")
         for link in spec.diagram.links
         if (shape := spec.making.shape(link)).engrave
     }
-    letters = bool(spec.files.hole_letters)
     parts = bodies.parts
     reversible = set(fit_turned_over(parts, features, bodies.mounts))
-    if not (texts or letters or reversible):
+    if not (texts or reversible):
         return parts
     from camgen.parts.engraving import engraved, with_upper_side
 
     engraves = spec.files.engrave or not spec.making.of_sheet
     mark = spec.files.up_marks and engraves and spec.making.sides == 1
-    lettered = (engraved(part, letters, *texts.get(part.name, ())) for part in parts)
-    return [with_upper_side(part, mark) if part.name in reversible else part for part in lettered]
+    told = (engraved(part, False, *texts.get(part.name, ())) for part in parts)
+    return [with_upper_side(part, mark) if part.name in reversible else part for part in told]
+
+
+def with_letters(spec: LinkageSpec, parts: Sequence[Part]) -> Sequence[Part]:
+    """Parts with the letters of their holes, where the spec asks for these: of both sides, for both sides of a machine have one part
+    as long as it is its own mirror image."""
+    if not spec.files.hole_letters:
+        return parts
+    from camgen.parts.engraving import engraved
+
+    return [engraved(part, True) for part in parts]
 
 
 def arm_stiffness(spec: LinkageSpec, bodies: Bodies) -> float | None:

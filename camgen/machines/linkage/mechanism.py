@@ -43,6 +43,7 @@ from camgen.machines.linkage.assembling import (
     mirror,
     supply_volts,
     with_engraving,
+    with_letters,
 )
 from camgen.machines.linkage.construction import Construction, closed
 from camgen.machines.linkage.spec import LinkageSpec
@@ -169,6 +170,7 @@ class Linkage(LinkageSpec):
             far = self._made_of(*self._far)
             between = mirror(self.bodies.layout)
             own = replace(both_sides(own, far, between, self.model), feet=self._feet)
+        own = replace(own, parts=with_letters(self, own.parts))
         whole = assemblies.joined(own, [each.assembly for each in self.modules], self.model)
         name = self.angle_name(any(isinstance(each, CamOutline) for each in whole.features))
         swept = self.rounds if self.rounds <= _SWEPT_TURNS else 1

@@ -252,10 +252,10 @@ class Bodies:
 
     def _battery_text(self, holder: Battery, volts: float) -> str:
         """What feeds the motor: the holder, its cells, and how long its wires are."""
-        size = f"{holder.length:g} x {holder.width:g}"
+        size = f"holder of at most {holder.length:g} x {holder.width:g}"
         kind = cells(volts, holder.length, holder.width)
         held = (
-            f"for {kind} cells side by side, {volts:g} V, with these"
+            f"for {kind} cells side by side, {volts:g} V, with its cells"
             if kind
             else "with batteries for the motor's voltage"
         )
@@ -263,7 +263,7 @@ class Bodies:
         if self.layout.second is not None:
             across += 2 * (ceiling_height(self.layout) + self.sizes.base_thickness)
         wires = _WIRES * math.ceil((across + abs(complex(*holder.at)) + _SLACK) / _WIRES)
-        return f"{size}, {held}, a switch and two wires of {wires:g} mm to it"
+        return f"{size}, {held}, a switch, and two wires of {wires:g} mm from it to the motor"
 
     @property
     def stands(self) -> str:
