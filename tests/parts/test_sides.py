@@ -433,3 +433,13 @@ def test_sides_with_spacers_come_apart_without_their_screws(machine: Linkage) ->
 def test_a_gap_that_no_spacer_fills_is_refused(parts: dict[str, Any]) -> None:
     with pytest.raises(SpecError, match="side_gap"):
         walker(parts)
+
+
+def test_letters_of_holes_leave_one_part_for_both_sides() -> None:
+    """A link that is the same at all heights is its own mirror image, and stays so with letters on one face."""
+    plain = walker().assembly
+    lettered = walker(files={"hole_letters": True}).assembly
+    assert [(each.name, each.count) for each in lettered.parts] == [
+        (each.name, each.count) for each in plain.parts
+    ]
+    assert any(each.lettered and each.count > 1 for each in lettered.parts)

@@ -128,7 +128,7 @@ def test_steel_and_drills_are_listed() -> None:
         "hex key 2",
     } <= bird.keys(), "as its steps ask"
     assert bird["block"].startswith("at least 34 mm high") and "saw" not in bird
-    assert "22 and 2 × 34 mm high" in bird["prop"], "under the shaft, and under two pins at once"
+    assert "22 and 2 × 37 mm high" in bird["prop"], "under the shaft, and under two pins at once"
     assert {"saw", "file", "caliper"} <= {each.name for each in tools(feeder)}
     own = {each.name: each.count for each in feeder.assembly.bought if each.role == "own"}
     assert own == {"screw from below": 2, "screw of the load": 4}
