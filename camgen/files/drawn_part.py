@@ -41,7 +41,7 @@ from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
 
 _MISREAD = ("I", "O", "Q")  # letters that are no datum's [ISO 5459]
-_SMALLEST = 2.0  # height of text in a table, mm
+_SMALLEST = 2.2  # height of text in a table, mm
 _OUTSIDE = "h9"  # fit of a drum's outside: what passes it gets no nearer
 
 
