@@ -8,6 +8,7 @@ shows has it over the section; of one that neither shows the edge is dashed in t
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -41,10 +42,12 @@ _APART = 9.0  # from one balloon to the next
 _STAGGER = 9.0  # from one row of balloons to the next
 _CLEAR = 9.0  # from a view to its balloons
 _LETTERED = 4.0  # from letters of the section to balloons beside them
-_LEFT = 18.0  # of a view, for a height
+_LEFT = 20.0  # of a view, for a height
 _RIGHT = (12.0, 22.0)  # of the front, for a letter; of the section, for its heights
 _SIZED = 9.0  # under the front, for its width
 _NAMED = 12.0  # over the section, for its name
+_UNLIKE = 2.5  # times, that one view may be larger than the other
+_PLACES = ("over", "under", "beside")  # of the section, the first that will do
 _HATCH = 2.0  # between lines, of the first part; of others more
 _COLUMNS = (10.0, 110.0, 10.0, 40.0)  # of the list: number, part, quantity, how it is made
 _SEEN = 3.0  # mm^2 of paper, from which on a part is pointed at in a view
@@ -212,7 +215,8 @@ class _View:
 
     origin: complex  # its own origin there
     scale: float
-    right: float  # up to where what belongs to it may stand
+    left: float  # from where on what belongs to it may stand
+    right: float  # and up to where
 
     def at(self, z: complex) -> complex:
         """A point of the view on paper."""
@@ -233,8 +237,16 @@ class _Room:
         return self.over + self.size.imag + self.under
 
 
+@dataclass(frozen=True)
+class _Slot:
+    """A piece of the sheet, its corners."""
+
+    low: complex
+    high: complex
+
+
 class _Page:
-    """Its views on paper: one over the other left of the list, the upper one as wide as the sheet where it ends over the list."""
+    """Its views on paper."""
 
     def __init__(self, arrangement: Arrangement) -> None:
         self.arrangement = arrangement
@@ -257,64 +269,81 @@ class _Page:
 
     def _views(self) -> tuple[_View, _View, bool]:
         """Front and section as large as they fit, and whether the front has balloons under it too."""
-        for scale in SCALES:
-            near = [each for each in SCALES if scale / 5 <= each <= scale * 5]
-            for other, both, section_first in product(near, (True, False), (True, False)):
-                views = self._placed(scale, other, both, section_first)
-                if views:
-                    return *views, both
+        pairs = [
+            (front, section)
+            for front, section in product(SCALES, SCALES)
+            if 1 / _UNLIKE <= front / section <= _UNLIKE
+        ]
+        # the largest together, of these the most alike, of these the one with the larger section
+        pairs.sort(key=lambda each: (-each[0] * each[1], abs(math.log(each[0] / each[1])), each[0]))
+        for scales, both, place in product(pairs, (True, False), _PLACES):
+            views = self._placed(scales, both, place)
+            if views:
+                return *views, both
         raise ValueError("no scale is small enough")
 
     def _placed(
-        self, scale: float, other: float, both: bool, section_first: bool
+        self, scales: tuple[float, float], both: bool, place: str
     ) -> tuple[_View, _View] | None:
         """Front and section of these scales; None where they do not fit."""
-        arrangement = self.arrangement
-        low, high = arrangement.box
-        near, far = arrangement.deep
-        above, below, cut = (len(each) for each in self._numbers(scale, both))
-        limit = self.wide - MARGIN, self.wide - MARGIN - WIDTH
-        rooms = []
-        for size, up, down, extra in (
-            (scale * (high - low), above, below, (0.0, _SIZED)),
-            (other * (far - near), cut, 0, (_NAMED, _LOOSE)),
-        ):
-            over, under = (self._over(count, limit[1] - FILING - 16) for count in (up, down))
-            rooms.append(_Room(size, over + extra[0], under + extra[1]))
-        order = (1, 0) if section_first else (0, 1)
-        first, second = (rooms[k] for k in order)
+        low, high = self.arrangement.box
+        near, far = self.arrangement.deep
+        rooms = self._rooms(scales, both)
+        slots = self._slots(rooms, place)
+        views = []
+        for k, (room, slot) in enumerate(zip(rooms, slots, strict=True)):
+            spare = slot.high.real - slot.low.real - _LEFT - room.size.real - _RIGHT[k]
+            if spare < 0 or slot.high.imag - room.high < slot.low.imag:
+                return None
+            left = slot.low.real + _LEFT + spare / 2
+            corner = complex(left, slot.high.imag - room.over - room.size.imag)
+            origin = corner - scales[k] * (low, near)[k]
+            views.append(_View(origin, scales[k], slot.low.real, slot.high.real))
+        front, section = views
+        if place == "over" and scales[0] == scales[1] and self.arrangement.line[1] == 1:
+            start = front.at(self.arrangement.line[0]).real  # over each other, as they are seen
+            begin, end = (start + scales[1] * each.real for each in (near, far))
+            if begin >= section.left + _LEFT and end + _RIGHT[1] <= section.right:
+                section = replace(section, origin=complex(start, section.origin.imag))
+        return front, section
+
+    def _rooms(self, scales: tuple[float, float], both: bool) -> tuple[_Room, _Room]:
+        """What front and section take."""
+        low, high = self.arrangement.box
+        near, far = self.arrangement.deep
+        above, below, cut = (len(each) for each in self._numbers(scales[0], both))
+        wide = self.wide - MARGIN - WIDTH - FILING - 16
+        front = _Room(
+            scales[0] * (high - low), self._over(above, wide), self._over(below, wide) + _SIZED
+        )
+        return front, _Room(scales[1] * (far - near), self._over(cut, wide) + _NAMED, _LOOSE)
+
+    def _slots(self, rooms: tuple[_Room, _Room], place: str) -> tuple[_Slot, _Slot]:
+        """Where front and section may stand: over each other left of the list, the upper one as wide as the sheet where it ends over
+        the list, or beside each other, the section over the list."""
+        right = self.wide - MARGIN
+        middle = right - WIDTH
         top = self.high - MARGIN
-        notes = MARGIN + _NOTE * len(arrangement.notes) + 3
-        spare = top - notes - first.high - second.high
-        rows = min(len(arrangement.items), self._most) + 1
-        slack = top - first.high - (MARGIN + BLOCK + ROW * rows + 2)
-        over_list = slack > 0
-        head = min(spare / 3, slack) if over_list else spare / 3
-        if spare < 0:
-            return None
-        widths = [limit[0] if over_list else limit[1], limit[1]]
-        lefts = [
-            (FILING + _LEFT + right - _RIGHT[k] - room.size.real) / 2
-            for k, room, right in zip(order, (first, second), widths, strict=True)
-        ]
-        if min(lefts) < FILING + _LEFT:
-            return None
-        ends = [top - head - first.over, 0.0]
-        ends[1] = ends[0] - first.size.imag - first.under - (spare - head) / 2 - second.over
-        views: dict[int, _View] = {}
-        for k, room, right, left, end in zip(
-            order, (first, second), widths, lefts, ends, strict=True
-        ):
-            corner = complex(left, end - room.size.imag)
-            each = (scale, other)[k]
-            views[k] = _View(corner - each * (low, near)[k], each, right)
-        if scale == other and arrangement.line[1] == 1:  # over each other, as they are seen
-            start = views[0].at(arrangement.line[0]).real
-            aligned = complex(start, views[1].origin.imag)
-            least, most = (start + other * each.real for each in (near, far))
-            if least >= FILING + _LEFT and most + _RIGHT[1] <= views[1].right:
-                views[1] = replace(views[1], origin=aligned)
-        return views[0], views[1]
+        foot = MARGIN + _NOTE * len(self.arrangement.notes) + 3
+        rows = min(len(self.arrangement.items), self._most) + 1
+        over_list = MARGIN + BLOCK + ROW * rows + 2
+        front, section = rooms
+        if place == "beside":
+            head = max(0.0, (top - foot - front.high) / 2)
+            aside = max(0.0, (top - over_list - section.high) / 2)
+            return (
+                _Slot(complex(FILING, foot), complex(middle, top - head)),
+                _Slot(complex(middle, over_list), complex(right, top - aside)),
+            )
+        first, second = (section, front) if place == "over" else (front, section)
+        spare = top - foot - first.high - second.high
+        slack = top - first.high - over_list
+        head = max(0.0, min(spare / 3, slack) if slack > 0 else spare / 3)
+        end = top - head - first.high
+        upper = _Slot(complex(FILING, end), complex(right if slack > 0 else middle, top - head))
+        gap = max(0.0, (spare - head) / 2)
+        lower = _Slot(complex(FILING, foot), complex(middle, end - gap))
+        return (lower, upper) if place == "over" else (upper, lower)
 
     @property
     def _clear(self) -> float:
@@ -322,8 +351,9 @@ class _Page:
         return _CLEAR + (_LETTERED if abs(self.arrangement.line[1].imag) > 0.5 else 0.0)
 
     def _over(self, count: int, wide: float) -> float:
-        """Room for so many balloons over or under a view."""
-        return self._clear + _STAGGER * _rows(count, (0.0, wide)) if count else 0.0
+        """Room for so many balloons over or under a view, or else for the section's letters that stand there."""
+        bare = self._clear if self._clear > _CLEAR else 0.0
+        return self._clear + _STAGGER * _rows(count, (0.0, wide)) if count else bare
 
     def _numbers(
         self, scale: float, both: bool
@@ -372,13 +402,11 @@ class _Page:
         self, sheet: Sheet, view: _View, anchors: Mapping[int, complex], first: float, way: int
     ) -> float:
         """Balloons of a view, and where they end."""
-        columns = FILING + 8, view.right - 8
+        columns = view.left + 8, view.right - 8
         low, high = (view.at(z).real for z in self.arrangement.box)
         if way < 0 and len(anchors) * _APART < high - low:  # clear of the width's own lines
             columns = low + _BALLOON + 1, high - _BALLOON - 1
         _balloons(sheet, {n: view.at(z) for n, z in anchors.items()}, first, way, columns)
-        if not anchors:
-            return first - way * self._clear
         return first + way * (self._over(len(anchors), columns[1] - columns[0]) - self._clear)
 
     def _front(self, sheet: Sheet) -> None:

@@ -15,6 +15,8 @@ import math
 from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
+from camgen.parts.turned_shafts import TurnedShaft
+
 
 @dataclass(frozen=True)
 class Screw:
@@ -123,7 +125,7 @@ class CamFollower:
     def bought(self, count: int) -> Bought:
         """Its line in the parts list."""
         size = f"{self.name}: cylindrical ring {self.outside:g} x {self.width:g}, stud {self.stud:g} x {self.length:g} in a hole H7, {self.thread}"
-        return Bought("cam follower", "ISO 7063", size, count)
+        return Bought("cam follower", ROLLER_STANDARD, size, count)
 
 
 @dataclass(frozen=True)
@@ -198,6 +200,7 @@ class Bought:
     length: float = 0.0  # of a screw, mm; 0 where the spec leaves it open
     process: str = "bought"  # or how it is made
     details: str = ""  # what its maker has to know, for the parts list alone
+    shaft: TurnedShaft | None = None  # of which there is a sheet
 
     @property
     def text(self) -> str:
@@ -380,6 +383,7 @@ def no_ball_roller(diameter: float) -> str:
 
 
 NUT_STANDARD = "ISO 4032"
+ROLLER_STANDARD = "ISO 7063"  # of cam followers
 DOWEL_STANDARD = "ISO 2338"
 # Length up to which a pin may be so much longer, mm [DIN 7: nutbolt.org/Standards/Pin-Dowel.html, table 2].
 _DOWEL_EXCESS = ((10.0, 0.3), (50.0, 0.5), (math.inf, 0.8))

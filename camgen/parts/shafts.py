@@ -9,11 +9,12 @@ of the bore, tight in P9 of both: berger-tools.co.uk, Standard_Parts_Catalogue, 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from camgen.parts.catalogue import TURNED, Bearing, Bought, narrowest
 from camgen.parts.keyways import key_length, keyway, shaft_keyway
+from camgen.parts.turned_shafts import RingGrooves, ShaftKeyway, TurnedShaft
 
 _LARGER = {
     each.bore: each
@@ -61,6 +62,18 @@ _SHIMMED = 0.3  # mm, that shims fill between rings and bore, at least
 _MOST_SHIMMED = 0.7  # mm, where grooves and bore have the whole of their tolerances, h11 of the bore's length with it
 _WIDER = 0.2  # mm, by which grooves may lie farther apart
 _SNAPPED = "one in each groove of the shaft; put shims (DIN 988) beside the bore until it slides at most 0.05 mm"
+OF_SHAFT = "bearing of the shaft"  # name of its row
+_BEFORE = 5.0  # from the shaft's end to its first bearing, where a ring holds that
+_BEARING_SLACK = 0.1  # that the rings leave a bearing, at least
+_SLACKER = 0.1  # by which their grooves may lie farther apart
+_OF_SLACK = (0.1, 0.3)  # that shims fill there: the bearing may be 0.12 narrower
+_OF_BORE = "retaining ring"
+_OF_BEARING = "retaining ring of the first bearing"
+_HOLDS_SHAFT = (
+    "on either side of the bearing at the end without the coupling, the inner one first: they hold the shaft in it; shims (DIN 988) "
+    "between ring and bearing until it slides at most 0.05 mm"
+)
+_COLLARS = "; a collar or a shoulder of yours on either side of that one holds the shaft in it"
 _KEYED = "its key in the keyway of the bore"
 _FAST = "fast in it"
 _BEARINGS = (
@@ -84,52 +97,122 @@ def shaft_and_bearings(seat: Seat) -> list[Bought]:
     """A shaft with all that its maker has to know, rings on it, and the bearings in which it turns, if there are some of its size;
     in the order in which they are put on."""
     bore = seat.bore
-    length = sum(seat.lengths)
-    bearing = narrowest(bore) or _LARGER.get(bore)
     how = f"through the bore, {_KEYED if seat.key_width else _FAST}"
     shaft = Bought("shaft", "", "", 1, "shaft", how=how, process=TURNED)
     rings = retaining_rings(bore) if seat.ringed else []
-    place = f"{length:.4g} in the bore"
-    if bearing is None:
-        size = f"{bore:g} h6, C45, {place}, and as long as its bearings need"
-        cuts = _cuts(seat, 0.0, "from where the bore begins")
+    made = turned_shaft(seat)
+    if made is None:
+        size = f"{bore:g} h6, C45, {sum(seat.lengths):.4g} in the bore, and as long as its bearings need"
+        cuts = _cuts(_keyways(seat, 0.0), _bore_grooves(seat, 0.0), "from where the bore begins")
         return [replace(shaft, size=size, details="; ".join(cuts)), *rings]
-    gap = _GAP * bore
-    coupling = _COUPLING * bore
-    whole = length + 2 * (gap + bearing.width) + coupling
-    whole = _STEP * math.ceil(whole / _STEP - 1e-9)
-    place += f", on either side {gap:g} free and a bearing of {bearing.width:g}, at least {coupling:g} for the coupling"
-    cuts = _cuts(seat, gap + bearing.width, "from the end without the coupling")
-    shaft = replace(shaft, size=f"{bore:g} h6 x {whole:g}, C45", details="; ".join([place, *cuts]))
+    place = (
+        f"{sum(seat.lengths):.4g} in the bore, on either side {made.gap:g} free and a bearing of {made.width:g}, "
+        f"at least {_COUPLING * bore:g} for the coupling"
+    )
+    cuts = _cuts(made.keyways, made.grooves, "from the end without the coupling")
+    size = f"{bore:g} h6 x {made.length:g}, C45"
+    shaft = replace(shaft, size=size, details="; ".join([place, *cuts]), shaft=made)
+    bearing = _bearing(bore)
+    assert bearing is not None
+    held = [
+        replace(each, name=_OF_BEARING, how=_HOLDS_SHAFT, details=_shims(bore, *_OF_SLACK))
+        for each in retaining_rings(bore)
+    ]
     turns = Bought(
-        "bearing of the shaft",
+        OF_SHAFT,
         bearing.standard,
         f"{bearing.name}, {bearing.size}",
         2,
-        how=_BEARINGS,
+        how=_BEARINGS if held else _BEARINGS + _COLLARS,
     )
-    return [shaft, *rings, replace(turns, key="parts.bore")]
+    return [shaft, *rings, *held, replace(turns, key="parts.bore")]
 
 
-def _cuts(seat: Seat, start: float, origin: str) -> Iterator[str]:
-    """Keyways and grooves of a shaft whose first bore begins there, mm from an origin."""
-    for length in seat.lengths if seat.key_width else ():
-        long = key_length(seat.bore, length)
-        first = start + (length - long) / 2
-        depth = shaft_keyway(seat.bore) if keyway(seat.bore) else None
-        deep = f", {depth[0]:g} +{depth[1]:g}/0 deep" if depth else ""
-        yield (
-            f"keyway {seat.key_width:g} {seat.key_fit} x {long:.4g}{deep}, round at both ends, "
-            f"between {first:.4g} and {first + long:.4g} {origin}"
-        )
+def _bearing(bore: float) -> Bearing | None:
+    return narrowest(bore) or _LARGER.get(bore)
+
+
+def turned_shaft(seat: Seat) -> TurnedShaft | None:
+    """The shaft of bores as its sheet shows it; None where no bearing of its size is known."""
+    bore = seat.bore
+    bearing = _bearing(bore)
+    if bearing is None:
+        return None
+    held = bore in _RINGS  # the first bearing, by rings on either side
+    first = _BEFORE if held else 0.0
+    gap = _GAP * bore
+    start = first + bearing.width + gap
+    second = start + sum(seat.lengths) + gap
+    length = second + bearing.width + _COUPLING * bore
+    grooves = list(_bore_grooves(seat, start))
+    if held:
+        thick = _RINGS[bore][0]
+        apart = bearing.width + 2 * thick + _BEARING_SLACK
+        grooves.insert(0, _grooves(bore, _OF_BEARING, first - thick, apart, _SLACKER))
+    return TurnedShaft(
+        bore,
+        _STEP * math.ceil(length / _STEP - 1e-9),
+        tuple(_bores(seat, start)),
+        tuple(_keyways(seat, start)),
+        tuple(grooves),
+        bearing.name,
+        bearing.outside,
+        bearing.width,
+        (first, second),
+        gap,
+    )
+
+
+def _bores(seat: Seat, start: float) -> Iterator[tuple[float, float]]:
+    """Where each bore begins, and its length, the first at `start`."""
+    for length in seat.lengths:
+        yield start, length
         start += length
+
+
+def _keyways(seat: Seat, start: float) -> Iterator[ShaftKeyway]:
+    """A keyway half way along each bore."""
+    deep, deeper = shaft_keyway(seat.bore) if keyway(seat.bore) else (0.0, 0.0)
+    for begin, length in _bores(seat, start) if seat.key_width else ():
+        long = key_length(seat.bore, length)
+        first = begin + (length - long) / 2
+        yield ShaftKeyway(first, long, seat.key_width, seat.key_fit, deep, deeper)
+
+
+def _bore_grooves(seat: Seat, start: float) -> Iterator[RingGrooves]:
+    """Grooves for rings on either side of all bores, where they have some."""
     if seat.ringed and seat.bore in _RINGS:
-        thick, groove, wide = _RINGS[seat.bore]
-        fit = "h10" if seat.bore <= _FINER else "h11"
-        apart = sum(seat.lengths) + 2 * thick + _SHIMMED
+        length = sum(seat.lengths)
+        apart = length + 2 * _RINGS[seat.bore][0] + _SHIMMED
+        begin = start + (length - apart) / 2
+        yield _grooves(seat.bore, _OF_BORE, begin, apart, _WIDER)
+
+
+def _grooves(bore: float, ring: str, start: float, apart: float, wider: float) -> RingGrooves:
+    thick, diameter, wide = _RINGS[bore]
+    fit = "h10" if bore <= _FINER else "h11"
+    return RingGrooves(ring, start, apart, wider, diameter, fit, wide, thick)
+
+
+def _cuts(
+    keyways: Iterable[ShaftKeyway], grooves: Iterable[RingGrooves], origin: str
+) -> Iterator[str]:
+    """Keyways and grooves of a shaft in words, from an origin."""
+    for each in keyways:
+        deep = f", {each.depth:g} +{each.deeper:g}/0 deep" if each.depth else ""
         yield (
-            f"two grooves for rings, Ø{groove:g} {fit}, {wide:g} H13 wide, {apart:.4g} +{_WIDER:g}/0 over their outer walls, "
+            f"keyway {each.width:g} {each.fit} x {each.length:.4g}{deep}, round at both ends, "
+            f"between {each.start:.4g} and {each.end:.4g} {origin}"
+        )
+    for pair in grooves:
+        where = (
             "the bore in the middle"
+            if pair.ring == _OF_BORE
+            else f"the first bearing between them, from {pair.start:.4g} {origin} on"
+        )
+        yield (
+            f"two grooves for rings, Ø{pair.diameter:g} {pair.fit}, {pair.width:g} H13 wide, "
+            f"{pair.apart:.4g} +{pair.wider:g}/0 over their outer walls, {where}"
         )
 
 
@@ -138,6 +221,9 @@ def retaining_rings(bore: float) -> list[Bought]:
     if bore not in _RINGS:
         return []
     size = f"{bore:g} x {_RINGS[bore][0]:g}"
-    ring = Bought("retaining ring", "DIN 471", size, 2, how=_SNAPPED)
-    shims = f"with shims DIN 988 for a shaft of {bore:g}, together {_SHIMMED:g} to {_MOST_SHIMMED:g} thick"
-    return [replace(ring, details=shims)]
+    ring = Bought(_OF_BORE, "DIN 471", size, 2, how=_SNAPPED)
+    return [replace(ring, details=_shims(bore, _SHIMMED, _MOST_SHIMMED))]
+
+
+def _shims(shaft: float, least: float, most: float) -> str:
+    return f"with shims DIN 988 for a shaft of {shaft:g}, together {least:g} to {most:g} thick"

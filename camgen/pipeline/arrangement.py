@@ -24,7 +24,7 @@ from camgen.numerics import coordinates
 from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import TURNED
 from camgen.parts.part import Part
-from camgen.pipeline.bought_shapes import bought_shapes
+from camgen.pipeline.bought_shapes import Thing, bought_shapes
 from camgen.pipeline.shopping import bought_things
 from camgen.pipeline.shown import coarse
 from camgen.study import Table
@@ -45,7 +45,11 @@ _WHOLE = ("bought", TURNED)  # how parts are made that a section does not hatch
 def arrangement_of(mechanism: Mechanism, listed: Table) -> Arrangement:
     """A machine of several parts as its arrangement drawing shows it; listed: its parts list, how, part, what and count first."""
     assembly = mechanism.assembly
+    things = bought_things(mechanism)
+    drawn = bought_shapes(mechanism, things)
     axes, moving = _axes(assembly)
+    if any(thing.shaft is not None for thing in things):  # through keys and rollers beside it
+        moving += [_middle(shape) for shapes in drawn.values() for shape in shapes]
     line = _line([axis.at for axis in axes], moving)
     numbers = {part.name: k for k, part in enumerate(assembly.parts, 1)}
     copies = _copies(mechanism, line)
@@ -62,13 +66,9 @@ def arrangement_of(mechanism: Mechanism, listed: Table) -> Arrangement:
             said = part.listed + str(what).removeprefix(part.title)
             items.append(Item(said, count, str(how), numbers[name]))
     items.sort(key=lambda item: item.number)
-    things = bought_things(mechanism)
-    shapes = {
-        (thing.name, thing.listing): found
-        for thing, found in bought_shapes(mechanism, things).items()
-    }
+    shapes = {(thing.name, thing.listing): found for thing, found in drawn.items()}
     for how, name, what, count in rows:
-        if name not in numbers and how == _LISTED:
+        if name not in numbers and how in (_LISTED, TURNED):
             number = len(items) + 1
             found = shapes.get((str(name), str(what)), [])
             said = str(how) if found else f"{how}, not drawn"
@@ -77,6 +77,12 @@ def arrangement_of(mechanism: Mechanism, listed: Table) -> Arrangement:
                 Copy(number, *_of_prisms(thing, line), False, bought=True) for thing in found
             ]
     return Arrangement(copies, items, line, axes, _notes(mechanism, axes))
+
+
+def _middle(thing: Thing) -> complex:
+    """Of the first face of what is bought."""
+    middle = thing[0][0].centroid
+    return complex(middle.x, middle.y)
 
 
 def _axes(assembly: Assembly) -> tuple[list[Axis], list[complex]]:

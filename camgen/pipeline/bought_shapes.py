@@ -22,18 +22,21 @@ from camgen.parts.catalogue import (
     HEX_KEYS,
     MOTOR_FACES,
     NUT_STANDARD,
+    ROLLER_STANDARD,
     SCREWS,
     Bought,
     Screw,
 )
 from camgen.parts.coils import spring_sketches
 from camgen.parts.keyways import key_length, keyed, parallel_keys, shaft_keyway
+from camgen.parts.shafts import OF_SHAFT
 from camgen.parts.standing import Round, StandingCopy, discs, standing_copies
 
 _ALIKE = 0.35  # mm, by which a printed hole may differ from that of its thread
 _ON_CIRCLE = 0.01  # mm, by which a motor's screw may miss its circle
 _SOCKET = 0.5  # of a head's height, how deep its hexagon is
 _POCKET = 1.5  # heights of a nut, at most, between holes that hold one
+_RING = 0.13  # of a shaft's diameter, how broad a retaining ring is
 _WIRE = 0.1  # of a spring's diameter, as its wire is drawn
 
 Piece = tuple[Any, float, float]  # a polygon of shapely, from where to where it reaches, mm
@@ -71,6 +74,7 @@ def bought_shapes(mechanism: Mechanism, things: Sequence[Bought]) -> dict[Bought
     for thing in things:
         if not thing.thread:
             found[thing] = _others(assembly, thing, copies)
+    found |= _on_shaft(assembly, things)
     springs = [thing for thing in things if thing.role == "spring"]
     if len(springs) == len(assembly.coils):
         lines = spring_sketches(assembly.coils, assembly.courses)
@@ -83,7 +87,7 @@ def _others(assembly: Assembly, thing: Bought, copies: Sequence[StandingCopy]) -
     """Keys and motors."""
     if thing.role == "drive":
         return list(_motors(assembly, copies))
-    own = {name for name, _ in thing.at}
+    own = {name for name, _ in thing.at} or assembly.by_name.keys()
     keys = [key.size for key in parallel_keys(assembly.parts, bool(assembly.dowel))]
     if thing.size not in keys:
         return []
@@ -243,6 +247,64 @@ def _keys(copy: StandingCopy) -> Iterator[Piece]:
             middle - long / 2,
             middle + long / 2,
         )
+
+
+def _on_shaft(assembly: Assembly, things: Sequence[Bought]) -> dict[Bought, list[Thing]]:
+    """A shaft that is no part through the bores of its cams, the end for the coupling down, with its rings and bearings; and rollers
+    on the cams."""
+    shaft = next((thing.shaft for thing in things if thing.shaft is not None), None)
+    found = dict[Bought, list[Thing]]()
+    if shaft is None:
+        return found
+    parts = assembly.by_name
+    top = max(each.z + parts[each.part].thickness for each in assembly.mounts if each.at == 0)
+    zero = top + shaft.bores[0][0]  # height of the end that is up
+
+    def ring(inner: float, outer: float, start: float, length: float) -> Piece:
+        """From one diameter to another, so long, mm from the shaft's upper end."""
+        face = (
+            _disc(0j, outer / 2).difference(_disc(0j, inner / 2)) if inner else _disc(0j, outer / 2)
+        )
+        return face, zero - start - length, zero - start
+
+    cuts = sorted((*wall, pair.diameter) for pair in shaft.grooves for wall in pair.walls)
+    ends = [0.0, *(x for begin, end, _ in cuts for x in (begin, end)), shaft.length]
+    whole = zip(ends[::2], ends[1::2], strict=True)
+    rod = [ring(0.0, shaft.diameter, begin, end - begin) for begin, end in whole]
+    rod += [ring(0.0, floor, begin, end - begin) for begin, end, floor in cuts]
+    third = (shaft.outside - shaft.diameter) / 3
+    races = (shaft.diameter, shaft.diameter + third), (shaft.outside - third, shaft.outside)
+    rings = {
+        pair.ring: [
+            [ring(pair.diameter, pair.diameter + 2 * _RING * shaft.diameter, start, pair.thick)]
+            for start in (pair.start, pair.start + pair.apart - pair.thick)
+        ]
+        for pair in shaft.grooves
+    }
+    for thing in things:
+        if thing.shaft is not None:
+            found[thing] = [rod]
+        elif thing.name in rings:
+            found[thing] = rings[thing.name]
+        elif thing.name == OF_SHAFT:
+            found[thing] = [[ring(*race, x, shaft.width) for race in races] for x in shaft.seats]
+        elif thing.standard == ROLLER_STANDARD:
+            found[thing] = _rollers(assembly)
+    return found
+
+
+def _rollers(assembly: Assembly) -> list[Thing]:
+    """Rings of cam followers on disc cams, where these stand at theta = 0."""
+    courses = assembly.courses(np.zeros(1))
+    tips = [each for each in assembly.stand_ins if each.rolls]
+    found = []
+    for each in tips:
+        body = courses[each.body]
+        turn = np.exp(1j * np.ravel(body.angle)[0])
+        for at, radius, low, high in each.discs:
+            place = complex(np.ravel(body.place)[0] + turn * at)
+            found.append([(_disc(place, radius), low, high)])
+    return found
 
 
 def _spring(course: Any, diameter: float, eyes: tuple[float, float]) -> Piece:

@@ -35,6 +35,7 @@ from camgen.parts.keyways import keyed
 from camgen.parts.materials import STEEL, Material
 from camgen.parts.part import Layer, Part
 from camgen.parts.standing import Round, standing
+from camgen.parts.turned_shafts import TurnedShaft
 from camgen.pipeline.thicknesses import thickness_allowances
 from camgen.tolerances import SAME_POINT
 
@@ -58,6 +59,8 @@ _OF_ROD = replace(_IN_METAL, profile=0.0, roughness=0.0, symmetry=0.0, run_out=0
 _OF_SLEEVE = "free of burrs"
 _OF_JOURNAL = "free of burrs, corner under the head at most R0.1, free end chamfered 0.3 × 45°"
 _ROD_STEEL = "C45+C"  # bright drawn: camgen's own choice
+_SHAFT_STEEL = "C45"  # of shafts that are no parts
+_SEAT_ROUGHNESS = 0.8  # Ra of what is h6 under bearings, micrometres: camgen's own choice
 _ROD_STRENGTH = f"tensile strength at least {2 * STEEL.bears:g} MPa"  # on which loads count
 _MEDIUM = "ISO 2768-m"  # general tolerance of what is printed or cut of a sheet, unless its spec says other
 # The housing of a ball bearing is J7 under light load [auto-agro.sk/katalog/klietky, NTN, 6.4]; JS is within a few thousandths of J.
@@ -262,6 +265,24 @@ def machine_facts(mechanism: Mechanism, kind: str, behind: str = "") -> Facts:
         revision=sheet.revision or "",
         drawn_by=sheet.drawn_by or "",
         checked_by=sheet.checked_by or "",
+    )
+
+
+def shaft_facts(mechanism: Mechanism, shaft: TurnedShaft) -> Facts:
+    """What the sheet of a shaft that is no part says."""
+    sheet = mechanism.drawing
+    volume = math.pi * shaft.diameter**2 / 4 * shaft.length
+    return replace(
+        machine_facts(mechanism, "shaft", "-S1"),
+        material=f"{_SHAFT_STEEL} ({materials.of(_SHAFT_STEEL).number})",
+        mass_g=volume * 1e3 * STEEL.density * 1e-6,
+        tolerance=sheet.tolerance or _IN_METAL.tolerance,
+        roughness=_SEAT_ROUGHNESS,
+        roughness_elsewhere=sheet.roughness_elsewhere or _IN_METAL.roughness_elsewhere,
+        run_out=_asked(sheet.run_out, _IN_METAL.run_out),
+        symmetry=_asked(sheet.symmetry, _IN_METAL.symmetry),
+        rod_chamfer=_chamfer(shaft.diameter),
+        edges=sheet.edges or _IN_METAL.edges,
     )
 
 

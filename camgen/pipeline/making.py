@@ -108,18 +108,24 @@ def put_together(case: Case, only: frozenset[str], solids: Made, progress: Progr
 
 
 def draw_machine(case: Case, folder: Path) -> None:
-    """Write the sheets of the machine as a whole: its timing diagram where it has several cams, its arrangement of several parts."""
+    """Write the sheets of the machine as a whole: its timing diagram where it has several cams, that of a shaft which is no part, its
+    arrangement of several parts."""
     from camgen.files.arrangement import write_arrangement
+    from camgen.files.shaft_sheet import write_shaft
     from camgen.files.timing import write_timing
     from camgen.pipeline.arrangement import arrangement_of
-    from camgen.pipeline.drawings import machine_facts, timing_of
+    from camgen.pipeline.drawings import machine_facts, shaft_facts, timing_of
 
     mechanism = case.mechanism
     name = mechanism.name
     motions = timing_of(mechanism)
     if len(motions) > 1:
         write_timing(folder, name, motions, machine_facts(mechanism, "timing", "-00"))
-    if len(mechanism.assembly.parts) > 1 and mechanism.assembly.mounts:
+    for thing in mechanism.assembly.bought:
+        if thing.shaft is not None:
+            write_shaft(folder, name, thing.shaft, shaft_facts(mechanism, thing.shaft))
+    carried = any(thing.shaft is not None for thing in mechanism.assembly.bought)
+    if (carried or len(mechanism.assembly.parts) > 1) and mechanism.assembly.mounts:
         arrangement = arrangement_of(mechanism, parts_table(mechanism))
         write_arrangement(folder, name, arrangement, machine_facts(mechanism, "assembly"))
 

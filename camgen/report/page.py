@@ -361,7 +361,11 @@ def _shows(plot: Plot, other: Plot) -> bool:
 # ---- parts, plates, steps --------------------------------------------------------------------------------------------
 
 
-_OF_ALL = {"assembly": "arrangement drawing", "timing": "timing diagram"}  # sheets of the machine
+_OF_ALL = {
+    "assembly": "arrangement drawing",
+    "timing": "timing diagram",
+    "shaft": "drawing of the shaft",
+}  # sheets of the machine
 
 
 def _parts(report: Report) -> str:

@@ -542,8 +542,8 @@ def test_the_list_has_what_turns_and_what_rolls() -> None:
         "608, 8 x 22 x 7",
         2,
     )
-    # 31.5 + 2 (4 + 7) + 12
-    assert found["shaft"].size == "8 h6 x 70, C45"
+    # 5 + 31.5 + 2 (4 + 7) + 12
+    assert found["shaft"].size == "8 h6 x 75, C45"
     assert found["shaft"].details.startswith("31.5 in the bore, on either side 4 free")
     rib = {"track": "rib", "distance": 16.0}
     cone = {"roller": {"radius": 5.0, "length": 6.0, "cone_deg": 5.0}}

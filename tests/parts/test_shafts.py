@@ -20,18 +20,19 @@ from camgen.parts.shafts import Seat, shaft_and_bearings
 def test_rings_and_their_grooves_are_those_of_din_471(bore: float, ring: str, groove: str) -> None:
     """[DIN 471: d1, s, d2, m as tabled at capitalbolts.in/din-471; 20 in scribd.com/document/416335815] Over the outer walls a
     bore of 40, two rings and 0.3 for shims."""
-    shaft, rings, _ = shaft_and_bearings(Seat(bore, [40.0], ringed=True))
+    shaft, rings, *_ = shaft_and_bearings(Seat(bore, [40.0], ringed=True))
     assert (rings.size, rings.count, rings.standard) == (ring, 2, "DIN 471")
     assert groove in shaft.details
     bare = shaft_and_bearings(Seat(bore, [40.0]))
-    assert "groove" not in bare[0].details and bare[1].standard != "DIN 471"
+    assert "the bore in the middle" not in bare[0].details
+    assert bare[1].name == "retaining ring of the first bearing"
     assert [each.name for each in shaft_and_bearings(Seat(bore + 0.5, [40.0], ringed=True))] == [
         "shaft"
     ]
 
 
 def test_a_keyway_lies_in_the_middle_of_its_bore() -> None:
-    """A 6004 of 12 and half a shaft of 20 free: the bore begins at 22. The longest key 6 x 6 in a bore of 24 is 22, in one of 20 it
+    """A 6004 of 12, 5 before it and half a shaft of 20 free: the bore begins at 27. The longest key 6 x 6 in a bore of 24 is 22, in one of 20 it
     is 20; t1 is 3.5 +0.1 [DIN 6885], N9 is light and P9 tight [berger-tools.co.uk, page 2078]."""
 
     def keyways(*lengths: float, fit: str = "N9") -> list[tuple[str, ...]]:
@@ -39,8 +40,8 @@ def test_a_keyway_lies_in_the_middle_of_its_bore() -> None:
         found = r"keyway (\S+ \S+) x (\S+), 3.5 \+0.1/0 deep, .*?between (\S+) and (\S+) "
         return re.findall(found, details)
 
-    assert keyways(24.0) == [("6 N9", "22", "23", "45")]
-    assert keyways(20.0, 20.0, fit="P9") == [("6 P9", "20", "22", "42"), ("6 P9", "20", "42", "62")]
+    assert keyways(24.0) == [("6 N9", "22", "28", "50")]
+    assert keyways(20.0, 20.0, fit="P9") == [("6 P9", "20", "27", "47"), ("6 P9", "20", "47", "67")]
     assert "keyway" not in shaft_and_bearings(Seat(20.0, [24.0]))[0].details
 
 
@@ -48,3 +49,21 @@ def test_a_shaft_whose_bearings_are_not_known_says_how_much_is_in_the_bore() -> 
     (shaft,) = shaft_and_bearings(Seat(9.0, [31.5], 3.0))
     assert shaft.size.startswith("9 h6, C45, 31.5 in the bore")
     assert "between 1.75 and 29.75 from where the bore begins" in shaft.details  # a key 3 x 3 x 28
+
+
+def test_rings_on_either_side_of_its_first_bearing_hold_the_shaft() -> None:
+    """6004 is 12 wide [ISO 15], rings for 20 are 1.2 thick [DIN 471]: from 3.8 on, 14.4 and 0.1 more over the grooves' outer walls,
+    the bearing between 5 and 17; 14 mm shafts have rings but no such bearing, 25 mm ones a bearing but no ring in the table."""
+    shaft, held, bearing = shaft_and_bearings(Seat(20.0, [24.0]))
+    assert (held.standard, held.count, held.size) == ("DIN 471", 2, "20 x 1.2")
+    assert "the inner one first" in held.how and "collar" not in bearing.how
+    made = shaft.shaft
+    assert made is not None
+    (grooves,) = made.grooves
+    assert grooves.walls == (pytest.approx((3.8, 5.1)), pytest.approx((17.0, 18.3)))
+    assert made.seats == (5.0, 61.0) and made.bores == ((27.0, 24.0),) and made.length == 105.0
+    assert "14.5 +0.1/0 over their outer walls" in shaft.details
+    thick, bearing = shaft_and_bearings(Seat(25.0, [24.0], ringed=True))
+    assert "groove" not in thick.details and "a collar or a shoulder of yours" in bearing.how
+    (alone,) = shaft_and_bearings(Seat(14.0, [24.0]))
+    assert alone.shaft is None

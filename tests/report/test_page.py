@@ -168,7 +168,7 @@ def test_parts_plates_and_steps_have_their_files_and_their_views(page: str) -> N
     assert links.count("demo-cam-drawing.pdf") == 1 and EVIL not in page
     more = replace(solid(), files=["demo-cam-drawing.pdf", "demo-cam-tracks-drawing.pdf"])
     assert "PDF of its tracks" in to_html(more) and "PDF of its tracks" not in page
-    sheets = ["demo-assembly-drawing.pdf", "demo-timing-drawing.pdf"]
+    sheets = ["demo-assembly-drawing.pdf", "demo-timing-drawing.pdf", "demo-shaft-drawing.pdf"]
     whole = to_html(replace(solid(), files=sheets))
     assert all(whole.count(f'href="{sheet}"') == 1 for sheet in sheets)
     assert "arrangement drawing" in whole and "arrangement drawing" not in page

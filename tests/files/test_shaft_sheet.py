@@ -1,0 +1,89 @@
+"""The sheet of a shaft against the shaft's own sizes, as ezdxf reads its drawing, and against its own paper."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import ezdxf
+import numpy as np
+import pytest
+
+from camgen.files.shaft_sheet import _Page, write_shaft
+from camgen.files.sheet import Text
+from camgen.files.title_block import Facts
+from camgen.machines.sources import read_mechanism
+from camgen.parts.shafts import Seat, shaft_and_bearings
+from camgen.parts.turned_shafts import TurnedShaft
+from camgen.pipeline.drawings import shaft_facts
+from camgen.starters import in_metal
+
+FACTS = Facts(tolerance="ISO 2768-mK", rod_chamfer=1.0, roughness=0.8, run_out=0.03, symmetry=0.04)
+
+
+def shaft(bore: float, *lengths: float, key: float = 0.0, ringed: bool = False) -> TurnedShaft:
+    made = shaft_and_bearings(Seat(bore, lengths, key, ringed=ringed))[0].shaft
+    assert made is not None
+    return made
+
+
+def test_a_drum_s_shaft_is_drawn_at_its_own_size(tmp_path: Path) -> None:
+    """20 h6 x 125 with grooves of 19 [DIN 471] and a keyway 6 x 40, 3.5 deep [DIN 6885]: outline and dimensions by hand."""
+    made = shaft(20.0, 44.0, key=6.0, ringed=True)
+    dxf, pdf = write_shaft(tmp_path, "drum", made, FACTS)
+    assert dxf.name == "drum-shaft-drawing.dxf" and pdf.read_bytes().startswith(b"%PDF")
+    document = ezdxf.readfile(dxf)
+    assert not document.audit().errors
+    space = document.modelspace()
+    ends = [each.get_points("xy") for each in space.query('LWPOLYLINE[layer=="CUT"]')]
+    outline = max((np.array(each) for each in ends), key=len)
+    assert np.ptp(outline, axis=0) == pytest.approx((125.0, 20.0))
+    floors = outline[np.isclose(abs(outline[:, 1]), 9.5)]
+    walls = sorted({round(float(x), 3) for x in floors[:, 0]})
+    # rings of 1.2 about 5 to 17 with 0.1 to spare, and about 27 to 71 with 0.3
+    assert walls == pytest.approx([3.8, 5.1, 17.0, 18.3, 25.65, 26.95, 71.05, 72.35])
+    sizes = sorted(round(each.dxf.actual_measurement, 2) for each in space.query("DIMENSION"))
+    assert sizes == pytest.approx([3.8, 6.0, 14.5, 16.5, 20.0, 25.65, 29.0, 40.0, 46.7, 125.0])
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        shaft(20.0, 44.0, key=6.0, ringed=True),
+        shaft(8.0, 31.5, key=2.0, ringed=True),
+        shaft(20.0, 24.0, 24.0, key=6.0),
+        shaft(50.0, 120.0, key=14.0, ringed=True),
+        shaft(6.0, 5.0),
+    ],
+    ids=["drum", "thin", "two", "thick", "plain"],
+)
+def test_what_it_says_stays_on_the_paper(made: TurnedShaft) -> None:
+    """All texts within the frame, none on another one."""
+    page = _Page(made, FACTS)
+    boxes = []
+    for text in page.draw("shaft").primitives:
+        if not isinstance(text, Text):
+            continue
+        back = text.width * {"left": 0.0, "centre": 0.5, "right": 1.0}[text.align]
+        corner = text.at - back * text.direction
+        far = corner + (text.width + 1j * text.height) * text.direction
+        low = complex(min(corner.real, far.real), min(corner.imag, far.imag))
+        high = complex(max(corner.real, far.real), max(corner.imag, far.imag))
+        assert low.real >= 20 and low.imag >= 10, text.text
+        assert high.real <= page.wide - 10 and high.imag <= page.high - 10, text.text
+        boxes.append((text.text, low, high))
+    for k, (one, low, high) in enumerate(boxes):
+        for other, least, most in boxes[:k]:
+            wide = min(high.real, most.real) - max(low.real, least.real)
+            tall = min(high.imag, most.imag) - max(low.imag, least.imag)
+            assert wide < 0.01 or tall < 0.01, (one, other)
+
+
+@pytest.mark.parametrize("name", ["disc-cam", "cylinder-cam"])
+def test_the_starters_in_metal_have_its_facts(name: str) -> None:
+    """C45 is 1.0503; 7.85 g/cm^3 of a rod of 20."""
+    machine = read_mechanism(tomllib.loads(in_metal(name)))
+    (made,) = (each.shaft for each in machine.assembly.bought if each.shaft)
+    facts = shaft_facts(machine, made)
+    assert facts.material == "C45 (1.0503)" and facts.rod_chamfer == 1.0
+    assert facts.mass_g == pytest.approx(np.pi * 100 * made.length * 7.85e-3, rel=0.01)
