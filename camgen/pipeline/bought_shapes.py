@@ -274,7 +274,7 @@ def _on_shaft(assembly: Assembly, things: Sequence[Bought]) -> dict[Bought, list
     rod += [ring(0.0, floor, begin, end - begin) for begin, end, floor in cuts]
     third = (shaft.outside - shaft.diameter) / 3
     races = (shaft.diameter, shaft.diameter + third), (shaft.outside - third, shaft.outside)
-    rings = {
+    rings: dict[str, list[Thing]] = {
         pair.ring: [
             [ring(pair.diameter, pair.diameter + 2 * _RING * shaft.diameter, start, pair.thick)]
             for start in (pair.start, pair.start + pair.apart - pair.thick)
@@ -297,7 +297,7 @@ def _rollers(assembly: Assembly) -> list[Thing]:
     """Rings of cam followers on disc cams, where these stand at theta = 0."""
     courses = assembly.courses(np.zeros(1))
     tips = [each for each in assembly.stand_ins if each.rolls]
-    found = []
+    found = list[Thing]()
     for each in tips:
         body = courses[each.body]
         turn = np.exp(1j * np.ravel(body.angle)[0])

@@ -30,21 +30,24 @@ from camgen.pipeline.shopping import bought_things
 from camgen.starters import in_metal
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
-# A stand that is upright, a drum on its side in a box, gears, a section that is not level, a coil and a lever.
+# A stand that is upright, a drum on its side in a box, gears, a section that is not level, a coil and a lever, a cam on its shaft.
 MACHINES = (
     "gallery/flapping-bird",
     "gallery/drum-feeder",
     "planetary-reducer",
     "walking-leg",
     "gallery/plate-gripper",
+    "metal disc-cam",
 )
 FAR = 0.05  # mm from an edge, within which a point may count to either side: more than any chord
 
 
 @cache
 def machine(name: str) -> tuple[Mechanism, Arrangement]:
-    """A shipped machine and its arrangement."""
-    mechanism = read_mechanism(SPECS / f"{name}.toml")
+    """A shipped machine, or a starter in metal, and its arrangement."""
+    starter = name.removeprefix("metal ")
+    spec = SPECS / f"{name}.toml" if starter == name else tomllib.loads(in_metal(starter))
+    mechanism = read_mechanism(spec)
     return mechanism, arrangement_of(mechanism, parts_table(mechanism))
 
 
@@ -185,6 +188,26 @@ def test_screws_and_their_nuts_stand_in_their_own_holes() -> None:
     assert [each[0] for each in places["screw of the wire clamp"]] == 2 * [(2.2, 12.2)]
     assert len(places["screw for mounting"]) == 4 and len(places["nut"]) == 4
     assert places["drive"][0][0] == (-25.0, 0.0)
+
+
+def test_a_cam_alone_is_drawn_on_its_shaft() -> None:
+    """The bore of 24 begins 27 from the shaft's upper end, at z = 24 + 27: bearings of 12 from 5 and 61 on, 105 in all, rings of
+    1.2 beside the first one. The section goes through the roller, of 16 at 40 from the axis, and through the key."""
+    mechanism, arrangement = machine("metal disc-cam")
+    places = {
+        thing.name: [[(round(low, 2), round(high, 2)) for _, low, high in each] for each in shapes]
+        for thing, shapes in bought_shapes(mechanism, bought_things(mechanism)).items()
+    }
+    (rod,) = places["shaft"]
+    assert (min(low for low, _ in rod), max(high for _, high in rod)) == (-54.0, 51.0)
+    assert [each[0] for each in places["bearing of the shaft"]] == [(34.0, 46.0), (-22.0, -10.0)]
+    rings = places["retaining ring of the first bearing"]
+    assert [each[0] for each in rings] == [(46.0, 47.2), (32.7, 33.9)]
+    numbers = {item.what.partition(":")[0]: item.number for item in arrangement.items}
+    cut = {copy.number: copy.cut for copy in arrangement.copies if not copy.cut.is_empty}
+    roller = cut[numbers["cam follower"]].bounds
+    assert roller == pytest.approx((32.0, 0.0, 48.0, 12.0))
+    assert numbers["parallel key"] in cut and abs(arrangement.line[1].imag) == pytest.approx(1.0)
 
 
 def test_what_has_no_known_place_is_said_to_be_not_drawn() -> None:

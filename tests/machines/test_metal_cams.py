@@ -199,7 +199,7 @@ def test_a_bore_in_metal_that_turns_nothing_or_is_hard_to_cut_is_told(spec: str)
     assert not told("parts.bore_shape=plain")
     # DIN 471 has a ring for 10, none for 6.5
     held = read_mechanism(STARTER.with_name(spec), keyed)
-    (rings,) = (each for each in held.assembly.bought if each.standard == "DIN 471")
+    rings, _ = (each for each in held.assembly.bought if each.standard == "DIN 471")
     assert (rings.count, rings.size[:6]) == (2, "10 x 1") and not held.remarks().warnings
     slides = read_mechanism(STARTER.with_name(spec), [*keyed[:2], "parts.bore=6.5"])
     assert "sliding along its shaft" in " ".join(slides.remarks().warnings)
