@@ -154,3 +154,12 @@ def test_a_drive_that_is_joined_to_the_shaft_has_its_model_in_the_list() -> None
     machine = made("linkage", "motor.model=42STH48-2004AC")
     (drive,) = (each for each in machine.assembly.bought if each.role == "drive")
     assert drive.size.startswith("42STH48-2004AC, 60 rpm, for a shaft of 6")
+
+
+def test_a_hand_crank_that_no_shop_has_says_which_key_makes_one() -> None:
+    machine = made("linkage", "motor.model=hand crank")
+    (drive,) = (each for each in machine.assembly.bought if each.role == "drive")
+    assert drive.size.startswith("hand crank, your own or one by parts.hand_crank, 60 rpm")
+    cranked = made("linkage", "motor.model=hand crank", "parts.hand_crank=40")
+    assert not any(each.role == "drive" for each in cranked.assembly.bought)
+    assert "hand-crank" in {part.name for part in cranked.assembly.parts}

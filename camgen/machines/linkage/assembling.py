@@ -16,7 +16,7 @@ from camgen.parts.generator.bodies import Bodies
 from camgen.parts.generator.joints import part_name, pivot_of
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.mounted import upper_end
-from camgen.parts.motors import GEARED, HOLES_UNKNOWN
+from camgen.parts.motors import GEARED, HAND_CRANK, HOLES_UNKNOWN
 from camgen.parts.part import Part
 from camgen.parts.sides import Mirror
 from camgen.parts.stiffness import bending_stiffness
@@ -40,6 +40,8 @@ def driving_text(spec: LinkageSpec) -> str:
         geared = GEARED.get(model)
         known = "measure yours: parts.can" if spec.making.can else HOLES_UNKNOWN
         more = "" if geared is None else f" for {geared.volts:g} V ({known})"
+        if model == HAND_CRANK:
+            more = ", your own or one by parts.hand_crank"
         return f"{model}{more}, {turning}"
     low, high = drive.range
     return f"linear, {high - low:g} mm at {drive.speed:g} mm/s, on link {drive.link}"
