@@ -23,7 +23,7 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine.cams.machine import CamTouch
 from camgen.machine.features import CamOutline, EdgePair, PartPose, PinEyes
-from camgen.machine.model import Cam
+from camgen.machine.model import GROUND, Cam
 from camgen.machines.follower_motions import follower_motions
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.program import Program
@@ -187,17 +187,29 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
 def _thinner(mechanism: Mechanism, part: Part, tolerance: str) -> float:
     """By how much a part of metal may be thinner than drawn, mm, where the gaps beside it do not bear a general tolerance; else 0.
 
-    What an inner ring lies on takes at most half of the play over it; a pin with a head never reaches through what it is glued in.
+    What an inner ring lies on takes at most half of the play over it, and so does a link on which that stands, or else the next one, which
+    lies on two such links, would lean in its bearings; a pin with a head never reaches through what it is glued in.
     """
-    if part.role == "sleeve":
-        return _lip(mechanism)
     if part.role == "pin" and len(part.layers) > 1:
         return general(part.thickness, tolerance)
     allowed = thickness_allowances(mechanism.assembly).get(part.name, math.inf)
+    if part.role == "sleeve" or _bears_sleeve(mechanism.assembly, part):
+        allowed = min(allowed, _lip(mechanism))
     between = deviations(part.thickness, _BETWEEN_RINGS) if part.drum else None
     if between:
         return -between[0]
     return allowed if allowed < general(part.thickness, tolerance) else 0.0
+
+
+def _bears_sleeve(assembly: Assembly, part: Part) -> bool:
+    """Whether a sleeve under an inner ring stands on a part that moves."""
+    sleeves = [each for each in assembly.mounts if assembly.by_name[each.part].role == "sleeve"]
+    tops = {
+        (each.body, round(each.z + part.thickness, 6))
+        for each in assembly.mounts
+        if each.part == part.name and part.points and each.body != GROUND
+    }
+    return any((each.body, round(each.z, 6)) in tops for each in sleeves)
 
 
 def _lip(mechanism: Mechanism) -> float:

@@ -281,6 +281,9 @@ def test_a_ball_bearing_in_metal_has_the_fits_of_its_makers() -> None:
     assert {found[name].edges[:13] for name in ("pin-1", "pin-2", "sleeve-1")} == {"free of burrs"}
     assert (found["sleeve-1"].thinner, found["coupler"].lip) == pytest.approx((0.05, 0.05))
     assert (found["pin-1"].thinner, found["pin-2"].thinner) == (0.2, 0.2)
+    # the coupler lies on sleeves of two links, 60 mm apart
+    links = ("ground", "crank", "rocker", "coupler")
+    assert [found[name].thinner for name in links] == pytest.approx([0.0, 0.05, 0.05, 0.0])
     assert fits(found["sleeve-1"])[0] == "H7 (+0.012/0), slides on Ø5 g6"
     own = facts("linkage", *linkage, "drawing.seat_fit=H8")[1]
     assert fits(own["coupler"])[0].startswith("H8")
