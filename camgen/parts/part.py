@@ -53,6 +53,7 @@ Role = Literal[
     "nut",
     "cover",
     "keeper",
+    "lock",
     "counterweight",
     "thread-post",
     "motor-bar",

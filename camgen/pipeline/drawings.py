@@ -628,10 +628,11 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
 
 def _seat(part: Part, words: str, borne: bool, seat: str, usual: bool) -> tuple[str, str]:
     """Fit and words of a hole in which something sits; borne: whether that is a ball bearing; seat: the fit of others; usual: whether the
-    spec leaves it open. A cap goes on by hand, and nothing fixes a sleeve on its pin."""
+    spec leaves it open. A cap and a lock go on their pins by hand, and nothing fixes a sleeve on its pin."""
     if part.role == "sleeve":
         return seat, words.replace(joint_of(JOURNAL), "slides")
-    if part.role == "cap" and usual:
+    on_pin = part.role == "cap" or (part.role == "lock" and words.startswith(joint_of(PIN)))
+    if on_pin and usual:
         return _CAP, words.replace(joint_of(PIN), joint_of(ROD))
     if borne:
         return _SEAT if usual else seat, "ball bearing"

@@ -229,10 +229,11 @@ class Bodies:
         )
         thread = next((name for name, core in CORE_HOLES.items() if core == p.mount_diameter), "")
         behind = replace(behind, key="parts.mount_diameter", thread=thread)
-        greased = "NLGI 2, for what the last step says"
+        bushes = any(self.layout.kind(point) == "bush" for point in self.layout.shafts)
+        greased = bushes or self._greased
         return [
             *motors,
-            *([Bought("grease", "", greased, 1, "own")] if self._greased else []),
+            *([Bought("grease", "", "NLGI 2, as steps say", 1, "own")] if greased else []),
             *(self.layout.fitted.bought if self.layout.fitted.holder else [behind]),
             *screws,
             *plates.bought(self.layout),
@@ -296,7 +297,6 @@ class Bodies:
             return ""
         genevas = layout.drives_of(GenevaDrive)
         runs = (
-            ("bushes", any(layout.kind(point) == "bush" for point in layout.shafts)),
             ("cams", layout.tips or layout.plates),
             ("teeth", layout.gear_wheels),
             ("slots", genevas),
@@ -394,6 +394,8 @@ class Bodies:
             *self._pressed(link),
             *notes,
         ]
+        if layout.metal and any(each.wheel.link == link for each in layout.pinned):
+            notes.append("the dowel's hole is drilled with that of the locking disc in one go")
         return Part(
             part_name(link),
             self._titled(link),

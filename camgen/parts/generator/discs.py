@@ -313,7 +313,8 @@ def _on_shaft(layout: Layout, link: str, drive: EdgeDrive, edge: Contour) -> Ite
         low, thick = dowelled_span(layout, pinned)
         held = f"glued on the shaft of {link}, down on {link}: a dowel holds it there"
         if layout.metal:
-            held += f"; ream its hole with that of {link} in one go, both on a rod of {sizes.shaft_diameter:g}"
+            rod_size = f"{sizes.shaft_diameter:g}"
+            held += f"; drill its hole with that of {link} in one go, both on a rod of {rod_size}, then ream each"
     with naming(drive.thing, drive.remedy):
         region = plate(wheel.about, edge, holes, layout.min_wall)
     notes = (f"drawn at theta = 0, level {level}", held, *drive.table(link))
@@ -325,6 +326,7 @@ def _on_shaft(layout: Layout, link: str, drive: EdgeDrive, edge: Contour) -> Ite
         notes=notes,
         bore=wide,
         min_wall=layout.min_wall,
+        role="lock" if pinned else "",
     )
     at = layout.at(link, layout.shaft_of(link))
     yield part, Mount(name, link, at, -start, z=low)

@@ -435,7 +435,8 @@ def _bearing(layout: Layout, bearing: Bearing) -> Part:
     if bearing.plain:
         title = "Bush"
         notes = [
-            f"bush {bearing.standard} {bearing.name}, bronze {BRONZE}, pressed into the plate; drawn with its play"
+            f"bush {bearing.standard} {bearing.name}, bronze {BRONZE}, pressed into the plate; drawn with its play",
+            HoldingNote("grease the bore"),
         ]
     ring = spacer(
         bearing_name(bearing), title, bearing.bore, bearing.outside, bearing.width, layout.min_wall
