@@ -266,12 +266,15 @@ def _parts_list(report: Report) -> list[_Row]:
     ]
     rods = [str(row["part"]).removeprefix("steel ") for row in rows if row["how"] == "stock"]
     return [
-        {**row, "how": _CUT} if any(rod in str(row["what"]) for rod in rods) else row
+        {**row, "how": _MILLED if "keyway" in str(row["what"]) else _CUT}
+        if any(rod in str(row["what"]) for rod in rods)
+        else row
         for row in rows
     ]
 
 
 _CUT = "cut and filed of steel"  # from a rod of the list, which needs no lathe
+_MILLED = "cut and milled of steel"  # the same with a keyway
 
 
 def _margins(report: Report) -> str:
@@ -406,7 +409,7 @@ def _parts(report: Report) -> str:
     )
 
 
-_NOT_PRINTED = ("bought", "turned of steel", "cut of steel", _CUT)
+_NOT_PRINTED = ("bought", "turned of steel", "cut of steel", _CUT, _MILLED)
 _TO_PRINT = ("stl", "3mf")  # files for a slicer
 
 

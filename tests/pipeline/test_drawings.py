@@ -173,6 +173,8 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     assert "hole P for a pin pressed and glued in" in parts["crank"].notes
     assert "pressed and glued in" in parts["knob-pin"].notes
     assert "hole O keyed and glued on the shaft" in parts["crank"].notes
+    square = "holes O and C square to the lower face within Ø0.02 over the thickness"
+    assert square in parts["ground"].notes
     where = {str(row[1]): str(row[3]) for row in by_heights(mechanism.assembly).rows}
     assert where["crank"].startswith("O keyed and glued on shaft, ")
     assert where["pin-1"].startswith("pressed and glued into P of crank")

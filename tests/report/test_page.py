@@ -488,13 +488,19 @@ def test_what_is_cut_from_a_rod_of_the_list_is_said_to_be_cut_and_filed() -> Non
     rows = [
         ("turned of steel", "shaft", "Shaft: rod 3 h9 x 82.2, a flat 0.5 deep all along", 1, ""),
         ("turned of steel", "pin", "Pin 1: head 6 x 2 on a shank 4 x 9", 1, ""),
+        ("turned of steel", "axle", "Axle: rod 3 h9 x 20, keyway 1 wide all along", 1, ""),
         ("stock", "steel rod 3 h9", "82.2 mm without saw cuts", 1, ""),
     ]
     columns = ("how", "part", "what", "count", "material, mm^3")
     page = to_html(replace(solid(), tables=[Table("Parts list", columns, rows, shopping=True)]))
     bought = page.partition('id="to-shopping"')[2].partition("</section>")[0]
-    made = dict(re.findall(r"(\w+ (?:and filed )?of steel)\W.*?(shaft|pin)", bought, re.DOTALL))
-    assert made == {"cut and filed of steel": "shaft", "turned of steel": "pin"}
+    ways = r"(\w+ (?:and \w+ )?of steel)\W.*?(shaft|pin|axle)"
+    made = dict(re.findall(ways, bought, re.DOTALL))
+    assert made == {
+        "cut and filed of steel": "shaft",
+        "turned of steel": "pin",
+        "cut and milled of steel": "axle",
+    }
 
 
 def test_a_step_tells_the_view_what_lies_side_by_side_and_whence_things_come() -> None:

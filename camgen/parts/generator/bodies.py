@@ -79,6 +79,7 @@ _NUMBERED: dict[Role, str] = {  # parts of which a machine has several unlike on
 # Wires reach over the whole machine, past the holder, and this far beyond; they are cut in steps of _WIRES, mm.
 _SLACK = 100.0
 _WIRES = 50.0
+_SQUARE = 0.02  # mm, zone of the axis of a bush's bore: camgen's own rule
 _THREADED = 1.5  # diameters of a screw that its thread is in the plate at least: camgen's own rule
 _CHECK = "Move it slowly through its whole motion first: no joint may be stiff"
 
@@ -105,7 +106,8 @@ class Bodies:
         moving = [link for link in layout.moving if link not in layout.alone]
         own = layout.fitted
         beside = max(self.collar_radius, self.under or 0.0)
-        base = ground_plate(layout, part_name(GROUND), beside, self._pressed(GROUND))
+        notes = [*self._pressed(GROUND), *self._square]
+        base = ground_plate(layout, part_name(GROUND), beside, notes)
         parts = [base, *(own.links.get(name) or self._link(name) for name in moving)]
         mounts = [Mount(part_name(GROUND), GROUND)]
         mounts += [
@@ -407,6 +409,15 @@ class Bodies:
             drawn_layer=len(layers) - 1,
             points=tuple(points.items()),
         )
+
+    @property
+    def _square(self) -> Iterator[str]:
+        """How square bores of bushes in a plate of metal are: shafts that lean in them tip what they carry."""
+        layout = self.layout
+        bores = [point for point in layout.shafts if layout.kind(point) == "bush"]
+        if layout.metal and bores:
+            holes = listed("hole", bores)
+            yield f"{holes} square to the lower face within Ø{_SQUARE:g} over the thickness"
 
     def _titled(self, link: str) -> str:
         """What a link is called: by its name, one that drives a Geneva wheel as the driver too."""
