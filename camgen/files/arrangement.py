@@ -80,6 +80,7 @@ class Copy:
     cut: Any
     hatched: bool
     bought: bool = False  # what is no part, and lies in the holes of parts
+    short: bool = False  # whether nothing says how long it is, such as a motor's body
 
 
 @dataclass(frozen=True)
@@ -473,7 +474,7 @@ class _Page:
                     sheet.line(*(self.section.at(z) for z in ends), layer="HATCH")
         for axis in self.arrangement.axes:
             place = (axis.at - self.arrangement.line[0]) / self.arrangement.line[1]
-            if abs(place.imag) < _MITE:
+            if abs(place.imag) < _MITE and near.real <= place.real <= far.real:
                 ends = (near.imag, far.imag)
                 low, high = (self.section.at(complex(place.real, z)) for z in ends)
                 sheet.line(low - 3j, high + 3j, layer="CENTER")
@@ -488,8 +489,12 @@ class _Page:
 
     def _sizes(self, sheet: Sheet, tolerance: str, foot: float) -> None:
         """Width and height of the front, the width's line under its balloons, depth of the section: they follow from the parts."""
+        import shapely
+
         low, high = (self.front.at(z) for z in self.arrangement.box)
-        near, far = (self.section.at(z) for z in self.arrangement.deep)
+        cuts = [copy.cut for copy in self.arrangement.copies if not copy.short]
+        s0, z0, _, z1 = shapely.total_bounds(cuts).tolist()
+        near, far = (self.section.at(complex(s0, z)) for z in (z0, z1))
         depth = self.section.scale, self.scale / self.section.scale
         sizes = (
             (
@@ -499,7 +504,7 @@ class _Page:
                 (self.scale, 1.0),
             ),
             (low, complex(low.real, high.imag), -14.0, (self.scale, 1.0)),
-            (near, complex(near.real, far.imag), -14.0, depth),
+            (near, far, -14.0, depth),
         )
         for a, b, away, (scale, factor) in sizes:
             value = Measure(round(abs(b - a) / scale, 1), REFERENCE, factor=factor)

@@ -26,6 +26,7 @@ from camgen.geometry.outlines import Arc, Contour, Line, Piece, Region, circle, 
 from camgen.parts.catalogue import SCREWS, Bought, Screw, nut
 from camgen.parts.part import HoldingNote, Layer, Part, d_bore
 
+ON_KEY_STANDARD = "ISO 4026"  # of screws on keys
 _ON_KEY = 220.0  # N along the shaft, of a screw from M3 on: the 50 lb of #4, which is thinner
 _GRIP = 1.0  # diameters of thread in the wall over the key
 _ABOUT = 1.5  # diameters: least height of a hub of metal
@@ -63,7 +64,7 @@ class KeyScrew:
         )
         size = f"{self.thread} x {length:g}, flat point{holds}"
         how = "in the thread of the hub; tighten it on the key"
-        return Bought("set screw of the hub", "ISO 4026", size, count, how=how)
+        return Bought("set screw of the hub", ON_KEY_STANDARD, size, count, how=how)
 
 
 @dataclass(frozen=True)

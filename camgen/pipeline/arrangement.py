@@ -24,8 +24,8 @@ from camgen.numerics import coordinates
 from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import TURNED
 from camgen.parts.part import Part
-from camgen.pipeline.bought_shapes import Thing, bought_shapes
-from camgen.pipeline.shopping import bought_things
+from camgen.pipeline.bought_shapes import Thing, bought_shapes, is_drawn_short
+from camgen.pipeline.shopping import bought_things, supplies
 from camgen.pipeline.shown import coarse
 from camgen.study import Table
 
@@ -66,15 +66,20 @@ def arrangement_of(mechanism: Mechanism, listed: Table) -> Arrangement:
             said = part.listed + str(what).removeprefix(part.title)
             items.append(Item(said, count, str(how), numbers[name]))
     items.sort(key=lambda item: item.number)
-    shapes = {(thing.name, thing.listing): found for thing, found in drawn.items()}
+    shapes = {(thing.name, thing.listing): thing for thing in things}
+    used_up = {each.name for each in supplies(mechanism)}  # such as oil: no items of a machine
     for how, name, what, count in rows:
-        if name not in numbers and how in (_LISTED, TURNED):
+        if name not in numbers and how in (_LISTED, TURNED) and name not in used_up:
             number = len(items) + 1
-            found = shapes.get((str(name), str(what)), [])
+            thing = shapes.get((str(name), str(what)))
+            found = drawn.get(thing, []) if thing else []
+            short = thing is not None and is_drawn_short(assembly, thing)
             said = str(how) if found else f"{how}, not drawn"
+            said = f"{how}, drawn short" if found and short else said
             items.append(Item(f"{name}: {what}", count, said, number))
             copies += [
-                Copy(number, *_of_prisms(thing, line), False, bought=True) for thing in found
+                Copy(number, *_of_prisms(each, line), False, bought=True, short=short)
+                for each in found
             ]
     return Arrangement(copies, items, line, axes, _notes(mechanism, axes))
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from camgen.machine.features import heights
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import coordinates
 from camgen.parts.assembly import Assembly
@@ -29,6 +30,8 @@ from camgen.parts.catalogue import (
 )
 from camgen.parts.coils import spring_sketches
 from camgen.parts.keyways import key_length, keyed, parallel_keys, shaft_keyway
+from camgen.parts.part import Tap
+from camgen.parts.set_screws import ON_KEY_STANDARD
 from camgen.parts.shafts import OF_SHAFT
 from camgen.parts.standing import Round, StandingCopy, discs, standing_copies
 
@@ -83,10 +86,19 @@ def bought_shapes(mechanism: Mechanism, things: Sequence[Bought]) -> dict[Bought
     return {thing: shapes for thing, shapes in found.items() if shapes}
 
 
+def is_drawn_short(assembly: Assembly, thing: Bought) -> bool:
+    """Whether a thing is a motor of a frame that says nothing of its length."""
+    face = MOTOR_FACES.get(assembly.motor.frame)
+    return thing.role == "drive" and face is not None and not face.length
+
+
 def _others(assembly: Assembly, thing: Bought, copies: Sequence[StandingCopy]) -> list[Thing]:
-    """Keys and motors."""
+    """Keys, screws on them, and motors."""
     if thing.role == "drive":
         return list(_motors(assembly, copies))
+    if thing.standard == ON_KEY_STANDARD:
+        taps: list[Thing] = [[_in_thread(copy, copy.part.tap)] for copy in copies if copy.part.tap]
+        return taps if len(taps) == thing.count else []
     own = {name for name, _ in thing.at} or assembly.by_name.keys()
     keys = [key.size for key in parallel_keys(assembly.parts, bool(assembly.dowel))]
     if thing.size not in keys:
@@ -218,6 +230,19 @@ def _disc(at: complex, radius: float) -> Any:
     import shapely
 
     return shapely.Point(at.real, at.imag).buffer(radius, quad_segs=24)
+
+
+def _in_thread(copy: StandingCopy, tap: Tap) -> Piece:
+    """A set screw on its key as long as its thread."""
+    import shapely
+
+    half = SCREWS[tap.thread].nominal / 2
+    corners = [
+        copy.at(complex(side * half, end))
+        for end, side in ((tap.inner, -1), (tap.outer, -1), (tap.outer, 1), (tap.inner, 1))
+    ]
+    low, high = heights(copy.pose, copy.part.thickness, tap.height - half, tap.height + half)
+    return shapely.Polygon(coordinates(np.array(corners))), low, high
 
 
 # ---- keys, springs, motors -------------------------------------------------------------------------------------------

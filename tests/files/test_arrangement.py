@@ -17,7 +17,7 @@ import pytest
 import shapely
 
 from camgen.files.arrangement import Arrangement, Copy, Item, write_arrangement
-from camgen.files.sheet import Stroke, Text
+from camgen.files.sheet import Size, Stroke, Text
 from camgen.files.title_block import Facts
 from camgen.geometry.outlines import Arc, Contour, extent, start_point
 from camgen.machines.mechanism import Mechanism
@@ -26,7 +26,7 @@ from camgen.parts.solids import solid
 from camgen.pipeline.arrangement import arrangement_of
 from camgen.pipeline.bought_shapes import bought_shapes
 from camgen.pipeline.making import assembly_copies, parts_table
-from camgen.pipeline.shopping import bought_things
+from camgen.pipeline.shopping import bought_things, supplies
 from camgen.starters import in_metal
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
@@ -198,6 +198,10 @@ def test_a_cam_alone_is_drawn_on_its_shaft() -> None:
         thing.name: [[(round(low, 2), round(high, 2)) for _, low, high in each] for each in shapes]
         for thing, shapes in bought_shapes(mechanism, bought_things(mechanism)).items()
     }
+    # M5 in a hub of 36 over a keyway 2.8 deep in a bore of 20, by its own tap's height
+    tap = mechanism.assembly.parts[0].tap
+    assert tap is not None
+    assert places["set screw of the hub"] == [[(tap.height - 2.5, tap.height + 2.5)]]
     (rod,) = places["shaft"]
     assert (min(low for low, _ in rod), max(high for _, high in rod)) == (-54.0, 51.0)
     assert [each[0] for each in places["bearing of the shaft"]] == [(34.0, 46.0), (-22.0, -10.0)]
@@ -224,6 +228,29 @@ def test_what_has_no_known_place_is_said_to_be_not_drawn() -> None:
     (screw,) = (thing for thing in things if thing.thread)
     assert len(bought_shapes(mechanism, [screw])[screw]) == 2
     assert not bought_shapes(mechanism, [replace(screw, count=3)])
+
+
+def test_a_motor_whose_length_nothing_says_is_not_measured() -> None:
+    """NEMA 17 has 42.3 across [NEMA ICS 16] and no length: the depth of the section is that of the parts, by hand 24.8 + 2.2."""
+    from camgen.files.arrangement import _Page
+
+    _, arrangement = machine("uniform-swing")
+    said = {item.what.partition(":")[0]: (item.number, item.made) for item in arrangement.items}
+    number, made = said["motor"]
+    assert made == "bought, drawn short"
+    (motor,) = (copy for copy in arrangement.copies if copy.number == number)
+    assert motor.short and motor.faces[0][0].bounds == pytest.approx((-21.15, -21.15, 21.15, 21.15))
+    sheet = _Page(arrangement).draw("swing", Facts())
+    sizes = {each.value for each in sheet.things if isinstance(each, Size)}
+    assert sizes == {119.6, 98.7, 27.0}
+
+
+def test_what_is_used_up_is_no_item() -> None:
+    """Oil and paper for gaps are in the parts list, not in the machine; glue stays in it."""
+    mechanism, arrangement = machine("walking-leg")
+    names = {item.what.partition(":")[0] for item in arrangement.items}
+    used_up = {each.name for each in supplies(mechanism)}
+    assert used_up and not used_up & names and "glue" in names
 
 
 def test_a_key_fills_its_keyway_and_a_spring_reaches_from_pin_to_pin() -> None:
