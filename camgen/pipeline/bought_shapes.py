@@ -19,6 +19,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.numerics import coordinates
 from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import (
+    CAM_FOLLOWERS,
     CORE_HOLES,
     HEX_KEYS,
     MOTOR_FACES,
@@ -26,6 +27,7 @@ from camgen.parts.catalogue import (
     ROLLER_STANDARD,
     SCREWS,
     Bought,
+    CamFollower,
     Screw,
 )
 from camgen.parts.coils import spring_sketches
@@ -77,7 +79,8 @@ def bought_shapes(mechanism: Mechanism, things: Sequence[Bought]) -> dict[Bought
     for thing in things:
         if not thing.thread:
             found[thing] = _others(assembly, thing, copies)
-    found |= _on_shaft(assembly, things)
+    named = mechanism.load.cam_follower if mechanism.load else None
+    found |= _on_shaft(assembly, things, CAM_FOLLOWERS.get(named or ""))
     springs = [thing for thing in things if thing.role == "spring"]
     if len(springs) == len(assembly.coils):
         lines = spring_sketches(assembly.coils, assembly.courses)
@@ -274,7 +277,9 @@ def _keys(copy: StandingCopy) -> Iterator[Piece]:
         )
 
 
-def _on_shaft(assembly: Assembly, things: Sequence[Bought]) -> dict[Bought, list[Thing]]:
+def _on_shaft(
+    assembly: Assembly, things: Sequence[Bought], follower: CamFollower | None
+) -> dict[Bought, list[Thing]]:
     """A shaft that is no part through the bores of its cams, the end for the coupling down, with its rings and bearings; and rollers
     on the cams."""
     shaft = next((thing.shaft for thing in things if thing.shaft is not None), None)
@@ -314,8 +319,37 @@ def _on_shaft(assembly: Assembly, things: Sequence[Bought]) -> dict[Bought, list
         elif thing.name == OF_SHAFT:
             found[thing] = [[ring(*race, x, shaft.width) for race in races] for x in shaft.seats]
         elif thing.standard == ROLLER_STANDARD:
-            found[thing] = _rollers(assembly)
+            rollers = [*_rollers(assembly), *_in_tracks(assembly, follower)]
+            found[thing] = rollers if len(rollers) == thing.count else []
     return found
+
+
+def _in_tracks(assembly: Assembly, follower: CamFollower | None) -> Iterator[Thing]:
+    """Rings of cam followers in tracks of drums, and their studs, square to the drum's axis, at theta = 0."""
+    import shapely
+
+    stud = (0.0, 0.0) if follower is None else (follower.stud / 2, follower.length)
+    for track in assembly.tracks:
+        drum = assembly.by_name[track.part].drum
+        mount = next(each for each in assembly.mounts if each.part == track.part)
+        if drum is None or mount.upright or mount.flipped:
+            continue
+        start = np.zeros(1)
+        height = mount.z + float(drum.path.height(start, 0)[0])
+        aside = float(drum.path.beside(start, 0)[0])
+        way = np.exp(1j * (mount.angle + math.atan2(aside, drum.roller.middle)))
+        radius, length, inner, _ = track.roller
+        rods = ((inner, length, radius), (inner + length, stud[1], stud[0]))
+        pieces = []
+        for begin, long, half in rods:
+            corners = [
+                way * complex(begin + along * long, side * half)
+                for along, side in ((0, -1), (1, -1), (1, 1), (0, 1))
+            ]
+            if long:
+                face = shapely.Polygon(coordinates(mount.at + np.array(corners)))
+                pieces.append((face, height - half, height + half))
+        yield pieces
 
 
 def _rollers(assembly: Assembly) -> list[Thing]:

@@ -25,6 +25,7 @@ from camgen.machines.sources import read_mechanism
 from camgen.parts.solids import solid
 from camgen.pipeline.arrangement import arrangement_of
 from camgen.pipeline.bought_shapes import bought_shapes
+from camgen.pipeline.drawings import facts_of
 from camgen.pipeline.making import assembly_copies, parts_table
 from camgen.pipeline.shopping import bought_things, supplies
 from camgen.starters import in_metal
@@ -228,6 +229,20 @@ def test_what_has_no_known_place_is_said_to_be_not_drawn() -> None:
     (screw,) = (thing for thing in things if thing.thread)
     assert len(bought_shapes(mechanism, [screw])[screw]) == 2
     assert not bought_shapes(mechanism, [replace(screw, count=3)])
+
+
+def test_a_drum_has_its_roller_in_its_track() -> None:
+    """KR16: a ring of 16 x 11 and a stud of 6 x 16 [IKO]; where the drum's sheet has its axis, and how far in it reaches."""
+    mechanism, _ = machine("metal cylinder-cam")
+    facts = facts_of(mechanism, mechanism.assembly.parts[0])
+    _, angle, height = facts.heights[0]
+    assert facts.roller is not None and angle == 0.0
+    inner = facts.roller[2]
+    shapes = bought_shapes(mechanism, bought_things(mechanism))
+    ((ring, stud),) = next(found for thing, found in shapes.items() if "KR16" in thing.size)
+    assert ring[0].bounds == pytest.approx((inner, -8.0, inner + 11, 8.0))
+    assert ring[1:] == pytest.approx((height - 8, height + 8))
+    assert stud[0].bounds == pytest.approx((inner + 11, -3.0, inner + 27, 3.0))
 
 
 def test_a_motor_whose_length_nothing_says_is_not_measured() -> None:
