@@ -344,7 +344,7 @@ def _depth(
     fixed: Sequence[tuple[Round, StandingCopy]],
     holes: Sequence[tuple[Round, StandingCopy]],
 ) -> str:
-    """How deep a pin is driven into what it is fixed in: till its head is down, or where the end is that goes in first, and what is
+    """How deep a pin or ring is driven into what it is fixed in: till its head is down, or it lies on a lip, or where the end is that goes in first, and what is
     left under a head.
 
     holes: all that it goes through.
@@ -353,6 +353,10 @@ def _depth(
     borne = [other.part for hole, other in holes if abs(hole.high - head.low) < SAME_POINT]
     if borne and pin.mount.flipped and len(pin.outlines) > 1:
         return f"its head down on {borne[0].name}"
+    foot = min(pin.outlines, key=lambda each: each.low)
+    lips = [each for _, other in fixed for each in other.holes if each.in_line(foot)]
+    if any(abs(lip.high - foot.low) < SAME_POINT and lip.diameter < foot.diameter for lip in lips):
+        return "from above, down on the lip"
     if pin.mount.flipped:
         hole, _ = min(fixed, key=lambda each: each[0].low)
         out = hole.low - min(each.low for each in pin.outlines)

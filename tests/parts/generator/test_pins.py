@@ -180,6 +180,7 @@ def test_a_bearing_is_pressed_in_before_its_link_goes_on(root: Path) -> None:
         if name == "bearing-mr85":
             link = where.partition(",")[0].rpartition(" ")[2]
             assert where.startswith("pressed into") and link == names[k - 1]
+            assert where.endswith(", from above, down on the lip")
             assert names[k + 1] in ("bearing-mr85", link), "then the link goes on with it"
     rows = {str(row[1]): row for row in parts_table(machine).rows}
     assert "5 x 8 x 2.5" in str(rows["bearing-mr85"][2]) and rows["bearing-mr85"][4] == ""
