@@ -536,6 +536,16 @@ def test_shafts_of_metal_run_in_bushes_whose_work_is_judged() -> None:
     assert "PV" in {each.code for each in assess(bare).not_judged}
 
 
+def test_a_roller_reaches_down_to_its_crank_where_the_wheel_lies_higher() -> None:
+    """By hand: plate of 10, a play of 0.1, crank of 6, a gap of 1, wheel of 6: the roller is 6.9 high, from 16.2 to 23.1."""
+    mechanism, _ = facts("gallery/geneva-table", *starters.METAL["geneva-table"])
+    name = "roller-crank_to_table"
+    roller = mechanism.assembly.by_name[name]
+    (mount,) = (each for each in mechanism.assembly.mounts if each.part == name)
+    assert roller.thickness == pytest.approx(6.9)
+    assert mount.z == pytest.approx(16.2)
+
+
 @pytest.mark.parametrize(
     ("settings", "said"),
     [

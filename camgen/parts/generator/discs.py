@@ -84,10 +84,10 @@ def cam_parts(layout: Layout, tip: Tip) -> Iterator[MountedPart]:
 def roller_part(layout: Layout, roller: Roller) -> MountedPart:
     """A ring on its pin."""
     hole = layout.turning(roller.point) + layout.fits.slide_clearance
-    thick = layout.wheel_thickness(roller.wheel.link)
+    low, high = layout.roller_span(roller)
+    thick = round(high - low, 9)
     part = spacer(roller.part, "Roller", hole, 2 * roller.radius, thick, layout.min_wall)
-    at = layout.at(roller.link, roller.point)
-    return part, Mount(part.name, roller.link, at, z=layout.floor(layout.level[roller.level]))
+    return part, Mount(part.name, roller.link, layout.at(roller.link, roller.point), z=low)
 
 
 def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:

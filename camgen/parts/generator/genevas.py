@@ -148,8 +148,10 @@ class GenevaDrive(EdgeDrive):
         about = f"Geneva drive {self.joint.name}"
         joint = self.joint
         lock = self.lock
+        pin = self.geneva.pin
+        down = not self.inner and self.wish.gap is not None
         return Roller(
-            self.level, joint.name, joint.cam, self.wish.point, self.geneva.pin, lock, about
+            self.level, joint.name, joint.cam, self.wish.point, pin, lock, about, down=down
         )
 
     def edges(self, machine: m.Machine) -> tuple[Contour, Contour]:

@@ -20,7 +20,7 @@ from camgen.parts.generator.covers import Cover, cover
 from camgen.parts.generator.cycloids import CycloidDrive, CycloidWish
 from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.guides import Guide, Rails, Runner, Way, guide
-from camgen.parts.generator.wheels import Tip, naming, plate_outline
+from camgen.parts.generator.wheels import Roller, Tip, naming, plate_outline
 from camgen.parts.part import d_bore
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.wheels.cycloid import OutputPins
@@ -428,6 +428,11 @@ class Layout(Connections):
             for each in self.pinned
             if self.shaft_of(each.wheel.link) == point
         }
+        stands |= {
+            roller.level: self.roller_span(roller)[0]
+            for roller in self.rollers
+            if roller.point == point and roller.down
+        }
         levels = {
             (self.level[name], stands.get(name, low), low + thick) for name, low, thick in floors
         }
@@ -484,6 +489,13 @@ class Layout(Connections):
     def top_of(self, link: str) -> float:
         """Height of the upper side of a link, mm."""
         return round(self.floor(self.level[link]) + self.thickness(link), 9)
+
+    def roller_span(self, roller: Roller) -> tuple[float, float]:
+        """Heights of a roller's sides, mm: those of the wheel that it touches, or down to a play over its link."""
+        floor = self.floor(self.level[roller.level])
+        over_link = round(self.top_of(roller.link) + self.fits.slide_clearance, 9)
+        low = min(floor, over_link) if roller.down else floor
+        return low, floor + self.wheel_thickness(roller.wheel.link)
 
     def wheel_thickness(self, link: str) -> float:
         """Of the wheels on a link's shaft and of the rollers on them, mm."""

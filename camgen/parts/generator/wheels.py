@@ -109,6 +109,7 @@ class Roller:
     about: str  # what it touches, for messages
     hung: bool = False  # whether it hangs under its link
     own: str = ""  # its name where that is not its level's
+    down: bool = False  # whether it reaches down to its link where its level lies higher
 
     @property
     def part(self) -> str:
