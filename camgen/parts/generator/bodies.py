@@ -440,7 +440,7 @@ class Bodies:
         notes = [f"{listed('hole', shafts)} {layout.on_shaft} on the shaft"] if shafts else []
         by_joint: dict[str, list[str]] = {}
         for point in pins:
-            said = f"{layout.pin_joint(point)} in" if layout.metal else "pressed in tight"
+            said = f"{layout.pin_held(point)} in"
             by_joint.setdefault(said, []).append(point)
         for said, points in by_joint.items():
             what = "a pin" if len(points) == 1 else "pins"

@@ -95,6 +95,10 @@ class Layout(Connections):
         borne = self.metal and self.bearing(point) is not None
         return joint_of(JOURNAL if borne else PIN)
 
+    def pin_held(self, point: str) -> str:
+        """The same in notes: of plastic the step says whether a vice presses it in or it goes in by hand, and glue holds it either way."""
+        return self.pin_joint(point) if self.metal else "glued"
+
     def bearing_in(self, point: str, link: str) -> Bearing | None:
         """The ball bearing in a link's hole at a point."""
         return None if link == self.pressed_in(point) else self.bearing(point)

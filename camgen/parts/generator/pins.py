@@ -186,7 +186,8 @@ def _between(layout: Layout, point: str, stub: Stub) -> MountedPart:
     s = layout.sizes
     whole = stub.grips[-1][1]
     mount = Mount("pin", GROUND, layout.at(GROUND, point))
-    notes = ("pressed and glued into both plates",)
+    held = f"{layout.pin_held(point)} into both plates"
+    notes = (held,)
     if layout.kind(point) != "dowel":
         whole_pin = rod("pin", "Pin", s.pin_diameter, whole)
         how = _made_of(layout, point)
@@ -207,9 +208,7 @@ def _between(layout: Layout, point: str, stub: Stub) -> MountedPart:
             remedy,
         ).saying(said)
         raise _as_printed(point, error)
-    notes = (
-        f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued into both plates",
-    )
+    notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, {held}",)
     steel = rod("pin", "Pin", s.pin_diameter, length)
     return replace(steel, notes=notes, process="bought", role="pin"), mount
 
@@ -250,7 +249,9 @@ def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
         raise error if s.of_sheet else _as_printed(point, error)
     out = round(length - grip - s.thickness, 2)
     over = f", stands {out:g} mm out of its cap" if out > 0 else ""
-    notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued in{over}",)
+    notes = (
+        f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, {layout.pin_held(point)} in{over}",
+    )
     steel = rod("pin", "Pin", s.pin_diameter, length)
     hole = s.pin_diameter + layout.fits.press_clearance
     wide = s.pin_diameter + 2 * s.head

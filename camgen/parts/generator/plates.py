@@ -418,7 +418,7 @@ def _second_plate(layout: Layout) -> Part:
         raise _moved(error, layout, {*under, *below}) from None
     layers += tuple(Layer(layer.region, floor + layer.z0, floor + layer.z1) for layer in raised)
     hanging = _hanging(layout, points)
-    notes = [f"pins pressed in tight, heads down: {', '.join(hanging)}"] if hanging else []
+    notes = [f"pins glued in, heads down: {', '.join(hanging)}"] if hanging else []
     held = f"screw it on {len(posts)} posts, over all other parts, tight crosswise"
     if joined:
         held = f"it lies on {len(posts)} posts, over all other parts"

@@ -132,7 +132,7 @@ def keyed_pin(
         centres=(0j,),
         notes=(
             *((sized,) if made == TURNED else ()),
-            "its flats turn the webs: pressed and glued in",
+            "its flats turn the webs: glued in",
         ),
         drawn_layer=1,
         process=made,
