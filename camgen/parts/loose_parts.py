@@ -50,8 +50,9 @@ class Stop:
             near, gauge = f"{self.gap:.2g} mm under", between(self.gap, self.metal)
         tools = gauge_tools(self.gap) if gauge else ()
         where = f"glued on {shaft}, {near} {self.name}"
+        waits = f"when the glue of {self.over} is hard, " if self.over and not self.metal else ""
         push = Doing(
-            f"push {WHAT} up: glue it ", f"on {shaft}", f", {near} {self.name}{gauge}", tools
+            f"{waits}push {WHAT} up: glue it ", f"on {shaft}", f", {near} {self.name}{gauge}", tools
         )
         if not (gauge and self.hidden and self.over):
             return Place(where, (push,))
@@ -60,7 +61,7 @@ class Stop:
         thick = f" and lay {gauge} between it and {self.name}"
         doings = (
             Doing(
-                "when its glue is hard, lift ",
+                f"{waits}lift ",
                 self.over,
                 f"{thick}, at either side of {shaft}",
                 gauge_tools(self.play),

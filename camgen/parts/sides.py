@@ -340,7 +340,7 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str])
         0,
         "both sides",
         f"Second plate on {'spacers' if mirror.gap else 'second plate'}, {'screwed' if screws else 'glued'}: the shaft of both sides goes on into the far side",
-        f"{'slid' if screws else 'pressed and glued'} on {mirror.shaft}, its flat in line: turn the far side's crank until "
+        f"{'pressed' if screws else 'pressed and glued'} on {mirror.shaft}, its flat in line: turn the far side's crank until "
         "it goes on. Then "
         "move all slowly through its whole motion: no joint may be stiff",
         1,

@@ -35,6 +35,7 @@ from camgen.parts.reaming import running_size
 from camgen.parts.standing import standing_copies
 from camgen.parts.step_words import between, thickness_gauge
 from camgen.parts.steps import order
+from camgen.parts.tools import SUPPLIES
 from camgen.pipeline.making import parts_table
 from camgen.pipeline.shopping import bought_things, steps_of_assembly, stock, supplies, tools
 from camgen.study import Mate
@@ -1113,7 +1114,7 @@ def left_out(machine: Mechanism) -> list[str]:
     coming = Counter(part_of(copy) for copy in {each for s in table.steps for each in s.copies})
     found = []
     for how, name, what, count, *_ in parts_table(machine).rows:
-        if how != "bought":
+        if how != "bought" or name in SUPPLIES:
             continue
         size = re.split(", (?:ISO|DIN|EN|NEMA ICS) ", str(what))[0]
         put = coming[str(name)] if str(name) in machine.assembly.by_name else 0
@@ -1313,13 +1314,16 @@ def test_a_gauge_lies_where_it_comes_out_again() -> None:
     (said,) = (step.title for step in steps_of_assembly(bird).steps if "it on shaft" in step.title)
     gauge = thickness_gauge(play)
     assert gauge == "four sheets of paper" and gauge in said and "under ground" not in said
-    assert said.startswith("When its glue is hard, lift crank and lay")
+    assert said.startswith("When the glue of crank is hard, lift crank and lay")
     assert "glue it on shaft alone, and hold it there until the glue is hard" in said
     assert "Pull them out from under crank" in said
     assert f"{play:.2g} mm of play" in said
     leg = built("walking-leg")  # nothing is round its collar
     (said,) = (step.title for step in steps_of_assembly(leg).steps if "it on shaft" in step.title)
-    assert said.startswith("Push the shaft collar up") and "mm under ground (a strip" in said
+    assert (
+        said.startswith("When the glue of crank is hard, push the shaft collar up")
+        and "mm under ground (a strip" in said
+    )
 
 
 def test_a_stand_s_parts_come_from_where_they_go_and_show_their_glue() -> None:
