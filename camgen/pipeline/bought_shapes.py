@@ -36,6 +36,7 @@ from camgen.parts.part import Tap
 from camgen.parts.set_screws import ON_KEY_STANDARD
 from camgen.parts.shafts import OF_SHAFT
 from camgen.parts.standing import Round, StandingCopy, discs, standing_copies
+from camgen.tolerances import SAME_POINT
 
 _ALIKE = 0.35  # mm, by which a printed hole may differ from that of its thread
 _ON_CIRCLE = 0.01  # mm, by which a motor's screw may miss its circle
@@ -62,7 +63,7 @@ class _Column:
     def up(self) -> bool:
         """Whether its head is below."""
         if self.cores:
-            return self.cores[0].high > self.holes[-1].high
+            return not self.holes or self.cores[0].high > self.holes[-1].high
         return self.sunk_below
 
 
@@ -117,7 +118,7 @@ def _screws(
 ) -> dict[Bought, list[Thing]]:
     """Screws of all kinds, those of a motor first, then those that say with which parts they come; and their nuts."""
     found = dict[Bought, list[Thing]]()
-    used = set[complex]()
+    used = set[tuple[complex, bool]]()
     screws = [each for each in things if each.thread and each.standard != NUT_STANDARD]
     nuts = [each for each in things if each.thread and each.standard == NUT_STANDARD]
     for thing in sorted(screws, key=lambda each: (each.role != "drive screw", not each.at)):
@@ -125,11 +126,11 @@ def _screws(
         columns = [
             column
             for column in _columns(copies, screw)
-            if column.at not in used and _fits(assembly, thing, column)
+            if (column.at, column.up) not in used and _fits(assembly, thing, column)
         ]
         if len(columns) != thing.count:
             continue
-        used |= {column.at for column in columns}
+        used |= {(column.at, column.up) for column in columns}
         found[thing] = [_screw(screw, thing, column) for column in columns]
         for own in nuts:
             if not (set(thing.at) <= set(own.at) if thing.at else own.role == thing.role != ""):
@@ -157,12 +158,23 @@ def _columns(copies: Sequence[StandingCopy], screw: Screw) -> Iterator[_Column]:
         clear.sort(key=lambda hole: hole.low)
         cores = [hole for hole, _ in line if hole not in clear]
         wide = [hole for hole, _ in holes if hole.in_line(first) and hole.diameter > screw.head]
-        low, high = (clear[0].low, clear[-1].high) if clear else (math.inf, -math.inf)
-        sunk_below = any(hole.high < low + _ALIKE for hole in wide) and not any(
-            hole.low > high - _ALIKE for hole in wide
-        )
         parts = frozenset(name for _, name in line)
-        yield _Column(first.at, clear, cores, parts, sunk_below)
+        for group in _sides(clear, cores):
+            low, high = (group[0].low, group[-1].high) if group else (math.inf, -math.inf)
+            sunk_below = any(hole.high < low + _ALIKE for hole in wide) and not any(
+                hole.low > high - _ALIKE for hole in wide
+            )
+            yield _Column(first.at, group, cores, parts, sunk_below)
+
+
+def _sides(clear: Sequence[Round], cores: Sequence[Round]) -> list[Sequence[Round]]:
+    """Clearance holes under and over what has the thread, where they are on both sides of it; else all."""
+    middle = min((hole.low + hole.high for hole in cores), default=-math.inf) / 2
+    sides = (
+        [hole for hole in clear if hole.low < middle],
+        [hole for hole in clear if hole.low > middle],
+    )
+    return [*sides] if all(sides) else [clear]
 
 
 def _fits(assembly: Assembly, thing: Bought, column: _Column) -> bool:
@@ -173,13 +185,16 @@ def _fits(assembly: Assembly, thing: Bought, column: _Column) -> bool:
         face = MOTOR_FACES.get(assembly.motor.frame)
         motors = [disc for each in assembly.stand_ins if each.drives for disc in each.discs]
         if motors:
-            return bool(column.holes) and any(
+            return any(
                 abs(column.at - at) < radius + SCREWS[thing.thread].head
-                for at, radius, *_ in motors
+                and any(abs(hole.low - face) < SAME_POINT for hole in column.holes)
+                for at, radius, _, face in motors
             )
         return face is not None and any(
             abs(abs(column.at) - abs(z)) < _ON_CIRCLE for z in face.screws
         )
+    if thing.role == "mount" and assembly.frame is not None and assembly.frame.fixings:
+        return any(abs(column.at - z) < SAME_POINT for z, _ in assembly.frame.fixings)
     if thing.role == "mount" and not thing.length:  # what it goes into is no part
         return bool(column.holes) != bool(column.cores)
     return bool(column.holes)

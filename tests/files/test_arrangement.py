@@ -231,6 +231,30 @@ def test_what_has_no_known_place_is_said_to_be_not_drawn() -> None:
     assert not bought_shapes(mechanism, [replace(screw, count=3)])
 
 
+@pytest.mark.parametrize(
+    "name", ["thread-take-up", "gallery/beak", "four-leg-walker", "gallery/five-bar"]
+)
+def test_all_screws_are_drawn_where_their_holes_are_known(name: str) -> None:
+    """From behind, through a stand, of motors, and from both ends of a post."""
+    mechanism = read_mechanism(SPECS / f"{name}.toml")
+    things = [thing for thing in bought_things(mechanism) if thing.thread]
+    shapes = bought_shapes(mechanism, things)
+    assert things
+    assert {thing.name: len(shapes.get(thing, ())) for thing in things} == {
+        thing.name: thing.count for thing in things
+    }
+
+
+def test_screws_from_both_ends_of_a_spacer_meet_in_it() -> None:
+    """M3 x 45 of a walker, from its sinks 1.85 over the lower and under the upper face of plates that are 141.1 apart: by hand to
+    46.85, 6.3 into the spacer from 40.55 on, and from 139.25 down to 94.25."""
+    mechanism = read_mechanism(SPECS / "gallery/walker.toml")
+    shapes = bought_shapes(mechanism, bought_things(mechanism))
+    screws = next(found for thing, found in shapes.items() if thing.length == 45)
+    shanks = Counter((round(low, 2), round(high, 2)) for (_, low, high), *_ in screws)
+    assert shanks == {(1.85, 46.85): 4, (94.25, 139.25): 4}
+
+
 def test_a_drum_has_its_roller_in_its_track() -> None:
     """KR16: a ring of 16 x 11 and a stud of 6 x 16 [IKO]; where the drum's sheet has its axis, and how far in it reaches."""
     mechanism, _ = machine("metal cylinder-cam")
