@@ -197,13 +197,20 @@ def _put_in(
     own = first.part.name
     others = list(dict.fromkeys(each.part.name for each in cluster if each.part.name != own))
     places = list[Place]()
+    carried = list[str]()
     for copy in cluster:
         if not mates_between([copy], there, fixing):
             continue
         found = places_of([copy], there, fixing)
+        if copy.part.name != own and first.mount.body == GROUND and first.part.points:
+            carried.append(where_all(found))  # a plate goes with what is pressed into it
+            continue
         if copy.part.name != own:
             found = [Place(f"{copy.part.name} {each.where}", each.doings) for each in found]
         places += [each for each in found if each not in places]
+    if carried:
+        doing = Doing("put ", f"{called(first.part)} {listed(carried)}")
+        places.append(Place(listed(carried), (doing,)))
     places = _on_motor(cluster, fixing, places, there)
     if not places and there and (first.mount.body != GROUND or not first.holes):
         places = fixed_by(later, cluster, there, fixing, blocks)  # a plate lies as it is

@@ -238,7 +238,8 @@ def test_a_board_is_open_where_a_hand_crank_and_collars_turn() -> None:
     )
     assert "deep and 93 mm across; under C 6.2 mm deep and " in said
     assert "Grease the slots, locking disc and rollers. " in said
-    bushes = "Press 2 × bush into O and C of ground, from above, flush with its underside. Grease the bore."
+    bushes = "Press 2 × bush into O and C of ground, from above, flush with its underside. Grease the bore. "
+    bushes += "Then put the ground plate on shaft and on shaft-table."
     assert any(bushes in each.title for each in steps_of_assembly(machine).steps)
     length = "as long as the board is thick and 4.5 to 10 more"  # 1.5 of M3, the plate's thickness
     assert f"M3, for a core hole of 2.5, such as ISO 4762, {length}" in said

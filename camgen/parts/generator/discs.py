@@ -246,13 +246,13 @@ def dowelled_parts(layout: Layout, dowelled: DowelledWheel | DowelledEdge) -> It
     )
     at = layout.at(link, layout.axis_of_wheel(wheel))
     yield part, Mount(part.name, link, at, -start, z=low)
-    yield from _dowels(layout, dowelled, part.title)
+    yield from _dowels(layout, dowelled, f"the {part.title.lower()}")
 
 
 def _dowels(
-    layout: Layout, dowelled: DowelledWheel | DowelledEdge, title: str
+    layout: Layout, dowelled: DowelledWheel | DowelledEdge, held_one: str
 ) -> Iterator[MountedPart]:
-    """The dowels of what they hold on its link; title: of that. One that is sold ends below its upper side."""
+    """The dowels of what they hold on its link; held_one: that, in words. One that is sold ends below its upper side."""
     sizes = layout.sizes
     link = dowelled.wheel.link
     bottom, top = dowel_span(layout, dowelled)
@@ -265,7 +265,7 @@ def _dowels(
         held = f"dowel ISO 2338, {sizes.pin_diameter:g} m6 x {sold:g}, {held}"
         made = "bought"
     name = f"dowel-{dowelled.part}"
-    part = rod(name, f"Dowel of the {title.lower()}", sizes.pin_diameter, length)
+    part = rod(name, f"Dowel of {held_one}", sizes.pin_diameter, length)
     part = replace(part, notes=(held,), process=made)
     yield from ((part, Mount(name, link, z, z=bottom)) for z in dowel_places(layout, dowelled))
 
@@ -331,7 +331,7 @@ def _on_shaft(layout: Layout, link: str, drive: EdgeDrive, edge: Contour) -> Ite
     at = layout.at(link, layout.shaft_of(link))
     yield part, Mount(name, link, at, -start, z=low)
     if pinned:
-        yield from _dowels(layout, pinned, part.title)
+        yield from _dowels(layout, pinned, link)
 
 
 def cycloid_pins(layout: Layout) -> Iterator[MountedPart]:
