@@ -94,6 +94,9 @@ def test_a_gap_is_more_than_crank_and_wheel_tip() -> None:
         _ = load(spec(gap=2)).assembly
     thick = spec(gap=2) | {"parts": {"base_thickness": 7}}
     assert "dowel-lock-step" in load(thick).assembly.by_name
+    cut = spec(gap=3) | {"parts": {"make": "laser"}, "laser": {"thickness": 4}}
+    with pytest.raises(DesignError, match="leave geneva.gap out"):
+        _ = load(cut).assembly
     with pytest.raises(SpecError, match="dowels hold both wheel and lock"):
         load(spec(gap=2, inner=True))
 

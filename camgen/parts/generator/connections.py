@@ -294,6 +294,12 @@ class Connections:
             lock = drive.pinned(self.machine, hub)
             if lock is None:
                 continue
+            if self.sizes.of_sheet:
+                where = f"geneva {drive.joint.name}"
+                remedy = (
+                    "leave geneva.gap out: levels of sheet lie as far apart as the sheet is thick"
+                )
+                raise DesignError("gaps of sheet", 1, 0, "", where, remedy)
             if self.sizes.plates < 2:  # which hold a shaft at one end alone
                 drive.refuse_tipping(self.fits.slide_clearance / self.sizes.base_thickness)
             found.append(lock)

@@ -260,7 +260,7 @@ def _dowels(
     held = "pressed and glued in"
     made = "printed" if sizes.pin == "printed" else TURNED
     sold = dowel(sizes.pin_diameter, length) if sizes.pin == "dowel" else 0.0
-    if sold >= length - _SUNK:
+    if sold and sold >= length - _SUNK:
         length = sold
         held = f"dowel ISO 2338, {sizes.pin_diameter:g} m6 x {sold:g}, {held}"
         made = "bought"
