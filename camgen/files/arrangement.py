@@ -136,7 +136,7 @@ class Arrangement:
         s0, z0, s1, z1 = shapely.total_bounds([copy.cut for copy in self.copies])
         return complex(s0, z0), complex(s1, z1)
 
-    @property
+    @cached_property
     def levels(self) -> list[float]:
         """Heights of level faces that the section cuts, mm to hundredths, from the highest down."""
         import shapely
@@ -253,7 +253,8 @@ class _Page:
         self.arrangement = arrangement
         for self.size, (self.wide, self.high) in _SIZES.items():
             views = self._views()
-            if len(arrangement.items) <= self._most and views[0].scale >= _SMALLEST:
+            fits = len(arrangement.items) <= self._most and views[0].scale >= _SMALLEST
+            if fits and (self._letters(views[1]) or not arrangement.levels):
                 break
         self.front, self.section, self.both = views
         self.scale = self.front.scale
@@ -510,6 +511,13 @@ class _Page:
             value = Measure(round(abs(b - a) / scale, 1), REFERENCE, factor=factor)
             dimension(sheet, (a, b), complex(away), value, tolerance, FILING + 1)
 
+    def _letters(self, section: _View) -> float:
+        """How high letters of the heights beside a section may be, mm; 0 where they are too many."""
+        near, far = self.arrangement.deep
+        room = section.scale * (far - near).imag + 2 * _LOOSE
+        count = len(self.arrangement.levels)
+        return next((each for each in _HEIGHTS if count * each * _LINE < room), 0.0)
+
     def _levels(self, sheet: Sheet) -> None:
         """Heights of the faces that the section cuts, mm, upwards from z = 0, right of it, in smaller letters where they are many; none
         where they are too many even so."""
@@ -518,7 +526,7 @@ class _Page:
         wanted = [self.section.at(complex(0, level)).imag for level in reversed(levels)]
         least = near.imag - _LOOSE
         most = far.imag + _LOOSE
-        high = next((each for each in _HEIGHTS if len(levels) * each * _LINE < most - least), 0.0)
+        high = self._letters(self.section)
         if not levels or not high:
             return
         places = _spread(wanted, (least, most), high * _LINE)

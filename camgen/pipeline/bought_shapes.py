@@ -28,6 +28,7 @@ from camgen.parts.catalogue import (
     SCREWS,
     Bought,
     CamFollower,
+    MotorFace,
     Screw,
 )
 from camgen.parts.coils import spring_sketches
@@ -389,6 +390,20 @@ def _spring(course: Any, diameter: float, eyes: tuple[float, float]) -> Piece:
     return line.buffer(_WIRE * diameter / 2, cap_style="flat", join_style="mitre"), *eyes
 
 
+def _between_screws(
+    copies: Sequence[StandingCopy], face: MotorFace, at: complex, top: float
+) -> complex:
+    """The middle of the holes for a motor's screws in what lies on its face, which is `top` high; its shaft at `at`."""
+    reach = max(map(abs, face.screws))
+    places = [
+        hole.at
+        for copy in copies
+        for hole in copy.holes
+        if abs(hole.low - top) < SAME_POINT and abs(abs(hole.at - at) - reach) < _ON_CIRCLE
+    ]
+    return sum(places) / len(places) if places else at
+
+
 def _motors(assembly: Assembly, copies: Sequence[StandingCopy]) -> Iterator[Thing]:
     """Bodies of motors with their shafts; of a frame without a known length as long as half its width."""
     import shapely
@@ -407,8 +422,14 @@ def _motors(assembly: Assembly, copies: Sequence[StandingCopy]) -> Iterator[Thin
     for at, radius, low, high in bodies:
         pieces: list[Piece] = [(_disc(at, radius), low, high)]
         if face is not None and not face.length:
-            box = shapely.box(*(x + way * face.half for way in (-1, 1) for x in (at.real, at.imag)))
-            pieces = [(box, low, high), (_disc(at, face.boss / 2), high, high + face.boss_height)]
+            body = shapely.box(
+                *(x + way * face.half for way in (-1, 1) for x in (at.real, at.imag))
+            )
+            aside = abs(sum(face.screws)) / len(face.screws)
+            if aside > SAME_POINT:  # of a can beside its shaft, half way between its screws
+                middle = _between_screws(copies, face, at, high)
+                body = _disc(middle, face.reach - aside)
+            pieces = [(body, low, high), (_disc(at, face.boss / 2), high, high + face.boss_height)]
         reach = assembly.motor.reach
         shaft = assembly.motor.shaft or (face.shaft if face else 0.0)
         if shaft and reach is not None:

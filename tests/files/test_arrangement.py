@@ -284,6 +284,30 @@ def test_a_motor_whose_length_nothing_says_is_not_measured() -> None:
     assert sizes == {119.6, 98.7, 27.0}
 
 
+def test_a_can_beside_its_shaft_stands_between_its_screws() -> None:
+    """28BYJ-48: a can of 28 whose shaft is 8 off its middle [felixsu7/smart-medicine-container, 3d_model/stepper.scad]."""
+    mechanism = read_mechanism(SPECS / "gallery/beak.toml")
+    shapes = bought_shapes(mechanism, bought_things(mechanism))
+    ((body, _, shaft),) = next(found for thing, found in shapes.items() if thing.role == "drive")
+    low_x, low_y, high_x, high_y = body[0].bounds
+    assert (high_x - low_x, high_y - low_y) == pytest.approx((28.0, 28.0), abs=1e-6)
+    assert body[0].centroid.distance(shaft[0].centroid) == pytest.approx(8.0, abs=1e-6)
+
+
+def test_a_section_with_many_heights_has_a_sheet_with_room_for_them() -> None:
+    """24 heights of 12 plates 5 thick, 1 apart, need 58 of paper; at 1:2 their 71 with 8 beyond either end are 52, at 1:1 87."""
+    from camgen.files.arrangement import _Page
+
+    plates = [shapely.box(0, 6.0 * k, 170, 6.0 * k + 5) for k in range(12)]
+    front = [(shapely.box(0, 0, 170, 400), 71.0)]
+    copies = [Copy(1, front, plate, True) for plate in plates]
+    few = _Page(Arrangement(copies[:4], [], (0j, 1), [], []))
+    many = _Page(Arrangement(copies, [], (0j, 1), [], []))
+    assert few.size == "A3" and many.size == "A2"
+    texts = [each for each in many.draw("many", Facts()).things if isinstance(each, Text)]
+    assert len([each for each in texts if each.layer == "DIM"]) == 24
+
+
 def test_what_is_used_up_is_no_item() -> None:
     """Oil and paper for gaps are in the parts list, not in the machine; glue stays in it."""
     mechanism, arrangement = machine("walking-leg")
