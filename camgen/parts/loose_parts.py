@@ -21,7 +21,6 @@ from camgen.parts.step_words import (
     called,
     gauge_tools,
     listed,
-    pronoun,
     step_of,
     thickness_gauge,
     where_all,
@@ -71,7 +70,7 @@ class Stop:
                 f"{self.name}: glue it on {shaft} alone, and hold it there until the glue is hard",
             ),
             Doing(
-                f"pull {pronoun(gauge)} out from under {self.over}: {shaft} has {self.play:.2g} mm of play along its axis"
+                f"pull {gauge} out from under {self.over}: {shaft} has {self.play:.2g} mm of play along its axis"
             ),
         )
         return Place(where, doings)

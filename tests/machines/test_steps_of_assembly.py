@@ -1317,7 +1317,7 @@ def test_a_gauge_lies_where_it_comes_out_again() -> None:
     assert gauge == "four sheets of paper" and gauge in said and "under ground" not in said
     assert said.startswith("When the glue of crank is hard, lift crank and lay")
     assert "glue it on shaft alone, and hold it there until the glue is hard" in said
-    assert "Pull them out from under crank" in said
+    assert f"Pull {gauge} out from under crank" in said
     assert f"{play:.2g} mm of play" in said
     leg = built("walking-leg")  # nothing is round its collar
     (said,) = (step.title for step in steps_of_assembly(leg).steps if "it on shaft" in step.title)
