@@ -217,13 +217,13 @@ def _print_time(report: Report) -> str:
 
 
 def _purchases(report: Report) -> str:
-    """How much of the parts list is bought, in words; "" of nothing."""
+    """How much of the parts list is bought, rods among it, in words; "" of nothing."""
     counts = [
         row[table.columns.index("count")]
         for table in report.tables
         if table.shopping
         for row in table.rows
-        if row[0] == "bought"
+        if row[0] in ("bought", "stock")
     ]
     pieces = sum(each for each in counts if isinstance(each, int))
     kinds = f"{len(counts)} kind{'s' * (len(counts) > 1)}"
@@ -238,7 +238,7 @@ def _steps(name: str, files: Mapping[str, str], time: str, bought: str) -> Itera
         yield FileStep("open", "report.html", f" in a browser to see it{moves}")
     parts = files.get(f"{name}-parts.csv")
     if parts and bought:
-        yield FileStep("buy what is marked bought in", parts, f" ({bought})")
+        yield FileStep("buy what is marked bought or stock in", parts, f" ({bought})")
     plates = [each for each in files if re.fullmatch(rf"{re.escape(name)}-plate(-\d+)?\.3mf", each)]
     if plates:
         first, *more = sorted(plates, key=lambda each: (len(each), each))

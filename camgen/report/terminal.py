@@ -226,7 +226,7 @@ def _sentence(finding: Finding, where: str) -> str:
 
 
 _MAKING = (
-    "buy what is marked bought in",
+    "buy what is marked bought or stock in",
     "print",
     "cut",
     "load",

@@ -236,7 +236,7 @@ def test_what_was_not_judged_is_said_by_name_in_terminal_and_page(
     assert place.startswith(f"files are in {tmp_path / 'uniform-swing'}: ")
     assert str(tmp_path) in see and see.endswith("to see it move")
     assert re.fullmatch(
-        r"buy what is marked bought in .*-parts\.csv \(\d+ kinds, \d+ pieces\)", buy
+        r"buy what is marked bought or stock in .*-parts\.csv \(\d+ kinds, \d+ pieces\)", buy
     )
     print_report(report, verbose=True)
     assert re.search(r"^ INTERFERENCE .* not judged *$", capsys.readouterr().out, re.M)
