@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import cmath
+import tomllib
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal
 
 import pytest
 
+from camgen import load, starters
 from camgen.geometry.outlines import Arc, Contour, Line, Region, circle
 from camgen.parts.fixing import Fixing
 from camgen.parts.look_alikes import with_sorting
 from camgen.parts.part import Layer, Part
 from camgen.parts.steps import COLUMNS
+from camgen.pipeline.shopping import steps_of_assembly
 from camgen.study import Doing, Step, Table
 
 FIRST = Table("order", COLUMNS, [(1, *[""] * 6)], [Step([Doing("lay it")])])
@@ -98,3 +101,15 @@ def test_links_that_read_their_letters_are_told_apart_by_these_alone() -> None:
     bare = replace(other, lettered=frozenset("A"))  # no room for C
     assert lines([one, bare]) == ["☐ one or other"]
     assert lines([one, replace(one, name="twin")]) == ["☐ one or twin"]
+
+
+def test_holes_that_only_a_pin_tells_apart_are_marked_at_the_printer() -> None:
+    """Links of the small walker differ by 0.05 mm in a hole, which nobody sees; those of the large one have letters."""
+    first = {
+        name: steps_of_assembly(load(tomllib.loads(starters.text(name)))).steps[0].title
+        for name in ("two-leg-walker", "walker")
+    }
+    assert "narrower in F or F2" in first["two-leg-walker"]
+    assert "as you take it off the printer's plate" in first["two-leg-walker"]
+    assert "narrower" not in first["walker"].lower()
+    assert "low1 B C1, low2 B2 C2, low3 B C3, low4 B2 C4" in first["walker"]
