@@ -839,7 +839,7 @@ def test_a_walker_s_motor_and_batteries_come_from_where_they_go_and_are_seen() -
     told = re.findall(r"([\d.]+) mm from (?:the middle|that) of (\w+)", frame.title)
     assert len(told) == 4
     for away, hole in told:
-        corners = [31j + complex(x * half.real, y * half.imag) for x in (-1, 1) for y in (-1, 1)]
+        corners = [59j + complex(x * half.real, y * half.imag) for x in (-1, 1) for y in (-1, 1)]
         assert min(abs(abs(z - points[hole]) - float(away)) for z in corners) < 0.06
     holder = steps[-2]
     assert holder.title.startswith(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import shutil
+import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -17,8 +18,9 @@ import tomli_w
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from judged import wrong
-from shapely import Polygon
+from shapely import Point, Polygon
 
+from camgen import starters
 from camgen.errors import DesignError, SpecError
 from camgen.files.threemf import write_3mf
 from camgen.findings import Finding
@@ -332,6 +334,18 @@ def test_a_gearbox_with_square_corners_is_held_by_a_sleeve() -> None:
 def xy(contour: Contour) -> np.ndarray:
     rim = facet_contour(contour, 0.01)
     return np.column_stack([rim.real, rim.imag])
+
+
+@pytest.mark.parametrize("middle", [31, 59])
+def test_heads_of_screws_pass_beside_the_frame_of_the_batteries(middle: float) -> None:
+    """The frame of the toy that walks covers no head of M3, 5.5 wide [ISO 4762], wherever it is put."""
+    spec = starters.text("walker").replace("at = [0, 59]", f"at = [0, {middle}]")
+    machine = validate(Linkage, tomllib.loads(spec))
+    frame = machine.assembly.by_name["far-battery-frame"].region.outer
+    whole = Polygon(xy(frame) + [0, middle])
+    screws = [each.at for each in machine.assembly.mounts if each.part == "side-spacer"]
+    assert len(screws) == 4
+    assert all(whole.distance(Point(z.real, z.imag)) > 5.5 / 2 for z in screws)
 
 
 def test_batteries_lie_in_a_frame_under_the_far_plate() -> None:

@@ -32,10 +32,10 @@ from camgen.parts.generator.second_plate import (
     in_first,
     sleeve_ends,
 )
-from camgen.parts.generator.sizes import SIDE_SPACER, SUNK, Parts
+from camgen.parts.generator.sizes import SIDE_SPACER, SUNK, Battery, Parts
 from camgen.parts.generator.troughs import rails
 from camgen.parts.hardware import plate, spacer
-from camgen.parts.level_rules import Axis, Thing, ways
+from camgen.parts.level_rules import Axis, Thing, Wall, ways
 from camgen.parts.part import HoldingNote, Layer, Part, d_bore, hull
 
 SECOND = "second-plate"
@@ -301,8 +301,7 @@ def with_battery(layout: Layout) -> Layout:
     if battery is None:
         return layout
     at = complex(*battery.at)
-    play = layout.fits.slide_clearance + layout.fits.press_clearance
-    inner = complex(battery.length + play, battery.width + play) / 2
+    play, inner = _holder(layout, battery)
     shaft = layout.at(GROUND, layout.shaft_of(layout.driven)) - at
     aside = complex(max(0.0, abs(shaft.real) - inner.real), max(0.0, abs(shaft.imag) - inner.imag))
     room = abs(aside) - s.wall
@@ -329,6 +328,24 @@ def with_battery(layout: Layout) -> Layout:
     parts = (*fitted.parts, (part, mount))
     hubs = (*fitted.hubs, *((at + z, wide) for z, wide in corners))
     return replace(layout, fitted=replace(fitted, parts=parts, hubs=hubs))
+
+
+def _holder(layout: Layout, battery: Battery) -> tuple[float, complex]:
+    """Play of a battery holder in its frame, and the upper right corner of its opening, complex mm from its middle."""
+    play = layout.fits.slide_clearance + layout.fits.press_clearance
+    return play, complex(battery.length + play, battery.width + play) / 2
+
+
+def over_screws(layout: Layout) -> list[Wall]:
+    """What covers screws of posts: the frame of the battery, by which heads and their tool pass."""
+    battery = layout.sizes.battery
+    if battery is None:
+        return []
+    _, inner = _holder(layout, battery)
+    around = np.array([inner, -inner.conjugate(), -inner, inner.conjugate()])
+    wider = _head(layout.sizes) / 2 - post_radius(layout.sizes)  # heads, in place of posts
+    corners = (complex(*battery.at) + around)[:, None]
+    return [Wall("frame of the battery", corners, layout.sizes.wall + wider, "")]
 
 
 def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:

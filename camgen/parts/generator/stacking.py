@@ -16,7 +16,7 @@ from camgen.parts.generator.cures import with_bows
 from camgen.parts.generator.guides import COVERED, STEMS
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.pins import refuse, tall
-from camgen.parts.generator.plates import columns, post_radius
+from camgen.parts.generator.plates import columns, over_screws, post_radius
 from camgen.parts.generator.things import things
 from camgen.parts.level_rules import NoPassage, Things, span
 from camgen.parts.levels import cuts, levels, quick_levels
@@ -165,7 +165,7 @@ def _with_fitting(laid: _Laid, run: Run) -> Layout:
     points = {axis.name: axis.point for axis in content.axes}
     ends = {points[name]: level for name, level in cuts(content, layout.level).items()}
     places = columns(
-        content.every,
+        [*content.every, *over_screws(layout)],
         list(layout.points_of(GROUND).values()),
         post_radius(layout.sizes),
         content.gap,
