@@ -488,7 +488,7 @@ def _groove_words(drum: Drum, facts: Facts) -> list[str]:
     low, high = (wall.over(beta, outside).z for wall in drum.walls)
     rims = float(np.min(low)), drum.length - float(np.max(high))
     thin = " and ".join(f"{math.floor(10 * rim + 1e-6) / 10:g}" for rim in rims)
-    words = [f"rims at least {thin} thick"]
+    words = [f"rims nominally {thin}"]
     if facts.roller and not drum.roller.slope:
         words.append(f"cutter Ø{number(facts.roller[0])}, a pass for each wall")
     return words

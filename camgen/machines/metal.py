@@ -200,9 +200,10 @@ def rings_of(bore: ShaftBore, material: str) -> list[Bought]:
 
 
 def ring_notes(bore: ShaftBore, material: str) -> Iterator[str]:
-    """What the drawing of such a part says of its rings."""
+    """What the drawing of such a part says of its rings, and of its ends: it fits between them either way round."""
     for rings in rings_of(bore, material):
         yield f"held by {rings.count} rings {rings.standard}, {rings.size}"
+        yield "UP stamped on the upper end, away from the coupling"
 
 
 def bore_notes(bore: ShaftBore, material: str) -> list[str]:

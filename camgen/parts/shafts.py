@@ -74,7 +74,7 @@ _HOLDS_SHAFT = (
     "between ring and bearing until it slides at most 0.05 mm"
 )
 _COLLARS = "; a collar or a shoulder of yours on either side of that one holds the shaft in it"
-_KEYED = "its key in the keyway of the bore"
+_KEYED = "its key in the keyway of the bore, its end for the coupling below, as in the arrangement drawing"
 _FAST = "fast in it"
 _BEARINGS = (
     "one on either side, in a frame of yours: it holds one of them on both its rings, so that the shaft cannot slide, and leaves the "

@@ -201,6 +201,11 @@ def test_a_bore_in_metal_that_turns_nothing_or_is_hard_to_cut_is_told(spec: str)
     held = read_mechanism(STARTER.with_name(spec), keyed)
     rings, _ = (each for each in held.assembly.bought if each.standard == "DIN 471")
     assert (rings.count, rings.size[:6]) == (2, "10 x 1") and not held.remarks().warnings
+    # a drum fits between its rings either way round, a hub is on one side
+    marked = any("UP stamped" in note for part in held.assembly.parts for note in part.notes)
+    assert marked == (spec == "cylinder-cam.toml")
+    (shaft,) = (each for each in held.assembly.bought if each.role == "shaft")
+    assert "its end for the coupling below" in shaft.how
     slides = read_mechanism(STARTER.with_name(spec), [*keyed[:2], "parts.bore=6.5"])
     assert "sliding along its shaft" in " ".join(slides.remarks().warnings)
 
