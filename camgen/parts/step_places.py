@@ -112,7 +112,8 @@ def _meeting(
         joint = fixing.joint(hole, copy.part, outline, shaft.part)
         long = shaft.slender or shaft.part.role == "shaft"
         gap, name = gap_under(hole, below)
-        told = joint and (long or gap > SAME_POINT)
+        rests = name and gap <= SAME_POINT and fixing.metal  # a shaft's length says it less well
+        told = joint and not rests and (long or gap > SAME_POINT)
         high = f", {_height(hole, shaft, below, fixing.metal)}" if told else ""
         set_by = between(gap, fixing.metal) if " mm over " in high else ""
         lying = [on for each in copy.holes if (on := _lies_on(each, below))]
@@ -303,7 +304,7 @@ def _height(hole: Round, shaft: StandingCopy, below: Sequence[StandingCopy], met
     low = min(each.low for each in shaft.outlines)
     over = hole.low - low
     gauge = thickness_gauge(over)
-    under = f" ({gauge} under it)" if gauge != FEELER else ""
+    under = f" ({gauge} under it)" if gauge != FEELER and not metal else ""
     return (
         height_by(hole, shaft, below, metal) or f"underside {over:.4g} mm from its lower end{under}"
     )
