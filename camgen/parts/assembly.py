@@ -120,6 +120,10 @@ class MotorSeat:
     hub: SetScrewHub | None = None  # that a set screw holds on its shaft
     crank: float = 0.0  # mm, from the shaft to the knob of the hand crank; 0: none
     shaft: float = 0.0  # diameter of the motor's, mm
+    most: float | None = (
+        None  # mm, of its shaft over its face, that has room; None: as long as it is
+    )
+    under: str = ""  # the part that passes over a shaft so long
     flat: FlatSeat | None = None  # of the printed part that a flat turns
 
 
@@ -760,7 +764,7 @@ def _motor_rows(assembly: Assembly) -> Iterator[Row]:
     many = f"{count} motors under the plate, their shafts up{through}"
     now = _fastening(assembly, plate, letters, "its" if count == 1 else "their")
     step = Step(
-        [Doing("hold ", one if count == 1 else many, now)],
+        [*_shortened(assembly.motor), Doing("hold ", one if count == 1 else many, now)],
         way=1,
         mates=[
             Mate(
@@ -780,6 +784,14 @@ def _motor_rows(assembly: Assembly) -> Iterator[Row]:
     said = "Motor: under the plate, its shaft through it; screw it on now, before parts cover the screws"
     screws = [each for each in assembly.bought if each.role == "drive screw"]
     yield with_things(((0, "motor", said, "", count, 0.0, "as bought"), step), screws)
+
+
+def _shortened(motor: MotorSeat) -> Iterator[Doing]:
+    """What is done with a shaft that what passes over it would meet."""
+    if motor.most is not None:
+        long = f", from the motor's face: file or grind it to at most {motor.most:.4g} mm"
+        why = f", for {motor.under} passes over its end. Keep the chips out of the motor"
+        yield Doing("measure ", "the motor's shaft", f"{long}{why}", ("caliper", "file"))
 
 
 def _fastening(assembly: Assembly, plate: Part, letters: Sequence[str], its: str) -> str:

@@ -819,7 +819,8 @@ def test_a_walker_s_motor_and_batteries_come_from_where_they_go_and_are_seen() -
     walker = built("walker")
     steps = steps_of_assembly(walker).steps
     (motor,) = (step for step in steps if "motor-bar-1" in step.copies)
-    assert motor.way == 1 and "flush with its front. Hold the motor under the plate" in motor.title
+    assert motor.way == 1 and "flush with its front. Measure the motor's shaft" in motor.title
+    assert "Keep the chips out of the motor. Hold the motor under the plate" in motor.title
     assert "its shaft up through O" in motor.title
     (hole,) = motor.mates
     assert (hole.label, hole.how, hole.diameter) == ("O", "free", 3), "its letter is in the picture"

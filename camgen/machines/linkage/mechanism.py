@@ -67,6 +67,7 @@ from camgen.parts.generator.stacking import lacking
 from camgen.parts.generator.table_stand import TableStand, on_stand
 from camgen.parts.generator.trials import tried
 from camgen.parts.journals import journals
+from camgen.parts.motor_shafts import with_shaft_limit
 from camgen.parts.sides import PREFIX as FAR
 from camgen.parts.sides import both_sides
 from camgen.spec import Checked, validate
@@ -264,6 +265,7 @@ class Linkage(LinkageSpec):
             texts={"chain.svg": bridges.svg(self.chain), "chain.pmks": bridges.pmks(self.chain)},
             follower=FollowerFacts(arm_stiffness(self, bodies)),
         )
+        made = with_shaft_limit(made, bodies.layout.fits.slide_clearance)
         beneath = construction.beneath
         return made if beneath is None else beneath.added(made)
 
