@@ -66,8 +66,9 @@ def bearing_blocks(
                 holes = (hole for hole in other.holes if hole.in_line(copy.outlines[0]))
                 hole = next(holes)
                 low = _foot(hole, other, there)
-                bears = blocks or low > plate.mount.z + SAME_POINT
-                if mate.comes and bears and not _swept(hole.at, low, there):
+                if low is None or not mate.comes or _swept(hole.at, low, there):
+                    continue
+                if blocks or low > plate.mount.z + SAME_POINT:
                     letters = bending[low].setdefault(other.part.name, [])
                     letters += [mate.label] if mate.label else []
     for low, names in sinking.items():
@@ -95,13 +96,16 @@ def bearing_blocks(
         )
 
 
-def _foot(hole: Round, holder: StandingCopy, there: Sequence[StandingCopy]) -> float:
-    """How high the underside is of what lies under a hole's part there, one on the other, mm."""
+def _foot(hole: Round, holder: StandingCopy, there: Sequence[StandingCopy]) -> float | None:
+    """How high the underside is of what lies under a hole's part there, one on the other, mm; None where something else is farther
+    below, and no block stands there."""
     around = hole.at + (hole.diameter / 2 + _ASIDE) * _AROUND
     low = holder.mount.z
     for other in sorted(there, key=lambda each: -each.mount.z):
         top = other.mount.z + other.part.thickness
-        if -SAME_POINT < low - top < RESTS and _lies_at(other, around):
+        if low - top > -SAME_POINT and _reaches(other, around):
+            if low - top >= RESTS:
+                return None
             low = other.mount.z
     return low
 
@@ -133,8 +137,8 @@ def _placed(copy: StandingCopy, contour: Contour) -> Points:
     return complex(copy.pose.place[0]) + turned
 
 
-def _lies_at(copy: StandingCopy, points: Points) -> bool:
-    """Whether most of some points of the assembly, (n,) complex mm, lie on a copy, and in none of its holes."""
+def _reaches(copy: StandingCopy, points: Points) -> bool:
+    """Whether any of some points of the assembly, (n,) complex mm, lies on a copy, and in none of its holes."""
     if copy.pose.standing:
         return False
 
@@ -144,4 +148,4 @@ def _lies_at(copy: StandingCopy, points: Points) -> bool:
             found &= ~inside(points, _placed(copy, hole))
         return found
 
-    return any(np.count_nonzero(on(layer.region)) > len(points) / 2 for layer in copy.part.layers)
+    return any(bool(on(layer.region).any()) for layer in copy.part.layers)

@@ -1,5 +1,5 @@
-"""The first step at the bench of what is printed: holes in which something turns are opened to their size, and tried; those into
-which something goes by hand, and those that stay tight, are told apart from them."""
+"""The first step at the bench of what is printed: holes in which something turns or slides are opened to their size, and tried; those
+into which something goes by hand, and those that stay tight, are told apart from them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _WIDEST = 13.0  # mm, of a drill that people have
 
 
 def opened_holes(copies: Sequence[StandingCopy], fixing: Fixing) -> dict[float, int]:
-    """How many holes in which something turns are opened, by the size of the drill, mm."""
+    """How many holes in which something turns or slides are opened, by their size, mm."""
     return {
         size: sum(part.count * len(holes) for part, holes in parts.values())
         for size, parts in sorted(_holes(copies, fixing, _reamed).items())
@@ -62,7 +62,9 @@ def with_reaming(
             if gauges and not metal
             else []
         )
-    what = "Holes in which something turns" if lines else "Holes in which something is fixed"
+    what = (
+        "Holes in which something turns or slides" if lines else "Holes in which something is fixed"
+    )
     where = "; ".join(lines or _lines(fixed, words.tool))
     needs = ("scraper",) * bool(fixed) + ("vice",) * bool(tight) + ("oil",) * bool(fixed and lines)
     return begun(table, Doing("\n".join(said), needs=needs), what, where, count if lines else "")
@@ -148,14 +150,15 @@ def _joined(copies: Sequence[StandingCopy], fixing: Fixing, *joints: Joint) -> d
     return _holes(copies, fixing, size_of)
 
 
-def opener(size: float) -> str:
-    """What opens a hole of a size, mm."""
-    return f"drill {_drill(size):g}" if size <= _WIDEST else "fine sandpaper"
+def opener(size: float, runs: bool = False) -> str:
+    """What opens a hole of a size, mm; runs: in which something turns or slides."""
+    drill = _running_drill(size) if runs else math.floor(10 * size + SAME_POINT) / 10
+    return f"drill {drill:g}" if size <= _WIDEST else "fine sandpaper"
 
 
-def _drill(size: float) -> float:
-    """The widest drill that goes into a hole of a size, mm: drills are in tenths."""
-    return math.floor(10 * size + SAME_POINT) / 10
+def _running_drill(size: float) -> float:
+    """The narrowest drill that leaves a hole no narrower than a size, mm: drills are in tenths."""
+    return math.ceil(10 * size - SAME_POINT) / 10
 
 
 def _tool(size: float) -> str:
@@ -164,9 +167,10 @@ def _tool(size: float) -> str:
 
 
 def running(size: float) -> str:
-    """The same of a hole in which something turns; of a size between two drills how the smaller one makes it."""
-    between = size <= _WIDEST and size - _drill(size) > SAME_POINT
-    return f"{size:g} mm, with a drill of {_drill(size):g}" if between else _tool(size)
+    """The same of a hole in which something turns or slides; of a size between two drills which one is wide enough."""
+    drill = _running_drill(size)
+    between = size <= _WIDEST and drill - size > SAME_POINT
+    return f"{size:g} mm, with a reamer or a drill of {drill:g}" if between else _tool(size)
 
 
 def _bare(size: float) -> str:
@@ -178,17 +182,15 @@ def _bare(size: float) -> str:
 class _Words:
     """How holes of a material are brought to their fits."""
 
-    opened: str  # those in which something turns
+    opened: str  # those in which something turns or slides
     by_hand: str  # those into which something goes by hand
     tight: str
-    running: Callable[
-        [float], str
-    ]  # the size of a hole in which something turns, and what opens it
+    running: Callable[[float], str]  # the size of these, and what opens them
     tool: Callable[[float], str]  # the same of a hole in which something is fixed
 
 
 _IN_PLASTIC = _Words(
-    "open {} in which something turns. Turn a drill of this size in it by hand, and keep it straight, until what goes in drops "
+    "open {} in which something turns or slides. Turn a drill of this size in it by hand, and keep it straight, until what goes in drops "
     "through by its own weight",
     "Open these until the part slides in by hand. Use a drill of this size, or a scraper where there is a flat. No vice reaches "
     "them later; the glue holds the part where its step says so",
@@ -198,7 +200,7 @@ _IN_PLASTIC = _Words(
     _tool,
 )
 _IN_METAL = _Words(
-    "ream {} in which something turns to the size and the limits on the sheet of its part. What goes in drops through by its own "
+    "ream {} in which something turns or slides to the size and the limits on the sheet of its part. What goes in drops through by its own "
     "weight",
     "Ream these to the fits on their sheets. What they hold goes in by hand; the compound holds it",
     "Ream these to the fits on their sheets, and press in what they hold in its step",
@@ -239,7 +241,7 @@ def begun(
 
 def running_size(diameter: float, play: float) -> float:
     """Of a hole with play round a diameter, mm: in tenths, as drills are, where one of these is wider than the diameter, else in
-    hundredths, to which the drill below it is turned until the part goes through."""
+    hundredths."""
     size = diameter + play + SAME_POINT
     drill = math.floor(10 * size) / 10
     return drill if drill > diameter else math.floor(100 * size) / 100
@@ -299,14 +301,22 @@ def _own_place(hole: Round, holder: StandingCopy) -> tuple[float, float]:
 def _reamed(
     hole: Round, holder: StandingCopy, copies: Sequence[StandingCopy], fixing: Fixing
 ) -> float:
-    """The size to which a hole is opened, mm, for what turns in it; 0 where nothing does, or a sleeve clear of it."""
+    """The size to which a hole is opened, mm, for what turns or slides in it; 0 where nothing does, or a sleeve clear of it."""
     others = (
         each
         for each in copies
-        if each.mount.body != holder.mount.body and each.part.role != "sleeve"
+        if each.part.role != "sleeve" and _moves(holder, each, fixing) and each is not holder
     )
     widest = _widest(hole, holder, others, fixing, ("",))
     return running_size(round(widest, 3), hole.diameter - widest) if widest else 0.0
+
+
+def _moves(holder: StandingCopy, held: StandingCopy, fixing: Fixing) -> bool:
+    """Whether one part moves on another: on one body a knob or a spacer does, which has play there in all of its holes."""
+    if held.mount.body != holder.mount.body:
+        return True
+    tells = math.isfinite(fixing.play)  # whether play tells what is loose from what is fixed
+    return tells and not any(_widest(hole, holder, [held], fixing, JOINTS) for hole in holder.holes)
 
 
 def _widest(

@@ -89,7 +89,7 @@ def tools(mechanism: Mechanism) -> list[Bought]:
     copies, fixing = _standing(assembly)
     found = dict[str, str]()
     for size, count in opened_holes(copies, fixing).items():
-        found[opener(size)] = f"for {count} hole{'' if count == 1 else 's'} of {size:g} mm"
+        found[opener(size, True)] = f"for {count} hole{'' if count == 1 else 's'} of {size:g} mm"
     for size in sorted(tight_holes(copies, fixing)):
         found.setdefault(opener(size), f"for holes of {size:g} mm that turn out too tight")
     needs = _needs(mechanism)

@@ -25,6 +25,7 @@ from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine.features import Mark, Mount, PartPose, heights
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
+from camgen.numerics import coordinates
 from camgen.parts.assembly import order_of_assembly
 from camgen.parts.catalogue import SCREWS
 from camgen.parts.fixing import Fixing
@@ -1004,7 +1005,7 @@ def test_a_step_says_which_end_is_down_and_counts_what_has_no_letter() -> None:
 
 
 def test_holes_in_which_something_turns_are_opened_first() -> None:
-    """Jansen's leg as its spec has it: of each link the holes by which it turns, and of the plate that of its shaft."""
+    """A four-bar as its spec has it: of each link the holes by which it turns, of the plate that of its shaft, and the knob's bore."""
     spec = Path(__file__).parents[2] / "specs" / "gallery" / "four-bar.toml"
     machine = read_mechanism(spec)
     sorting, first, *_ = steps_of_assembly(machine).steps
@@ -1012,13 +1013,15 @@ def test_holes_in_which_something_turns_are_opened_first() -> None:
     head, *lines = first.title.split("\n")
     play = machine.print.slide_clearance
     assert play == 0.1 and machine.making.pin_diameter == 5 and machine.making.shaft_diameter == 6
-    assert head.startswith("Open all 4 holes in which something turns") and not first.copies
+    assert (
+        head.startswith("Open all 5 holes in which something turns or slides") and not first.copies
+    )
     starts = ("Open these until", "These holes stay tight", "Glue with superglue gel")
     by_hand, tight, glue = (
         next(k for k, line in enumerate(lines) if line.startswith(start)) for start in starts
     )
     assert lines[:by_hand] == [
-        "☐ 5.1 mm: A and B of coupler and C of rocker",
+        "☐ 5.1 mm: A and B of coupler, C of rocker and the bore of knob",
         "☐ 6.1 mm: O of ground",
     ]
     assert lines[by_hand + 1 : tight] == [
@@ -1039,16 +1042,23 @@ def test_holes_in_which_something_turns_are_opened_first() -> None:
     assert "N of crank_web3 (2 ×)" in loose and "the bore of cap-2 (22 ×)" in loose
     assert "of second-plate" in loose and "of second-plate" not in stays
     assert "crank_web3" not in stays and "C2 of conn2" not in stays and "C2 of low2 (2 ×)" in stays
-    opened = "☐ 4.05 mm, with a drill of 4: M and C1 of conn1 (2 ×), "
+    opened = "☐ 4.05 mm, with a reamer or a drill of 4.1: M and C1 of conn1 (2 ×), "
     assert opened in walker.title, "a dowel of 4 m6 drops through no hole of 4"
+    spacers = {part.name: part.count for part in built("walker").assembly.parts}
+    for name in ("spacer-1", "spacer-2", "spacer-3", "spacer-4"):
+        assert f"the bore of {name} ({spacers[name]} ×)" in walker.title.partition("Open these")[0]
     cam = read_mechanism(spec.with_name("groove.toml"))
     assert not steps_of_assembly(cam).steps[0].title.startswith("Open"), "nothing turns in it"
     feeder = steps_of_assembly(read_mechanism(spec.with_name("drum-feeder.toml"))).steps
     (ring,) = (step for step in feeder if "ring-1" in step.copies)
     assert {mate.how for mate in ring.mates} == {"glue"} and ring.apart == "drum beside the machine"
-    loose, _, stays = feeder[0].title.partition("These holes stay tight")
+    knob, _, said = feeder[0].title.partition("Open these until")
+    assert knob.startswith("Open the hole ") and knob.endswith("\n☐ 5.2 mm: the bore of knob\n"), (
+        "the ring, wider over the shoulder, is glued on the core"
+    )
+    loose, _, stays = said.partition("These holes stay tight")
     on_shaft = "4 bores of end-plate (2 ×), the bore of drum, the bore of spacer-below"
-    assert loose.startswith("Open these until") and on_shaft in loose, "all that goes on by hand"
+    assert on_shaft in loose, "all that goes on by hand"
     assert "bore of ring" in stays and "bore of carriage" in stays and "end-plate" not in stays
     assert "turn the crank once round" in feeder[-1].title
     assert [running_size(4.0, play) for play in (0.05, 0.1, 0.17, 0.2)] == [4.05, 4.1, 4.1, 4.2]
@@ -1291,8 +1301,19 @@ def test_blocks_reach_from_the_bench_to_what_they_bear() -> None:
     assert (
         gussets.startswith("Turn the machine over, its back up") and f"least {front} mm" in gussets
     )
-    open_ = levels["ground"] - panel + deep  # the panel is open there, and the plate itself borne
-    assert any(f"under W and V of ground, {open_:g} mm high, {under}: it must" in t for t in titles)
+    (layer,) = bird.assembly.by_name["stand-panel"].layers
+    outer, *inner = (
+        coordinates(facet_contour(each, 0.1)) for each in (layer.region.outer, *layer.region.holes)
+    )
+    sheet = shapely.Polygon(outer, inner)
+    shoulders = bird.assembly.by_name["ground"].points
+    for at in (z for name, z in shoulders if name in ("W", "V")):
+        around = shapely.Point(at.real, at.imag).buffer(5 / 2 + 1)
+        assert not sheet.disjoint(around), "a block as high as the ground plate stands in the panel"
+        assert not sheet.contains(around), "as its window would let through in part"
+    flush = "as high as those under stand-panel: it must not bend"
+    for each in ("W and V of ground", "L of left_wing", "R of right_wing"):
+        assert any(f"under {each}, {flush}" in title for title in titles)
     leg = built("walking-leg")
     titles = [step.title for step in steps_of_assembly(leg).steps]
     assert any("stand shaft on the bench, where blocks under ground are 15" in t for t in titles)

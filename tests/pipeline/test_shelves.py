@@ -105,7 +105,8 @@ def test_what_camgen_chooses_is_told_with_its_key_and_stays_so_when_the_key_is_s
 
 
 def test_steel_and_drills_are_listed() -> None:
-    """Rods of 62.5 mm, four, and a shaft of 69; a reamer of 4.05 mm is in no maker's box, so a drill of 4 opens that hole."""
+    """Rods of 62.5 mm, four, and a shaft of 69; a reamer of 4.05 mm is in few boxes, and no pin of 4 goes through what a drill of
+    4 leaves: the next drill opens that hole."""
     feeder = camgen.load(tomllib.loads(starters.text("drum-feeder")))
     lengths = {each.name: each.size for each in stock(feeder)}
     assert lengths["steel rod 6 h9"] == (
@@ -114,7 +115,7 @@ def test_steel_and_drills_are_listed() -> None:
     assert {each.count for each in stock(feeder)} == {1}, "one rod, whatever comes of it"
     leg = camgen.load(tomllib.loads(starters.text("walking-leg")))
     drills = {each.name: each.size for each in tools(leg)}
-    assert drills["drill 4"].endswith(" of 4.05 mm")
+    assert drills["drill 4.1"].endswith(" of 4.05 mm")
     bird = {
         each.name: each.size
         for each in tools(camgen.load(tomllib.loads(starters.text("flapping-bird"))))
@@ -128,7 +129,7 @@ def test_steel_and_drills_are_listed() -> None:
         "hex key 2",
     } <= bird.keys(), "as its steps ask"
     assert bird["block"].startswith("at least 34 mm high") and "saw" not in bird
-    assert "22 and 2 × 37 mm high" in bird["prop"], "under the shaft, and under two pins at once"
+    assert "22 and 2 × 34 mm high" in bird["prop"], "under the shaft, and under two pins at once"
     assert {"saw", "file", "caliper"} <= {each.name for each in tools(feeder)}
     own = {each.name: each.count for each in feeder.assembly.bought if each.role == "own"}
     assert own == {"screw from below": 2, "screw of the load": 4}
