@@ -4,7 +4,7 @@ board   the plate stands up on its edge: a panel behind it, two gussets behind t
 box     the plate lies: a lid under it on four walls with finger joints, round all that hangs under the plate, open below
 
 Places are local here: x along the table, y up for a board; of a box those of the machine. What passes the panel or the lid has an
-opening there, as wide as it sweeps. A tab is nominal, what it goes into is wider by the press fit.
+opening there, as wide as it sweeps. A tab is nominal, what it goes into is wider: several tabs go in at once, with glue.
 """
 
 from __future__ import annotations
@@ -168,13 +168,14 @@ class TableStand:
 
     @property
     def fit(self) -> float:
-        """By how much a slot is longer and wider than its tab, mm."""
-        return self.fits.press_clearance
+        """By how much a slot is longer and wider than its tab, mm: of sheet by the press fit, which the kerf keeps to."""
+        printed = self.assembly.process.sheet is None
+        return self.fits.slide_clearance if printed else self.fits.press_clearance
 
     @property
     def rim(self) -> float:
-        """Material round slots and openings, mm."""
-        return max(self.sizes.wall, self.min_wall)
+        """Material round tabs and openings, mm: round a slot, which is wider than its tab, no less than the least wall."""
+        return max(self.sizes.wall, self.min_wall + self.fit / 2)
 
     @cached_property
     def behind(self) -> list[Sweep]:

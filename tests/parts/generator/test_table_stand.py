@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
@@ -14,6 +15,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from camgen import load
 from camgen.errors import SpecError
 from camgen.files.threemf import write_3mf
 from camgen.findings import Finding
@@ -148,18 +150,17 @@ def _rings(made: Assembly, part: str) -> list[np.ndarray]:
 
 @settings(max_examples=8, deadline=None)
 @given(
-    press=st.floats(0.0, 0.4),
+    slide=st.floats(0.1, 0.5),
     thickness=st.floats(3.0, 6.0),
     reach=st.floats(60.0, 140.0),
     gravity=st.sampled_from([-90.0, 180.0, 37.0]),
 )
 def test_tabs_fit_their_slots_whatever_the_machine(
-    press: float, thickness: float, reach: float, gravity: float
+    slide: float, thickness: float, reach: float, gravity: float
 ) -> None:
-    """A slot is wider and longer than its tab by the press fit; all that moves stays over the foot, whichever way is down."""
+    """A slot is wider and longer than its tab by what slides; all that moves stays over the foot, whichever way is down."""
     keys = {
-        "print.press_clearance": press,
-        "print.slide_clearance": 0.5,
+        "print.slide_clearance": slide,
         "parts.thickness": thickness,
         "lengths.A-P": reach,
         "lengths.B-P": reach - 37.5,
@@ -178,10 +179,10 @@ def test_tabs_fit_their_slots_whatever_the_machine(
     )
     wide = sorted((z.real.min(), z.real.max()) for z in slots if np.ptp(z.real) > 2 * thickness)
     for (a, b), tab in zip(wide, (ends[:2], ends[2:]), strict=True):
-        assert (b - a) - (tab[1] - tab[0]) == pytest.approx(press, abs=1e-6)
+        assert (b - a) - (tab[1] - tab[0]) == pytest.approx(slide, abs=1e-6)
         assert (a + b) / 2 == pytest.approx(sum(tab) / 2, abs=1e-6)
     across = [min(np.ptp(z.real), np.ptp(z.imag)) for z in slots]
-    assert across == pytest.approx([thickness + press] * 4, abs=1e-6)
+    assert across == pytest.approx([thickness + slide] * 4, abs=1e-6)
     (foot,) = (each for each in made.mounts if each.part == "stand-foot")
     down = np.exp(1j * math.radians(gravity))
     assert foot.upright and abs(np.exp(1j * foot.angle) - 1j * down) < 1e-9
@@ -306,3 +307,15 @@ def test_high_walls_of_a_box_have_windows_and_shallow_ones_have_none() -> None:
         assert abs(window.area) > 400
     low = machine("box", "parts.hand_crank=0").assembly.by_name
     assert all(len(low[name].region.holes) == 0 for name in ("stand-side", "stand-end"))
+
+
+def test_what_a_laser_cuts_has_slots_by_the_press_fit() -> None:
+    """The kerf decides how sheets go together: the gallery's four-bar of sheet of 3 mm, its slots 0.07 wider."""
+    spec = tomllib.loads((SPECS / "gallery/four-bar.toml").read_text(encoding="utf-8"))
+    spec["parts"] = {"make": "laser", "stand": "board"}
+    spec["laser"] = {"thickness": 3.0}
+    spec["print"] = {"press_clearance": 0.07, "slide_clearance": 0.2}
+    made = load(spec).assembly
+    slots = [z for z in _rings(made, "stand-foot") if min(np.ptp(z.real), np.ptp(z.imag)) < 9.9]
+    across = [min(np.ptp(z.real), np.ptp(z.imag)) for z in slots]
+    assert across == pytest.approx([3.07] * 4, abs=1e-6)
