@@ -66,6 +66,11 @@ class Stop:
                 gauge_tools(self.play),
             ),
             Doing(
+                f"put a drop of {'retaining compound' if self.metal else 'superglue gel'} on ",
+                shaft,
+                f" just under {WHAT}, none over it: that would stick to {self.name}. Slide {WHAT} down over the drop",
+            ),
+            Doing(
                 f"push {WHAT} up from below against ",
                 f"{self.name}: glue it on {shaft} alone, and hold it there until the glue is hard",
             ),

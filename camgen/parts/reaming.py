@@ -44,14 +44,21 @@ def with_reaming(
         return table
     said = []
     words = _IN_METAL if metal else _IN_PLASTIC
-    lines = _lines(opened, words.running)
+    bores = _bores(opened, fixed)
+
+    def lines_of(holes: Mapping[float, _Holes], tool: Callable[[float], str]) -> list[str]:
+        """What opens holes, and which, in words."""
+        every = sorted(holes.items())
+        return [f"{tool(size)}: {listed(_named(parts, size, bores))}" for size, parts in every]
+
+    lines = lines_of(opened, words.running)
     if lines:
         count = sum(opened_holes(copies, fixing).values())
         holes = {1: "the hole", 2: "both holes"}.get(count, f"all {count} holes")
         said = [words.opened.format(holes) + _ticks(lines)]
-    said += [words.by_hand + _ticks(_lines(fitted, words.tool))] if fitted else []
-    said += [_KEYED + _ticks(_lines(keyed, words.tool))] if keyed else []
-    said += [words.tight + _ticks(_lines(tight, words.tool))] if tight else []
+    said += [words.by_hand + _ticks(lines_of(fitted, words.tool))] if fitted else []
+    said += [_KEYED + _ticks(lines_of(keyed, words.tool))] if keyed else []
+    said += [words.tight + _ticks(lines_of(tight, words.tool))] if tight else []
     if fixed:
         with_glue = f"Glue with {glue(metal)}, a trace only"
         with_glue += f". {_OUT_OF_BALLS}" if metal and fixing.journals else ""
@@ -65,7 +72,7 @@ def with_reaming(
     what = (
         "Holes in which something turns or slides" if lines else "Holes in which something is fixed"
     )
-    where = "; ".join(lines or _lines(fixed, words.tool))
+    where = "; ".join(lines or lines_of(fixed, words.tool))
     needs = ("scraper",) * bool(fixed) + ("vice",) * bool(tight) + ("oil",) * bool(fixed and lines)
     return begun(table, Doing("\n".join(said), needs=needs), what, where, count if lines else "")
 
@@ -213,9 +220,14 @@ _KEYED = (
 )
 
 
-def _lines(holes: Mapping[float, _Holes], tool: Callable[[float], str]) -> list[str]:
-    """What opens holes, and which, in words."""
-    return [f"{tool(size)}: {listed(_named(parts, size))}" for size, parts in sorted(holes.items())]
+def _bores(*several: Mapping[float, _Holes]) -> dict[str, set[float]]:
+    """Sizes of the holes without letters by the name of their part, mm."""
+    found = defaultdict[str, set[float]](set)
+    for size, parts in (each for holes in several for each in holes.items()):
+        for name, (_, letters) in parts.items():
+            if "" in letters:
+                found[name].add(size)
+    return found
 
 
 def _ticks(lines: Sequence[str]) -> str:
@@ -250,15 +262,19 @@ def running_size(diameter: float, play: float) -> float:
 _Holes = dict[str, tuple[Part, list[str]]]  # by the name of a part
 
 
-def _named(parts: _Holes, size: float) -> Iterator[str]:
-    """Holes of each part in words: "B and C1 of low1 (2 ×)"; size: of what is fixed there, mm."""
+def _named(parts: _Holes, size: float, bores: Mapping[str, set[float]]) -> Iterator[str]:
+    """Holes of each part in words: "B and C1 of low1 (2 ×)"; size: of what is fixed there, mm; bores: as of `_bores`."""
     for part, holes in parts.values():
         many = f" ({part.count} ×)" if part.count > 1 else ""
         letters = [name for name in holes if name]
         rest = len(holes) - len(letters)
         beside = part.bore is not None and size < part.bore / 2 + SAME_POINT
-        one = "the hole beside the bore" if beside else "the bore"
-        bare = [one if rest == 1 else f"{rest} bores"] if rest else []
+        sizes = bores.get(part.name, ())
+        which = (
+            {min(sizes): "narrower ", max(sizes): "wider "}.get(size, "") if len(sizes) > 1 else ""
+        )
+        one = "the hole beside the bore" if beside else f"the {which}bore"
+        bare = [one if rest == 1 else f"{rest} {which}bores"] if rest else []
         yield f"{listed([*letters, *bare])} of {part.name}{many}"
 
 

@@ -1029,8 +1029,8 @@ def test_holes_in_which_something_turns_are_opened_first() -> None:
         "☐ 6 mm: O of crank and the bore of collar",
     ], "no vice gets in where the plate is"
     assert lines[tight + 1 : glue] == [
-        "☐ 5 mm: the bore of hand-crank",
-        "☐ 6 mm: the bore of hand-crank",
+        "☐ 5 mm: the narrower bore of hand-crank",
+        "☐ 6 mm: the wider bore of hand-crank",
     ], "each of its holes once, that for the pin of 5 and that on the shaft of 6"
     assert "the link must swing by its own weight" in lines[glue]
     walker = steps_of_assembly(built("walker")).steps[1]
@@ -1057,7 +1057,7 @@ def test_holes_in_which_something_turns_are_opened_first() -> None:
         "the ring, wider over the shoulder, is glued on the core"
     )
     loose, _, stays = said.partition("These holes stay tight")
-    on_shaft = "4 bores of end-plate (2 ×), the bore of drum, the bore of spacer-below"
+    on_shaft = "4 narrower bores of end-plate (2 ×), the bore of drum, the bore of spacer-below"
     assert on_shaft in loose, "all that goes on by hand"
     assert "bore of ring" in stays and "bore of carriage" in stays and "end-plate" not in stays
     assert "turn the crank once round" in feeder[-1].title
@@ -1338,6 +1338,10 @@ def test_a_gauge_lies_where_it_comes_out_again() -> None:
     gauge = thickness_gauge(play)
     assert gauge == "four sheets of paper" and gauge in said and "under ground" not in said
     assert said.startswith("When the glue of crank is hard, lift crank and lay")
+    glued = "Put a drop of superglue gel on shaft just under the shaft collar, none over it: "
+    assert glued in said and said.index(glued) < said.index("Push the shaft collar up"), (
+        "what is over the collar goes to the ground plate as it is pushed up"
+    )
     assert "glue it on shaft alone, and hold it there until the glue is hard" in said
     assert f"Pull {gauge} out from under crank" in said
     assert f"{play:.2g} mm of play" in said
