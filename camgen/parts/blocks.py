@@ -65,11 +65,11 @@ def bearing_blocks(
             for mate in mates if copy.mount.flipped else ():
                 holes = (hole for hole in other.holes if hole.in_line(copy.outlines[0]))
                 hole = next(holes)
-                low = _foot(hole, other, there)
-                if low is None or not mate.comes or _swept(hole.at, low, there):
+                foot = _foot(hole, other, there)
+                if foot is None or not mate.comes or _swept(hole.at, foot, there):
                     continue
-                if blocks or low > plate.mount.z + SAME_POINT:
-                    letters = bending[low].setdefault(other.part.name, [])
+                if blocks or foot > plate.mount.z + SAME_POINT:
+                    letters = bending[foot].setdefault(other.part.name, [])
                     letters += [mate.label] if mate.label else []
     for low, names in sinking.items():
         shafts = listed(dict.fromkeys(names))
