@@ -13,7 +13,7 @@ from camgen.parts.fixing import Fixing
 from camgen.parts.layings import Laying
 from camgen.parts.mates import mates_between
 from camgen.parts.standing import Round, StandingCopy, seat_of
-from camgen.parts.step_places import RESTS, gap_under, height_by
+from camgen.parts.step_places import RESTS, gap_under, height_by, room_under
 from camgen.parts.step_words import (
     WHAT,
     Place,
@@ -260,7 +260,11 @@ def _loose(
         down = f", {listed(dict.fromkeys(each.part.name for each in foot))} down" if foot else ""
         down = down or (", head down" if head else "")
         down = down or _end_down(first)
-        doing = Doing("stand ", f"{WHAT} upright{below}{down}", f"; loose until {steps}")
+        room = room_under(first, there)
+        on = f", on a rod or block {room:.4g} mm high" if room else ""
+        rest = f"; loose until {steps}"
+        props = (room,) if room else ()
+        doing = Doing("stand ", f"{WHAT} upright{below}{down}{on}", rest, props=props)
     return Place(f"loose until {until}", (doing,))
 
 

@@ -126,7 +126,7 @@ def _meeting(
         at = "" if hole.name or shaft.part.count == 1 else _joint(hole, shaft, below)
         hangs = shaft.part.name if joint and _hangs(shaft, below, fixing) else ""
         on = f"on {shaft.part.name}{at}"
-        room = _room(shaft, below) if hangs else 0.0
+        room = room_under(shaft, below) if hangs else 0.0
         tools = gauge_tools(gap) if set_by or ", with " in high else ()
         if " under it)" in high:
             tools = gauge_tools(hole.low - min(each.low for each in shaft.outlines))
@@ -215,7 +215,11 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
     if hanging:
         under = dict.fromkeys((each.room, each.hangs) for each in fixed if each.room)
         rooms = listed(f"{gap:.4g} mm under {pin}" for gap, pin in under)
-        rod = f": push a rod or block from the side into the gap of {rooms}" if rooms else ""
+        rod = (
+            f": a rod or block in the gap of {rooms} stays until the glue is hard; then push it out to the side"
+            if rooms
+            else ""
+        )
         props = tuple(gap for gap, _ in under)
         yield Doing("hold ", hanging, f" from below by the head meanwhile{rod}", props=props)
 
@@ -258,8 +262,8 @@ def _past_the_end(
     return f", with {thickness_gauge(gap)} between {head.part.name} and {name}" if gap else ""
 
 
-def _room(pin: StandingCopy, below: Sequence[StandingCopy]) -> float:
-    """How high the gap is between a pin that stands on its head, with its cap, and what is in line with it below, mm; 0 of none."""
+def room_under(pin: StandingCopy, below: Sequence[StandingCopy]) -> float:
+    """How high the gap is between a pin that stands upright, with its cap, and what is in line with it below, mm; 0 of none."""
     low = min(each.low for each in pin.outlines)
     under = [
         each.high

@@ -859,12 +859,18 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
     walker = built("walker")
     titles = [step.title for step in steps_of_assembly(walker).steps]
     (lid,) = (title for title in titles if title.startswith("Lower the second plate"))
-    assert "Hold pin-2 and pin-4 from below by the head meanwhile: push a rod" in lid
+    assert "Hold pin-2 and pin-4 from below by the head meanwhile: a rod or block in the gap" in lid
     length = {name: walker.assembly.by_name[name].thickness for name in ("pin-2", "pin-3", "pin-4")}
     top = next(each.z for each in walker.assembly.mounts if each.part == "second-plate")
     top += walker.assembly.by_name["second-plate"].thickness
     gaps = [top - length["pin-2"] - length["pin-2"], top - length["pin-4"] - length["pin-3"]]
-    assert f"gap of {gaps[0]:.4g} mm under pin-2 and {gaps[1]:.4g} mm under pin-4" in lid
+    assert (
+        f"gap of {gaps[0]:.4g} mm under pin-2 and {gaps[1]:.4g} mm under pin-4 stays until" in lid
+    )
+    stands = ("over B of low1, cap-1 down", "over B2 of low2, cap-3 down")
+    for gap, where in zip(gaps, stands, strict=True):
+        propped = f"upright {where}, on a rod or block {gap:.4g} mm high; loose until"
+        assert sum(propped in title for title in titles) == 2, "on either side, where it comes"
     assert "It lies on 4 posts, over all other parts." in lid and "Lay it on" not in lid
     assert "down on post: spacer-3 must keep some play" in lid
     assert "B on pin-2, with a strip of a plastic bag between cap-1 and low3" in lid, "by no end"
