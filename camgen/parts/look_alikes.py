@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -49,6 +50,16 @@ class _Link:
     def holes(self) -> list[tuple[complex, float]]:
         """Middles and radii of all round holes, mm in the part's frame."""
         return [disc for hole in self.part.region.holes for disc in discs(hole)]
+
+    @cached_property
+    def sunk(self) -> int:
+        """How many round holes are wider at one face, as for heads of screws."""
+        wide = defaultdict[complex, set[float]](set)
+        for layer in self.part.layers:
+            for hole in layer.region.holes:
+                for at, radius in discs(hole):
+                    wide[complex(round(at.real, 3), round(at.imag, 3))].add(round(radius, 3))
+        return sum(len(radii) > 1 for radii in wide.values())
 
     @cached_property
     def named(self) -> list[tuple[str, complex]]:
@@ -121,6 +132,7 @@ class _Link:
             sorted(round(radius, 3) for _, radius in self.holes),
             self.flat_places,
             self.tight_places,
+            self.sunk,
             round(self.part.thickness, 3),
             round(abs(self.part.region.outer.area), 1),
             "" if plain else self.part.name,
@@ -268,11 +280,16 @@ def _telling(links: Sequence[_Link]) -> list[_Telling]:
     def size(link: _Link) -> tuple[str, str]:
         return "{:.1f} x {:.1f} mm".format(*link.size), ""
 
+    def sunk(link: _Link) -> tuple[str, str]:
+        return f"{link.sunk or 'none'} of them wider at one face", ""
+
     told: list[_Telling] = [length] if lengths[longest] >= _MEASURED else []
     told += [count] if spread(len(each.holes) for each in links) else []
     told += [tight] if any(each.tight_places != links[0].tight_places for each in links) else []
     if all(each.flats for each in links):
         told += [flat] if any(each.flat_places != links[0].flat_places for each in links) else []
     if told or len(links) == 1:
-        return told
+        apart = len({_words([each], told) for each in links}) == len(links)
+        further = sunk if spread(each.sunk for each in links) else size
+        return told if apart else [*told, further]
     return [length] if lengths[longest] >= _SEEN else [size]

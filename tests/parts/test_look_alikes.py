@@ -75,6 +75,28 @@ def test_what_tells_two_links_apart(one: Part, other: Part, said: str) -> None:
     assert lines([one, other]) == ([f"☐ {said}"] if said else [])
 
 
+def test_what_tells_only_some_of_several_apart_does_not_tell_all() -> None:
+    """Of three plates two have as many holes: what they differ in is said too, a hole for a head or else the outline."""
+    more = bar("more", 0, 30)
+    (layer,) = more.layers
+    third = Region(layer.region.outer, (*layer.region.holes, circle(20j, 1)))
+    more = replace(more, layers=(replace(layer, region=third),))
+    plain = bar("plain", 0, 30)
+    wider = Region(layer.region.outer, (bore(0), circle(30, 4)))
+    sunk = replace(plain, name="sunk", layers=(*plain.layers, Layer(wider, 3, 5)))
+    plain = replace(plain, layers=(*plain.layers, Layer(layer.region, 3, 5)))
+    more = replace(more, layers=(*more.layers, Layer(third, 3, 5)))
+    assert lines([more, plain, sunk]) == [
+        "☐ more: 3 holes, none of them wider at one face; plain: 2 holes, none of them wider at one face; "
+        "sunk: 2 holes, 1 of them wider at one face"
+    ]
+    large = bar("large", 0, 30, wide=42)
+    thin = replace(more, layers=more.layers[:1])
+    assert lines([thin, bar("plain", 0, 30), large]) == [
+        "☐ more: 3 holes, 80.0 x 80.0 mm; plain: 2 holes, 80.0 x 80.0 mm; large: 2 holes, 84.0 x 84.0 mm"
+    ]
+
+
 SIZES: list[tuple[str, Literal["cap", "spacer", "pin"], float, float]] = [
     ("cap-1", "cap", 3.0, 2.85),
     ("spacer-1", "spacer", 3.0, 1.9),
