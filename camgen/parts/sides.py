@@ -358,7 +358,7 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str])
     rows += fed
     run = "turn the shaft"
     if near.motor.reach is not None:
-        led = "lead the wires of the batteries past both plates and along a spacer, tied to it where no link comes, join them"
+        led = "lead the wires of the batteries past both plates and along a spacer, taped to it where no link comes, join them"
         run = f"{led if fed else 'hold the wires of a supply'} to the motor's and let it run"
     backwards = ". If it goes backwards, swap the motor's two wires" if fed else ""
     lower = "lower the far side" if fed else "turn the far side over and lower it"
@@ -367,7 +367,7 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str])
         Doing(f"{mirror.shaft} goes into {taker}; turn the far crank until the flat fits"),
         Doing(
             f"{run}, slowly through the whole motion: no joint may be stiff{backwards}",
-            needs=("connectors",) if fed else (),
+            needs=("connectors", "double-sided tape") if fed else (),
         ),
     ]
     if screws:

@@ -186,8 +186,12 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
             f"{letter or ('one' if count == 1 else count)} {place}"
             for (letter, place), count in ends.items()
         )
-        rest = f", each in its hole: {said}"
-        yield Doing("lower ", f"{WHAT} over all ends at once", rest)
+        glued = [each.letter for each in tight if each.letter and "glued" in each.joint]
+        many = len(glued) > 2
+        slow = f". Before that put two-part glue into {listed(glued)}: superglue sets before all ends are in"
+        rest = f", each in its hole: {said}{slow if many else ''}"
+        needs = ("two-part glue",) if many else ()
+        yield Doing("lower ", f"{WHAT} over all ends at once", rest, needs)
         whole = "it"
     elif free or over_pins:
         said = listed(

@@ -278,7 +278,7 @@ def _on_motor(
     if not driven:
         return [*places]
     shaft = "on the motor's shaft"
-    glued = ", flat on flat, with a trace of two-part glue in its bore and none on the motor"
+    glued = ", flat on flat, with two-part glue all round in its bore and none on the motor"
     flat = glued if any(hole.flat for hole in driven) else ""
     gap, under = min(
         (each for hole in driven if (each := gap_under(hole, there))[1]), default=(0.0, "")

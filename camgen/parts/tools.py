@@ -13,9 +13,9 @@ USES = {
 }
 SUPPLIES = {
     "connectors": "two, or a soldering iron, for wires of motor and batteries",
-    "double-sided tape": "for the battery holder",
+    "double-sided tape": "for the battery holder and its wires",
     "adhesive tape": "for what must not fall out while you go on",
-    "two-part glue": "such as epoxy, for the bore on the motor's shaft: superglue does not bear its pressure",
+    "two-part glue": "such as epoxy, where steps name it: superglue sets too fast there, or does not bear the pressure",
     "oil": "a drop in joints beside glue",
     "grease": "a dot, for a spacer that would slip",
     "sheets of paper": "of 80 g, 0.1 mm each, for gaps that steps set",

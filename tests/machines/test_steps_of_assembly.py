@@ -780,7 +780,10 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     batteries = next(k for k, title in enumerate(titles) if "Stick the battery holder" in title)
     assert titles[batteries].endswith("on the plate in the frame with double-sided tape.")
     assert batteries == join - 1, "it runs on them in the next step"
-    led = "Lead the wires of the batteries past both plates and along a spacer"
+    led = "Lead the wires of the batteries past both plates and along a spacer, taped to it"
+    assert "double-sided tape" in table.steps[join].doings[2].needs
+    spaced = next(title for title in titles if "Tilt the machine and screw each on" in title)
+    assert "4 × spacer between both sides" in spaced
     run = titles[join].index("join them to the motor's and let it run")
     assert titles[join].index(led) < run
     assert "swap the motor's two wires" in titles[join]
@@ -871,6 +874,7 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
     for gap, where in zip(gaps, stands, strict=True):
         propped = f"upright {where}, on a rod or block {gap:.4g} mm high; loose until"
         assert sum(propped in title for title in titles) == 2, "on either side, where it comes"
+    assert "Before that put two-part glue into A, B, A2 and B2: superglue sets before" in lid
     assert "It lies on 4 posts, over all other parts." in lid and "Lay it on" not in lid
     assert "down on post: spacer-3 must keep some play" in lid
     assert "B on pin-2, with a strip of a plastic bag between cap-1 and low3" in lid, "by no end"
@@ -883,7 +887,7 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
     assert "Lay second-plate on the pins, dry, with O over shaft-crank_web3." in upright
     (crank,) = (title for title in titles if "on the motor's shaft" in title)
     assert crank.endswith(
-        "flat on flat, with a trace of two-part glue in its bore and none on the motor, 0.05 mm over ground (a strip of a plastic bag "
+        "flat on flat, with two-part glue all round in its bore and none on the motor, 0.05 mm over ground (a strip of a plastic bag "
         "between, then pull it out)."
     )
 

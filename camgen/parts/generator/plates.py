@@ -380,7 +380,7 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
         )
         held = "glue each on the second plate, round a post's screw"
         if joined:
-            held = "screw each on from below, through plate, post and second plate"
+            held = "tilt the machine and screw each on from below, through plate, post and second plate"
         between = replace(between, notes=(*between.notes, HoldingNote(held)))
         yield from (
             (between, Mount(between.name, GROUND, z, z=ceiling + floor))
