@@ -64,7 +64,7 @@ class Fixing:
         if how != "glue":
             return "pressed" if how == "press" else ""
         if self.metal:
-            by_hand = is_rod(held) or held.name in self.journals or holder.role == "cap"
+            by_hand = is_rod(held) or held.name in self.journals or holder.role in ("cap", "lock")
         else:
             by_hand = isinstance(hole, Round) and (holder.name, hole.name) in self.by_hand
         seats = {hole.flat, outline.flat} if isinstance(hole, Round) else {""}

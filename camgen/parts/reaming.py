@@ -34,12 +34,14 @@ def with_reaming(
     metal: whether the parts are of it: their sheets have the fits, and their glue is one for metal."""
     opened = _holes(copies, fixing, _reamed)
     fixed = tight_holes(copies, fixing)
-    by_hand = {hole for step in table.steps for hole in step.hand_fits}
-    if metal:
-        by_hand = _letters(_joined(copies, fixing, "glued"))
     keyed = _joined(copies, fixing, "keyed and glued")
-    fitted = _of(fixed, by_hand)
-    tight = _of(fixed, _letters(fixed) - _letters(keyed) - by_hand)
+    if metal:
+        fitted = _joined(copies, fixing, "glued")
+        tight = _joined(copies, fixing, "pressed", "pressed and glued")
+    else:
+        by_hand = {hole for step in table.steps for hole in step.hand_fits}
+        fitted = _of(fixed, by_hand)
+        tight = _of(fixed, _letters(fixed) - by_hand)
     if not opened and not fixed:
         return table
     said = []
@@ -61,7 +63,8 @@ def with_reaming(
     said += [words.tight + _ticks(lines_of(tight, words.tool))] if tight else []
     if fixed:
         with_glue = f"Glue with {glue(metal)}, a trace only"
-        with_glue += f". {_OUT_OF_BALLS}" if metal and fixing.journals else ""
+        pins = {copy.part.name for copy in copies if copy.part.role == "pin"}
+        with_glue += f". {_OUT_OF_BALLS}" if metal and pins & fixing.journals else ""
         said += [f"{with_glue}. {_SWING}" if lines else with_glue]
         gauges = sorted({need for needs in _needs(table) for need in needs} & {*_GAUGES})
         said += (
@@ -210,7 +213,7 @@ _IN_METAL = _Words(
     "ream {} in which something turns or slides to the size and the limits on the sheet of its part. What goes in drops through by its own "
     "weight",
     "Ream these to the fits on their sheets. What they hold goes in by hand; the compound holds it",
-    "Ream these to the fits on their sheets, and press in what they hold in its step",
+    "Ream these, or bore them where they have a floor, to the fits on their sheets, and press in what they hold in its step",
     _bare,
     _bare,
 )

@@ -8,6 +8,7 @@ import itertools
 import math
 import re
 import sys
+import tomllib
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -39,6 +40,7 @@ from camgen.parts.steps import order
 from camgen.parts.tools import SUPPLIES
 from camgen.pipeline.making import parts_table
 from camgen.pipeline.shopping import bought_things, steps_of_assembly, stock, supplies, tools
+from camgen.starters import in_metal
 from camgen.study import Mate
 
 PLAY = Fixing(0.1)
@@ -171,6 +173,21 @@ def test_a_gap_is_set_by_what_is_at_hand() -> None:
     assert {thickness_gauge(gap) for gap in (0.0, 0.02, 0.12, 0.7, 0.99)} == {"a feeler gauge"}
 
 
+def test_holes_of_a_metal_geneva_table_are_reamed_as_its_sheets_say() -> None:
+    """The crank by hand has two bores, one keyed and one for the knob's pin, m6; the locking disc is put on its dowel by hand, and
+    what it lies on says how high."""
+    machine = read_mechanism(tomllib.loads(in_metal("geneva-table")))
+    steps = [step.title for step in steps_of_assembly(machine).steps]
+    (ream,) = (each for each in steps if "Ream these" in each)
+    by_hand, keyed, pressed = ream.split("Ream these")[1:]
+    assert "the hole beside the bore of lock-crank_to_table" in by_hand
+    assert "the wider bore of hand-crank" in keyed
+    assert "the hole beside the bore of hand-crank" in pressed and "lock-" not in pressed
+    assert "ball bearing" not in ream
+    (lock,) = (each for each in steps if "all at once" in each)
+    assert lock.endswith("all at once, down on crank.")
+
+
 def test_walls_of_a_groove_lie_on_their_back_plate_and_gaps_are_set_by_paper() -> None:
     """Both walls begin where the back plate ends, and the inner one ends where the shaft does: by their heights."""
     spec = Path(__file__).parents[2] / "specs" / "gallery" / "groove.toml"
@@ -277,8 +294,6 @@ def test_pins_of_one_link_are_said_once_with_the_letters_of_their_holes() -> Non
 
 def started(name: str, **parts: Any) -> dict[str, Any]:
     """The tables of a starter with some keys of [parts]."""
-    import tomllib
-
     tables = tomllib.loads(starters.text(name))
     tables["parts"] = {**tables.get("parts", {}), **parts}
     return tables
