@@ -50,6 +50,9 @@ class Places:
         return number(at.real, self.digits), number(at.imag, self.digits)
 
 
+_FROM_ORIGIN = Places()
+
+
 def holes_of(
     contours: Sequence[Contour], points: Sequence[tuple[str, complex]] = ()
 ) -> list[tuple[str, Hole]]:
@@ -409,7 +412,7 @@ def _source(part: Part) -> str:
 
 
 def edge_rows(
-    contour: Contour, sloped: bool = False, source: str = "DXF", places: Places = Places()
+    contour: Contour, sloped: bool = False, source: str = "DXF", places: Places = _FROM_ORIGIN
 ) -> list[tuple[str, str, str]]:
     """X, Y and what is there, of an outline of lines and arcs: a rectangle, or else every rounding and every sharp corner.
 

@@ -482,12 +482,12 @@ def _deeper(drum: Drum, facts: Facts) -> tuple[str, str]:
 
 
 def _groove_words(drum: Drum, facts: Facts) -> list[str]:
-    """How thick a groove leaves the drum's rims, rounded down, and the cutter that fits both walls of one with straight sides."""
+    """How thick a groove leaves the drum's rims, and the cutter that fits both walls of one with straight sides."""
     outside = np.full(_POINTS, drum.outside)
     beta = np.linspace(0, math.tau, _POINTS)
     low, high = (wall.over(beta, outside).z for wall in drum.walls)
     rims = float(np.min(low)), drum.length - float(np.max(high))
-    thin = " and ".join(f"{math.floor(10 * rim + 1e-6) / 10:g}" for rim in rims)
+    thin = " and ".join(f"{rim:.1f}" for rim in rims)
     words = [f"rims nominally {thin}"]
     if facts.roller and not drum.roller.slope:
         words.append(f"cutter Ø{number(facts.roller[0])}, a pass for each wall")

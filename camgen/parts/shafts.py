@@ -70,8 +70,8 @@ _OF_SLACK = (0.1, 0.3)  # that shims fill there: the bearing may be 0.12 narrowe
 _OF_BORE = "retaining ring"
 _OF_BEARING = "retaining ring of the first bearing"
 _HOLDS_SHAFT = (
-    "on either side of the bearing at the end without the coupling, the inner one first: they hold the shaft in it; shims (DIN 988) "
-    "between ring and bearing until it slides at most 0.05 mm"
+    "on either side of the bearing at the end without the coupling, the inner one first, the outer one after that bearing of the "
+    "next step: they hold the shaft in it; shims (DIN 988) between ring and bearing until it slides at most 0.05 mm"
 )
 _COLLARS = "; a collar or a shoulder of yours on either side of that one holds the shaft in it"
 _KEYED = "its key in the keyway of the bore, its end for the coupling below, as in the arrangement drawing"

@@ -657,10 +657,8 @@ def _machine_files(case: Case) -> list[str]:
     texts = [
         case.folder / f"{case.mechanism.name}-{name}" for name in case.mechanism.assembly.texts
     ]
-    several = [
-        f"{track.part}-tracks" for track in case.mechanism.assembly.outlines.values() if track.track
-    ]
-    names = ("assembly", *case.parts, *dict.fromkeys(several), "timing")
+    tables = (f"{part}-tracks" for part in case.parts)
+    names = dict.fromkeys(("assembly", *case.parts, *tables, "shaft", "timing"))
     drawings = [case.file(f"{name}-drawing", "pdf") for name in names]
     others = (*plates_of(case), *cut_files(case), *servo_files(case), *texts, *drawings)
     return [path.name for path in (*single, *others) if path.exists()]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import ezdxf
 import numpy as np
 import pytest
 
+import camgen
 from camgen.files.shaft_sheet import _Page, write_shaft
 from camgen.files.sheet import Text
 from camgen.files.title_block import Facts
@@ -87,3 +89,18 @@ def test_the_starters_in_metal_have_its_facts(name: str) -> None:
     facts = shaft_facts(machine, made)
     assert facts.material == "C45 (1.0503)" and facts.rod_chamfer == 1.0
     assert facts.mass_g == pytest.approx(np.pi * 100 * made.length * 7.85e-3, rel=0.01)
+
+
+def test_the_page_links_to_all_sheets(tmp_path: Path) -> None:
+    """Also to that of the shaft, which is no part, and to the cam's table on a sheet of its own."""
+    camgen.build(tomllib.loads(in_metal("disc-cam")), tmp_path, only="dxf,report")
+    (page,) = tmp_path.rglob("report.html")
+    sheets = {path.name for path in tmp_path.rglob("*-drawing.pdf")}
+    assert {name.removeprefix("disc-cam-") for name in sheets} == {
+        "assembly-drawing.pdf",
+        "shaft-drawing.pdf",
+        "cam-drawing.pdf",
+        "cam-tracks-drawing.pdf",
+    }
+    linked = set(re.findall(r'href="(?:[^"]*/)?([^"/]+-drawing\.pdf)"', page.read_text("utf-8")))
+    assert linked == sheets
