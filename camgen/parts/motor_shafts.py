@@ -42,7 +42,8 @@ def with_shaft_limit(assembly: Assembly, play: float) -> Assembly:
     usual = SHAFTS.get(motor.frame, (0.0, _LONGEST))[1]
     if most > usual - SAME_POINT:
         return assembly
-    cut = f"at most {most:.4g} long: cut it, for {name} passes over its end"
+    longer = "what is longer" if most <= motor.reach else f"what is longer than {most:.4g}"
+    cut = f"file off {longer}, for {name} passes over its end"
     bought = [
         replace(each, details=cut) if each.role == "drive" else each for each in assembly.bought
     ]

@@ -182,7 +182,9 @@ def _moved(
                 hole.name not in letters and any(map(hole.in_line, axes)) for hole in other.holes
             ):
                 names[other.part.name] = None
-    return [Doing(MOVES, name, " by hand: no joint may be stiff") for name in names]
+    motor = any(other.part.name in fixing.driven for other in there)
+    how = " by hand, or by the motor where that holds it" if motor else " by hand"
+    return [Doing(MOVES, name, f"{how}: no joint may be stiff") for name in names]
 
 
 def _put_in(

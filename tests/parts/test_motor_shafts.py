@@ -22,10 +22,14 @@ def test_a_rod_that_passes_over_a_motors_shaft_limits_its_length() -> None:
     assert tables["motor"]["shaft_length"] > conn2, "the motor's shaft, as it is sold, meets it"
     assert assembly.motor.most == pytest.approx(room) and assembly.motor.under == "conn2"
     (drive,) = (each for each in assembly.bought if each.role == "drive")
-    said = f"at most {room:.4g} long: cut it, for conn2 passes over its end"
+    assert assembly.motor.reach == pytest.approx(room)
+    said = f"at least {room:.4g} long from its face, file off what is longer, for conn2 passes over its end"
     assert drive.listing.endswith(said)
     (step,) = (each for each in order_of_assembly(assembly).steps if "motor's face" in each.title)
     assert f"file or grind it to at most {room:.4g} mm, for conn2 passes over its end" in step.title
+
+    titles = [step.title for step in order_of_assembly(assembly).steps]
+    assert any("ove low2 by hand, or by the motor where that holds it: " in each for each in titles)
 
 
 def test_a_motors_shaft_that_nothing_passes_over_stays_as_it_is() -> None:
