@@ -100,7 +100,7 @@ class _Layout:
             inner=self.inner,
             table_x=self.table_x,
         )
-        self._frame()
+        self.sheet.frame(FILING, MARGIN)
         self._views()
         self._table()
         self._details()
@@ -196,17 +196,6 @@ class _Layout:
     def _room_above(self) -> float:
         """Room over the plan view, mm of paper."""
         return self.over + self.scale * self.drawn.rise
-
-    def _frame(self) -> None:
-        right = self.sheet.width - MARGIN
-        top = self.sheet.height - MARGIN
-        corners = (
-            complex(FILING, MARGIN),
-            complex(right, MARGIN),
-            complex(right, top),
-            complex(FILING, top),
-        )
-        self.sheet.line(*corners, layer="TEXT", closed=True)
 
     def _table(self) -> None:
         """Table of holes, at the upper right; rows that do not fit are counted in its last line; then that of a cam's radii."""

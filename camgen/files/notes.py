@@ -19,9 +19,8 @@ from camgen.tolerances import SAME_POINT
 
 NOTES = SIZES["A4"][0] - FILING - MARGIN - WIDTH - 6  # width, beside the title block of an A4 sheet
 
-_SHANK = (
-    0.8  # roughness of a shank of grade 6, um: 1.6 takes half of its tolerance; camgen's own rule
-)
+# Roughness of a shank of grade 6, um: 1.6 takes half of its tolerance; camgen's own rule.
+_SHANK = 0.8
 _STRAIGHT = 1000.0  # mm, radius from which on a hollow is as good as straight to a wheel
 
 

@@ -74,9 +74,7 @@ class _Page:
         """The whole sheet."""
         sheet = Sheet(self.wide, self.high, title)
         right = self.wide - MARGIN
-        top = self.high - MARGIN
-        corners = (FILING + 1j * MARGIN, right + 1j * MARGIN, right + 1j * top, FILING + 1j * top)
-        sheet.line(*corners, layer="TEXT", closed=True)
+        sheet.frame(FILING, MARGIN)
         self._outline(sheet)
         for keyway in self.shaft.keyways:
             self._keyway(sheet, keyway)

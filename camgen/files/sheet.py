@@ -158,6 +158,12 @@ class Sheet:
         pieces = tuple(Line(complex(a), complex(b)) for a, b in zip(points, ends, strict=False))
         self.things.append(Stroke(pieces, layer, closed))
 
+    def frame(self, filing: float, margin: float) -> None:
+        """Add the frame of a drawing; filing, margin: from the paper's left edge and from its others, mm."""
+        right, top = self.width - margin, self.height - margin
+        corners = (filing + 1j * margin, right + 1j * margin, right + 1j * top, filing + 1j * top)
+        self.line(*corners, layer="TEXT", closed=True)
+
     def contour(self, contour: Contour, layer: str) -> None:
         """Add a closed contour of lines and arcs."""
         self.things.append(Stroke(contour.pieces, layer, True))

@@ -79,8 +79,7 @@ def timing_sheet(name: str, motions: Sequence[Motion], facts: Facts) -> Sheet:
     sheet = Sheet(width, height, f"Timing diagram ({name})")
     right = width - _MARGIN
     top = height - _MARGIN
-    corners = (_FILING + 1j * _MARGIN, right + 1j * _MARGIN, right + 1j * top, _FILING + 1j * top)
-    sheet.line(*corners, layer="TEXT", closed=True)
+    sheet.frame(_FILING, _MARGIN)
     left = _FILING + _NAMES
     across = right - 6 - left
     foot = _MARGIN + BLOCK + 4

@@ -123,9 +123,7 @@ def tables_sheets(
 
 def _frame(sheet: Sheet, heads: Sequence[str]) -> None:
     """Frame of a sheet, and what the heads of its tables mean."""
-    low, high = complex(_FILING, _MARGIN), complex(_WIDTH - _MARGIN, _HIGH - _MARGIN)
-    corners = low, complex(high.real, low.imag), high, complex(low.real, high.imag)
-    sheet.line(*corners, layer="TEXT", closed=True)
+    sheet.frame(_FILING, _MARGIN)
     columns = _COLUMNS | _ON_DRUM if "Z" in heads else _COLUMNS
     for k, head in enumerate(heads):
         at = complex(_FILING + ROW, _MARGIN + ROW * (len(heads) - k))
