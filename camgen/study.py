@@ -279,10 +279,15 @@ class Sketch:
 
 @dataclass(frozen=True, eq=False)
 class Plate:
-    """A plate ready to print: its file, and the copies on it, (part, transform (3, 4)), mm."""
+    """A plate ready to print: its file, and the copies on it, (part, transform (3, 4)), mm.
+
+    size: width, depth and height of what lies on it; bed: width and depth of the printer's.
+    """
 
     file: str
     copies: Sequence[tuple[str, Floats]]
+    size: tuple[float, float, float]
+    bed: tuple[float, float]
 
 
 @dataclass(frozen=True)

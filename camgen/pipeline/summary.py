@@ -10,6 +10,8 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from camgen.errors import FileError
 from camgen.files.cutting import SheetPicture, sheet_picture
 from camgen.files.formats import RENDERED, SOLID
@@ -40,14 +42,21 @@ def scene_of(case: Case, kinds: Collection[str]) -> Scene | None:
     """The machine in three dimensions, with the plates as they lie in the folder; None where nothing asks for it."""
     if "report" not in kinds or not any(kind in kinds for kind in SOLID):
         return None
-    from camgen.files.threemf import read_3mf
     from camgen.pipeline.shown import scene
 
-    plates = [
-        Plate(path.name, [(item.name, item.transform[:3]) for item in read_3mf(path).items])
-        for path in plates_of(case)
-    ]
+    plates = [_plate(path, case.mechanism.print.bed) for path in plates_of(case)]
     return scene(case.mechanism, plates)
+
+
+def _plate(path: Path, bed: tuple[float, float]) -> Plate:
+    """A plate as its file has it, for a bed of a width and depth, mm."""
+    from camgen.files.threemf import read_3mf
+
+    items = read_3mf(path).items
+    corners = [item.placed.vertices for item in items] or [np.zeros((1, 3))]
+    width, depth, height = np.ptp(np.vstack(corners), axis=0).tolist()
+    copies = [(item.name, item.transform) for item in items]
+    return Plate(path.name, copies, (width, depth, height), bed)
 
 
 def _sheets(case: Case) -> list[SheetPicture]:

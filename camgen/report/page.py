@@ -20,6 +20,7 @@ from urllib.parse import quote
 import numpy as np
 
 from camgen._version import __version__
+from camgen.errors import listed
 from camgen.findings import left_out
 from camgen.plotting import SERIES
 from camgen.report.animation import frames, player
@@ -41,6 +42,8 @@ from camgen.study import Mate, Plot, Prism, Scene, Step, Table
 
 _FIRST_PLOTS = 12  # more curves than this are folded away; it fills rows of two, three and four
 _FIRST_OF_PRINTED = 4  # of what is printed, of which one looks for what to buy, print and do first
+_TALL = 4.0  # by which a printed part is higher than the square is wide that it stands on, and asks for a brim
+_FLAT = ("as drawn", "turned over")  # how a part lies that is as high as it is thick
 _SERIES_DARK = ("#6db3f2", "#f2a069", "#74cf98", "#c99be8", "#dcc04e", "#f08fbf")
 
 
@@ -458,6 +461,7 @@ def _plates(report: Report) -> str:
         mass += _amounts(taken)[0]
         estimate = _estimate(taken)
         copies += f"; about {estimate}" if estimate else ""
+        copies += f"; {' × '.join(f'{side:.0f}' for side in plate.size)} mm high"
         cards.append(
             _card(f"Plate {k + 1}", copies, [_link(report, plate.file, "3MF")], f"plate-{k}", True)
         )
@@ -465,7 +469,8 @@ def _plates(report: Report) -> str:
     these = f"these {count} plates: they hold" if count > 1 else "this plate: it holds"
     again = "Take the file of a single part only to print that part again."
     filament = f"They need about {rounded(mass, 2)} g of filament. " if mass else ""
-    said = f"<p>Print {these} every part. {_settings(report)}{filament}{again}</p>"
+    bed = "for a bed of {:g} × {:g} mm".format(*report.scene.plates[0].bed) if cards else ""
+    said = f"<p>Print {these} every part, {bed}. {_settings(report)}{filament}{_footing(report)}{again}</p>"
     return said + _cards(cards) if cards else ""
 
 
@@ -474,11 +479,26 @@ def _settings(report: Report) -> str:
     known = {each.quantity: each.value for each in report.numbers.records}
     if not {"print layer", "print nozzle", "print infill", "print time"} <= {*known}:
         return ""
-    supports = "supports under overhangs" if known.get("supports") else "no supports"
     return (
         f"Settings: layers of {known['print layer']:.2g} mm, a nozzle of {known['print nozzle']:g} mm, "
-        f"{known['print infill']:.0%} infill, {supports}. With these it takes about {known['print time']:.2g} h. "
+        f"{known['print infill']:.0%} infill. With these it takes about {known['print time']:.2g} h. "
     )
+
+
+def _footing(report: Report) -> str:
+    """Which printed parts ask for supports, and which for a brim; "" where it is not known how they lie."""
+    rows = {str(row["part"]): row for row in _parts_list(report) if row.get("lies")}
+    hollow = [part for part, row in rows.items() if _float(row["overhang, mm^2"]) > 0]
+    slim = [
+        str(part["name"])
+        for part in report.parts
+        if (row := rows.get(str(part["name"]))) is not None
+        and row["lies"] in _FLAT
+        and _float(part["thickness_mm"]) > _TALL * _float(row["on the bed, mm^2"]) ** 0.5
+    ]
+    supports = f"Supports under {listed('part', hollow)} alone. " if hollow else "No supports. "
+    brim = f"A brim round {listed('part', slim)}, tall on a small foot. " if slim else ""
+    return supports + brim if rows else ""
 
 
 def _sheets(report: Report) -> str:

@@ -15,6 +15,7 @@ from typing import Any
 import gallery
 import numpy as np
 import pytest
+import trimesh
 
 from camgen.parts.assembly import order_of_assembly
 from camgen.pipeline import build as pipeline
@@ -56,6 +57,13 @@ def test_the_files_of_the_contract_are_there(made: Path) -> None:
         f"{part}-drawing.dxf",
         f"{part}-drawing.pdf",
     }
+
+
+def test_the_page_tells_the_size_of_a_plate_as_another_reader_measures_its_file(made: Path) -> None:
+    scene = trimesh.load(made / "uniform-swing-plate.3mf", force="scene")
+    low, high = np.array(scene.bounds)
+    size = " × ".join(f"{side:.0f}" for side in high - low)
+    assert f"; {size} mm high" in (made / "report.html").read_text(encoding="utf-8")
 
 
 def test_report_json_is_the_report(made: Path) -> None:

@@ -40,7 +40,7 @@ def solid() -> Report:
     scene = Scene(
         glb("demo", [Shape("cam", TETRAHEDRON, "#0b62a8")], [moving]),
         ["cam-1", "cam-2"],
-        [Plate("demo-plate.3mf", [("cam", lifted)])],
+        [Plate("demo-plate.3mf", [("cam", lifted)], (120.0, 30.4, 9.0), (220.0, 200.0))],
         [
             Step([Doing("first")], ["cam-1"]),
             Step(
@@ -133,15 +133,39 @@ def test_what_the_scripts_ask_for_is_there(page: str) -> None:
 
 
 def test_the_page_says_with_which_settings_a_slicer_prints() -> None:
-    """Layers, nozzle, infill and supports of the estimate stand where the plates are; without them nothing is said."""
+    """Layers, nozzle and infill of the estimate stand where the plates are; without them nothing is said."""
     known = {"print layer": 0.2, "print nozzle": 0.4, "print infill": 0.35, "print time": 5.61}
     figures = [Figure(name, value) for name, value in known.items()]
     page = to_html(replace(solid(), numbers=Figures(figures)))
-    said = "Settings: layers of 0.2 mm, a nozzle of 0.4 mm, 35% infill, no supports. With these it takes about 5.6 h."
+    said = "Settings: layers of 0.2 mm, a nozzle of 0.4 mm, 35% infill. With these it takes about 5.6 h."
     assert said in page
-    page = to_html(replace(solid(), numbers=Figures([*figures, Figure("supports", 20.0, "mm²")])))
-    assert "35% infill, supports under overhangs." in page
     assert "Settings" not in to_html(replace(solid(), numbers=Figures(figures[:3])))
+
+
+def test_parts_with_overhangs_get_supports_and_slim_ones_a_brim() -> None:
+    """A post of 6 x 6 mm is tall at 25 mm and not at 24; a bar that lies on its side is not as high as it is thick."""
+    columns = ("how", "part", "what", "count", "lies", "on the bed, mm^2", "overhang, mm^2")
+    rows: list[tuple[object, ...]] = [
+        ("printed", "post", "", 8, "as drawn", 36.0, 0.0),
+        ("printed", "short-post", "", 8, "as drawn", 36.0, 0.0),
+        ("printed", "bar", "", 1, "on its side towards +x", 36.0, 3.0),
+        ("printed", "cover", "", 1, "turned over", 900.0, 12.0),
+        ("bought", "pin", "", 1, "", "", ""),
+    ]
+    heights = {"cam": 9.0, "post": 25.0, "short-post": 24.0, "bar": 60.0, "cover": 5.0}
+    parts = [{"name": name, "thickness_mm": height} for name, height in heights.items()]
+    table = Table("Parts list", columns, rows, shopping=True)
+    page = to_html(replace(solid(), parts=parts, tables=[table]))
+    supports = "Supports under parts bar and cover alone."
+    assert f"{supports} A brim round part post, tall on a small foot." in page
+    table = Table("Parts list", columns, rows[1:2], shopping=True)
+    page = to_html(replace(solid(), parts=parts, tables=[table]))
+    assert "No supports." in page and "brim" not in page
+    assert "upports" not in to_html(solid())
+
+
+def test_a_plate_says_how_large_it_is(page: str) -> None:
+    assert "1 copy; 120 × 30 × 9 mm high" in page
 
 
 def test_a_report_without_solids_is_as_small_as_ever() -> None:
@@ -177,14 +201,16 @@ def test_parts_plates_and_steps_have_their_files_and_their_views(page: str) -> N
 @pytest.mark.parametrize(
     ("count", "said"),
     [
-        (1, "Print this plate: it holds every part."),
-        (3, "Print these 3 plates: they hold every part."),
+        (1, "Print this plate: it holds every part, for a bed of 220 × 200 mm."),
+        (3, "Print these 3 plates: they hold every part, for a bed of 220 × 200 mm."),
     ],
 )
 def test_what_to_print_is_told_over_the_plates(count: int, said: str) -> None:
     report = solid()
     assert report.scene is not None
-    plates = [Plate(f"demo-plate-{k}.3mf", []) for k in range(count)]
+    plates = [
+        Plate(f"demo-plate-{k}.3mf", [], (1.0, 1.0, 1.0), (220.0, 200.0)) for k in range(count)
+    ]
     text = " ".join(
         Page(to_html(replace(report, scene=replace(report.scene, plates=plates)))).text().split()
     )
