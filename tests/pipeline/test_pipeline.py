@@ -64,13 +64,18 @@ def test_the_page_tells_the_size_of_a_plate_as_another_reader_measures_its_file(
     with zipfile.ZipFile(made / "uniform-swing-plate.3mf") as package:
         model = ElementTree.fromstring(package.read("3D/3dmodel.model"))
     core = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
-    vertices = [
-        [float(each.attrib[axis]) for axis in "xyz"] for each in model.iter(core + "vertex")
-    ]
-    (item,) = model.iter(core + "item")
-    matrix = np.array(item.attrib["transform"].split(), float).reshape(4, 3)
-    placed = np.array(vertices) @ matrix[:3] + matrix[3]
-    low, high = placed.min(axis=0), placed.max(axis=0)
+    solids = {
+        each.attrib["id"]: [
+            [float(v.attrib[axis]) for axis in "xyz"] for v in each.iter(core + "vertex")
+        ]
+        for each in model.iter(core + "object")
+    }
+    placed = []
+    for copy in model.iter(core + "component"):
+        matrix = np.array(copy.attrib["transform"].split(), float).reshape(4, 3)
+        placed.append(np.array(solids[copy.attrib["objectid"]]) @ matrix[:3] + matrix[3])
+    corners = np.concatenate(placed)
+    low, high = corners.min(axis=0), corners.max(axis=0)
     size = " × ".join(f"{side:.0f}" for side in high - low)
     assert f"; {size} mm high" in (made / "report.html").read_text(encoding="utf-8")
 
