@@ -12,12 +12,12 @@ import numpy as np
 from camgen.files.dimensions import flat_of, hole_of, number
 from camgen.files.labels import Obstacles
 from camgen.files.limits import deviations, in_limits
-from camgen.files.measures import REFERENCE, Measure, dimension
+from camgen.files.measures import Measure, dimension
 from camgen.files.sheet import Sheet, Text
 from camgen.files.symbols import FRAME, datum, roughness, symmetry, width_of
 from camgen.files.title_block import Facts
 from camgen.geometry.outlines import Contour, extent
-from camgen.parts.keyways import keyed, keyway, shaft_keyway
+from camgen.parts.keyways import keyed, keyway
 from camgen.tolerances import SAME_POINT
 
 HEIGHT = 99.0  # of a detail with its sizes
@@ -62,12 +62,6 @@ class BoreDetail:
         key = keyed(self.contour)
         return key.radius + key.depth if key else extent([self.contour])[1].imag
 
-    @property
-    def _of_shaft(self) -> bool:
-        """Whether it is no bore but a shaft, whose diameter is in its views."""
-        key = keyed(self.contour)
-        return key is not None and key.depth < 0
-
     def draw(self, sheet: Sheet, scales: Sequence[float]) -> None:
         """Draw it, a flat that stands askew upwards, a keyway always; scales: from the largest down."""
         flat = flat_of(self.contour)
@@ -90,10 +84,8 @@ class BoreDetail:
             end = at + scale * (top if way == 1j else radius) * way + over
             sheet.line(start, end, layer="CENTER")
         larger = f" ({number(scale)}:1)" if scale > self.scale else ""  # else as the views
-        title = "Keyway" if self._of_shaft else f"Bore {self.label}".rstrip()
-        title += ", turned" * self.turned + larger
-        over = max(top, radius if self._of_shaft else 0.0)
-        level = min(high.imag - 6, middle + scale * over + _TITLE)
+        title = f"Bore {self.label}".rstrip() + ", turned" * self.turned + larger
+        level = min(high.imag - 6, middle + scale * top + _TITLE)
         sheet.text(complex(low.real + 1.5, level), title, 3.5)
         if keyed(self.contour) and self.facts.key_fit and keyway(2 * radius):
             sheet.text(complex(low.real + 1.5, level - 4.2), "keyway's corners as DIN 6885", 2.5)
@@ -118,14 +110,11 @@ class BoreDetail:
         bore = -1j * (scale * radius + _OFF + _PAST_DATUM * below)
         beside = complex(scale * radius + _OFF)
         over = at + 1j * scale * top
-        if self._of_shaft:
-            size(-radius + 0j, radius + 0j, bore, f"{REFERENCE}Ø", "")
-        else:
-            size(-radius + 0j, radius + 0j, bore, "Ø", _limits(facts.bore_fit, 2 * radius))
-        if facts.bore_roughness and not self._of_shaft:
+        size(-radius + 0j, radius + 0j, bore, "Ø", _limits(facts.bore_fit, 2 * radius))
+        if facts.bore_roughness:
             self._surface(sheet, at + cmath.rect(scale * radius, _LEANING))
-        if facts.profile or self._symmetric:
-            datum(sheet, at + bore, -1j, self._axis)
+        if facts.profile or facts.symmetry:
+            datum(sheet, at + bore, -1j, self.letters[0])
         if flat:
             way, depth = flat
             ends = -radius * way, (depth - radius) * way
@@ -139,31 +128,18 @@ class BoreDetail:
         if key:
             half = key.width / 2
             width = _limits(facts.key_fit, key.width)
-            up = 1j * (_OFF_KEY + scale * max(0.0, -key.depth))
-            size(complex(-half, top), complex(half, top), up, "", width)
+            size(complex(-half, top), complex(half, top), 1j * _OFF_KEY, "", width)
             size(complex(0, -radius), complex(0, top), beside, "", self._depth)
             over += 1j * _OFF_KEY
         if facts.profile and (key or flat):
             datum(sheet, over, flat[0] if flat else 1j, self.letters[1])
-        if key and self._symmetric:
+        if key and facts.symmetry:
             self._symmetry(sheet, over)
 
     @property
-    def _axis(self) -> str:
-        """The datum that the axis is; a shaft has no hole of which it could be."""
-        return self.letters[0] or "A"
-
-    @property
-    def _symmetric(self) -> float:
-        """Width of the zone of a keyway's middle plane, mm; 0: none is asked for."""
-        return self.facts.own_key if self._of_shaft else self.facts.symmetry
-
-    @property
     def _depth(self) -> str:
-        """Limits of bore and keyway together, of a keyway of its usual depth; of a shaft's what is left."""
+        """Limits of bore and keyway together, of a keyway of its usual depth."""
         radius = self._radius
-        if self._of_shaft:
-            return f"0/-{shaft_keyway(2 * radius)[1]:g}" if self.facts.key_fit else ""
         deeper = keyway(2 * radius)
         usual = deeper is not None and abs(deeper[1] - (self._top - radius)) < SAME_POINT
         return f"+{deeper[2]:g}/0" if self.facts.key_fit and deeper and deeper[2] and usual else ""
@@ -172,7 +148,7 @@ class BoreDetail:
         """Symmetry of a keyway: beside the datum at the middle of its width, or higher, where paper is free."""
         import shapely
 
-        wide = width_of([number(self._symmetric), self._axis])
+        wide = width_of([number(self.facts.symmetry), self.letters[0]])
         rises = 1j * np.arange(4.4, 4.4 + 2 * FRAME)
         corners = np.concatenate([over - (wide + 4) + rises, over + 4 + rises])
         corners = corners[np.argsort(corners.imag, kind="stable")]
@@ -183,7 +159,7 @@ class BoreDetail:
         obstacles.add(sheet.primitives)
         met = obstacles.crossed(boxes) + 100 * (~obstacles.free(boxes) + ~obstacles.within(boxes))
         corner = complex(corners[int(np.argmin(met))])
-        symmetry(sheet, corner, self._symmetric, self._axis)
+        symmetry(sheet, corner, self.facts.symmetry, self.letters[0])
 
     def _own_scale(self, scales: Sequence[float]) -> float:
         """Above that of the views where there is room for that."""

@@ -438,14 +438,6 @@ def edge_rows(
             deep = f"flat, {number(radius - abs(foot - centre))} deep, at {math.degrees(cmath.phase(way)):z.4g}°"
             rows.append((*places.xy(foot), deep))
         return rows
-    if key := keyed(contour):
-        floor = key.centre + (key.radius + key.depth) * key.way
-        at = f"{math.degrees(cmath.phase(key.way)):z.4g}°"
-        deep = f"keyway {number(key.width)} wide, {number(abs(key.depth))} deep, at {at}"
-        return [
-            (*places.xy(key.centre), f"Ø{number(2 * key.radius)}, round"),
-            (*places.xy(floor), deep),
-        ]
     if free(contour):
         return [("", "", f"a curve by {source}")]
     pieces = [

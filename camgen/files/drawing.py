@@ -22,6 +22,7 @@ from camgen.files.notes import NOTES, notes_of
 from camgen.files.page import FILING, MARGIN, SCALES, SIZES, TABLE_WIDTHS, Page
 from camgen.files.plan_view import PlanView
 from camgen.files.seat_detail import SeatDetail
+from camgen.files.shaft_sheet import write_shaft
 from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
 from camgen.files.side_view import BOSS, SideViews
 from camgen.files.symbols import position
@@ -50,6 +51,8 @@ def write_drawing(
 
     tolerance: mm, of the arcs that stand for the exact outline. An OSError means that a file could not be written.
     """
+    if facts.shaft:
+        return write_shaft(folder, prefix, facts.shaft, facts, part)
     stem = f"{prefix}-{part.name}"
     layout = _Layout(part, stem, tolerance, facts)
     paths = [folder / f"{stem}-drawing.dxf", folder / f"{stem}-drawing.pdf"]
@@ -230,7 +233,7 @@ class _Layout:
         self.free = top - len(lines) * ROW
 
     def _details(self) -> None:
-        """Under the tables the seat of a ball bearing by itself, and a bore with a keyway or a flat, or a shaft with a keyway."""
+        """Under the tables the seat of a ball bearing by itself, and a bore with a keyway or a flat."""
         low = complex(self.table_x, MARGIN + BLOCK)
         high = complex(self.sheet.width - MARGIN, self.free)
         if self.drawn.seat:

@@ -90,9 +90,8 @@ class DrawnPart:
         self.lock = None if facts.profile_step_deg or facts.levels else lock_of(part.region.outer)
         self.bored = self._bored()
         flat = self.bored is not None and flat_of(self.bored) is not None
-        outer = part.region.outer
-        # what is drawn by itself: a bore with a keyway or a flat, for a round one has its size in a view; a shaft with a keyway
-        self.detail = self.bored if self.key or flat else outer if keyed(outer) else None
+        # a bore with a keyway or a flat is drawn by itself; a round one has its size in a view
+        self.detail = self.bored if self.key or flat else None
         self.detailed = self.detail is not None
         self.seat = seat_of(part, facts)
         self.drum = part.drum if facts.heights else None
@@ -107,7 +106,7 @@ class DrawnPart:
         several = len(part.region.holes) - len(self.tracks) > 1
         self.plate = several and not layered and part.side_profile is None
         upright = _across_bore(part, tolerance) if across else None
-        section = None if upright or keyed(outer) else views.section(part, tolerance)
+        section = None if upright else views.section(part, tolerance)
         self.upright = self._tapped(self._chamfered(upright))
         if self.upright and part.drum:
             self.upright = axial_section(part.drum, self.upright)

@@ -14,7 +14,7 @@ from camgen.files.sheet import Text
 from camgen.files.title_block import WIDTH
 from camgen.geometry.arcs import as_circle
 from camgen.parts.keyways import keyed
-from camgen.parts.part import Part, SizeNote
+from camgen.parts.part import SizeNote
 from camgen.tolerances import SAME_POINT
 
 NOTES = SIZES["A4"][0] - FILING - MARGIN - WIDTH - 6  # width, beside the title block of an A4 sheet
@@ -66,7 +66,7 @@ def notes_of(drawn: DrawnPart, own_sheets: int) -> list[str]:
     if drawn.riders:
         lines.append("Dashed: the follower at cam angle 0; s: the way in which it rises")
     lines += [*_shop_notes(drawn), *part.notes]
-    return [line for note in lines for line in _wrapped(note[:1].upper() + note[1:])]
+    return [line for note in lines for line in wrapped(note[:1].upper() + note[1:])]
 
 
 def _files(drawn: DrawnPart) -> list[str]:
@@ -170,20 +170,7 @@ def _turn_notes(drawn: DrawnPart) -> list[str]:
         if flat and around:
             turn = math.degrees(turn_of_flat(around[1], flat[1]))
             return [f"On the flat of its shaft it turns at most ±{turn:.1g}°"]
-    return _keyway_ends(drawn.part)
-
-
-def _keyway_ends(part: Part) -> list[str]:
-    """How the keyways of a shaft end, which its layers have as square: as the cutter leaves them."""
-    keys = [(layer, key) for layer in part.layers if (key := keyed(layer.region.outer))]
-    ends = {z for layer, _ in keys for z in (layer.z0, layer.z1)}
-    inner = ends - {0.0, part.thickness}
-    if not inner:
-        return []
-    wide = number(keys[0][1].width)
-    half = number(keys[0][1].width / 2)
-    form = "Inner ends of keyways" if ends - inner else "Ends of keyways"
-    return [f"{form} round, R{half}: end mill Ø{wide}, within the length drawn"]
+    return []
 
 
 def _rim(drawn: DrawnPart) -> str:
@@ -235,7 +222,7 @@ def _listed(names: list[str]) -> str:
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
-def _wrapped(note: str) -> list[str]:
+def wrapped(note: str) -> list[str]:
     """A note in lines that fit beside the title block of an A4 sheet."""
     room = NOTES
     lines = [""]

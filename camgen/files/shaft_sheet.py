@@ -1,59 +1,77 @@
 """The sheet of a turned shaft: a view along it with its grooves and keyways, a section through a keyway, and what a workshop asks.
 
-Lengths are measured from the end without the coupling, the left one. A keyway is seen from above.
+Lengths are measured from the end without the coupling, of a rod the lower one, which is on the left; those of a keyway that is open
+at the other end from there. A keyway is seen from above; the section is turned until it has that on top, as the files of a rod do.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 from camgen.files.dimensions import number
+from camgen.files.limits import in_limits
 from camgen.files.measures import Measure, dimension
+from camgen.files.notes import wrapped
 from camgen.files.page import FILING, MARGIN, SCALES, SIZES
-from camgen.files.sheet import Sheet, write_dxf_sheet, write_pdf
+from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
 from camgen.files.symbols import datum as datum_sign
-from camgen.files.symbols import roughness, run_out, symmetry
+from camgen.files.symbols import roughness, run_out, symmetry, width_of
 from camgen.files.title_block import BLOCK, WIDTH, Facts, title_block
 from camgen.files.views import area, hatching
-from camgen.geometry.outlines import Arc, Contour, Line, Region
-from camgen.parts.part import Part
+from camgen.geometry.outlines import Arc, Contour, Line, Piece, Region
+from camgen.parts.part import Part, keyed_bore
 from camgen.parts.turned_shafts import ShaftKeyway, TurnedShaft
+from camgen.tolerances import SAME_POINT
 
 _LEFT = 30.0  # of the view, for its diameter
 _ROW = 8.0  # from one dimension under it to the next
 _OVER = 40.0  # over it, for grooves and signs
 _BESIDE = 44.0  # from the view to the section
-_AFTER = 22.0  # right of that, for its depth
+_AFTER = 22.0  # right of that, for what its keyway leaves
 _NOTE = 4.5
 _FINE = 0.01  # mm of paper, chord tolerance of what is hatched
 _HATCH = 2.5  # mm of paper
-_SEATS = "h6"
 _BEYOND = 4.0  # centre lines, beyond what they cross
+_DATUM = 12.0  # more under the view, where a datum hangs at its diameter
+_SHAFT = Part("shaft", "Shaft", ())  # one that is no part of a machine
+_CUT = 4.0  # arrow where the section is
 
 
-def write_shaft(folder: Path, name: str, shaft: TurnedShaft, facts: Facts) -> tuple[Path, Path]:
-    """Write `<name>-shaft-drawing.dxf` and `.pdf` into folder; returns their paths."""
-    page = _Page(shaft, facts)
-    sheet = page.draw(f"Shaft ({name})")
-    dxf = folder / f"{name}-shaft-drawing.dxf"
-    pdf = folder / f"{name}-shaft-drawing.pdf"
-    write_dxf_sheet(dxf, sheet, page.scale, page.datum)
+def write_shaft(
+    folder: Path, name: str, shaft: TurnedShaft, facts: Facts, part: Part = _SHAFT
+) -> list[Path]:
+    """Write `<name>-<part>-drawing.dxf` and `.pdf` into folder; returns their paths."""
+    stem = f"{name}-{part.name}"
+    page = _Page(shaft, replace(facts, number=facts.number or f"{stem}-drawing"), part)
+    sheet = page.draw(f"{part.title} ({stem})")
+    dxf = folder / f"{stem}-drawing.dxf"
+    pdf = folder / f"{stem}-drawing.pdf"
+    write_dxf_sheet(dxf, sheet, page.scale, page.middle if shaft.keyways else page.datum)
     write_pdf(pdf, sheet)
-    return dxf, pdf
+    return [dxf, pdf]
 
 
 class _Page:
     """The views of a shaft on paper."""
 
-    def __init__(self, shaft: TurnedShaft, facts: Facts) -> None:
+    def __init__(self, shaft: TurnedShaft, facts: Facts, part: Part) -> None:
         self.shaft = shaft
         self.facts = facts
+        self.part = part
+        self.axis = "A-B" if shaft.bearings else "A"  # the datum
+        self.fit = in_limits(shaft.fit, shaft.diameter)
+        across = Text(0j, f"Ø{number(shaft.diameter)} {self.fit}", 3.5)
+        self.over = max(_OVER, across.room + 6)  # which reads upwards
+        self.low = 0.0 if shaft.bearings else _DATUM
+        self.notes = [line for note in self._notes() for line in wrapped(note)]
         rows = len(self._lengths()) + 1
+        foot = max(BLOCK, 6 + _NOTE * len(self.notes))
         for self.size, (self.wide, self.high) in SIZES.items():
             room = self.wide - FILING - MARGIN - _LEFT - 12
             beside = _BESIDE + _AFTER if shaft.keyways else 0.0
-            spare = self.high - 2 * MARGIN - BLOCK - _OVER - _ROW * rows - 6
+            spare = self.high - 2 * MARGIN - foot - self.over - self.low - _ROW * rows - 6
             self.scale = next(
                 each
                 for each in SCALES
@@ -63,8 +81,13 @@ class _Page:
             )
             if self.scale >= 1:
                 break
-        y = self.high - MARGIN - _OVER - self.scale * shaft.diameter / 2
+        y = self.high - MARGIN - self.over - self.scale * shaft.diameter / 2
         self.datum = complex(FILING + _LEFT, y)
+
+    @property
+    def middle(self) -> complex:
+        """Axis of the section, right of the view, on paper."""
+        return self.at(self.shaft.length) + _BESIDE + self.scale * self.shaft.diameter / 2
 
     def at(self, x: float, y: float = 0.0) -> complex:
         """A point of the view, mm from the left end and off the axis, on paper."""
@@ -83,12 +106,10 @@ class _Page:
         self._surfaces(sheet)
         if self.shaft.keyways:
             self._section(sheet, self.shaft.keyways[0])
-        notes = self._notes()
-        for k, line in enumerate(reversed(notes)):
+        for k, line in enumerate(reversed(self.notes)):
             at = complex(FILING + 3, MARGIN + 3 + _NOTE * k)
             sheet.text(at, line, 2.5, room=right - WIDTH - FILING - 5)
-        part = Part("shaft", "Shaft", ())
-        title_block(sheet, complex(right, MARGIN), part, self.facts, self.scale, self.size)
+        title_block(sheet, complex(right, MARGIN), self.part, self.facts, self.scale, self.size)
         return sheet
 
     def _outline(self, sheet: Sheet) -> None:
@@ -104,57 +125,94 @@ class _Page:
             upper += [(begin, radius), (begin, floor), (stop, floor), (stop, radius)]
         upper += [(end - chamfer, radius), (end, radius - chamfer)]
         lower = [(x, -y) for x, y in reversed(upper)]
-        sheet.line(*(self.at(*each) for each in (*upper, *lower)), layer="CUT", closed=True)
+        sheet.line(*(self.at(*each) for each in (*upper, *lower)), layer="VIEW", closed=True)
         edges = [(chamfer, radius), (end - chamfer, radius)] if chamfer else []
         edges += [(x, grooves.diameter / 2) for *wall, grooves in walls for x in wall]
         for x, y in edges:
-            sheet.line(self.at(x, y), self.at(x, -y), layer="CUT")
+            half = self._open_at(x)  # of a keyway that cuts the edge
+            for side in (1, -1) if half else ():
+                sheet.line(self.at(x, side * y), self.at(x, side * half), layer="VIEW")
+            if not half:
+                sheet.line(self.at(x, y), self.at(x, -y), layer="VIEW")
         sheet.line(self.at(0) - _BEYOND, self.at(end) + _BEYOND, layer="CENTER")
 
-    def _keyway(self, sheet: Sheet, keyway: ShaftKeyway) -> None:
-        """A keyway from above."""
-        half = keyway.width / 2
-        first, last = complex(keyway.start + half), complex(keyway.end - half)
-        side = 1j * half
-        contour = Contour(
-            (
-                Line(first - side, last - side),
-                Arc(last, half, -math.pi / 2, math.pi),
-                Line(last + side, first + side),
-                Arc(first, half, math.pi / 2, math.pi),
-            )
+    def _open(self, keyway: ShaftKeyway) -> tuple[bool, bool]:
+        """Whether a keyway is open at its lower and at its upper end."""
+        return keyway.start < SAME_POINT, keyway.end > self.shaft.length - SAME_POINT
+
+    def _open_at(self, x: float) -> float:
+        """Half the width of a keyway that is open at an end, at x, mm; 0 elsewhere."""
+        cut = (
+            each.width / 2
+            for each in self.shaft.keyways
+            if any(self._open(each)) and each.start < x < each.end
         )
-        sheet.contour(contour.moved(self.scale, self.datum), "CUT")
+        return next(cut, 0.0)
+
+    def _keyway(self, sheet: Sheet, keyway: ShaftKeyway) -> None:
+        """A keyway from above, with the round ends that a cutter leaves."""
+        half = keyway.width / 2
+        side = 1j * half
+        at_start, at_end = self._open(keyway)
+        first = complex(keyway.start + half * (not at_start))
+        last = complex(keyway.end - half * (not at_end))
+        right: Piece = Arc(last, half, -math.pi / 2, math.pi)
+        left: Piece = Arc(first, half, math.pi / 2, math.pi)
+        if at_end:  # on the line of the end
+            right = Line(last - side, last + side)
+        if at_start:
+            left = Line(first + side, first - side)
+        contour = Contour(
+            (Line(first - side, last - side), right, Line(last + side, first + side), left)
+        )
+        sheet.contour(contour.moved(self.scale, self.datum), "VIEW")
 
     def _lengths(self) -> list[tuple[float, float, Measure]]:
         """From where to where each length is measured, and what it says, the shortest first."""
         found = []
         for keyway in self.shaft.keyways:
-            found.append((0.0, keyway.start, Measure(keyway.start)))
-            found.append((keyway.start, keyway.end, Measure(keyway.length, fit="+0.2/0")))
+            ends = self._open(keyway)
+            if not any(ends):
+                found.append((0.0, keyway.start, Measure(keyway.start)))
+            if not all(ends):
+                found.append((keyway.start, keyway.end, Measure(keyway.length, fit="+0.2/0")))
         for each in self.shaft.grooves:
             found.append((0.0, each.start, Measure(each.start)))
             measure = Measure(each.apart, fit=f"+{each.wider:g}/0")
             found.append((each.start, each.start + each.apart, measure))
         return sorted(found, key=lambda each: (each[1], -each[0]))
 
+    def _beside(self, length: tuple[float, float, Measure]) -> bool:
+        """Whether what a length says stands beside its line, where those of others above it would cross it."""
+        start, end, measure = length
+        said = Text(0j, f"{number(measure.value)}{measure.behind}", 3.5)
+        return start > 0 and self.scale * (end - start) < said.width + 7
+
     def _sizes(self, sheet: Sheet) -> None:
         """Lengths under the view, its diameter left of it."""
         radius = self.shaft.diameter / 2
-        rows = [*self._lengths(), (0.0, self.shaft.length, Measure(self.shaft.length))]
+        rows = [
+            *sorted(self._lengths(), key=self._beside),
+            (0.0, self.shaft.length, Measure(self.shaft.length)),
+        ]
         for k, (start, end, measure) in enumerate(rows, 1):
             ends = self.at(start, -radius), self.at(end, -radius)
             free = self.at(0).real if start else FILING + 1  # clear of the end's own line
-            dimension(sheet, ends, -1j * (_ROW * k + 2), measure, self.facts.tolerance, free)
+            away = -1j * (_ROW * k + 2 + self.low)
+            dimension(sheet, ends, away, measure, self.facts.tolerance, free)
         ends = self.at(0, -radius), self.at(0, radius)
-        across = Measure(self.shaft.diameter, "Ø", _SEATS)
+        diameter = self.shaft.diameter
+        across = Measure(diameter, "Ø", self.fit)
         dimension(sheet, ends, complex(-14), across, self.facts.tolerance, FILING + 1)
+        if not self.shaft.bearings:
+            tail = 6j * (self.scale * diameter < 12)  # of an arrow outside
+            datum_sign(sheet, ends[0] - 14 - tail, -1j, self.axis)
         if self.facts.rod_chamfer:
-            foot = self.at(self.shaft.length, radius)
-            bend = foot + 6 + 8j
+            foot = self.at(self.shaft.length, -radius)
+            bend = foot + 6 - 8j
             sheet.line(foot, bend, bend + 4, layer="DIM")
             sheet.arrow(foot, (foot - bend) / abs(foot - bend))
-            sheet.text(bend + 0.5 + 1j, f"2 × {number(self.facts.rod_chamfer)} × 45°", 2.5)
+            sheet.text(bend + 5 - 0.9j, f"2 × {number(self.facts.rod_chamfer)} × 45°", 2.5)
 
     def _grooves(self, sheet: Sheet) -> None:
         """What all grooves are, at the last one."""
@@ -170,81 +228,103 @@ class _Page:
         sheet.text(bend + 5 - 0.9j, text, 2.5)
 
     def _surfaces(self, sheet: Sheet) -> None:
-        """Roughness of the seats, the datum of both bearings, and the run-out of what sits between."""
+        """Roughness of the shaft, and where bearings are the datum of both and the run-out of what sits between."""
         shaft = self.shaft
         radius = shaft.diameter / 2
-        for letter, start in zip("AB", shaft.seats, strict=True):
-            foot = self.at(start + shaft.width / 2, radius)
-            datum_sign(sheet, foot, 1j, letter)
+        fine = self.facts.roughness or self.facts.bore_roughness
+        foot = self.at(self._bare, radius)
+        if shaft.bearings:
+            for letter, start in zip("AB", shaft.bearings.seats, strict=True):
+                datum_sign(sheet, self.at(start + shaft.bearings.width / 2, radius), 1j, letter)
+            foot = self.at(shaft.bearings.seats[1] + shaft.bearings.width, radius) + 4
+        if fine:
+            roughness(sheet, foot, f"Ra {number(fine)}")
+        if not (shaft.bores and self.facts.run_out):
+            return
         start, length = shaft.bores[0]
-        foot = self.at(shaft.seats[1] + shaft.width, radius) + 4
-        if self.facts.roughness:
-            roughness(sheet, foot, f"Ra {number(self.facts.roughness)}")
-        if self.facts.run_out:
-            tip = self.at(start + 0.8 * length, radius)
-            bend = tip + 20j
-            sheet.line(tip, bend, bend + 2, layer="DIM")
-            sheet.arrow(tip, -1j)
-            run_out(sheet, bend + 2 - 3j, self.facts.run_out, "A-B")
+        tip = self.at(start + 0.8 * length, radius)
+        bend = tip + 20j
+        wide = width_of([number(self.facts.run_out), self.axis])
+        leader = max((self.at(each.walls[1][1]).real for each in shaft.grooves), default=0.0)
+        crossed = tip.real - 2 < leader < bend.real + 4 + wide  # by what all grooves are
+        side = -1 if crossed else 1
+        sheet.line(tip, bend, bend + 2 * side, layer="DIM")
+        sheet.arrow(tip, -1j)
+        run_out(sheet, bend + 2 * side - wide * crossed - 3j, self.facts.run_out, self.axis)
+
+    @property
+    def _bare(self) -> float:
+        """Middle of the longest stretch without a keyway, mm from the left end; of the shaft where there is none."""
+        cuts = sorted((each.start, each.end) for each in self.shaft.keyways)
+        ends = [0.0, *(x for cut in cuts for x in cut), self.shaft.length]
+        spans = list(zip(ends[::2], ends[1::2], strict=True))
+        low, high = max(spans, key=lambda span: span[1] - span[0])
+        return (low + high) / 2
 
     def _section(self, sheet: Sheet, keyway: ShaftKeyway) -> None:
-        """A section through a keyway, right of the view, the keyway on its right."""
+        """A section through a keyway, turned so that this is on top, and where it is."""
         shaft = self.shaft
+        middle = self.middle
         radius = shaft.diameter / 2
         half = keyway.width / 2
-        floor = radius - (keyway.depth or keyway.width / 2)
-        angle = math.asin(half / radius)
-        edge = math.sqrt(radius**2 - half**2)
-        middle = self.at(shaft.length) + _BESIDE + self.scale * radius
-        contour = Contour(
-            (
-                Arc(0j, radius, angle, math.tau - 2 * angle),
-                Line(complex(edge, -half), complex(floor, -half)),
-                Line(complex(floor, -half), complex(floor, half)),
-                Line(complex(floor, half), complex(edge, half)),
-            )
-        ).moved(self.scale, middle)
+        depth = keyway.depth or keyway.width / 2
+        contour = keyed_bore(shaft.diameter, keyway.width, -depth).moved(self.scale, middle)
         sheet.contour(contour, "CUT")
         for a, b in hatching(area(Region(contour), _FINE), _HATCH):
             sheet.line(a, b, layer="HATCH")
         reach = self.scale * radius + _BEYOND
         for way in (reach, 1j * reach):
             sheet.line(middle - way, middle + way, layer="CENTER")
-        corners = [middle + self.scale * complex(edge, y) for y in (-half, half)]
-        dimension(
-            sheet,
-            (corners[0], corners[1]),
-            complex(self.scale * (radius - edge) + 10),
-            Measure(keyway.width, fit=keyway.fit),
-            self.facts.tolerance,
-        )
+        edge = math.sqrt(radius**2 - half**2)
+        corners = [middle + self.scale * complex(x, edge) for x in (-half, half)]
+        away = 1j * (self.scale * (radius - edge) + 10)
+        width = Measure(keyway.width, fit=in_limits(keyway.fit, keyway.width))
+        dimension(sheet, (corners[0], corners[1]), away, width, self.facts.tolerance)
+        symmetric = self.facts.symmetry or self.facts.own_key
+        wide = width_of([number(symmetric), self.axis]) if symmetric else 0.0
         if keyway.depth:
-            ends = middle - self.scale * radius, middle + self.scale * complex(floor, -half)
-            measure = Measure(shaft.diameter - keyway.depth, fit=f"0/-{keyway.deeper:g}")
-            lower = complex(ends[0].real, ends[1].imag)
-            away = -1j * (self.scale * (radius - half) + 8)
-            dimension(sheet, (lower, ends[1]), away, measure, self.facts.tolerance)
-        if self.facts.symmetry:
-            corner = middle + complex(-22, self.scale * radius + 8)
-            symmetry(sheet, corner, self.facts.symmetry, "A-B")
-        cut = self.at((keyway.start + keyway.end) / 2, radius)
-        for y, way in ((cut.imag + 3, 1), (self.at(0, -radius).imag - 3, -1)):
-            tip = complex(cut.real, y)
-            sheet.line(tip, tip + 3j * way, layer="VIEW")
-        sheet.text(complex(cut.real - 1.5, cut.imag + 3), "C", 3.5, "right")
-        sheet.text(middle + 1j * (self.scale * radius + 17), "C-C", 5.0, "centre")
+            foot = middle - 1j * self.scale * radius
+            top = middle + 1j * self.scale * (radius - depth)
+            left = Measure(shaft.diameter - depth, fit=f"0/-{keyway.deeper:g}")
+            aside = complex(max(self.scale * radius + 10, wide / 2 + 6))  # clear of the frame
+            dimension(sheet, (foot, top), aside, left, self.facts.tolerance)
+        if symmetric:
+            corner = middle + complex(-wide / 2, self.scale * radius + 18)
+            symmetry(sheet, corner, symmetric, self.axis)
+        self._cut_line(sheet, keyway)
+        title = middle + 1j * (self.scale * radius + 31)
+        sheet.text(title, "C-C, turned 90°", 3.5, "centre")
+
+    def _cut_line(self, sheet: Sheet, keyway: ShaftKeyway) -> None:
+        """Where the section is, with the way in which it is seen."""
+        radius = self.shaft.diameter / 2
+        x = (keyway.start + keyway.end) / 2
+        for y, way in ((self.at(x, radius) + 3j, 1j), (self.at(x, -radius) - 3j, -1j)):
+            end = y + 3 * way
+            sheet.line(y, end, end + _CUT, layer="VIEW")
+            sheet.arrow(end + _CUT, 1)
+            sheet.text(end - 1.5 - 1.7j, "C", 3.5, "right")
 
     def _notes(self) -> list[str]:
         """What the views do not say."""
         shaft = self.shaft
-        first, second = (f"{x:.4g} to {x + shaft.width:.4g}" for x in shaft.seats)
         facts = self.facts
-        return [
-            f"Ø{number(shaft.diameter)} {_SEATS} all along, but for its grooves and keyways.",
-            *(f"Bore of what it turns: {a:.4g} to {a + length:.4g}." for a, length in shaft.bores),
-            f"Seats of bearings {shaft.bearing}: A {first}, B {second}.",
-            f"End for the coupling: the last {shaft.length - shaft.seats[1] - shaft.width:.4g} mm.",
-            f"Elsewhere Ra {number(facts.roughness_elsewhere)}.",
-            "Centre holes ISO 6411 allowed at both ends.",
-            f"Edges {facts.edges}.",
-        ]
+        grooves = "grooves and keyways" if shaft.grooves else "keyways"
+        lines = [f"Ø{number(shaft.diameter)} {shaft.fit} all along but for {grooves}"]
+        lines += [f"Bore of what it turns: {a:.4g} to {a + long:.4g}" for a, long in shaft.bores]
+        if shaft.bearings:
+            width = shaft.bearings.width
+            first, second = (f"{x:.4g} to {x + width:.4g}" for x in shaft.bearings.seats)
+            lines.append(f"Seats of {shaft.bearings.name}: A {first}, B {second}")
+            end = shaft.length - shaft.bearings.seats[1] - width
+            lines.append(f"End for the coupling: the last {end:.4g} mm")
+            lines.append("Centre holes ISO 6411 allowed at both ends")
+        keys = [key for each in shaft.keyways for key in each.keys]
+        where = " and ".join(f"{a:.4g} to {b:.4g}" for a, b in keys)
+        lines += [f"Key{'s' * (len(keys) > 1)} at {where} from the left"] if keys else []
+        lines += ["Keyways' corners as DIN 6885"] if shaft.keyways else []
+        lines.append(f"Elsewhere Ra {number(facts.roughness_elsewhere)}")
+        lines.append(f"Edges {facts.edges}")
+        lines += [facts.heat_treatment[:1].upper() + facts.heat_treatment[1:]]
+        lines += [note[:1].upper() + note[1:] for note in self.part.notes]
+        return [line for line in lines if line]

@@ -21,7 +21,6 @@ from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.drums import Drum
 from camgen.geometry.outlines import extent, rectangle
 from camgen.parts.catalogue import SCREWS
-from camgen.parts.keyways import keyed
 from camgen.parts.part import Tap
 from camgen.tolerances import SAME_POINT
 
@@ -97,13 +96,6 @@ class SideViews:
             low, high = extent([fit_arcs(layer.region.outer, self.drawn.tolerance)])
             box = rectangle(complex(layer.z0, low.imag), complex(layer.z1, high.imag))
             self.page.sheet.contour(box.moved(self.page.scale, origin), "VIEW")
-            key = keyed(layer.region.outer)
-            if key:
-                floor = (key.radius + key.depth) * key.way.imag
-                ends = complex(layer.z0, floor), complex(layer.z1, floor)
-                self.page.sheet.line(
-                    *(origin + self.page.scale * end for end in ends), layer="HIDDEN"
-                )
         for bore in (
             () if self.drawn.plate else views.side_bores(self.drawn.part, self.drawn.tolerance)
         ):

@@ -11,6 +11,7 @@ from camgen.files.dimensions import Hole, number
 from camgen.files.sheet import Sheet
 from camgen.files.symbols import cell
 from camgen.parts.part import Part
+from camgen.parts.turned_shafts import TurnedShaft
 from camgen.tolerances import SAME_POINT
 
 WIDTH = 170.0  # mm [ISO 7200]
@@ -97,6 +98,7 @@ class Facts:
     # of a drum's roller: diameter half way along it, length, distance of its inner end from the axis, mm
     roller: tuple[float, float, float] | None = None
     crowned: float = 0.0  # by how much a crowned ring of that, if sold so, may be thinner, mm
+    shaft: TurnedShaft | None = None  # what it is, where its sheet is that of a shaft
     groove: Groove | None = None  # of whose walls the part is one
     levels: Sequence[complex] = ()  # of a plate's upper edge, on which a follower runs, mm
     cutter: bool = False  # whether a file has the path of a cutter along a drum's track

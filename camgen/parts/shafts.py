@@ -1,4 +1,5 @@
-"""Shafts of cams and drums that are made alone: how long they are, their bearings, and the rings that hold a keyed bore along them.
+"""Shafts that are made: of cams and drums how long they are, their bearings, and the rings that hold a keyed bore along them; and rods
+with keyways.
 
 Bearings 6000 to 6010: bearingsblog.blogspot.com/2024/10/understanding-6000-bearing-dimensions.html. Retaining rings, DIN 471:
 scribd.com/document/416335815, External Retaining Rings; up to 19 the same at capitalbolts.in/din-471, which has the tolerances of
@@ -12,9 +13,12 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from camgen.geometry.arcs import as_circle
 from camgen.parts.catalogue import TURNED, Bearing, Bought, narrowest
-from camgen.parts.keyways import key_length, keyway, shaft_keyway
-from camgen.parts.turned_shafts import RingGrooves, ShaftKeyway, TurnedShaft
+from camgen.parts.keyways import key_length, keyed, keyway, shaft_keyway
+from camgen.parts.part import Part
+from camgen.parts.turned_shafts import RingGrooves, ShaftBearings, ShaftKeyway, TurnedShaft
+from camgen.tolerances import SAME_POINT
 
 _LARGER = {
     each.bore: each
@@ -54,6 +58,7 @@ _RINGS = {
     45.0: (1.75, 42.5, 1.85),
     50.0: (2.0, 47.0, 2.15),
 }
+_FIT = "h6"  # fit of the whole shaft
 _FINER = 10.0  # mm, shaft up to which a groove is h10, then h11
 _GAP = 0.5  # of the shaft: from the bore to a bearing
 _COUPLING = 1.5  # of it: end for a coupling
@@ -101,16 +106,16 @@ def shaft_and_bearings(seat: Seat) -> list[Bought]:
     shaft = Bought("shaft", "", "", 1, "shaft", how=how, process=TURNED)
     rings = retaining_rings(bore) if seat.ringed else []
     made = turned_shaft(seat)
-    if made is None:
-        size = f"{bore:g} h6, C45, {sum(seat.lengths):.4g} in the bore, and as long as its bearings need"
+    if made is None or made.bearings is None:
+        size = f"{bore:g} {_FIT}, C45, {sum(seat.lengths):.4g} in the bore, and as long as its bearings need"
         cuts = _cuts(_keyways(seat, 0.0), _bore_grooves(seat, 0.0), "from where the bore begins")
         return [replace(shaft, size=size, details="; ".join(cuts)), *rings]
     place = (
-        f"{sum(seat.lengths):.4g} in the bore, on either side {made.gap:g} free and a bearing of {made.width:g}, "
+        f"{sum(seat.lengths):.4g} in the bore, on either side {made.bearings.gap:g} free and a bearing of {made.bearings.width:g}, "
         f"at least {_COUPLING * bore:g} for the coupling"
     )
     cuts = _cuts(made.keyways, made.grooves, "from the end without the coupling")
-    size = f"{bore:g} h6 x {made.length:g}, C45"
+    size = f"{bore:g} {_FIT} x {made.length:g}, C45"
     shaft = replace(shaft, size=size, details="; ".join([place, *cuts]), shaft=made)
     bearing = _bearing(bore)
     assert bearing is not None
@@ -151,16 +156,50 @@ def turned_shaft(seat: Seat) -> TurnedShaft | None:
         grooves.insert(0, _grooves(bore, _OF_BEARING, first - thick, apart, _SLACKER))
     return TurnedShaft(
         bore,
+        _FIT,
         _STEP * math.ceil(length / _STEP - 1e-9),
-        tuple(_bores(seat, start)),
         tuple(_keyways(seat, start)),
+        tuple(_bores(seat, start)),
         tuple(grooves),
-        bearing.name,
-        bearing.outside,
-        bearing.width,
-        (first, second),
-        gap,
+        ShaftBearings(bearing.name, bearing.outside, bearing.width, (first, second), gap),
     )
+
+
+def rod_with_keyways(
+    part: Part, fit: str, key_fit: str, keys: Sequence[tuple[float, float]]
+) -> TurnedShaft | None:
+    """A part as the shaft that it is: round about its axis and with keyways over some of its layers; None of any other part.
+
+    fit: of its diameter; key_fit: of its keyways; keys: from where to where they lie, mm from its lower end.
+    """
+    spans = list[tuple[float, float]]()
+    found = keyed(part.region.outer)
+    for layer in sorted(part.layers, key=lambda each: each.z0):
+        key = keyed(layer.region.outer)
+        disc = as_circle(layer.region.outer)
+        radius = key.radius if key else disc[1] if disc else 0.0
+        if layer.region.holes or found is None or abs(radius - found.radius) > SAME_POINT:
+            return None
+        if key and spans and abs(spans[-1][1] - layer.z0) < SAME_POINT:
+            spans[-1] = spans[-1][0], layer.z1
+        elif key:
+            spans.append((layer.z0, layer.z1))
+    if found is None or abs(found.way - 1j) > SAME_POINT:
+        return None
+    _, deeper = shaft_keyway(2 * found.radius)
+    keyways = [
+        ShaftKeyway(
+            start,
+            end - start,
+            found.width,
+            key_fit,
+            -found.depth,
+            deeper,
+            tuple(each for each in sorted(keys) if start - SAME_POINT < each[0] < end),
+        )
+        for start, end in spans
+    ]
+    return TurnedShaft(2 * found.radius, fit, part.thickness, tuple(keyways))
 
 
 def _bores(seat: Seat, start: float) -> Iterator[tuple[float, float]]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class ShaftKeyway:
-    """A keyway with round ends."""
+    """A keyway with round ends, open where it reaches the end of its shaft."""
 
     start: float
     length: float
@@ -15,6 +15,7 @@ class ShaftKeyway:
     fit: str  # of its width
     depth: float  # t1; 0: not known
     deeper: float  # by how much it may be deeper
+    keys: tuple[tuple[float, float], ...] = ()  # from where to where keys lie in it; (): it is full
 
     @property
     def end(self) -> float:
@@ -43,16 +44,24 @@ class RingGrooves:
 
 
 @dataclass(frozen=True)
-class TurnedShaft:
-    """A shaft of one diameter h6, of C45."""
+class ShaftBearings:
+    """The two ball bearings of a shaft."""
 
-    diameter: float
-    length: float
-    bores: tuple[tuple[float, float], ...]  # what sits on it: where each begins, and how long it is
-    keyways: tuple[ShaftKeyway, ...]
-    grooves: tuple[RingGrooves, ...]
-    bearing: str  # name of both its ball bearings
+    name: str
     outside: float  # their diameter
     width: float  # of each
     seats: tuple[float, float]  # where they begin, the one that is held first
     gap: float  # from a bearing to what sits next to it
+
+
+@dataclass(frozen=True)
+class TurnedShaft:
+    """A shaft of one diameter."""
+
+    diameter: float
+    fit: str  # of it
+    length: float
+    keyways: tuple[ShaftKeyway, ...]
+    bores: tuple[tuple[float, float], ...] = ()  # what sits on it: where each begins, and how long
+    grooves: tuple[RingGrooves, ...] = ()
+    bearings: ShaftBearings | None = None

@@ -300,7 +300,7 @@ def _on_shaft(
     on the cams."""
     shaft = next((thing.shaft for thing in things if thing.shaft is not None), None)
     found = dict[Bought, list[Thing]]()
-    if shaft is None:
+    if shaft is None or shaft.bearings is None:
         return found
     parts = assembly.by_name
     top = max(each.z + parts[each.part].thickness for each in assembly.mounts if each.at == 0)
@@ -318,8 +318,9 @@ def _on_shaft(
     whole = zip(ends[::2], ends[1::2], strict=True)
     rod = [ring(0.0, shaft.diameter, begin, end - begin) for begin, end in whole]
     rod += [ring(0.0, floor, begin, end - begin) for begin, end, floor in cuts]
-    third = (shaft.outside - shaft.diameter) / 3
-    races = (shaft.diameter, shaft.diameter + third), (shaft.outside - third, shaft.outside)
+    bearings = shaft.bearings
+    third = (bearings.outside - shaft.diameter) / 3
+    races = (shaft.diameter, shaft.diameter + third), (bearings.outside - third, bearings.outside)
     rings: dict[str, list[Thing]] = {
         pair.ring: [
             [ring(pair.diameter, pair.diameter + 2 * _RING * shaft.diameter, start, pair.thick)]
@@ -333,7 +334,9 @@ def _on_shaft(
         elif thing.name in rings:
             found[thing] = rings[thing.name]
         elif thing.name == OF_SHAFT:
-            found[thing] = [[ring(*race, x, shaft.width) for race in races] for x in shaft.seats]
+            found[thing] = [
+                [ring(*race, x, bearings.width) for race in races] for x in bearings.seats
+            ]
         elif thing.standard == ROLLER_STANDARD:
             rollers = [*_rollers(assembly), *_in_tracks(assembly, follower)]
             found[thing] = rollers if len(rollers) == thing.count else []

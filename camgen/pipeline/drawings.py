@@ -31,9 +31,10 @@ from camgen.parts import materials
 from camgen.parts.assembly import Assembly, cut_of_sheet
 from camgen.parts.catalogue import BUSH, CORE_HOLES, CUT, TURNED
 from camgen.parts.fixing import JOURNAL, PIN, ROD, is_rod, joint_of
-from camgen.parts.keyways import keyed
+from camgen.parts.keyways import key_length, keyed
 from camgen.parts.materials import STEEL, Material
 from camgen.parts.part import Layer, Part
+from camgen.parts.shafts import rod_with_keyways
 from camgen.parts.standing import Round, standing
 from camgen.parts.turned_shafts import TurnedShaft
 from camgen.pipeline.thicknesses import thickness_allowances
@@ -111,6 +112,8 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     case = cut and material.case > 0
     runs = part.name in _cams(mechanism) | _slotted(mechanism)
     runs |= part.name in {each.part for each in mechanism.assembly.tracks}
+    key_fit = sheet.key_fit or (_TIGHT_KEY if own else _KEY if metal else "")
+    outer_fit = _outer_fit(mechanism, part) if of_metal else ""
     stride = _FINER if profile else 1
     step = sheet.profile_step_deg / stride
     tracks = list(_tracks(mechanism, part, step))
@@ -136,7 +139,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         fits=()
         if part.process == "bought"
         else tuple(_fits(mechanism, part, sheet.seat_fit or bore_fit, looser(usual.profile))),
-        outer_fit=_outer_fit(mechanism, part) if of_metal else "",
+        outer_fit=outer_fit,
         shank=_pins(mechanism).get(part.name, (0.0, "")) if of_metal else (0.0, ""),
         profile_step_deg=sheet.profile_step_deg if part.name in _cams(mechanism) else None,
         # dowels carry a track: they lie no farther off than the track may
@@ -146,7 +149,10 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         bore_fit=bore_fit,
         lip=_lip(mechanism) if cut else 0.0,
         thinner=_thinner(mechanism, part, sheet.tolerance or _IN_METAL.tolerance) if cut else 0.0,
-        key_fit=sheet.key_fit or (_TIGHT_KEY if own else _KEY if metal else ""),
+        key_fit=key_fit,
+        shaft=rod_with_keyways(part, outer_fit, key_fit, list(_keys(mechanism.assembly, part)))
+        if steel
+        else None,
         own_key=_asked(sheet.symmetry, _IN_METAL.symmetry) if own else 0.0,
         tracks=tuple(
             (each.name, tuple(zip(each.turned.tolist(), each.places.tolist(), strict=True)))
@@ -182,6 +188,23 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         drawn_by=sheet.drawn_by or "",
         checked_by=sheet.checked_by or "",
     )
+
+
+def _keys(assembly: Assembly, shaft: Part) -> Iterator[tuple[float, float]]:
+    """Where keys lie on a shaft, mm from its lower end: half way along each keyed bore that it goes through."""
+    poses, outlines = _standing_still(assembly)
+    low = min((each.low for each in outlines[shaft.name]), default=0.0)
+    for part in assembly.parts:
+        for layer in part.layers:
+            for hole in filter(keyed, layer.region.holes):
+                around = round_of(hole)
+                assert around is not None, "it has a keyway"
+                for pose in poses[part.name]:
+                    bore = standing(part, pose, layer, *around)
+                    if any(bore.holds(each) for each in outlines[shaft.name]):
+                        middle = (bore.low + bore.high) / 2 - low
+                        half = key_length(bore.diameter, bore.high - bore.low) / 2
+                        yield middle - half, middle + half
 
 
 def _thinner(mechanism: Mechanism, part: Part, tolerance: str) -> float:
@@ -295,6 +318,7 @@ def shaft_facts(mechanism: Mechanism, shaft: TurnedShaft) -> Facts:
         symmetry=_asked(sheet.symmetry, _IN_METAL.symmetry),
         rod_chamfer=_chamfer(shaft.diameter),
         edges=sheet.edges or _IN_METAL.edges,
+        heat_treatment=materials.of(_SHAFT_STEEL).treatment,
     )
 
 

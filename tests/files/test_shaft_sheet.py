@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import tomllib
 from pathlib import Path
@@ -9,13 +10,16 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
+import shapely
 
 import camgen
 from camgen.files.shaft_sheet import _Page, write_shaft
-from camgen.files.sheet import Text
+from camgen.files.sheet import Stroke, Text
 from camgen.files.title_block import Facts
+from camgen.geometry.outlines import Region, circle, end_point, start_point
 from camgen.machines.sources import read_mechanism
-from camgen.parts.shafts import Seat, shaft_and_bearings
+from camgen.parts.part import Layer, Part, keyed_bore
+from camgen.parts.shafts import Seat, rod_with_keyways, shaft_and_bearings
 from camgen.parts.turned_shafts import TurnedShaft
 from camgen.pipeline.drawings import shaft_facts
 from camgen.starters import in_metal
@@ -37,8 +41,9 @@ def test_a_drum_s_shaft_is_drawn_at_its_own_size(tmp_path: Path) -> None:
     document = ezdxf.readfile(dxf)
     assert not document.audit().errors
     space = document.modelspace()
-    ends = [each.get_points("xy") for each in space.query('LWPOLYLINE[layer=="CUT"]')]
+    ends = [each.get_points("xy") for each in space.query('LWPOLYLINE[layer=="VIEW"]')]
     outline = max((np.array(each) for each in ends), key=len)
+    outline = outline - [outline[:, 0].min(), 0.0]
     assert np.ptp(outline, axis=0) == pytest.approx((125.0, 20.0))
     floors = outline[np.isclose(abs(outline[:, 1]), 9.5)]
     walls = sorted({round(float(x), 3) for x in floors[:, 0]})
@@ -61,7 +66,7 @@ def test_a_drum_s_shaft_is_drawn_at_its_own_size(tmp_path: Path) -> None:
 )
 def test_what_it_says_stays_on_the_paper(made: TurnedShaft) -> None:
     """All texts within the frame, none on another one."""
-    page = _Page(made, FACTS)
+    page = _Page(made, FACTS, Part("shaft", "Shaft", ()))
     boxes = []
     for text in page.draw("shaft").primitives:
         if not isinstance(text, Text):
@@ -81,12 +86,86 @@ def test_what_it_says_stays_on_the_paper(made: TurnedShaft) -> None:
             assert wide < 0.01 or tall < 0.01, (one, other)
 
 
+def test_no_leader_runs_through_a_frame() -> None:
+    """Of a drum's shaft with four grooves, whose leader is beside the run-out's: thin lines and what stands in frames."""
+    page = _Page(shaft(20.0, 44.0, key=6.0, ringed=True), FACTS, Part("shaft", "Shaft", ()))
+    things = list(page.draw("shaft").primitives)
+    frames = [
+        shapely.box(*_bounds(each))
+        for each in things
+        if isinstance(each, Stroke) and each.closed and each.layer == "TEXT"
+    ]
+    assert len(frames) > 20
+    for each in things:
+        if isinstance(each, Stroke) and each.layer == "DIM":
+            points = [start_point(piece) for piece in each.pieces] + [end_point(each.pieces[-1])]
+            leader = shapely.LineString([(z.real, z.imag) for z in points])
+            assert not any(leader.crosses(frame) for frame in frames), points
+
+
+def _bounds(stroke: Stroke) -> tuple[float, float, float, float]:
+    corners = [start_point(piece) for piece in stroke.pieces]
+    x = [z.real for z in corners]
+    y = [z.imag for z in corners]
+    return min(x), min(y), max(x), max(y)
+
+
+def test_a_rod_s_keyways_are_slots_seen_from_above(tmp_path: Path) -> None:
+    """10 h9 x 40 with keyways 3 wide, 1.8 deep [DIN 6885] over 6 and 14 from its ends: each is open there and round inside, R1.5,
+    with its length from that end; the section, at the origin, has them on top; limits of h9 and P9 by ISO 286."""
+    keyed, bare = Region(keyed_bore(10.0, 3.0, -1.8)), Region(circle(0j, 5.0))
+    spans = ((keyed, 0.0, 6.0), (bare, 6.0, 26.0), (keyed, 26.0, 33.0), (keyed, 33.0, 40.0))
+    rod = Part("rod", "Rod", tuple(Layer(*span) for span in spans))
+    made = rod_with_keyways(rod, "h9", "P9", [(26.0, 32.0), (0.0, 6.0)])
+    assert made is not None and [(each.start, each.end) for each in made.keyways] == [
+        (0.0, 6.0),
+        (26.0, 40.0),
+    ]
+    facts = Facts(tolerance="ISO 2768-mK", own_key=0.04, rod_chamfer=0.5)
+    dxf, _ = write_shaft(tmp_path, "x", made, facts, rod)
+    assert dxf.name == "x-rod-drawing.dxf"
+    space = ezdxf.readfile(dxf).modelspace()
+    (section,) = (each.get_points("xyb") for each in space.query('LWPOLYLINE[layer=="CUT"]'))
+    assert max(y for _, y, _ in section) == pytest.approx(math.sqrt(25 - 1.5**2))
+    assert sum(y == pytest.approx(5 - 1.8) for _, y, _ in section) == 2, "its floor"
+    views = [each.get_points("xyb") for each in space.query('LWPOLYLINE[layer=="VIEW"]')]
+    slots = [each for each in views if any(bulge for *_, bulge in each)]
+    left = min(x for each in views for x, *_ in each)
+    reach = sorted((min(x for x, *_ in each), max(x for x, *_ in each)) for each in slots)
+    ends = [(low - left, high - left) for low, high in reach]
+    assert ends == [pytest.approx((0.0, 6.0)), pytest.approx((26.0, 40.0))], (
+        "R1.5 within the length"
+    )
+    sizes = {(round(e.dxf.actual_measurement, 3), e.dxf.text) for e in space.query("DIMENSION")}
+    assert sizes == {
+        (6.0, "<> +0.2/0"),
+        (14.0, "<> +0.2/0"),
+        (40.0, "<>"),
+        (10.0, "%%c<> h9 (0/-0.036)"),
+        (3.0, "<> P9 (-0.006/-0.031)"),
+        (8.2, "<> 0/-0.1"),
+    }
+    texts = {each.dxf.text for each in space.query("TEXT")}
+    assert {"C-C, turned 90%%d", "Keyways' corners as DIN 6885", "0.04", "A"} <= texts
+    assert "Keys at 0 to 6 and 26 to 32 from the left" in texts
+
+
+def test_what_is_no_keyed_rod_has_no_sheet_of_a_shaft() -> None:
+    """A hub has a hole, a plain rod no keyway, and one that is thicker elsewhere is no rod."""
+    keyed, bare = Region(keyed_bore(10.0, 3.0, -1.8)), Region(circle(0j, 5.0))
+    thick = Layer(Region(circle(0j, 6.0)), 6.0, 9.0)
+    hub = Layer(Region(circle(0j, 9.0), (keyed_bore(10.0, 3.0, 1.4),)), 0.0, 6.0)
+    for layers in ((Layer(bare, 0.0, 6.0),), (Layer(keyed, 0.0, 6.0), thick), (hub,)):
+        assert rod_with_keyways(Part("x", "X", layers), "h9", "P9", ()) is None
+
+
 @pytest.mark.parametrize("name", ["disc-cam", "cylinder-cam"])
 def test_the_starters_in_metal_have_its_facts(name: str) -> None:
     """C45 is 1.0503; 7.85 g/cm^3 of a rod of 20."""
     machine = read_mechanism(tomllib.loads(in_metal(name)))
     (made,) = (each.shaft for each in machine.assembly.bought if each.shaft)
     facts = shaft_facts(machine, made)
+    assert facts.heat_treatment == "quenched and tempered, at least 200 HB"
     assert facts.material == "C45 (1.0503)" and facts.rod_chamfer == 1.0
     assert facts.mass_g == pytest.approx(np.pi * 100 * made.length * 7.85e-3, rel=0.01)
 

@@ -61,7 +61,8 @@ def test_rings_on_either_side_of_its_first_bearing_hold_the_shaft() -> None:
     assert made is not None
     (grooves,) = made.grooves
     assert grooves.walls == (pytest.approx((3.8, 5.1)), pytest.approx((17.0, 18.3)))
-    assert made.seats == (5.0, 61.0) and made.bores == ((27.0, 24.0),) and made.length == 105.0
+    assert made.bearings is not None and made.bearings.seats == (5.0, 61.0)
+    assert made.bores == ((27.0, 24.0),) and made.length == 105.0
     assert "14.5 +0.1/0 over their outer walls" in shaft.details
     thick, bearing = shaft_and_bearings(Seat(25.0, [24.0], ringed=True))
     assert "groove" not in thick.details and "a collar or a shoulder of yours" in bearing.how
