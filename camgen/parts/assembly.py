@@ -6,6 +6,7 @@ makes one machine of several, `renamed` puts a machine where it stands in anothe
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -55,7 +56,7 @@ from camgen.parts.sheets import why_not
 from camgen.parts.springs import WorkingSpring
 from camgen.parts.standing import discs as round_holes
 from camgen.parts.standing import standing_copies
-from camgen.parts.step_words import called, listed
+from camgen.parts.step_words import TWO_PART, called, listed
 from camgen.parts.steps import holding_notes, order
 from camgen.study import Doing, Later, Mate, Step, Table
 from camgen.tolerances import SAME_POINT
@@ -103,12 +104,14 @@ class Frame:
 
 @dataclass(frozen=True)
 class FlatSeat:
-    """A printed part on the shaft that drives, which turns it by a flat; mm."""
+    """A bore of a printed part through which a flat passes on what drives the machine; mm."""
 
     part: str
+    hole: str  # its letter
     diameter: float
     depth: float  # of the flat
     length: float  # of the bore
+    drives: tuple[str, ...] = ()  # for which alone it passes that on; () for all
 
 
 @dataclass(frozen=True)
@@ -124,7 +127,7 @@ class MotorSeat:
         None  # mm, of its shaft over its face, that has room; None: as long as it is
     )
     under: str = ""  # the part that passes over a shaft so long
-    flat: FlatSeat | None = None  # of the printed part that a flat turns
+    flats: tuple[FlatSeat, ...] = ()  # by which flats turn printed parts, first that on its shaft
 
 
 @dataclass(frozen=True)
@@ -598,6 +601,9 @@ def _with_spring(rows: Sequence[Row], coil: Coil, poses: Mapping[str, Pose]) -> 
 _COLLAR = (
     0.5  # mm, by which a hole is wider than a motor's shaft where the collar round that goes in too
 )
+_IN_LINE = math.cos(
+    math.radians(25)
+)  # of the ways to a hole and of a flat, which a person takes for one
 _UNDER = ("motor-bar", "battery-frame")  # roles of what goes under a plate as soon as that is there
 
 
@@ -739,20 +745,28 @@ def _plate(assembly: Assembly) -> tuple[Part, Mount]:
     return assembly.by_name[name], next(each for each in assembly.mounts if each.part == name)
 
 
+_ON_GEARBOX = (
+    f" on the motor's gearbox from the shaft's end, flush with its front, with {TWO_PART} on the edges of the front alone, none in the "
+    "gears: nothing else keeps the motor from sliding out"
+)
+
+
 def _motor_rows(assembly: Assembly) -> Iterator[Row]:
-    """A motor under the plate as soon as that is there, for later parts cover its screws; with the bar that holds it, as one step."""
+    """A motor under the plate as soon as that is there, for later parts cover its screws; with the bar that lies behind it as one
+    step, after the step of one that is pressed on it."""
     plate, stands = _plate(assembly)
-    bars = [part for part in assembly.parts if part.role == "motor-bar"]
-    for part in bars:
+    first = [*_shortened(assembly.motor)]
+    follows = False
+    for part in (each for each in assembly.parts if each.role == "motor-bar"):
         mounts = [each for each in assembly.mounts if each.part == part.name]
-        on_it = mounts[0].z + part.thickness > stands.z - SAME_POINT
+        follows = mounts[0].z + part.thickness < stands.z - SAME_POINT
         bar = called(part, len(mounts))
-        doing = Doing("put ", bar, " behind the motor")
-        if on_it:
-            doing = Doing(
-                "press ", bar, " on the motor's gearbox from the shaft's end, flush with its front"
-            )
-        yield _row_of(part, assembly, doing)
+        if follows:
+            yield _row_of(part, assembly, Doing("put ", bar, " behind the motor"))
+        else:
+            cells, step = _row_of(part, assembly, Doing("press ", bar, _ON_GEARBOX, (TWO_PART,)))
+            yield cells, replace(step, doings=[*first, *step.doings])
+            first = []
     motors = [thing for thing in assembly.stand_ins if thing.drives]
     discs = [disc for thing in motors for disc in thing.discs]
     points = {name: stands.place(z) for name, z in plate.points}
@@ -762,9 +776,16 @@ def _motor_rows(assembly: Assembly) -> Iterator[Row]:
     through = f" through {listed(letters)}" if letters else ""
     one = f"the motor under the plate, its shaft up{through}"
     many = f"{count} motors under the plate, their shafts up{through}"
-    now = _fastening(assembly, plate, letters, "its" if count == 1 else "their")
+    its = "its" if count == 1 else "their"
+    facing = _facing(assembly) if count == 1 else 0j
+    stops = [*_stopped(assembly.motor, discs[0][0], facing, points)] if facing and discs else []
     step = Step(
-        [*_shortened(assembly.motor), Doing("hold ", one if count == 1 else many, now)],
+        [
+            *first,
+            *_collared(assembly, plate, letters, its),
+            Doing("hold ", one if count == 1 else many, _fastening(assembly, its)),
+            *stops,
+        ],
         way=1,
         mates=[
             Mate(
@@ -778,12 +799,40 @@ def _motor_rows(assembly: Assembly) -> Iterator[Row]:
             for name, at in points.items()
             if name in letters
         ],
-        shapes=[*_motor_shapes(discs, stands.z, assembly.motor)],
-        follows=bool(bars),
+        shapes=[*_motor_shapes(discs, stands.z, assembly.motor, facing)],
+        follows=follows,
     )
     said = "Motor: under the plate, its shaft through it; screw it on now, before parts cover the screws"
     screws = [each for each in assembly.bought if each.role == "drive screw"]
     yield with_things(((0, "motor", said, "", count, 0.0, "as bought"), step), screws)
+
+
+def _facing(assembly: Assembly) -> complex:
+    """Which way the flat of the motor's shaft faces at theta = 0, a unit vector; 0 where it has none."""
+    if not assembly.motor.flats:
+        return 0j
+    link = assembly.courses(np.zeros(1))[assembly.motor.flats[0].part]
+    return 1j * cmath.exp(1j * float(link.angle[0]))
+
+
+def _stopped(
+    motor: MotorSeat, shaft: complex, facing: complex, points: Mapping[str, complex]
+) -> Iterator[Doing]:
+    """Where the flat of a motor's shaft is to stand when what it turns goes on, by the picture and, if one lies so, by a hole of the
+    plate; points: the holes of that, by their letters."""
+    along = {
+        name: ((z - shaft) / abs(z - shaft) * facing.conjugate()).real
+        for name, z in points.items()
+        if abs(z - shaft) > SAME_POINT
+    }
+    name = max(along, key=lambda each: abs(along[each]), default="")
+    side = ""
+    if name and abs(along[name]) > _IN_LINE:
+        side = f"{'towards' if along[name] > 0 else 'away from'} {name}, "
+    part = motor.flats[0].part
+    stops = f"{side}as the picture shows: {part} then stands as in the pictures that follow"
+    yield Doing("stop it with the flat of its shaft ", stops)
+    yield Doing("whenever it has moved the links, stop it there again")
 
 
 def _shortened(motor: MotorSeat) -> Iterator[Doing]:
@@ -794,38 +843,58 @@ def _shortened(motor: MotorSeat) -> Iterator[Doing]:
         yield Doing("measure ", "the motor's shaft", f"{long}{why}", ("caliper", "file"))
 
 
-def _fastening(assembly: Assembly, plate: Part, letters: Sequence[str], its: str) -> str:
-    """How motors are screwed on the plate, in words, behind where they are held; letters: of the holes of their shafts, its: whose
-    things are meant."""
+def _collared(assembly: Assembly, plate: Part, letters: Sequence[str], its: str) -> Iterator[Doing]:
+    """That the collar round a motor's shaft goes into the hole of the plate; letters: of the holes of their shafts, its: whose it is."""
+    seats = [z for name, z in plate.points if name in letters]
+    wide = max(
+        (2 * r for hole in plate.region.holes for z, r in round_holes(hole) if z in seats),
+        default=0.0,
+    )
+    if wide > assembly.motor.shaft + _COLLAR:
+        motor = "the motor's" if its == "its" else "a motor's"
+        goes = f" goes into {listed(letters)}, {wide:.4g} mm wide: scrape that until it does"
+        yield Doing("the collar round ", f"{motor} shaft", goes, ("scraper",))
+
+
+def _fastening(assembly: Assembly, its: str) -> str:
+    """How motors are screwed on the plate, in words, behind where they are held; its: whose things are meant."""
     it = "it" if its == "its" else "them"
     bars = [part for part in assembly.parts if part.role == "motor-bar"]
     nuts = any(
         each.role == "drive screw" and each.standard == NUT_STANDARD for each in assembly.bought
     )
     below = f", its nuts below {called(bars[0])}" if nuts and bars else ""
-    seats = [z for name, z in plate.points if name in letters]
-    wide = max(
-        (2 * r for hole in plate.region.holes for z, r in round_holes(hole) if z in seats),
-        default=0.0,
-    )
-    collar = f" The collar round {its} shaft goes into {listed(letters)}, {wide:.4g} mm wide: scrape that until it does."
-    said = collar if wide > assembly.motor.shaft + _COLLAR else ""
     fed = any(each.role == "supply" for each in assembly.bought)
     supply = "the batteries" if fed else f"{its} supply"
     return (
-        f", and screw {it} on now, from above{below}.{said} Hold {its} wires to {supply} and let {it} run before you go on: later "
-        "parts cover the screws for good"
+        f", and screw {it} on now, from above{below}. Hold {its} wires to {supply} and let {it} run before you go on: later parts cover "
+        "the screws for good"
     )
 
 
 def _motor_shapes(
-    discs: Iterable[tuple[complex, float, float, float]], plate: float, motor: MotorSeat
+    discs: Iterable[tuple[complex, float, float, float]],
+    plate: float,
+    motor: MotorSeat,
+    facing: complex,
 ) -> Iterator[tuple[Sequence[complex], float, float]]:
-    """Each motor and its shaft as prisms; plate: height of the plate's underside, mm."""
+    """Each motor and its shaft as prisms; plate: height of the plate's underside, mm, facing: the way of the shaft's flat, 0 of
+    none."""
     for at, radius, low, high in discs:
         yield round_prism(at, radius), low, high
         if motor.shaft and motor.reach is not None:
-            yield round_prism(at, motor.shaft / 2), high, plate + motor.reach
+            ring = round_prism(at, motor.shaft / 2)
+            if facing:
+                ring = _flattened(ring, at, facing, motor.shaft / 2 - motor.flats[0].depth)
+            yield ring, high, plate + motor.reach
+
+
+def _flattened(
+    ring: Sequence[complex], at: complex, facing: complex, height: float
+) -> list[complex]:
+    """Corners of a round thing with a flat that faces a way, a unit vector, at a height over its axis, mm."""
+    own = [(z - at) / facing for z in ring]
+    return [at + complex(min(z.real, height), z.imag) * facing for z in own]
 
 
 def _glued_below(part: Part, assembly: Assembly, there: bool) -> Row:

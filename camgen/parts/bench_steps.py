@@ -12,10 +12,11 @@ Of a machine with many steps:
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from itertools import takewhile
+from itertools import groupby, pairwise, takewhile
 
 from camgen.parts.step_words import MOVES, ON_BENCH
 from camgen.study import Doing, Step, Table, sentences
@@ -23,7 +24,7 @@ from camgen.study import Doing, Step, Table, sentences
 _SMALL = 5  # spacers and caps that are put on in one step, at most
 _MANY = 30  # steps, from which on they are drawn together
 _PRESSED = 3  # sub-assemblies that are worth a step of their own, at least
-_LINKS = 4  # other parts that go on in one step of these, at most
+_LINES = 4  # of a list to tick off, at most: what one picture can show
 
 _Rows = Sequence[Sequence[object]]
 _Run = tuple[Step, _Rows]  # a step, and its rows of the table
@@ -156,8 +157,8 @@ def _bench_first(actions: Sequence[_Action], columns: Sequence[str]) -> Iterator
     begins = "put these together on the bench, with a vice. They go into the machine later"
     if any(len({run[0].apart for run in alike}) > 1 for alike in kinds.values()):
         begins += (
-            ". Where several are made, half of them are for the far side, whose steps take them: put their pins in from the other "
-            "face, and mark them F"
+            ". Half of those made more than once are for the far side, the mirror image of this one: put their pins in from the other "
+            'face, and write F, for far, on them. Steps that begin with "Far side" take those with F'
         )
     cells = {"what": "What is pressed together on the bench", "count": len(pressed)}
     row = tuple(cells.get(column, "") for column in columns)
@@ -188,18 +189,17 @@ def _placed(action: _Action, bench: bool) -> _Run:
 
 
 def _levels(runs: Sequence[_Run]) -> Iterator[_Run]:
-    """Steps in which links and small parts are only put on, a few together."""
-    level: list[_Run] = []
-    for run in runs:
-        if level and not (_simple(run[0]) and _on_level([*level, run])):
-            yield _level(level)
-            level = []
-        level.append(run)
-        if not _simple(run[0]):
-            yield _level(level)
-            level = []
-    if level:
-        yield _level(level)
+    """Steps in which links and small parts are only put on, a few together: as many to a step as to the next."""
+    for (simple, *_), alike in groupby(
+        runs, lambda run: (_simple(run[0]), run[0].apart, run[0].way)
+    ):
+        level = [*alike]
+        if not simple:
+            yield from level
+            continue
+        count = math.ceil(len(level) / _LINES)
+        ends = [round(k * len(level) / count) for k in range(count + 1)]
+        yield from (_level(level[low:high]) for low, high in pairwise(ends))
 
 
 _IN_ORDER = "put these on in this order"  # begins a step that has a list
@@ -210,13 +210,6 @@ def _simple(step: Step) -> bool:
     """Whether a step only puts on a link, stands a pin or lays a link, or brings small parts."""
     only = all(each.verb.startswith(_PUT_ON) or each.verb == MOVES for each in step.doings)
     return bool(step.copies) and not step.shapes and not step.joins and (step.small or only)
-
-
-def _on_level(runs: Sequence[_Run]) -> bool:
-    """Whether steps are of one side and bring few links."""
-    first = runs[0][0]
-    alike = all((step.apart, step.way) == (first.apart, first.way) for step, _ in runs)
-    return alike and sum(not step.small for step, _ in runs) <= _LINKS
 
 
 def _level(runs: Sequence[_Run]) -> _Run:

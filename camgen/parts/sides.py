@@ -21,6 +21,8 @@ from camgen.machine.joining import Module
 from camgen.machine.model import Machine
 from camgen.parts.assembly import (
     Assembly,
+    FlatSeat,
+    MotorSeat,
     Row,
     by_heights,
     coupled,
@@ -37,6 +39,7 @@ from camgen.parts.generator.plates import SECOND
 from camgen.parts.generator.sizes import SIDE_SPACER, Parts
 from camgen.parts.part import Layer, Part, SizeNote
 from camgen.parts.standing import standing_copies
+from camgen.parts.step_words import TWO_PART
 from camgen.study import Doing, Later, Step, Table
 
 PREFIX = "far"  # of the names of the far side
@@ -220,16 +223,33 @@ def both_sides(near: Assembly, far: Assembly, mirror: Mirror, machine: Machine) 
         unjudged=(),
     )
     through = mirror.through(near, far)
+    taker = _taker(far, mirror.shaft)
     near = replace(
-        near, parts=[through if part.name == mirror.shaft else part for part in near.parts]
+        near,
+        parts=[through if part.name == mirror.shaft else part for part in near.parts],
+        motor=_passing_on(near, mirror, taker, tuple(each.name for each in alone.machine.drives)),
     )
     copies = Counter(mount.part for mount in there.mounts)
     parts = [replace(part, count=part.count + copies[part.name]) for part in near.parts]
     whole = joined(replace(near, parts=parts), [there], machine)
     frame = far.frame and replace(far.frame, part=module.part(far.frame.part))
     far_side = replace(alone, bought=things, frame=frame)
-    order = Later(lambda: [_order(near, far_side, mirror, _taker(far, mirror.shaft))])
+    order = Later(lambda: [_order(near, far_side, mirror, taker)])
     return replace(whole, bought=_bought(near, far), board="", work=order)
+
+
+def _passing_on(
+    near: Assembly, mirror: Mirror, taker: tuple[str, str], drives: tuple[str, ...]
+) -> MotorSeat:
+    """The seat of the motor, with the bore in which the shaft of both sides turns the far one; drives: of that."""
+    flats = near.motor.flats
+    if not flats:
+        return near.motor
+    part, letter = taker
+    sizes = mirror.sizes
+    length = near.by_name[part].thickness
+    further = FlatSeat(part, letter, sizes.shaft_diameter, sizes.shaft_flat, length, drives)
+    return replace(near.motor, flats=(*flats, further))
 
 
 def _same(part: Part, other: Part | None) -> bool:
@@ -317,6 +337,67 @@ def _fed(row: Row, far: Assembly, mirror: Mirror) -> Row:
     return cells, Step(doings, apart=f"{PREFIX} side", shapes=shapes)
 
 
+def _tried(mirror: Mirror, driven: bool, fed: bool, screwed: bool, where: tuple[str, str]) -> Row:
+    """The row of both sides that run on each other, dry; driven: whether a motor does it, fed: by batteries, where: on what the far side
+    lies, and what takes the shaft."""
+    on, taker = where
+    run = "turn the shaft"
+    if driven:
+        led = "lead the wires of the batteries past both plates and along a spacer, taped to it where no link comes, join them"
+        run = f"{led if fed else 'hold the wires of a supply'} to the motor's and let it run"
+    backwards = ". If it goes backwards, swap the motor's two wires" if fed else ""
+    lower = "lower the far side" if fed else "turn the far side over and lower it"
+    doings = [
+        Doing(f"{lower} on the {on}, without {'screws or ' if screwed else ''}glue yet"),
+        Doing(f"{mirror.shaft} goes into {taker}; turn the far crank until the flat fits"),
+        Doing(
+            f"{run}, slowly through the whole motion: no joint may be stiff{backwards}",
+            needs=("connectors", "double-sided tape") if fed else (),
+        ),
+    ]
+    cells = "Far side on the near one, dry", f"on {mirror.shaft}, its flat in line", 1, 0.0
+    return (0, "both sides", *cells, "far side turned over"), Step(doings)
+
+
+def _glued(
+    mirror: Mirror,
+    metal: bool,
+    screws: Sequence[Bought],
+    where: tuple[str, str],
+    hole: tuple[str, str],
+) -> Row:
+    """The row of both sides that are joined, by screws where there are some; where: as of `_tried`, hole: that takes the shaft."""
+    on, taker = where
+    _, letter = hole
+    glue = "glue" if metal else TWO_PART
+    through = f" through {letter} of its second plate, as with a toothpick" if letter else ""
+    spread = "" if screws else f" and on the {on}"
+    clear = "none on the shaft or in that plate: the shaft turns there"
+    needs = (TWO_PART,) if glue == TWO_PART else ()
+    doings = [
+        Doing("lift the far side off"),
+        Doing(f"put {glue} into ", taker, f"{through}{spread}, {clear}", needs),
+    ]
+    if screws:
+        held = "screw it on the spacers through the far plate and its posts, tight crosswise"
+        doings += [
+            Doing(f"lower it again, {mirror.shaft} into {taker}, and {held}"),
+            Doing("let nothing turn until the glue is hard: nothing parts both sides after that"),
+        ]
+    else:
+        both = f"{taker} on {mirror.shaft} and the far second plate on the {on}"
+        doings.append(Doing("lower it again: press ", both))
+    between = "spacers" if mirror.gap else "second plate"
+    cells = (
+        f"Second plate on {between}, {'screwed' if screws else 'glued'}: the shaft of both sides is glued into the far side",
+        f"pressed and glued on {mirror.shaft}, its flat in line",
+        1,
+        0.0,
+    )
+    step = Step(doings, joins=f"{PREFIX} side", hand_fits=[hole])
+    return (0, "both sides", *cells, "far side turned over"), step
+
+
 def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str]) -> Table:
     """The near side from the bottom up, the far one likewise on its own plate, then one on the other, by the shaft of both.
 
@@ -336,17 +417,6 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str])
         for each in far.bought
         if any(part.endswith(SIDE_SPACER) for part, _ in each.at)
     ]
-    last = (
-        0,
-        "both sides",
-        f"Second plate on {'spacers' if mirror.gap else 'second plate'}, {'screwed' if screws else 'glued'}: the shaft of both sides goes on into the far side",
-        f"{'pressed' if screws else 'pressed and glued'} on {mirror.shaft}, its flat in line: turn the far side's crank until "
-        "it goes on. Then "
-        "move all slowly through its whole motion: no joint may be stiff",
-        1,
-        0.0,
-        "far side turned over",
-    )
     rows = [(tuple(row), step) for row, step in zip(first.rows, first.steps, strict=True)]
     for row, step in zip(second.rows, second.steps, strict=True):
         held = _centred(_greased(step), hole, far, mirror.sizes)
@@ -356,38 +426,8 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str])
     further = [_fed(row, far, mirror) for row in further_rows(near)]
     fed = [row for row in further if row[1].shapes]
     rows += fed
-    run = "turn the shaft"
-    if near.motor.reach is not None:
-        led = "lead the wires of the batteries past both plates and along a spacer, taped to it where no link comes, join them"
-        run = f"{led if fed else 'hold the wires of a supply'} to the motor's and let it run"
-    backwards = ". If it goes backwards, swap the motor's two wires" if fed else ""
-    lower = "lower the far side" if fed else "turn the far side over and lower it"
-    doings = [
-        Doing(f"{lower} on the {on}, without {'screws' if screws else 'glue'} yet"),
-        Doing(f"{mirror.shaft} goes into {taker}; turn the far crank until the flat fits"),
-        Doing(
-            f"{run}, slowly through the whole motion: no joint may be stiff{backwards}",
-            needs=("connectors", "double-sided tape") if fed else (),
-        ),
-    ]
-    if screws:
-        through = "screw it on the spacers through the far plate and its posts, tight crosswise"
-        doings.append(Doing(f"{through}. No glue: without these screws the far side comes off"))
-    else:
-        doings += [
-            Doing("lift the far side off"),
-            Doing(
-                "put glue into ",
-                taker,
-                f" and on the {on}, none on the shaft: it turns in the far second plate",
-            ),
-            Doing(
-                "lower it again: press ",
-                f"{taker} on {mirror.shaft} and the far second plate on the {on}",
-            ),
-        ]
-    dry = (mirror.shaft,) if screws else ()
-    joining = (last, Step(doings, joins=f"{PREFIX} side", hand_fits=[hole], dry=dry))
+    rows.append(_tried(mirror, near.motor.reach is not None, bool(fed), bool(screws), (on, taker)))
+    joining = _glued(mirror, near.process.fixing.metal, screws, (on, taker), hole)
     rows += [with_things(joining, [*screws, *coupled(near)])]
     rows += [row for row in further if not row[1].shapes]
     return numbered(replace(first, title="Assembly, side by side"), rows)

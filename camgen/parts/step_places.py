@@ -14,7 +14,7 @@ from camgen.parts.step_words import (
     FEELER,
     HOLE,
     IT,
-    TURNED,
+    TWO_PART,
     WHAT,
     Place,
     between,
@@ -22,6 +22,7 @@ from camgen.parts.step_words import (
     gauge_tools,
     listed,
     thickness_gauge,
+    turned,
     verb,
 )
 from camgen.study import Doing
@@ -121,7 +122,8 @@ def _meeting(
             high, set_by = f", down on {lying[0]}: {name} must keep some play", ""
         elif told and "glued" in joint and shaft.part.process == "bought" and not fixing.metal:
             high = _past_the_end(copy, shaft, gap, below, fixing) or high
-        flat = f", {TURNED[outline.flat]}" if joint and hole.flat and outline.flat else ""
+        flat = turned(outline.flat, fixing.metal) if joint and hole.flat else ""
+        flat = f", {flat}" if flat else ""
         lies = f", down on {name}" if name and gap <= SAME_POINT else ""
         at = "" if hole.name or shaft.part.count == 1 else _joint(hole, shaft, below)
         hangs = shaft.part.name if joint and _hangs(shaft, below, fixing) else ""
@@ -130,6 +132,7 @@ def _meeting(
         tools = gauge_tools(gap) if set_by or ", with " in high else ()
         if " under it)" in high:
             tools = gauge_tools(hole.low - min(each.low for each in shaft.outlines))
+        tools += _glue_of(flat)
         return _Meeting(letter, on, joint, high, set_by, lies, True, flat, hangs, room, tools)
     under = [
         (each.high, other.part.name, each.name)
@@ -156,6 +159,11 @@ def _meeting(
         of = f"{point} of " if point and point != hole.name else ""
         return _Meeting(letter, f"over {of}{name}")
     return _Meeting(letter, f"over the slot of {max(slots)[1]}") if slots else None
+
+
+def _glue_of(said: str) -> tuple[str, ...]:
+    """The glue that a piece of a sentence names, as in parts.tools."""
+    return (TWO_PART,) if TWO_PART in said else ()
 
 
 def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iterator[Doing]:
@@ -187,11 +195,10 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
             for (letter, place), count in ends.items()
         )
         glued = [each.letter for each in tight if each.letter and "glued" in each.joint]
-        many = len(glued) > 2
-        slow = f". Before that put two-part glue into {listed(glued)}: superglue sets before all ends are in"
-        rest = f", each in its hole: {said}{slow if many else ''}"
-        needs = ("two-part glue",) if many else ()
-        yield Doing("lower ", f"{WHAT} over all ends at once", rest, needs)
+        if len(glued) > 2:
+            slow = ": superglue sets before all ends are in"
+            yield Doing(f"put {TWO_PART} into ", listed(glued), slow, (TWO_PART,))
+        yield Doing("lower ", f"{WHAT} over all ends at once", f", each in its hole: {said}")
         whole = "it"
     elif free or over_pins:
         said = listed(
@@ -445,7 +452,8 @@ def _pin_words(
         if fixing.how(each[0], each[1].part, each[2], copy.part) != "free"
     ]
     fixed = [(hole, other) for hole, other, _ in tight]
-    flats = list({TURNED[each.flat]: 0 for hole, _, each in tight if hole.flat and each.flat})
+    seats = dict.fromkeys(each.flat for hole, _, each in tight if hole.flat and each.flat)
+    flats = [turned(seat, fixing.metal) for seat in seats]
     if copy.mount.flipped:  # from above, where a head may be in the way
         side = "flush with its upper side"
         top = max((each.high for each in copy.outlines), default=0.0)
@@ -472,5 +480,6 @@ def _pin_words(
     elif rest and not rest.startswith(";"):
         rest = f", {rest}" if first else f" {rest}"
     gap = _head_gap(copy, [hole for hole, *_ in round_holes]) if deep else 0.0
-    doing = Doing(begins, f"{WHAT}{first}", rest, gauge_tools(gap) if gap else ())
+    needs = (gauge_tools(gap) if gap else ()) + _glue_of(rest)
+    doing = Doing(begins, f"{WHAT}{first}", rest, needs)
     return (Place(f"{beginning}{said}", (doing,)) if said else Place()), letter

@@ -8,14 +8,15 @@ from dataclasses import dataclass, replace
 
 from camgen.parts.fixing import Joint
 from camgen.parts.part import Part
-from camgen.parts.standing import StandingCopy
+from camgen.parts.standing import Seat, StandingCopy
 from camgen.study import Doing
 from camgen.tolerances import SAME_POINT
 
 HOLE = "{hole}"  # in words, for a hole's letter
 WHAT = "{what}"  # in what is done, for what it is done with
 IT = "{it}"  # the same where it is named again
-TURNED = {"flat": "flat on flat", "key": "its key in both keyways"}
+_TURNED = {"flat": "flat on flat", "key": "its key in both keyways"}
+TWO_PART = "two-part glue"  # of plastic: sets slowly, and bears what a flat would press too hard
 _VERBS: dict[Joint, str] = {
     "glued": "glue ",
     "keyed and glued": "press and glue ",  # the key is tight
@@ -25,6 +26,12 @@ _VERBS: dict[Joint, str] = {
 }
 # What a machine has many of is called by its name alone, as it lies in the folder.
 _BY_NAME = ("pin", "crank-pin", "spacer", "sleeve", "cap", "nut", "cover", "keeper", "thread-post")
+
+
+def turned(seat: Seat, metal: bool) -> str:
+    """How what a flat or a key turns goes on: with which glue on a flat, where parts are of plastic."""
+    glued = f", with {TWO_PART}" if seat == "flat" and not metal else ""
+    return f"{_TURNED[seat]}{glued}" if seat else ""
 
 
 def verb(joint: Joint) -> str:

@@ -36,11 +36,13 @@ from camgen.parts.step_places import gap_under, places_of
 from camgen.parts.step_words import (
     LIES_ON_BENCH,
     MOVES,
+    TWO_PART,
     Place,
     between,
     called,
     gauge_tools,
     listed,
+    turned,
     where_all,
 )
 from camgen.study import Doing, Step, Table
@@ -280,7 +282,7 @@ def _on_motor(
     if not driven:
         return [*places]
     shaft = "on the motor's shaft"
-    glued = ", flat on flat, with two-part glue all round in its bore and none on the motor"
+    glued = f", {turned('flat', fixing.metal)} all round in its bore and none on the motor"
     flat = glued if any(hole.flat for hole in driven) else ""
     gap, under = min(
         (each for hole in driven if (each := gap_under(hole, there))[1]), default=(0.0, "")
@@ -291,7 +293,7 @@ def _on_motor(
     doings = [one for each in places for one in each.doings]
     on = doings.pop(0).thing.removeprefix(named) if doings and doings[0].verb == "set " else ""
     tools = gauge_tools(gap) if high else ()
-    tools += ("two-part glue",) if flat else ()
+    tools += (TWO_PART,) if TWO_PART in flat else ()
     push = Doing("push ", f"{named} {shaft}{f',{on}' if on else ''}{flat}{high}", "", tools)
     return [Place(f"pushed {where}", (push, *doings))]
 

@@ -543,6 +543,7 @@ def test_the_walker_buys_one_motor_by_its_model_and_one_holder() -> None:
     begin = names[names.index("ground") : names.index("motor") + 1]
     pins = [name for name in begin if name.startswith("pin-")]
     assert begin == ["ground", *pins, "motor-bar", "motor"], "when the plate has its pins"
+    assert "8 rpm at work, 13 rpm without load" in motor.size, "as shops list it"
     bar = str(rows[names.index("motor-bar")][2])
     assert bar.startswith("Motor bar: round the motor's gearbox, pressed, flush with its front")
 
@@ -560,6 +561,15 @@ def test_the_bore_of_the_walker_on_its_motors_flat_is_told_to_be_glued() -> None
     assert f"presses the bore with {pressure:.3g} MPa" in said
     shear = torque / 1.5 / (3.141593 * 3 * 3)  # at the shaft's radius, all round the bore
     assert f"a shear of {shear:.2g} MPa" in said
+    numbers = study.numbers
+    ratio = (0.5 * 2.5) / (0.5 * 4 / 3 * (4 - 0.5 * 4 / 3))  # of both half widths squared
+    pins = ["m_of_crank", "m_of_crank_web2", "n_of_crank_web2", "n_of_crank_web3"]
+    for pin in pins:
+        assert numbers[f"flat_pressure_{pin}_mpa"] == pytest.approx(pressure * ratio)
+    far = numbers["flat_pressure_o_of_crank_web3_mpa"]
+    assert pressure / 2 < far < pressure, "the far side's share, at times nearly all"
+    assert "as well where other flats press more than 20 MPa: M of crank" in said
+    assert f"O of crank_web3 {far:.3g} MPa." in said
     crank = read_mechanism(next(starters.folder().rglob("flapping-bird.toml")))
     light = assess(crank)
     assert 0 < light.study.numbers["flat_pressure_mpa"] < 20 and not light.warnings

@@ -201,7 +201,7 @@ def test_walls_of_a_groove_lie_on_their_back_plate_and_gaps_are_set_by_paper() -
     titles = [step.title for step in steps_of_assembly(machine).steps]
     (inner,) = (title for title in titles if "the inner wall of" in title)
     assert (
-        "all at once, down on cam-contact-back, flat on flat, flush with shaft's upper end."
+        "all at once, down on cam-contact-back, flat on flat, with two-part glue, flush with shaft's upper end."
         in inner
     )
     (outer,) = (title for title in titles if "the outer wall of" in title)
@@ -778,12 +778,15 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     titles = [step.title for step in table.steps]
     (web,) = (part for part in walker.assembly.parts if part.name == "crank_web3")
     assert "O" in dict(web.points)
-    (join,) = (
+    (trial,) = (
         k for k, title in enumerate(titles) if title.startswith("Lower the far side on the spacers")
     )
-    assert "Shaft-crank_web3 goes into O of the far crank_web3; turn the far crank" in titles[join]
-    assert "No glue" in titles[join]
-    assert {mate.how for mate in table.steps[join].mates} == {"free"}, "as it says"
+    assert "Shaft-crank_web3 goes into O of the far crank_web3; turn the far crank" in titles[trial]
+    join = trial + 1
+    last = titles[join]
+    assert "Put two-part glue into O of the far crank_web3 through O of its second plate" in last
+    glued = {mate.label for mate in table.steps[join].mates if mate.how == "glue"}
+    assert glued == {"O"}, "as it says"
     (slips,) = (title for title in titles if "spacer-1 over O of crank_web3" in title)
     assert "spacer-1 over O of crank_web3, stuck there with a dot of grease." in slips
     deep = {each.name: each for each in walker.assembly.stand_ins}["motor"]
@@ -794,19 +797,24 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     assert numbers["far-battery-frame"] < numbers["far-shaft"], "no loose shaft is in the way"
     batteries = next(k for k, title in enumerate(titles) if "Stick the battery holder" in title)
     assert titles[batteries].endswith("on the plate in the frame with double-sided tape.")
-    assert batteries == join - 1, "it runs on them in the next step"
+    assert batteries == trial - 1, "it runs on them in the next step"
     led = "Lead the wires of the batteries past both plates and along a spacer, taped to it"
-    assert "double-sided tape" in table.steps[join].doings[2].needs
+    assert "double-sided tape" in table.steps[trial].doings[2].needs
     spaced = next(title for title in titles if "Tilt the machine and screw each on" in title)
     assert "4 × spacer between both sides" in spaced
-    run = titles[join].index("join them to the motor's and let it run")
-    assert titles[join].index(led) < run
-    assert "swap the motor's two wires" in titles[join]
-    assert titles[join].index("without screws yet") < run < titles[join].index("Screw it on")
-    assert "No glue: without these screws the far side comes off" in titles[join]
+    run = titles[trial].index("join them to the motor's and let it run")
+    assert titles[trial].index(led) < run
+    assert "swap the motor's two wires" in titles[trial]
+    assert titles[trial].index("without screws or glue yet") < run
+    assert last.index("Lift the far side off") < last.index("and screw it on the spacers")
+    assert "Let nothing turn until the glue is hard" in last
     (motor,) = (title for title in titles if "Hold the motor under the plate" in title)
     assert "Hold its wires to the batteries and let it run before you go on" in motor
     assert "its nuts below the motor bar" in motor and "goes into O, 4 mm wide: scrape" in motor
+    assert "Stop it with the flat of its shaft away from A, as the picture shows" in motor
+    points = dict(walker.assembly.by_name["ground"].points)
+    toward = points["A"] / abs(points["A"])  # its bore's flat is at the top, at 180 deg below
+    assert (toward.conjugate() * -1j).real < -0.9
     over = {mount.part: mount.z for mount in walker.assembly.mounts}
     for leg in ("leg3", "leg4"):
         near, far = (title for title in titles if f"Lay {leg} as the picture shows" in title)
@@ -837,10 +845,14 @@ def test_a_walker_s_motor_and_batteries_come_from_where_they_go_and_are_seen() -
     """The motor from below, with the bar that holds it, the frame likewise, the holder into it; sizes and places as in its spec."""
     walker = built("walker")
     steps = steps_of_assembly(walker).steps
-    (motor,) = (step for step in steps if "motor-bar-1" in step.copies)
-    assert motor.way == 1 and "flush with its front. Measure the motor's shaft" in motor.title
-    assert "Keep the chips out of the motor. Hold the motor under the plate" in motor.title
-    assert "its shaft up through O" in motor.title
+    (bar,) = (step for step in steps if "motor-bar-1" in step.copies)
+    assert bar.way == 1 and bar.title.startswith("Measure the motor's shaft")
+    assert (
+        "Keep the chips out of the motor. Press the motor bar on the motor's gearbox" in bar.title
+    )
+    assert "flush with its front, with two-part glue on the edges of the front alone" in bar.title
+    motor = steps[steps.index(bar) + 1]
+    assert motor.way == 1 and "its shaft up through O" in motor.title
     (hole,) = motor.mates
     assert (hole.label, hole.how, hole.diameter) == ("O", "free", 3), "its letter is in the picture"
     assert 0 < hole.place[2] < walker.assembly.by_name["ground"].thickness
@@ -850,7 +862,11 @@ def test_a_walker_s_motor_and_batteries_come_from_where_they_go_and_are_seen() -
     assert low == -can.length and max(abs(z) for z in body) == pytest.approx(can.diameter / 2)
     assert max(abs(z) for z in shaft) == pytest.approx(1.5) and foot == high < 0 < end
     plate = next(k for k, step in enumerate(steps) if "ground-1" in step.copies)
-    assert steps[plate + 1] is motor
+    assert steps[plate + 1] is bar
+    depth = [
+        (z / -1j).real for z in shaft
+    ]  # the flat of the crank's bore is at its top, and the crank at 180 deg
+    assert max(depth) == pytest.approx(1.0) and min(depth) == pytest.approx(-1.5)
     (frame,) = (step for step in steps if "far-battery-frame-1" in step.copies)
     assert frame.way == 1 and frame.up == (0.0, 0.0, -1.0)
     play = walker.print.slide_clearance + walker.print.press_clearance
@@ -861,7 +877,7 @@ def test_a_walker_s_motor_and_batteries_come_from_where_they_go_and_are_seen() -
     for away, hole in told:
         corners = [59j + complex(x * half.real, y * half.imag) for x in (-1, 1) for y in (-1, 1)]
         assert min(abs(abs(z - points[hole]) - float(away)) for z in corners) < 0.06
-    holder = steps[-2]
+    holder = steps[-3]
     assert holder.title.startswith(
         "Far side: turn it over: the frame is up. Stick the battery holder"
     )
@@ -876,7 +892,11 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
     """Pins that hang by their heads are held, flats go on flats, a gap that posts leave is not set, the crank's height is."""
     walker = built("walker")
     titles = [step.title for step in steps_of_assembly(walker).steps]
-    (lid,) = (title for title in titles if title.startswith("Lower the second plate"))
+    (lid,) = (
+        title
+        for title in titles
+        if "Lower the second plate over all ends" in title and "Far" not in title
+    )
     assert "Hold pin-2 and pin-4 from below by the head meanwhile: a rod or block in the gap" in lid
     length = {name: walker.assembly.by_name[name].thickness for name in ("pin-2", "pin-3", "pin-4")}
     top = next(each.z for each in walker.assembly.mounts if each.part == "second-plate")
@@ -889,15 +909,16 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
     for gap, where in zip(gaps, stands, strict=True):
         propped = f"upright {where}, on a rod or block {gap:.4g} mm high; loose until"
         assert sum(propped in title for title in titles) == 2, "on either side, where it comes"
-    assert "Before that put two-part glue into A, B, A2 and B2: superglue sets before" in lid
+    assert lid.startswith("Put two-part glue into A, B, A2 and B2: superglue sets before all ends")
     assert "It lies on 4 posts, over all other parts." in lid and "Lay it on" not in lid
     assert "down on post: spacer-3 must keep some play" in lid
     assert "B on pin-2, with a strip of a plastic bag between cap-1 and low3" in lid, "by no end"
     web = next(title for title in titles if title.startswith("Glue M of crank_web2"))
     assert "on crank-pin-1, flat on flat" in web
     (pressed,) = (title for title in titles if title.startswith("Put these together on the bench"))
-    assert "☐ crank-pin-1 into N of crank_web2, flat on flat" in pressed
-    assert "put their pins in from the other face, and mark them F" in pressed  # a mirror image
+    assert "☐ crank-pin-1 into N of crank_web2, flat on flat, with two-part glue" in pressed
+    mirrored = "put their pins in from the other face, and write F, for far, on them."
+    assert mirrored in pressed
     (upright,) = (title for title in titles if "it keeps the shaft upright" in title)
     assert "Lay second-plate on the pins, dry, with O over shaft-crank_web3." in upright
     (crank,) = (title for title in titles if "on the motor's shaft" in title)
@@ -1273,7 +1294,7 @@ def test_screws_are_where_their_posts_and_plates_are() -> None:
             head, point = sorted((foot, end), key=lambda z: abs(z - spacer))[::-1]
             assert low < head < low + walker.assembly.by_name[part].thickness
             assert abs(point - spacer) < walker.assembly.by_name["side-spacer"].thickness / 2
-    (motor,) = (each for each in steps if "motor-bar-1" in each.copies)
+    (motor,) = (each for each in steps if "screw it on now" in each.title)
     assert len(motor.screws) == 4 and motor.threads == [("M2", 10.0)]
     bird = steps_of_assembly(built("flapping-bird")).steps
     (screwed,) = (each for each in bird if each.screws)

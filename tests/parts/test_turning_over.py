@@ -153,7 +153,7 @@ def test_a_machines_cam_has_up_in_its_files_and_in_its_step(tmp_path: Path) -> N
     assert len(drawing.engraved) == 3, "U, P and its eye"
     step = (
         "Stand shaft on the bench, where blocks under ground are 15 mm high: it must not sink. Glue the disc cam (cam-contact) on "
-        "shaft, flat on flat, flush with the upper end of shaft. UP on its upper side."
+        "shaft, flat on flat, with two-part glue, flush with the upper end of shaft. UP on its upper side."
     )
     assert step in next(folder.rglob("report.html")).read_text(encoding="utf-8")
 

@@ -42,6 +42,8 @@ def driving_text(spec: LinkageSpec) -> str:
         more = "" if geared is None else f" for {geared.volts:g} V ({known})"
         if model == HAND_CRANK:
             more = ", your own or one by parts.hand_crank"
+        if geared is not None:
+            turning += f" at work, {geared.no_load_rpm:.3g} rpm without load"
         return f"{model}{more}, {turning}"
     low, high = drive.range
     return f"linear, {high - low:g} mm at {drive.speed:g} mm/s, on link {drive.link}"

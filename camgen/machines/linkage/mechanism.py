@@ -227,7 +227,7 @@ class Linkage(LinkageSpec):
             if sizes.face is None
             else MotorSeat(frame, bodies.shaft_reach, bodies.collar, shaft=sizes.shaft_diameter)
         )
-        motor = replace(motor, flat=bodies.flat_seat)
+        motor = replace(motor, flats=tuple(bodies.flat_seats()))
         feet = len(bodies.layout.feet)
         ends = bodies.parts[0].centres[-sizes.mount_screws - feet :]
         screws = ends[: sizes.mount_screws] if bodies.layout.screwed else ()

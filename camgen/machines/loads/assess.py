@@ -211,7 +211,7 @@ class _AtWork:
             torque,
             running(self.run, self.motor, asked, cycle.name, seat.crank),
             drive.hub_slip(seat.hub, needed, own.name),
-            drive.flat_of_shaft(seat.flat, needed, own.name),
+            drive.flats_of_shafts(seat.flats, self.run, self.forces, own.name),
         ]
 
     def _lifeless(self, bearings: Sequence[LoadCheck]) -> list[NotJudged]:

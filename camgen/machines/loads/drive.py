@@ -244,21 +244,45 @@ def hub_slip(hub: SetScrewHub | None, torque: float, plastic: str) -> LoadCheck:
     return check
 
 
-def flat_of_shaft(seat: FlatSeat | None, torque: float, plastic: str) -> LoadCheck:
-    """How hard the flat of the shaft presses its printed bore at a torque, N m; a warning where that is more than a print bears."""
+def flats_of_shafts(seats: Sequence[FlatSeat], run: Run, forces: Forces, plastic: str) -> LoadCheck:
+    """How hard flats press the printed bores that pass the drive's torque on, and a warning where that is more than a print bears.
+
+    A crank pin is taken to pass on by its flats alone all that its shaft does.
+    """
     check = LoadCheck()
-    if seat is None or not torque or not materials.of(plastic).printed:
+    needed = max(
+        (peak(each.needed) for each in _motors(run, forces) if not each.drive.slide), default=0.0
+    )
+    if not seats or not needed or not materials.of(plastic).printed:
         return check
-    pressure = float(flat_pressure(torque / MM, seat.diameter, seat.depth, seat.length))
-    check.figures.append(Figure("flat pressure", pressure, "MPa"))
     bears = materials.of(plastic).bears
-    if pressure > bears:
+    said = list[str]()
+    others = list[str]()
+    for number, seat in enumerate(seats):
+        own = [each for each in run.machine.drives if each.name in seat.drives]
+        torque = peak(_on_shaft(run, own, forces.drives)) if own else needed
+        pressure = float(flat_pressure(torque / MM, seat.diameter, seat.depth, seat.length))
+        hole = f"{seat.hole} of {seat.part}"
+        if number:
+            check.figures.append(Figure("flat pressure {joint}", pressure, "MPa", joint=hole))
+        else:
+            check.figures.append(Figure("flat pressure", pressure, "MPa"))
+        if pressure <= bears:
+            continue
+        if number:
+            others.append(f"{hole} {pressure:.3g} MPa")
+            continue
         shear = 2 * torque / MM / (math.pi * seat.diameter**2 * seat.length)
-        check.warnings.append(
+        said.append(
             f"Glue {seat.part} on its shaft of {seat.diameter:g} mm with two-part glue, all round. The flat alone presses the bore with "
             f"{pressure:.3g} MPa at the torque needed, and {plastic} bears {bears:g} MPa; the glue alone bears a shear of {shear:.2g} MPa. "
             f"How well it is glued is not judged. A bore longer than {seat.length:g} mm, a thicker shaft or a deeper flat lowers both."
         )
+    if others:
+        said.append(
+            f"Use two-part glue as well where other flats press more than {bears:g} MPa: {', '.join(others)}."
+        )
+    check.warnings += [" ".join(said)] if said else []
     return check
 
 

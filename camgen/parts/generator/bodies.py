@@ -173,15 +173,21 @@ class Bodies:
             top = layout.top(layout.level[layout.driven])
         return top if self.collar is None else top + self.collar.height
 
-    @property
-    def flat_seat(self) -> FlatSeat | None:
-        """The printed link that a flat of the shaft turns, with the set screw's hub on it; None without a flat."""
+    def flat_seats(self) -> Iterator[FlatSeat]:
+        """Bores by which flats turn printed links: of the driven one on the shaft, with the set screw's hub on it, then of webs on crank
+        pins; none without a flat."""
         s = self.sizes
-        if not s.shaft_flat or s.shaft_key or s.of_sheet or not self.layout.drivers:
-            return None
-        link = self.layout.driven
-        length = self.layout.thickness(link) + (self.collar.height if self.collar else 0.0)
-        return FlatSeat(link, s.shaft_diameter, s.shaft_flat, length)
+        layout = self.layout
+        if not s.shaft_flat or s.shaft_key or s.of_sheet or not layout.drivers:
+            return
+        link = layout.driven
+        length = layout.thickness(link) + (self.collar.height if self.collar else 0.0)
+        yield FlatSeat(link, layout.shaft_of(link), s.shaft_diameter, s.shaft_flat, length)
+        for web, points in layout.webs.items():
+            for point in points:
+                if point not in layout.shafts:
+                    depth = layout.key_depth
+                    yield FlatSeat(web, point, s.pin_diameter, depth, layout.thickness(web))
 
     @property
     def shaft(self) -> Shaft | None:
