@@ -29,7 +29,7 @@ def notes_of(drawn: DrawnPart, own_sheets: int) -> list[str]:
     part = drawn.part
     stock = any(isinstance(note, SizeNote) for note in part.notes)  # which is cut
     bought = part.process == "bought" and not stock
-    lines = ["Bought, not made: drawn to tell it by"] if bought else []
+    lines = ["Bought, not made: this sheet shows which one"] if bought else []
     off_zero = any({x, y} - {"0", ""} for _, x, y, _ in drawn.rows)
     if drawn.zero_is and drawn.rows and (off_zero or drawn.zero):
         lines.append(f"X and Y from {drawn.zero_is}")

@@ -168,7 +168,7 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     assert fits(found["hand-crank"])[40] == "H7 (+0.012/0), pressed and glued on Ø5 m6"
     path, *_ = write_drawing(tmp_path, "x", parts["pin-1"], 1e-3, found["pin-1"])
     texts = [each.dxf.text for each in ezdxf.readfile(path).modelspace().query("TEXT")]
-    assert "Bought, not made: drawn to tell it by" in texts
+    assert "Bought, not made: this sheet shows which one" in texts
     assert "hole P for a pin pressed and glued in" in parts["crank"].notes
     assert "pressed and glued in" in parts["knob-pin"].notes
     assert "hole O keyed and glued on the shaft" in parts["crank"].notes

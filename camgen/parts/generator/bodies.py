@@ -216,7 +216,7 @@ class Bodies:
             motors.append(Bought("drive", "", f"{turning}, for a {shaft}", 1, "drive", how=lower))
         if face is not None:
             if p.shaft_flat and not face.flat:
-                shaft += " (that of your motor is to be looked up: shaft_flat)"
+                shaft += " (look up that of your motor: shaft_flat)"
             said = f"{turning}, {shaft}, at least {self.shaft_reach:.4g} long from its face"
             motors = fixed_motor("drive", face, said, p.base_thickness - p.pocket)
         screws = self.layout.cover.bought(self.of_role("cover")) if self.layout.cover else []
