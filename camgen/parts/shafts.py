@@ -3,7 +3,8 @@ with keyways.
 
 Bearings 6000 to 6010: bearingsblog.blogspot.com/2024/10/understanding-6000-bearing-dimensions.html. Retaining rings, DIN 471:
 scribd.com/document/416335815, External Retaining Rings; up to 19 the same at capitalbolts.in/din-471, which has the tolerances of
-grooves. Gaps, the end for a coupling, and what shims fill: camgen's own rules. A key h9 is light in keyways N9 of the shaft and JS9
+grooves. From 24 to 42, and the tolerances there: fixawell.com/retaining-ring-din-983.htm, whose rings have other lugs in the same
+grooves; its nine rows from 16 to 50 that the first source has too are equal. Gaps, the end for a coupling, and what shims fill: camgen's own rules. A key h9 is light in keyways N9 of the shaft and JS9
 of the bore, tight in P9 of both: berger-tools.co.uk, Standard_Parts_Catalogue, page 2078.
 """
 
@@ -55,11 +56,21 @@ _RINGS = {
     20.0: (1.2, 19.0, 1.3),
     21.0: (1.2, 20.0, 1.3),
     22.0: (1.2, 21.0, 1.3),
+    24.0: (1.2, 22.9, 1.3),
+    25.0: (1.2, 23.9, 1.3),
+    26.0: (1.2, 24.9, 1.3),
+    28.0: (1.5, 26.6, 1.6),
+    30.0: (1.5, 28.6, 1.6),
+    32.0: (1.5, 30.3, 1.6),
+    35.0: (1.5, 33.0, 1.6),
+    38.0: (1.75, 36.0, 1.85),
+    40.0: (1.75, 37.5, 1.85),
+    42.0: (1.75, 39.5, 1.85),
     45.0: (1.75, 42.5, 1.85),
     50.0: (2.0, 47.0, 2.15),
 }
 _FIT = "h6"  # fit of the whole shaft
-_FINER = 10.0  # mm, shaft up to which a groove is h10, then h11
+_GROOVE_FITS = {10.0: "h10", 22.0: "h11", 50.0: "h12"}  # of a groove, up to a shaft of so many mm
 _GAP = 0.5  # of the shaft: from the bore to a bearing
 _COUPLING = 1.5  # of it: end for a coupling
 _STEP = 5.0  # mm, of lengths of shafts
@@ -229,7 +240,7 @@ def _bore_grooves(seat: Seat, start: float) -> Iterator[RingGrooves]:
 
 def _grooves(bore: float, ring: str, start: float, apart: float, wider: float) -> RingGrooves:
     thick, diameter, wide = _RINGS[bore]
-    fit = "h10" if bore <= _FINER else "h11"
+    fit = next(fit for most, fit in _GROOVE_FITS.items() if bore <= most)
     return RingGrooves(ring, start, apart, wider, diameter, fit, wide, thick)
 
 

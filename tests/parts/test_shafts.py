@@ -15,10 +15,14 @@ from camgen.parts.shafts import Seat, shaft_and_bearings
         (8.0, "8 x 0.8", "Ø7.6 h10, 0.9 H13 wide, 41.9 +0.2/0 over"),
         (12.0, "12 x 1", "Ø11.5 h11, 1.1 H13 wide, 42.3 +0.2/0 over"),
         (20.0, "20 x 1.2", "Ø19 h11, 1.3 H13 wide, 42.7 +0.2/0 over"),
+        (25.0, "25 x 1.2", "Ø23.9 h12, 1.3 H13 wide, 42.7 +0.2/0 over"),
+        (30.0, "30 x 1.5", "Ø28.6 h12, 1.6 H13 wide, 43.3 +0.2/0 over"),
+        (40.0, "40 x 1.75", "Ø37.5 h12, 1.85 H13 wide, 43.8 +0.2/0 over"),
     ],
 )
 def test_rings_and_their_grooves_are_those_of_din_471(bore: float, ring: str, groove: str) -> None:
-    """[DIN 471: d1, s, d2, m as tabled at capitalbolts.in/din-471; 20 in scribd.com/document/416335815] Over the outer walls a
+    """[DIN 471: d1, s, d2, m as tabled at capitalbolts.in/din-471; 20 in scribd.com/document/416335815; from 25 on d2 with 0/-0.21
+    and 0/-0.25, the h12 of 18 to 50 mm (ISO 286-2), at fixawell.com/retaining-ring-din-983.htm] Over the outer walls a
     bore of 40, two rings and 0.3 for shims."""
     shaft, rings, *_ = shaft_and_bearings(Seat(bore, [40.0], ringed=True))
     assert (rings.size, rings.count, rings.standard) == (ring, 2, "DIN 471")
@@ -53,7 +57,7 @@ def test_a_shaft_whose_bearings_are_not_known_says_how_much_is_in_the_bore() -> 
 
 def test_rings_on_either_side_of_its_first_bearing_hold_the_shaft() -> None:
     """6004 is 12 wide [ISO 15], rings for 20 are 1.2 thick [DIN 471]: from 3.8 on, 14.4 and 0.1 more over the grooves' outer walls,
-    the bearing between 5 and 17; 14 mm shafts have rings but no such bearing, 25 mm ones a bearing but no ring in the table."""
+    the bearing between 5 and 17; 14 mm shafts have rings but no such bearing, 5 mm ones a bearing but no ring in the table."""
     shaft, held, bearing = shaft_and_bearings(Seat(20.0, [24.0]))
     assert (held.standard, held.count, held.size) == ("DIN 471", 2, "20 x 1.2")
     assert "the inner one first" in held.how and "collar" not in bearing.how
@@ -64,7 +68,7 @@ def test_rings_on_either_side_of_its_first_bearing_hold_the_shaft() -> None:
     assert made.bearings is not None and made.bearings.seats == (5.0, 61.0)
     assert made.bores == ((27.0, 24.0),) and made.length == 105.0
     assert "14.5 +0.1/0 over their outer walls" in shaft.details
-    thick, bearing = shaft_and_bearings(Seat(25.0, [24.0], ringed=True))
-    assert "groove" not in thick.details and "a collar or a shoulder of yours" in bearing.how
+    thin, bearing = shaft_and_bearings(Seat(5.0, [24.0], ringed=True))
+    assert "groove" not in thin.details and "a collar or a shoulder of yours" in bearing.how
     (alone,) = shaft_and_bearings(Seat(14.0, [24.0]))
     assert alone.shaft is None
