@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import reduce
 from typing import Any
 
 import numpy as np
 
-from camgen.files.arrangement import Arrangement, Axis, Copy, Item
+from camgen.files.arrangement import Arrangement, Axis, Copy
 from camgen.files.dimensions import number
 from camgen.files.views import area
 from camgen.geometry.arcs import as_circle
@@ -24,15 +25,16 @@ from camgen.numerics import coordinates
 from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import TURNED
 from camgen.parts.part import Part
+from camgen.pipeline.assembly_list import items_of
 from camgen.pipeline.bought_shapes import Thing, bought_shapes, is_drawn_short
-from camgen.pipeline.shopping import bought_things, supplies
+from camgen.pipeline.shopping import bought_things
 from camgen.pipeline.shown import coarse
 from camgen.study import Table
 
 _FINE = 0.01  # mm, chord tolerance of outlines
 _ON_LINE = 1e-3  # mm, by which an axis may miss the line of the section
-_LISTED = "bought"  # what the list names beside parts
 _UNDER = 1e-4  # mm, by which a level is cut below
+_HEIGHTS = 3  # at which copies of a part lie, that the list has
 _IN_ROW = 3  # axes in a line of notes
 _RODS = (
     "pin",
@@ -40,6 +42,10 @@ _RODS = (
     "shaft",
 )  # roles of parts with flats or grooves that it does not hatch either
 _WHOLE = ("bought", TURNED)  # how parts are made that a section does not hatch
+
+Shape = tuple[
+    list[tuple[Any, float]], Any, tuple[float, float]
+]  # faces, cut and span of a copy, as its record says
 
 
 def arrangement_of(mechanism: Mechanism, listed: Table) -> Arrangement:
@@ -51,37 +57,33 @@ def arrangement_of(mechanism: Mechanism, listed: Table) -> Arrangement:
     if any(thing.shaft is not None for thing in things):  # through keys and rollers beside it
         moving += [_middle(shape) for shapes in drawn.values() for shape in shapes]
     line = _line([axis.at for axis in axes], moving)
-    numbers = {part.name: k for k, part in enumerate(assembly.parts, 1)}
     copies = _copies(mechanism, line)
     if all(copy.cut.is_empty for copy in copies):  # axes apart from all that is made
-        faces = [face for copy in copies for face, _ in copy.faces]
-        inside = max(faces, key=lambda face: float(face.area)).representative_point()
+        outlines = [face for copy in copies for face, _ in copy.faces]
+        inside = max(outlines, key=lambda face: float(face.area)).representative_point()
         line = complex(inside.x, inside.y), 1 + 0j
         copies = _copies(mechanism, line)
-    rows = [row[:4] for row in listed.rows]
     items = []
-    for how, name, what, count in rows:
-        if name in numbers:
-            part = assembly.by_name[name]
-            said = part.listed + str(what).removeprefix(part.title)
-            items.append(Item(said, count, str(how), numbers[name]))
-    items.sort(key=lambda item: item.number)
-    shapes = {(thing.name, thing.listing): thing for thing in things}
-    used_up = {each.name for each in supplies(mechanism)}  # such as oil: no items of a machine
-    for how, name, what, count in rows:
-        if name not in numbers and how in (_LISTED, TURNED) and name not in used_up:
-            number = len(items) + 1
-            thing = shapes.get((str(name), str(what)))
-            found = drawn.get(thing, []) if thing else []
-            short = thing is not None and is_drawn_short(assembly, thing)
-            said = str(how) if found else f"{how}, not drawn"
-            said = f"{how}, drawn short" if found and short else said
-            items.append(Item(f"{name}: {what}", count, said, number))
-            copies += [
-                Copy(number, *_of_prisms(each, line), False, bought=True, short=short)
-                for each in found
-            ]
+    for item, thing in items_of(mechanism, listed):
+        found = drawn.get(thing, []) if thing else []
+        short = thing is not None and is_drawn_short(assembly, thing)
+        for each in found:
+            faces, cut, span = _of_prisms(each, line)
+            copies.append(Copy(item.number, faces, cut, False, span, bought=True, short=short))
+        own = [copy for copy in copies if copy.number == item.number]
+        items.append(replace(item, heights=_heights(own)))
     return Arrangement(copies, items, line, axes, _notes(mechanism, axes))
+
+
+def _heights(copies: Sequence[Copy]) -> list[str]:
+    """From where to where copies of an item reach, in words."""
+    if any(copy.short for copy in copies):
+        return ["drawn short"]
+    spans = sorted({copy.span for copy in copies})
+    words = [*dict.fromkeys(f"{number(low, 2)} to {number(high, 2)}" for low, high in spans)]
+    if len(words) > _HEIGHTS:
+        words = [*words[: _HEIGHTS - 1], f"and {len(words) - _HEIGHTS + 1} more"]
+    return words or ["not drawn"]
 
 
 def _middle(thing: Thing) -> complex:
@@ -153,17 +155,17 @@ def _copy(
 ) -> Copy:
     """A copy as it is seen and cut."""
     flat = part.prismatic and not (pose.upright or pose.standing)
-    faces, cut = _of_layers(part, pose, line) if flat else _of_solid(part, pose, line, tolerance)
+    faces, cut, span = (
+        _of_layers(part, pose, line) if flat else _of_solid(part, pose, line, tolerance)
+    )
     hollow = any(each.region.holes for each in part.layers)  # such as a bush
     rod = all(as_circle(each.region.outer) for each in part.layers)
     rod |= part.role in _RODS or part.process in _WHOLE
-    return Copy(item, faces, cut, hollow or not rod)
+    return Copy(item, faces, cut, hollow or not rod, span)
 
 
-def _of_layers(
-    part: Part, pose: PartPose, line: tuple[complex, complex]
-) -> tuple[list[tuple[Any, float]], Any]:
-    """Faces of a part's layers, and what the section meets of them."""
+def _of_layers(part: Part, pose: PartPose, line: tuple[complex, complex]) -> Shape:
+    """A part by its layers."""
     import shapely
 
     place = complex(pose.place[0])
@@ -184,10 +186,8 @@ def _of_layers(
     return _of_prisms(prisms, line)
 
 
-def _of_prisms(
-    prisms: Sequence[tuple[Any, float, float]], line: tuple[complex, complex]
-) -> tuple[list[tuple[Any, float]], Any]:
-    """Upper faces of upright prisms, and what the section meets of them."""
+def _of_prisms(prisms: Sequence[tuple[Any, float, float]], line: tuple[complex, complex]) -> Shape:
+    """Upright prisms."""
     import shapely
 
     origin, along = line
@@ -207,13 +207,12 @@ def _of_prisms(
             if piece.length
         ]
     faces = [(shape, high) for shape, _, high in prisms]
-    return faces, shapely.union_all([shapely.Polygon(), *boxes])
+    span = min(low for _, low, _ in prisms), max(high for _, _, high in prisms)
+    return faces, shapely.union_all([shapely.Polygon(), *boxes]), span
 
 
-def _of_solid(
-    part: Part, pose: PartPose, line: tuple[complex, complex], tolerance: float
-) -> tuple[list[tuple[Any, float]], Any]:
-    """Outlines from above of what of a solid reaches as high as each of its level faces, then of all of it; and what the section meets."""
+def _of_solid(part: Part, pose: PartPose, line: tuple[complex, complex], tolerance: float) -> Shape:
+    """A part by its solid: its faces are the outlines from above of what reaches as high as each of its level faces, then of all of it."""
     import shapely
 
     from camgen.parts.solids import manifold
@@ -234,7 +233,8 @@ def _of_solid(
     turned = np.column_stack([local.real, solid.vertices[:, 2], -local.imag])
     rings = [ring.points for ring in slice_mesh(Mesh(turned, solid.faces), 0.0)]
     cut = _even([coordinates(z) for z in rings])
-    return seen, cut
+    heights_of = solid.vertices[:, 2]
+    return seen, cut, (float(heights_of.min()), float(heights_of.max()))
 
 
 def _levels(solid: Mesh) -> list[float]:
@@ -272,8 +272,12 @@ def _notes(mechanism: Mechanism, axes: Sequence[Axis]) -> list[str]:
     turns = "clockwise" if cycle.sense < 0 else "counter-clockwise"
     way = "to and fro" if cycle.to_and_fro else turns
     shown = f"Shown at {cycle.name} {start:.4g} {cycle.unit}, driven {way}."
-    heights_from = f"Heights beside the section A-A upwards from z = 0{_datum(mechanism.assembly)}."
+    heights_from = (
+        f"Heights upwards from z = 0{_datum(mechanism.assembly)}; of all parts in the list."
+    )
     notes = [shown, heights_from]
+    if not mechanism.drawing.number:
+        notes.append(f"Files of drawings begin with {mechanism.name}-.")
     places = [
         f"{axis.name} ({number(axis.at.real - axes[0].at.real)}, {number(axis.at.imag - axes[0].at.imag)})"
         for axis in axes[1:]

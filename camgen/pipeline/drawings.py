@@ -32,7 +32,7 @@ from camgen.parts.assembly import Assembly, cut_of_sheet
 from camgen.parts.catalogue import BUSH, CORE_HOLES, CUT, TURNED
 from camgen.parts.fixing import JOURNAL, PIN, ROD, is_rod, joint_of
 from camgen.parts.keyways import key_length, keyed
-from camgen.parts.materials import STEEL, Material
+from camgen.parts.materials import STEEL
 from camgen.parts.part import Layer, Part
 from camgen.parts.shafts import rod_with_keyways
 from camgen.parts.standing import Round, standing
@@ -60,7 +60,7 @@ _OF_ROD = replace(_IN_METAL, profile=0.0, roughness=0.0, symmetry=0.0, run_out=0
 _OF_SLEEVE = "free of burrs"
 _OF_JOURNAL = "free of burrs, corner under the head at most R0.1, free end chamfered 0.3 × 45°"
 _ROD_STEEL = "C45+C"  # bright drawn: camgen's own choice
-_SHAFT_STEEL = "C45"  # of shafts that are no parts
+SHAFT_STEEL = "C45"  # of shafts that are no parts
 _SEAT_ROUGHNESS = 0.8  # Ra of what is h6 under bearings, micrometres: camgen's own choice
 _ROD_STRENGTH = f"tensile strength at least {2 * STEEL.bears:g} MPa"  # on which loads count
 _MEDIUM = "ISO 2768-m"  # general tolerance of what is printed or cut of a sheet, unless its spec says other
@@ -103,7 +103,6 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     rod = round_of(part.region.outer) if steel and material.metal and is_rod(part) else None
     of_metal = metal or is_rod(part) or (material.metal and part.process == "bought")
     usual = _IN_METAL if cut else _OF_ROD if rod else _IN_PLASTIC
-    names = [each.name for each in mechanism.assembly.parts]
     bore_fit = sheet.bore_fit or ("H7" if metal else "")
     own = metal and _has_keyed_shaft(mechanism.assembly)
     profile = sheet.profile or usual.profile
@@ -119,22 +118,14 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     tracks = list(_tracks(mechanism, part, step))
     return Facts(
         machine=_machine(mechanism),
-        material="as the sheet"
-        if of_sheet and material.printed
-        else _material(material)
-        if printed or of_sheet
-        else f"{_ROD_STEEL} ({materials.of('C45').number})"
-        if rod
-        else "steel"
-        if steel
-        else part.process,
+        material=_numbered(*material_of(mechanism, part)),
         mass_g=part.volume
         * (mechanism.assembly.process.density if printed else 1e3 * STEEL.density)
         * 1e-6
         if printed or steel
         else None,
         tolerance=sheet.tolerance or (_IN_METAL.tolerance if metal else _MEDIUM),
-        number=f"{sheet.number}-{names.index(part.name) + 1:02d}" if sheet.number else "",
+        number=drawing_number(mechanism, part.name),
         date=sheet.date or "",
         fits=()
         if part.process == "bought"
@@ -252,9 +243,31 @@ def _has_keyed_shaft(assembly: Assembly) -> bool:
     return any(keyed(layer.region.outer) for part in assembly.parts for layer in part.layers)
 
 
-def _material(material: Material) -> str:
+def drawing_number(mechanism: Mechanism, part: str) -> str:
+    """Number of a part's drawing; "" where it is its file's name."""
+    names = [each.name for each in mechanism.assembly.parts]
+    number = mechanism.drawing.number
+    return f"{number}-{names.index(part) + 1:02d}" if number else ""
+
+
+def material_of(mechanism: Mechanism, part: Part) -> tuple[str, str]:
+    """Of what a part is made, and the number of a steel; of one that is bought that it is."""
+    material = materials.of(mechanism.material.name)
+    of_sheet = cut_of_sheet(mechanism.assembly, part)
+    if of_sheet and material.printed:
+        return "as the sheet", ""
+    if of_sheet or part.process == "printed":
+        return material.name, material.number
+    if part.process not in (TURNED, CUT):
+        return part.process, ""
+    if material.metal and is_rod(part) and round_of(part.region.outer):
+        return _ROD_STEEL, materials.of("C45").number
+    return "steel", ""
+
+
+def _numbered(material: str, number: str) -> str:
     """Name of a material, a steel's with its number."""
-    return f"{material.name} ({material.number})" if material.number else material.name
+    return f"{material} ({number})" if number else material
 
 
 def _asked(value: float | None, usual: float) -> float:
@@ -309,7 +322,7 @@ def shaft_facts(mechanism: Mechanism, shaft: TurnedShaft) -> Facts:
     volume = math.pi * shaft.diameter**2 / 4 * shaft.length
     return replace(
         machine_facts(mechanism, "shaft", "-S1"),
-        material=f"{_SHAFT_STEEL} ({materials.of(_SHAFT_STEEL).number})",
+        material=f"{SHAFT_STEEL} ({materials.of(SHAFT_STEEL).number})",
         mass_g=volume * 1e3 * STEEL.density * 1e-6,
         tolerance=sheet.tolerance or _IN_METAL.tolerance,
         roughness=_SEAT_ROUGHNESS,
@@ -318,7 +331,7 @@ def shaft_facts(mechanism: Mechanism, shaft: TurnedShaft) -> Facts:
         symmetry=_asked(sheet.symmetry, _IN_METAL.symmetry),
         rod_chamfer=_chamfer(shaft.diameter),
         edges=sheet.edges or _IN_METAL.edges,
-        heat_treatment=materials.of(_SHAFT_STEEL).treatment,
+        heat_treatment=materials.of(SHAFT_STEEL).treatment,
     )
 
 

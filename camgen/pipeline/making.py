@@ -110,7 +110,7 @@ def put_together(case: Case, only: frozenset[str], solids: Made, progress: Progr
 def draw_machine(case: Case, folder: Path) -> None:
     """Write the sheets of the machine as a whole: its timing diagram where it has several cams, that of a shaft which is no part, its
     arrangement of several parts."""
-    from camgen.files.arrangement import write_arrangement
+    from camgen.files.arrangement_sheet import write_arrangement
     from camgen.files.shaft_sheet import write_shaft
     from camgen.files.timing import write_timing
     from camgen.pipeline.arrangement import arrangement_of

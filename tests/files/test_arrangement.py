@@ -16,8 +16,10 @@ import numpy as np
 import pytest
 import shapely
 
-from camgen.files.arrangement import Arrangement, Copy, Item, write_arrangement
-from camgen.files.sheet import Size, Stroke, Text
+from camgen.files.arrangement import Arrangement, Copy
+from camgen.files.arrangement_sheet import write_arrangement
+from camgen.files.assembly_list import Item, folded, height
+from camgen.files.sheet import Sheet, Size, Stroke, Text
 from camgen.files.title_block import Facts
 from camgen.geometry.outlines import Arc, Contour, extent, start_point
 from camgen.machines.mechanism import Mechanism
@@ -91,9 +93,10 @@ def solids(name: str) -> list[tuple[int, Facets]]:
 def bought(name: str) -> list[tuple[int, Any, float, float]]:
     """Number, polygon and heights of every prism of what is bought and is no part."""
     mechanism, arrangement = machine(name)
-    rows = {item.what: item.number for item in arrangement.items}
+    rows = {(item.what, item.designation): item.number for item in arrangement.items}
+    own = {item.what: item.number for item in arrangement.items}  # of a shaft that has a sheet
     return [
-        (rows[f"{thing.name}: {thing.listing}"], *piece)
+        (rows.get((thing.name, thing.listing), own[thing.name]), *piece)
         for thing, shapes in bought_shapes(mechanism, bought_things(mechanism)).items()
         for shape in shapes
         for piece in shape
@@ -106,6 +109,20 @@ def highest(name: str, z: complex) -> set[int]:
     tops = [(max(tops), k) for k, facets in solids(name) if len(tops := facets.met(z.real, z.imag))]
     tops += [(high, k) for k, shape, _, high in bought(name) if shape.contains(point)]
     return {k for top, k in tops if top > max(tops)[0] - 1e-6}
+
+
+def leaders(sheet: Sheet) -> list[tuple[int, complex, complex]]:
+    """Number, middle and dot of each balloon on a sheet."""
+    things = list(sheet.primitives)
+    found = []
+    for k, each in enumerate(things):
+        piece = each.pieces[0] if isinstance(each, Stroke) else None
+        if isinstance(piece, Arc) and piece.radius == 4.0:
+            text, dot = things[k + 1], things[k + 3]
+            assert isinstance(text, Text) and isinstance(dot, Stroke)
+            assert isinstance(dot.pieces[0], Arc)
+            found.append((int(text.text), piece.centre, dot.pieces[0].centre))
+    return found
 
 
 @pytest.mark.parametrize("name", MACHINES)
@@ -158,7 +175,7 @@ def test_the_section_holds_what_lies_inside_of_the_solids(name: str) -> None:
 
 def test_what_both_views_hide_is_dashed_and_has_its_number() -> None:
     """A small plate under a large one, beside the section: two views that do not show it."""
-    from camgen.files.arrangement import _Page
+    from camgen.files.arrangement_sheet import _Page
 
     large, small = shapely.box(0, 0, 30, 30), shapely.box(20, 20, 24, 25)
     copies = [
@@ -172,7 +189,7 @@ def test_what_both_views_hide_is_dashed_and_has_its_number() -> None:
     (outline,) = dashed
     low, high = extent([Contour(outline.pieces)])
     assert (high - low) / page.scale == pytest.approx(4 + 5j)
-    assert shapely.Point(arrangement.anchors(page.scale)[0][2].real, 22).within(small)
+    assert arrangement.shown(page.scale)[0][2].equals(small)
 
 
 def test_screws_and_their_nuts_stand_in_their_own_holes() -> None:
@@ -219,11 +236,11 @@ def test_what_has_no_known_place_is_said_to_be_not_drawn() -> None:
     """Glue and a hand crank that is not made; a screw of which there are fewer holes than are bought."""
     mechanism, arrangement = machine("walking-leg")
     drawn = {copy.number for copy in arrangement.copies}
-    said = {item.what.partition(":")[0]: item.made for item in arrangement.items}
-    assert said["glue"] == said["drive"] == "bought, not drawn"
-    assert said["screw of the plate, from behind"] == "bought"
+    said = {item.what: (item.material, item.heights) for item in arrangement.items}
+    assert said["glue"] == said["drive"] == ("bought", ["not drawn"])
+    assert said["screw of the plate, from behind"] == ("bought", ["0 to 5"])
     assert all(
-        item.made.endswith("not drawn") != (item.number in drawn) for item in arrangement.items
+        (item.heights == ["not drawn"]) != (item.number in drawn) for item in arrangement.items
     )
     things = bought_things(mechanism)
     (screw,) = (thing for thing in things if thing.thread)
@@ -271,12 +288,12 @@ def test_a_drum_has_its_roller_in_its_track() -> None:
 
 def test_a_motor_whose_length_nothing_says_is_not_measured() -> None:
     """NEMA 17 has 42.3 across [NEMA ICS 16] and no length: the depth of the section is that of the parts, by hand 24.8 + 2.2."""
-    from camgen.files.arrangement import _Page
+    from camgen.files.arrangement_sheet import _Page
 
     _, arrangement = machine("uniform-swing")
-    said = {item.what.partition(":")[0]: (item.number, item.made) for item in arrangement.items}
-    number, made = said["motor"]
-    assert made == "bought, drawn short"
+    said = {item.what: (item.number, item.heights) for item in arrangement.items}
+    number, heights = said["motor"]
+    assert heights == ["drawn short"]
     (motor,) = (copy for copy in arrangement.copies if copy.number == number)
     assert motor.short and motor.faces[0][0].bounds == pytest.approx((-21.15, -21.15, 21.15, 21.15))
     sheet = _Page(arrangement).draw("swing", Facts())
@@ -294,18 +311,21 @@ def test_a_can_beside_its_shaft_stands_between_its_screws() -> None:
     assert body[0].centroid.distance(shaft[0].centroid) == pytest.approx(8.0, abs=1e-6)
 
 
-def test_a_section_with_many_heights_has_a_sheet_with_room_for_them() -> None:
-    """24 heights of 12 plates 5 thick, 1 apart, need 58 of paper; at 1:2 their 71 with 8 beyond either end are 52, at 1:1 87."""
-    from camgen.files.arrangement import _Page
+def test_a_section_has_a_dozen_heights_at_most() -> None:
+    """Of 12 plates 5 thick and 1 apart: the lowest face at 0, the highest at 71, and of the rest those of the ten that are broader."""
+    from camgen.files.arrangement_sheet import _Page
 
-    plates = [shapely.box(0, 6.0 * k, 170, 6.0 * k + 5) for k in range(12)]
+    wide = [170.0 if 0 < k < 6 else 100.0 for k in range(12)]
+    plates = [shapely.box(0, 6.0 * k, wide[k], 6.0 * k + 5) for k in range(12)]
     front = [(shapely.box(0, 0, 170, 400), 71.0)]
     copies = [Copy(1, front, plate, True) for plate in plates]
-    few = _Page(Arrangement(copies[:4], [], (0j, 1), [], []))
-    many = _Page(Arrangement(copies, [], (0j, 1), [], []))
-    assert few.size == "A3" and many.size == "A2"
-    texts = [each for each in many.draw("many", Facts()).things if isinstance(each, Text)]
-    assert len([each for each in texts if each.layer == "DIM"]) == 24
+    sheet = _Page(Arrangement(copies, [], (0j, 1), [], [])).draw("many", Facts())
+    texts = [each for each in sheet.things if isinstance(each, Text) and each.layer == "DIM"]
+    assert sorted(float(each.text) for each in texts) == sorted(
+        [0.0, 71.0, *(6.0 * k + z for k in range(1, 6) for z in (0, 5))]
+    )
+    heights = sorted(each.at.imag for each in texts)
+    assert all(b - a >= 1.3 * 2.5 for a, b in zip(heights, heights[1:], strict=False))
 
 
 def test_what_is_used_up_is_no_item() -> None:
@@ -344,12 +364,12 @@ def test_a_key_fills_its_keyway_and_a_spring_reaches_from_pin_to_pin() -> None:
 @pytest.mark.parametrize("name", [*MACHINES, "eccentric-drive", "uniform-swing"])
 def test_views_stand_beside_the_list_or_over_it(name: str) -> None:
     """No line of a view or a balloon lies in the list or the title block, and none outside the frame."""
-    from camgen.files.arrangement import _Page
+    from camgen.files.arrangement_sheet import _Page
 
     _, arrangement = machine(name)
     page = _Page(arrangement)
     sheet = page.draw(name, Facts())
-    top = 46 + 5.0 * (len(arrangement.items) + 1)
+    top = 46 + height(page.lists[0])
     strokes = [
         each for each in sheet.primitives if isinstance(each, Stroke) and each.layer != "TEXT"
     ]
@@ -378,29 +398,51 @@ def test_what_lies_behind_is_left_out() -> None:
 
 
 def test_heights_beside_the_section_are_those_of_the_faces_that_it_cuts() -> None:
-    """A plate 2 thick, one 2.9 thick that lies 0.1 over it: four heights, by hand; the side of a face 0.4 wide has none."""
-    from camgen.files.arrangement import _Page
+    """A plate 2 thick, one 2.9 thick that lies 0.1 over it, by hand: the two faces with 0.1 between them have one height, that of the
+    broader; the side of a face 0.4 wide has none, nor has the pit's floor behind 25 of a block."""
+    from camgen.files.arrangement_sheet import _Page
 
-    plates = [shapely.box(0, 0, 10, 2), shapely.box(4, 2.1, 14, 5), shapely.box(20, 0, 20.4, 7)]
+    plates = [shapely.box(0, 0, 10, 2), shapely.box(4, 2.1, 16, 5), shapely.box(20, 0, 20.4, 7)]
     copies = [Copy(k, [(plate, 2.0 * k)], plate, True) for k, plate in enumerate(plates, 1)]
     arrangement = Arrangement(copies, [], (0j, 1), [], [])
-    assert arrangement.levels == [5.0, 2.1, 2.0, 0.0]
+    assert arrangement.levels(12) == [(5.0, 16.0), (2.1, 16.0), (0.0, 10.0)]
     sheet = _Page(arrangement).draw("two", Facts())
     texts = [thing for thing in sheet.things if isinstance(thing, Text) and thing.layer == "DIM"]
     heights = {thing.text: thing.at.imag for thing in texts}
     # upwards on paper, none on another
-    places = [heights[text] for text in ("0", "2", "2.1", "5")]
+    places = [heights[text] for text in ("0", "2.1", "5")]
     assert all(b - a >= 3.3 for a, b in zip(places, places[1:], strict=False))
+    block = shapely.Polygon([(0, 0), (30, 0), (30, 9), (5, 9), (5, 6), (0, 6)])
+    alone = Arrangement([Copy(1, [(block, 9.0)], block, True)], [], (0j, 1), [], [])
+    assert alone.levels(12) == [(9.0, 30.0), (0.0, 30.0)]
+
+
+def test_a_height_has_a_line_to_its_face() -> None:
+    """Of a plate 10 wide and 2 thick beside a broader one below: the line to 2 begins 0.8 of paper right of its end."""
+    from camgen.files.arrangement_sheet import _Page
+
+    plates = [shapely.box(0, 0, 10, 2), shapely.box(0, -9, 30, -4)]
+    copies = [Copy(1, [(plate, 2.0)], plate, True) for plate in plates]
+    page = _Page(Arrangement(copies, [], (0j, 1), [], []))
+    sheet = page.draw("two", Facts())
+    starts = [
+        start_point(each.pieces[0])
+        for each in sheet.things
+        if isinstance(each, Stroke) and each.layer == "DIM" and len(each.pieces) == 2
+    ]
+    faces = {0.8 + page.section.at(z) for z in (10 + 2j, 10 + 0j, 30 - 4j, 30 - 9j)}
+    assert len(starts) == 4
+    assert all(min(abs(start - face) for face in faces) < 1e-9 for start in starts)
 
 
 def test_a_section_without_a_level_face_has_no_heights() -> None:
     """A wedge on its edge: the sheet is drawn, as one of a looper's bent needles is."""
-    from camgen.files.arrangement import _Page
+    from camgen.files.arrangement_sheet import _Page
 
     wedge = shapely.Polygon([(0, 0), (9, 6), (-2, 7)])
     copies = [Copy(1, [(shapely.box(-2, 0, 9, 4), 7.0)], wedge, True)]
     arrangement = Arrangement(copies, [], (0j, 1), [], [])
-    assert arrangement.levels == []
+    assert arrangement.levels(12) == []
     assert not [
         each
         for each in _Page(arrangement).draw("wedge", Facts()).things
@@ -411,27 +453,25 @@ def test_a_section_without_a_level_face_has_no_heights() -> None:
 @pytest.mark.parametrize("name", [*MACHINES, "gallery/walker", "gallery/heart", "cylinder-cam"])
 def test_every_part_has_its_number_and_its_row(name: str, tmp_path: Path) -> None:
     """Balloons overlap nowhere, name each part at most once, and point at their own part; rows are those of the parts list."""
-    from camgen.files.arrangement import _Page
+    from camgen.files.arrangement_sheet import _Page
 
     mechanism, arrangement = machine(name)
     page = _Page(arrangement)
     sheet = page.draw(name, Facts())
-    balloons = [
-        piece.centre
-        for thing in sheet.primitives
-        if isinstance(thing, Stroke)
-        for piece in thing.pieces
-        if isinstance(piece, Arc) and piece.radius == 4.0
-    ]
-    assert all(abs(a - b) >= 8.0 for a, b in combinations(balloons, 2))
-    front, cut = arrangement.anchors(page.scale)
-    assert len(balloons) == len(front) + len(cut) and not front.keys() & cut.keys()
-    for number, place in front.items():
-        z = place + (1e-5 + 2e-5j)  # off the edges of facets
+    named = leaders(sheet)
+    assert all(abs(a - b) >= 8.0 for a, b in combinations([each[1] for each in named], 2))
+    front, cut = arrangement.shown(page.scale)
+    assert [number for number, *_ in named] == [*front, *cut] and not front.keys() & cut.keys()
+    for number, _, dot in named[: len(front)]:
+        z = (dot - page.front.origin) / page.front.scale + (1e-5 + 2e-5j)  # off edges of facets
         met_there = [k for k, facets in solids(name) if len(facets.met(z.real, z.imag))]
         point = shapely.Point(z.real, z.imag)
         met_there += [k for k, shape, *_ in bought(name) if shape.contains(point)]
         assert number in (met_there if number in arrangement.hidden else highest(name, z))
+    for number, _, dot in named[len(front) :]:
+        place = (dot - page.section.origin) / page.section.scale
+        point = shapely.Point(place.real, place.imag)
+        assert any(c.cut.contains(point) for c in arrangement.copies if c.number == number)
     texts = [thing for thing in sheet.primitives if isinstance(thing, Text)]
     for text in texts:
         reach = text.width * {"left": 1, "centre": 0.5, "right": 0}[text.align] * text.direction
@@ -474,16 +514,26 @@ def test_the_drawing_for_cad_is_at_full_size(tmp_path: Path) -> None:
     assert ahead[:, 1].max() >= high.imag - 0.01
 
 
-def test_a_row_that_is_too_long_keeps_its_first_clauses() -> None:
-    """No word of the list gets smaller where its end can go."""
-    from camgen.files.arrangement import _fitting
+def test_a_cell_that_is_too_long_goes_on_in_the_next_line() -> None:
+    """No word is left out, and no line is longer than its column of 62, in a CAD program too."""
+    words = "KR16: cylindrical ring 16 x 11, stud 6 x 16 in a hole H7, M6 x 1, ISO 7063"
+    item = Item(7, 1, "cam follower", words, "bought", ["0 to 12"])
+    designation = [line[3] for line in item.lines]
+    assert " ".join(designation) == words and len(designation) == 3
+    assert all(Text(0j, line, 2.5).room <= 62 for line in designation)
+    assert item.lines[0] == ("7", "1", "cam follower", designation[0], "bought", "0 to 12")
 
-    long = "Shaft: rod 10 h9 x 32.2, " + "a flat all along, " * 20
-    assert _fitting("Pin 1: dowel") == "Pin 1: dowel"
-    assert _fitting(long).startswith("Shaft: rod 10 h9 x 32.2")
-    assert Text(0j, _fitting(long), 2.5).room <= 108
-    item = Item("x" * 300, 1, "bought", 1)
-    assert _fitting(item.what) == item.what  # one clause: it is set smaller
+
+def test_a_list_that_is_too_high_is_folded_and_says_how_many_items_it_lacks() -> None:
+    """30 items and the head are 31 lines of 4.2; in 92.4 mm there are 22 lines, one for the head: 21 items and 9, and of the one column
+    20 and a line for the rest."""
+    items = [Item(k, 1, "link", "link-drawing") for k in range(1, 31)]
+    assert height(items) == pytest.approx(31 * 4.2)
+    assert [len(each) for each in folded(items, 140.0, 1)] == [30]
+    assert [len(each) for each in folded(items, 92.5, 2)] == [21, 9]
+    (short,) = folded(items, 92.5, 1)
+    assert [each.number for each in short] == list(range(1, 22))
+    assert short[-1].designation == "10 more: see the list of parts"
 
 
 def test_pins_shafts_and_what_is_bought_are_not_hatched() -> None:

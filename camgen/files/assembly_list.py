@@ -1,0 +1,95 @@
+"""The list of an arrangement drawing, over its title block, its first item the lowest. [ISO 7573]
+
+A cell that is longer than its column goes on in the next line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import zip_longest
+
+import numpy as np
+
+from camgen.files.sheet import Align, Sheet, Text
+from camgen.files.title_block import WIDTH
+
+ROW = 4.2  # of a line, mm
+_HEIGHT = 2.5  # of its letters
+_HEADS = ("No.", "Qty", "Part", "Drawing, or designation", "Material", "z from, to")
+_COLUMNS = (8.0, 8.0, 46.0, 62.0, 16.0, 30.0)
+_EDGES = np.cumsum((0.0, *_COLUMNS))
+_NUMBERS = (0, 1)  # columns that are set to the right
+
+
+@dataclass(frozen=True)
+class Item:
+    """A part, or what is bought."""
+
+    number: int
+    count: object
+    what: str
+    designation: str  # the number of its drawing, or what it is sold as
+    material: str = ""  # or that it is bought
+    heights: Sequence[str] = ()  # from where to where copies reach, mm; or that none is drawn
+
+    @cached_property
+    def lines(self) -> list[tuple[str, ...]]:
+        """Its cells line by line."""
+        cells = (str(self.number), str(self.count), self.what, self.designation, self.material)
+        wide = zip(cells, _COLUMNS, strict=False)
+        columns = [_wrapped(cell, column - 2) for cell, column in wide]
+        return list(zip_longest(*columns, self.heights, fillvalue=""))
+
+
+def _wrapped(text: str, room: float) -> list[str]:
+    """A text in lines of a cell."""
+    lines = [""]
+    for word in text.split():
+        longer = f"{lines[-1]} {word}".strip()
+        if not lines[-1] or Text(0j, longer, _HEIGHT).room <= room:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
+
+
+def height(items: Sequence[Item]) -> float:
+    """Of the list with its head, mm."""
+    return ROW * (1 + sum(len(item.lines) for item in items))
+
+
+def folded(items: Sequence[Item], room: float, most: int) -> list[Sequence[Item]]:
+    """A list in columns, so high each and at most so many; where they have no room for all items, the last says how many more there
+    are."""
+    columns: list[list[Item]] = [[]]
+    for k, item in enumerate(items):
+        if height([*columns[-1], item]) > room and len(columns) < most:
+            columns.append([])
+        column = columns[-1]
+        last = len(columns) == most and k < len(items) - 1
+        if height([*column, item]) + last * ROW > room:
+            more = f"{len(items) - k} more: see the list of parts"
+            column.append(Item(item.number, "", "", more))
+            break
+        column.append(item)
+    return [*columns]
+
+
+def draw_list(sheet: Sheet, corner: complex, items: Sequence[Item]) -> None:
+    """Draw the list from its lower left corner up."""
+    level = corner
+    rows: list[list[tuple[str, ...]]] = [[_HEADS], *(item.lines for item in items)]
+    for lines in rows:
+        for line in reversed(lines):
+            for k, cell in enumerate(line):
+                right = k in _NUMBERS
+                x = _EDGES[k + 1] - 1 if right else _EDGES[k] + 1
+                align: Align = "right" if right else "left"
+                at = level + x + 1j * (ROW - _HEIGHT) / 2
+                sheet.text(at, cell, _HEIGHT, align, room=_COLUMNS[k] - 2)
+            level += 1j * ROW
+        sheet.line(level, level + WIDTH, layer="TEXT")
+    for x in _EDGES:
+        sheet.line(corner + x, level + x, layer="TEXT")
