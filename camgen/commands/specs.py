@@ -60,12 +60,12 @@ def new(
         if file is not None:
             text = starters.named(text, spec_name(file, mechanism))
     elif short or metal:
-        alone = "nothing here: a file of another program is taken as it is"
+        alone = "no such option here: camgen reads a file of another program as it is"
         raise SpecError(
             [Fault((), "", alone, source="--short" if short else "--metal")], "command line"
         )
     elif mechanism != "linkage":
-        alone = "nothing here: only a linkage is read from another program"
+        alone = "no such option here: camgen reads only a linkage from another program"
         raise SpecError([Fault((), str(source), alone, source="--from")], "command line")
     else:
         from camgen.machines.linkage.bridges import read_chain, spec_text

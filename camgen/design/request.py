@@ -119,7 +119,7 @@ class Request:
 
     def _refuse_made_tables(self, of_drive: Sequence[str]) -> None:
         """SpecError for tables that a search makes, keys of [drive] among them, and for another mechanism."""
-        right = "nothing here: it is found, with [points], [links] and [[output]]"
+        right = "no table here: camgen design finds it, with [points], [links] and [[output]]"
         faults = [Fault((key,), "a table", right) for key in _MADE if key in self.rest]
         drive = self.rest.get("drive")
         if isinstance(drive, dict):

@@ -70,7 +70,7 @@ class FollowerTable(Checked):
         """What is wrong between keys that are right one by one."""
         required, optional = _KEYS[self.motion, self.shape == "flat"]
         what = f"a flat '{self.motion}'" if self.shape == "flat" else f"'{self.motion}'"
-        takes = f"nothing here: {what} takes {', '.join((*required, *optional))}"
+        takes = f"no value here: {what} takes {', '.join((*required, *optional))}"
         all_keys = {key for keys in _KEYS.values() for group in keys for key in group}
         faults = [
             Fault((key,), "", takes)
@@ -91,7 +91,7 @@ class FollowerTable(Checked):
         if self.shape != "roller" and self.radius is not None:
             faults.append(
                 Fault(
-                    ("radius",), f"{self.radius:g}", f"nothing here: shape '{self.shape}' has none"
+                    ("radius",), f"{self.radius:g}", f"no value here: shape '{self.shape}' has none"
                 )
             )
         if self.shape == "flat" and self.inside:

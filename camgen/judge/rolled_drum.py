@@ -72,13 +72,27 @@ class RollerTable(Checked):
             missing = "pivot" if self.pivot is None else "arm"
             faults.append(Fault((missing,), "", "missing: an arm needs arm=A and pivot=Y/Z"))
         if self.arm is not None and self.offset is not None:
-            faults.append(Fault(("offset",), f"{self.offset:g}", "nothing here: an arm has none"))
+            faults.append(
+                Fault(
+                    ("offset",),
+                    f"{self.offset:g}",
+                    "no value here: a roller on an arm has no offset",
+                )
+            )
         if (self.track == "rib") != (self.distance is not None):
-            right = "missing: of both rollers' axes" if self.track == "rib" else "nothing here"
+            right = "missing" if self.track == "rib" else "no value here"
             value = "" if self.distance is None else f"{self.distance:g}"
-            faults.append(Fault(("distance",), value, f"{right}; a rib alone has two rollers"))
+            faults.append(
+                Fault(
+                    ("distance",),
+                    value,
+                    f"{right}: only a rib has two rollers, and this is the distance of their axes",
+                )
+            )
         if self.track == "rib" and self.arm is not None:
-            faults.append(Fault(("arm",), f"{self.arm:g}", "nothing here: a rib's rollers slide"))
+            faults.append(
+                Fault(("arm",), f"{self.arm:g}", "no value here: the rollers of a rib slide")
+            )
         if self.solid.radius <= abs(self.solid.slope) * self.length / 2:
             right = "an angle at which the roller does not end in a point"
             faults.append(Fault(("cone_deg",), f"{self.cone_deg:g}", right))

@@ -39,22 +39,22 @@ def load_faults(
     part."""
     found = []
     if spring is not None and not pushed:
-        found.append(Fault(("spring",), "", f"nothing here: only {sprung} has a spring"))
+        found.append(Fault(("spring",), "", f"no table here: only {sprung} has a spring"))
     if load is None:
         key = "mass_kg" if slides else "inertia_kg_m2"
         return (
-            [*found, Fault(("load", key), "", "missing: what [spring] has to move")]
+            [*found, Fault(("load", key), "", "missing: what the spring of [spring] moves")]
             if spring is not None
             else found
         )
     needed, other = ("mass_kg", "inertia_kg_m2") if slides else ("inertia_kg_m2", "mass_kg")
     if getattr(load, other):
-        kind = "translating" if slides else "oscillating"
+        kind = "a translating" if slides else "an oscillating"
         found.append(
             Fault(
                 ("load", other),
                 f"{getattr(load, other):g}",
-                f"nothing here: a follower that is {kind} has {needed}",
+                f"no value here: {kind} follower has {needed}",
             )
         )
     if load.gravity_deg is not None:
@@ -65,7 +65,9 @@ def load_faults(
                 None
                 if load.mass_kg or made
                 else Fault(
-                    ("load", "mass_kg"), "0", "above 0 with load.gravity_deg: the mass that weighs"
+                    ("load", "mass_kg"),
+                    "0",
+                    "above 0: load.gravity_deg needs the mass that it pulls on",
                 )
             )
         )
@@ -81,16 +83,20 @@ def polydyne_faults(
 
     found = []
     if load.stiffness is None:
-        found.append(Fault(("load", "stiffness"), "", "missing: load.polydyne corrects for it"))
+        found.append(
+            Fault(
+                ("load", "stiffness"), "", "missing: load.polydyne needs the follower's stiffness"
+            )
+        )
     if sprung and not (spring and spring.rate):
-        right = "above 0 with load.polydyne: it corrects for the spring of the machine, which otherwise follows from the cam"
+        right = "above 0: load.polydyne needs the rate of the spring before camgen can make the cam"
         found.append(Fault(("spring", "rate"), "0", right))
     if not load.mass_kg and not load.inertia_kg_m2:
         found.append(
             Fault(
                 ("load", "mass_kg"),
                 "0",
-                "above 0 with load.polydyne (inertia_kg_m2 for an arm): the mass behind the stiffness",
+                "above 0 (for an arm inertia_kg_m2): load.polydyne needs what moves behind the stiffness",
             )
         )
     return [
@@ -110,12 +116,16 @@ def unweighed(deg: float, inertia: bool, made: bool) -> Fault | None:
     if made and not inertia:
         return None
     why = (
-        "the follower's inertia says nothing of its mass and its centre, on which weight pulls"
+        "weight needs the follower's mass and its centre, and inertia_kg_m2 gives neither"
         if inertia
-        else ('no follower is made whose weight is known (parts.make = "printed")')
+        else (
+            'camgen knows the follower\'s weight only if it makes the follower (parts.make = "printed")'
+        )
     )
     return Fault(
-        ("load", "gravity_deg"), f"{deg:g}", f"nothing here: {why}; left out, the cam lies flat"
+        ("load", "gravity_deg"),
+        f"{deg:g}",
+        f"no value here: {why}; without this key the cam lies flat",
     )
 
 

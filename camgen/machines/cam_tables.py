@@ -104,15 +104,13 @@ class CamTables(Template):
         else:
             faults = sizes.misfits()
             if sizes.stand != "none":
-                right = (
-                    'nothing here, or parts.make = "printed" or "laser": cams alone have no plate'
-                )
+                right = '"none", or parts.make = "printed" or "laser": cams alone have no plate'
                 faults.append(Fault(("parts", "stand"), repr(sizes.stand), right))
         if sizes.shaft != "through":
             right = '"through": no link turns on a point of the cam'
             faults.append(Fault(("parts", "shaft"), repr(sizes.shaft), right))
         if sizes.discs:
-            right = "nothing here: no link of this machine turns on an eccentric"
+            right = "no value here: no link of this machine turns on an eccentric"
             faults.append(Fault(("parts", "discs"), "", right))
         for name in sizes.thread_post_sizes.diameters:
             right = "a point of a thread, and this machine has none"

@@ -201,7 +201,7 @@ def _refuse_unfixed(key: Key, own: Assembly, core: float) -> None:
     """Raise SpecError where no screws of posts fit into a frame."""
     wide = set() if own.frame is None else {diameter for _, diameter in own.frame.fixings}
     if not wide:
-        right = "nothing here: this machine has no frame with holes for screws from behind"
+        right = "false: this machine has no frame with holes for screws from behind"
         raise SpecError([Fault(key, "true", right)])
     if wide != {core}:
         right = (
@@ -423,7 +423,7 @@ def faults(includes: Sequence[Include], host: Host) -> Sequence[Fault]:
     for k, (each, name) in enumerate(zip(includes, names, strict=True)):
         path = ("include", k)
         if each.mounted and host.tables["parts"]["plates"] < 2:
-            right = "nothing here, or parts.plates = 2 beside it: it stands on the second plate"
+            right = "false, or parts.plates = 2: the machine stands on the second plate"
             faults.append(Fault((*path, "mounted"), "true", right))
         if name in names[:k]:
             faults.append(Fault((*path, "name"), name, "a name of its own for each"))

@@ -40,7 +40,7 @@ def still_faults(path: Key, kinds: Sequence[str | None]) -> list[Fault]:
 def air_faults(path: Key, air: float, closure: str, radius: float | None) -> list[Fault]:
     """What is wrong with the air at the tips, mm; radius: of a round tip, 0 of a knife, None of a face."""
     if air and closure != "conjugate":
-        return [Fault(path, f"{air:g}", 'nothing here: only closure "conjugate" has two tips')]
+        return [Fault(path, f"{air:g}", 'no value here: only closure "conjugate" has two tips')]
     if radius is not None and air < -radius:
         right = f"at least {0.0 - radius:g}: a preload that the tip's radius can give way by"
         return [Fault(path, f"{air:g}", right)]

@@ -193,9 +193,7 @@ def changed(
     kind = load(specs.choose(data, MECHANISMS, source))
     keys = {field.alias or name for name, field in kind.model_fields.items()}
     if "wanted" in data and "wanted" not in keys:
-        right = (
-            "nothing here: camgen design SPEC FILE writes the spec that meets it; build that one"
-        )
+        right = "no table here in a build: camgen design SPEC FILE writes a spec that meets it; build that one"
         raise SpecError([Fault(("wanted",), "a table", right)], source)
     return made(kind, data, source, hints, like)
 

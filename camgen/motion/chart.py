@@ -201,7 +201,7 @@ class Chart:
             "B": [],
         }[letter]
         faults += [
-            Fault((*self.path, row, key), f"{value:g}", f"nothing here: {letter} has 0")
+            Fault((*self.path, row, key), f"{value:g}", f"no value here: {letter} has 0")
             for key, value in wrong
             if value
         ]

@@ -372,7 +372,7 @@ def _own_law(law: LawChoice) -> Law | None:
     if name not in LAWS and name not in FAMILIES:
         raise SpecError([unknown(("name",) if parameters else (), name, NAMES, "law")])
     keys = FAMILIES.get(name, ())
-    takes = f"nothing here: '{name}' takes {', '.join(keys) or 'no parameters'}"
+    takes = f"no value here: '{name}' takes {', '.join(keys) or 'no parameters'}"
     faults = [Fault((key,), "", takes) for key in parameters if key not in keys]
     required = _NEEDED.get(name)
     if required and not any(key in parameters for key in required):
@@ -396,7 +396,7 @@ def _own_law(law: LawChoice) -> Law | None:
 def _table_law(parameters: dict[str, Any]) -> Law:
     """The law through a table's points."""
     if "tolerance" in parameters:
-        right = "nothing here: of a table over the whole turn, without kind and lift"
+        right = "no value here: only a table over the whole turn, without kind and lift, has it"
         raise SpecError([Fault(("tolerance",), f"{parameters['tolerance']:g}", right)])
     points = _table_points(parameters)
     return table_law(points, _table_source(parameters), parameters.get("rest", True))
@@ -455,7 +455,7 @@ def _closed(table: SegmentTable, unit: float, path: Key) -> Program:
     assert law is not None
     others = ("task", "constant_velocity", "end_velocity", "end_acceleration", "end_jerk")
     given = {key: getattr(table, key) for key in others} | {"lambda": table.inflection}
-    nothing = "nothing here: a table over the whole turn joins itself"
+    nothing = "no value here: a table over the whole turn joins itself"
     faults = [Fault((*path, key), str(x), nothing) for key, x in given.items() if x is not None]
     if table.span_deg not in (None, 360) or table.at_deg not in (None, 360):
         where = "span_deg" if table.span_deg else "at_deg"
@@ -578,7 +578,7 @@ def _levels(
         end = math.nan if to is None else to
         if sign == 0:
             faults += [
-                Fault((*at, key), "", "nothing here: a dwell stays where it is")
+                Fault((*at, key), "", "no value here: a dwell stays where it is")
                 for key, value in ((lift, table.lift), ("law", table.law))
                 if value is not None
             ]
@@ -637,7 +637,7 @@ def _move(table: SegmentTable, ends: Sequence[float], path: Key, faults: list[Fa
     begin, end = ends
     if table.kind == "dwell":
         faults += [
-            Fault((*path, key), "", "nothing here: a dwell stays where it is")
+            Fault((*path, key), "", "no value here: a dwell stays where it is")
             for key, value in (
                 ("lambda", table.inflection),
                 ("constant_velocity", table.constant_velocity),
@@ -674,7 +674,7 @@ def _stated(table: SegmentTable, path: Key, faults: list[Fault]) -> LawChoice:
             Fault(
                 _law_place(table, (key,), path),
                 "",
-                f"nothing here: '{MATCHED}' takes no parameters",
+                f"no value here: '{MATCHED}' takes no parameters",
             )
             for key in law.parameters
         ]

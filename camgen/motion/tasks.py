@@ -173,7 +173,7 @@ class PolynomialFamily:
         wanted = [(side.v, side.a or 0.0, side.j)[: self.order] for side in (start, end)]
         still = not any(any(values) for values in wanted)
         if form.inflection is not None and not self.inflected and not still:
-            limit = "nothing here: a polynomial between moving ends has no free inflection"
+            limit = "no value here: a polynomial between moving ends has no free inflection"
             raise SpecError([Fault(("lambda",), f"{form.inflection:g}", limit)])
         if self.name in LAWS and lift and still:
             law = LAWS[self.name]
@@ -285,7 +285,7 @@ def shifted(law: Law, inflection: float) -> Law:
     u = np.linspace(0.0, 0.5, 33)
     uneven = np.max(np.abs(law(u) + law(1 - u) - 1), initial=0.0)
     if not uneven <= _SYMMETRIC or law.ends != LAWS["3-4-5"].ends:
-        limit = "nothing here: the law is not symmetric between dwells"
+        limit = "no value here: the law is not symmetric between dwells"
         raise SpecError([Fault(("lambda",), f"{inflection:g}", limit)])
     if inflection == 0.5:
         return law

@@ -97,7 +97,7 @@ def test_a_bump_of_20_um_is_told(sound: Path, tmp_path: Path, file: str) -> None
         ("geometry.follower.arm=40", "geometry.follower.arm"),
         ("geometry.closure=conjugate", "geometry.closure"),
         ("parts.make=printed", "parts.make"),
-        ("geometry.follower.shape=roller", "geometry.follower.outline - nothing here"),
+        ("geometry.follower.shape=roller", "geometry.follower.outline - no value here"),
     ],
 )
 def test_what_an_outline_has_no_use_for_is_a_fault(spec: Path, changed: str, key: str) -> None:

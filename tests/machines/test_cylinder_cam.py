@@ -602,7 +602,7 @@ def test_what_is_wrong_is_told_by_its_keys() -> None:
         "files.profile_step_deg",
         "spring",
     }
-    assert 'spring - nothing here: only track "end" has a spring' in str(caught.value)
+    assert 'spring - no table here: only track "end" has a spring' in str(caught.value)
 
 
 @pytest.mark.parametrize(

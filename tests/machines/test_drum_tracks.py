@@ -299,7 +299,7 @@ def test_the_resolved_spec_makes_the_same_drum() -> None:
         ({"track.1.height": 5.0}, "track.1.height", "6, where wing ends, or at least 6.8"),
         ({"row.1.name": "wing"}, "row.1.name", "a name of its own"),
         ({"tooth": None}, "tooth", "missing"),
-        ({"row": None}, "pin", "nothing here"),
+        ({"row": None}, "pin", "no table here without"),
         (
             {"tooth.radius": 16.0},
             "tooth.radius",
@@ -309,11 +309,15 @@ def test_the_resolved_spec_makes_the_same_drum() -> None:
         ({"row.0.release_deg": [10.0, 9.0]}, "row.0.release_deg.1", "more than"),
         ({"row.0.release_deg": [1.0, 359.0]}, "row.0.release_deg.0", "its own width behind"),
         ({"geometry.length": 20.0}, "geometry.length", "at least 22, where high ends"),
-        ({"track.1.follower.arm": None}, "track.1.follower.arm", "missing: the arm"),
+        (
+            {"track.1.follower.arm": None},
+            "track.1.follower.arm",
+            "missing: an oscillating roller or knife edge has an arm",
+        ),
         (
             {"track.0.follower.radius": None},
             "track.0.follower.radius",
-            "missing: the radius of a roller",
+            "missing: a roller has a radius",
         ),
         ({"track.0.segment.0.lift": 9.0, "track.0.segment.3.to": 1.0}, "track.0.segment", "0"),
         ({"track.0.follower.shape": "outline"}, "track.0.follower.shape", "roller"),

@@ -92,7 +92,7 @@ def test_plate_and_wheel_are_as_thick_as_the_clutch_unless_given() -> None:
         ({"parts": {"shaft_diameter": 7.0}}, "a bore of freewheels, 6, 8, 10 mm"),
         (
             {"drive": {"link": "crank", "range_deg": (0, 90)}},
-            "nothing here beside \\[\\[freewheel\\]\\]",
+            "no value here beside \\[\\[freewheel\\]\\]",
         ),
     ],
 )

@@ -102,12 +102,12 @@ def test_a_cam_that_follows_itself(at: str) -> None:
     [
         (
             {"closure": "groove", "spring": {}},
-            ['cam.0.spring - nothing here: only closure "force" has a spring'],
+            ['cam.0.spring - no table here: only closure "force" has a spring'],
         ),
         (
             {"face_offset": 2.0},
             [
-                "cam.0.face_offset: 2 - expected nothing here: where the face of a follower that swings lies"
+                "cam.0.face_offset: 2 - expected no value here: only the flat face of a follower that swings has it"
             ],
         ),
         (

@@ -284,7 +284,7 @@ REMAINS = "at_deg = 360; to = 0"
         (
             (RISE + "; end_velocity = 0.1", STAY, BACK, REMAINS),
             "segment.0.end_velocity",
-            "0.1 | nothing here: R has 0",
+            "0.1 | no value here: R has 0",
         ),
         (
             (
@@ -312,7 +312,7 @@ REMAINS = "at_deg = 360; to = 0"
         (
             (RISE + "; constant_velocity = 0.4", STAY, BACK, REMAINS),
             "segment.0.constant_velocity",
-            "nothing here: '3-4-5' takes lambda",
+            "no value here: '3-4-5' takes lambda",
         ),
         (
             (RISE, STAY + "; lambda = 0.4", BACK, REMAINS),

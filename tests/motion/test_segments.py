@@ -203,12 +203,12 @@ def test_a_dwell_without_a_span_takes_the_rest() -> None:
         (
             (RISE, DWELL + "\nlift = 1", BACK),
             "segment.1.lift",
-            "nothing here: a dwell stays where it is",
+            "no value here: a dwell stays where it is",
         ),
         (
             (RISE, DWELL + '\nlaw = "uniform"', BACK),
             "segment.1.law",
-            "nothing here: a dwell stays where it is",
+            "no value here: a dwell stays where it is",
         ),
         ((RISE + "\nto = 10", DWELL, BACK), "segment.0.lift", "10 | either lift or to"),
         ((RISE.replace("lift = 10\n", ""), DWELL, BACK), "segment.0.lift", "either lift or to"),
@@ -260,7 +260,7 @@ def test_a_dwell_without_a_span_takes_the_rest() -> None:
         (
             (RISE.replace('"3-4-5"', '{ name = "cubic", sines = [1] }'), DWELL, BACK),
             "segment.0.law.sines",
-            "nothing here: 'cubic' takes lambda",
+            "no value here: 'cubic' takes lambda",
         ),
         (
             (RISE.replace('"3-4-5"', '"fourier"'), DWELL, BACK),

@@ -136,9 +136,13 @@ class CylinderCam(Mechanism):
         g = self.geometry
         found = [*self._follower_faults(), *self.making.misfits()]
         if (g.track == "rib") != (g.distance is not None):
-            right = "missing: of both rollers' axes" if g.track == "rib" else "nothing here"
+            right = "missing" if g.track == "rib" else "no value here"
             value = "" if g.distance is None else f"{g.distance:g}"
-            fault = Fault(("geometry", "distance"), value, f"{right}; a rib alone has two rollers")
+            fault = Fault(
+                ("geometry", "distance"),
+                value,
+                f"{right}: only a rib has two rollers, and this is the distance of their axes",
+            )
             found.append(fault)
         slope = abs(math.tan(math.radians(g.roller.cone_deg)))
         if g.roller.radius <= slope * g.roller.length / 2:
@@ -183,7 +187,7 @@ class CylinderCam(Mechanism):
                 right = "missing: an oscillating follower has an arm"
                 found.append(Fault((*key, "arm"), "", right))
             if f.offset:
-                right = "nothing here: an oscillating follower has pivot"
+                right = "no value here: an oscillating follower has pivot in its place"
                 found.append(Fault((*key, "offset"), f"{f.offset:g}", right))
             if self.geometry.track == "rib":
                 right = '"translating": both rollers of a rib are on one slide'
@@ -192,7 +196,7 @@ class CylinderCam(Mechanism):
         for name in ("arm", "pivot", "start_deg"):
             value = getattr(f, name)
             if value is not None:
-                right = "nothing here: of an oscillating follower"
+                right = "no value here: only an oscillating follower has it"
                 found.append(Fault((*key, name), f"{value:g}", right))
         return found
 
@@ -227,14 +231,14 @@ class CylinderCam(Mechanism):
         cutter = self.files.cutter_radius
         found = []
         if self.files.profile_step_deg is not None:
-            right = "nothing here: a drum has no outline"
+            right = "no value here: a drum has no outline"
             key = ("files", "profile_step_deg")
             found.append(Fault(key, f"{self.files.profile_step_deg:g}", right))
         if cutter is None:
             return found
         most = roller.radius + (self.geometry.track != "end") * self.print.slide_clearance / 2
         if roller.cone_deg:
-            right = "nothing here: a track for a cone takes a cutter of its shape on the way of its axis"
+            right = "no value here: a conical cutter of the roller's shape cuts this track, along the path of the roller's axis"
             found.append(Fault(("files", "cutter_radius"), f"{cutter:g}", right))
         elif cutter > most:
             right = f"at most {most:g} mm, of the roller and its clearance"
@@ -249,7 +253,7 @@ class CylinderCam(Mechanism):
             )
             yield Fault(("parts", "pieces"), "2", right)
         if self.files.cutter_radius is not None:
-            right = "nothing here: a drum in two pieces is printed, and no cutter goes round it"
+            right = "no value here: a drum in two pieces is printed, not cut"
             yield Fault(("files", "cutter_radius"), f"{self.files.cutter_radius:g}", right)
         play = self.print.slide_clearance / 2
         if self._tight:

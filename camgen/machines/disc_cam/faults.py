@@ -23,26 +23,31 @@ def follower_faults(f: FollowerTable) -> Iterator[Fault]:
     flat = f.shape == "flat"
     drawn = f.shape == "outline"
     pointed = not flat and not drawn
-    # key, whether it belongs here, whether it is needed then, what it is
+    # key, whether it belongs here, whether it is needed then, what a message says
     for key, belongs, needed, what in (
-        ("radius", f.shape == "roller", True, "the radius of a roller"),
-        ("offset", slides, False, "the offset of a translating follower"),
-        ("pivot_distance", not slides, True, "where an oscillating follower has its pivot"),
+        ("radius", f.shape == "roller", True, "a roller has a radius"),
+        ("offset", slides, False, "a translating follower has an offset"),
+        ("pivot_distance", not slides, True, "an oscillating follower has a pivot"),
         (
             "arm",
             not slides and pointed,
             True,
-            "the arm of an oscillating roller or knife edge",
+            "an oscillating roller or knife edge has an arm",
         ),
-        ("outline", drawn and f.contours is None, True, "an SVG or DXF beside the spec"),
-        ("contours", drawn, False, 'a follower of shape "outline" has one'),
+        (
+            "outline",
+            drawn and f.contours is None,
+            True,
+            'shape "outline" has an SVG or DXF beside the spec',
+        ),
+        ("contours", drawn, False, 'shape "outline" has contours'),
         (
             "face_offset",
             flat and not slides,
             False,
-            "where the face of an oscillating follower lies",
+            "the flat face of an oscillating follower has it",
         ),
-        ("face_width", flat, False, "the width of a flat face"),
+        ("face_width", flat, False, "a flat face has a width"),
     ):
         value = getattr(f, key)
         typed = "outline" if key == "contours" and f.drawn_in else key  # what was read from it
@@ -51,7 +56,7 @@ def follower_faults(f: FollowerTable) -> Iterator[Fault]:
             yield Fault(place, "", f"missing: {what}")
         elif not belongs and value:
             shown = f"{value:g}" if isinstance(value, float) else ""
-            yield Fault(place, shown, f"nothing here: {what}")
+            yield Fault(place, shown, f"no value here: only {what}")
     yield from contour_faults(("geometry", "follower", "contours"), f.contours or ())
 
 
@@ -83,7 +88,7 @@ def key_screw_faults(p: DiscCamParts, material: str) -> Iterator[Fault]:
     """A set screw on a key of what is printed, in which no thread holds."""
     if p.key_screw is not None and not materials.of(material).metal:
         right = (
-            f'nothing here: on a key its thread is cut in metal, not in {material}; parts.bore_shape = "d-flat" or "plain" has one '
+            f'no value here: on a key its thread is cut in metal, not in {material}; parts.bore_shape = "d-flat" or "plain" has one '
             "with its nut"
         )
         yield Fault(("parts", "set_screw"), repr(p.set_screw), right)

@@ -55,8 +55,8 @@ from camgen.vocabulary import OldWords
 
 _DRUM = "drum"
 _OFF = 0.05  # mm along the turn, by which a print may put a pin off: its time is told
-_NO_TABLE = "nothing here: a drum has no outline to cut; a disc-cam of a track's segments has one"
-_RIGID = "nothing here: the followers of a drum count as rigid, and no force presses them on it"
+_NO_TABLE = "no value here: a drum has no outline to cut; make a disc-cam with the track's segments"
+_RIGID = "no value here: the followers of a drum count as rigid, and no force presses them on it"
 _OVER = 2.0  # chord tolerances, by which a pin reaches over its tooth: facets of its end take one
 _FARTHER = (
     "pins that stand farther apart, a shorter tooth.return_ms or a lower motor.speed_rpm widen it"
@@ -139,9 +139,9 @@ class CamDrum(Mechanism):
         """Pins and teeth that are missing or do not reach each other, angles that do not grow."""
         for key in ("tooth", "pin"):
             if self.row and getattr(self, key) is None:
-                yield Fault((key,), "", "missing: rows have pins, and teeth that they bend")
+                yield Fault((key,), "", "missing: the pins of [[row]] need it")
             if not self.row and getattr(self, key) is not None:
-                yield Fault((key,), "", "nothing here, or a [[row]] of pins")
+                yield Fault((key,), "", "no table here without a [[row]] of pins")
         if self.pin is None or self.tooth is None:
             return
         core = self.geometry.core_radius

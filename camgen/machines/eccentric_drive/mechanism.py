@@ -77,12 +77,14 @@ class EccentricDrive(Template):
         found = [*p.faults(_LINKS, self.print.nozzle, self.allowed.min_wall)]
         for key, why in ELSEWHERE.items():
             if getattr(p, key) != type(p).model_fields[key].get_default(call_default_factory=True):
-                found.append(Fault(("parts", key), "", f"nothing here: {why}"))
+                found.append(Fault(("parts", key), "", f"no value here: {why}"))
         floor = p.slider_thickness - self.print.nozzle
         thin = floor - slide / 2 if p.tube_length else floor
         shaft = self.geometry.shaft_diameter
         least = 2 * rim(p, self.allowed.min_wall)
-        straight = "nothing here without parts.tube_length: it is the tube that the wire's point stands out of"
+        straight = (
+            "no value here without parts.tube_length: the wire's point stands out of the tube"
+        )
         kept = "so that a floor as thick as the nozzle stays"
         nozzle = f"at least the nozzle, {self.print.nozzle:g} mm"
         checks = [

@@ -133,7 +133,7 @@ class IndexingCam(CamTables):
                 g.closure == "force" or not self.load.closing_n_m,
                 ("load", "closing_n_m"),
                 self.load.closing_n_m,
-                'nothing here: closure "conjugate" needs no spring',
+                'no value here: closure "conjugate" needs no spring',
             ),
         ]
         found = [
@@ -143,7 +143,7 @@ class IndexingCam(CamTables):
         ]
         found += u.faults(self.freewheel is not None)
         if self.load.gravity_deg is not None:
-            why = "nothing here: torque, closure and what is left are worked out for a machine that lies flat"
+            why = "no value here: camgen calculates an indexing cam as lying flat"
             found.append(Fault(("load", "gravity_deg"), f"{self.load.gravity_deg:g}", why))
         if self.freewheel is not None and self.sizes.shaft_diameter not in CLUTCHES:
             sold = ", ".join(f"{bore:g}" for bore in CLUTCHES)

@@ -234,7 +234,9 @@ class UnloaderTable(Record):
             ):
                 found.append(
                     Fault(
-                        ("unloader", key), "", f"nothing here: torque '{self.torque}' takes {takes}"
+                        ("unloader", key),
+                        "",
+                        f"no value here: torque '{self.torque}' takes {takes}",
                     )
                 )
         if self.crank is not None and self.guide is not None and self.guide <= self.crank:

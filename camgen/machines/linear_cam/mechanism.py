@@ -55,10 +55,10 @@ from camgen.study import Figure, Figures, Later, Plot, Sketch, Study
 _SMOOTHER = "a law that ends smoother joins them"
 _FLATTER = "a longer span or a smaller lift"
 _AS_DRAWN = "0: the edge of a linear cam is in its files as drawn; let the slicer compensate"
-_NO_TURN = "nothing here: a plate that slides has no cam angle"
-_RIGID = "nothing here: a plate's follower counts as rigid"
-_NOT_MADE = "nothing here: the plate alone is made, with no pin, bearing or gear"
-_NO_SHAFT = "nothing here: no shaft turns"
+_NO_TURN = "no value here: a plate that slides has no cam angle"
+_RIGID = "no value here: a plate's follower counts as rigid"
+_NOT_MADE = "no value here: camgen makes the plate alone, without pins, bearings or gears"
+_NO_SHAFT = "no value here: no shaft turns"
 _SAMPLES = 1441  # of the way, in curves
 _COARSE = 0.01  # mm, by which edges may be off where it is asked whether holes lie in them
 _BY_WAY: dict[str, Any] = {"angle": "way of the plate", "unit": "mm"}  # how places are told
@@ -74,12 +74,20 @@ class LinearCamDrive(Mechanism):
         ("load", "stiffness", _RIGID),
         ("load", "damping_ratio", _RIGID),
         ("load", "polydyne", _RIGID),
-        ("load", "restitution", "nothing here: hops are worked out for cams that turn evenly"),
-        ("load", "spring_error", "nothing here: a spring's error is judged for cams that turn"),
+        (
+            "load",
+            "restitution",
+            "no value here: camgen calculates hops only for cams that turn evenly",
+        ),
+        (
+            "load",
+            "spring_error",
+            "no value here: camgen judges spring errors only for cams that turn",
+        ),
         (
             "load",
             "cam_follower",
-            "nothing here: the roller counts as steel, its life is not judged",
+            "no value here: the roller counts as steel, and its life is not judged",
         ),
         ("limits", "frequency_ratio", _RIGID),
         ("limits", "bearing_life_h", _NOT_MADE),
@@ -89,7 +97,7 @@ class LinearCamDrive(Mechanism):
         ("limits", "run_up_s", _NO_SHAFT),
         ("limits", "speed_swing", _NO_SHAFT),
         ("files", "profile_step_deg", _NO_TURN),
-        ("files", "cutter_radius", "nothing here: no path of a cutter is made along a plate"),
+        ("files", "cutter_radius", "no value here: camgen makes no cutter path for a plate"),
     )
 
     geometry: PlateGeometry
@@ -115,19 +123,21 @@ class LinearCamDrive(Mechanism):
         f = self.geometry.follower
         found = []
         for key, belongs, what in (
-            ("radius", f.shape == "roller", "the radius of a roller"),
-            ("arm", self.geometry.follower.swings, "the arm of an oscillating follower"),
+            ("radius", f.shape == "roller", "a roller has a radius"),
+            ("arm", self.geometry.follower.swings, "an oscillating follower has an arm"),
         ):
             value = getattr(f, key)
             path = ("geometry", "follower", key)
             if belongs and value is None:
                 found.append(Fault(path, "", f"missing: {what}"))
             elif not belongs and value is not None:
-                found.append(Fault(path, f"{value:g}", f"nothing here: {what}"))
+                found.append(Fault(path, f"{value:g}", f"no value here: only {what}"))
         if f.start_deg and not self.geometry.follower.swings:
             path = ("geometry", "follower", "start_deg")
             found.append(
-                Fault(path, f"{f.start_deg:g}", "nothing here: of an oscillating follower")
+                Fault(
+                    path, f"{f.start_deg:g}", "no value here: only an oscillating follower has it"
+                )
             )
         found += thin_walls(self.allowed.min_wall, self.print.nozzle)
         widest = 2 * (min(self.geometry.height / 2, self.making.ends) - self.allowed.min_wall)

@@ -280,7 +280,7 @@ def _noncircular_faults(drawing: Drawing, path: Key, pair: t.Noncircular) -> Ite
 def _geneva_faults(drawing: Drawing, path: Key, geneva: t.Geneva) -> Iterable[Fault]:
     yield from shaft_faults(drawing, path, geneva)
     if geneva.gap is not None and geneva.inner:
-        right = "nothing here beside inner = true: dowels hold both wheel and lock"
+        right = "no value here beside inner = true: dowels hold both wheel and lock"
         yield Fault((*path, "gap"), f"{geneva.gap:g}", right)
     points = drawing.links.get(geneva.a, ())
     if points and (geneva.pin not in points or geneva.pin == drawing.pivot(geneva.a)):
@@ -304,7 +304,9 @@ def _cycloid_faults(drawing: Drawing, path: Key, row: t.Cycloid) -> Iterable[Fau
     if row.output is None:
         keys = "output_radius", "output_pin_radius"
         given = (key for key in keys if getattr(row, key) is not None)
-        yield from (Fault((*path, key), "", "nothing here, or an output") for key in given)
+        yield from (
+            Fault((*path, key), "", "no value here without the key output") for key in given
+        )
     if wrong:
         return
     shaft = drawing.pivot(row.crank)
@@ -387,7 +389,7 @@ def _plate_faults(drawing: Drawing, path: Key, cam: t.Cam) -> Iterable[Fault]:
     if cam.shape != "roller":
         yield Fault((*path, "shape"), repr(cam.shape), f'"roller" on a plate that slides: {other}')
     if cam.spring is not None:
-        right = "nothing here on a plate that slides: a [[spring]] between two pins presses on it"
+        right = "no table here: on a plate that slides use a [[spring]] between two pins"
         yield Fault((*path, "spring"), "", right)
     if cam.closure != "force":
         right = (
@@ -395,7 +397,7 @@ def _plate_faults(drawing: Drawing, path: Key, cam: t.Cam) -> Iterable[Fault]:
         )
         yield Fault((*path, "closure"), repr(cam.closure), right)
     if cam.base_radius is not None:
-        right = "nothing here: a plate's edge lies where its follower is drawn"
+        right = "no value here: a plate's edge lies where its follower is drawn"
         yield Fault((*path, "base_radius"), f"{cam.base_radius}", right)
     if cam.polydyne:
         yield Fault((*path, "polydyne"), "true", "false on a plate that slides")
@@ -404,7 +406,7 @@ def _plate_faults(drawing: Drawing, path: Key, cam: t.Cam) -> Iterable[Fault]:
         for key in _UNUSED:
             field = type(row).model_fields[key]
             if key in row.model_fields_set and getattr(row, key) is not None:
-                right = "nothing here: segments of a plate have span, in mm, and a law"
+                right = "no value here: a segment of a plate has span, in mm, and a law"
                 yield Fault((*path, "segment", k, field.alias or key), "", right)
         if row.span is None:
             yield Fault((*path, "segment", k, "span"), "", "missing: mm of the plate's travel")
@@ -447,10 +449,12 @@ def _tip_faults(drawing: Drawing, path: Key, cam: t.Cam) -> Iterable[Fault]:
         yield Fault((*path, "at"), repr(cam.at), right)
     rolls = cam.shape == "roller"
     if rolls != (cam.radius is not None):
-        right = "the roller's radius" if rolls else f"nothing here: a {cam.shape} has none"
+        right = (
+            "missing: the roller's radius" if rolls else f"no value here: a {cam.shape} has none"
+        )
         yield Fault((*path, "radius"), "", right)
     if cam.face_width is not None and cam.shape != "flat":
-        right = f"nothing here: a {cam.shape} has no face"
+        right = f"no value here: a {cam.shape} has no face"
         yield Fault((*path, "face_width"), f"{cam.face_width:g}", right)
 
 
@@ -470,12 +474,12 @@ def _segment_faults(path: Key, cam: t.Cam, slides: bool) -> Iterable[Fault]:
 def _follower_faults(drawing: Drawing, path: Key, cam: t.Cam, slides: bool) -> Iterable[Fault]:
     """Of what holds and loads a follower."""
     if cam.face_offset and (slides or cam.shape != "flat"):
-        right = "nothing here: where the face of a follower that swings lies"
+        right = "no value here: only the flat face of a follower that swings has it"
         yield Fault((*path, "face_offset"), f"{cam.face_offset:g}", right)
     if cam.spring is None:
         return
     if cam.closure != "force":
-        right = 'nothing here: only closure "force" has a spring'
+        right = 'no table here: only closure "force" has a spring'
         yield Fault((*path, "spring"), "", right)
     _, post, hook = drawing.returns[cam.joint]
     for name in [post] if cam.shape == "roller" else [post, hook]:
@@ -552,10 +556,10 @@ def _thread_faults(drawing: Drawing, path: Key, thread: Sequence[str]) -> Iterab
 
 def _target_faults(drawing: Drawing, path: Key, output: t.Wanted) -> Iterable[Fault]:
     keys: tuple[str, ...] = ("points", "path", "lines", "straightness")
-    right = "nothing here: it is a target of a point's path only"
+    right = "no value here: only the path of a point has this target"
     if output.point is not None:
         keys = ("dwell", "time_ratio", "function")
-        right = "nothing here: it is a target of a link or a thread, not of a path"
+        right = "no value here: only a link or a thread has this target, not a path"
     for key in keys:
         if getattr(output, key):
             yield Fault((*path, key), "", right)
@@ -572,7 +576,7 @@ def _target_faults(drawing: Drawing, path: Key, output: t.Wanted) -> Iterable[Fa
     if drawing.drive.range_deg is None:
         return
     if output.time_ratio is not None:
-        right = "nothing here: it needs a drive that turns all round"
+        right = "no value here: this target needs a drive that turns all the way round"
         yield Fault((*path, "time_ratio"), "", right)
     low, high = drawing.drive.range_deg
     right = f"within drive.{drawing.drive.range_key}, {low:g} to {high:g} {drawing.drive.unit}"

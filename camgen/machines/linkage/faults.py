@@ -109,7 +109,7 @@ def _making_faults(spec: LinkageSpec) -> Iterator[Fault]:
     if making.shaft_key:
         for name, beside in (("[[include]]", spec.includes), ("[[freewheel]]", spec.freewheels)):
             if beside:
-                right = f"nothing here beside {name}, whose shaft has a flat"
+                right = f"false beside {name}, whose shaft has a flat"
                 yield Fault(("parts", "shaft_key"), "true", right)
 
 
@@ -145,7 +145,7 @@ def _drive_faults(spec: LinkageSpec) -> Iterator[Fault]:
     if not spec.includes:
         return
     if spec.drive.segments:
-        right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
+        right = "no segments beside [[include]]: an included machine turns evenly with the shaft"
         found = counted(len(spec.drive.segments), "segment")
         yield Fault(("drive", "segment"), found, right)
     yield from inc.faults(spec.includes, spec.host)
@@ -172,14 +172,14 @@ def _side_faults(spec: LinkageSpec) -> Iterator[Fault]:
     feet = {each.point for each in spec.wanted}
     for name, shape in making.shapes.items():
         if shape.sole_diameter is not None and feet.isdisjoint(spec.links.get(name, ())):
-            right = f"nothing here, or an [[output]] at a point of {name} that is its foot"
+            right = f"no value here: no point of {name} is an [[output]], so it has no foot"
             yield Fault(("parts", name, "sole_diameter"), f"{shape.sole_diameter:g}", right)
     if making.sides == 1:
         if making.battery is not None:
-            right = "nothing here, or parts.sides = 2: it lies under the far side's plate"
+            right = "no table here, or parts.sides = 2: the battery lies under the far side's plate"
             yield Fault(("parts", "battery"), "", right)
         if making.side_gap:
-            right = "nothing here, or parts.sides = 2: it is between both sides"
+            right = "no value here, or parts.sides = 2: it is the gap between two sides"
             yield Fault(("parts", "side_gap"), f"{making.side_gap:g}", right)
         return
     if 0 < making.side_gap < _LEAST_GAP:
@@ -200,7 +200,7 @@ def _side_faults(spec: LinkageSpec) -> Iterator[Fault]:
     outputs = {each.name for each in spec.wanted}
     for table, names in (("links", {*spec.links}), ("output", outputs)):
         for name in sorted(name for name in names if f"{FAR}_{name}" in names):
-            right = f"another name: the far side's {name} has it"
+            right = f"another name: the {name} of the far side has this one"
             yield Fault((table, f"{FAR}_{name}"), "", right)
 
 

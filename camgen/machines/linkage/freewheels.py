@@ -59,7 +59,7 @@ def faults(
         right = f"a bore of freewheels, {', '.join(f'{bore:g}' for bore in CLUTCHES)} mm"
         found.append(Fault(("parts", "shaft_diameter"), f"{sizes.shaft_diameter:g}", right))
     if freewheels and (drive.range_deg is not None or drive.segments):
-        right = "nothing here beside [[freewheel]]: the drive turns evenly, all the way round"
+        right = "no value here beside [[freewheel]]: the drive turns evenly, all the way round"
         key = "segment" if drive.segments else drive.range_key
         found.append(Fault(("drive", key), "", right))
     return found

@@ -46,9 +46,9 @@ def faults(drawing: Drawing, sizes: Parts, beside: Mapping[str, bool]) -> Iterat
             if before != k:
                 right = f"a link with a pivot of its own: at {pivot} drive.{before} turns {drawing.drives[before].link}"
                 yield Fault((*path, "link"), repr(drive.link), right)
-    words = "nothing here beside several motors: it is for a machine with one"
+    words = "no value here: it is for a machine with one motor, and this one has several"
     if slides:
-        words = "nothing here beside drive.slide: it is for a machine whose drive turns"
+        words = "no value here beside drive.slide: it is for a drive that turns"
     for table, there in beside.items():
         if there:
             yield Fault((table,), "", words)

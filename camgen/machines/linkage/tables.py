@@ -119,7 +119,7 @@ class Drive(Record):
                 Fault(
                     (*path, "range_deg"),
                     str(list(self.range_deg)),
-                    "nothing here: the segments say how far it goes",
+                    "no value here: the segments say how far the drive goes",
                 )
             ]
         if self.speed_rpm < 0:
@@ -261,7 +261,7 @@ class Pen(Record):
             yield Fault(("drive",), counted(len(drives), "drive"), right)
             return
         for k, drive in enumerate(drives):
-            right = "nothing here: [pen] says how it turns"
+            right = "no value here: [pen] says how the drive turns"
             if drive.segments:
                 typed = counted(len(drive.segments), "segment")
                 yield Fault(("drive", k, "segment"), typed, right)

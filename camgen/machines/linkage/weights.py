@@ -34,7 +34,7 @@ def weight_faults(
     """What does not go with the other tables; masses: links whose mass is given; levels: names of all else that has one."""
     faults = spec.faults()
     if drive.link in masses:
-        right = "nothing here beside [counterweight]: it is sized for the solids that turn with this link"
+        right = "no table here beside [counterweight], which camgen sizes for the solids that turn with this link"
         faults.append(Fault(("masses", drive.link), "", right))
     if NAME in levels:
         faults.append(Fault(("links", NAME), "", "another name: that of the counterweight's level"))

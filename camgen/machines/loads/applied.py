@@ -177,7 +177,7 @@ def efforts(loads: Sequence[Applied], machine: Machine) -> tuple[Effort, ...]:
             right = 'missing: the direction of the force; or acts = "along"'
             faults.append(Fault(direction, "", right))
         if not isinstance(of, Path) and degrees is not None:
-            right = "nothing here: the output has its own way"
+            right = "no value here: the output already has a direction"
             faults.append(Fault(direction, f"{degrees:g}", right))
         rows = each.points or ((0.0, each.value or 0.0),)
         law = Table(tuple(math.radians(deg) for deg, _ in rows), tuple(value for _, value in rows))

@@ -520,7 +520,9 @@ class Parts(Record):
         least = f"at least the nozzle, {nozzle:g} mm"
         if shape.thickness is not None and (link == "ground" or shape.thickness < nozzle):
             right = (
-                "nothing here: the plate's is parts.base_thickness" if link == "ground" else least
+                "no value here: parts.base_thickness is the thickness of the ground's plate"
+                if link == "ground"
+                else least
             )
             yield Fault(("parts", link, "thickness"), f"{shape.thickness:g}", right)
         if shape.contours is not None and link == "ground":
@@ -528,7 +530,7 @@ class Parts(Record):
         yield from contour_faults(("parts", link, "contours"), shape.contours or ())
         for key in ("hub_diameter", "width", "bow", "rails", "stem"):
             if shape.contours is not None and getattr(shape, key) is not None:
-                right = "nothing here: the outline says how wide the link is"
+                right = "no value here: the outline says how wide the link is"
                 yield Fault(("parts", link, key), str(getattr(shape, key)), right)
         if shape.width is not None and shape.width < max(nozzle, min_wall):
             right = least if min_wall < nozzle else f"at least limits.min_wall, {min_wall:g} mm"
@@ -551,12 +553,12 @@ class Parts(Record):
     def _motor_faults(self, nozzle: float) -> Iterator[Fault]:
         """Of the motor that is named, its screws in the plate, and what sits on its shaft."""
         if self.can is not None and self.motor != "none":
-            right = f'nothing here, or no parts.motor = "{self.motor}": one motor drives'
+            right = f'no table here, or no parts.motor = "{self.motor}": only one motor drives'
             yield Fault(("parts", "can"), "", right)
         face = self.face
         if face is None:
             if self.set_screw != "none":
-                right = "nothing here: parts.motor, on whose shaft its collar sits"
+                right = "no value here without parts.motor: the collar with the screw sits on the motor's shaft"
                 yield self._fault("set_screw", right)
             return
         motor = f'of motor = "{self.motor}"'
@@ -596,10 +598,10 @@ class Parts(Record):
     def _stand_faults(self) -> Iterator[Fault]:
         """Of what the plate stands on."""
         if self.stand == "box" and self.hand_crank:
-            right = '"board", or no parts.hand_crank: no hand turns it in a box'
+            right = '"board", or no parts.hand_crank: a hand cannot reach into a box'
             yield self._fault("stand", right)
         if self.stand != "none" and self.sides == 2:
-            right = "nothing here beside parts.sides = 2: a machine of two sides stands by itself"
+            right = '"none" beside parts.sides = 2: a machine of two sides stands by itself'
             yield self._fault("stand", right)
 
     def _shaft_faults(self) -> Iterator[Fault]:
@@ -612,7 +614,7 @@ class Parts(Record):
             least = 2 * self.thickness + 2
             held = "the collar under the plate and the hand crank"
             if self.face is not None:
-                right = f"nothing here, or no parts.motor: {self.motor} drives"
+                right = f"0, or no parts.motor: {self.motor} already drives"
                 yield self._fault("hand_crank", right)
             elif self.hand_crank < self.least_crank:
                 right = f"at least {self.least_crank:g} mm: its knob beside the shaft"
@@ -636,8 +638,8 @@ class Parts(Record):
         )
         yield from (self._fault(key, right) for key, wrong, right in others if wrong)
         if self.discs is not None:
-            right = "nothing here beside parts.discs: eccentrics are turned by a flat"
+            right = "false beside parts.discs: flats turn eccentrics"
             yield Fault(("parts", "shaft_key"), "true", right)
         if self.motor != "none" or self.can is not None:
-            right = "nothing here beside a motor: its own shaft has no keyway"
+            right = "false beside a motor, whose shaft has no keyway"
             yield Fault(("parts", "shaft_key"), "true", right)
