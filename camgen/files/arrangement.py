@@ -65,6 +65,9 @@ class Arrangement:
     ]  # of the section: a point, and its unit direction, from which the cut's places count
     axes: Sequence[Axis]
     notes: Sequence[str]
+    bearings: Sequence[
+        float
+    ] = ()  # heights of the middles of a shaft's bearings, from the lowest up
 
     @cached_property
     def seen(self) -> list[tuple[int, Any, Any]]:

@@ -307,27 +307,28 @@ class _Page:
         sheet.text(complex((near.real + far.real) / 2, far.imag + _BAND + 1), name, 5.0, "centre")
 
     def _sizes(self, sheet: Sheet, tolerance: str) -> None:
-        """Width and height of the front, the width's line under its balloons, depth of the section: they follow from the parts."""
+        """Width and height of the front, the width's line under its balloons, depth of the section and distance between the bearings of
+        its shaft: they follow from the parts."""
         import shapely
 
         low, high = (self.front.at(z) for z in self.arrangement.box)
         cuts = [copy.cut for copy in self.arrangement.copies if not copy.short]
         s0, z0, _, z1 = shapely.total_bounds(cuts).tolist()
-        near, far = (self.section.at(complex(s0, z)) for z in (z0, z1))
-        depth = self.section.scale, self.scale / self.section.scale
-        sizes = (
-            (
-                low,
-                complex(high.real, low.imag),
-                -1j * (_BAND + _SIZED - 2),
-                (self.scale, 1.0),
-            ),
-            (low, complex(low.real, high.imag), -14.0, (self.scale, 1.0)),
-            (near, far, -14.0, depth),
-        )
-        for a, b, away, (scale, factor) in sizes:
-            value = Measure(round(abs(b - a) / scale, 1), REFERENCE, factor=factor)
-            dimension(sheet, (a, b), complex(away), value, tolerance, FILING + 1)
+        depths = [(z0, z1, -14.0)]
+        bearings = self.arrangement.bearings
+        depths += [(a, b, -7.0) for a, b in zip(bearings, bearings[1:], strict=False)]
+        across = complex(high.real, low.imag), -1j * (_BAND + _SIZED - 2)
+        sizes = [
+            (self.front, low, *across),
+            (self.front, low, complex(low.real, high.imag), -14.0 + 0j),
+        ]
+        for begin, end, beside in depths:
+            near, far = (self.section.at(complex(s0, z)) for z in (begin, end))
+            sizes.append((self.section, near, far, complex(beside)))
+        for view, a, b, away in sizes:
+            factor = self.scale / view.scale
+            value = Measure(round(abs(b - a) / view.scale, 1), REFERENCE, factor=factor)
+            dimension(sheet, (a, b), away, value, tolerance, FILING + 1)
 
     def _levels(self, sheet: Sheet) -> None:
         """Heights of faces that the section cuts, mm, upwards from z = 0, right of it, each with a line to its face."""

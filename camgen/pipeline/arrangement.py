@@ -6,7 +6,7 @@ The section goes through the axis of the drive, or the first that stands, along 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import reduce
 from typing import Any
@@ -23,8 +23,9 @@ from camgen.machine.model import GROUND, Pin, centres_of
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import coordinates
 from camgen.parts.assembly import Assembly
-from camgen.parts.catalogue import TURNED
+from camgen.parts.catalogue import TURNED, Bought
 from camgen.parts.part import Part
+from camgen.parts.shafts import OF_SHAFT
 from camgen.pipeline.assembly_list import items_of
 from camgen.pipeline.bought_shapes import Thing, bought_shapes, is_drawn_short
 from camgen.pipeline.shopping import bought_things
@@ -34,6 +35,9 @@ from camgen.study import Table
 _FINE = 0.01  # mm, chord tolerance of outlines
 _ON_LINE = 1e-3  # mm, by which an axis may miss the line of the section
 _UNDER = 1e-4  # mm, by which a level is cut below
+_HOUSING = (
+    "H7"  # of outer rings that stand still under the load and may slide [engineersedge.com, 15320]
+)
 _HEIGHTS = 3  # at which copies of a part lie, that the list has
 _IN_ROW = 3  # axes in a line of notes
 _RODS = (
@@ -68,19 +72,50 @@ def arrangement_of(mechanism: Mechanism, listed: Table) -> Arrangement:
         found = drawn.get(thing, []) if thing else []
         short = thing is not None and is_drawn_short(assembly, thing)
         for each in found:
-            faces, cut, span = _of_prisms(each, line)
-            copies.append(Copy(item.number, faces, cut, False, span, bought=True, short=short))
-        own = [copy for copy in copies if copy.number == item.number]
-        items.append(replace(item, heights=_heights(own)))
-    return Arrangement(copies, items, line, axes, _notes(mechanism, axes))
+            copies += _of_thing(
+                item.number, each, line, short, thing is not None and not thing.thread
+            )
+        spans = [copy.span for copy in copies if copy.number == item.number and not copy.bought]
+        spans += [
+            (min(low for _, low, _ in each), max(high for *_, high in each)) for each in found
+        ]
+        items.append(replace(item, heights=["drawn short"] if short else _heights(spans)))
+    middles = [
+        (each[0][1] + each[0][2]) / 2
+        for thing, found in drawn.items()
+        for each in found
+        if thing.name == OF_SHAFT
+    ]
+    notes = [*_notes(mechanism, axes), *_housings(things)]
+    return Arrangement(copies, items, line, axes, notes, sorted(middles))
 
 
-def _heights(copies: Sequence[Copy]) -> list[str]:
+def _housings(things: Sequence[Bought]) -> list[str]:
+    """What the frame of a shaft that is no part has to have, since it is the builder's own."""
+    bearings = [thing.shaft.bearings for thing in things if thing.shaft is not None]
+    return [
+        f"Your frame: two bores {number(each.outside)} {_HOUSING} in line, {each.width:g} wide, one of which holds its bearing endwise."
+        for each in bearings
+        if each is not None
+    ]
+
+
+def _of_thing(
+    number: int, thing: Thing, line: tuple[complex, complex], short: bool, rings: bool
+) -> Iterator[Copy]:
+    """What is bought, its rings apart where these are hatched, such as those of a bearing."""
+    hatched = [piece for piece in thing if rings and piece[0].interiors]
+    rest = [piece for piece in thing if not (rings and piece[0].interiors)]
+    for pieces, hatching in ((hatched, True), (rest, False)):
+        if pieces:
+            faces, cut, span = _of_prisms(pieces, line)
+            yield Copy(number, faces, cut, hatching, span, bought=True, short=short)
+
+
+def _heights(spans: Iterable[tuple[float, float]]) -> list[str]:
     """From where to where copies of an item reach, in words."""
-    if any(copy.short for copy in copies):
-        return ["drawn short"]
-    spans = sorted({copy.span for copy in copies})
-    words = [*dict.fromkeys(f"{number(low, 2)} to {number(high, 2)}" for low, high in spans)]
+    ends = sorted(set(spans))
+    words = [*dict.fromkeys(f"{number(low, 2)} to {number(high, 2)}" for low, high in ends)]
     if len(words) > _HEIGHTS:
         words = [*words[: _HEIGHTS - 1], f"and {len(words) - _HEIGHTS + 1} more"]
     return words or ["not drawn"]

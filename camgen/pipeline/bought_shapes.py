@@ -338,7 +338,7 @@ def _on_shaft(
                 [ring(*race, x, bearings.width) for race in races] for x in bearings.seats
             ]
         elif thing.standard == ROLLER_STANDARD:
-            rollers = [*_rollers(assembly), *_in_tracks(assembly, follower)]
+            rollers = [*_rollers(assembly, follower), *_in_tracks(assembly, follower)]
             found[thing] = rollers if len(rollers) == thing.count else []
     return found
 
@@ -371,17 +371,27 @@ def _in_tracks(assembly: Assembly, follower: CamFollower | None) -> Iterator[Thi
         yield pieces
 
 
-def _rollers(assembly: Assembly) -> list[Thing]:
-    """Rings of cam followers on disc cams, where these stand at theta = 0."""
+def _rollers(assembly: Assembly, follower: CamFollower | None) -> list[Thing]:
+    """Rings of cam followers on disc cams, where these stand at theta = 0, and their studs on the side where less of the cams is."""
     courses = assembly.courses(np.zeros(1))
     tips = [each for each in assembly.stand_ins if each.rolls]
+    parts = assembly.by_name
+    bottom = min((each.z for each in assembly.mounts), default=0.0)
+    top = max((each.z + parts[each.part].thickness for each in assembly.mounts), default=0.0)
     found = list[Thing]()
     for each in tips:
         body = courses[each.body]
         turn = np.exp(1j * np.ravel(body.angle)[0])
         for at, radius, low, high in each.discs:
             place = complex(np.ravel(body.place)[0] + turn * at)
-            found.append([(_disc(place, radius), low, high)])
+            ring = _disc(place, radius)
+            if follower is None:
+                found.append([(ring, low, high)])
+                continue
+            stud = _disc(place, follower.stud / 2)
+            below = top - high > low - bottom
+            ends = (low - follower.length, high) if below else (low, high + follower.length)
+            found.append([(ring.difference(stud), low, high), (stud, *ends)])
     return found
 
 

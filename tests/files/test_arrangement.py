@@ -226,10 +226,51 @@ def test_a_cam_alone_is_drawn_on_its_shaft() -> None:
     rings = places["retaining ring of the first bearing"]
     assert [each[0] for each in rings] == [(46.0, 47.2), (32.7, 33.9)]
     numbers = {item.what.partition(":")[0]: item.number for item in arrangement.items}
-    cut = {copy.number: copy.cut for copy in arrangement.copies if not copy.cut.is_empty}
-    roller = cut[numbers["cam follower"]].bounds
-    assert roller == pytest.approx((32.0, 0.0, 48.0, 12.0))
-    assert numbers["parallel key"] in cut and abs(arrangement.line[1].imag) == pytest.approx(1.0)
+    cut = {
+        (copy.number, copy.hatched): copy.cut
+        for copy in arrangement.copies
+        if not copy.cut.is_empty
+    }
+    follower = numbers["cam follower"]
+    assert cut[follower, True].bounds == pytest.approx((32.0, 0.0, 48.0, 12.0))
+    assert (numbers["parallel key"], False) in cut
+    assert abs(arrangement.line[1].imag) == pytest.approx(1.0)
+
+
+def test_a_cam_follower_has_its_stud_on_the_side_without_the_hub() -> None:
+    """KR16: a stud of 6, 16 long [IKO], down from the cam of 12 whose hub is up to 24; and the races of bearings are hatched."""
+    _, arrangement = machine("metal disc-cam")
+    numbers = {item.what: item.number for item in arrangement.items}
+    (stud,) = (
+        copy
+        for copy in arrangement.copies
+        if copy.number == numbers["cam follower"] and not copy.hatched
+    )
+    assert stud.span == (-16.0, 12.0)
+    assert stud.cut.bounds == pytest.approx((37.0, -16.0, 43.0, 12.0))
+    bearings = [
+        copy for copy in arrangement.copies if copy.number == numbers["bearing of the shaft"]
+    ]
+    assert len(bearings) == 2 and all(copy.hatched for copy in bearings)
+    rows = {item.what: item.heights for item in arrangement.items}
+    assert rows["cam follower"] == ["-16 to 12"]
+
+
+def test_the_distance_of_bearings_and_the_bores_of_the_frame_are_told() -> None:
+    """Bearings 6004 from -22 to -10 and from 34 to 46, by hand their middles 56 apart; 42 is their outside [ISO 15]."""
+    from camgen.files.arrangement_sheet import _Page
+
+    _, arrangement = machine("metal disc-cam")
+    assert arrangement.bearings == [-16.0, 40.0]
+    sizes = {
+        each.value
+        for each in _Page(arrangement).draw("cam", Facts()).things
+        if isinstance(each, Size)
+    }
+    assert 56.0 in sizes
+    assert any("42 H7" in note for note in arrangement.notes)
+    _, arrangement = machine("walking-leg")
+    assert not arrangement.bearings and not any("H7" in note for note in arrangement.notes)
 
 
 def test_what_has_no_known_place_is_said_to_be_not_drawn() -> None:
