@@ -108,6 +108,7 @@ METAL = {
         'parts.pins={ O = "bush", C = "bush" }',
         "parts.wall=3",
         "geneva.0.gap=1",
+        "geneva.0.pin_radius=5",
     ),
     "linkage": (
         *_SHAFTS,

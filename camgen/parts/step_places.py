@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
+from camgen.parts.catalogue import BUSH
 from camgen.parts.fixing import Fixing, Joint
 from camgen.parts.mates import mates_between
 from camgen.parts.standing import Round, StandingCopy
@@ -345,14 +346,16 @@ def height_by(
 
 
 def gap_under(hole: Round, below: Sequence[StandingCopy]) -> tuple[float, str]:
-    """How far over what lies next under a hole, mm, and its part's name; 0 and "" where nothing does."""
+    """How far over what lies next under a hole, mm, and its part's name; 0 and "" where nothing does. A bush that is flush with its
+    plate is not what one measures from."""
     under = [
-        (hole.low - each.high, other.part.name)
+        (round(hole.low - each.high, 9), other.part.name == BUSH, other.part.name)
         for other in below
         for each in other.holes
         if hole.in_line(each) and -SAME_POINT < hole.low - each.high < RESTS
     ]
-    return min(under, default=(0.0, ""))
+    gap, _, name = min(under, default=(0.0, False, ""))
+    return gap, name
 
 
 def _depth(

@@ -15,6 +15,7 @@ from camgen import load
 from camgen.errors import DesignError, SpecError
 from camgen.machines.loads.assess import assess
 from camgen.parts.turning_over import middle
+from camgen.parts.wheels.geneva import Geneva, geneva
 
 SPEC: dict[str, Any] = {
     "mechanism": "linkage",
@@ -232,3 +233,15 @@ def test_drives_that_cannot_be_are_refused_by_what_to_change(
 ) -> None:
     with pytest.raises(DesignError, match=words):
         assert load(spec(**changes)).assembly
+
+
+def test_a_refusal_names_a_pin_and_a_distance_that_can_be() -> None:
+    """Of eight stations: with that pin or that distance there is a drive, with a pin a tenth thicker or axes 1 mm nearer none."""
+    with pytest.raises(DesignError) as caught:
+        geneva(Geneva, 8, 70.0, 5.0, 3.0, 0.05)
+    pin, distance = map(float, re.findall(r"at (?:most|least) ([\d.]+) mm", caught.value.remedy))
+    Geneva(8, 70.0, pin, 3.0)
+    Geneva(8, distance, 5.0, 3.0)
+    for sizes in ((8, 70.0, pin + 0.1, 3.0), (8, distance - 1, 5.0, 3.0)):
+        with pytest.raises(DesignError):
+            Geneva(*sizes)

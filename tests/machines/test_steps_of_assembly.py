@@ -186,6 +186,9 @@ def test_holes_of_a_metal_geneva_table_are_reamed_as_its_sheets_say() -> None:
     assert "ball bearing" not in ream
     (lock,) = (each for each in steps if "all at once" in each)
     assert lock.endswith("all at once, down on crank.")
+    # its plate is what one measures from, not the bush that is flush with it
+    assert any("0.1 mm over ground (a feeler gauge" in each for each in steps)
+    assert not any("over bush" in each for each in steps)
 
 
 def test_walls_of_a_groove_lie_on_their_back_plate_and_gaps_are_set_by_paper() -> None:

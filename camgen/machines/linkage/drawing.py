@@ -31,7 +31,7 @@ from camgen.parts.generator.genevas import GenevaWish
 from camgen.parts.generator.ratchets import RatchetWish
 from camgen.parts.generator.wheels import SECOND, Ridden, level_of, naming
 from camgen.parts.wheels.cycloid import CycloidDisc, OutputWish
-from camgen.parts.wheels.geneva import Geneva, InnerGeneva
+from camgen.parts.wheels.geneva import Geneva, InnerGeneva, geneva
 from camgen.parts.wheels.mutilated import MutilatedLaw, MutilatedPair
 from camgen.parts.wheels.noncircular import Centrodes, NoncircularPair
 from camgen.parts.wheels.ratchet import PawlLaw, RatchetWheel, pawl_of
@@ -162,7 +162,7 @@ class Drawing:
         air = usual if table.clearance is None else table.clearance
         with naming(f"geneva {table.joint}"):
             kind = InnerGeneva if table.inner else Geneva
-            return kind(table.slots, distance, table.pin_radius, wall, air, air)
+            return geneva(kind, table.slots, distance, table.pin_radius, wall, air)
 
     def _shafts_apart(self, a: str, b: str) -> float:
         """Distance of the points at which two links are pinned to the ground, mm."""

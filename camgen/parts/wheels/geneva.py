@@ -40,6 +40,9 @@ from camgen.geometry.outlines import (
 from camgen.numerics import halved
 
 _MIDDLE = 0.1  # of a dwell, in which a crescent's ends hold the wheel alike
+# Of what is tried in place of sizes that cannot be: steps of a pin's radius, mm, and distances of the axes up to so many times.
+_PIN_STEP = 0.1
+_FARTHER = 3.0
 
 
 @dataclass(frozen=True)
@@ -357,6 +360,35 @@ class InnerGeneva(_Slotted):
             Line(end_point(path), end),
         )
         return Contour(pieces)
+
+
+def geneva(
+    kind: type[Geneva | InnerGeneva],
+    stations: int,
+    distance: float,
+    pin: float,
+    wall: float,
+    air: float,
+) -> Geneva | InnerGeneva:
+    """A drive of these sizes, mm, air on each side; the DesignError of one that cannot be says which pin or distance can."""
+
+    def can(distance: float, pin: float) -> bool:
+        try:
+            kind(stations, distance, pin, wall, air, air)
+        except (DesignError, ValueError):  # the latter where rim and hollow do not even meet
+            return False
+        return True
+
+    try:
+        return kind(stations, distance, pin, wall, air, air)
+    except DesignError as error:
+        pins = np.arange(math.floor(pin / _PIN_STEP), 0, -1) * _PIN_STEP
+        distances = np.arange(math.ceil(distance), math.ceil(_FARTHER * distance))
+        thinner = next((f"{each:.4g}" for each in pins if can(distance, float(each))), "")
+        farther = next((f"{each:.4g}" for each in distances if can(float(each), pin)), "")
+        remedies = [f"use a smaller pin, of a radius of at most {thinner} mm"] if thinner else []
+        remedies += [f"put the axes at least {farther} mm apart"] if farther else []
+        raise (error.mended(", or ".join(remedies)) if remedies else error) from None
 
 
 def _seen(axis: Points, arm: Points, rates: list[Floats]) -> Points:
