@@ -10,7 +10,7 @@ from camgen.parts.fixing import Fixing
 from camgen.parts.mates import mates_between
 from camgen.parts.standing import StandingCopy
 
-_Key = tuple[float, int, str, int, bool, float]
+_Key = tuple[float, bool, int, str, int, bool, float]
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,8 @@ def layings_of(
         return round(min([mount.z + over, *undersides]), 6) + 0.0
 
     levels = {copy.name: height(copy) for copy in copies}
+    last = {copy.name: _last_under(copy, copies, levels) for copy in copies}
+    levels |= {name: level for name, level in last.items() if level is not None}
     found: dict[_Key, list[StandingCopy]] = {}
     clusters: dict[_Key, list[StandingCopy]] = {}
     for cluster in _clusters(copies, levels, fixing):
@@ -54,6 +56,7 @@ def layings_of(
         for copy in cluster:
             key = (
                 levels[copy.name],
+                last[copy.name] is not None,
                 place[cluster[0].part.name],
                 "" if alone else cluster[0].name,
                 names.index(copy.part.name),
@@ -66,6 +69,22 @@ def layings_of(
         Laying(found[key], found[key][0].mount.z, found[key][0].mount.flipped, clusters[key])
         for key in sorted(found)
     ]
+
+
+def _last_under(
+    pin: StandingCopy, copies: Sequence[StandingCopy], levels: Mapping[str, float]
+) -> float | None:
+    """The level, mm, of the last of what a pin from above, its head up, keeps in place: it comes next, so that nothing lies loose for
+    longer; None of what keeps nothing."""
+    if not pin.mount.flipped or pin.holes:
+        return None
+    through = [
+        levels[copy.name]
+        for copy in copies
+        if copy.pose.standing == pin.pose.standing
+        and any(hole.holds(each) for hole in copy.holes for each in pin.outlines)
+    ]
+    return max(through) if len(through) > 1 else None
 
 
 def _clusters(

@@ -71,8 +71,8 @@ class Stop:
                 f" just under {WHAT}, none over it: that would stick to {self.name}. Slide {WHAT} down over the drop",
             ),
             Doing(
-                f"push {WHAT} up from below against ",
-                f"{self.name}: glue it on {shaft} alone, and hold it there until the glue is hard",
+                f"push {WHAT} up against ",
+                f"{self.name} with a thin stick from below, for fingers do not reach it: glue it on {shaft} alone, and hold it there until the glue is hard",
             ),
             Doing(
                 f"pull {gauge} out from under {self.over}: {shaft} has {self.play:.2g} mm of play along its axis"

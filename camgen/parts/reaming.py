@@ -9,8 +9,10 @@ from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from camgen.parts.catalogue import SCREWS
 from camgen.parts.fixing import JOINTS, Fixing, Joint
 from camgen.parts.part import Part, SizeNote
+from camgen.parts.screws import screw_hole
 from camgen.parts.standing import Round, StandingCopy
 from camgen.parts.step_words import listed
 from camgen.study import Doing, Laid, Step, Table
@@ -61,10 +63,13 @@ def with_reaming(
     said += [words.by_hand + _ticks(lines_of(fitted, words.tool))] if fitted else []
     said += [_KEYED + _ticks(lines_of(keyed, words.tool))] if keyed else []
     said += [words.tight + _ticks(lines_of(tight, words.tool))] if tight else []
+    said += [] if metal else _for_screws(screw_holes(copies, fixing, table.steps))
     if fixed:
         with_glue = f"Glue with {glue(metal)}, a trace only"
         pins = {copy.part.name for copy in copies if copy.part.role == "pin"}
         with_glue += f". {_OUT_OF_BALLS}" if metal and pins & fixing.journals else ""
+        hung = any(copy.part.name in pins and copy.mount.flipped for copy in copies)
+        with_glue += f". {_OUT_OF_JOINTS}" if hung and not metal else ""
         said += [f"{with_glue}. {_SWING}" if lines else with_glue]
         gauges = sorted({need for needs in _needs(table) for need in needs} & {*_GAUGES})
         said += (
@@ -80,6 +85,49 @@ def with_reaming(
     return begun(table, Doing("\n".join(said), needs=needs), what, where, count if lines else "")
 
 
+def screw_holes(
+    copies: Sequence[StandingCopy], fixing: Fixing, steps: Sequence[Step]
+) -> dict[tuple[str, float], _Holes]:
+    """Holes of printed parts for screws, by thread and size, mm."""
+    return {
+        (thread, size): holes
+        for thread in sorted({thread for step in steps for thread, _ in step.threads})
+        for size, holes in sorted(_holes(copies, fixing, _screwed(thread, steps)).items())
+    }
+
+
+def _screwed(thread: str, steps: Sequence[Step]) -> _Size:
+    """The size of a hole for a screw of a thread, mm; 0 of any other hole."""
+
+    def size_of(hole: Round, *_: object) -> float:
+        own, size = screw_hole(hole, steps)
+        return size if own == thread else 0.0
+
+    return size_of
+
+
+def _for_screws(holes: Mapping[tuple[str, float], _Holes]) -> Iterator[str]:
+    """How the holes of screws are tried and opened, in words."""
+    through = list[str]()
+    cut = list[str]()
+    for (thread, size), parts in holes.items():
+        counts = ((part, len(letters)) for part, letters in parts.values())
+        said = listed(
+            f"{'the hole' if n == 1 else f'{n} holes'} of {part.name}{f' ({part.count} ×)' if part.count > 1 else ''}"
+            for part, n in counts
+        )
+        lines = cut if size < SCREWS[thread].nominal else through
+        lines.append(f"{size:g} mm, for {thread}: {said}")
+    if through:
+        yield _SCREWED + _ticks(through)
+    if cut:
+        yield _THREADED + _ticks(cut)
+
+
+_SCREWED = "Try a screw in each of these. Where it does not go through by hand, turn a drill of this size in the hole"
+_THREADED = "Screws cut their own threads in these. Turn a drill of this size in them, straight, and then a screw, in and out"
+
+
 def _needs(table: Table) -> Iterator[set[str]]:
     """Tools of all that is done."""
     return ({*doing.needs} for step in table.steps for doing in step.doings)
@@ -93,7 +141,7 @@ def with_cutting(table: Table, parts: Sequence[Part], metal: bool = False) -> Ta
     lines += [f"1 × gauge: {gauge}" for step in table.steps for gauge in step.gauges]
     how = "saw the rods, and turn and mill them as on their sheets" if metal else _FILED
     said = [f"{how}{_ticks(lines)}"] if lines else []
-    said += [note.how for _, note in sizes if note.how and not metal]
+    said += [] if metal else dict.fromkeys(note.how for _, note in sizes if note.how)
     if not metal and any(part.process == "bought" and part.role == "pin" for part in parts):
         said.append(_DOWELS if lines else _DOWELS[:1].lower() + _DOWELS[1:])
     if not said:
@@ -120,6 +168,8 @@ _SWING = (
 
 # Of a pin that goes through a ball bearing before it is glued.
 _OUT_OF_BALLS = "Where a pin goes through a ball bearing, put it in the hole under that alone, none on the pin: it would run into the balls"
+# Of a pin whose head holds a link in place.
+_OUT_OF_JOINTS = "Where a pin goes through a part that turns on it, put the glue into the tight hole, none on the pin, and wipe off what comes out below"
 _GAUGES = {"plastic bag": "a strip", "sheets of paper": "paper"}  # of tools that set gaps
 _PULLED = "Pull {} out of a gap as soon as the part is on, before the glue is hard"
 

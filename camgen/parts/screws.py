@@ -27,6 +27,29 @@ def round_prism(at: complex, radius: float) -> list[complex]:
     return [at + cmath.rect(radius, math.tau * k / 48) for k in range(48)]
 
 
+def screw_hole(hole: Round, steps: Sequence[Step]) -> tuple[str, float]:
+    """The thread of the screw that goes through a hole or cuts its thread there, and the size of the hole for it, mm; "" and 0 of none.
+    steps: with their screws."""
+    for step in steps:
+        for corners, low, high in step.screws[::2]:  # of a shank and a head each
+            middle = sum(corners) / len(corners)
+            nominal = 2 * abs(corners[0] - middle)
+            if (
+                abs(hole.at - middle) > SAME_POINT
+                or min(high, hole.high) - max(low, hole.low) < SAME_POINT
+            ):
+                continue
+            for thread, _ in step.threads:
+                screw = SCREWS[thread]
+                for size in (screw.clearance, CORE_HOLES[thread]):
+                    if (
+                        abs(nominal - screw.nominal) < SAME_POINT
+                        and abs(hole.diameter - size) < _ALIKE
+                    ):
+                        return thread, size
+    return "", 0.0
+
+
 def with_screws(steps: Sequence[Step], copies: Sequence[StandingCopy]) -> list[Step]:
     """Steps with the screws that come in them."""
     by_name = {copy.name: copy for copy in copies}

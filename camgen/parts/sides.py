@@ -107,7 +107,7 @@ def _filed(note: SizeNote, name: str, angle: float) -> SizeNote:
     how = (
         f"The flats of {name} set the phase of both sides. File the lower one until a printed part with its bore goes on. Then clamp "
         f"this half along a vice, its flat against the {jaw} jaw and the upper half, towards you, beside the jaws. File the other "
-        "flat level on top, until such a part goes on there too"
+        "flat level on top, until such a part goes on there too. Some degrees more or less do no harm: one side then steps a little earlier"
     )
     return SizeNote(note, note.stock, note.length, how)
 

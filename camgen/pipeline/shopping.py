@@ -18,7 +18,14 @@ from camgen.parts.fixing import Fixing, with_joints
 from camgen.parts.keyways import parallel_keys
 from camgen.parts.look_alikes import with_sorting
 from camgen.parts.part import SizeNote
-from camgen.parts.reaming import opened_holes, opener, tight_holes, with_cutting, with_reaming
+from camgen.parts.reaming import (
+    opened_holes,
+    opener,
+    screw_holes,
+    tight_holes,
+    with_cutting,
+    with_reaming,
+)
 from camgen.parts.standing import StandingCopy, standing_copies
 from camgen.parts.step_words import listed
 from camgen.parts.tools import SUPPLIES, USES
@@ -92,6 +99,8 @@ def tools(mechanism: Mechanism) -> list[Bought]:
         found[opener(size, True)] = f"for {count} hole{'' if count == 1 else 's'} of {size:g} mm"
     for size in sorted(tight_holes(copies, fixing)):
         found.setdefault(opener(size), f"for holes of {size:g} mm that turn out too tight")
+    for _, size in screw_holes(copies, fixing, _work(mechanism).steps):
+        found.setdefault(opener(size), "for holes of screws that turn out too tight")
     needs = _needs(mechanism)
     if any(each.standard == NUT_STANDARD for each in assembly.bought):
         needs.add("pliers")

@@ -841,6 +841,9 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     used = {each.name for each in supplies(walker)}
     assert "two-part glue" in used, "on the motor's shaft"
     (filed,) = (title for title in titles if title.startswith("Cut and file"))
+    aside = 42.88 * math.radians(1)  # from throw to throw
+    assert f"would put the next web {aside:.1f} mm aside at its other end" in filed
+    assert filed.count("Clamp each crank pin along the vice, 0.67 mm of it over the jaws") == 1
     assert "its flat against the right jaw and the upper half, towards you" in filed
 
 
@@ -929,6 +932,50 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
         "flat on flat, with two-part glue all round in its bore and none on the motor, 0.05 mm over ground (a strip of a plastic bag "
         "between, then pull it out)."
     )
+
+
+@pytest.mark.parametrize(
+    ("name", "through", "cut"),
+    [
+        (
+            "walker",
+            [
+                "2.4 mm, for M2: 2 holes of ground and 2 holes of motor-bar",
+                "3.4 mm, for M3: 4 holes of ground, 4 holes of second-plate (2 ×), the hole of post (8 ×) and 4 holes of far-ground",
+            ],
+            ["2.5 mm, for M3: the hole of side-spacer (4 ×)"],
+        ),
+        (
+            "flapping-bird",
+            ["3.4 mm, for M3: 2 holes of stand-panel"],
+            ["2.5 mm, for M3: 2 holes of ground"],
+        ),
+    ],
+)
+def test_holes_of_screws_are_tried_before_anything_is_put_together(
+    name: str, through: list[str], cut: list[str]
+) -> None:
+    """Clearance holes [ISO 273, medium], and those in which a thread is cut [ISO 2306]."""
+    titles = [step.title for step in steps_of_assembly(built(name)).steps]
+    (lists,) = (title for title in titles if "Open these until" in title)
+    tried = lists.partition("Try a screw in each of these.")[2]
+    lines, _, rest = tried.partition("Screws cut their own threads in these.")
+    assert re.findall("☐ (.*)", lines) == through
+    threads = rest.partition("Glue with")[0]
+    assert re.findall("☐ (.*)", threads) == cut
+    drills = {each.name for each in tools(built(name))}
+    assert {f"drill {line.partition(' mm')[0]}" for line in (*through, *cut)} <= drills
+
+
+def test_a_pin_from_above_comes_before_what_its_links_would_throw_off() -> None:
+    """Wings get their pins, and are moved, before rods and a spacer lie loose on them."""
+    rows = order_of_assembly(built("flapping-bird").assembly).rows
+    names = [str(row[1]) for row in rows]
+    first, second, third = (names.index(name) for name in ("left_wing", "right_wing", "left_rod"))
+    assert names[first : third + 1] == ["left_wing", "right_wing", "pin-1", "left_rod"]
+    assert rows[second + 1][4] == 2, "one through each wing"
+    fourth = names.index("right_rod")
+    assert names[third + 1 : fourth] == ["spacer-1", "pin-1"] and names[fourth + 1] == "pin-2"
 
 
 @pytest.mark.parametrize("name", ["walker", "flapping-bird", "four-leg-walker", "dial-table"])
@@ -1065,8 +1112,13 @@ def test_holes_in_which_something_turns_are_opened_first() -> None:
     assert (
         head.startswith("Open all 5 holes in which something turns or slides") and not first.copies
     )
-    starts = ("Open these until", "These holes stay tight", "Glue with superglue gel")
-    by_hand, tight, glue = (
+    starts = (
+        "Open these until",
+        "These holes stay tight",
+        "Try a screw in each of these",
+        "Glue with superglue gel",
+    )
+    by_hand, tight, screws, glue = (
         next(k for k, line in enumerate(lines) if line.startswith(start)) for start in starts
     )
     assert lines[:by_hand] == [
@@ -1077,7 +1129,7 @@ def test_holes_in_which_something_turns_are_opened_first() -> None:
         "☐ 5 mm: C of ground, A of crank and B of rocker",
         "☐ 6 mm: O of crank and the bore of collar",
     ], "no vice gets in where the plate is"
-    assert lines[tight + 1 : glue] == [
+    assert lines[tight + 1 : screws] == [
         "☐ 5 mm: the narrower bore of hand-crank",
         "☐ 6 mm: the wider bore of hand-crank",
     ], "each of its holes once, that for the pin of 5 and that on the shaft of 6"
@@ -1085,8 +1137,9 @@ def test_holes_in_which_something_turns_are_opened_first() -> None:
     walker = steps_of_assembly(built("walker")).steps[1]
     _, _, said = walker.title.partition("Open these until")
     loose, _, stays = said.partition("These holes stay tight")
+    stays = stays.partition("Try a screw")[0]
     assert "☐ 3 mm: O of crank_web3 (2 ×), O of crank (2 ×) and the bore of far-collar" in loose, (
-        "the far web goes on its shaft dry, the near crank on that of a motor which is there"
+        "the far web goes on its shaft with both sides there, the near crank on that of a motor which is there"
     )
     assert "N of crank_web3 (2 ×)" in loose and "the bore of cap-2 (22 ×)" in loose
     assert "of second-plate" in loose and "of second-plate" not in stays

@@ -154,9 +154,10 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[MountedPart]:
             else:
                 between = stub.grips[-1][0] - stub.grips[0][1]
             head = s.pin_diameter / 2 + s.head, s.head
-            made = keyed_pin(
-                s.pin_diameter, (ends[0], ends[1]), between, layout.key_depth, head, s.shafts_made
-            )
+            lengths = ends[0], between, ends[1]
+            reach = _reach(layout, point)
+            depth = layout.key_depth
+            made = keyed_pin(s.pin_diameter, lengths, depth, head, s.shafts_made, reach)
             yield made, Mount(made.name, body, at, z=bottom)
         case "dowel":
             steel, cap = _dowel(layout, grip, point)
@@ -179,6 +180,13 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[MountedPart]:
             how = _made_of(layout, point)
             made = replace(made, notes=tuple(notes), role="pin", process=how)
             yield made, Mount("pin", body, at, 0.0, not hung, bottom - (play + s.head) * hung)
+
+
+def _reach(layout: Layout, point: str) -> float:
+    """How far the other axis of the upper web on a crank pin is from that, mm."""
+    web = layout.webs_at(point)[-1]
+    here = layout.at(web, point)
+    return max(abs(layout.at(web, other) - here) for other in layout.webs[web])
 
 
 def _between(layout: Layout, point: str, stub: Stub) -> MountedPart:

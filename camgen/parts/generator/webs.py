@@ -8,6 +8,7 @@ pin      round where rods turn on it, with a flat at both ends: pressed into the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -91,20 +92,31 @@ def faults(
     return faults
 
 
+def _filed_alike(flat: float, reach: float) -> str:
+    """How a vice sets both flats of a crank pin in one plane, and what an error does at the far end of the next web; mm."""
+    aside = reach * math.radians(1)
+    return (
+        f"Clamp each crank pin along the vice, {flat:.2g} mm of it over the jaws, and file either end across, down to the jaws. Keep off "
+        "the middle: rods turn there. So both flats are filed in one clamping, and lie in one plane: 1 deg between them would put the "
+        f"next web {aside:.1f} mm aside at its other end"
+    )
+
+
 def keyed_pin(
     diameter: float,
-    ends: tuple[float, float],
-    between: float,
+    lengths: tuple[float, float, float],
     flat: float,
     head: tuple[float, float],
     made: str,
+    reach: float = 0.0,
 ) -> Part:
     """A crank pin from its lower end up, mm: a flat as long as its web, round between them, a flat.
 
-    Where the upper end is 0 a head (radius, height) lies over what turns on it.
+    lengths: of its lower end, between both, of its upper one; where that is 0 a head (radius, height) lies over what turns on it.
+    reach: of the web on its upper end, to its other axis.
     """
     keyed: Contour = d_bore(diameter, flat)
-    low, high = ends
+    low, between, high = lengths
     radius, height = head
     top = low + between
     long = f"{low:.3g} long at either end"
@@ -115,6 +127,7 @@ def keyed_pin(
         f"{stock} x {top + high:g}, a flat {flat:.3g} deep and {long}, both on the same side",
         stock,
         top + high,
+        _filed_alike(flat, reach),
     )
     if not high:
         sized = SizeNote(
