@@ -79,8 +79,8 @@ MinWall = Annotated[
     float,
     quantity(
         "mm",
-        "least wall of every part: two lines of the nozzle; in metal 1; in a hardened cam or drum made alone at least 4 depths of "
-        "its case, camgen's own rule",
+        "least wall of every part; default: two lines of the nozzle, in metal 1, and in a hardened cam or drum made alone at "
+        "least 4 times the case depth (camgen's own rule)",
         ge=1e-3,
         le=1e6,
     ),
@@ -231,60 +231,59 @@ class Print(Record):
     )
     press_clearance: Clearance = Field(
         default=0.0,
-        description="diametral clearance of press fits, with holes as drawn: printed ones come out narrower, see "
-        "hole_compensation",
+        description="diametral clearance of press fits, for holes as drawn; printed holes come out narrower: see hole_compensation",
     )
     bed: tuple[Length, Length] = Field(
         default=(220.0, 220.0), description="width and depth of the bed: every part must fit on it"
     )
-    bed_height: Length = Field(default=250.0, description="the tallest that it prints")
+    bed_height: Length = Field(
+        default=250.0, description="height of the tallest part that it can print"
+    )
     bed_margin: Annotated[float | None, quantity("mm", ge=0, le=1000)] = Field(
         default=None,
-        description="strip along the bed's edge that stays free; left out: what a brim needs, where "
-        "there is room",
+        description="strip along the bed's edge that stays free; default: what a brim needs, if there is room",
     )
     hole_compensation: Annotated[float, quantity("mm", ge=-2, le=2)] = Field(
         default=0.0,
-        description="how much the printer takes from the radius of holes, often 0.05 to 0.15: print and measure camgen new "
-        "coupon, see camgen guide printing",
+        description="how much smaller the printer makes the radius of a hole, often 0.05 to 0.15; print a coupon to measure it: camgen "
+        "guide printing",
     )
     profile_compensation: Annotated[float, quantity("mm", ge=-2, le=2)] = Field(
-        default=0.0, description="how much the printer adds to outlines"
+        default=0.0, description="how much larger the printer makes an outline, all round"
     )
     shrinkage: Annotated[float, quantity("1", ge=-0.05, le=0.05)] = Field(
         default=0.0, description="share by which the plastic shrinks in the plane, such as 0.003"
     )
     elephant_foot: Annotated[float, quantity("mm", ge=0, le=2)] = Field(
-        default=0.0, description="chamfer against the swelling of the first layers"
+        default=0.0, description="chamfer of the lower edges, because the first layers swell"
     )
     first_layer: Annotated[float, quantity("mm", gt=0, le=2)] = Field(
-        default=0.2, description="height of the first layer, and of the steps of that chamfer"
+        default=0.2,
+        description="height of the first layer, and of the steps of the elephant_foot chamfer",
     )
     layer: Annotated[float | None, quantity("mm", ge=0.01, le=2)] = Field(
         default=None,
-        description="height of the other layers: for print time, and for faces that lie between "
-        "layers",
+        description="height of the other layers, for the print time and for notes on faces between layers",
     )
     xy_step: Annotated[float, quantity("mm", ge=0, le=0.2)] = Field(
         default=0.0125,
-        description="step of the print head: the most that a slicer may move walls; 1 / steps per mm",
+        description="step of the print head, 1 / steps per mm: the most by which a slicer may shift walls",
     )
     size_error: Spread = Field(
         default=None,
-        description="standard deviation of a size; unless given, a third of the plastic's usual tolerance",
+        description="standard deviation of a size; default: a third of the plastic's usual tolerance",
     )
     place_error: Spread = Field(
         default=None,
-        description="standard deviation of a hole's centre along an axis; size_error / sqrt 2 unless "
-        "given",
+        description="standard deviation of a hole's centre along an axis; default: size_error / sqrt 2",
     )
     form_error: Spread = Field(
         default=None,
-        description="standard deviation of an outline's waves; size_error / 4 unless given",
+        description="standard deviation of an outline's waves; default: size_error / 4",
     )
     form_orders: Annotated[Orders, quantity("1")] | None = Field(
         default=None,
-        description="number of waves a turn, least and greatest; 2 to 4 unless given",
+        description="number of these waves per turn, least and greatest; default: 2 to 4",
     )
 
 
@@ -317,8 +316,8 @@ class Material(Record):
     )
     infill: Annotated[float, quantity("1", gt=0, le=1)] = Field(
         default=1.0,
-        description="share of the volume that is material: in prints walls and infill together, often 0.3 to 0.6; 1 is the "
-        "safe side for weight",
+        description="share of a part's volume that is material: in prints walls and infill together, often 0.3 to 0.6; with 1 the weight "
+        "is on the safe side",
     )
 
 
@@ -327,32 +326,32 @@ class Files(Record):
 
     curves: Literal["bulge", "lines", "arcs", "spline"] = Field(
         default="bulge",
-        description='"bulge": arcs in polylines; for readers without them "lines": chords, "arcs": lines and arcs end on end, '
-        '"spline": a spline for each contour',
+        description='curves in the DXF: "bulge" for polylines with arcs; for programs that cannot read these: "lines" for chords, "arcs" '
+        'for single lines and arcs, "spline" for a spline for each contour',
     )
-    center_marks: bool = Field(
-        default=False, description="true: marks at centres, on a layer CENTER"
+    center_marks: bool = Field(default=False, description="true: centre marks on the layer CENTER")
+    engrave: bool = Field(
+        default=False, description="true: the DXF also has the engraving, on the layer ENGRAVE"
     )
-    engrave: bool = Field(default=False, description="true: the engraving, on a layer ENGRAVE")
     hole_letters: bool | None = Field(
         default=None,
-        description="true: links of a linkage have the letters of their holes, engraved 0.4 mm deep",
+        description="true: the links of a linkage carry the letters of their holes, engraved 0.4 mm deep",
     )
     up_marks: bool = Field(
         default=True,
-        description="false: no UP engraved on the upper side of a machine's cam, wheel or crank that also fits upside down",
+        description="true: UP is engraved on the upper side of a machine's cam, wheel or crank that would also fit upside down",
     )
     step: bool | None = Field(
         default=None,
-        description="true: a whole build makes exact solids as well (STEP); unless given, only of metals",
+        description="true: a build without --only also makes exact solids (STEP); default: true for metals",
     )
     profile_step_deg: Annotated[float | None, quantity("deg", ge=0.01, le=90)] = Field(
         default=None,
-        description="step of a cam's table of radius, normal and curvature; left out: no table",
+        description="angle from row to row in a table of a cam's radius, normal and curvature; default: no table",
     )
     cutter_radius: Annotated[float | None, quantity("mm", gt=0, le=1000)] = Field(
         default=None,
-        description="radius of a cutter: the path of its centre round each cam is drawn; left out: none",
+        description="radius of a cutter: camgen draws the path of its centre round each cam; default: no path",
     )
 
     @property
@@ -384,7 +383,8 @@ class Drawing(Record):
         | None
     ) = Field(
         default=None,
-        description="general tolerance: f, m, c or v; then H, K or L for form and position, as in -mK; left out: in metal -mK, else -m",
+        description='general tolerance of ISO 2768: f, m, c or v, then H, K or L for form and position; default: "ISO 2768-mK" in metal, '
+        'else "ISO 2768-m"',
     )
     number: (
         Annotated[
@@ -396,8 +396,7 @@ class Drawing(Record):
         | None
     ) = Field(
         default=None,
-        description="number of the drawings: K-104-01, K-104-02, ...; left out: the names of their "
-        "files",
+        description='number of the drawings: "K-104" gives K-104-01, K-104-02 and so on; default: the names of their files',
     )
     date: (
         Annotated[
@@ -412,78 +411,73 @@ class Drawing(Record):
         | None
     ) = Field(
         default=None,
-        description="date of the drawings; left out: none, so that the same spec gives the same "
-        "bytes on any day",
+        description="date of the drawings; default: none, so that the same spec gives the same files on any day",
     )
     position: Annotated[float, quantity("mm", ge=0, le=5)] | None = Field(
         default=None,
-        description="diameter within which the axes of holes must lie (ISO 1101); left out: 0.2, in metal 0.05; of dowels that "
-        "carry a track in metal at most profile; 0: not shown",
+        description="position tolerance of holes: the diameter within which their axes must lie (ISO 1101); 0: not shown; default: 0.2, in "
+        "metal 0.05, and for dowels that carry a track in metal at most profile",
     )
     profile_step_deg: Annotated[float, quantity("deg", ge=5, le=90)] = Field(
-        default=10.0, description="step of a cam's table of radii on the drawings"
+        default=10.0, description="angle from row to row in a cam's table of radii on the drawings"
     )
     bore_fit: Fit | None = Field(
         default=None,
-        description='fit of a bore on its shaft (ISO 286), such as "H7"; left out: "H7" in metal, '
-        "else none",
+        description='fit of a bore on its shaft (ISO 286), such as "H7"; default: "H7" in metal, else none',
     )
     key_fit: Literal["P9", "JS9", "N9"] | None = Field(
         default=None,
-        description='fit of a keyway\'s width: "P9" tight, "JS9" light; left out: "JS9" in metal, '
-        "else none",
+        description='fit of a keyway\'s width: "P9" tight, "JS9" light; default: "JS9" in metal, else none',
     )
     seat_fit: Fit | None = Field(
         default=None,
-        description="fit of holes into which dowels and bearings are pressed; left out: as bore_fit, of ball bearings in metal "
-        '"JS7"',
+        description='fit of holes into which dowels and bearings are pressed; default: as bore_fit, but "JS7" for ball bearings in metal',
     )
     profile: Annotated[float, quantity("mm", gt=0, le=1)] | None = Field(
         default=None,
-        description="tolerance of a cam's track: the width of its zone (line profile, ISO 1101); left out: 0.05 in metal, else none",
+        description="tolerance of a cam's track: the width of its zone (line profile, ISO 1101); default: 0.05 in metal, else none",
     )
     roughness: Annotated[float, quantity("um", gt=0, le=100)] | None = Field(
-        default=None, description="Ra of a cam's track; left out: 0.8 in metal, else not shown"
+        default=None, description="Ra of a cam's track; default: 0.8 in metal, else not shown"
     )
     bore_roughness: Annotated[float, quantity("um", gt=0, le=100)] | None = Field(
         default=None,
-        description="Ra of a cam's bore; left out: 1.6 in metal, as it is reamed, else not shown",
+        description="Ra of a cam's bore; default: 1.6 in metal (a reamed bore), else not shown",
     )
     symmetry: Annotated[float, quantity("mm", ge=0, le=1)] | None = Field(
         default=None,
-        description="symmetry of a keyway about its bore (ISO 1101); 0: not shown; left out: 0.04 in metal, else not shown",
+        description="symmetry of a keyway about its bore (ISO 1101); 0: not shown; default: 0.04 in metal, else not shown",
     )
     run_out: Annotated[float, quantity("mm", ge=0, le=1)] | None = Field(
         default=None,
-        description="run-out of a cam's face at z = 0, of a cylinder cam's ends and outside, about its bore (ISO 1101); 0: not shown; "
-        "left out: 0.03 in metal, else not shown",
+        description="run-out about the bore (ISO 1101) of a cam's face at z = 0, or of a cylinder cam's ends and outside; 0: not shown; "
+        "default: 0.03 in metal, else not shown",
     )
     bore_chamfer: Annotated[float, quantity("mm", ge=0, le=5)] | None = Field(
         default=None,
-        description="chamfer at 45 deg of both ends of a cam's bore, asked for on the drawing and not in the files; 0: none; "
-        "left out: in metal 0.5 up to a bore of 10, 1 up to 40, else 1.5",
+        description="chamfer at 45 deg at both ends of a cam's bore, on the drawing only, not in the other files; 0: none; default: in "
+        "metal 0.5 up to a bore of 10, 1 up to 40, 1.5 above; else none",
     )
     roughness_elsewhere: Annotated[float, quantity("um", gt=0, le=100)] | None = Field(
-        default=None, description="Ra of all other faces; left out: 3.2 in metal, else not shown"
+        default=None, description="Ra of all other faces; default: 3.2 in metal, else not shown"
     )
     edges: Annotated[str, said(60)] | None = Field(
         default=None,
-        description='state of edges, such as "broken 0.2 to 0.4, ISO 13715"; left out: that in metal, else '
-        "not shown",
+        description='state of edges; default: "broken 0.2 to 0.4, ISO 13715" in metal, else not shown',
     )
     heat_treatment: Annotated[str, said(60)] | None = Field(
         default=None,
-        description='heat treatment, such as "case hardened 60+4 HRC, CHD 0.8+0.4"; left out: that with which '
-        "the material bears its pressure, if any; of 16MnCr5 where a follower runs",
+        description='heat treatment, such as "case hardened 60+4 HRC, CHD 0.8+0.4"; default: the treatment that the material needs to bear '
+        "its pressure, if any; for 16MnCr5 only where a follower runs",
     )
     revision: Annotated[str, said(8)] | None = Field(
         default=None, description="revision of the drawings, in the title block"
     )
     drawn_by: Annotated[str, said(30)] | None = Field(
-        default=None, description="name of who drew it, in the title block"
+        default=None, description="name of the person who drew it, in the title block"
     )
     checked_by: Annotated[str, said(30)] | None = Field(
-        default=None, description="name of who checked it, in the title block"
+        default=None, description="name of the person who checked it, in the title block"
     )
 
 
@@ -498,7 +492,7 @@ class Laser(Record):
         default=(600.0, 400.0), description="width and height of the sheet"
     )
     gap: Annotated[float, quantity("mm", ge=0, le=100)] = Field(
-        default=2.0, description="gap between neighbours, half of it to the edge"
+        default=2.0, description="gap between neighbouring parts; half of it to the sheet's edge"
     )
 
 

@@ -120,7 +120,6 @@ METAL = {
 
 # What its comments say of a print, and what is so in metal.
 _OF_PRINTS = {
-    ": two lines of the nozzle": "",
     "show their defaults": "show the defaults of prints (metal has its own)",
     "\nnozzle = 0.4  ": "\n# nozzle = 0.4",
     "\nhub_diameter = 16  ": "\n# hub_diameter = 16",

@@ -152,7 +152,7 @@ def test_starter_is_as_its_class_says(mechanism: str) -> None:
     text = starters.text(mechanism)
     assert written(mechanism, text) == text
     (row,) = [row for row in rows(text) if row.path == ("print", "bed_height")]
-    assert row.line.endswith("# mm, the tallest that it prints")
+    assert row.line.endswith("# mm, height of the tallest part that it can print")
     other = text.replace(row.line, "# bed_height = 240 # inch, or so\n                  # or less")
     assert other != text and written(mechanism, other) == text
 

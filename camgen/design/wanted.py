@@ -64,16 +64,15 @@ class PathWish(Wish):
     )
     tolerance: Length | None = Field(
         None,
-        description="mm, how far path and points may be apart; a twentieth of the size unless given",
+        description="mm, how far path and points may be apart; default: a twentieth of the size",
     )
     lash: Length | None = Field(
         None,
-        description="mm, greatest free play of the point by all joints; unless given more than a twentieth of the size is "
-        "taken only where no design has less",
+        description="mm, greatest free play of the point by all joints; default: a twentieth of the size, or the least that a design has",
     )
     bars: Literal[4, 6, 8] = Field(6, description="most links, the ground among them")
     shortest: Length | None = Field(
-        None, description="mm, least distance of two pins of a link; unless given what hubs need"
+        None, description="mm, least distance of two pins of a link; default: what the hubs need"
     )
     transmission_deg: Annotated[float, Field(ge=0, le=60)] = Field(
         20.0, description="deg, least between two links at a pin"
@@ -82,7 +81,7 @@ class PathWish(Wish):
         1, description="how long the best designs are bettered"
     )
     seed: Annotated[int, Field(ge=0, le=10**6)] = Field(
-        0, description="another one begins from other drawings"
+        0, description="another number begins the search from other drawings"
     )
 
     def allowance(self, size: float) -> float:
@@ -155,7 +154,7 @@ class DrawingWish(Wish):
         description="whether the pen rounds sharp corners within the tolerance, or stops in them",
     )
     width: Annotated[float, Field(ge=3, le=300)] | None = Field(
-        None, description="mm, width of the drawing; as drawn unless given"
+        None, description="mm, width of the drawing; default: as drawn"
     )
     follower: Literal["arm", "slides"] = Field(
         "arm",
@@ -219,13 +218,15 @@ class FunctionWish(Wish):
     )
     tolerance: Annotated[float, Field(gt=0, le=180)] | None = Field(
         None,
-        description="deg, how far the rocker may be off; the nearest design, within a twentieth of its swing, unless given",
+        description="deg, how far the rocker may be off; default: the nearest design, within a twentieth of its swing",
     )
     frame: Length = Field(60.0, description="mm, between the pivots of crank and rocker")
     shortest: Length | None = Field(
-        None, description="mm, least length of a link; a fifth of frame unless given"
+        None, description="mm, least length of a link; default: a fifth of frame"
     )
-    longest: Length | None = Field(None, description="mm, greatest one; twice frame unless given")
+    longest: Length | None = Field(
+        None, description="mm, greatest length of a link; default: twice frame"
+    )
     lash: Annotated[float, Field(gt=0, le=180)] | None = Field(
         None, description="deg, greatest free play by all joints"
     )
@@ -312,10 +313,10 @@ class KeyWish(Wish):
         description="keys that may change, each with its least and greatest value, or with words to choose from, such as laws"
     )
     least: str | None = Field(
-        None, description="a figure, or a key that varies, that is to be as small as can be"
+        None, description="the figure, or the key of vary, to make as small as possible"
     )
     most: str | None = Field(
-        None, description="a figure, or a key that varies, that is to be as great as can be"
+        None, description="the figure, or the key of vary, to make as great as possible"
     )
     figures: dict[str, Bounds] = Field(
         {}, description="figures that must lie between a least and a greatest value"
@@ -331,10 +332,11 @@ class KeyWish(Wish):
         None, description="deg, least transmission angle: limits.transmission_angle_deg"
     )
     effort: Annotated[int, Field(ge=1, le=50)] = Field(
-        1, description="how many designs are tried: some ninety for each key, times this"
+        1,
+        description="how long camgen searches: it tries about ninety designs for each key, times this number",
     )
     seed: Annotated[int, Field(ge=0, le=10**6)] = Field(
-        0, description="another one begins from other values"
+        0, description="another number begins the search from other values"
     )
 
     def faults(self) -> list[Fault]:
@@ -389,14 +391,14 @@ class LinkWish(Wish):
     bound: ClassVar[str] = "wanted.longest"  # keys that bound links and pivots
 
     tolerance: Length | None = Field(
-        None, description="mm, how far the linkage may be off; a twentieth of the size unless given"
+        None, description="mm, how far the linkage may be off; default: a twentieth of the size"
     )
     lash: Length | None = Field(None, description="mm, greatest free play by all joints")
     shortest: Length | None = Field(
-        None, description="mm, least distance of two pins of a link; unless given what hubs need"
+        None, description="mm, least distance of two pins of a link; default: what the hubs need"
     )
     longest: Length | None = Field(
-        None, description="mm, greatest one; three sizes of what is wanted unless given"
+        None, description="mm, greatest distance; default: three times the size of what is wanted"
     )
     transmission_deg: Annotated[float, Field(ge=0, le=80)] = Field(
         30.0,
@@ -404,13 +406,13 @@ class LinkWish(Wish):
     )
     turns: bool | None = Field(
         None,
-        description="true: the crank turns all round; false: to and fro; it turns where it can unless given",
+        description="true: the crank turns all round; false: it goes to and fro; default: it turns if it can",
     )
     effort: Annotated[int, Field(ge=1, le=50)] = Field(
         1, description="from how many drawings a search begins"
     )
     seed: Annotated[int, Field(ge=0, le=10**6)] = Field(
-        0, description="another one begins from other drawings"
+        0, description="another number begins the search from other drawings"
     )
 
     @property
@@ -516,7 +518,8 @@ class FourBarWish(LinkWish):
 
     pivots: tuple[tuple[Coordinate, Coordinate], tuple[Coordinate, Coordinate]] | None = Field(
         None,
-        description="mm, two corners of the box in which both pivots stand; one and a half sizes round what is wanted unless given",
+        description="mm, two corners of the box in which both pivots stand; default: one and a half times the size of what is wanted, "
+        "round it",
     )
 
     @property
@@ -571,7 +574,7 @@ class PoseWish(FourBarWish):
     )
     tolerance_deg: Annotated[float, Field(gt=0, le=180)] | None = Field(
         None,
-        description="deg, how far the body's angle may be off, counted from the first; a twentieth of its range unless given",
+        description="deg, how far the body's angle may be off, counted from the first; default: a twentieth of its range",
     )
 
     @property
@@ -741,7 +744,7 @@ class DwellWish(LinkWish):
     dwell: Rests = Field(description="span_deg, how long it rests; swing_deg, how far it goes")
     tolerance: Annotated[float, Field(gt=0, le=30)] | None = Field(
         None,
-        description="deg, band within which the output rests; the nearest design, within a fiftieth of its swing, unless given",
+        description="deg, band within which the output rests; default: the nearest design, within a fiftieth of its swing",
     )
     lash: Annotated[float, Field(gt=0, le=180)] | None = Field(
         None, description="deg, greatest free play by all joints"

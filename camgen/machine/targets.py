@@ -463,9 +463,7 @@ class Dwell(Record):
         description="least span of theta over which it rests"
     )
     band: Size = Field(description="width of the band within which it rests")
-    at: Value | None = Field(
-        default=None, description="the middle of the band; anywhere unless given"
-    )
+    at: Value | None = Field(default=None, description="middle of the band; default: anywhere")
 
     def finding(self, course: Course, where: Where) -> Finding:
         """DWELL."""

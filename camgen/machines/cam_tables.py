@@ -25,8 +25,8 @@ class CamSizes(ShaftHole, Parts):
 
     make: Literal["cams", "printed", "laser"] = Field(  # type: ignore[assignment]
         default="cams",
-        description='"cams": the cams alone; "printed": a machine that stands on a bench;\n"laser": that '
-        "machine in layers of the sheet of [laser], with pins and shaft of steel",
+        description='"cams": the cams alone; "printed": the whole machine, printed;\n"laser": the whole machine, cut in layers from the '
+        "sheet of [laser], with pins and shaft of steel",
     )
 
     @model_validator(mode="before")

@@ -96,10 +96,11 @@ class LawChoice(Record):
     inflection: Annotated[float, quantity("1", gt=0, lt=1)] | None = Field(
         default=None,
         alias="lambda",
-        description="place of the inflection, 0.5 unless given or found",
+        description="place of the inflection in the span; default: 0.5, or where camgen finds it",
     )
     ramp: Annotated[float, quantity("1", gt=0, le=1)] | None = Field(
-        default=None, description="share of a trapezoid's half in which it falls to a reversal"
+        default=None,
+        description="modified-trapezoid at a reversal: share of that half in which the acceleration falls",
     )
     c_a_star: Annotated[float, quantity("1", gt=0, le=1e6)] | None = Field(
         default=None, description="greatest normal deceleration, in place of lambda"
@@ -127,8 +128,7 @@ class LawChoice(Record):
     rest: bool | None = Field(default=None, description="table: whether it starts and ends at rest")
     tolerance: Annotated[float, quantity("mm or deg", gt=0, le=1e3)] | None = Field(
         default=None,
-        description="table over the whole turn: how far the motion may be off its rows; it is as smooth "
-        "as that allows",
+        description="table over the whole turn: how far the motion may differ from the rows; camgen makes it as smooth as this allows",
     )
 
     @property
@@ -162,12 +162,11 @@ class Span(Record):
 
     kind: Kind | None = Field(
         default=None,
-        description='"rise", "dwell" or "return"; may be left out if the end shows it',
+        description='"rise", "dwell" or "return"; you may leave it out if the end shows which',
     )
     span_deg: Annotated[float, quantity("deg", ge=_LEAST_SPAN, le=360)] | None = Field(
         default=None,
-        description="how much of the turn, or of a drive's period, it takes; a dwell without it takes "
-        "the rest",
+        description="how much of the turn, or of a drive's period, the segment takes; one dwell may leave it out and takes the rest",
     )
     at_deg: Annotated[float, quantity("deg", gt=0, le=360)] | None = Field(
         default=None,
@@ -176,14 +175,14 @@ class Span(Record):
     )
     law: NamedLaw | None = Field(
         default=None,
-        description="law of a rise or return: a name (camgen list), or a table with parameters; left out: "
-        "the one of least acceleration",
+        description="law of a rise or return: a name (camgen list), or a table with parameters; default: the law with the least "
+        "acceleration",
     )
     task: Annotated[str, text_of_form("two of R, G, U, B, such as RU", "^[RGUB]{2}$")] | None = (
         Field(
             default=None,
-            description="motion task, what both ends join: rest (R), constant velocity (G), reversal (U), motion "
-            "(B); left out: found",
+            description="motion task: what the two ends join, rest (R), constant velocity (G), reversal (U) or motion (B); default: camgen "
+            "finds it",
         )
     )
     inflection: Annotated[float, quantity("1", gt=0, lt=1)] | None = Field(
@@ -194,8 +193,7 @@ class Span(Record):
     )
     end_velocity: Annotated[float, quantity("mm/deg or deg/deg", ge=-1e6, le=1e6)] | None = Field(
         default=None,
-        description="velocity at the end of the segment, for G and B; left out: that of a uniform "
-        "neighbour",
+        description="velocity at the end of the segment, for G and B; default: the velocity of a uniform neighbour",
     )
     end_acceleration: (
         Annotated[float, quantity("mm/deg^2 or deg/deg^2", ge=-1e6, le=1e6)] | None

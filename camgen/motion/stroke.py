@@ -26,7 +26,7 @@ class StrokeSegment(Record):
 
     kind: Kind | None = Field(
         default=None,
-        description='"rise", "dwell" or "return"; may be left out if `to` shows it',
+        description='"rise", "dwell" or "return"; you may leave it out if `to` shows which',
     )
     span: Annotated[float, quantity("mm", ge=1e-3, le=1e5)] = Field(
         description="how much of the way it takes"
@@ -39,8 +39,8 @@ class StrokeSegment(Record):
     )
     law: NamedLaw | None = Field(
         default=None,
-        description="law of a rise or return: a name (camgen list), or a table with parameters; left out: "
-        "the one of least acceleration",
+        description="law of a rise or return: a name (camgen list), or a table with parameters; default: the law with the least "
+        "acceleration",
     )
 
 

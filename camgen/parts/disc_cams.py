@@ -30,12 +30,12 @@ BoreShape = Annotated[
     Field(description='"plain", "keyway" (key_width, key_depth) or "d-flat" (flat_depth), on +y'),
 ]
 KeyWidth = Annotated[
-    Length, Field(description="width of the keyway; unless given, that of DIN 6885 for the bore")
+    Length, Field(description="width of the keyway; default: as in DIN 6885 for the bore")
 ]
 KeyDepth = Annotated[
     Length,
     Field(
-        description="height of the keyway's floor above the bore's circle; unless given, that of DIN 6885"
+        description="height of the keyway's floor above the bore's circle; default: as in DIN 6885 for the bore"
     ),
 ]
 FlatDepth = Annotated[Length, Field(description="depth of the flat below the bore's circle")]
@@ -131,8 +131,8 @@ class ShaftHole(ShaftBore):
 
     thickness: Thickness = Field(
         default=6.0,
-        description="thickness of the cam, without its hub; in a machine that of links, cams and "
-        "followers, 4;\na metal disc cam: at least 0.6 times the bore and the width of its bought roller, camgen's own rule",
+        description="thickness of the cam without its hub; in a machine also of links and followers, 4 by default;\na metal disc cam is at "
+        "least 0.6 times the bore thick, and as thick as its bought roller is wide (camgen's own rule)",
     )
 
 
@@ -141,32 +141,32 @@ class CamParts(ShaftHole):
 
     hub_diameter: Length = Field(
         default=16.0,
-        description="diameter of the hub on top of the cam; a metal disc cam: 1.8 times the bore, camgen's own rule",
+        description="diameter of the hub on top of the cam; default in metal: 1.8 times the bore (camgen's own rule)",
     )
     hub_height: Annotated[float, quantity("mm", ge=0, le=1000, examples=[6.0])] = Field(
         default=0.0,
-        description="height of the hub on top of the cam; 0: none, as in a groove;\na metal disc cam with a keyway: so "
-        "high that the bore is as long as it is wide, and 2.4 diameters of its set screw, camgen's own rule",
+        description="height of the hub on top of the cam; 0: none, as for a groove;\ndefault for a metal cam with a keyway: the bore is as "
+        "long as it is wide, and the hub as high as 2.4 diameters of its set screw (camgen's own rule)",
     )
     set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = Field(
         default="none",
-        description='"none"; or "M2" to "M5": in the hub, with its nut, on the flat if there is one;\n'
-        "a metal hub with a keyway: in a thread over the key, so that the cam cannot slide along the shaft;\n"
-        "a machine: in a collar on its motor's shaft",
+        description='"none"; or "M2" to "M5": a set screw with its nut in the hub, on the flat if there is one;\nin a metal hub with a '
+        "keyway: in a thread over the key, so that the cam cannot slide along the shaft;\nin a machine: in a collar on the "
+        "motor's shaft",
     )
     pin_diameter: Length = Field(
         default=3.0,
-        description="groove: diameter of the pins that join its plates; in a machine that of all pins, 5;\n"
-        "in metal: dowels at least half as thick as its walls, camgen's own rule",
+        description="diameter of the pins that join the plates of a groove; in a machine of all pins, 5 by default;\nin metal: dowels, at "
+        "least half as thick as the groove's walls (camgen's own rule)",
     )
     rim: Length = Field(
         default=8.0,
-        description="groove: least width of the rim outside its outer wall, whose diameter is rounded up; in metal at least "
-        "2.5 pins, camgen's own rule",
+        description="least width of the rim round a groove; camgen rounds up the rim's diameter; in metal at least 2.5 pin diameters "
+        "(camgen's own rule)",
     )
     back: Thickness = Field(
         default=3.0,
-        description="groove: thickness of the back plate; in metal half that of its walls, camgen's own rule",
+        description="thickness of a groove's back plate; default in metal: half the thickness of its walls (camgen's own rule)",
     )
 
     @property

@@ -91,7 +91,7 @@ class Timing(Record):
         default=0.0, description="how far the spreaders come after the needles"
     )
     needle_stroke: Length | None = Field(
-        default=None, description="stroke of the needles; left out: as long as the feed needs"
+        default=None, description="stroke of the needles; default: as long as the feed needs"
     )
 
 

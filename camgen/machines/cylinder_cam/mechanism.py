@@ -117,9 +117,9 @@ class CylinderCam(Mechanism):
     )
     spring: SpringTable | None = Field(
         default=None,
-        description='track "end": the spring that presses the follower on the cam; the report says what is '
-        "needed; a printed machine with a slide has two on its rods, which share both, with an arm one that pulls it; "
-        "0: as strong as is needed",
+        description='track "end": the spring that presses the follower on the cam; the report says how strong it must be; a printed '
+        "machine with a slide has two springs on its rods, which share rate and preload, and one with an arm has a spring that "
+        "pulls the arm; 0: as strong as needed",
     )
     making: Annotated[DrumParts, Field(alias="parts")] = DrumParts.model_construct()
     allowed: Annotated[DrumLimits, Field(alias="limits")] = DrumLimits.model_construct()

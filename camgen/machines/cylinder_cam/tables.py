@@ -21,31 +21,31 @@ class DrumFollower(MovingFollower):
     )
     offset: Coordinate = Field(
         default=0.0,
-        description="translating: how far the roller's axis lies beside the drum's, counter-clockwise "
-        "as the drum is seen from above (below 0: clockwise)",
+        description="translating: how far the roller's axis passes beside the drum's axis, counter-clockwise seen from above (below 0: "
+        "clockwise)",
     )
     arm: Length | None = Field(
         default=None, description="oscillating: distance from the pivot to the roller's axis"
     )
     pivot: Length | None = Field(
         default=None,
-        description="oscillating: how far the pivot lies beside the drum's axis; left out: where the roller "
-        "stays nearest to it",
+        description="oscillating: how far the pivot lies beside the drum's axis; default: where the roller stays nearest to that axis",
     )
     height: Length | None = Field(
         default=None,
-        description="translating: height of the roller's axis at displacement 0; oscillating: height of the "
-        "pivot; for a rib of the middle of both rollers; from the drum's lower end; left out: parts.wall is left\nunder the track; of a given length, the track is in its middle",
+        description="height over the drum's lower end: translating, of the roller's axis at displacement 0 (of a rib, of the middle "
+        "between both rollers); oscillating, of the pivot;\ndefault: parts.wall is left under the track, or, if length is "
+        "given, the track is in the middle of the drum",
     )
     guide: Length | None = Field(
         default=None,
-        description="distance from the drum's axis at which the slide or the arm's pivot bears, for the figures of "
-        "moments; left out: geometry.radius",
+        description="distance from the drum's axis to the slide or to the arm's pivot, for the moments in the report; default: "
+        "geometry.radius",
     )
     start_deg: Annotated[float, quantity("deg", ge=-80, le=80)] | None = Field(
         default=None,
-        description="oscillating: angle of the arm at displacement 0, from perpendicular to the drum's axis; left "
-        "out: it swings as far down as up",
+        description="oscillating: angle of the arm at displacement 0, from the plane perpendicular to the drum's axis; default: the arm "
+        "swings as far down as up",
     )
 
 
@@ -70,9 +70,8 @@ class DrumGeometry(Record):
 
     track: Literal["groove", "rib", "end"] = Field(
         default="groove",
-        description='"groove": the roller between two walls, print.slide_clearance (in metal 0.05) wider than the roller\n'
-        '"rib": two rollers astride of one rib, on a slide\n'
-        '"end": the roller on the upper end, held down by a spring',
+        description='"groove": the roller runs between two walls; the groove is print.slide_clearance (in metal 0.05) wider than it\n"rib": '
+        'two rollers astride of one rib, on a slide\n"end": the roller on the upper end, held down by a spring',
     )
     follower: DrumFollower = Field(
         default=DrumFollower.model_construct(), description="what moves beside the drum"
@@ -80,12 +79,12 @@ class DrumGeometry(Record):
     roller: DrumRollerTable = Field(description="the roller in the track")
     radius: Length | None = Field(
         default=None,
-        description="outer radius of the drum; left out: the smallest that keeps to "
-        "limits.pressure_angle_deg at the roller's inner end, and holds its bore, rounded up",
+        description="outer radius of the drum; default: the smallest that keeps within limits.pressure_angle_deg at the roller's inner end "
+        "and has room for the bore, rounded up",
     )
     length: Length | None = Field(
         default=None,
-        description="length of the drum; left out: the track and parts.wall at both ends, rounded up",
+        description="length of the drum; default: the length of the track and of parts.wall at both ends, rounded up",
     )
     distance: Length | None = Field(
         default=None, description="rib: distance between the axes of both rollers"
@@ -103,26 +102,26 @@ class DrumParts(ShaftBore):
     )
     pieces: Literal[1, 2] | None = Field(
         default=None,
-        description="2: a groove as two pieces, each printed with its wall up, without supports: the drum with its lower "
-        "wall, and a ring with the upper one, glued on its core, whose flat holds the ring's angle; 1: supports stand in "
-        "the groove, where the roller runs; left out: 2 for a groove that is printed, else 1",
+        description="2: a groove in two pieces, each printed with its wall up and without supports: the drum with the lower wall, and a "
+        "ring with the upper wall, which you glue on the drum's core (a flat holds its angle); 1: one piece, with supports in "
+        "the groove where the roller runs; default: 2 for a printed groove, else 1",
     )
     wall: Length = Field(
         default=3.0,
-        description="least wall between the bore and the floor of the track, and at the drum's ends; in a machine "
-        "round holes; of a drum in two pieces also the height of the key; in metal at least half as thick as the track "
-        "is deep, hardened at least limits.min_wall, camgen's own rule",
+        description="least wall between the bore and the floor of the track, and at the drum's ends; in a machine also round holes; in a "
+        "drum of two pieces also the height of the key; in metal at least half the depth of the track, if hardened at least "
+        "limits.min_wall (camgen's own rule)",
     )
     thickness: Length = Field(
         default=6.0,
-        description='make "printed": thickness of arm and crank, and least of the end plates',
+        description='make "printed": thickness of the arm and the crank; the end plates are at least as thick',
     )
     rod_diameter: Length = Field(
         default=6.0, description='make "printed": diameter of the four rods between the end plates'
     )
     crank: Length = Field(
         default=40.0,
-        description='make "printed" with motor.model "hand crank": from the shaft to the knob',
+        description='make "printed" with motor.model "hand crank": distance from the shaft to the knob',
     )
 
 
@@ -131,7 +130,7 @@ class DrumLimits(CamLimitsTable):
 
     lash: Annotated[float, quantity("mm or deg", ge=0, le=1e6)] = Field(
         default=0.25,
-        description="free play of the follower between both walls; 0.25 is a hundredth of a lift of 25, "
-        "and the running play of printed parts",
+        description="greatest free play of the follower between both walls; 0.25 is 1 % of a lift of 25, and the running play of printed "
+        "parts",
     )
     min_wall: MinWall = 0.8

@@ -105,8 +105,7 @@ class DiscCamDrive(CamTables):
     )
     spring: SpringTable | None = Field(
         default=None,
-        description='closure "force": the spring that presses the follower on the cam; the report says '
-        "what is needed",
+        description='closure "force": the spring that presses the follower on the cam; the report says how strong it must be',
     )
     making: Annotated[DiscCamParts, Field(alias="parts")] = DiscCamParts.model_construct()
     allowed: Annotated[DiscCamLimits, Field(alias="limits")] = DiscCamLimits.model_construct()

@@ -58,8 +58,8 @@ class FollowerTable(TrackFollower):
     )
     outline: str | None = Field(
         default=None,
-        description='"outline": an SVG or DXF beside the spec, whose largest contour is convex where the cam touches it\n'
-        "translating: +y points off the cam, and the origin lies on the slide; oscillating: the origin is the pivot A",
+        description='"outline": an SVG or DXF beside the spec, whose largest contour is convex where the cam touches it\ntranslating: +y '
+        "points away from the cam, and the origin lies on the slide; oscillating: the origin is the pivot A",
     )
     contours: Contours | None = Field(
         default=None,
@@ -88,15 +88,14 @@ class DiscCamGeometry(Record):
     follower: FollowerTable = Field(description="what rides on the cam")
     base_radius: Length | None = Field(
         default=None,
-        description="radius of the circle that touches the cam from within; left out: the smallest "
-        "that keeps to [limits] and holds its shaft, rounded up",
+        description="radius of the base circle, which touches the cam from inside; default: the smallest that keeps within [limits] and "
+        "has room for the shaft, rounded up",
     )
     closure: Literal["force", "conjugate", "groove"] = Field(
         default="force",
-        description='"force": a spring holds the follower on the cam\n'
-        '"conjugate": a second cam and follower on the far side drive it back (cam-1, cam-2)\n'
-        '"groove": a roller between two walls, print.slide_clearance (in metal 0.05) wider than the roller\n'
-        "(inner, outer and back plate, joined by pins)",
+        description='"force": a spring holds the follower on the cam\n"conjugate": a second cam and follower on the far side drive it back '
+        '(cam-1, cam-2)\n"groove": a roller runs between two walls; the groove is print.slide_clearance (in metal 0.05) wider '
+        "than it\n(inner, outer and back plate, joined by pins)",
     )
     tip_clearance: Air = 0.0
 
@@ -106,8 +105,7 @@ class DiscCamMotor(Drives):
 
     speed_rpm: Annotated[Rpm, turning()] = Field(
         default=60.0,
-        description="speed of the cam; below 0 it turns clockwise: the program runs in the sense of "
-        "turning",
+        description="speed of the cam; below 0 it turns clockwise, and the program runs in that sense",
     )
 
 
@@ -123,8 +121,8 @@ class DiscCamLimits(CamLimitsTable):
     )
     lash: Annotated[float, quantity("mm or deg", ge=0, le=1e6)] = Field(
         default=0.25,
-        description="free play of the follower in a groove or between a pair of cams; 0.25 is a "
-        "hundredth of a lift of 25, and the running play of printed parts",
+        description="greatest free play of the follower in a groove or between a pair of cams; 0.25 is 1 % of a lift of 25, and the "
+        "running play of printed parts",
     )
     min_wall: MinWall = 0.8
 
@@ -146,8 +144,7 @@ class LoadTable(Weight):
     )
     polydyne: bool = Field(
         default=False,
-        description="whether the cam is corrected so that the mass behind the stiffness follows the "
-        "program at this speed",
+        description="true: camgen corrects the cam so that the mass behind the stiffness follows the program at this speed",
     )
 
     def of_follower(self) -> dict[str, Any]:
@@ -172,8 +169,8 @@ class SpringTable(Record):
 
     rate: Annotated[float, quantity("N/mm or N m/rad", ge=0, le=1e6)] = Field(
         default=0.0,
-        description="rate of the return spring; 0 with preload 0: a machine gets a spring that keeps the "
-        "follower on the cam, cams made alone have none",
+        description="rate of the return spring; with rate and preload 0 camgen chooses a spring for a machine, and cams made alone have "
+        "none",
     )
     preload: Force = Field(
         default=0.0, description="force or torque of the spring where the follower is lowest"

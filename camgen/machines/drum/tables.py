@@ -23,7 +23,7 @@ class DrumBody(Record):
         description="radius of the drum between its tracks, and where its pins stand"
     )
     length: Length | None = Field(
-        default=None, description="length of the drum; left out: up to its highest track or row"
+        default=None, description="length of the drum; default: up to its highest track or row"
     )
 
 
@@ -36,8 +36,8 @@ class TrackTable(Record):
     follower: TrackFollower = Field(description="what rides on it")
     base_radius: Length | None = Field(
         default=None,
-        description="radius of the circle that touches the track from within; left out: the smallest that keeps to "
-        "[limits] and stands out of the core, rounded up",
+        description="radius of the base circle, which touches the track from inside; default: the smallest that keeps within [limits] and "
+        "stands out of the core, rounded up",
     )
     segment: Annotated[tuple[SegmentTable, ...], Field(min_length=1, max_length=100), WholeTurn] = (
         Field(description="segments of its motion: one after another they make the turn")
@@ -79,7 +79,7 @@ class DrumMotor(Record):
 
     speed_rpm: Annotated[Rpm, turning()] = Field(
         default=6.0,
-        description="speed of the drum; below 0 it turns clockwise: programs and rows run in the sense of turning",
+        description="speed of the drum; below 0 it turns clockwise, and programs and rows run in that sense",
     )
 
 
@@ -92,14 +92,14 @@ class TrackLimits(Record):
 
     pressure_angle_deg: Annotated[float, quantity("deg", gt=0, le=90)] | None = Field(
         default=None,
-        description="greatest pressure angle; left out: 30 of a follower that slides, 45 of one that swings",
+        description="greatest pressure angle; default: 30 if the follower slides, 45 if it swings",
     )
     least_radius: Distance = Field(
         default=0.0, description="least radius of a track where it is convex, for wear"
     )
     speed_ripple: Annotated[float, quantity("1", gt=0, le=10)] = Field(
         default=0.01,
-        description="greatest unevenness of speed, as a share of the follower's greatest speed",
+        description="largest error of the follower's speed in the files, as a share of its greatest speed",
     )
     continuous: Annotated[int, Field(ge=-1, le=3)] = Field(
         default=2,

@@ -97,8 +97,8 @@ class EccentricSizes(sizes.Parts):
     )
     wire_length: Length | None = Field(
         default=None,
-        description="length of the needle, from the inner end of its groove to its point; unless given, "
-        "the point is flush with the tube's mouth when the slider is innermost",
+        description="length of the needle, from the inner end of its groove to its point; default: the point is flush with the tube's "
+        "mouth when the slider is innermost",
     )
     tube_length: Distance = Field(
         default=0.0,

@@ -52,7 +52,7 @@ class IndexingGeometry(Record):
         description="cam angle of the outer dwell; the inner one is what is left of 360"
     )
     return_deg: Span | None = Field(
-        default=None, description="cam angle of the turn back: that of the rise unless given"
+        default=None, description="cam angle of the turn back; default: that of the rise"
     )
     index_deg: Annotated[float, quantity("deg", ge=1, le=3600)] = Field(
         default=180.0, description="turn of the driven link"
@@ -114,8 +114,7 @@ class IndexingMotor(Drives):
 
     speed_rpm: Annotated[Rpm, turning()] = Field(
         default=30.0,
-        description="speed of the cam shaft; below 0 it turns clockwise: the program runs in the "
-        "sense of turning",
+        description="speed of the cam shaft; below 0 it turns clockwise, and the program runs in that sense",
     )
 
 
@@ -149,7 +148,7 @@ class LoadTable(Weight):
 
     gravity_deg: Direction | None = Field(
         default=None,
-        description="refused here: an indexing cam is calculated lying flat",
+        description="not for an indexing cam, which camgen calculates as lying flat",
     )
     inertia_kg_m2: Annotated[Positive, quantity("kg m^2")] = Field(
         description="moment of inertia of the driven link with the table"
@@ -190,7 +189,7 @@ class UnloaderTable(Record):
     )
     design_rpm: Annotated[Positive, quantity("rpm")] | None = Field(
         default=None,
-        description='speed for which the spring is made, with "law": motor.speed_rpm unless given',
+        description='speed for which the spring is made, with "law"; default: motor.speed_rpm',
     )
     points: (
         Annotated[tuple[tuple[float, float], ...], Field(min_length=3, max_length=2000)] | None
@@ -201,7 +200,7 @@ class UnloaderTable(Record):
     )
     stiffness_n_mm: Annotated[Positive, quantity("N/mm")] | None = Field(
         default=None,
-        description="rate of the spring; unless given, the one that leaves least to the cam",
+        description="rate of the spring; default: the rate that leaves the least torque to the cam",
     )
     crank: Length | None = Field(
         default=None, description="distance of the cord's pin from its shaft"

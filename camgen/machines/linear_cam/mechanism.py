@@ -113,7 +113,7 @@ class LinearCamDrive(Mechanism):
     )
     spring: SpringTable | None = Field(
         default=None,
-        description="the spring that presses the follower on the plate; the report says what is needed",
+        description="the spring that presses the follower on the plate; the report says how strong it must be",
     )
     making: Annotated[PlateParts, Field(alias="parts")] = PlateParts.model_construct()
     allowed: Annotated[PlateLimits, Field(alias="limits")] = PlateLimits.model_construct()

@@ -160,8 +160,7 @@ class LinkageSpec(Mechanism):
     )
     layers: t.Layers = Field(
         default={},
-        description="level of a link, cam or gear, 1 is the lowest; 0 puts a counterweight under the "
-        "plate; found unless given",
+        description="level of a link, cam or gear, 1 is the lowest; 0 puts a counterweight under the plate; default: camgen finds it",
     )
     allowed: Annotated[t.LinkageLimits, Field(alias="limits")] = Field(
         default=t.LinkageLimits.model_validate({}),

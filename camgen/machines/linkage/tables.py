@@ -64,8 +64,7 @@ class DriveSegment(Span):
 
     kind: Kind | None = Field(
         default=None,
-        description='"rise": counter-clockwise; "return": clockwise; or "dwell"; may be left out if '
-        "to_deg shows it",
+        description='"rise": counter-clockwise; "return": clockwise; or "dwell"; you may leave it out if to_deg shows which',
     )
     lift_deg: Annotated[float, quantity("deg", ge=1e-3, le=3600)] | None = Field(
         default=None,
@@ -223,10 +222,10 @@ class Pen(Record):
     )
     at: Place | None = Field(
         default=None,
-        description="where the middle of its box is on the ground; as drawn unless given",
+        description="where the middle of its box is on the ground; default: as drawn",
     )
     width: Annotated[float, quantity("mm", ge=3, le=3000)] | None = Field(
-        default=None, description="width of the drawing; as drawn unless given"
+        default=None, description="width of the drawing; default: as drawn"
     )
     tolerance: Annotated[float, quantity("mm", ge=0.01, le=5)] = Field(
         default=0.1, description="how far the pen may be off the line, either way"
@@ -272,7 +271,9 @@ class Pen(Record):
                 yield Fault(("drive", k, "speed_rpm"), f"{drive.speed_rpm:g}", right)
 
 
-JointName = Annotated[Name | None, Field(description="name of the joint; both links unless given")]
+JointName = Annotated[
+    Name | None, Field(description="name of the joint; default: the names of both links")
+]
 
 
 class Jointed(Protocol):
@@ -304,7 +305,7 @@ class Slide(Record):
     on: Name = Field(default="ground", description="the link that guides it")
     along: Two = Field(description="two points of `on`: the guide's direction")
     name: Name | None = Field(
-        default=None, description="name of the joint; the link's name unless given"
+        default=None, description="name of the joint; default: the link's name"
     )
 
     @property
@@ -323,7 +324,7 @@ class Slot(Record):
         "the pin"
     )
     name: Name | None = Field(
-        default=None, description="name of the joint; pin and link unless given"
+        default=None, description="name of the joint; default: the names of pin and link"
     )
 
     @property
@@ -346,15 +347,15 @@ class Gear(Pair):
         description="whether b is a ring with its teeth inside, in which the wheel of a runs; ratio above 0",
     )
     teeth: WheelTeeth | None = Field(
-        default=None, description="teeth of the wheel of a; found unless given"
+        default=None, description="teeth of the wheel of a; default: camgen finds it"
     )
     shift_a: Annotated[float, quantity("1", ge=-1, le=2)] | None = Field(
         default=None,
-        description="profile shift of the wheel of a, in modules; above 0: thicker feet, no undercut; 0 unless given",
+        description="profile shift of the wheel of a, in modules; above 0 the teeth have thicker roots and no undercut; default: 0",
     )
     shift_b: Annotated[float, quantity("1", ge=-1, le=2)] | None = Field(
         default=None,
-        description="profile shift of the wheel of b, in modules, of a ring above 0 outwards; 0 unless given",
+        description="profile shift of the wheel of b, in modules; above 0 the teeth of a ring lie farther out; default: 0",
     )
     shift: Literal["balanced"] | None = Field(
         default=None,
@@ -366,7 +367,7 @@ class Gear(Pair):
     )
     spokes: Annotated[int, quantity("1", ge=3, le=12)] | None = Field(
         default=None,
-        description="spokes of both wheels, where there is room; full discs unless given",
+        description="spokes of both wheels, where there is room; default: full discs",
     )
     name: JointName = None
 
@@ -396,12 +397,12 @@ class Geneva(Pair):
     )
     clearance: Annotated[float, quantity("mm", gt=0, le=2)] | None = Field(
         default=None,
-        description="gap of the roller in a slot, and of the disc in the wheel, on either side; half of print.slide_clearance unless given",
+        description="gap of the roller in a slot, and of the disc in the wheel, on either side; default: half of print.slide_clearance",
     )
     gap: Annotated[float, quantity("mm", gt=0, le=20)] | None = Field(
         default=None,
-        description="height between crank and wheel, more than the wheel's rim tips: the locking disc then stands on the crank, held by a dowel; "
-        "unless given print.slide_clearance, and the shaft alone holds the disc",
+        description="gap between crank and wheel along their axes, larger than the wheel's rim can tip: a dowel then holds the locking "
+        "disc on the crank; default: print.slide_clearance, and the shaft alone holds the disc",
     )
     name: JointName = None
 
@@ -438,7 +439,7 @@ class Noncircular(Pair):
     )
     backlash: Annotated[float, quantity("mm", gt=0, le=5)] | None = Field(
         default=None,
-        description="play of the teeth along their pitch lines; print.slide_clearance unless given",
+        description="play of the teeth along their pitch lines; default: print.slide_clearance",
     )
     name: JointName = None
 
@@ -487,7 +488,7 @@ class Cycloid(Record):
     )
     clearance: Annotated[float, quantity("mm", gt=0, le=2)] | None = Field(
         default=None,
-        description="gap between the disc and each pin, and round an output pin in its hole; half of print.slide_clearance unless given",
+        description="gap between the disc and each pin, and round an output pin in its hole; default: half of print.slide_clearance",
     )
     offset: Annotated[float, quantity("mm", ge=-2, le=2)] = Field(
         default=0.0,
@@ -501,13 +502,14 @@ class Cycloid(Record):
         default=6, description="number of the output's pins"
     )
     output_radius: Length | None = Field(
-        default=None, description="radius of the circle on which they are; found unless given"
+        default=None,
+        description="radius of the circle of the output's pins; default: camgen finds it",
     )
     output_pin_radius: Length | None = Field(
-        default=None, description="radius of one of them; as there is room unless given"
+        default=None, description="radius of an output pin; default: as large as there is room for"
     )
     name: Name | None = Field(
-        default=None, description="name of the joint; crank and disc unless given"
+        default=None, description="name of the joint; default: the names of crank and disc"
     )
 
     @property
@@ -545,7 +547,7 @@ class Mutilated(Pair):
     )
     backlash: Annotated[float, quantity("mm", gt=0, le=5)] | None = Field(
         default=None,
-        description="play of the teeth along their pitch circles; print.slide_clearance unless given",
+        description="play of the teeth along their pitch circles; default: print.slide_clearance",
     )
     name: JointName = None
 
@@ -560,7 +562,7 @@ class Ratchet(Pair):
     teeth: Annotated[int, quantity("1", ge=3, le=200)] = Field(description="teeth of the wheel")
     radius: Length = Field(description="radius of the circle on which the tips are")
     depth: Length | None = Field(
-        default=None, description="how deep the teeth are; an eighth of the radius unless given"
+        default=None, description="how deep the teeth are; default: an eighth of the radius"
     )
     end_radius: Length = Field(default=1.2, description="radius of the pawl's end")
     draw_deg: Annotated[float, quantity("deg", gt=0, lt=80)] = Field(
@@ -606,7 +608,7 @@ class Planets(Record):
     )
     name: Name | None = Field(
         default=None,
-        description="name of the set and, numbered, of its planets; planet unless given",
+        description="name of the set; its planets have this name and a number; default: planet",
     )
 
     @property
@@ -655,8 +657,7 @@ class CamSegment(Span):
 
     kind: Kind | None = Field(
         default=None,
-        description='"rise": away from the cam\'s shaft; "return": back to it; or "dwell"; may be left '
-        "out if the end shows it",
+        description='"rise": away from the cam\'s shaft; "return": back to it; or "dwell"; you may leave it out if the end shows which',
     )
     span: Annotated[float, quantity("mm", ge=1e-3, le=1e5)] | None = Field(
         default=None,
@@ -692,7 +693,7 @@ class ReturnSpring(Record):
     )
     post: Place | None = Field(
         default=None,
-        description="where its end on the ground is; left out: in line with the pull, beyond the cam",
+        description="where the spring's end on the ground is; default: in line with the pull, beyond the cam",
     )
 
 
@@ -705,8 +706,7 @@ class Cam(Record):
     follower: Name = Field(description="a link that swings or slides on the ground")
     shape: Literal["roller", "knife", "flat"] = Field(
         default="roller",
-        description='tip of the follower: "roller" (with its radius), "knife" or "flat"; a roller unless '
-        "given",
+        description='tip of the follower: "roller" (with its radius), "knife" or "flat"; default: a roller',
     )
     at: Name = Field(
         description="point of the follower: the roller's centre, the edge, or a point of the face"
@@ -717,7 +717,7 @@ class Cam(Record):
         description='what holds the follower on the cam: "force", "groove" or "conjugate"',
     )
     face_width: Length | None = Field(
-        default=None, description="width of a flat face; unless given, the width of the contact"
+        default=None, description="width of a flat face; default: the width of the contact"
     )
     face_offset: Coordinate = Field(
         default=0.0,
@@ -725,8 +725,8 @@ class Cam(Record):
     )
     base_radius: Length | Literal["least"] | None = Field(
         default=None,
-        description='radius on which the follower stands at theta = 0; "least": the smallest that '
-        "keeps to [limits], rounded up; left out: as drawn",
+        description='radius on which the follower stands at theta = 0; "least": the smallest that keeps within [limits], rounded up; '
+        "default: as drawn",
     )
     damping: Annotated[float, quantity("N s/mm or N m s/rad", ge=0, le=1e6)] = Field(
         default=0.0, description="damping of the follower, in proportion to its speed"
@@ -736,12 +736,11 @@ class Cam(Record):
     )
     spring: ReturnSpring | None = Field(
         default=None,
-        description='closure "force": a return spring to a post beyond the cam; spring = {} finds all of it',
+        description='closure "force": a return spring to a post beyond the cam; with spring = {} camgen finds all its values',
     )
     polydyne: bool = Field(
         default=False,
-        description="whether the cam is corrected so that the follower, elastic by load.stiffness, "
-        "follows the program at this speed",
+        description="true: camgen corrects the cam so that the follower, elastic by load.stiffness, follows the program at this speed",
     )
     tip_clearance: Air = 0.0
     name: JointName = None
@@ -774,8 +773,7 @@ class Spring(Record):
     )
     name: Name | None = Field(
         default=None,
-        description="name of the spring, of its level and figures; spring, or with its number, "
-        "unless given",
+        description="name of the spring, of its level and of its figures; default: spring, with a number if there are several",
     )
 
 
@@ -848,12 +846,13 @@ class Include(Record):
     )
     name: Name | None = Field(
         default=None,
-        description="name before the names of its parts; its spec's name unless given",
+        description="name that stands before the names of its parts; default: the name in its spec",
     )
     at: Place = Field(default=(0.0, 0.0), description="where its origin is on the ground")
     phase_deg: Degrees = Field(default=0.0, description="how far its shaft is ahead of this one's")
     z: Annotated[float, quantity("mm", ge=-1e4, le=1e4)] | None = Field(
-        default=None, description="how far it is raised; above all before it unless given"
+        default=None,
+        description="how far the machine is raised; default: above all machines before it",
     )
     mounted: bool = Field(
         default=False,
@@ -897,7 +896,7 @@ class Walk(Record):
     )
     payload_at: Place | None = Field(
         default=None,
-        description="where its centre of mass is on the ground; the driven shaft unless given",
+        description="where the centre of mass of this payload is on the ground; default: at the driven shaft",
     )
     friction: Annotated[
         tuple[Annotated[float, quantity("1", gt=0, le=3)], ...], Field(min_length=1, max_length=9)
@@ -941,12 +940,12 @@ class LinkageLimits(CamLimitsTable):
     )
     lash: Distance | None = Field(
         default=None,
-        description="greatest play of an output that is a place or path; unless given a quarter of "
-        "its stroke, or of the smaller side of a path that is a loop",
+        description="greatest free play of an output that is a place or a path; default: a quarter of its stroke, or of the smaller side "
+        "of a path that is a loop",
     )
     lash_deg: Annotated[float, quantity("deg", ge=0, le=360)] | None = Field(
         default=None,
-        description="greatest play of an output that is an angle; unless given a quarter of its swing",
+        description="greatest free play of an output that is an angle; default: a quarter of its swing",
     )
     min_wall: MinWall = 0.8
 

@@ -31,7 +31,7 @@ class Applied(Record):
     """A load on an output, on a point of a body, or a torque on a body."""
 
     name: _Word | None = Field(
-        default=None, description="name of the load; unless given, load and its number"
+        default=None, description="name of the load; default: load with its number"
     )
     output: _Word | None = Field(
         default=None,
@@ -48,8 +48,8 @@ class Applied(Record):
     )
     value: _Size | None = Field(
         default=None,
-        description="constant value, above 0 as the output grows; or points = [[0, 0], [90, -0.1], [270, "
-        "0]], or a file",
+        description="constant value, above 0 in the direction in which the output grows; or points = [[0, 0], [90, -0.1], [270, 0]], or a "
+        "file",
     )
     points: (
         Annotated[tuple[tuple[_Turn, _Size], ...], Field(min_length=2, max_length=100_000)] | None
@@ -65,7 +65,7 @@ class Applied(Record):
     unit: Literal["N", "N m"] | None = Field(
         default=None, description="unit of the values; a file's heading says it"
     )
-    source: _Word | None = Field(default=None, description="where the values are from")
+    source: _Word | None = Field(default=None, description="where the values come from")
     direction_deg: _Turn | None = Field(
         default=None, description="direction of a force on a point or path, from the x axis"
     )

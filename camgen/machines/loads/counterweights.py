@@ -67,7 +67,7 @@ class Counterweight(Record):
     )
     moment_g_mm: Moment | None = Field(
         default=None,
-        description="moment about the shaft of all that turns with the crank; found unless given",
+        description="moment about the shaft of all that turns with the crank; default: camgen finds it",
     )
     at_deg: Direction | None = Field(
         default=None,
@@ -84,7 +84,7 @@ class Counterweight(Record):
         default="printed", description='"printed"; or "steel": cut from plate, so smaller'
     )
     thickness: Length | None = Field(
-        default=None, description="thickness of the sector; that of a link unless given"
+        default=None, description="thickness of the sector; default: that of the links"
     )
     half_angle_deg: Annotated[float, quantity("deg", ge=10, le=150)] = Field(
         default=90.0, description="angle of the sector to each side of its middle"

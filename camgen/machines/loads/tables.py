@@ -44,28 +44,28 @@ class Drives(Record):
 
     model: Model | None = Field(
         default=None,
-        description='"hand crank", or one of the catalogue: stepper, gearmotor, servo; see camgen schema',
+        description='"hand crank", or a motor of the catalogue (stepper, gearmotor, servo): camgen schema lists them',
     )
     torque_n_m: Annotated[Positive, quantity("N m")] | None = Field(
-        default=None, description="torque of the motor at this speed, in place of that of model"
+        default=None,
+        description="torque of the motor at this speed, in place of the model's torque",
     )
     stall_torque_n_m: Annotated[Positive, quantity("N m")] | None = Field(
         default=None,
-        description="in place of torque_n_m, for a motor with brushes: torque at standstill; it falls to "
-        "0 at no_load_rpm",
+        description="torque at standstill of a motor with brushes, in place of torque_n_m; the torque falls to 0 at no_load_rpm",
     )
     no_load_rpm: Annotated[Positive, quantity("rpm")] | None = Field(
         default=None, description="speed at which a motor with brushes gives no torque"
     )
     shaft_length: Length | None = Field(
         default=None,
-        description="length of the motor's shaft beyond its face; a finding fails if it is too short; "
-        "unless given, that of its frame size",
+        description="length of the motor's shaft beyond its face; a finding fails if it is too short; default: the usual length for the "
+        "motor's frame size",
     )
     flywheel_kg_m2: Annotated[float, quantity("kg m^2", ge=0, le=1e3)] = Field(
         default=0.0,
-        description="moment of inertia of flywheel, rotor and whatever else turns evenly with the shaft, "
-        "without the machine's own bodies",
+        description="moment of inertia of the flywheel, the rotor and all else that turns evenly with the shaft; camgen adds the machine's "
+        "own bodies",
     )
 
     @model_validator(mode="after")
@@ -102,42 +102,40 @@ class Weight(Record):
 
     gravity_deg: Direction | None = Field(
         default=None,
-        description="direction of gravity in the machine's plane, from the x axis; left out: downwards, -90, where the "
-        'plate stands upright (parts.stand = "board"), else none: it lies flat',
+        description="direction of gravity in the machine's plane, from the x axis; default: -90, downwards, if the plate stands upright "
+        '(parts.stand = "board"); else the machine lies flat and its weight does not count',
     )
     stiffness: Annotated[Positive, quantity("N/mm or N m/rad")] | None = Field(
         default=None,
-        description="stiffness of a follower between its cam and its mass: the report then says how it "
-        "vibrates",
+        description="stiffness of a follower between its cam and its mass: with it the report shows how the follower vibrates",
     )
     damping_ratio: Annotated[float, quantity("1", ge=0, lt=1)] = Field(
-        default=0.05, description="damping of that vibration as a share of the critical one"
+        default=0.05, description="damping of this vibration, as a share of the critical damping"
     )
     friction: Annotated[float, quantity("1", ge=0, le=3)] | None = Field(
         default=None,
-        description="friction coefficient of pins and guides; left out: 0.7 for prints, 0.42 for metals, "
-        "0.2 for a print on metal, 0.0015 for ball bearings",
+        description="friction coefficient of pins and guides; default: 0.7 for prints, 0.42 for metals, 0.2 for a print on metal, 0.0015 "
+        "for ball bearings",
     )
     contact_friction: Annotated[float, quantity("1", ge=0, le=3)] = Field(
         default=0.0, description="friction coefficient of a tip that slides on a cam"
     )
     restitution: Annotated[float, quantity("1", ge=0, lt=1)] = Field(
         default=0.3,
-        description="share of its speed with which a follower springs back from its cam; where LIFT_OFF fails, it changes "
-        "what comes after the first hop",
+        description="share of its speed that a follower keeps as it bounces off the cam; if LIFT_OFF fails, it changes what follows the "
+        "first hop",
     )
     spring_error: Annotated[float, quantity("1", ge=0, le=0.5)] = Field(
         default=0.05,
-        description="standard deviation of the rate of a spring, and of its preload, as a share; for camgen tolerance",
+        description="standard deviation of a spring's rate and of its preload, as a share; for camgen tolerance",
     )
     cam_follower: CamFollowerName | None = Field(
         default=None,
-        description='bought roller on the cams, "KR16" to "KR52" by its diameter; its life is judged',
+        description='a bought roller on the cams, "KR16" to "KR52" (its diameter); camgen judges its life',
     )
     on: Annotated[tuple[Applied, ...], Field(max_length=100)] = Field(
         default=(),
-        description="more loads over theta: a jet, a hose, a thread's tension; [[load.on]], see camgen "
-        "new linkage",
+        description="more loads over the turn, such as a jet, a hose or a thread, each a table [[load.on]]: see camgen new linkage",
     )
 
 
@@ -152,35 +150,32 @@ class LimitsTable(Record):
 
     hertz_mpa: Annotated[Positive, quantity("MPa")] | None = Field(
         default=None,
-        description="greatest pressure of a cam's contact; unless given, that at which the strongest "
-        "printed plastic yields",
+        description="greatest contact pressure of a cam; default: the pressure at which the strongest printed plastic yields",
     )
     pv_mpa_m_s: Annotated[Positive, quantity("MPa m/s")] | None = Field(
         default=None,
-        description="greatest pressure times sliding speed of plain bearings; 0.4 is that of a plastic "
-        "made for bearings, dry",
+        description="greatest pressure times sliding speed of plain bearings; 0.4 is that of a bearing plastic that runs dry",
     )
     pin_stress_mpa: Annotated[Positive, quantity("MPa")] | None = Field(
         default=None,
-        description="greatest bending stress of pins; unless given, that of their material; 350: steel",
+        description="greatest bending stress of pins; default: what their material bears, 350 for steel",
     )
     tooth_stress_mpa: Annotated[Positive, quantity("MPa")] | None = Field(
         default=None,
-        description="greatest bending stress at the root of a gear's tooth; unless given, that of the material",
+        description="greatest bending stress at the root of a gear's tooth; default: what the material bears",
     )
     bearing_life_h: Annotated[Positive, quantity("h")] | None = Field(
         default=None,
-        description="hours that ball bearings and cam followers have to run; not judged unless given",
+        description="hours that ball bearings and cam followers must last; default: not judged",
     )
 
     run_up_s: Annotated[Positive, quantity("s")] | None = Field(
         default=None,
-        description="longest time from rest until the machine runs; not judged unless given",
+        description="longest time from rest until the machine runs; default: not judged",
     )
     speed_swing: Annotated[float, quantity("1", gt=0, le=2)] | None = Field(
         default=None,
-        description="share by which the speed may swing, such as 0.02; the finding says which flywheel that needs; "
-        "not judged unless given",
+        description="share by which the speed may swing, such as 0.02; the finding says which flywheel this needs; default: not judged",
     )
 
     @property
@@ -207,17 +202,15 @@ class CamLimitsTable(LimitsTable):
 
     pressure_angle_deg: Annotated[float, quantity("deg", gt=0, le=90)] | None = Field(
         default=None,
-        description="greatest angle between push and motion of the follower; unless given, 30 if it "
-        "slides, 45 if it swings",
+        description="greatest angle between the cam's push and the follower's motion; default: 30 if the follower slides, 45 if it swings",
     )
     least_radius: Coordinate = Field(
         default=0.0,
-        description="least radius of the convex profile, for wear; below 0 it accepts undercut, down to "
-        "that radius",
+        description="least radius where the profile is convex, for wear; a value below 0 allows undercut down to that radius",
     )
     speed_ripple: Annotated[float, quantity("1", gt=0, le=10)] = Field(
         default=0.01,
-        description="greatest unevenness of speed, as a share of the follower's greatest speed",
+        description="largest error of the follower's speed in the files, as a share of its greatest speed",
     )
     continuous: Annotated[int, Field(ge=-1, le=3)] = Field(
         default=2,
@@ -225,28 +218,28 @@ class CamLimitsTable(LimitsTable):
     )
     table_rounding: Annotated[float, quantity("1", gt=0, le=100)] = Field(
         default=0.1,
-        description="how far the last digit of a table's rows may put the acceleration off, as a share "
-        "of the greatest",
+        description="largest error of the acceleration that the rounding of a table's rows can cause, as a share of the greatest "
+        "acceleration",
     )
 
     velocity: Annotated[Positive, quantity("mm/s or deg/s")] | None = Field(
-        default=None, description="greatest velocity of a follower; not judged unless given"
+        default=None, description="greatest velocity of a follower; default: not judged"
     )
     acceleration: Annotated[float, quantity("mm/s^2 or deg/s^2", gt=0, le=1e9)] | None = Field(
-        default=None, description="greatest acceleration of a follower; not judged unless given"
+        default=None, description="greatest acceleration of a follower; default: not judged"
     )
     jerk: Annotated[float, quantity("mm/s^3 or deg/s^3", gt=0, le=1e12)] | None = Field(
-        default=None, description="greatest jerk of a follower; not judged unless given"
+        default=None, description="greatest jerk of a follower; default: not judged"
     )
     frequency_ratio: Annotated[float, quantity("1", gt=0, le=1e4)] | None = Field(
         default=None,
-        description="least ratio of a follower's natural frequency (load.stiffness) to the turns of its "
-        "cam, such as 10; not judged unless given",
+        description="least ratio of a follower's natural frequency (load.stiffness) to the turns of its cam per second, such as 10; "
+        "default: not judged",
     )
     spring_reserve: Annotated[float, quantity("1", ge=0, lt=1)] | None = Field(
         default=None,
-        description="least share of a spring's force that is left to press a follower on its cam; unless given 0, in metal 0.17: "
-        "the spring pulls 1.2 times what would lift it off",
+        description="least share of the spring's force that is left to press the follower on its cam; default: 0, in metal 0.17, where the "
+        "spring pulls 1.2 times as hard as what would lift the follower off",
     )
 
     def reserve(self, material: str) -> float:

@@ -80,7 +80,7 @@ class ThreadTakeUp(Template):
     geometry: TakeUpGeometry
     motor: TakeUpMotor | None = Field(default=None, description="what turns the input crank")
     masses: Masses | None = Field(
-        default=None, description="masses of the links, for forces; left out: none"
+        default=None, description="masses of the links, for forces; default: none"
     )
     consumption: Consumption | None = Field(
         default=None, description="thread that the stitch draws, linear in between"

@@ -70,13 +70,11 @@ class Masses(Record):
     )
     coupler_centre: tuple[Coordinate, Coordinate] | None = Field(
         default=None,
-        description="centre of mass of the bell crank from A, x towards B; left out: centroid of A, "
-        "B, D",
+        description="centre of mass of the bell crank from A, x towards B; default: centroid of A, B, D",
     )
     output_crank_centre: Coordinate | None = Field(
         default=None,
-        description="distance of the output crank's centre of mass from C, towards B; left out: a "
-        "third of BC",
+        description="distance of the output crank's centre of mass from C, towards B; default: a third of BC",
     )
     coupler_weight_radius: Length = Field(
         default=20.0,

@@ -62,7 +62,7 @@ class Shape(Record):
 
     hub_diameter: Length | None = Field(
         default=None,
-        description="diameter of the hubs and, unless width says otherwise, width of the bands",
+        description="diameter of the hubs; it is also the width of the bands, unless width is given",
     )
     width: Length | None = Field(
         default=None,
@@ -77,24 +77,22 @@ class Shape(Record):
         | None
     ) = Field(
         default=None,
-        description="how far that band is bent, to the left from the first point; 0: not; left out: as "
-        "far as needed",
+        description="how far the band is bent to the left, seen from the first point; 0: straight; default: as far as needed",
     )
     thickness: Length | None = Field(
-        default=None, description="thickness of this link; that of all links unless given"
+        default=None, description="thickness of this link; default: the thickness of all links"
     )
     sole_diameter: Length | None = Field(
         default=None,
-        description="diameter of the round sole at points that are outputs but no pins, such as a foot",
+        description="diameter of the round sole at an output's point where there is no pin, such as a foot",
     )
     rails: Length | None = Field(
         default=None,
-        description="least length of rails beyond the travel of its holes; found unless given",
+        description="least length of rails beyond the travel of its holes; default: camgen finds it",
     )
     stem: Literal["along", "ahead", "behind", "both"] | None = Field(
         default=None,
-        description='rails of a link that slides: "along" the travel of its holes, or beyond it "ahead", '
-        '"behind" or "both"',
+        description='where a sliding link has its rails: "along" the travel of its holes, or beyond it "ahead", "behind" or on "both" sides',
     )
     outline: str | None = Field(
         default=None,
@@ -118,7 +116,7 @@ class Shape(Record):
             ),
         ]
         | None
-    ) = Field(default=None, description="a text that is engraved in the link, 0.4 mm deep")
+    ) = Field(default=None, description="text that is engraved in the link, 0.4 mm deep")
 
 
 PinKind = Literal["printed", "turned", "dowel", "shoulder", "bearing"]
@@ -202,14 +200,13 @@ class Parts(Record):
     thickness: Length = Field(default=4.0, description="thickness of links, cams and followers")
     pin: PinKind = Field(
         default="printed",
-        description='"printed": with a head; "turned": the same of steel; "dowel": bought, of steel, with a '
-        "printed cap;\n"
-        '"shoulder": a screw and a nut; "bearing": printed, in ball bearings that are pressed into the links',
+        description='"printed": with a head; "turned": the same shape in steel; "dowel": bought, of steel, with a printed cap;\n"shoulder": '
+        'a shoulder screw with a nut; "bearing": a printed pin in ball bearings that are pressed into the links',
     )
     pins: dict[Name, PivotKind] = Field(
         default={},
-        description='in place of pin, for single points: { A = "bearing" }; { O = "bush" }: a shaft in a bush of bronze '
-        "(ISO 4379), pressed into the plate",
+        description='the pin of single points, in place of pin: { A = "bearing" }; { O = "bush" } is a shaft in a bronze bush (ISO 4379) '
+        "that is pressed into the plate",
     )
     pin_diameter: Length = Field(default=5.0, description="diameter of the pins")
     discs: Annotated[dict[Name, Length], Field(min_length=1)] | None = Field(
@@ -228,16 +225,15 @@ class Parts(Record):
     )
     shaft_flat: Distance = Field(
         default=0.8,
-        description="depth of that flat; 0: a round shaft, on which all is pressed and glued",
+        description="depth of the shaft's flat; 0: a round shaft, on which you press and glue the parts",
     )
     shaft_key: bool = Field(
         default=False,
-        description="whether parallel keys (DIN 6885) in keyways of the shafts, P9 in metal, turn what sits there, in place of flats",
+        description="true: parallel keys (DIN 6885) in keyways of the shafts (P9 in metal) turn the parts, in place of flats",
     )
     shaft: Literal["through", "interrupted"] = Field(
         default="through",
-        description='"through"; or "interrupted": webs on their own levels, joined by crank pins; rods '
-        "sweep over the axis",
+        description='"through": one straight shaft; "interrupted": webs joined by crank pins, so that rods can sweep across the axis',
     )
     plates: Literal[1, 2] = Field(
         default=1,
@@ -245,28 +241,26 @@ class Parts(Record):
     )
     sides: Literal[1, 2] = Field(
         default=1,
-        description="2: the machine and its mirror image behind its second plate, on one shaft, as a "
-        "walker with legs on both sides; then plates is 2 and shaft interrupted unless given",
+        description="2: the machine and its mirror image on one shaft, as a walker with legs on both sides; plates = 2 and shaft = "
+        '"interrupted" are then the defaults',
     )
     side_phase_deg: Annotated[float, quantity("deg", ge=-360, le=360)] = Field(
         default=180.0, description="how far the far side is ahead of the near side"
     )
     side_gap: Distance = Field(
         default=0.0,
-        description="distance between the second plates of both sides, on spacers: feet so much further apart "
-        "across; 0: plate on plate",
+        description="gap between the second plates of both sides, held by spacers: it sets the feet farther apart; 0: plate on plate",
     )
     shaft_made: Literal["printed", "steel"] = Field(
         default="printed",
-        description='"printed"; or "steel": turned, with the flat; so are the crank pins of an '
-        "interrupted shaft;\nunless given as pin: of steel beside pins of steel",
+        description='"printed"; or "steel": turned, with the flat, like the crank pins of an interrupted shaft;\ndefault: "steel" if the '
+        "pins are of steel",
     )
     shaft_length: Length = Field(default=15.0, description="length of the shaft below the plate")
     motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23", "28byj-48"] = (
         Field(
             default="none",
-            description='"none"; or "nema-17" (8, 11, 14, 23) or "28byj-48": screwed under the plate, its own '
-            "shaft drives",
+            description='"none"; or "nema-17" (8, 11, 14, 23) or "28byj-48": a motor under the plate, whose own shaft drives the machine',
         )
     )
     can: Can | None = Field(
@@ -284,15 +278,15 @@ class Parts(Record):
     )
     hand_crank: Distance = Field(
         default=0.0,
-        description="distance from the shaft to the knob of a crank at its lower end, to turn it by "
-        "hand; 0: none",
+        description="radius of a hand crank at the shaft's lower end, from the shaft to the knob; 0: none",
     )
     rail_width: Length = Field(
         default=5.0,
         description="width of the rails on both sides of a link that slides on the plate",
     )
     cover: bool = Field(
-        default=True, description="whether a cover, screwed on the rails, holds down what slides"
+        default=True,
+        description="true: a cover, screwed on the rails, holds down the links that slide",
     )
     mount_diameter: Length = Field(
         default=2.5,
@@ -300,21 +294,19 @@ class Parts(Record):
     )
     stand: Literal["none", "board", "box"] = Field(
         default="none",
-        description='"none": your own board or frame; "board": the plate stands upright on a foot under '
-        'all that moves;\n"box": it lies on walls with finger joints, round a motor; sheets '
-        "are as thick as thickness",
+        description='"none": you use your own board or frame; "board": the plate stands upright on a foot, clear of all that moves;\n"box": '
+        "the plate lies on walls with finger joints, round a motor; all these sheets are as thick as thickness",
     )
     mount_screws: Literal[2, 3] = Field(
         default=2,
-        description="number of those screws: one at each end of the plate; a third one farthest from "
-        "their line",
+        description="number of screws from behind: one at each end of the plate, a third one farthest from the line between them",
     )
     pen_diameter: Distance = Field(
         default=3.0,
-        description="diameter of the hole at a point that is an output but no pin; 0: none",
+        description="diameter of the hole for a pen, at an output's point where there is no pin; 0: none",
     )
     thread_posts: ThreadPosts | None = Field(
-        default=None, description="posts over which threads run; as shown unless given"
+        default=None, description="posts over which threads run"
     )
 
     @model_validator(mode="before")
