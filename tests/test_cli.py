@@ -201,7 +201,7 @@ def test_the_last_lines_say_where_the_files_are_and_what_to_open(
     assert str(tmp_path / "cam-disc.dxf") in run("build", "a", "-v")[1]
     results["a"] = replace(report(False), folder=tmp_path)
     *_, where, see, wait = run("build", "a")[1].splitlines()
-    assert str(tmp_path / "report.html") in see and wait.startswith("make no part yet")
+    assert str(tmp_path / "report.html") in see and wait.startswith("make no parts yet")
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])

@@ -125,7 +125,7 @@ class FollowerOnOutline:
             self.scale * (self.nominal.undercut + self.limit),
             self.unit,
             self.place(worst),
-            "motion that the undercut in the file loses; the limit is that of the spec plus the outline tolerance",
+            "motion that undercut takes away in the file; the limit is that of the spec plus the outline tolerance",
         )
 
     def on_face(self) -> Finding | None:
@@ -206,7 +206,7 @@ def _overlap(
         2 * off * (1 + tolerances.BOUND_SPARE),
         "mm",
         replace(where, theta=float(theta[least] + joint.phase)),
-        f"largest overlap of the follower with both outlines{air_text}; the limit is the outline tolerance at both",
+        f"largest overlap of the follower with both outlines{air_text}; the limit is the tolerance of both outlines",
     )
     return finding, largest
 

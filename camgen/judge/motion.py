@@ -323,7 +323,7 @@ class _OutputResult:
         turn = "cam" if len(self.proof.corners) else "crank"
         slides = self.proof.machine.drives[0].slide is not None
         places = "places of the drive" if slides else f"{turn} angles"
-        remark = f"{self.output.name}: closed on the measured joints at {len(self.theta)} {places}"
+        remark = f"{self.output.name}: camgen closed the machine on the measured joints at {len(self.theta)} {places}"
         if len(self.proof.corners):
             remark += ", and at each corner of the outlines"
         if lost:

@@ -336,7 +336,7 @@ def _fit(rolled: Rolled, table: RollerTable, where: Where, clearance: float) -> 
         where = replace(where, theta=float(rolled.theta[k]))
     facets = 2 * table.tolerance * of_way
     message = (
-        f"least play of the roller between both walls; facets may take {facets:.2g} {name} of it"
+        f"least play of the roller between both walls; facets may reduce it by {facets:.2g} {name}"
     )
     yield at_least("GROOVE_FIT", least, clearance * of_way - facets, name, where, message)
 
@@ -344,7 +344,7 @@ def _fit(rolled: Rolled, table: RollerTable, where: Where, clearance: float) -> 
 def _interference(rolled: Rolled, where: Where) -> Finding:
     """INTERFERENCE: whether the roller has room beside its walls."""
     share = 100 * float(np.mean(rolled.cut))
-    message = f"over {share:.3g} % of the turn the roller cuts into the drum beside its walls"
+    message = f"the roller cuts into the drum beside its walls over {share:.3g} % of the turn"
     if rolled.cut.any():
         where = replace(where, theta=float(rolled.theta[np.flatnonzero(rolled.cut)[0]]))
         message += ", such as into the floor: check inner, length and at_deg"

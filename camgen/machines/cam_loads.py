@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from camgen.machines.disc_cam.tables import LoadTable, SpringTable
     from camgen.motion.program import Program
 
-_JUMPS = "its speed jumps, and no spring holds it then: use a law that ends smoothly"
+_JUMPS = "its speed jumps, and no spring can hold it there: use a law that ends smoothly"
 
 
 def load_faults(
@@ -169,13 +169,13 @@ def lift_off(
     units = _spring_units(slides)
     stiffer = f" or a spring.rate above {rate:.4g} {units[1]}" if math.isfinite(rate) else ""
     reserved = ", with SPRING_RESERVE" if least else ""
-    kept = f"a spring.preload above {preload:.4g} {units[0]}{stiffer} keeps it{reserved}; {lower} lowers that"
+    kept = f"a spring.preload above {preload:.4g} {units[0]}{stiffer} keeps it on{reserved}. You need less with {lower}"
     if slides and math.isfinite(preload):
         travel = float(np.ptp(found.lift))
         if travel > 0 and preload > 0 and wound(load.rate, preload, travel) is None:
-            kept = f"only a spring.preload above {preload:.4g} N keeps it, and no wire of up to {WIRES[-1]:g} mm bears that: {lower} helps"
+            kept = f"only a spring.preload above {preload:.4g} N keeps it on, and no wire of up to {WIRES[-1]:g} mm bears that. You need less with {lower}"
     if not load.preload and not load.rate:
-        kept = f"no spring presses it on: spring.preload and spring.rate are 0; {kept}"
+        kept = f"no spring presses it on, because spring.preload and spring.rate are 0; {kept}"
     return with_hops(found.keeps_contact(jumps if found.kick else kept), bounce, slides)
 
 
@@ -232,7 +232,7 @@ def force_study(
     if found.kick:
         figures.append(Figure("kick", found.kick, "N s" if slides else "N m s"))
         notes.append(
-            "The follower's speed jumps, which kicks it; the curves of force and torque leave the kick out."
+            "The follower's speed jumps, which gives it a kick. The curves of force and torque leave the kick out."
         )
     if pushed:
         figures += pushed_figures(found, load, slides)

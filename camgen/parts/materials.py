@@ -70,7 +70,7 @@ def _print(
         density,
         f"{source}; {_GUIDE}",
         YIELDS * _STRONGEST,
-        f"no limit is published for prints of {name}: beyond this the strongest printed plastic yields (PC, "
+        f"no limit is published for prints of {name}: at this limit the strongest printed plastic yields (PC, "
         f"{_STRONGEST:g} MPa in its plane, {YIELDS:g} times that in a line contact)",
         spread,
     )

@@ -178,7 +178,9 @@ def _findings(
     if math.isfinite(worst):
         fastest = peak(follower.law.law(rolled.theta, 1))
         ripple = peak(low_passed(error, 1, HARMONICS)) / fastest if fastest else 0.0
-        message = f"of the follower's greatest speed, low-passed at {HARMONICS} harmonics of a turn"
+        message = (
+            f"share of the follower's greatest speed, low-passed at {HARMONICS} harmonics of a turn"
+        )
         yield at_most("SPEED_RIPPLE", ripple, follower.ripple, "share", where, message)
     if rolled.track != "end":
         play = rolled.play

@@ -124,14 +124,14 @@ def not_judged(
     reasons: dict[str, NotJudged] = {}
     for stage in stages:
         needs = " or ".join(kind.upper() for kind in stage.takes)
-        absent = f"no {needs} is in the folder; it judges {stage.what}"
+        absent = f"the folder has no {needs}, from which camgen judges {stage.what}"
         if bare:
-            absent = "no drawing or solid of a part is in the folder"
+            absent = "the folder has no drawing or solid of a part"
         for code in stage.codes:
             if not stage.runs(kinds):
                 reasons.setdefault(code, NotJudged(code, absent, needs, absent=True))
             elif failing and code not in codes:
-                why = f"no {needs} could be judged so far, because of the failures above; it judges {stage.what}"
+                why = f"the failures above leave no sound {needs}, from which camgen judges {stage.what}"
                 reasons.setdefault(code, NotJudged(code, why, "a file without the faults above"))
     return tuple(reasons.values())
 
@@ -160,14 +160,16 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
             said = ", ".join(f"{name} is {thick:g}" for thick, name in sorted(flat.items()))
             told = f"no part is flat and as thick ({said} mm)" if flat else "no part is flat"
             sentences.append(
-                f"laser.thickness = {mechanism.laser.thickness:g}: {told}, so there is no sheet"
+                f"laser.thickness = {mechanism.laser.thickness:g}: {told}, so camgen makes no sheet"
             )
     elif mechanism.laser is not None:
         sentences.append("[laser] has no effect without DXF: the sheets are made with it")
     plain = not any(part.engraved for part in mechanism.assembly.parts)
     asked = {"engrave": mechanism.files.engrave, "hole_letters": mechanism.files.hole_letters}
     none = [key for key, wanted in asked.items() if wanted and plain]
-    sentences += [f"files.{key} = true: no part has anything engraved" for key in none]
+    sentences += [
+        f"files.{key} = true has no effect: no part has anything engraved" for key in none
+    ]
     if mechanism.files.engrave and not plain and not any(kind in kinds for kind in DRAWN):
         sentences.append(f"files.engrave = true has no effect without {drawn}")
     idle = mechanism.remarks().unused

@@ -81,7 +81,7 @@ def _troubles(first: Summary) -> Iterator[str]:
         yield f"what {means} and what helps: camgen explain {' '.join(codes)}"
     absent = [each for each in first.not_judged if each.absent]
     if len({each.why for each in absent}) > 1:
-        yield f"{_OPEN}: {left_out(absent)}: no such files are in the folder"
+        yield f"{_OPEN}: {left_out(absent)}: the folder has no such files"
     else:
         absent = []
     for codes_open, why in _reasons([each for each in first.not_judged if each not in absent]):
@@ -247,7 +247,7 @@ def _next_steps(report: Report, first: Summary, every: bool) -> list[str]:
     waits = first.state == "bad" and len(made) < len(first.steps)
     steps = made if waits else first.steps
     said += [f"{step.verb} {folder / step.file}{step.rest}" for step in steps]
-    return [*said, "make no part yet: first what fails above"] if waits else said
+    return [*said, "make no parts yet: correct first what fails above"] if waits else said
 
 
 def _cells(report: Report, finding: Finding) -> dict[str, str]:

@@ -173,7 +173,11 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
         "N on a way",
     ),
     ({"output": "lift", "points": [[0.0, 1.0], [400.0, 1.0]]}, "load.on.0", "within one turn"),
-    ({"output": "lift", "value": 1.0, "direction_deg": 3.0}, "load.on.0.direction_deg", "own way"),
+    (
+        {"output": "lift", "value": 1.0, "direction_deg": 3.0},
+        "load.on.0.direction_deg",
+        "already has a direction",
+    ),
     ({"body": "follower", "point": "tip", "value": 1.0}, "load.on.0", "direction_deg"),
     ({"output": "lift", "value": 1.0, "acts": "with the body"}, "load.on.0", "with a point"),
 ]
@@ -237,7 +241,9 @@ def test_a_machine_that_locks_says_which_friction_it_bears() -> None:
         return [each.message for each in findings if each.code == "SELF_LOCKING"]
 
     (said,) = locks(3.0)
-    assert said.startswith("locks at a friction of 3 (load.friction); it turns with up to ")
+    assert said.startswith(
+        "the machine locks at a friction of 3 (load.friction); it would turn with up to "
+    )
     bears = float(said.partition("up to ")[2].partition(" in ")[0])
     assert 0 < bears < 3 and not locks(bears) and locks(bears + 0.02)
 
@@ -251,8 +257,8 @@ def test_what_inertia_does_to_a_pin_is_said_where_it_acts_alone() -> None:
         ]
         for gravity, gravity_deg in ((False, {}), (True, {"gravity_deg": -90.0}))
     }
-    assert said[True] and not any("inertia" in each for each in said[True])
-    assert said[False] and all("inertia is the only load: " in each for each in said[False])
+    assert said[True] and not any("Inertia" in each for each in said[True])
+    assert said[False] and all("Inertia is the only load" in each for each in said[False])
 
 
 def test_several_drives_are_one_shaft() -> None:

@@ -230,7 +230,7 @@ def test_what_was_not_judged_is_said_by_name_in_terminal_and_page(
     assert first == f"uniform-swing: all {len(report.findings)} findings hold; 4 not judged"
     assert told[0] == (
         "not judged: INTERFERENCE (needs 3MF); BED_FIT (needs STL or 3MF); WATERTIGHT, VOLUME (need STL or 3MF or STEP): "
-        "no such files are in the folder"
+        "the folder has no such files"
     )
     assert not told[1].startswith("not judged")
     assert place.startswith(f"files are in {tmp_path / 'uniform-swing'}: ")
@@ -242,7 +242,7 @@ def test_what_was_not_judged_is_said_by_name_in_terminal_and_page(
     assert re.search(r"^ INTERFERENCE .* not judged *$", capsys.readouterr().out, re.M)
     data = json.loads((tmp_path / "uniform-swing" / "report.json").read_text("utf-8"))
     assert data["ok"] and {"code", "why"} == set(data["not_judged"][0])
-    assert any("no 3MF is in the folder" in each["why"] for each in data["not_judged"])
+    assert any("the folder has no 3MF" in each["why"] for each in data["not_judged"])
     page = (tmp_path / "uniform-swing" / "report.html").read_text("utf-8")
     assert '<p class="verdict open">' in page and "NOT JUDGED: INTERFERENCE" in page
     assert page.count('<tr class="open"><td class="mark"><b>NOT JUDGED</b>') == 4
@@ -261,7 +261,11 @@ def test_what_was_not_judged_is_said_by_name_in_terminal_and_page(
         ("stl", "print.profile_compensation=0.1", ""),
         ("stl", "files.curves='lines'", "has no effect without DXF"),
         ("dxf,stl", "files.curves='lines'", ""),
-        ("dxf", "files.engrave=true", "files.engrave = true: no part has anything engraved"),
+        (
+            "dxf",
+            "files.engrave=true",
+            "files.engrave = true has no effect: no part has anything engraved",
+        ),
     ],
 )
 def test_key_that_cannot_act_on_a_file_is_told(

@@ -121,8 +121,8 @@ class DiscCamLimits(CamLimitsTable):
     )
     lash: Annotated[float, quantity("mm or deg", ge=0, le=1e6)] = Field(
         default=0.25,
-        description="greatest free play of the follower in a groove or between a pair of cams; 0.25 is 1 % of a lift of 25, and the "
-        "running play of printed parts",
+        description="free play allowed to the follower in a groove or between a pair of cams; 0.25 is 1 % of a lift of 25, and the running "
+        "play of printed parts",
     )
     min_wall: MinWall = 0.8
 

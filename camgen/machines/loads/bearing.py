@@ -93,7 +93,7 @@ class _PlainBearing:
         if self.journal.bush and limit is None:
             limit = BRONZE_PV
         if limit is None and not materials.of(hole).printed:
-            why = f"{self.slides.pv:.3g} MPa m/s in {self.journal.joint}; the limit of {hole} depends on oil and on its shaft"
+            why = f"{self.slides.pv:.3g} MPa m/s in {self.journal.joint}; the limit of {hole} depends on the oil and on the shaft"
             check.not_judged.append(NotJudged("PV", why, "limits.pv_mpa_m_s"))
             return
         made, how = "a plastic made for bearings", "dry"
@@ -103,8 +103,8 @@ class _PlainBearing:
         remark += (
             f"; limits.pv_mpa_m_s; {made} bears {usual:g} {how}"
             if limit
-            else f"; no limit is published for prints of {hole}: this one is that of a bearing plastic, dry on steel (iglidur "
-            "P210). A lower speed, less mass or a longer pin lowers it. With oil the limit is five times as high, with a metal bush higher "
+            else f". No limit is published for prints of {hole}: this limit is that of a bearing plastic, dry on steel (iglidur "
+            "P210). A lower speed, less mass or a longer pin lowers it. With oil the limit is five times as high, and with a metal bush higher "
             "still: set limits.pv_mpa_m_s"
         )
         size = f"{self.journal.diameter:g} x {self.journal.length:.4g} mm"
@@ -277,7 +277,7 @@ def contacts(run: Run, forces: Forces, assembly: Assembly, load: Weight | None) 
         check.plots.append(Plot(title, assembly.cycle.label, "MPa", curve))
         remark = (
             f"{force[worst]:.4g} N on a contact line of {length:.4g} mm, {tip.name} on {own.name}; {by}; "
-            "the pressure is higher at the ends of the line: round them"
+            "the pressure is higher at the ends of the line, so round them"
         )
         where = Where(
             f"{joint.name}, {outline.part}",

@@ -151,7 +151,7 @@ def torque(
     if np.any(forces.locks):
         locked = float(np.mean(forces.locks)) * math.degrees(turn)
         remark = (
-            f"{locking()}. No torque moves it there, or only one that loads the joints tenfold; use a lower "
+            f"{locking()}. There no torque moves it, or only one that loads the joints ten times as hard. Use a lower "
             "load.friction, a ball bearing or a greater transmission angle"
         )
         first = float(theta[int(np.argmax(forces.locks))])
@@ -236,7 +236,7 @@ def hub_slip(hub: SetScrewHub | None, torque: float, plastic: str) -> LoadCheck:
         holds = HOLDS * force * hub.bore / 2 * MM
         check.figures.append(Figure("set screw holds", holds, "N m"))
         remark = (
-            f"{hub.thread} tightened with {tightened:.3g} N m, {force:.4g} N, as hard as its nut's wall of {plastic} bears "
+            f"{hub.thread} tightened with {tightened:.3g} N m presses with {force:.4g} N, which is all that the {plastic} behind its nut bears "
             f"({bears:g} MPa); a shaft with a flat, or a thicker screw, holds more"
         )
         where = Where(f"set screw, shaft of {hub.bore:g} mm")

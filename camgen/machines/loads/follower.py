@@ -118,9 +118,9 @@ def elastic(run: Run, load: Weight | None, limits_of: Callable[[str], MaterialLi
         still = solve(slow(smooth(run.machine)), theta).forces().contacts[cam.name] * cam.leaves
         push = still + cam.leaves * model.push(excited, speed)
         rpm = model.loses_contact(excited, speed, still, cam.leaves) * 60 / math.tau
-        remark = f"with an elastic follower of {model.frequency / math.tau:.4g} Hz"
+        remark = f"the follower is elastic, with a natural frequency of {model.frequency / math.tau:.4g} Hz"
         if math.isfinite(rpm):
-            remark += f"; contact is lost from {rpm:.6g} rpm"
+            remark += f". It loses contact from {rpm:.6g} rpm"
             check.figures.append(Figure("lift off speed {of}", rpm, "rpm", cam.name))
         push_unit = "N" if cam.slide else "N m"
         check.findings.append(

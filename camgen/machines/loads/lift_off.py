@@ -64,10 +64,10 @@ def spring_reserve(
     k = int(np.argmin(share))
     if not 0 < share[k] < math.inf:
         return []
-    said = "share of the spring's force that is left to press the follower on; friction and the spring's own tolerance reduce it"
+    said = "share of the spring's force that is left to press the follower on; friction and the spring's tolerance reduce it"
     if share[k] < least:
         more = float(np.nanmax((least * spring - effort)[pressing])) / (1 - least)
-        said += f"; {more:.3g} {'N' if slides else 'N m'} more preload is enough, and so is less mass or a lower speed"
+        said += f"; {more:.3g} {'N' if slides else 'N m'} more preload is enough; less mass or a lower speed helps too"
     place = replace(where, theta=float(theta[k]), digits=1)
     return [at_least("SPRING_RESERVE", min(1.0, float(share[k])), least, "", place, said)]
 
@@ -103,10 +103,12 @@ def lift_off(
         jumps = cam.name in kicks
         remedy = (
             f"press {cam.follower} on the cam with {least:.4g} {unit} more at all angles: by a spring ([cam.spring], "
-            "[[spring]], or its preload), a weight or a load ([load]); less mass or speed needs less"
+            "[[spring]], or its preload), a weight or a load ([load]). With less mass or speed you need less"
         )
         if jumps:
-            remedy = "its speed jumps, and no spring holds it then: use a law that ends smoothly"
+            remedy = (
+                "its speed jumps, and no spring can hold it there: use a law that ends smoothly"
+            )
         where = Where(joint=cam.name, angle=angle)
         finding = keeps_contact(theta, force, jumps, where, remedy)
         contact = None
@@ -167,19 +169,19 @@ def with_hops(finding: Finding, bounce: Bounce | None, slides: bool) -> Finding:
         return finding
     hop = bounce.highest
     rpm = bounce.lift_off * 60 / math.tau
-    lost = f"contact is lost from {rpm:.4g} rpm"
+    lost = f"It loses contact from {rpm:.4g} rpm"
     if not rpm:
-        lost = "as it is now, contact is lost at any speed"
-    left = f"it leaves at {math.degrees(hop.leaves) % 360:.1f} deg"
+        lost = "As it is now, it loses contact at any speed"
+    left = f"it leaves the cam at {math.degrees(hop.leaves) % 360:.1f} deg"
     if not math.isfinite(hop.lands):
-        return replace(finding, message=f"{finding.message}; {lost}; {left} and does not come back")
+        return replace(finding, message=f"{finding.message}. {lost}: {left} and does not come back")
     height = f"{hop.height:.3g} mm" if slides else f"{math.degrees(hop.height):.3g} deg"
     speed = f"{bounce.knock * MM:.3g} m/s" if slides else f"{bounce.knock:.3g} rad/s"
     lands = f"{math.degrees(hop.lands) % 360:.1f} deg"
     flight = (
         f"flies up to {height} off the cam, comes back at {lands} and hits it with up to {speed}"
     )
-    return replace(finding, message=f"{finding.message}; {lost}; {left}, {flight}")
+    return replace(finding, message=f"{finding.message}. {lost}: {left}, {flight}")
 
 
 def bounce_figures(bounce: Bounce | None, slides: bool, of: str = "") -> list[Figure]:

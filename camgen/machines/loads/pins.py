@@ -75,10 +75,10 @@ class PinLoad:
             by = "limits.pin_stress_mpa"
         remark = f"{self.force:.4g} N {how}; {by}"
         if stress > limit:
-            remark += f"; {stronger(self.limits, self.journal, self._thickness(limit))}"
+            remark += f". To mend it, {stronger(self.limits, self.journal, self._thickness(limit))}"
         if self.inertia_alone and stress:
             times = math.sqrt(limit / stress)
-            remark += f"; inertia is the only load: the pin holds at up to {min(times, 1e3):.3g} times this speed"
+            remark += f". Inertia is the only load, so the pin holds up to {min(times, 1e3):.3g} times this speed"
         return at_most("PIN_STRESS", stress, limit, "MPa", Where(f"pin {self.name}"), remark)
 
 
@@ -109,10 +109,10 @@ def stronger(limits: MaterialLimits, pin: Journal, thickness: float) -> str:
     thick = f"{math.ceil(10 * thickness) / 10:g}"
     wide = f" (parts.{diameter})" if diameter in keys else ""
     if not materials.of(pin.shaft).printed:
-        return f"make it {thick} mm thick{wide} or shorter"
+        return f"make the pin {thick} mm thick{wide} or shorter"
     steel = f" and say so (limits.pin_stress_mpa = {_STEEL})"
     for key, value in _STEEL_BY.get(pin.role, {}).items():
         if key in keys:
             steel = f' (parts.{key} = "{value}")'
             break
-    return f"make it {thick} mm thick{wide} or shorter, or of steel{steel}"
+    return f"make the pin {thick} mm thick{wide} or shorter, or of steel{steel}"

@@ -77,7 +77,7 @@ def locking_friction(
     by = "load.friction" if given else "usual for its materials"
     ends = " to ".join(f"{mu:g}" for mu in dict.fromkeys((min(used), max(used))))
     most = math.floor(low * 100) / 100
-    turns = f"it turns with up to {most:g} in all joints"
+    turns = f"it would turn with up to {most:g} in all joints"
     if not most:
-        turns = "even 0.01 in all joints locks it"
-    return f"locks at a friction of {ends} ({by}); {turns}"
+        turns = "even 0.01 in all joints would lock it"
+    return f"the machine locks at a friction of {ends} ({by}); {turns}"

@@ -160,7 +160,7 @@ def test_the_spring_that_lift_off_asks_for_has_its_reserve() -> None:
         return next(each.message for each in made.limits() if each.code == code)
 
     assert f"a spring.preload above {asked:.4g} N" in said("LIFT_OFF", 0.5)
-    assert "keeps it, with SPRING_RESERVE" in said("LIFT_OFF", 0.5)
+    assert "keeps it on, with SPRING_RESERVE" in said("LIFT_OFF", 0.5)
     assert f"a spring.preload above {needed:.4g} N" in said("LIFT_OFF", 0.5, 0.0)
     assert f"; {0.1 * asked:.3g} N more preload is enough" in said("SPRING_RESERVE", 0.9)
     assert "more preload" not in said("SPRING_RESERVE", 1.01)
@@ -335,7 +335,7 @@ def test_an_empty_spring_is_found_for_a_machine_and_none_of_a_cam_alone(
     assert finding.ok == sprung
     if not sprung:
         assert "spring.preload and spring.rate are 0; a spring.preload above" in finding.message
-        assert "as it is now, contact is lost at any speed" in finding.message
+        assert "As it is now, it loses contact at any speed" in finding.message
 
 
 def test_a_follower_that_nothing_presses_through_a_dwell_is_not_held() -> None:
