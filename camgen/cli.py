@@ -36,7 +36,7 @@ TERMINATED = 143
 @click.group(epilog=EXIT_CODES, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="camgen")
 def cli() -> None:
-    """Cam and linkage CAD geometry from a text spec, with the motion proved from the written files."""
+    """Make the parts of cams, linkages and gears from a text file, the spec, and check their motion in the files made."""
 
 
 for _command in COMMANDS:

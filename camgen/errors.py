@@ -198,7 +198,7 @@ class DesignError(CamgenError):
         if unit == "" and (value, limit) == (0, 1):  # what is counted
             sentence = f"there are no {quantity}{named}"
         elif unit == "" and limit == 0 and isinstance(value, int):
-            sentence = f"{quantity}: {value}, where none may be{named}"
+            sentence = f"{quantity}: {value}, and none is allowed{named}"
         else:
             sentence = f"{quantity} is {value:.6g}{of}{place}, limit {limit:.6g}{of}"
         self.sentence = sentence

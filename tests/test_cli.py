@@ -101,7 +101,7 @@ NO_SUCH = DesignError("geometry.swing_deg", 60, 53.1, "deg", "the inner end", "u
         ),
         (
             DesignError("carriers that move", 2, 0, "", "", "fix them"),
-            "carriers that move: 2, where none may be; fix them",
+            "carriers that move: 2, and none is allowed; fix them",
         ),
         (DesignError("gap", 0.0, 1, "mm", "joint A"), "gap is 0 mm at joint A, limit 1 mm"),
     ],

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     "--only",
     metavar="KINDS",
     callback=kinds_of,
-    help=f"Make only these kinds, of {','.join(ANY_KIND)}; a new build replaces all files of an earlier one; servo: cam tables for drives; mjcf: a folder for MuJoCo; plots: curves as SVG and PNG; animation: one turn as GIF; picture: PNG.",
+    help=f"Make only these kinds of files, from {','.join(ANY_KIND)}. A new build removes all files of an earlier one. servo: cam tables for drives; mjcf: a folder for MuJoCo; plots: curves as SVG and PNG; animation: one turn as GIF; picture: PNG.",
 )
 @set_option("Change a key, such as segment.1.lift=8; KEY= removes it.")
 @jobs_option
@@ -75,12 +75,12 @@ def build(
     "--gcode",
     multiple=True,
     type=click.Path(path_type=Path),
-    help="Judge this plate in place of the folder's files.",
+    help="Judge this sliced plate in place of the folder's files.",
 )
 @click.option(
     "--line-width",
     type=click.FloatRange(0.01, 10),
-    help="Width of lines, mm, for G-code that does not name it (CuraEngine).",
+    help="Width of the printed lines, mm, if the G-code does not say it (CuraEngine).",
 )
 @jobs_option
 @json_option

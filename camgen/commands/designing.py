@@ -20,14 +20,14 @@ from camgen.errors import FileError, printable
 @click.option(
     "--front",
     type=click.Path(path_type=Path),
-    help="Folder for all designs that no other beats in everything, with a page.",
+    help="Folder for a page and all designs that no other design beats in every respect.",
 )
 @click.option(
     "-j",
     "--jobs",
     type=click.IntRange(0),
     default=1,
-    help="Cores to use, 0: all of them.  [default: 1]",
+    help="Number of cores to use; 0: all.  [default: 1]",
 )
 def design(
     spec: Path, file: Path | None, settings: Sequence[str], front: Path | None, jobs: int

@@ -44,7 +44,7 @@ def _explained() -> list[str]:
 
 @click.command()
 @click.argument("codes", metavar="[CODE]... [SPEC]", nargs=-1, shell_complete=completed(_explained))
-@set_option("Change a key of SPEC before.")
+@set_option("Change a key of SPEC first.")
 def explain(codes: Sequence[str], settings: Sequence[str]) -> None:
     """Explain a finding (its meaning, formula, limit and what helps), or say what a law of motion is for. Without a CODE, list the
     findings.
@@ -58,9 +58,9 @@ def explain(codes: Sequence[str], settings: Sequence[str]) -> None:
     spec = files[0] if files else None
     names = [each for each in codes if each != spec]
     if spec is not None and not names:
-        raise click.UsageError("a CODE before the SPEC, such as PRESSURE_ANGLE")
+        raise click.UsageError("a CODE in front of the SPEC, such as PRESSURE_ANGLE")
     if settings and spec is None:
-        raise click.UsageError("--set changes a key of a SPEC: name its file behind the CODE")
+        raise click.UsageError("--set changes a key of a SPEC: name its file after the CODE")
     if names:
         from camgen.report.terminal import Bar
 
@@ -79,7 +79,7 @@ def explain(codes: Sequence[str], settings: Sequence[str]) -> None:
     metavar="[FOLDER]",
     is_flag=False,
     flag_value="out/guide",
-    help="Write the guide as a site, with gallery and Python API, by default into out/guide.",
+    help="Write the guide as a website, with gallery and Python API.  [default folder: out/guide]",
 )
 @click.option(
     "--reports", is_flag=True, help="With --html: build the gallery too, and link its reports."

@@ -23,7 +23,7 @@ Exit codes:
 EXIT_CODES = _CODES.format(
     "every finding holds",
     "a finding fails (files are written)",
-    "Of several codes the largest is returned. ",
+    "If several apply, camgen returns the largest. ",
 )
 SWEEP_CODES = _CODES.format(
     "some variant holds", "none holds (the table is written, and says why)", ""
@@ -40,7 +40,7 @@ jobs_option = click.option(
     "-j",
     "--jobs",
     type=click.IntRange(0),
-    help="Cores to use, 0: all of them.  [default: all where that is quicker]",
+    help="Number of cores to use; 0: all.  [default: all, if that is quicker]",
 )
 quiet_option = click.option(
     "-q",

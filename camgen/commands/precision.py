@@ -38,8 +38,10 @@ def bench(specs: Sequence[Path], out: Path) -> None:
 
 @click.command(epilog=EXIT_CODES)
 @click.argument("spec", type=click.Path(path_type=Path))
-@set_option("Such as print.size_error=0.05.")
-@click.option("--samples", type=int, default=100_000, help="Printed copies.  [default: 100000]")
+@set_option("Change a key, such as print.size_error=0.05.")
+@click.option(
+    "--samples", type=int, default=100_000, help="Number of printed copies.  [default: 100000]"
+)
 @click.option(
     "--seed", type=int, default=1, help="The same seed gives the same copies.  [default: 1]"
 )
@@ -47,13 +49,13 @@ def bench(specs: Sequence[Path], out: Path) -> None:
     "--worst",
     type=int,
     default=50,
-    help="How many of the worst copies are rolled and closed.  [default: 50]",
+    help="Number of the worst copies whose motion camgen follows in full.  [default: 50]",
 )
 @click.option(
     "--judged",
     type=int,
     default=50,
-    help="How many copies are judged by every finding.  [default: 50]",
+    help="Number of copies to judge by every finding.  [default: 50]",
 )
 @click.option(
     "--html", type=click.Path(path_type=Path), help="Also write tables and curves to this page."

@@ -73,7 +73,7 @@ _OF_OUTLINES = ("height", "layer", "line_width", "dpi", "others", "across", "pro
 @click.option(
     "--roller",
     metavar="TABLE",
-    help="In place of a follower: the roller in the track of a drum, FILE its mesh; as below.",
+    help="In place of a follower: the roller in the track of a drum, whose mesh is FILE.",
 )
 @click.option(
     "--drives",
@@ -92,7 +92,7 @@ _OF_OUTLINES = ("height", "layer", "line_width", "dpi", "others", "across", "pro
     "--ratio",
     callback=_ratio,
     metavar="R",
-    help="Turns of the driven outline for one of the driver, -12/30 or -0.4; below 0: against it. For a slide mm a radian.",
+    help="Turns of the driven outline for one turn of the driver, such as -12/30 or -0.4; below 0 it turns the other way. For a slide: mm per radian.",
 )
 @click.option(
     "--tolerance",
@@ -122,13 +122,13 @@ _OF_OUTLINES = ("height", "layer", "line_width", "dpi", "others", "across", "pro
     "--centre",
     callback=_place,
     metavar="X/Y",
-    help="Where FILE has the driver's pivot, mm.  [default: 0/0]",
+    help="Place of the driver's pivot in FILE, mm.  [default: 0/0]",
 )
 @click.option(
     "--driven-centre",
     callback=_place,
     metavar="X/Y",
-    help="Where DRIVEN has its pivot, mm.  [default: 0/0]",
+    help="Place of the driven pivot in DRIVEN, mm.  [default: 0/0]",
 )
 @click.option(
     "--second-follower",
@@ -147,7 +147,7 @@ _OF_OUTLINES = ("height", "layer", "line_width", "dpi", "others", "across", "pro
 @click.option(
     "--line-width",
     type=float,
-    help="Width of lines, mm, for G-code that does not name it (CuraEngine).",
+    help="Width of the printed lines, mm, if the G-code does not say it (CuraEngine).",
 )
 @click.option("--dpi", type=float, help="Dots per inch of a scan.  [default: as its file says]")
 @click.option(
@@ -155,12 +155,12 @@ _OF_OUTLINES = ("height", "layer", "line_width", "dpi", "others", "across", "pro
     "others",
     multiple=True,
     type=click.Path(path_type=Path),
-    help="The part again, turned by 90 deg.",
+    help="A second scan of the part, turned by 90 deg.",
 )
 @click.option(
     "--across",
     type=click.FloatRange(0.1),
-    help="Greatest width of a scanned part by a caliper, mm.",
+    help="Greatest width of the scanned part, measured with a caliper, mm.",
 )
 @click.option(
     "--probe",
@@ -171,13 +171,13 @@ _OF_OUTLINES = ("height", "layer", "line_width", "dpi", "others", "across", "pro
 @click.option(
     "--against",
     type=click.Path(path_type=Path),
-    help="SPEC of the cam: lay the outline on it, compare the motion.",
+    help="SPEC of the cam: camgen fits the outline to it and compares the motion.",
 )
 @click.option(
     "--harmonics",
     type=click.IntRange(1, 1800),
     default=36,
-    help="Low-pass of speed, acceleration.  [default: 36]",
+    help="Harmonics of a turn that the low-pass filter of speed and acceleration keeps.  [default: 36]",
 )
 @out_option
 @json_option
@@ -213,11 +213,11 @@ def motion(
     \b
     translating:
       direction_deg  direction in which the follower moves out, ccw from Ox  [90]
-      offset         of the tip's line from the shaft, positive to the right of that direction  [0]
-      at             distance of tip centre or face from the shaft from which its travel is counted;
-                     otherwise it counts from the innermost position
+      offset         how far the tip's line is from the shaft, positive to the right of that direction  [0]
+      at             distance from shaft to tip centre or face at which the travel is 0;
+                     without it the travel counts from the innermost position
 
-    A mesh is one part: STL, 3MF, OBJ, PLY, OFF or GLB. OBJ, PLY, OFF and STL name no unit and are taken as mm with z up; a GLB
+    A mesh is one part: STL, 3MF, OBJ, PLY, OFF or GLB. OBJ, PLY, OFF and STL name no unit: camgen takes them as mm with z up. A GLB
     is in metres with y up.
 
     A scan (PNG, JPEG, TIFF; with the extra "scan") shows one part on a plain background; its bore is the shaft. Points are
@@ -228,25 +228,25 @@ def motion(
 
     \b
       camgen motion pinion.dxf --drives wheel.dxf --distance 42 --ratio -12/30 --tolerance 0.01
-    lets one outline drive another. Each turns about its file's origin, or --centre. motion.csv has both ends of the
-    driven one's play, every quarter degree of the driver. Writes OUT/<file>-drives-<driven>/.
+    lets one outline drive another. Each turns about its file's origin, or about --centre. motion.csv has both ends of the
+    play of the driven outline, every quarter degree of the driver. Writes OUT/<file>-drives-<driven>/.
 
     \b
       camgen motion drum.stl --roller radius=5,length=8,inner=22
     rolls a roller round the track of a cylinder cam, on the mesh itself. TABLE is a TOML file with a table [roller], or its keys:
 
     \b
-      radius         half way along the roller, mm;   length: of the roller
+      radius         radius half way along the roller, mm;   length: its length
       inner          distance of the roller's inner end from the drum's axis, mm
       cone_deg       half angle of a conical roller, positive where it grows outwards  [0]
       track          groove, end (on the wall below it, by a spring) or rib (two rollers)  [groove]
-      distance       of the two rollers' axes on a rib, mm
+      distance       between the axes of the two rollers on a rib, mm
       axis=x|y|z     the drum's axis in FILE  [z];   centre=X/Y: where it passes (x: Y/Z, y: Z/X)  [0/0]
       at_deg         where the roller stands, ccw from the first axis of centre  [0]
-      offset         of a slide's roller beside the radial line, mm, positive ccw  [0]
+      offset         how far a sliding roller is beside the radial line, mm, positive ccw  [0]
       arm, pivot=Y/Z instead: length of an arm, its pivot beside the radial line and along the axis
       height         roughly where the roller's axis is, if there are several tracks
-      tolerance      of the mesh's facets, mm, which GROOVE_FIT allows for  [0.001]
+      tolerance      tolerance of the mesh's facets, mm, which GROOVE_FIT allows for  [0.001]
 
     \b
       camgen motion disc-cam-contact-codesys.st --against disc-cam.toml

@@ -28,12 +28,12 @@ if TYPE_CHECKING:
     "specs", metavar="SPEC...", nargs=-1, required=True, type=click.Path(path_type=Path)
 )
 @out_option
-@set_option("Such as parts.side_phase_deg=0.")
+@set_option("Change a key, such as parts.side_phase_deg=0.")
 @click.option(
     "--copies",
     type=int,
     default=0,
-    help="Printed copies that walk as well, with errors and play of the print.  [default: 0]",
+    help="Number of printed copies to simulate too, with the errors and play of a print.  [default: 0]",
 )
 @click.option(
     "--seed", type=int, default=1, help="The same seed gives the same copies.  [default: 1]"
@@ -51,7 +51,7 @@ def simulate(
 ) -> None:
     """Put each SPEC with a table [walk] on a floor: does it walk, fall, slip or stall, at each friction of walk.friction?
 
-    Writes OUT/<name>-walk/ with a page, a film and a table of the curves. Needs mujoco-core, the extra simulate.
+    Writes OUT/<name>-walk/ with a page, a film and a table of the curves. Needs the extra simulate: pip install ".[simulate]".
     """
 
     def work() -> Work:

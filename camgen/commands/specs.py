@@ -15,17 +15,21 @@ from camgen.errors import Fault, SpecError, printable
 @click.argument("mechanism", required=False, shell_complete=completed(specs_known))
 @click.argument("file", required=False, type=click.Path(path_type=Path))
 @click.option(
-    "--short", is_flag=True, help="Some 15 lines: no comments, no keys with their defaults."
+    "--short",
+    is_flag=True,
+    help="Write about 15 lines: no comments, and no keys that have their defaults.",
 )
 @click.option(
-    "--metal", is_flag=True, help="Of steel: bore with a key, a roller that is sold, steel pins."
+    "--metal",
+    is_flag=True,
+    help="Write a machine of steel: a bore with a keyway, a bought roller, steel pins.",
 )
 @click.option(
     "--from",
     "source",
     metavar="CHAIN",
     type=click.Path(path_type=Path),
-    help="PMKS lines, or pylinkage's JSON.",
+    help="Read a linkage from PMKS lines, or from pylinkage's JSON.",
 )
 def new(
     mechanism: str | None, file: Path | None, short: bool, metal: bool, source: Path | None

@@ -63,7 +63,7 @@ from camgen.errors import printable
     "--jobs",
     type=click.IntRange(0),
     default=1,
-    help="Cores to use, 0: all of them.  [default: 1]",
+    help="Number of cores to use; 0: all.  [default: 1]",
 )
 @click.option(
     "--workers",

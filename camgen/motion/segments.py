@@ -57,9 +57,9 @@ ABOUT = {
     "polynomial": "conditions [u, order, value], as many as coefficients; from 0 at u = 0 to 1 at u = 1",
     "table": "spline through points [angle, displacement], or a file's; rest = false: not from rest to rest; over 360 deg it closes",
     MATCHED: "quintic that takes velocity and acceleration from its neighbours ([[segment]] alone)",
-    "least-acceleration": "the law that joins its neighbours with the least C_a; without a law it is this",
-    "least-jerk": "that with the least C_j",
-    "least-torque": "that with the least C_M, of inertia",
+    "least-acceleration": "the law that joins its neighbours with the least C_a; the default",
+    "least-jerk": "the law that joins its neighbours with the least C_j",
+    "least-torque": "the law that joins its neighbours with the least C_M, the torque of inertia",
 }
 # What a list shows of the laws: their title, and each at lambda 1/2; from reversals those that laws between dwells have not.
 SHOWN = (

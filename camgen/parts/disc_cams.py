@@ -204,14 +204,14 @@ class CamParts(ShaftHole):
         hub = self.hub(0.8)
         screw = self.key_screw
         if screw is not None and self.hub_height < screw.least_height:
-            expected = f"at least {screw.least_height:g} mm: its set screw turns in it"
+            expected = f"at least {screw.least_height:g} mm: the set screw sits in the hub"
             faults.append(Fault(("parts", "hub_height"), f"{self.hub_height:g}", expected))
         elif screw is not None and screw.wall < screw.least_wall:
             least = self.hub_diameter + 2 * (screw.least_wall - screw.wall)
-            expected = f"at least {least:.4g} mm: over the key the thread of its set screw takes {screw.least_wall:g}"
+            expected = f"at least {least:.4g} mm: the thread of the set screw over the key takes {screw.least_wall:g}"
             faults.append(Fault(("parts", "hub_diameter"), f"{self.hub_diameter:g}", expected))
         elif hub is not None and self.hub_height < hub.height:
-            expected = f"at least {hub.height:.4g} mm: its nut stands in it"
+            expected = f"at least {hub.height:.4g} mm: the nut of the set screw sits in the hub"
             faults.append(Fault(("parts", "hub_height"), f"{self.hub_height:g}", expected))
         return faults
 

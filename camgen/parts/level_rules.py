@@ -150,8 +150,8 @@ class NoPassage(NoLevels):
             self.room(slimmer=distance >= needed / 2),
         )
         self.sentence = (
-            f"{a.name} and {b.name} cannot pass on any level{others}: {distance:.3g} mm apart at "
-            f"{math.degrees(theta):.1f} deg, {needed:.3g} mm needed"
+            f"{a.name} and {b.name} cannot pass on any level{others}: they are {distance:.3g} mm apart at "
+            f"{math.degrees(theta):.1f} deg, and need {needed:.3g} mm"
         )
         self.args = (f"{self.sentence}; {self.remedy}",)
 

@@ -202,7 +202,7 @@ def test_what_presses_in_the_slot_is_the_wheel_s_inertia_over_its_lever(
         ({"pin": "O"}, ("geneva", 0, "pin"), "beside its shaft: P"),
         ({"pin": "C"}, ("geneva", 0, "pin"), "a point of crank"),
         ({"slots": 2}, ("geneva", 0, "slots"), "3"),
-        ({"name": "drive"}, ("geneva", 0, "name"), "drive has it"),
+        ({"name": "drive"}, ("geneva", 0, "name"), "drive already has this one"),
         ({"name": "wheel"}, ("links", "wheel"), "Geneva drive"),
     ],
 )

@@ -141,8 +141,8 @@ def test_parts_lie_on_one_level(machine: camgen.Mechanism) -> None:
         ({"a": "pawl", "b": "wheel"}, ("ratchet", 0, "a"), "turns one way"),
         ({"teeth": 0}, ("ratchet", 0, "teeth"), "3"),
         ({"depth": 26}, ("ratchet", 0, "depth"), "below radius"),
-        ({"name": "drive"}, ("ratchet", 0, "name"), "drive has it"),
-        ({"name": "wheel"}, ("links", "wheel"), "a ratchet has it"),
+        ({"name": "drive"}, ("ratchet", 0, "name"), "drive already has this one"),
+        ({"name": "wheel"}, ("links", "wheel"), "a ratchet already has this one"),
     ],
 )
 def test_faults_say_where_and_what(

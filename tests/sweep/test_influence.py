@@ -212,7 +212,7 @@ def test_explain_takes_a_spec_behind_the_codes(run: Any, tmp_path: Path) -> None
     assert re.search(said, out)
     assert "- `limits.pressure_angle_deg` sets the limit\n" in out
     code, out, err = run("explain", str(spec))
-    assert (code, out) == (2, "") and "a CODE before the SPEC" in err
+    assert (code, out) == (2, "") and "a CODE in front of the SPEC" in err
     code, out, err = run("explain", "UNDERCUT", str(tmp_path / "none.toml"))
     assert code == 4 and "none.toml" in err
 
@@ -224,7 +224,7 @@ def test_explain_sets_keys_of_the_spec_before(run: Any) -> None:  # noqa: F811
     code, out, _ = run(*said, "limits.transmission_angle_deg=60")
     assert code == 0 and "Fails (joint B, 0.00 deg): 53.13 deg, at least 60 deg" in out
     code, _, err = run("explain", "TRANSMISSION_ANGLE", "--set", "lengths.A-B=55")
-    assert code == 2 and "name its file behind the CODE" in err
+    assert code == 2 and "name its file after the CODE" in err
     code, _, err = run(*said, "lengths.A-Z=60")
     assert code == 2 and "lengths.A-Z" in err
 

@@ -48,20 +48,20 @@ def _link_faults(drawing: Drawing) -> Iterable[Fault]:
         right = "missing: the link that stands still, by its points"
         yield Fault(("links", "ground"), "", right, near)
     if len(drawing.links) > MOST_LINKS:
-        right = f"at most {MOST_LINKS}, more would take many minutes: part the machine, and join it by [[include]]"
+        right = f"at most {MOST_LINKS} links, because more would take many minutes: divide the machine, and join its parts with [[include]]"
         yield Fault(("links",), f"{len(drawing.links)} links", right)
     seen: dict[str, str] = {}
     for name in drawing.links:
         if seen.setdefault(name.lower(), name) != name:
-            right = f"another name: {seen[name.lower()]} differs only in capitals, and so would their files"
+            right = f"another name: {seen[name.lower()]} and this one differ only in capitals, and so would the names of their files"
             yield Fault(("links", name), "", right)
         if name.lower() in _TAKEN:
-            right = f"another name: files of its part would be taken for {_TAKEN[name.lower()]}"
+            right = f"another name: the files of its part would look like {_TAKEN[name.lower()]}"
             yield Fault(("links", name), "", right)
     yield from _point_faults(drawing)
     for name in drawing.links:
         if name != GROUND and not _meets_another(drawing, name):
-            right = "nothing holds it: let it share a point with another link, or slide"
+            right = "nothing holds this link: let it share a point with another link, or slide"
             yield Fault(("links", name), "", right)
 
 
@@ -76,7 +76,9 @@ def _point_faults(drawing: Drawing) -> Iterable[Fault]:
     used = {point for points in drawing.links.values() for point in points}
     for point in drawing.points:
         if point not in used:
-            yield Fault(("points", point), "", "is on no link: name it in [links], or remove it")
+            yield Fault(
+                ("points", point), "", "is on no link: put it on a link in [links], or remove it"
+            )
 
 
 def _meets_another(drawing: Drawing, name: str) -> bool:
@@ -138,12 +140,16 @@ def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
             yield from faults(drawing, (kind, k), row)
     for name in drawing.levels_of_joints():
         if name in drawing.links:
-            right = "another name: a cam, a gear, a Geneva drive, a pair of wheels or a ratchet has it, and its level"
+            right = "another name: a cam, a gear, a Geneva drive, a pair of wheels or a ratchet already has this one"
             yield Fault(("links", name), "", right)
     named = dict.fromkeys(drawing.names_of_drives(), "drive")
     for path, name in drawing.joints():
         if name in named:
-            yield Fault((*path, "name"), repr(name), f"a name of its own: {named[name]} has it")
+            yield Fault(
+                (*path, "name"),
+                repr(name),
+                f"a name of its own: {named[name]} already has this one",
+            )
         named[name] = ".".join(map(str, path))
 
 
@@ -598,7 +604,7 @@ def shape_faults(drawing: Drawing, links: Mapping[str, Sequence[str]]) -> Iterab
         same = [pair for pair in lengths if abs(drawn[pair[0]] - drawn[pair[1]]) < SAME_POINT]
         if same:
             a, b = (points[k] for k in same[0])
-            right = f"them apart: lengths.{a}-{b} says how far it is from one to the other, the drawing which way"
+            right = f"two places: the drawing gives the direction from one to the other, lengths.{a}-{b} the distance"
             yield Fault(("links", name), f"{a} and {b} are drawn at one place", right)
             continue
         missed = shape(drawn, lengths)[1]

@@ -57,7 +57,7 @@ def slimmer(layout: Layout, link: str) -> tuple[str, str]:
 
 def slimmer_pin(layout: Layout, point: str) -> tuple[str, str]:
     """What makes a pin or shaft slimmer, and what moves it, by the keys."""
-    move = f"other lengths to points.{point}"
+    move = f"other lengths of the links at points.{point}"
     if layout.pivots[point][0] == GROUND:
         posts = (each.key for each in layout.springs.values() if (GROUND, point) == each.a)
         move = f"{next(filter(None, posts), f'points.{point}')} elsewhere"

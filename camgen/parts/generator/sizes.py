@@ -534,12 +534,13 @@ class Parts(Record):
         thickest = SHOULDER_SCREWS[-1].diameter
         if "dowel" in kinds and self.pin_diameter not in DOWELS:
             sold = ", ".join(f"{size:g}" for size in DOWELS)
-            yield self._fault("pin_diameter", f"one in which dowels are sold: {sold}")
+            yield self._fault("pin_diameter", f"a diameter in which dowels are sold: {sold}")
         if "shoulder" in kinds and self.pin_diameter > thickest:
             yield self._fault("pin_diameter", f"at most {thickest:g}, the thickest shoulder screw")
         if self.head > self.thickness:
             yield self._fault(
-                "head", f"at most the thickness, {self.thickness:g} mm: it takes one level"
+                "head",
+                f"at most parts.thickness, {self.thickness:g} mm, because a head takes one level",
             )
 
     def _motor_faults(self, nozzle: float) -> Iterator[Fault]:
@@ -556,11 +557,12 @@ class Parts(Record):
         motor = f'of motor = "{self.motor}"'
         if self.shaft_diameter != face.shaft:
             yield self._fault(
-                "shaft_diameter", f"{face.shaft:g} mm, the shaft {motor}; left out, it is"
+                "shaft_diameter",
+                f"{face.shaft:g} mm, the shaft {motor}; without this key camgen takes it",
             )
         elif face.flat and self.shaft_flat != face.flat:
             over = f"{face.shaft - face.flat:g} over its flat"
-            right = f"{face.flat:g} mm, the flat of the shaft {motor}, {over}; left out, it is"
+            right = f"{face.flat:g} mm, the flat of the shaft {motor}, {over}; without this key camgen takes it"
             yield self._fault("shaft_flat", right)
         least = self.pocket + 2 * nozzle
         if self.base_thickness < least:
