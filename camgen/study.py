@@ -163,8 +163,16 @@ Prism = tuple[Sequence[complex], float, float]  # corners, from where to where i
 Laid = Sequence[tuple[str, Sequence[str], Sequence[Mate]]]
 
 
+_SENTENCES = 4  # of a step, beyond which each is a line to tick off
+
+
 def sentences(doings: Sequence[Doing]) -> str:
     """What is done, for people: "Press and glue cap-1 on pin-6 and cap-2 on pin-5, each flush with its upper end." """
+    return " ".join(_each_sentence(doings))
+
+
+def _each_sentence(doings: Sequence[Doing]) -> list[str]:
+    """What is done, one thing after the other."""
     said = []
     for (verb, rest), alike in groupby(doings, lambda each: (each.verb, each.rest)):
         things = list(dict.fromkeys(each.thing for each in alike))
@@ -172,7 +180,7 @@ def sentences(doings: Sequence[Doing]) -> str:
         each = rest.replace(", ", ", each ", 1) if len(things) > 1 and rest[:2] == ", " else rest
         whole = f"{verb}{listed}{each}"
         said.append(f"{whole[:1].upper()}{whole[1:]}{'' if whole.endswith('.') else '.'}")
-    return " ".join(said)
+    return said
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,6 +228,14 @@ class Step:
     def title(self) -> str:
         """What is done, for people."""
         return sentences(self.doings)
+
+    @property
+    def text(self) -> str:
+        """The same with a line to tick off for each thing that is done, where these are many."""
+        said = _each_sentence(self.doings)
+        if len(said) <= _SENTENCES:
+            return self.title
+        return "\n".join(f"☐ {each}" for each in said)
 
     def also(self, text: str) -> Step:
         """The step with one more sentence."""

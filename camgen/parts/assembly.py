@@ -6,7 +6,6 @@ makes one machine of several, `renamed` puts a machine where it stands in anothe
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -601,9 +600,6 @@ def _with_spring(rows: Sequence[Row], coil: Coil, poses: Mapping[str, Pose]) -> 
 _COLLAR = (
     0.5  # mm, by which a hole is wider than a motor's shaft where the collar round that goes in too
 )
-_IN_LINE = math.cos(
-    math.radians(25)
-)  # of the ways to a hole and of a flat, which a person takes for one
 _UNDER = ("motor-bar", "battery-frame")  # roles of what goes under a plate as soon as that is there
 
 
@@ -777,14 +773,11 @@ def _motor_rows(assembly: Assembly) -> Iterator[Row]:
     one = f"the motor under the plate, its shaft up{through}"
     many = f"{count} motors under the plate, their shafts up{through}"
     its = "its" if count == 1 else "their"
-    facing = _facing(assembly) if count == 1 else 0j
-    stops = [*_stopped(assembly.motor, discs[0][0], facing, points)] if facing and discs else []
     step = Step(
         [
             *first,
             *_collared(assembly, plate, letters, its),
             Doing("hold ", one if count == 1 else many, _fastening(assembly, its)),
-            *stops,
         ],
         way=1,
         mates=[
@@ -799,40 +792,12 @@ def _motor_rows(assembly: Assembly) -> Iterator[Row]:
             for name, at in points.items()
             if name in letters
         ],
-        shapes=[*_motor_shapes(discs, stands.z, assembly.motor, facing)],
+        shapes=[*_motor_shapes(discs, stands.z, assembly.motor)],
         follows=follows,
     )
     said = "Motor: under the plate, its shaft through it; screw it on now, before parts cover the screws"
     screws = [each for each in assembly.bought if each.role == "drive screw"]
     yield with_things(((0, "motor", said, "", count, 0.0, "as bought"), step), screws)
-
-
-def _facing(assembly: Assembly) -> complex:
-    """Which way the flat of the motor's shaft faces at theta = 0, a unit vector; 0 where it has none."""
-    if not assembly.motor.flats:
-        return 0j
-    link = assembly.courses(np.zeros(1))[assembly.motor.flats[0].part]
-    return 1j * cmath.exp(1j * float(link.angle[0]))
-
-
-def _stopped(
-    motor: MotorSeat, shaft: complex, facing: complex, points: Mapping[str, complex]
-) -> Iterator[Doing]:
-    """Where the flat of a motor's shaft is to stand when what it turns goes on, by the picture and, if one lies so, by a hole of the
-    plate; points: the holes of that, by their letters."""
-    along = {
-        name: ((z - shaft) / abs(z - shaft) * facing.conjugate()).real
-        for name, z in points.items()
-        if abs(z - shaft) > SAME_POINT
-    }
-    name = max(along, key=lambda each: abs(along[each]), default="")
-    side = ""
-    if name and abs(along[name]) > _IN_LINE:
-        side = f"{'towards' if along[name] > 0 else 'away from'} {name}, "
-    part = motor.flats[0].part
-    stops = f"{side}as the picture shows: {part} then stands as in the pictures that follow"
-    yield Doing("stop it with the flat of its shaft ", stops)
-    yield Doing("whenever it has moved the links, stop it there again")
 
 
 def _shortened(motor: MotorSeat) -> Iterator[Doing]:
@@ -873,28 +838,13 @@ def _fastening(assembly: Assembly, its: str) -> str:
 
 
 def _motor_shapes(
-    discs: Iterable[tuple[complex, float, float, float]],
-    plate: float,
-    motor: MotorSeat,
-    facing: complex,
+    discs: Iterable[tuple[complex, float, float, float]], plate: float, motor: MotorSeat
 ) -> Iterator[tuple[Sequence[complex], float, float]]:
-    """Each motor and its shaft as prisms; plate: height of the plate's underside, mm, facing: the way of the shaft's flat, 0 of
-    none."""
+    """Each motor and its shaft as prisms; plate: height of the plate's underside, mm."""
     for at, radius, low, high in discs:
         yield round_prism(at, radius), low, high
         if motor.shaft and motor.reach is not None:
-            ring = round_prism(at, motor.shaft / 2)
-            if facing:
-                ring = _flattened(ring, at, facing, motor.shaft / 2 - motor.flats[0].depth)
-            yield ring, high, plate + motor.reach
-
-
-def _flattened(
-    ring: Sequence[complex], at: complex, facing: complex, height: float
-) -> list[complex]:
-    """Corners of a round thing with a flat that faces a way, a unit vector, at a height over its axis, mm."""
-    own = [(z - at) / facing for z in ring]
-    return [at + complex(min(z.real, height), z.imag) * facing for z in own]
+            yield round_prism(at, motor.shaft / 2), high, plate + motor.reach
 
 
 def _glued_below(part: Part, assembly: Assembly, there: bool) -> Row:

@@ -295,6 +295,10 @@ def _on_motor(
     tools = gauge_tools(gap) if high else ()
     tools += (TWO_PART,) if TWO_PART in flat else ()
     push = Doing("push ", f"{named} {shaft}{f',{on}' if on else ''}{flat}{high}", "", tools)
+    if flat:  # else it is turned on the shaft
+        dry = f"{named} {shaft}, dry, and run the motor until it stands as the picture shows. Take it off again"
+        again = "whenever the motor has moved the links, stop it there again"
+        return [Place(f"pushed {where}", (Doing("put ", dry), push, *doings, Doing(again)))]
     return [Place(f"pushed {where}", (push, *doings))]
 
 

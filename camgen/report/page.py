@@ -553,7 +553,7 @@ def _steps(scene: Scene | None) -> str:
     if scene is None or len(scene.steps) < 2:
         return ""
     cards = [
-        _card(f"Step {k + 1}", step.title, [], f"step-{k}", _has_picture(step))
+        _card(f"Step {k + 1}", step.text, [], f"step-{k}", _has_picture(step))
         for k, step in enumerate(scene.steps)
     ]
     all_steps = f"<details open><summary>All steps</summary>{_KEYS}{_cards(cards)}</details>"

@@ -907,7 +907,7 @@
       if (lift.length()) arrows(box, into, now.spring.length ? [] : [...mates.filter(({ within }) => !within), ...loose]);
       mates.forEach(mate => glued(mate.comes || mate.within ? coming : there, mate));
       tags = lettered(now.own.map(k => ({ k, matrix: stand(k) })));
-      name(mates, called(now.coming));
+      name(mates, called(now.taken.length > 6 ? now.own : now.coming));  // not all of a whole side
     }
     function unmet(things, mates) {  // middles of what comes and is nowhere fixed on or loose against another; things: by their copies
       const boxes = things.map(numbers => new THREE.Box3().setFromPoints(corners(numbers)));

@@ -46,6 +46,18 @@ def test_sentences_that_differ_in_what_is_handled_are_one() -> None:
     assert sentences(said) == f"{whole} Glue cap-3 on pin-3. Then stop."
 
 
+def test_a_step_of_many_things_is_a_list_to_tick_off_on_the_page() -> None:
+    """Four sentences are read at once, five are not; a step that is a list is that alone."""
+    doings = [Doing(f"do thing {k}") for k in range(1, 6)]
+    few = Step(doings[:4])
+    assert few.text == few.title == "Do thing 1. Do thing 2. Do thing 3. Do thing 4."
+    many = Step(doings)
+    assert many.text.splitlines() == [f"☐ Do thing {k}." for k in range(1, 6)]
+    assert many.title == f"{few.title} Do thing 5."
+    lists = [each for each in steps_of_assembly(made("walker")).steps if "☐" in each.title]
+    assert all(each.text == each.title for each in lists)
+
+
 def test_a_sub_assembly_is_built_and_put_in_in_one_step() -> None:
     inner = Mate("glue", "B", (0.0, 0.0, 0.0), 2.0, 2.0)
     outer = Mate("free", "A", (9.0, 0.0, 0.0), 2.0, 2.0)
