@@ -160,7 +160,7 @@ def test_table_shows_measured_limit_margin_and_verdict(run: Run, results: dict[s
     out = run("build", "bad", "-v")[1]
     line = next(line for line in out.splitlines() if line.startswith(" MOTION_ERROR"))
     assert line.split() == ["MOTION_ERROR", "1", "<=", "0.5", "-0.5", "deg", "cam.dxf", "FAIL"]
-    assert "MOTION_ERROR (cam.dxf) fails: 1 deg; at most 0.5 deg is allowed. The cam is off." in out
+    assert "MOTION_ERROR (cam.dxf) fails: 1 deg; allowed: at most 0.5 deg. The cam is off." in out
     assert "camgen explain MOTION_ERROR" in out
 
 

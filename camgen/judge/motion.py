@@ -373,8 +373,8 @@ def _table(kind: str, judged: Sequence[_OutputResult], proof: Proof) -> Table:
     columns = [*COLUMNS]
     for each in judged:
         columns += [
-            f"{each.output.name} by its play, {each.unit}",
-            f"{each.output.name} by the shift, {each.unit}",
+            f"error of {each.output.name} from its play, {each.unit}",
+            f"error of {each.output.name} from the shift, {each.unit}",
         ]
     rows: list[list[object]] = []
     for name, fit in proof.fits.items():

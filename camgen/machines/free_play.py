@@ -123,9 +123,9 @@ def beyond_targets(findings: Sequence[Finding], demands: Sequence[Demand]) -> li
         most, written, code = min(asked)
         if worst.measured > most:
             sentences.append(
-                f"{demand.output}: {code} is judged in the middle of the free play, which is "
-                f"{worst.measured / 2:.3g} {worst.unit} either way, more than the {written:g} asked; "
-                f"{_KEYS[worst.unit == 'deg']} says what play you accept, a smaller print.slide_clearance gives less"
+                f"{demand.output}: {code} is judged in the middle of the free play, which "
+                f"lets it move {worst.measured / 2:.3g} {worst.unit} either way, more than the {written:g} asked for. "
+                f"Set {_KEYS[worst.unit == 'deg']} to the play that you accept, or lower print.slide_clearance"
             )
     return sentences
 

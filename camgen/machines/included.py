@@ -387,7 +387,7 @@ def _fastening(each: IncludedMachine) -> list[str]:
     notes = [f"{name}: {ride.body} rides on {ride.link}; fasten it there." for ride in module.rides]
     if stand is not None and stand.merged is not None:
         frame = (
-            f"{name} has no frame and no shaft of its own: the second plate replaces its frame, and the machine's shaft "
+            f"{name} has no frame and no shaft of its own: the second plate is its frame, and the machine's shaft "
             "turns it."
         )
     elif shaft is None:
@@ -400,7 +400,7 @@ def _fastening(each: IncludedMachine) -> list[str]:
     else:
         frame = (
             f"{name} stands by itself, {module.z:g} mm up, its origin at ({module.at.real:g}, {module.at.imag:g}): no "
-            "part joins its plate and shaft to the rest. Screw both frames on one board, this one so much higher."
+            "part joins its plate and shaft to the rest. Screw both frames on one board, this one higher by that much."
         )
     return [frame, *notes]
 

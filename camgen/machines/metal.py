@@ -187,8 +187,8 @@ def motor_notes(bore: float, model: str | None) -> list[str]:
     if shaft in (None, bore):
         return []
     return [
-        f'motor.model = "{model}": its shaft is {shaft:g} mm thick, parts.bore {bore:g} mm. '
-        f"parts.bore = {shaft:g} fits it; else couple it to a shaft of {bore:g} mm"
+        f'The shaft of motor.model = "{model}" is {shaft:g} mm thick, and parts.bore is {bore:g} mm. '
+        f"Set parts.bore = {shaft:g}, or couple the motor to a shaft of {bore:g} mm"
     ]
 
 
@@ -216,14 +216,14 @@ def bore_notes(bore: ShaftBore, material: str) -> list[str]:
         has_hub = isinstance(bore, CamParts) and bore.hub_height
         screw = " or parts.set_screw" if has_hub else ""
         return [
-            f"Nothing keeps it from sliding along its shaft and key: a shoulder or a ring on the shaft{screw}."
+            f"Nothing keeps the part from sliding along its shaft and key: use a shoulder or a ring on the shaft{screw}."
         ]
     if bore.bore_shape == "plain":
         return [
-            'Nothing in the plain bore keeps it from turning: clamp or shrink it on the shaft, or parts.bore_shape = "keyway".'
+            'Nothing in the plain bore keeps the part from turning on its shaft: clamp it or shrink it on, or set parts.bore_shape = "keyway".'
         ]
     return [
-        f'The flat of a D bore in {material} is cut by wire erosion; parts.bore_shape = "keyway" is broached.'
+        f'The flat of a D bore in {material} needs wire erosion; a keyway (parts.bore_shape = "keyway") can be broached.'
     ]
 
 

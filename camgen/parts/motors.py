@@ -173,12 +173,12 @@ def without_seat(model: str | None, diameter: float) -> tuple[str, ...]:
     """
     if model in STEPPERS:
         frame = STEPPERS[model].frame
-        remedy = f'parts.motor = "{frame}" makes one, for its shaft of {SHAFTS[frame][0]:g} mm'
+        remedy = f'Set parts.motor = "{frame}" for a seat, and a shaft of {SHAFTS[frame][0]:g} mm'
     elif model in GEARED:
-        remedy = "parts.can, with its sizes, makes one"
+        remedy = "Set parts.can, with the motor's sizes, for a seat"
     else:
         return ()
     return (
-        f'motor.model = "{model}": the parts have no place for this motor. {remedy}; else couple it to the machine\'s shaft of '
+        f'The parts have no seat for motor.model = "{model}". {remedy}; or couple the motor to the machine\'s shaft of '
         f"{diameter:g} mm, below the plate",
     )

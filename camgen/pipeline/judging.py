@@ -55,10 +55,10 @@ from camgen.workers import Workers
 
 _SIDE_FILES = ("spec.toml", "motion.csv", "report.json", "manifest.json")
 _CLOCKWISE = (
-    "The input shaft turns clockwise. Angles are counted counter-clockwise all the same, so time runs from right to left in "
+    "The input shaft turns clockwise. Angles still count counter-clockwise, so time runs from right to left in the "
     "curves over them; speeds and torques are positive counter-clockwise."
 )
-_CHOSEN = "What camgen chose because its key is not in the spec"
+_CHOSEN = "What camgen chose for you, and the key that sets it"
 _STRIP = 1.5  # height of a strip of a timing chart, in strokes
 _DRAWN = 0.01  # mm, chord tolerance of an outline that is only to be packed
 

@@ -51,7 +51,7 @@ def between(mechanism: Mechanism, sides: Mapping[str, Side]) -> tuple[Table, tup
     )
     more = f" and {len(rows) - _TOLD} more" if len(rows) > _TOLD else ""
     return table, (
-        f"print.layer = {layer:g}: faces lie between layers and print at the nearest: {faces}{more}",
+        f"print.layer = {layer:g}: these faces lie between two layers, and print at the nearer one: {faces}{more}",
     )
 
 

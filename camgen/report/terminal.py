@@ -209,12 +209,10 @@ def _sentence(finding: Finding, where: str) -> str:
     measured = size if not math.isnan(finding.measured) else "could not be measured"
     bound, asked = {
         "<=": ("at most", "allowed"),
-        ">=": ("at least", "asked"),
-        ">": ("more than", "asked"),
+        ">=": ("at least", "needed"),
+        ">": ("more than", "needed"),
     }[finding.sign]
-    limit = (
-        "" if math.isnan(finding.limit) else f"; {bound} {number(finding.limit)}{unit} is {asked}"
-    )
+    limit = "" if math.isnan(finding.limit) else f"; {asked}: {bound} {number(finding.limit)}{unit}"
     at = f" ({where})" if where else ""
     message = sentence(finding.message[:1].upper() + finding.message[1:])
     return (

@@ -347,7 +347,7 @@ def test_the_weight_of_the_follower_counts_or_is_said_not_to() -> None:
     assert upright.numbers["peak_torque_n_m"] == pytest.approx(weight * 14.32394e-3, rel=1e-4)
     assert not any("axis lies level" in note for note in upright.notes)
     level = drum(load={"mass_kg": 0.5}, motor=slow).study()
-    assert any("load.gravity_deg = -90 counts it" in note for note in level.notes)
+    assert any("load.gravity_deg = -90 to count the weight" in note for note in level.notes)
 
 
 # rollers of the reference reach from 22 to 30 mm

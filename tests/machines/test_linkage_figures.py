@@ -188,7 +188,7 @@ def test_a_slot_that_is_made_longer_than_drawn_is_said() -> None:
 
     assert said() == []
     assert said(E=[20, 15]) == [
-        "Slot of yoke: pin A passes its drawn end E by 5 mm; the slot is made longer."
+        "Slot of yoke: pin A passes its drawn end E by 5 mm; camgen made the slot longer."
     ]
     assert said(D=[20, -8.5])[0].startswith("Slot of yoke: pin A passes its drawn end D by 11.5 mm")
 

@@ -128,7 +128,7 @@ def test_marks_of_a_path_and_notes_are_of_a_way() -> None:
     study = lift(output=[path]).study()
     (plot,) = (each for each in study.plots if each.title.startswith("Path"))
     assert plot.dots == ("every 1.125 mm", "wanted")
-    assert any("speeds are those at a constant speed of the drive" in note for note in study.notes)
+    assert any("all speeds are for a constant speed of the drive" in note for note in study.notes)
 
 
 def test_targets_are_told_in_mm_of_the_way() -> None:

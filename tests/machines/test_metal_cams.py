@@ -191,7 +191,7 @@ def test_a_bore_in_metal_that_turns_nothing_or_is_hard_to_cut_is_told(spec: str)
 
     steel = "material.name=C45"
     (plain,) = told(steel, "parts.bore_shape=plain")
-    assert "keeps it from turning" in plain
+    assert "keeps the part from turning" in plain
     (flat,) = told(steel, "parts.bore_shape=d-flat")
     assert "wire erosion" in flat
     keyed = (steel, "parts.bore_shape=keyway", "parts.bore=10")
@@ -324,8 +324,8 @@ def test_a_bore_that_does_not_fit_the_shaft_of_the_motor_is_told() -> None:
 
     (said,) = told("motor.model=42STH48-2004AC")
     assert said == (
-        'motor.model = "42STH48-2004AC": its shaft is 5 mm thick, parts.bore 8 mm. '
-        "parts.bore = 5 fits it; else couple it to a shaft of 8 mm"
+        'The shaft of motor.model = "42STH48-2004AC" is 5 mm thick, and parts.bore is 8 mm. '
+        "Set parts.bore = 5, or couple the motor to a shaft of 8 mm"
     )
     assert not told("motor.model=42STH48-2004AC", "parts.bore=5")
     assert not told(), "the starter is turned by hand"
@@ -365,7 +365,7 @@ def test_a_cam_that_is_as_wide_as_its_hub_says_so() -> None:
         return [note for note in notes if "base_radius" in note]
 
     (note,) = said("parts.bore=100", "parts.hub_diameter=180", "parts.hub_height=20")
-    assert note.startswith("geometry.base_radius = 92 follows from what the cam must hold")
+    assert note.startswith("geometry.base_radius = 92 comes from the room that the cam needs")
     assert "parts.bore, parts.hub_diameter and limits.min_wall" in note
     assert said("parts.bore=4", "parts.bore_shape=plain", "parts.hub_height=0") == []
     assert said("geometry.base_radius=92") == []

@@ -123,12 +123,16 @@ def test_a_cam_follower_is_in_the_list_of_parts_where_the_roller_is_not_made() -
         (
             "linkage",
             ("motor.model=42STH48-2004AC",),
-            'parts.motor = "nema-17" makes one, for its shaft of 5 mm',
+            'Set parts.motor = "nema-17" for a seat, and a shaft of 5 mm',
         ),
         ("linkage", (), None),
         ("linkage", ("parts.motor=nema-17",), None),
         ("linkage", ("parts.hand_crank=40",), None),
-        ("linkage", ("motor.model=N20-100:1",), "parts.can, with its sizes, makes one"),
+        (
+            "linkage",
+            ("motor.model=N20-100:1",),
+            "Set parts.can, with the motor's sizes, for a seat",
+        ),
         ("quick-return", (), None),
         ("stitch-head", (), None),
         (

@@ -28,7 +28,10 @@ def test_plates_of_4_mm_in_layers_of_03():
     """The first of 0.2 mm, then 12 of 0.3 make 3.8: the top lies 0.2 over it, and 0.1 under the next."""
     rows, said = found(0.3, {})
     assert rows["rocker", 4.0] == pytest.approx((4.1, -0.1))
-    assert said[0].startswith("print.layer = 0.3: faces lie between layers") and "more" in said[0]
+    assert (
+        said[0].startswith("print.layer = 0.3: these faces lie between two layers")
+        and "more" in said[0]
+    )
     assert ("rocker", 4.0) not in found(0.2, {})[0] and ("rocker", 4.0) in found(
         0.2, {}, first_layer=0.35
     )[0]

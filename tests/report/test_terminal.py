@@ -78,7 +78,7 @@ def test_the_verdict_stands_first_then_what_fails_then_figures(
     print_report(report)
     assert capsys.readouterr().out.splitlines() == [
         "demo: 1 of 3 findings FAILS; 2 not judged; 1 warning",
-        "MIN_WALL (long-name-of-a-machine-cam.stl) fails: -12.35 mm; at least 0.8 mm is asked. Thin.",
+        "MIN_WALL (long-name-of-a-machine-cam.stl) fails: -12.35 mm; needed: at least 0.8 mm. Thin.",
         "what it means and what helps: camgen explain MIN_WALL",
         "not judged: VOLUME, BED_FIT: no STL is there",
         "warning: mind the gap",
@@ -105,7 +105,7 @@ def test_rounding_is_shown_as_0_but_where_it_fails(capsys: pytest.CaptureFixture
         "2.665" not in text
         and re.search(r"PIN_GAP +0 +<= +0.1 ", text)
         and re.search(r"LASH +1e-12 +<= +0 ", text)
-        and "LASH fails: below 1e-9 mm; at most 0 mm is allowed" in text
+        and "LASH fails: below 1e-9 mm; allowed: at most 0 mm" in text
     )
 
 
@@ -147,7 +147,7 @@ def test_a_limit_that_is_itself_too_little_is_told_as_such(
         capsys,
         verbose=True,
     )
-    assert re.search(r"LIFT_OFF +0 +> +0 ", text) and "0 N; more than 0 N is asked" in text
+    assert re.search(r"LIFT_OFF +0 +> +0 ", text) and "0 N; needed: more than 0 N" in text
 
 
 @pytest.mark.parametrize("width", [200, 120, 80, 50, 30])

@@ -89,10 +89,10 @@ _LEAST_PRESS = 2.0  # N, of the springs of a machine: its carriage rubs
 _OVER = 1.5  # of what keeps contact
 _SMOOTHER = "a law that ends smoother, or 'matched', joins them"
 _WEIGHTLESS = (
-    "The drum's axis lies level, so that the follower's weight asks for no torque; where it stands upright, "
-    "load.gravity_deg = -90 counts it."
+    "The drum's axis lies level, so the follower's weight needs no torque. If the drum stands upright, set "
+    "load.gravity_deg = -90 to count the weight."
 )
-_ARM_S_WEIGHT = "The arm's weight is not judged: its inertia does not say where it pulls."
+_ARM_S_WEIGHT = "The arm's weight is not judged: its inertia does not say where the weight acts."
 _FLATTER = "a larger geometry.radius, a longer span or a smaller lift lowers it"
 
 

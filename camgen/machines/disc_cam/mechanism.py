@@ -615,7 +615,7 @@ class DiscCamDrive(CamTables):
         if self._is_as_wide_as_its_hub:
             keys = "parts.shaft_diameter" if self.standing else "parts.bore, parts.hub_diameter"
             notes.append(
-                f"geometry.base_radius = {self.base_radius:g} follows from what the cam must hold, not from its motion: {keys}"
+                f"geometry.base_radius = {self.base_radius:g} comes from the room that the cam needs, not from its motion: {keys}"
                 f"{', parts.pin_diameter' if self.geometry.closure == 'groove' else ''} and limits.min_wall."
             )
         if self.allowed.continuous < 0:

@@ -183,7 +183,7 @@ def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) 
         bar = four_bar(*lengths.values())
         figures.append(Figure("grashof margin", bar.margin, "mm"))
         notes.append(
-            f"A four-bar, by Grashof a {bar.kind}: the middle two lengths exceed the shortest and the longest by "
+            f"A four-bar; by Grashof's rule a {bar.kind}: the two middle lengths together exceed the shortest and the longest by "
             f"{bar.margin:.6g} mm."
         )
     figures += [] if made is None else gearing.figures(made.layout)
@@ -219,7 +219,7 @@ def _notes(linkage: LinkageMotion, made: Build | None) -> list[str]:
         notes.append(f"{cam.name} is held by force: {least}.")
     if linkage.springs:
         notes.append(
-            "Springs are bought. Each has a level of its own, free over the whole motion along the line between its pins."
+            "You buy the springs. Each has a level of its own, which stays free along the line between its pins over the whole motion."
         )
     if made is not None:
         notes += open_rails(made.layout)
@@ -228,7 +228,7 @@ def _notes(linkage: LinkageMotion, made: Build | None) -> list[str]:
         notes += gearing.notes(made.layout)
     if linkage.cycle.to_and_fro:
         notes.append(
-            "The drive goes to and fro over its range; speeds are those at a constant speed of the drive."
+            "The drive goes to and fro over its range; all speeds are for a constant speed of the drive."
         )
     return notes
 
@@ -262,7 +262,7 @@ def _bows(layout: Layout) -> list[str]:
     """What to say of links that are bent."""
     bows = {link: shape.bow for link, shape in layout.sizes.shapes.items() if shape.bow}
     return [
-        f"Link {link} is bent by {abs(bow):g} mm, to the {'left' if bow > 0 else 'right'} as seen from its first point, to pass "
+        f"Link {link} is bent by {abs(bow):g} mm, to the {'left' if bow > 0 else 'right'} as seen from its first point, so that it passes "
         f"what is in its way (parts.{link}.bow)."
         for link, bow in bows.items()
     ]
@@ -344,7 +344,7 @@ def _longer_slots(made: Build) -> list[str]:
         for end, over in zip(slot.along, (-low, high - abs(b - a)), strict=True):
             if over > SAME_POINT:
                 notes.append(
-                    f"Slot of {slot.link}: pin {slot.pin} passes its drawn end {end} by {over:.4g} mm; the slot is made longer."
+                    f"Slot of {slot.link}: pin {slot.pin} passes its drawn end {end} by {over:.4g} mm; camgen made the slot longer."
                 )
     return notes
 

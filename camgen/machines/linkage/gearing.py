@@ -96,7 +96,7 @@ def notes(layout: Layout) -> Iterator[str]:
         if asked.opposite is not None:
             yield (
                 f"{asked.link} runs in the same pins on an eccentric opposite to that of {asked.opposite.link}: their pulls on the "
-                "shaft cancel. Each counts as if it carried the load alone."
+                "shaft cancel. camgen judges each as if it carried the load alone."
             )
             continue
         least, most = map(math.degrees, disc.play)
@@ -127,4 +127,4 @@ def notes(layout: Layout) -> Iterator[str]:
         steps = [b - a for a, b in itertools.pairwise([*angles, angles[0] + math.tau])]
         if max(steps) - min(steps) > _EVEN:
             places = ", ".join(f"{math.degrees(angle):.2f}" for angle in angles)
-            yield f"Planets of {wish.level} are at {places} deg: the teeth do not let them be evenly spread."
+            yield f"Planets of {wish.level} are at {places} deg: the teeth do not allow even spacing."

@@ -19,7 +19,7 @@ from camgen.study import Figure, Figures, Plot, Study
 
 _ANGLES = 1441
 _SAID = (
-    "Walk: in the plane, with points as feet, so slowly that inertia does not matter. If all feet have the same friction, the "
+    "The walk is calculated in the plane, with points as feet, and so slowly that inertia does not matter. If all feet have the same friction, the "
     "distance does not depend on it; the range is for feet whose frictions differ within walk.friction. The distance is a lower "
     "estimate. Drive, pins and bearings bear the machine's weight, on the feet on which it stands at each angle; the foot that slips "
     "rubs with the middle walk.friction."
@@ -108,7 +108,9 @@ def study(standing: Standing | None) -> Study:
     """Way, tilt, rise, slip and support over a turn of the shaft."""
     if standing is None:
         return Study(
-            notes=["No walk is given: no mass of the machine is known, or it does not close."]
+            notes=[
+                "camgen gives no walk: it knows no mass of the machine, or the machine does not close."
+            ]
         )
     walk = standing.walk
     theta = standing.theta

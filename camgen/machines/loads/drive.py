@@ -112,7 +112,7 @@ class _Motor:
         curves = [("with friction", degrees, self.needed), ("without", degrees, self.smooth)]
         what = f"the motor of {self.name}" if self.name else "the motor"
         kind, unit = self.kind
-        title = f"{kind.capitalize()} that {what} gives, with friction in the joints and without"
+        title = f"{kind.capitalize()} that the machine needs from {what}, with and without friction in the joints"
         return Plot(title, axis, unit, curves)
 
     def findings(self, motor: Motor | None) -> Iterator[Finding]:

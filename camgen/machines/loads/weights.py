@@ -39,7 +39,7 @@ def with_masses(model: Machine, solids: Solids, load: Weight | None) -> Masses:
         if not own.mass:
             own = body
             if not (body.mass or body.inertia):
-                source = "none: nothing is made of it"
+                source = "none: camgen makes no part of it"
         elif body.mass:
             if abs(body.mass - own.mass) <= _SAME * own.mass:
                 source = "solids"
