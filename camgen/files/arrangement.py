@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from camgen.files.assembly_list import Item
+from camgen.files.exploded_view import Prism
 
 _FACE = 0.5  # mm, from which on a level face has its height beside the section
 _PLAY = 0.35  # mm, up to which faces that lie over each other have one height
@@ -37,6 +38,7 @@ class Copy:
     span: tuple[float, float] = (0.0, 0.0)  # from its lowest point to its highest
     bought: bool = False  # what is no part, and lies in the holes of parts
     short: bool = False  # whether nothing says how long it is, such as a motor's body
+    prisms: Sequence[Prism] = ()  # which it consists of, nearly
 
 
 @dataclass(frozen=True)

@@ -21,11 +21,12 @@ from camgen.files.assembly_list import draw_list, folded, height
 from camgen.files.balloons import BESIDE, RADIUS, balloons
 from camgen.files.dimensions import Hole
 from camgen.files.dimensions import number as rounded_number
+from camgen.files.exploded_sheet import exploded_sheet
 from camgen.files.labels import Label, callouts
 from camgen.files.measures import REFERENCE, Measure, dimension
 from camgen.files.page import FILING, LARGE, MARGIN, SCALES, SIZES
 from camgen.files.sheet import Sheet, write_dxf_sheet, write_pdf
-from camgen.files.title_block import BLOCK, WIDTH, Facts, ratio, title_block
+from camgen.files.title_block import BLOCK, WIDTH, Facts, ratio, sheet_words, title_block
 from camgen.files.views import contours_of, hatching
 from camgen.numerics import coordinates
 from camgen.parts.part import Part
@@ -59,7 +60,7 @@ def write_arrangement(
     dxf = folder / f"{name}-assembly-drawing.dxf"
     pdf = folder / f"{name}-assembly-drawing.pdf"
     write_dxf_sheet(dxf, sheet, page.scale, page.datum)
-    write_pdf(pdf, sheet)
+    write_pdf(pdf, sheet, exploded_sheet(arrangement, sheet.title, facts))
     return dxf, pdf
 
 
@@ -214,7 +215,9 @@ class _Page:
                 room=right - WIDTH - FILING - 6,
             )
         block = Part("assembly", "Arrangement", ())
-        title_block(sheet, complex(right, MARGIN), block, facts, self.scale, self.size)
+        title_block(
+            sheet, complex(right, MARGIN), block, facts, self.scale, sheet_words(self.size, 1, 2)
+        )
         self._balloons(sheet)
         return sheet
 

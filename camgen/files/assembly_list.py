@@ -13,13 +13,12 @@ from itertools import zip_longest
 import numpy as np
 
 from camgen.files.sheet import Align, Sheet, Text
-from camgen.files.title_block import WIDTH
 
 ROW = 4.2  # of a line, mm
 _HEIGHT = 2.5  # of its letters
 _HEADS = ("No.", "Qty", "Part", "Drawing, or designation", "Material", "z from, to")
 _COLUMNS = (8.0, 8.0, 46.0, 62.0, 16.0, 30.0)
-_EDGES = np.cumsum((0.0, *_COLUMNS))
+EDGES = np.cumsum((0.0, *_COLUMNS))
 _NUMBERS = (0, 1)  # columns that are set to the right
 
 
@@ -77,19 +76,20 @@ def folded(items: Sequence[Item], room: float, most: int) -> list[Sequence[Item]
     return [*columns]
 
 
-def draw_list(sheet: Sheet, corner: complex, items: Sequence[Item]) -> None:
-    """Draw the list from its lower left corner up."""
+def draw_list(sheet: Sheet, corner: complex, items: Sequence[Item], columns: int = 6) -> None:
+    """Draw so many columns of the list from its lower left corner up."""
+    edges = EDGES[: columns + 1]
     level = corner
     rows: list[list[tuple[str, ...]]] = [[_HEADS], *(item.lines for item in items)]
     for lines in rows:
         for line in reversed(lines):
-            for k, cell in enumerate(line):
+            for k, cell in enumerate(line[:columns]):
                 right = k in _NUMBERS
-                x = _EDGES[k + 1] - 1 if right else _EDGES[k] + 1
+                x = edges[k + 1] - 1 if right else edges[k] + 1
                 align: Align = "right" if right else "left"
                 at = level + x + 1j * (ROW - _HEIGHT) / 2
                 sheet.text(at, cell, _HEIGHT, align, room=_COLUMNS[k] - 2)
             level += 1j * ROW
-        sheet.line(level, level + WIDTH, layer="TEXT")
-    for x in _EDGES:
+        sheet.line(level, level + edges[-1], layer="TEXT")
+    for x in edges:
         sheet.line(corner + x, level + x, layer="TEXT")

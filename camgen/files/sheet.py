@@ -191,14 +191,20 @@ class Sheet:
             self.things.append(replace(line, height=height * min(1.0, room / line.room)))
 
 
-def write_pdf(path: Path, sheet: Sheet) -> None:
-    """Write the sheet as a one-page PDF at its true size; no date, no chance id, no compression: same sheet, same bytes."""
+def write_pdf(path: Path, *sheets: Sheet) -> None:
+    """Write sheets as the pages of a PDF at their true size; no date, no chance id, no compression: same sheets, same bytes."""
     from reportlab.pdfgen.canvas import Canvas
 
-    paper = Canvas(
-        str(path), (sheet.width * _POINT, sheet.height * _POINT), invariant=1, pageCompression=0
-    )
-    paper.setTitle(sheet.title)
+    paper = Canvas(str(path), invariant=1, pageCompression=0)
+    paper.setTitle(sheets[0].title)
+    for sheet in sheets:
+        _draw_page(paper, sheet)
+    paper.save()
+
+
+def _draw_page(paper: Canvas, sheet: Sheet) -> None:
+    """Draw a sheet as the next page."""
+    paper.setPageSize((sheet.width * _POINT, sheet.height * _POINT))
     paper.scale(_POINT, _POINT)
     paper.setLineCap(1)
     paper.setLineJoin(1)
@@ -231,7 +237,7 @@ def write_pdf(path: Path, sheet: Sheet) -> None:
         paper.setLineWidth(LAYERS[thing.layer][1] / 100)
         paper.setDash(*([list(_DASHES[thing.layer][2])] if thing.layer in _DASHES else []))
         paper.drawPath(line)
-    paper.save()
+    paper.showPage()
 
 
 def _set(paper: Canvas, text: Text) -> None:

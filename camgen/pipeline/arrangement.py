@@ -15,6 +15,7 @@ import numpy as np
 
 from camgen.files.arrangement import Arrangement, Axis, Copy
 from camgen.files.dimensions import number
+from camgen.files.exploded_view import Prism
 from camgen.files.views import area
 from camgen.geometry.arcs import as_circle
 from camgen.geometry.mesh import Mesh, in_standing_plane, placing, slice_mesh
@@ -106,10 +107,12 @@ def _of_thing(
     """What is bought, its rings apart where these are hatched, such as those of a bearing."""
     hatched = [piece for piece in thing if rings and piece[0].interiors]
     rest = [piece for piece in thing if not (rings and piece[0].interiors)]
+    prisms = thing  # once
     for pieces, hatching in ((hatched, True), (rest, False)):
         if pieces:
             faces, cut, span = _of_prisms(pieces, line)
-            yield Copy(number, faces, cut, hatching, span, bought=True, short=short)
+            yield Copy(number, faces, cut, hatching, span, True, short, prisms)
+            prisms = ()
 
 
 def _heights(spans: Iterable[tuple[float, float]]) -> list[str]:
@@ -190,17 +193,30 @@ def _copy(
 ) -> Copy:
     """A copy as it is seen and cut."""
     flat = part.prismatic and not (pose.upright or pose.standing)
-    faces, cut, span = (
-        _of_layers(part, pose, line) if flat else _of_solid(part, pose, line, tolerance)
-    )
+    prisms = _layers(part, pose) if flat else ()
+    faces, cut, span = _of_prisms(prisms, line) if flat else _of_solid(part, pose, line, tolerance)
+    prisms = prisms or _terraces(faces, span[0])
     hollow = any(each.region.holes for each in part.layers)  # such as a bush
     rod = all(as_circle(each.region.outer) for each in part.layers)
     rod |= part.role in _RODS or part.process in _WHOLE
-    return Copy(item, faces, cut, hollow or not rod, span)
+    return Copy(item, faces, cut, hollow or not rod, span, prisms=prisms)
 
 
-def _of_layers(part: Part, pose: PartPose, line: tuple[complex, complex]) -> Shape:
-    """A part by its layers."""
+def _terraces(faces: Sequence[tuple[Any, float]], low: float) -> list[Prism]:
+    """A solid as prisms on each other: from its faces, the highest first, and the height at which it begins."""
+    import shapely
+
+    floors = [*(top for _, top in faces[1:]), low]
+    return [
+        (piece, floor, top)
+        for (face, top), floor in zip(faces, floors, strict=True)
+        for piece in shapely.get_parts(face)
+        if top - floor > 2 * _UNDER
+    ]
+
+
+def _layers(part: Part, pose: PartPose) -> list[Prism]:
+    """A part by its layers where a copy stands."""
     import shapely
 
     place = complex(pose.place[0])
@@ -211,17 +227,16 @@ def _of_layers(part: Part, pose: PartPose, line: tuple[complex, complex]) -> Sha
         z = points @ np.array([1, 1j])
         return coordinates(place + turn * (-z.conjugate() if pose.flipped else z))
 
-    prisms = [
+    return [
         (
             shapely.transform(area(layer.region, _FINE), put),
             *heights(pose, part.thickness, layer.z0, layer.z1),
         )
         for layer in part.layers
     ]
-    return _of_prisms(prisms, line)
 
 
-def _of_prisms(prisms: Sequence[tuple[Any, float, float]], line: tuple[complex, complex]) -> Shape:
+def _of_prisms(prisms: Sequence[Prism], line: tuple[complex, complex]) -> Shape:
     """Upright prisms."""
     import shapely
 
