@@ -367,7 +367,7 @@ def test_json_is_the_text_of_report_json(run: Run, tmp_path: Path, starter: Path
         ("build disc-cam", "camgen new disc-cam my-disc-cam.toml writes one"),
         ("build specs/walker.toml", "no such file; camgen new walker walker.toml writes one"),
         ("build disc-cam.toml", "no such file; camgen new disc-cam disc-cam.toml writes one"),
-        ("build a.toml --only dxf stl", "kinds stand together, as in --only dxf,stl"),
+        ("build a.toml --only dxf stl", "write kinds without a space, as in --only dxf,stl"),
         ("build a.toml -only dxf", "two hyphens, --only"),
         ("build aa.toml", "did you mean a.toml?"),
         ("build a.toml --set geometry.base_radius:30", "such as geometry.base_radius=30"),
@@ -521,8 +521,8 @@ def test_edited_spec_of_a_result_is_kept_and_told(run: Run, tmp_path: Path, root
     code, out, _ = run(*build)
     assert (
         code == 0
-        and f"{spec} was changed since its build" in out
-        and "kept as spec.toml.edited" in out
+        and f"{spec} was changed after its build" in out
+        and "kept the changed one as spec.toml.edited" in out
     )
     assert (tmp_path / "disc-cam" / "spec.toml.edited").read_text().endswith("# mine\n")
     assert (tmp_path / "disc-cam" / "report.json").read_bytes() == written
@@ -596,7 +596,7 @@ def test_a_result_of_another_spec_of_the_same_name_is_told(run: Run, tmp_path: P
     build = ("build", "--only", "dxf", "-o", out)
     assert "the name" not in run(*build, a)[1]
     said = run(*build, b)[1]
-    assert f"was that of {a} and is replaced: both specs have the name 'disc-cam'" in said
+    assert f"which was the result of {a}: both specs have the name 'disc-cam'" in said
     assert "the name" not in run(*build, b)[1]
     b.write_text(text.replace("lift = 12", "lift = 10"), "utf-8")
     assert "the name" not in run(*build, b)[1]

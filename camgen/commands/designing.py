@@ -42,7 +42,7 @@ def design(
 
     refuse_taken(file)
     if front is not None and front.exists():
-        raise FileError(front, "exists already and is left as it is; choose another folder")
+        raise FileError(front, "exists already, and camgen did not touch it; choose another folder")
     keep = None if front is None else lambda found: found.write(front)
     cores = jobs or os.cpu_count() or 1
     hand_over(

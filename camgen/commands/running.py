@@ -85,7 +85,7 @@ def refuse_taken(file: Path | None) -> None:
 
 
 def _taken(file: Path) -> FileError:
-    return FileError(file, "exists already and is left as it is; choose another name")
+    return FileError(file, "exists already, and camgen did not touch it; choose another name")
 
 
 def refuse_words(specs: Sequence[Path]) -> None:
@@ -101,7 +101,7 @@ def refuse_words(specs: Sequence[Path]) -> None:
             continue
         name = str(spec)
         if name in ANY_KIND:
-            right = f"a spec's file; kinds stand together, as in --only dxf,{name}"
+            right = f"a spec's file; write kinds without a space, as in --only dxf,{name}"
         elif name in specs_known():
             right = f"a spec's file: camgen new {name} my-{name}.toml writes one"
         elif spec.suffix == ".toml" and spec.stem in specs_known():

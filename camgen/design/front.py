@@ -72,7 +72,7 @@ class Front:
                 folder.mkdir(parents=True)
             except FileExistsError:
                 raise FileError(
-                    folder, "exists already and is left as it is; choose another folder"
+                    folder, "exists already, and camgen did not touch it; choose another folder"
                 ) from None
             for number, text in enumerate(self.texts, 1):
                 (folder / f"{number:02d}.toml").write_text(text, encoding="utf-8", newline="\n")

@@ -88,7 +88,7 @@ def offer(request: Request) -> Offer:
         designs,
         Aim(wish.lash, wish.useful_play, "deg", error_counts, best_in, wish.further),
         f"Four-bars for the function of {request.data.get('name')}",
-        "each is nearer to the function than all that transmit better. Design 1 is "
+        "each comes nearer to the function than any design with a greater transmission angle. Design 1 is "
         "01.toml, and so on. Those that can be built come first.",
         {
             "worst_error_deg": "at most {:.4g} deg off at the pairs",
@@ -167,7 +167,7 @@ def search(wish: FunctionWish) -> list[Generator]:
                     float(transmission[k]),
                 )
             )
-    remedy = f"{wish.further}, or a function that turns less or bends less"
+    remedy = f"{wish.further}, or a function over smaller angles or with less curvature"
     if not useful.any():
         off = math.degrees(min(error))
         raise DesignError(

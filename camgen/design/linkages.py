@@ -115,7 +115,7 @@ def offer(request: Request) -> Offer:
         designs,
         Aim(wish.lash, play, "mm", True, "has the shortest bars", wish.further),
         f"Linkages for the path of {request.data.get('name')}",
-        "each is nearer to the path on average than all with shorter links. Design 1 is 01.toml, "
+        "each comes nearer to the path on average than any design with shorter links. Design 1 is 01.toml, "
         "and so on. Those that can be built come first: by their greatest "
         f"distance from the path those whose play is of use, {play:.4g} mm at most.",
         {

@@ -62,8 +62,8 @@ def offer(request: Request) -> Offer:
         looked,
         Aim(*aim, wish.further, wish.tighter),
         f"Linkages for {wish.title} of {request.data.get('name')}",
-        f"each has {best_in} than all that transmit better, or was tried next. Design 1 is 01.toml, and so on. Those that "
-        "can be built stand first.",
+        f"each has {best_in} than any design with a greater transmission angle, or was tried next. Design 1 is 01.toml, and so on. Those that "
+        "can be built come first.",
         wish.figures,
         f"found by camgen design for {wish.title}; [[output]]: what was wanted, and how far this machine may be off",
     )
@@ -305,10 +305,10 @@ def refuse_none(verdict: Verdict, wish: LinkWish) -> None:
 
 _STOPPED = (
     ("bounds", "{} with a link or pivot out of bounds"),
-    ("circuit", "{} to be taken apart in between (circuit)"),
+    ("circuit", "{} that you would have to take apart in between (circuit)"),
     ("branch", "{} with a dead point in between (branch)"),
-    ("order", "{} that come in another order"),
-    ("turn", "{} whose crank does not turn all round"),
+    ("order", "{} that reach them in another order"),
+    ("turn", "{} whose crank does not turn all the way round"),
     ("transmission", "{} with too small a transmission angle"),
 )
 _REMEDIES = (

@@ -111,7 +111,7 @@ class PathWish(Wish):
                     Fault(
                         ("wanted", "path"),
                         f"{z.size} different points",
-                        "at least 3 that are apart, mm",
+                        "at least 3 different points, mm",
                     )
                 ]
             )
@@ -803,7 +803,7 @@ class DwellWish(LinkWish):
         """What does not go together."""
         faults = super().faults()
         if self.turns is False:
-            right = "true, or nothing: the crank of a dwell turns all round"
+            right = "true, or no such key: the crank of a dwell turns all the way round"
             faults.append(Fault(("wanted", "turns"), "false", right))
         return faults
 

@@ -181,7 +181,7 @@ class StagingFolder:
         if self.target.is_symlink() or (self.target.exists() and not self.target.is_dir()):
             raise FileError(
                 self.target,
-                "is not a folder; it is left alone, choose another name or output folder",
+                "is not a folder, and camgen did not touch it; choose another name or output folder",
             )
         try:
             foreign = next(_foreign(self.target), None)
@@ -189,7 +189,7 @@ class StagingFolder:
             self._explain(error)
             raise
         if foreign is not None:
-            reason = "was not made by camgen, so its folder is left alone; move it away or choose another output folder"
+            reason = "was not made by camgen, so camgen did not touch its folder; move the file away or choose another output folder"
             raise FileError(foreign, reason)
 
     def _explain(self, error: BaseException | None) -> None:

@@ -331,7 +331,7 @@ def close_drawing(machine: Machine) -> Machine:
             0,
             "mm",
             _joints(open_),
-            "change the lengths of the links in this loop, or draw their points nearer to where they meet"
+            "change the lengths of the links in this loop, or draw their points nearer to where the links meet"
             + limits,
         ).saying(f"{message} by {gap:.6g} mm{_loop(machine, open_)}")
     rows = q.reshape(-1, 3)

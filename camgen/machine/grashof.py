@@ -54,7 +54,7 @@ def crank_limits(machine: Machine, ends: Iterable[tuple[str, ...]], crank: str) 
         if lengths is not None:
             whole = len(loop) == len(machine.joints)
             where = "" if whole else f" in the loop of {listed('link', list(lengths)[1:])}"
-            texts[names] = f"by Grashof{where} {_grashof(lengths, crank)}"
+            texts[names] = f"by Grashof's rule{where} {_grashof(lengths, crank)}"
     return f": {'; '.join(texts.values())}" if texts else ""
 
 
@@ -66,11 +66,11 @@ def _grashof(lengths: dict[str, float], crank: str) -> str:
     long = f"{longest} ({lengths[longest]:.6g} mm)"
     most = lengths[crank] + bar.slack
     cure = (
-        f"; {crank} turns fully below {most:.6g} mm"
+        f"; {crank} turns fully if it is shorter than {most:.6g} mm"
         if lengths[crank] < lengths[GROUND] and most > 0
         else ""
     )
     if bar.margin < 0:
         ends = f"the shortest, {short}, and the longest, {long}"
-        return f"{ends}, are {-bar.margin:.4g} mm more than the other two{cure}"
-    return f"the shortest link turns fully, which is {short}, not {crank}{cure}"
+        return f"{ends}, are together {-bar.margin:.4g} mm longer than the other two{cure}"
+    return f"only the shortest link turns fully, and that is {short}, not {crank}{cure}"

@@ -90,7 +90,7 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
         cure = (
             f"let it go to and fro, drive.range_deg = [{begin:.10g}, {end:.10g}]{short}, or {cure}"
         )
-    closes = f"the chain closes from {low:.6g} to {high:.6g} deg of it and opens beyond at {names}"
+    closes = f"the chain closes only from {low:.6g} to {high:.6g} deg of its angle, and opens beyond at {names}"
     raise DesignError(
         "range of the drive",
         high - low,
@@ -98,7 +98,7 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
         "deg",
         f"{names}: it closes from {low:.6g} to {high:.6g} deg",
         cure + crank_limits(machine, span.ends, crank),
-    ).saying(f"the drive cannot turn fully: {closes}")
+    ).saying(f"the drive cannot turn fully, all the way round: {closes}")
 
 
 def _links(machine: Machine, span: Reach) -> str:
@@ -195,10 +195,10 @@ def refuse_folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> 
                 FOLD,
                 "",
                 f"{listed('joint', fold.joints)}, {place} (change point)",
-                f"change a length, or keep {key} away from there",
+                f"change a length, or keep {key} away from this place",
             ).saying(
                 f"change point at {place}: the links at {listed('joint', fold.joints)} lie in line "
-                f"and either branch can follow (sine of the transmission angle {max(fold.determinant, 0):.1g}, limit {FOLD:g})"
+                f"there, and the chain can go on in either of two ways (sine of the transmission angle {max(fold.determinant, 0):.1g}, limit {FOLD:g})"
             )
 
 

@@ -288,7 +288,7 @@ class Trace(Record):
         x = distance.place.real
         y = distance.place.imag
         message = f"path and wanted {'line' if self.joined else 'points'} are farthest apart at ({x:.4g}, {y:.4g}) of the "
-        message += f"{'path' if distance.of_path else 'wanted one'}, {distance.farthest:.6g} mm; proven for the whole of both, not only the corners"
+        message += f"{'path' if distance.of_path else 'wanted one'}, {distance.farthest:.6g} mm; proven for all of both lines, not only at the corners"
         return at_most(self.code, distance.proven, self.tolerance, "mm", where, message)
 
 
@@ -377,7 +377,9 @@ class Lines(Record):
             if apart.of_path
             else f"the lines, beyond where {self.lift} has let it down"
         )
-        message += f", {apart.farthest:.6g} mm; proven for the whole of both, not only the corners"
+        message += (
+            f", {apart.farthest:.6g} mm; proven for all of both lines, not only at the corners"
+        )
         return at_most(self.code, apart.proven, self.tolerance, "mm", where, message)
 
 

@@ -161,9 +161,9 @@ class NoPassage(NoLevels):
         if self._crank_pin:
             keys.append(f"parts.discs.{self._crank_pin}, an eccentric in place of the pin")
         keys += [each.move for each in (self.a, self.b)]
-        other = "use slimmer or longer links" if slimmer else "use longer links"
+        other = "slimmer or longer links" if slimmer else "longer links"
         mends = ", or ".join(dict.fromkeys(filter(None, keys)))
-        return f"make room for {self.needed - self.distance:.3g} mm: {mends or other}"
+        return f"make {self.needed - self.distance:.3g} mm more room: {mends or other}"
 
     @property
     def _crank_pin(self) -> str:

@@ -108,18 +108,18 @@ def _built(
         put_away(folder, [MANIFEST, *report_files(summary)])
         write_report(summary, case, folder)
         write_manifest(folder, packages_of(kinds), {"kinds": kinds, "system": system()})
-    said = f"{staged.target / 'spec.toml'} was changed since its build and is written again; the changed one is kept as"
+    said = f"{staged.target / 'spec.toml'} was changed after its build; this build wrote it again and kept the changed one as"
     remarks = [*hints, *mechanism.remarks().printed, *(f"{said} {name}" for name in staged.kept)]
     if staged.gone and only < frozenset(KINDS):
         gone = ", ".join(sorted({name.rpartition(".")[2].upper() for name in staged.gone}))
-        count = f"{len(staged.gone)} more file{'' if len(staged.gone) == 1 else 's'} ({gone})"
+        count = f"{len(staged.gone)} file{'' if len(staged.gone) == 1 else 's'} ({gone})"
         remarks.append(
-            f"the earlier {staged.target} had {count}, which this build removed: a build without --only makes all"
+            f"this build removed {count} that the earlier {staged.target} had: build without --only to make all kinds"
         )
     if other:
         remarks.append(
-            f"the earlier {staged.target} was {other} and is replaced: both specs have the name "
-            f"{mechanism.name!r}; change name in one of them"
+            f"this build replaced {staged.target}, which was {other}: both specs have the name "
+            f"{mechanism.name!r}, so change name in one of them"
         )
     return replace(report, remarks=remarks, folder=staged.target)
 

@@ -15,7 +15,7 @@ from camgen.reading import read
 
 
 def namesake(spec: Path, mechanism: Mechanism, folder: Path) -> str:
-    """Of which spec file beside this one the earlier result in a folder is, to the last key; "" where of none, or of this one as well.
+    """The result of which spec file beside this one a folder holds, to the last key; "" where of none, or of this one as well.
 
     mechanism: that of this spec, with what is left out not yet found.
     """
@@ -29,7 +29,7 @@ def namesake(spec: Path, mechanism: Mechanism, folder: Path) -> str:
     for path in others:
         try:
             if read(path).get("name") == mechanism.name and _made_by(read_mechanism(path), earlier):
-                return f"that of {path}"
+                return f"the result of {path}"
         except CamgenError:
             continue
     return ""

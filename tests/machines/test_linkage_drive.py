@@ -107,7 +107,7 @@ def test_a_rocker_by_a_program_keeps_to_what_the_chain_has(four_bar: dict[str, A
         assert all(each.ok for each in found if each.code == "TRANSMISSION_ANGLE") is holds
     with pytest.raises(
         DesignError,
-        match=r"by Grashof the shortest link turns fully, which is crank \(20 mm\), not rocker",
+        match=r"by Grashof's rule only the shortest link turns fully, and that is crank \(20 mm\), not rocker",
     ):
         driven(four_bar, link="rocker").limits()
 

@@ -216,7 +216,7 @@ def test_a_file_that_was_changed_is_told_as_judged_or_not(make: Make, tmp_path: 
 def test_a_smaller_build_says_what_goes_with_the_larger_one(make: Make) -> None:
     make("disc-cam", "dxf,stl")
     (said,) = make("disc-cam", "dxf").remarks
-    assert "1 more file (STL)" in said and "--only" in said
+    assert "removed 1 file (STL)" in said and "--only" in said
     assert not make("disc-cam", "dxf").remarks
 
 

@@ -175,7 +175,7 @@ def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) 
     )
     curved = f"{advice.wider} makes it larger"
     if -math.inf < cam.least_radius < 0:
-        curved = f"the profile is undercut: {advice.wider} helps"
+        curved = f"the profile is undercut; {advice.wider} helps"
     findings = [
         at_most(
             "PRESSURE_ANGLE",
@@ -233,7 +233,7 @@ def _face_width(cams: Sequence[ExactCam], width: float) -> Finding:
         width,
         "mm",
         Where(cams[0].where),
-        "width over which the face is touched",
+        "width of the face that the cam touches",
     )
 
 
@@ -243,8 +243,8 @@ def _rounding(program: Program, most: float, where: str) -> list[Finding]:
     if not tables:
         return []
     message = (
-        "share of the greatest acceleration that the last digit of the table's rows can cause; more digits, fewer rows, or, "
-        "over 360 deg, law.tolerance lower it"
+        "error of the acceleration that the last digit of the table's rows can cause, as a share of the greatest; more digits, fewer rows or, "
+        "over 360 deg, law.tolerance lowers it"
     )
     share = max(law.rounding for law in tables)
     return [at_most("TABLE_ROUNDING", share, most, "1", Where(where), message)]

@@ -60,7 +60,7 @@ def slimmer_pin(layout: Layout, point: str) -> tuple[str, str]:
     move = f"other lengths of the links at points.{point}"
     if layout.pivots[point][0] == GROUND:
         posts = (each.key for each in layout.springs.values() if (GROUND, point) == each.a)
-        move = f"{next(filter(None, posts), f'points.{point}')} elsewhere"
+        move = f"another place for {next(filter(None, posts), f'points.{point}')}"
     if layout.kind(point) == "shoulder":
         return f'another kind of parts.pins.{point} than "shoulder"', move
     what = "shaft" if point in layout.shafts else "pin"

@@ -160,7 +160,7 @@ def _cams(courses: _Courses) -> tuple[list[Band], Over]:
         smaller = (
             f"a smaller {cam.about} (points.{tip.point} nearer to its shaft, or a smaller lift)"
         )
-        move = f"points.{shaft} elsewhere"
+        move = f"another place for points.{shaft}"
         bands.append(replace(disc, below=int(tip.grooved), slim=smaller, move=move))
         if tip.rolls:
             bands.append(_rolling(courses, tip.roller))
@@ -176,7 +176,7 @@ def _rolling(courses: _Courses, roller: Roller) -> Band:
     rolls = [(courses.layout.at(roller.link, roller.point), roller.radius)]
     band = courses.band(f"roller of {roller.about}", roller.link, rolls, roller.level)
     smaller = f"a smaller radius of the roller of {roller.about}"
-    move = f"points.{roller.point} elsewhere"
+    move = f"another place for points.{roller.point}"
     return replace(band, below=int(roller.hung), slim=smaller, move=move)
 
 
@@ -198,7 +198,7 @@ def _wheel(courses: _Courses, wheel: Wheel, on: str, how: str) -> Band:
     disc = [(courses.layout.at(on, shaft), wheel.radius)]
     band = courses.band(wheel.about, on, disc, wheel.level)
     smaller = f"a smaller {wheel.about} ({how})"
-    return replace(band, slim=smaller, move=f"points.{shaft} elsewhere")
+    return replace(band, slim=smaller, move=f"another place for points.{shaft}")
 
 
 def _gears(courses: _Courses) -> list[Band]:
@@ -224,7 +224,7 @@ def _pawl(courses: _Courses, drive: RatchetDrive) -> Band:
     wheel = drive.wheels[1]
     discs = [(here, drive.hub), (here + arm, drive.pawl.end)]
     band = courses.band(wheel.about, link, discs, wheel.level)
-    move = f"points.{layout.shaft_of(link)} elsewhere"
+    move = f"another place for points.{layout.shaft_of(link)}"
     return replace(band, slim="a smaller parts.shaft_diameter", move=move)
 
 
@@ -288,7 +288,7 @@ def _springs(courses: _Courses) -> tuple[list[Band], Over]:
         ends = np.array([courses.way(*end) for end in (spring.a, spring.b)])
         below = layout.below(spring)
         places = [f"points.{point}" for _, point in (spring.a, spring.b)]
-        move = f"{spring.key or ' or '.join(places)} elsewhere"
+        move = f"another place for {spring.key or ' or '.join(places)}"
         band = Band(name, ends, spring.diameter / 2, below=below, slim="a thinner spring")
         bands.append(replace(band, move=move))
         for _, point in (spring.a, spring.b):
@@ -449,6 +449,6 @@ def _openings(layout: Layout, count: int) -> list[Opening]:
     for motor, z, radius in motor_holes(layout):
         centre = np.full((1, count), z)
         half = radius + layout.min_wall / 2
-        move = f"points.{motor} elsewhere"
+        move = f"another place for points.{motor}"
         openings.append(Opening("hole for the motor", centre, half, f"shaft {motor}", move=move))
     return openings
