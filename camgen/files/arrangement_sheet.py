@@ -22,6 +22,7 @@ from camgen.files.balloons import BESIDE, RADIUS, balloons
 from camgen.files.dimensions import Hole
 from camgen.files.dimensions import number as rounded_number
 from camgen.files.exploded_sheet import exploded_sheet
+from camgen.files.exploded_view import filled
 from camgen.files.labels import Label, callouts
 from camgen.files.measures import REFERENCE, Measure, dimension
 from camgen.files.page import FILING, LARGE, MARGIN, SCALES, SIZES
@@ -230,7 +231,7 @@ class _Page:
         area = low, complex(self.wide - MARGIN - 1, self.high - MARGIN - 1)
         for view, parts, whole in ((self.front, front, faces), (self.section, cut, cuts)):
             shown = {number: view.paper(part) for number, part in parts.items()}
-            balloons(sheet, shown, view.paper(_silhouette(whole)), area)
+            balloons(sheet, shown, view.paper(filled(whole)), area)
 
     def _front(self, sheet: Sheet) -> None:
         """Visible edges, axes that stand, and where the section is cut."""
@@ -370,14 +371,6 @@ def _chord(box: tuple[complex, complex], line: tuple[complex, complex]) -> tuple
     begin = max(a for a, _ in spans)
     end = min(b for _, b in spans)
     return (begin, end) if begin < end else (min(ends), max(ends))
-
-
-def _silhouette(faces: Sequence[Any]) -> Any:
-    """All that lies inside of some faces, their holes and what they enclose too."""
-    import shapely
-
-    rings = shapely.get_exterior_ring(shapely.get_parts(shapely.union_all(faces)))
-    return shapely.union_all(shapely.polygons(rings))
 
 
 def _hatched(face: Any, step: float, lean: int) -> list[tuple[complex, complex]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -12,7 +12,7 @@ import numpy as np
 from camgen.files.arrangement import Arrangement
 from camgen.files.assembly_list import EDGES, draw_list, folded, height
 from camgen.files.balloons import BESIDE, RADIUS, balloons
-from camgen.files.exploded_view import Body, Seen, apart, isometric
+from camgen.files.exploded_view import Body, Seen, apart, filled, isometric
 from camgen.files.page import FILING, MARGIN, SIZES
 from camgen.files.sheet import Sheet
 from camgen.files.title_block import BLOCK, WIDTH, Facts, sheet_words, title_block
@@ -21,6 +21,7 @@ from camgen.parts.part import Part
 
 _GAPS = (0.05, 0.08, 0.12)  # between parts, of the machine's size: the first at which most are seen
 _SEEN = 4.0  # mm^2 of paper, from which on a part is
+_VOLUME = 1e-3  # mm^3, from which on a prism is drawn
 _COLUMNS = 3  # of the list
 _MOST = 2  # lists beside each other
 _ROOM = BESIDE + RADIUS + 2  # round the picture, for balloons
@@ -85,13 +86,12 @@ class _Picture:
 
     def draw(self, sheet: Sheet) -> None:
         """Its edges, axes and balloons."""
-        import shapely
 
         for each in self.seen:
             _lines(sheet, self.placed(each.edges), "VIEW")
         for axis in self.axes:
             _lines(sheet, self.placed(axis), "CENTER")
-        outline = self.placed(shapely.union_all([each.face for each in self.seen]))
+        outline = self.placed(filled([each.face for each in self.seen]))
         parts = {number: self.placed(face) for number, face in self.shown.items()}
         balloons(sheet, parts, outline, self.area)
 
@@ -116,10 +116,10 @@ def exploded_sheet(arrangement: Arrangement, title: str, facts: Facts) -> Sheet:
         (complex(FILING, MARGIN), complex(right - WIDTH, top)),
         (complex(FILING, foot + max(map(height, lists))), complex(right, top)),
     ]
-    bodies = [Body(copy.number, copy.prisms) for copy in arrangement.copies if copy.prisms]
+    bodies = list(_bodies(arrangement))
     size = abs(arrangement.box[1] - arrangement.box[0])
     best: _Picture | None = None
-    for gap in _GAPS:
+    for gap in _GAPS if bodies else ():
         picture = _Picture(*isometric(bodies, apart(bodies, gap * size)), areas)
         if best is None or len(picture.shown) > len(best.shown):
             best = picture
@@ -128,6 +128,21 @@ def exploded_sheet(arrangement: Arrangement, title: str, facts: Facts) -> Sheet:
     if best is not None:
         best.draw(sheet)
     return sheet
+
+
+def _bodies(arrangement: Arrangement) -> Iterator[Body]:
+    """What of the machine's copies has a volume."""
+    import shapely
+
+    for copy in arrangement.copies:
+        prisms = [
+            (piece, low, high)
+            for shape, low, high in copy.prisms
+            for piece in shapely.get_parts(shape)
+            if piece.area * (high - low) > _VOLUME
+        ]
+        if prisms:
+            yield Body(copy.number, prisms)
 
 
 def _lines(sheet: Sheet, edges: Any, layer: str) -> None:

@@ -112,7 +112,7 @@ class Body:
     @cached_property
     def plan(self) -> Any:
         """What it covers as seen from above, its holes too."""
-        return _filled([shape for shape, *_ in self.prisms])
+        return filled([shape for shape, *_ in self.prisms])
 
     @cached_property
     def centres(self) -> list[complex]:
@@ -332,12 +332,12 @@ def _sweep(shape: Any, low: float, high: float) -> tuple[Any, Any, Any, Any]:
         shapely.LineString(coordinates(np.array([corner, corner + rise])))
         for corner in z[1:][front & (abs(turns) > _SHARP)]
     ]
-    behind = _filled([top])
+    behind = filled([top])
     through = [
         shapely.Polygon(upper).intersection(shapely.Polygon(lower))
         for upper, lower in zip(top.interiors, bottom.interiors, strict=True)
     ]
-    whole = _filled([top, bottom, *walls])
+    whole = filled([top, bottom, *walls])
     face = whole.difference(shapely.union_all([shapely.Polygon(), *through]))
     outline = whole.boundary.difference(behind.buffer(-_MITE))
     sides = outline.difference(bottom.boundary.buffer(_MITE))
@@ -347,7 +347,7 @@ def _sweep(shape: Any, low: float, high: float) -> tuple[Any, Any, Any, Any]:
     return face, rims, upright, behind.difference(top)
 
 
-def _filled(shapes: Sequence[Any]) -> Any:
+def filled(shapes: Sequence[Any]) -> Any:
     """All that lies inside of some polygons, their holes too."""
     import shapely
 
