@@ -468,7 +468,7 @@ class Drawing(Record):
     heat_treatment: Annotated[str, said(60)] | None = Field(
         default=None,
         description='heat treatment, such as "case hardened 60+4 HRC, CHD 0.8+0.4"; default: the treatment that the material needs to bear '
-        "its pressure, if any; for 16MnCr5 only where a follower runs",
+        "its load, if any, for what rolls, slides or is a pin; for 16MnCr5 only where a follower runs",
     )
     revision: Annotated[str, said(8)] | None = Field(
         default=None, description="revision of the drawings, in the title block"

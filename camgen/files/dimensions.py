@@ -100,6 +100,18 @@ def bosses(part: Part) -> list[float]:
     return list(radii) if len(radii) <= _BOSSES else []
 
 
+def headed(part: Part) -> float | None:
+    """Radius of the shank of a solid pin with a head at z = 0, mm, both of which a view along the axis shows; None of another part."""
+    discs = [as_circle(layer.region.outer) for layer in part.layers]
+    solid = not any(layer.region.holes for layer in part.layers)
+    if len(discs) != 2 or not solid or part.layers[0].z0 > SAME_POINT:
+        return None
+    head, shank = discs
+    if not head or not shank or abs(head[0]) + abs(shank[0]) > SAME_POINT or shank[1] > head[1]:
+        return None
+    return shank[1]
+
+
 def flatted(contour: Contour) -> tuple[complex, float, list[Line]] | None:
     """Centre and radius, mm, of a round outline with flats, and the flats; None of any other."""
     arcs = [piece for piece in contour.pieces if isinstance(piece, Arc)]
@@ -364,19 +376,22 @@ def layer_rows(
             overall = f"{number(size.real)} × {number(size.imag)} overall"
             rows.append(("", "", "", f"z {number(z0)} to {number(z1)}: {overall}"))
         return rows
-    if len(layers) == 1 and as_circle(layers[0].region.outer):
+    if headed(part) or (len(layers) == 1 and as_circle(layers[0].region.outer)):
         return []
     in_view = bosses(part)
     spans: dict[tuple[tuple[str, str, str], ...], str] = {}
+    alike = len({layer.region.outer for layer in layers}) == 1  # whose holes alone differ
     for k, layer in enumerate(layers):
         outer = layer.region.outer
-        span = f"z {number(layer.z0)} to {number(layer.z1)}"
+        height = span = f"z {number(layer.z0)} to {number(layer.z1)}"
+        if alike:
+            span = f"z {number(layers[0].z0)} to {number(layers[-1].z1)}"
         disc = None if sloped else as_circle(outer)
         # its diameter or all of its sizes are in the view, or the notes say which file has it
         shown = disc and abs(disc[0]) < SAME_POINT and disc[1] in in_view
         slotted = not disc and len(layers) == 1 and slotted_wheel(layer.region.outer)
         noted = free(outer) and part.outlined and layer is part.drawn
-        if not (shown or slotted or noted):
+        if not (shown or slotted or noted or (alike and k)):
             edges = [] if disc or free(outer) else edge_rows(outer, sloped, _source(part), places)
             same = spans.setdefault(tuple(edges), span) if edges else span
             where = ("", "", "")
@@ -395,7 +410,8 @@ def layer_rows(
             for hole in map(hole_of, layer.region.holes)
             if (hole.place, hole.shape) not in hole_keys
         ]
-        rows += [("", *places.xy(hole.place), shape_of(hole)) for hole in own]
+        deep = f", {height}" if alike and len(layers) > 1 else ""
+        rows += [("", *places.xy(hole.place), shape_of(hole) + deep) for hole in own]
     if part.side_profile is not None:
         rows.append(("", "X", "Z", "Edges from above:"))
         above = (part.side_profile.outer, *part.side_profile.holes)

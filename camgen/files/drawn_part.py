@@ -15,6 +15,7 @@ from camgen.files.dimensions import (
     bosses,
     flat_of,
     free,
+    headed,
     hole_of,
     holes_of,
     hollow_radius,
@@ -112,7 +113,8 @@ class DrawnPart:
             self.upright = axial_section(part.drum, self.upright)
         self.section = self._chamfered(section)
         self.riders = facts.riders if self.turns and len(facts.riders) == 1 else ()
-        self.bosses = bosses(part)
+        self.shank = headed(part)
+        self.bosses = [self.shank] if self.shank else bosses(part)
         self.engraved = _contours(part.engraved, tolerance)
         self.rows = self._rows()
         self.polar = self._radii_of_profile()
@@ -269,13 +271,26 @@ class DrawnPart:
             shape = f"{size} {fit},{more}" if more else f"{size} {in_limits(fit, 2 * hole.radius)}"
         return shape.replace(" over its", f" {off} over its") if off else shape
 
+    def _height(self, hole: Hole) -> str:
+        """From where to where a hole goes, as ", z 3.4 to 6", where it is narrower or wider in other layers; "" of another hole."""
+        widths = {
+            other.radius
+            for layer in self.part.layers
+            for other in map(hole_of, layer.region.holes)
+            if abs(other.place - hole.place) < SAME_POINT
+        }
+        own = self.part.drawn
+        return f", z {number(own.z0)} to {number(own.z1)}" if len(widths) > 1 else ""
+
     def _rows(self) -> list[tuple[str, str, str, str]]:
         """Rows of the table of holes and edges."""
         written = Places(self.zero, decimals(self.facts.position / 2) if self.placed else 3)
         rows = [
             row
             for label, hole in self.named
-            for row in _on_lines((label, *written.xy(hole.place), self._shape(hole)))
+            for row in _on_lines(
+                (label, *written.xy(hole.place), self._shape(hole) + self._height(hole))
+            )
         ]
         rows += [("", "", "", hole_of(track).shape) for track in self.tracks]
         names = {k: name for k, (name, _) in self.standing.items()}

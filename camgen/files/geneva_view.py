@@ -169,7 +169,7 @@ class GenevaView:
                 roughness(page.sheet, end + 4, f"Ra {facts.roughness:g}")
                 page.sheet.line(end, end + 6 + Text(0j, "Ra 0.00", _TEXT).room, layer="DIM")
         right = page.paper(high.real + 0j)
-        deeper = Measure(depth, fit=_DEEPER if facts.profile else "")
+        deeper = Measure(depth, "R", _DEEPER if facts.profile else "")
         page.dimension(right, right + 1j * page.scale * depth, 9 + 0j, deeper)
 
     def _spacing(self, slot: complex, count: int) -> None:

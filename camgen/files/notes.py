@@ -65,7 +65,11 @@ def notes_of(drawn: DrawnPart, own_sheets: int) -> list[str]:
         lines.append(f"Slots at {places}, ... deg from X, counter-clockwise; hollows midway")
     if drawn.riders:
         lines.append("Dashed: the follower at cam angle 0; s: the way in which it rises")
-    lines += [*_shop_notes(drawn), *part.notes]
+    lines += _shop_notes(drawn)
+    turned = drawn.facts.turned_deg
+    if number(turned, 1) not in ("0", "360"):
+        lines.append(f"In the arrangement turned by {number(turned, 1)}°, counter-clockwise")
+    lines += part.notes
     return [line for note in lines for line in wrapped(note[:1].upper() + note[1:])]
 
 
@@ -142,7 +146,10 @@ def _corner_notes(drawn: DrawnPart) -> list[str]:
     if facts.corner and drawn.bosses and drawn.turns and not drawn.part.drum:
         lines.append(f"Corners of hub and disc at most R{number(facts.corner)}")
     if facts.run_out and drawn.centred and (facts.outer_fit or drawn.part.points):
-        lines.append(f"Rim runs out at most {number(facts.run_out)} to {drawn.centred}")
+        faces = "Rim and faces run" if drawn.part.points else "Rim runs"
+        lines.append(f"{faces} out at most {number(facts.run_out)} to {drawn.centred}")
+    if facts.run_out and drawn.slotted and drawn.datum_letter:
+        lines.append(f"Faces run out at most {number(facts.run_out)} to {drawn.datum_letter}")
     if facts.profile and drawn.surface:
         if drawn.hollow < _STRAIGHT:  # rounded down: a larger wheel cuts into the track
             least = math.floor(10 * drawn.hollow) / 10

@@ -253,22 +253,18 @@ class PlanView:
     def _radii(self) -> None:
         """Least and greatest distance of a curve from the datum, or the diameter of a circle."""
         circle = as_circle(self.drawn.outer)
-        if circle and (self.drawn.disc is None or abs(circle[1] - self.drawn.disc) > SAME_POINT):
+        disc = self.drawn.disc
+        shown = disc is not None and circle and abs(circle[1] - disc) < SAME_POINT
+        if circle and not shown and not self.drawn.shank:
             centre, radius = circle
             aside = cmath.exp(0.25j * math.pi)
-            self._leader(centre + radius * aside, aside, self._diameter(2 * radius))
+            self._leader(centre + radius * aside, aside, f"Ø{number(2 * radius)}")
         if free(self.drawn.part.region.outer) and not (self.drawn.facts.levels or self.drawn.lock):
             ends = nearest_and_farthest(self.drawn.outer)
             ways = [(z / abs(z) if z else 1) for z in ends]
             inner = "base" if self.drawn.facts.tracks else "inner"
             for point, way, word in zip(ends, ways, (inner, "outer"), strict=True):
                 self._leader(point, way, f"{word} circle (R{number(abs(point))})")
-
-    def _diameter(self, size: float) -> str:
-        """A diameter, mm, of a shank with its fit and its deviations."""
-        shank, fit = self.drawn.facts.shank
-        own = f" {in_limits(fit, shank)}" if fit and abs(size - shank) < SAME_POINT else ""
-        return f"Ø{number(size)}{own}"
 
     def _leader(self, point: complex, direction: complex, text: str) -> None:
         """Arrow from outside onto a point of the outline, with the text along it, aside from the overall sizes."""

@@ -1,6 +1,6 @@
 """The seat of a ball bearing by itself on the sheet of its part, cut along its axis, with the lip under it. Coordinates: mm of paper.
 
-It lies as the section of the part does, z downwards. The lip's height is what the link's place hangs on, so that has limits; the seat's depth
+It stands as the part lies, z upwards, for its bearing comes from above; the section of the part has z downwards. The lip's height is what the link's place hangs on, so that has limits; the seat's depth
 follows from it and from the thickness of the part.
 """
 
@@ -81,27 +81,28 @@ class SeatDetail:
         deep = min(HEIGHT, (high - low).imag) - _AROUND
         scale = next(s for s in scales if s * 2 * wide <= _WIDE and s * seat.high <= deep)
         top = complex((low.real + high.real) / 2, high.imag - _TITLE)
+        foot = top - 1j * scale * seat.high
 
         def paper(x: float, z: float) -> complex:
-            return top + scale * complex(x, -z)
+            return foot + scale * complex(x, z)
 
         self._cut(sheet, paper, wide, scale)
         of = " and ".join([", ".join(seat.labels[:-1]), seat.labels[-1]][len(seat.labels) == 1 :])
         title = f"Seat{'s' * (len(seat.labels) > 1)} {of} ({number(scale)}:1)"
         sheet.text(complex(low.real + 1.5, high.imag - 7), title, 3.5)
-        corner = f"corners at most R{_CORNER:g}"
+        corner = f"z upwards; corners at most R{_CORNER:g}"
         sheet.text(complex(low.real + 1.5, high.imag - 11.2), corner, 2.5)
 
         def size(a: complex, b: complex, away: complex, sign: str, fit: str) -> None:
             measure = Measure(abs(b - a) / scale, sign, fit, self.scale / scale)
             dimension(sheet, (a, b), away, measure, self.facts.tolerance)
 
-        size(paper(-seat.lip, 0.0), paper(seat.lip, 0.0), 1j * _OFF, "Ø", "")
-        bottom = paper(-seat.radius, seat.high), paper(seat.radius, seat.high)
-        size(*bottom, -1j * _OFF, "Ø", seat.fit)
+        size(paper(-seat.lip, 0.0), paper(seat.lip, 0.0), -1j * _OFF, "Ø", "")
+        mouth = paper(-seat.radius, seat.high), paper(seat.radius, seat.high)
+        size(*mouth, 1j * _OFF, "Ø", seat.fit)
         lip = f"0/-{self.facts.lip:g}"
-        size(paper(wide, seat.floor), paper(wide, 0.0), _OFF + 0j, "", lip)
-        size(paper(-wide, seat.high), paper(-wide, seat.floor), -_OFF + 0j, REFERENCE, "")
+        size(paper(wide, 0.0), paper(wide, seat.floor), _OFF + 0j, "", lip)
+        size(paper(-wide, seat.floor), paper(-wide, seat.high), -_OFF + 0j, REFERENCE, "")
 
     def _cut(self, sheet: Sheet, paper: Paper, wide: float, scale: float) -> None:
         """The cut faces on both sides of the axis, broken off so far from it, and the edges behind the cut; scale: of the detail."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from camgen.files import views
-from camgen.files.dimensions import number
+from camgen.files.dimensions import number, round_of
 from camgen.files.drawn_part import DrawnPart
 from camgen.files.labels import Obstacles
 from camgen.files.limits import in_limits
@@ -19,7 +19,7 @@ from camgen.files.sheet import Text
 from camgen.files.symbols import FRAME, datum, roughness, run_out, width_of
 from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.drums import Drum
-from camgen.geometry.outlines import extent, rectangle
+from camgen.geometry.outlines import Contour, extent, rectangle
 from camgen.parts.catalogue import SCREWS
 from camgen.parts.part import Tap
 from camgen.tolerances import SAME_POINT
@@ -92,9 +92,11 @@ class SideViews:
 
     def _edges_from_left(self, origin: complex) -> None:
         """The boxes of the layers and, dashed, of the bores in them; origin: of the part in this view, on paper."""
+        boxes = []
         for layer in self.drawn.part.layers:
             low, high = extent([fit_arcs(layer.region.outer, self.drawn.tolerance)])
-            box = rectangle(complex(layer.z0, low.imag), complex(layer.z1, high.imag))
+            boxes.append(rectangle(complex(layer.z0, low.imag), complex(layer.z1, high.imag)))
+        for box in self._joined(boxes):
             self.page.sheet.contour(box.moved(self.page.scale, origin), "VIEW")
         for bore in (
             () if self.drawn.plate else views.side_bores(self.drawn.part, self.drawn.tolerance)
@@ -102,6 +104,21 @@ class SideViews:
             self.page.sheet.contour(bore.moved(self.page.scale, origin), "HIDDEN")
         for ends in self._chamfer_edges():
             self.page.sheet.line(*(origin + self.page.scale * end for end in ends), layer="HIDDEN")
+
+    def _joined(self, boxes: Sequence[Contour]) -> Iterable[Contour]:
+        """Boxes of layers, as one where no edge is seen between them: all outlines are one, or one circle but for flats."""
+        import shapely
+
+        outlines = {layer.region.outer for layer in self.drawn.part.layers}
+        rounds = {
+            around and (round(abs(around[0]), 6), round(around[1], 6))
+            for around in map(round_of, outlines)
+        }
+        if len(boxes) == 1 or (len(outlines) > 1 and (len(rounds) > 1 or rounds == {None})):
+            return boxes
+        shapes = [shapely.Polygon(views.corners(box, self.drawn.tolerance)) for box in boxes]
+        whole = shapely.union_all(shapes, grid_size=1e-9)
+        return views.contours_of(whole)
 
     def _chamfer_edges(self) -> Iterator[tuple[complex, complex]]:
         """Edges of the bore's chamfers in the view from the left, z + iy, mm."""
@@ -142,12 +159,15 @@ class SideViews:
         self.page.sheet.text(bend + complex(0.5, -3.3), through)
 
     def _boss_sizes(self, origin: complex) -> None:
-        """Diameters of the bosses, to the right of the view from the left."""
+        """Diameters of the bosses, or of a pin's shank, to the right of the view from the left."""
         right = origin + self.page.scale * self.drawn.part.thickness
+        shank, fit = self.drawn.facts.shank
         for k, radius in enumerate(self.drawn.bosses, 1):
             half = 1j * self.page.scale * radius
             away = complex(self.page.inner + BOSS * k)
-            self.page.dimension(right - half, right + half, away, Measure(2 * radius, "Ø"))
+            pressed = fit and abs(2 * radius - shank) < SAME_POINT
+            measure = Measure(2 * radius, "Ø", in_limits(fit, shank) if pressed else "")
+            self.page.dimension(right - half, right + half, away, measure)
         if self.page.inner:
             self._bore_size(right)
 
@@ -191,6 +211,9 @@ class SideViews:
                 f"{self.drawn.letter}-{self.drawn.letter}",
                 3.5,
             )
+            if self.drawn.seat:  # whose detail has z upwards
+                edge = top + self.page.scale * self.drawn.low.real
+                self.page.sheet.text(edge - 1.5 - 1.25j, "z 0", 2.5, "right")
 
     def run_out(self) -> None:
         """Run-out of a cam's face at z = 0, of a drum of both ends and of its outside too."""

@@ -76,6 +76,7 @@ class Facts:
     bore_fit: str = ""  # of the bore, such as "H7"
     outer_fit: str = ""  # of a round outline
     shank: tuple[float, str] = (0.0, "")  # of a headed pin its diameter, mm, and fit
+    turned_deg: float = 0.0  # by which its machine's arrangement shows it turned
     thinner: float = (
         0.0  # by which the gaps beside the part let it be, mm; 0: they bear its general tolerance
     )

@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from camgen.files.dimensions import free, number, round_of
+from camgen.files.dimensions import flat_of, free, number, round_of
 from camgen.files.limits import deviations, general, in_limits
 from camgen.files.timing import Motion
 from camgen.files.title_block import Facts, Fit, Groove, Rider
@@ -22,7 +22,7 @@ from camgen.geometry.arcs import as_circle
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine.cams.machine import CamTouch
-from camgen.machine.features import CamOutline, EdgePair, PartPose, PinEyes
+from camgen.machine.features import CamOutline, EdgePair, Mark, PartPose, PinEyes, parts_of
 from camgen.machine.model import GROUND, Cam
 from camgen.machines.follower_motions import follower_motions
 from camgen.machines.mechanism import Mechanism
@@ -63,6 +63,7 @@ _ROD_STEEL = "C45+C"  # bright drawn: camgen's own choice
 SHAFT_STEEL = "C45"  # of shafts that are no parts
 _SEAT_ROUGHNESS = 0.8  # Ra of what is h6 under bearings, micrometres: camgen's own choice
 _ROD_STRENGTH = f"tensile strength at least {2 * STEEL.bears:g} MPa"  # on which loads count
+_UNTREATED = "no heat treatment"
 _MEDIUM = "ISO 2768-m"  # general tolerance of what is printed or cut of a sheet, unless its spec says other
 # The housing of a ball bearing is J7 under light load [auto-agro.sk/katalog/klietky, NTN, 6.4]; JS is within a few thousandths of J.
 _SEAT = "JS7"
@@ -127,7 +128,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         tolerance=sheet.tolerance or (_IN_METAL.tolerance if metal else _MEDIUM),
         number=drawing_number(mechanism, part.name),
         date=sheet.date or "",
-        fits=()
+        fits=tuple(_sold(mechanism, part))
         if part.process == "bought"
         else tuple(_fits(mechanism, part, sheet.seat_fit or bore_fit, looser(usual.profile))),
         outer_fit=outer_fit,
@@ -171,7 +172,8 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         rod_chamfer=_chamfer(2 * rod[1]) if rod else 0.0,
         edges=sheet.edges or (cut and _ring_edges(mechanism, part)) or usual.edges,
         heat_treatment=sheet.heat_treatment
-        or (material.treatment if cut and (runs or not case) else _ROD_STRENGTH if rod else ""),
+        or (_treatment(mechanism, part, runs) if cut else _ROD_STRENGTH if rod else ""),
+        turned_deg=_turned(mechanism.assembly, part),
         case_only=case and runs and not sheet.heat_treatment,
         corner=usual.corner,
         ground=case and runs,
@@ -179,6 +181,35 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         drawn_by=sheet.drawn_by or "",
         checked_by=sheet.checked_by or "",
     )
+
+
+def _treatment(mechanism: Mechanism, part: Part, runs: bool) -> str:
+    """Heat treatment of a part of metal, as its loads count on it; runs: whether a follower, a roller or another part runs on it.
+
+    Links that turn on bearings alone bear no contact, and what is in no joint, such as a knob or a collar, no load.
+    """
+    material = materials.of(mechanism.material.name)
+    assembly = mechanism.assembly
+    if material.case:
+        return material.treatment if runs else ""
+    joints = [
+        each
+        for each in assembly.features
+        if not (isinstance(each, Mark) or (isinstance(each, PinEyes) and each.rings))
+    ]
+    loaded = runs or part.name in {*parts_of(joints), *_pins(mechanism), *_rollers(mechanism)}
+    pressed = any(map(flat_of, part.region.holes))  # by the flat of a shaft
+    if loaded or pressed or assembly.dowel:
+        return material.treatment
+    return _UNTREATED if material.treatment else ""
+
+
+def _turned(assembly: Assembly, part: Part) -> float:
+    """By which angle the arrangement shows a part turned from its sheet, deg, 0 to 360; 0 of what is round, or of several copies."""
+    poses = _standing_still(assembly)[0][part.name]
+    if len(poses) != 1 or poses[0].flipped or poses[0].upright or round_of(part.region.outer):
+        return 0.0
+    return math.degrees(float(poses[0].angle[0])) % 360
 
 
 def _keys(assembly: Assembly, shaft: Part) -> Iterator[tuple[float, float]]:
@@ -661,6 +692,14 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
                         words = f"{play}, {words}"
                     yield Fit(place, 2 * radius, words, borne)
                     break
+
+
+def _sold(mechanism: Mechanism, part: Part) -> Iterator[Fit]:
+    """Of a bush the bore as it is sold, which its files have with its play."""
+    if part.name == BUSH:
+        for place, radius in filter(None, map(round_of, part.region.holes)):
+            sold = 2 * radius - mechanism.print.slide_clearance
+            yield Fit(place, 2 * radius, f"in the files, sold as Ø{number(sold)}")
 
 
 def _seat(part: Part, words: str, borne: bool, seat: str, usual: bool) -> tuple[str, str]:

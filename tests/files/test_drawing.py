@@ -1070,7 +1070,7 @@ def test_a_geneva_wheel_and_its_lock_are_dimensioned(root, tmp_path, material, o
         texts[name] = texts_of(write_drawing(tmp_path, "d", parts[name], TOLERANCE, facts)[0])
     rim = 2 * math.hypot(70 * math.cos(math.pi / 6), 5.5)
     wheel = texts["geneva"]
-    depth = "34.9 0/-0.3" if off else "34.9"  # +-0.5 there [ISO 2768-m]; no roller meets the end
+    depth = "R34.9 0/-0.3" if off else "R34.9"  # +-0.5 there [ISO 2768-m]; no roller meets the end
     assert {f"%%c{rim:.1f}", depth} <= set(wheel)
     (hollow,) = (t.split()[-1] for t in texts["lock"] if t.startswith("Locks on"))
     about = [f"6 x R{float(hollow):g}{off} about", "R70"]

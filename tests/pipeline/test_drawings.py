@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,12 +23,13 @@ from camgen.files.dimensions import edge_rows, round_of
 from camgen.files.drawing import write_drawing
 from camgen.files.drawn_part import DrawnPart
 from camgen.files.title_block import Facts
-from camgen.geometry.outlines import extent, polygon
+from camgen.geometry.outlines import Region, circle, extent, polygon
 from camgen.machines.loads.assess import assess
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
 from camgen.parts.assembly import by_heights
 from camgen.parts.keyways import keyed
+from camgen.parts.part import Layer, Part
 from camgen.pipeline.drawings import facts_of
 from camgen.pipeline.making import parts_table
 from camgen.pipeline.shopping import steps_of_assembly
@@ -156,15 +158,20 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     notes = {
         "crank": {"Holes with a fit Ra 1.6", "Bore chamfered 0.5 x 45%%d at both ends"},
         "roller-crank_to_table": {"Holes with a fit Ra 1.6", "Rim runs out at most 0.03 to hole A"},
-        "table": {"Rim runs out at most 0.03 to hole C", "Bore chamfered 0.5 x 45%%d at both ends"},
+        "table": {
+            "Rim and faces run out at most 0.03 to hole C",
+            "Bore chamfered 0.5 x 45%%d at both ends",
+        },
     }
     for name, said in notes.items():
         path, *_ = write_drawing(tmp_path, "x", parts[name], 1e-3, found[name])
         assert said <= {e.dxf.text for e in ezdxf.readfile(path).modelspace().query("TEXT")}
     path, *_ = write_drawing(tmp_path, "x", parts["knob-pin"], 1e-3, found["knob-pin"])
-    texts = {each.dxf.text for each in ezdxf.readfile(path).modelspace().query("TEXT")}
-    assert {"%%c8, z 0 to 1.5", "%%c5 m6 (+0.012/+0.004)"} <= texts
-    assert [each for each in texts if each.startswith("%%c5 m6, z 1.5 to ")]
+    space = ezdxf.readfile(path).modelspace()
+    sizes_of_pin = {each.dxf.text for each in space.query("DIMENSION")}
+    assert {"%%c<>", "%%c<> m6 (+0.012/+0.004)", "<>"} == sizes_of_pin, "head, shank, lengths"
+    texts = {each.dxf.text for each in space.query("TEXT")}
+    assert "Size" not in texts, "no table: the view along it has all"
     assert fits(found["hand-crank"])[40] == "H7 (+0.012/0), pressed and glued on Ø5 m6"
     path, *_ = write_drawing(tmp_path, "x", parts["pin-1"], 1e-3, found["pin-1"])
     texts = [each.dxf.text for each in ezdxf.readfile(path).modelspace().query("TEXT")]
@@ -296,6 +303,84 @@ def test_a_ball_bearing_in_metal_has_the_fits_of_its_makers() -> None:
     assert not any(
         "JS7" in fit.words for fit in facts("linkage", "parts.pin=bearing")[1]["coupler"].fits
     )
+
+
+def test_what_bears_no_load_is_not_heat_treated() -> None:
+    """The pressures of contacts and the stresses of pins count on a treatment; a knob, a collar, a spacer and a table do not, nor do
+    links that turn on ball bearings, unless the spec says one for all."""
+    metal = starters.METAL["geneva-table"]
+    hard = "quenched and tempered, at least 200 HB"
+    _, found = facts("gallery/geneva-table", *metal)
+    treated = {name for name, each in found.items() if each.heat_treatment == hard}
+    loaded = {"crank", "lock-crank_to_table", "geneva-crank_to_table", "roller-crank_to_table"}
+    assert treated == {*loaded, "knob-pin"}
+    plain = {name for name, each in found.items() if each.heat_treatment == "no heat treatment"}
+    assert {"knob", "collar", "spacer-1", "cap-1", "ground", "table", "hand-crank"} <= plain
+    _, found = facts("linkage", *starters.METAL["linkage"])
+    assert {name for name, each in found.items() if each.heat_treatment == hard} == {
+        "pin-1",
+        "pin-2",
+        "knob-pin",
+    }
+    slides = facts("linkage", "material.name=C45")[1]  # whose links turn on their pins
+    assert slides["coupler"].heat_treatment == slides["rocker"].heat_treatment == hard
+    _, own = facts("gallery/geneva-table", *metal, "drawing.heat_treatment=nitrided")
+    assert own["knob"].heat_treatment == "nitrided"
+
+
+def test_sheets_say_how_their_parts_stand_in_the_arrangement(tmp_path: Path) -> None:
+    """The crank's pin is at (-35, 0) of the machine and at (35, 0) on its sheet; B of the coupler at (55, 48) from A at (20, 0), with
+    lengths of 60 and 50 from O and C at atan2(48, 36), 53.1 deg. What is round is not told."""
+    assert "In the arrangement turned by 180%%d," in _notes("crank", tmp_path)
+    assert "In the arrangement" not in _notes("table", tmp_path)
+    _, found = facts("linkage", *starters.METAL["linkage"])
+    assert found["coupler"].turned_deg == pytest.approx(math.degrees(math.atan2(48, 36)), abs=0.01)
+    assert found["crank"].turned_deg == found["pin-2"].turned_deg == 0.0
+
+
+def test_the_seat_of_a_ball_bearing_has_its_own_heights(tmp_path: Path) -> None:
+    """A lip 6.5 wide and 3.4 high under a seat of 8 in 6 mm: one outline all along, and each hole with its heights; no line across
+    the view from the left; the detail has the seat on top."""
+    mechanism, found = facts("linkage", *starters.METAL["linkage"])
+    coupler = next(each for each in mechanism.assembly.parts if each.name == "coupler")
+    path, *_ = write_drawing(tmp_path, "x", coupler, 1e-3, found["coupler"])
+    space = ezdxf.readfile(path).modelspace()
+    texts = [each.dxf.text for each in space.query("TEXT")]
+    assert texts.count("z 3.4 to 6") == texts.count("%%c6.5, z 0 to 3.4") == 2
+    assert "Edges, z 0 to 6:" in texts
+    assert not [each for each in texts if ": as z" in each]
+    seat, lip = (
+        next(e.dxf.defpoint.y for e in space.query("DIMENSION") if e.dxf.text.startswith(said))
+        for said in ("%%c<> JS7", "%%c<>")
+        if said
+    )
+    assert seat > lip
+    assert "z upwards; corners at most R0.1" in texts and "z 0" in texts
+
+
+def test_a_bush_is_told_as_it_is_sold(tmp_path: Path) -> None:
+    """ISO 4379 C 10 x 16 x 10 has a bore of 10; the files have it 0.1 wider, so that the shaft turns in it."""
+    said = _notes("bush", tmp_path)
+    assert "%%c10.1 in the files, sold as %%c10" in said and "10 x 16 x 10" in said
+
+
+def test_a_shaft_with_a_flat_has_no_shoulder_in_its_view(tmp_path: Path) -> None:
+    """A flat 0.8 deep over the end of 10: from the left one outline, 10 high and 9.2 over the flat."""
+    metal = (*starters.METAL["geneva-table"], "parts.shaft_key=false")
+    mechanism, found = facts("gallery/geneva-table", *metal)
+    shaft = next(each for each in mechanism.assembly.parts if each.name == "shaft")
+    flat, rest = (Layer(each, *span) for each, span in _flat_and_round(shaft))
+    path, *_ = write_drawing(
+        tmp_path, "x", replace(shaft, layers=(flat, rest)), 1e-3, found["shaft"]
+    )
+    views = ezdxf.readfile(path).modelspace().query('LWPOLYLINE[layer=="VIEW"]')
+    outlines = [[(x, round(y, 3)) for x, y in each.get_points("xy")] for each in views]
+    (corners,) = [each for each in outlines if 4.2 in {y for _, y in each}]
+    assert {y for _, y in corners} == {-5.0, 4.2, 5.0}, "one outline, with its step alone"
+
+
+def _flat_and_round(shaft: Part) -> list[tuple[Region, tuple[float, float]]]:
+    return [(shaft.region, (0.0, 6.0)), (Region(circle(0j, 5.0)), (6.0, shaft.thickness))]
 
 
 @pytest.mark.parametrize("material", ["PLA", "C45", "16MnCr5"])
