@@ -49,7 +49,7 @@ from camgen.parts.inertia import Solids
 from camgen.parts.journals import Journal, MaterialLimits, Post, journals
 from camgen.parts.mates import mated, mates_between
 from camgen.parts.part import Part
-from camgen.parts.screws import round_prism, with_screws
+from camgen.parts.screws import round_prism, screw_heads, with_screws
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.sheets import why_not
 from camgen.parts.springs import WorkingSpring
@@ -502,7 +502,17 @@ def order_of_assembly(assembly: Assembly) -> Table:
     """In which order it goes together, and where."""
     table = _order(assembly)
     copies = standing_copies(assembly.parts, assembly.mounts, assembly.poses(np.zeros(1)))
-    return replace(table, steps=with_screws(table.steps, copies))
+    return replace(table, steps=with_screws(table.steps, copies, assembly.bought))
+
+
+def heads_in_motion(assembly: Assembly) -> SweptMachine:
+    """What the sweep of all bodies needs, with the heads of screws beside what is in the way of them."""
+    machine = bodies_in_motion(assembly)
+    if not any(each.length for each in assembly.bought):
+        return machine
+    copies = standing_copies(assembly.parts, assembly.mounts, assembly.poses(np.zeros(1)))
+    heads = screw_heads(order_of_assembly(assembly).steps, copies)
+    return replace(machine, stand_ins=[*machine.stand_ins, *heads])
 
 
 def _order(assembly: Assembly) -> Table:

@@ -35,6 +35,13 @@ class Screw:
         """Diameter of the thread, mm."""
         return float(self.thread[1:])
 
+    def headed(self, standard: str) -> Screw:
+        """The screw of this thread with the head of a standard."""
+        if standard == self.standard or self.thread not in SOCKET_HEADS:
+            return self
+        head, height = SOCKET_HEADS[self.thread]
+        return replace(self, head=head, height=height, standard=standard)
+
     def length(self, grip: float, depth: float = math.inf) -> float:
         """Longest length that is sold and engages behind a grip by at most 1.5 diameters and the depth, mm; 0 if none does."""
         most = grip + min(1.5 * self.nominal, depth)
@@ -251,6 +258,16 @@ SCREWS = {
         Screw("M5", 5.5, 9.5, 2.75, "ISO 7380-1", 8.0, 4.7),
         Screw("M6", 6.6, 10.5, 3.3, "ISO 7380-1", 10.0, 5.2),
     )
+}
+
+# Diameter and height of the heads of ISO 4762, mm.
+SOCKET_HEADS = {
+    "M2": (3.8, 2.0),
+    "M2.5": (4.5, 2.5),
+    "M3": (5.5, 3.0),
+    "M4": (7.0, 4.0),
+    "M5": (8.5, 5.0),
+    "M6": (10.0, 6.0),
 }
 
 # Width across flats of the hexagon socket, mm, by standard and thread.

@@ -12,8 +12,9 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from camgen.machine.features import StandIn
 from camgen.machine.model import GROUND
-from camgen.parts.catalogue import CORE_HOLES, SCREWS, Screw
+from camgen.parts.catalogue import CORE_HOLES, SCREWS, Bought, Screw
 from camgen.parts.standing import Round, StandingCopy
 from camgen.study import Prism, Step
 from camgen.tolerances import SAME_POINT
@@ -50,8 +51,11 @@ def screw_hole(hole: Round, steps: Sequence[Step]) -> tuple[str, float]:
     return "", 0.0
 
 
-def with_screws(steps: Sequence[Step], copies: Sequence[StandingCopy]) -> list[Step]:
-    """Steps with the screws that come in them."""
+def with_screws(
+    steps: Sequence[Step], copies: Sequence[StandingCopy], bought: Sequence[Bought]
+) -> list[Step]:
+    """Steps with the screws that come in them; bought: by which standards these are."""
+    standards = {(each.thread, each.length): each.standard for each in bought if each.length}
     by_name = {copy.name: copy for copy in copies}
     built = defaultdict[str, list[StandingCopy]](list)  # by what is built apart
     found = []
@@ -63,10 +67,29 @@ def with_screws(steps: Sequence[Step], copies: Sequence[StandingCopy]) -> list[S
         screws = [
             prism
             for thread, length in step.threads
-            for prism in _screws(SCREWS[thread], length, step, coming, there)
+            for screw in [SCREWS[thread].headed(standards.get((thread, length), ""))]
+            for prism in _screws(screw, length, step, coming, there)
         ]
         found.append(replace(step, screws=screws))
     return found
+
+
+def screw_heads(steps: Sequence[Step], copies: Sequence[StandingCopy]) -> list[StandIn]:
+    """Heads of the screws in what stands still, as they are in the way of what moves; steps: with their screws."""
+    holes = [hole for copy in copies if copy.mount.body == GROUND for hole in copy.holes]
+    heads = list[StandIn]()
+    for step in steps:
+        for (_, foot, end), (corners, low, high) in zip(
+            step.screws[::2], step.screws[1::2], strict=True
+        ):
+            middle = sum(corners) / len(corners)
+            if any(
+                abs(hole.at - middle) < SAME_POINT and min(hole.high, end) > max(hole.low, foot)
+                for hole in holes
+            ):
+                disc = middle, abs(corners[0] - middle), low, high
+                heads.append(StandIn(f"screw-head-{len(heads) + 1}", GROUND, (disc,)))
+    return heads
 
 
 def _screws(

@@ -29,6 +29,7 @@ from camgen.parts.assembly import (
     Assembly,
     Cycle,
     bodies_in_motion,
+    heads_in_motion,
     printed_parts,
 )
 from camgen.parts.part import Part
@@ -406,7 +407,7 @@ def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     assembly = case.mechanism.assembly
     in_pieces = any(track.ring is not None for track in assembly.tracks)  # and lean in each other
     judge = sweep_in_space if assembly.planes or in_pieces else sweep
-    findings, nearest = judge(case.file("assembly", "3mf"), bodies_in_motion(assembly))
+    findings, nearest = judge(case.file("assembly", "3mf"), heads_in_motion(assembly))
     columns = (*COLUMNS[:-1], f"{COLUMNS[-1]}, {assembly.cycle.unit}")
     table = Table("Bodies that pass each other, the nearest first", columns, nearest)
     return Outcome(findings, tables=[table] if nearest else [])

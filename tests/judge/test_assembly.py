@@ -34,7 +34,7 @@ from camgen.machine.features import (
 from camgen.machine.features import Ring as FeatureRing
 from camgen.machine.model import Pose
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.assembly import bodies_in_motion
+from camgen.parts.assembly import bodies_in_motion, heads_in_motion
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 
@@ -134,6 +134,32 @@ def test_a_part_out_of_its_place_is_named(
     assert any(str(f.where).startswith(f"{pair}: ") and angle in str(f.where) for f in failed), [
         str(f.where) for f in failed
     ]
+
+
+def test_the_head_of_a_screw_is_in_the_way_of_what_passes_over_it(tmp_path: Path) -> None:
+    """A motor's screws on a square of 31 mm [NEMA ICS 16]: a crank of 20 mm passes 0.4 mm over their heads, and hits one that stands out
+    by 0.5 mm."""
+    path = tmp_path / "x.3mf"
+    settings = "parts.motor=nema-17", "motor.model=17HS19-2004S1", "parts.hand_crank=0"
+    assert all(finding.ok for finding in swept(path, "linkage", *settings))
+    whole = heads_in_motion(machine("linkage", *settings).assembly)
+    heads = [each for each in whole.stand_ins if each.name.startswith("screw-head")]
+    assert {
+        complex(round(z.real, 9), round(z.imag, 9)) for each in heads for z, *_ in each.discs
+    } == {complex(x, y) for x in (-15.5, 15.5) for y in (-15.5, 15.5)}
+    assert all(finding.ok for finding in sweep(path, whole)[0])
+
+    def raised(thing: StandIn) -> StandIn:
+        ((at, radius, low, high),) = thing.discs
+        return replace(thing, discs=((at, radius, low + 0.5, high + 0.5),))
+
+    proud = [raised(each) if each in heads else each for each in whole.stand_ins]
+    failed = [f for f in sweep(path, replace(whole, stand_ins=proud))[0] if not f.ok]
+    assert {f.code for f in failed} == {"INTERFERENCE"}
+    named = {str(f.where).partition(":")[0] for f in failed}
+    assert named == {
+        f"{part} and screw-head-{k}" for part in ("crank-1", "pin-2-1") for k in range(1, 5)
+    }, "with the pin in the crank, which ends flush with its underside"
 
 
 def test_a_body_that_is_flat_is_named(tmp_path: Path) -> None:

@@ -1339,6 +1339,8 @@ def test_screws_are_where_their_posts_and_plates_are() -> None:
         shanks = [prism for prism in step.screws if prism[2] - prism[1] > 40]
         low = levels[part]
         assert len(shanks) == 4
+        tall = [end - foot for _, foot, end in step.screws if end - foot < 40]
+        assert tall == pytest.approx([3.0] * 4), "a head of ISO 4762 is as high as its thread"
         for _, foot, end in shanks:
             head, point = sorted((foot, end), key=lambda z: abs(z - spacer))[::-1]
             assert low < head < low + walker.assembly.by_name[part].thickness
