@@ -14,12 +14,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from camgen.files.assembly_list import Item
-from camgen.files.exploded_view import Prism
+from camgen.files.exploded_view import Prism, filled
 
 _FACE = 0.5  # mm, from which on a level face has its height beside the section
 _PLAY = 0.35  # mm, up to which faces that lie over each other have one height
 _DEEP = 20.0  # mm, that others may be broad before a face as it is seen from beside the section
 _SEEN = 3.0  # mm^2 of paper, from which on a part is pointed at in a view
+_DEEPER = 8.0  # mm of paper, by which a part may lie deeper in the front and be pointed at there
 _SLIVER = 0.01  # mm^2, up to which a piece counts as hidden
 MITE = 1e-4  # mm: what is left of an edge that is hidden
 
@@ -136,14 +137,28 @@ class Arrangement:
         kept = [*broadest[:1], *inner, *broadest[1:][-1:]]
         return sorted((face for _, face in kept), reverse=True)
 
-    def shown(self, scale: float) -> tuple[dict[int, Any], dict[int, Any]]:
-        """Of each number what of its part is seen in the front, of those that are hardly seen there what is cut, as far as they are."""
-        front, cut = self._pieces
-        ahead = {number for number, (area, _) in front.items() if area >= _SEEN / scale**2}
-        below = cut.keys() - ahead
-        rest = front.keys() - ahead - below
-        shown = {number: front[number][1] for number in ahead | rest} | self.hidden
+    def shown(self, front: float, section: float) -> tuple[dict[int, Any], dict[int, Any]]:
+        """Of each number what of its part is pointed at in the front, and of others in the section, as far as these show them: where
+        both do, in the one in which it lies less deep inside by some mm of paper. front, section: their scales."""
+        ahead, cut = self._pieces
+        seen = {number for number, (area, _) in ahead.items() if area >= _SEEN / front**2}
+        edges = [filled(faces).boundary for faces in self.outlines]
+        for number in seen & cut.keys():
+            deep = front * edges[0].distance(ahead[number][1])
+            if deep > section * edges[1].distance(cut[number][1]) + _DEEPER:
+                seen.remove(number)
+        below = cut.keys() - seen
+        rest = ahead.keys() - seen - below
+        shown = {number: ahead[number][1] for number in seen | rest} | self.hidden
         return dict(sorted(shown.items())), {number: cut[number][1] for number in sorted(below)}
+
+    @property
+    def outlines(self) -> tuple[list[Any], list[Any]]:
+        """What makes up the front, and the section."""
+        return (
+            [face for copy in self.copies for face, _ in copy.faces],
+            [copy.cut for copy in self.copies],
+        )
 
     @cached_property
     def _pieces(self) -> tuple[dict[int, tuple[float, Any]], dict[int, tuple[float, Any]]]:

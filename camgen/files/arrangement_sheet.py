@@ -1,8 +1,8 @@
 """The arrangement drawing of a machine on one sheet: its front, a section through its axes, numbered parts and their list.
 
 Where front and section have one scale the section stands over the front, as in first-angle projection. Pins, shafts, screws and other
-rods are not hatched in it. [ISO 128] A part that is seen in the front has its number there, one that only the section shows has it at
-the section; of one that neither shows the edge is dashed in the front.
+rods are not hatched in it. [ISO 128] A part has its number at the view that shows it nearer to the outline; of one that neither shows the
+edge is dashed in the front.
 """
 
 from __future__ import annotations
@@ -224,14 +224,13 @@ class _Page:
 
     def _balloons(self, sheet: Sheet) -> None:
         """Numbers of parts round both views."""
-        front, cut = self.arrangement.shown(self.scale)
-        faces = [face for copy in self.arrangement.copies for face, _ in copy.faces]
-        cuts = [copy.cut for copy in self.arrangement.copies]
+        shown = self.arrangement.shown(self.front.scale, self.section.scale)
+        views = self.front, self.section
         low = complex(FILING + 1, MARGIN + 1)
         area = low, complex(self.wide - MARGIN - 1, self.high - MARGIN - 1)
-        for view, parts, whole in ((self.front, front, faces), (self.section, cut, cuts)):
-            shown = {number: view.paper(part) for number, part in parts.items()}
-            balloons(sheet, shown, view.paper(filled(whole)), area)
+        for view, parts, whole in zip(views, shown, self.arrangement.outlines, strict=True):
+            placed = {number: view.paper(part) for number, part in parts.items()}
+            balloons(sheet, placed, view.paper(filled(whole)), area)
 
     def _front(self, sheet: Sheet) -> None:
         """Visible edges, axes that stand, and where the section is cut."""

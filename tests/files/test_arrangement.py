@@ -189,7 +189,24 @@ def test_what_both_views_hide_is_dashed_and_has_its_number() -> None:
     (outline,) = dashed
     low, high = extent([Contour(outline.pieces)])
     assert (high - low) / page.scale == pytest.approx(4 + 5j)
-    assert arrangement.shown(page.scale)[0][2].equals(small)
+    assert arrangement.shown(page.front.scale, page.section.scale)[0][2].equals(small)
+
+
+def test_a_part_has_its_number_where_it_lies_nearer_to_the_outline() -> None:
+    """A disc of 4 in the middle of a plate of 60, 28 inside its edge, that stands out of it in the section has its number there; one
+    of 48, which is 6 inside, in the front."""
+    plate = shapely.box(0, 0, 60, 60)
+    disc = shapely.Point(30, 30).buffer(2)
+    copies = [
+        Copy(1, [(plate.difference(disc), 5.0)], shapely.box(0, 0, 60, 5), True),
+        Copy(2, [(disc, 20.0)], shapely.box(28, 5, 32, 20), False),
+    ]
+    arrangement = Arrangement(copies, [], (30j, 1), [], [])
+    front, cut = arrangement.shown(1.0, 1.0)
+    assert [*front] == [1] and [*cut] == [2]
+    wide = Copy(2, [(disc.buffer(22), 20.0)], shapely.box(6, 5, 54, 20), False)
+    front, cut = Arrangement([copies[0], wide], [], (30j, 1), [], []).shown(1.0, 1.0)
+    assert [*front] == [1, 2] and not cut
 
 
 def test_screws_and_their_nuts_stand_in_their_own_holes() -> None:
@@ -501,7 +518,7 @@ def test_every_part_has_its_number_and_its_row(name: str, tmp_path: Path) -> Non
     sheet = page.draw(name, Facts())
     named = leaders(sheet)
     assert all(abs(a - b) >= 8.0 for a, b in combinations([each[1] for each in named], 2))
-    front, cut = arrangement.shown(page.scale)
+    front, cut = arrangement.shown(page.front.scale, page.section.scale)
     assert [number for number, *_ in named] == [*front, *cut] and not front.keys() & cut.keys()
     for number, _, dot in named[: len(front)]:
         z = (dot - page.front.origin) / page.front.scale + (1e-5 + 2e-5j)  # off edges of facets
