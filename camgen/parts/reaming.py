@@ -14,7 +14,7 @@ from camgen.parts.fixing import JOINTS, Fixing, Joint
 from camgen.parts.part import Part, SizeNote
 from camgen.parts.screws import screw_hole
 from camgen.parts.standing import Round, StandingCopy
-from camgen.parts.step_words import listed
+from camgen.parts.step_words import TWO_PART, listed
 from camgen.study import Doing, Laid, Step, Table
 from camgen.tolerances import SAME_POINT
 
@@ -70,6 +70,8 @@ def with_reaming(
         with_glue += f". {_OUT_OF_BALLS}" if metal and pins & fixing.journals else ""
         hung = any(copy.part.name in pins and copy.mount.flipped for copy in copies)
         with_glue += f". {_OUT_OF_JOINTS}" if hung and not metal else ""
+        slow = any(TWO_PART in needs for needs in _needs(table))
+        with_glue += f". {_SLOW}" if slow else ""
         said += [f"{with_glue}. {_SWING}" if lines else with_glue]
         gauges = sorted({need for needs in _needs(table) for need in needs} & {*_GAUGES})
         said += (
@@ -168,6 +170,7 @@ _SWING = (
 
 # Of a pin that goes through a ball bearing before it is glued.
 _OUT_OF_BALLS = "Where a pin goes through a ball bearing, put it in the hole under that alone, none on the pin: it would run into the balls"
+_SLOW = f"Where a step names {TWO_PART}, use that alone, and let it get hard before anything there is moved"
 # Of a pin whose head holds a link in place.
 _OUT_OF_JOINTS = "Where a pin goes through a part that turns on it, put the glue into the tight hole, none on the pin, and wipe off what comes out below"
 _GAUGES = {"plastic bag": "a strip", "sheets of paper": "paper"}  # of tools that set gaps

@@ -1127,6 +1127,7 @@ def test_holes_in_which_something_turns_are_opened_first() -> None:
         "☐ 6 mm: the wider bore of hand-crank",
     ], "each of its holes once, that for the pin of 5 and that on the shaft of 6"
     assert "the link must swing by its own weight" in lines[glue]
+    assert "Where a step names two-part glue, use that alone, and let it get hard" in lines[glue]
     walker = steps_of_assembly(built("walker")).steps[1]
     _, _, said = walker.title.partition("Open these until")
     loose, _, stays = said.partition("These holes stay tight")

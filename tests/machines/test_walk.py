@@ -10,10 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from camgen import load, starters
 from camgen.errors import SpecError
+from camgen.guide import page
 from camgen.machine.model import GROUND, Gravity, Pin
 from camgen.machine.run import solve
 from camgen.machines.linkage.mechanism import Linkage
+from camgen.machines.loads.assess import assess
 from camgen.pipeline import build as pipeline
 
 SPEC = Path(__file__).resolve().parents[2] / "specs" / "four-leg-walker.toml"
@@ -110,3 +113,14 @@ def test_its_pins_bear_the_weight_on_the_feet_that_stand() -> None:
 def test_one_that_falls_is_told_and_bears_nothing() -> None:
     fallen = walker(FEET, "walk.payload_g=1000", "walk.payload_at=[400, 0]")
     assert not fallen.weighed(fallen.model).machine.loads
+
+
+def test_the_guide_says_how_much_torque_the_toy_needs() -> None:
+    """With its weight on its feet, and with its legs in the air, where gravity and friction alone act on them."""
+    toy = load(next(starters.folder().rglob("walker.toml")))
+    hung = toy.replace({"walk": None, "load.gravity_deg": -90})
+    needed = [assess(each).study.numbers["drive_torque_n_m"] for each in (toy, hung)]
+    said = page("simulation")
+    assert (
+        f"needs {needed[0]:.3f} N m; with its legs in the air it needs {needed[1]:.3f} N m" in said
+    )

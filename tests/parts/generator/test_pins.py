@@ -269,7 +269,7 @@ def test_a_seat_that_is_too_wide_and_rings_that_are_not_counted_are_found(
         (
             {"hand_crank": 40, "motor": "nema-17", "shaft_diameter": 5},
             SpecError,
-            "parts.hand_crank.*nema-17 drives",
+            "parts.hand_crank.*nema-17 already drives",
         ),
     ],
 )
