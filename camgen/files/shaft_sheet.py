@@ -312,12 +312,13 @@ class _Page:
         grooves = "grooves and keyways" if shaft.grooves else "keyways"
         lines = [f"Ø{number(shaft.diameter)} {shaft.fit} all along but for {grooves}"]
         lines += [f"Bore of what it turns: {a:.4g} to {a + long:.4g}" for a, long in shaft.bores]
+        walls = [each.walls for each in shaft.grooves]
         if shaft.bearings:
             width = shaft.bearings.width
             first, second = (f"{x:.4g} to {x + width:.4g}" for x in shaft.bearings.seats)
             lines.append(f"Seats of {shaft.bearings.name}: A {first}, B {second}")
-            end = shaft.length - shaft.bearings.seats[1] - width
-            lines.append(f"End for the coupling: the last {end:.4g} mm")
+            inner = max([shaft.bearings.seats[1] + width, *(x for _, (_, x) in walls)])
+            lines.append(f"End for the coupling: the last {shaft.length - inner:.4g} mm")
             lines.append("Centre holes ISO 6411 allowed at both ends")
         keys = [key for each in shaft.keyways for key in each.keys]
         where = " and ".join(f"{a:.4g} to {b:.4g}" for a, b in keys)

@@ -77,24 +77,30 @@ _STEP = 5.0  # mm, of lengths of shafts
 _SHIMMED = 0.3  # mm, that shims fill between rings and bore, at least
 _MOST_SHIMMED = 0.7  # mm, where grooves and bore have the whole of their tolerances, h11 of the bore's length with it
 _WIDER = 0.2  # mm, by which grooves may lie farther apart
-_SNAPPED = "one in each groove of the shaft; put shims (DIN 988) beside the bore until it slides at most 0.05 mm"
+_SNAPPED = "one on either side of the bore; put shims (DIN 988) beside the bore until it slides at most 0.05 mm"
 OF_SHAFT = "bearing of the shaft"  # name of its row
 _BEFORE = 5.0  # from the shaft's end to its first bearing, where a ring holds that
 _BEARING_SLACK = 0.1  # that the rings leave a bearing, at least
 _SLACKER = 0.1  # by which their grooves may lie farther apart
 _OF_SLACK = (0.1, 0.3)  # that shims fill there: the bearing may be 0.12 narrower
 _OF_BORE = "retaining ring"
-_OF_BEARING = "retaining ring of the first bearing"
-_HOLDS_SHAFT = (
-    "on either side of the bearing at the end without the coupling, the inner one first, the outer one after that bearing of the "
-    "next step: they hold the shaft in it; shims (DIN 988) between ring and bearing until it slides at most 0.05 mm"
+_OF_BEARING = "retaining ring of a bearing"
+_INNER_FIRST = (
+    "on the shaft, two of them now: one on either side of the bore, in the groove next to it. The bearings come against these, "
+    "and the other two outside the bearings"
 )
-_COLLARS = "; a collar or a shoulder of yours on either side of that one holds the shaft in it"
+_OUTER_LAST = (
+    "; then close each with its outer ring, and put shims (DIN 988) between ring and bearing until it slides at most 0.05 mm on the "
+    "shaft"
+)
+_COLLARS = (
+    "; a collar or a shoulder of yours on either side of each keeps it in its place on the shaft"
+)
 _KEYED = "its key in the keyway of the bore, its end for the coupling below, as in the arrangement drawing"
 _FAST = "fast in it"
 _BEARINGS = (
-    "one on either side, in a frame of yours: it holds one of them on both its rings, so that the shaft cannot slide, and leaves the "
-    "other one free in its seat"
+    "one on either side, in a frame of yours: it holds the one at the end without the coupling on both sides of its outer ring, so that "
+    "the shaft cannot slide, and leaves the other one free in its seat"
 )
 
 
@@ -131,7 +137,7 @@ def shaft_and_bearings(seat: Seat) -> list[Bought]:
     bearing = _bearing(bore)
     assert bearing is not None
     held = [
-        replace(each, name=_OF_BEARING, how=_HOLDS_SHAFT, details=_shims(bore, *_OF_SLACK))
+        replace(each, name=_OF_BEARING, count=4, how=_INNER_FIRST, details=_shims(bore, *_OF_SLACK))
         for each in retaining_rings(bore)
     ]
     turns = Bought(
@@ -139,7 +145,7 @@ def shaft_and_bearings(seat: Seat) -> list[Bought]:
         bearing.standard,
         f"{bearing.name}, {bearing.size}",
         2,
-        how=_BEARINGS if held else _BEARINGS + _COLLARS,
+        how=_BEARINGS + (_OUTER_LAST if held else _COLLARS),
     )
     return [shaft, *rings, *held, replace(turns, key="parts.bore")]
 
@@ -154,17 +160,20 @@ def turned_shaft(seat: Seat) -> TurnedShaft | None:
     bearing = _bearing(bore)
     if bearing is None:
         return None
-    held = bore in _RINGS  # the first bearing, by rings on either side
+    held = bore in _RINGS  # each bearing, by rings on either side
     first = _BEFORE if held else 0.0
     gap = _GAP * bore
     start = first + bearing.width + gap
     second = start + sum(seat.lengths) + gap
-    length = second + bearing.width + _COUPLING * bore
-    grooves = list(_bore_grooves(seat, start))
-    if held:
-        thick = _RINGS[bore][0]
-        apart = bearing.width + 2 * thick + _BEARING_SLACK
-        grooves.insert(0, _grooves(bore, _OF_BEARING, first - thick, apart, _SLACKER))
+    thick, _, wide = _RINGS[bore] if held else (0.0, 0.0, 0.0)
+    length = second + bearing.width + wide + _COUPLING * bore
+    apart = bearing.width + 2 * thick + _BEARING_SLACK
+    of_bearings = [
+        _grooves(bore, _OF_BEARING, begin - thick, apart, _SLACKER)
+        for begin in (first, second)
+        if held
+    ]
+    grooves = [*of_bearings[:1], *_bore_grooves(seat, start), *of_bearings[1:]]
     return TurnedShaft(
         bore,
         _FIT,
@@ -258,7 +267,7 @@ def _cuts(
         where = (
             "the bore in the middle"
             if pair.ring == _OF_BORE
-            else f"the first bearing between them, from {pair.start:.4g} {origin} on"
+            else f"a bearing between them, from {pair.start:.4g} {origin} on"
         )
         yield (
             f"two grooves for rings, Ø{pair.diameter:g} {pair.fit}, {pair.width:g} H13 wide, "

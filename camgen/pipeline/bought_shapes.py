@@ -321,13 +321,13 @@ def _on_shaft(
     bearings = shaft.bearings
     third = (bearings.outside - shaft.diameter) / 3
     races = (shaft.diameter, shaft.diameter + third), (bearings.outside - third, bearings.outside)
-    rings: dict[str, list[Thing]] = {
-        pair.ring: [
-            [ring(pair.diameter, pair.diameter + 2 * _RING * shaft.diameter, start, pair.thick)]
+    rings = dict[str, list[Thing]]()
+    for pair in shaft.grooves:
+        wide = pair.diameter + 2 * _RING * shaft.diameter
+        rings.setdefault(pair.ring, []).extend(
+            [ring(pair.diameter, wide, start, pair.thick)]
             for start in (pair.start, pair.start + pair.apart - pair.thick)
-        ]
-        for pair in shaft.grooves
-    }
+        )
     for thing in things:
         if thing.shaft is not None:
             found[thing] = [rod]

@@ -1253,7 +1253,7 @@ def test_what_own_steps_put_in_comes_once() -> None:
     drum = [step.title for step in steps_of_assembly(built("cylinder-cam")).steps]
     assert [title.partition(", ")[0] for title in drum[-4:]] == [
         "Shaft",
-        "2 × retaining ring of the first bearing",
+        "4 × retaining ring of a bearing",
         "2 × bearing of the shaft",
         "Roller",
     ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
 import pytest
 
 from camgen.parts.shafts import Seat, shaft_and_bearings
@@ -29,7 +30,7 @@ def test_rings_and_their_grooves_are_those_of_din_471(bore: float, ring: str, gr
     assert groove in shaft.details
     bare = shaft_and_bearings(Seat(bore, [40.0]))
     assert "the bore in the middle" not in bare[0].details
-    assert bare[1].name == "retaining ring of the first bearing"
+    assert bare[1].name == "retaining ring of a bearing"
     assert [each.name for each in shaft_and_bearings(Seat(bore + 0.5, [40.0], ringed=True))] == [
         "shaft"
     ]
@@ -55,16 +56,17 @@ def test_a_shaft_whose_bearings_are_not_known_says_how_much_is_in_the_bore() -> 
     assert "between 1.75 and 29.75 from where the bore begins" in shaft.details  # a key 3 x 3 x 28
 
 
-def test_rings_on_either_side_of_its_first_bearing_hold_the_shaft() -> None:
+def test_rings_on_either_side_of_each_bearing_keep_it_on_the_shaft() -> None:
     """6004 is 12 wide [ISO 15], rings for 20 are 1.2 thick [DIN 471]: from 3.8 on, 14.4 and 0.1 more over the grooves' outer walls,
-    the bearing between 5 and 17; 14 mm shafts have rings but no such bearing, 5 mm ones a bearing but no ring in the table."""
+    the first bearing between 5 and 17, the other one between 61 and 73; 14 mm shafts have rings but no such bearing, 5 mm ones a bearing but no ring in the table."""
     shaft, held, bearing = shaft_and_bearings(Seat(20.0, [24.0]))
-    assert (held.standard, held.count, held.size) == ("DIN 471", 2, "20 x 1.2")
-    assert "the inner one first" in held.how and "collar" not in bearing.how
+    assert (held.standard, held.count, held.size) == ("DIN 471", 4, "20 x 1.2")
+    assert "two of them now" in held.how and "its outer ring" in bearing.how
+    assert "collar" not in bearing.how
     made = shaft.shaft
     assert made is not None
-    (grooves,) = made.grooves
-    assert grooves.walls == (pytest.approx((3.8, 5.1)), pytest.approx((17.0, 18.3)))
+    walls = [wall for grooves in made.grooves for wall in grooves.walls]
+    assert np.ravel(walls) == pytest.approx([3.8, 5.1, 17.0, 18.3, 59.8, 61.1, 73.0, 74.3])
     assert made.bearings is not None and made.bearings.seats == (5.0, 61.0)
     assert made.bores == ((27.0, 24.0),) and made.length == 105.0
     assert "14.5 +0.1/0 over their outer walls" in shaft.details
