@@ -294,9 +294,9 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
         thing.name for thing in things
     }:
         kind = glue(materials.of(material).metal)
-        things.append(Bought("glue", "", f"{kind}, for all that is glued", 1))
+        things.append(Bought("glue", "", f"{kind}, for all glued joints", 1))
     if mechanism.assembly.board and mechanism.assembly.support is None:
-        own.append(Bought("board", "", "or a frame; the last step says how the plate is fixed", 1))
+        own.append(Bought("board", "", "or a frame; the last step says how to fix the plate", 1))
     groups = {
         "bought": [*things, *supplies(mechanism)],
         "stock": stock(mechanism),

@@ -75,7 +75,7 @@ def stock(mechanism: Mechanism) -> list[Bought]:
         Bought(
             f"steel {name}",
             "",
-            f"{sum(lengths):.4g} mm in all without saw cuts, {_pieces(lengths)}",
+            f"{sum(lengths):.4g} mm in total, {_pieces(lengths)}",
             1,
         )
         for name, lengths in pieces.items()
@@ -84,7 +84,7 @@ def stock(mechanism: Mechanism) -> list[Bought]:
 
 def _pieces(lengths: Sequence[float]) -> str:
     """Into how many pieces a rod is cut."""
-    return f"cut into {len(lengths)} pieces" if len(lengths) > 1 else "in one piece"
+    return f"plus the saw cuts, for {len(lengths)} pieces" if len(lengths) > 1 else "for one piece"
 
 
 def tools(mechanism: Mechanism) -> list[Bought]:
@@ -98,9 +98,9 @@ def tools(mechanism: Mechanism) -> list[Bought]:
     for size, count in opened_holes(copies, fixing).items():
         found[opener(size, True)] = f"for {count} hole{'' if count == 1 else 's'} of {size:g} mm"
     for size in sorted(tight_holes(copies, fixing)):
-        found.setdefault(opener(size), f"for holes of {size:g} mm that turn out too tight")
+        found.setdefault(opener(size), f"for holes of {size:g} mm that come out too tight")
     for _, size in screw_holes(copies, fixing, _work(mechanism).steps):
-        found.setdefault(opener(size), "for holes of screws that turn out too tight")
+        found.setdefault(opener(size), "for holes of screws that come out too tight")
     needs = _needs(mechanism)
     if any(each.standard == NUT_STANDARD for each in assembly.bought):
         needs.add("pliers")
@@ -141,7 +141,7 @@ def _props(mechanism: Mechanism) -> list[Bought]:
         f"{n} × {high}" if n > 1 else high
         for high, n in sorted(counts.items(), key=lambda each: float(each[0]))
     )
-    size = f"or stack of card, {highs} mm high, as steps say"
+    size = f"or a stack of card, {highs} mm high, where a step asks for it"
     return [Bought("prop", "", size, sum(counts.values()))]
 
 

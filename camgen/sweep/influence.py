@@ -461,7 +461,7 @@ def influence_text(
     lines = [f"### {code} in {_title(spec)}"]
     if not found.findings:
         lines.append(
-            "Only files show it here: `camgen build` judges it, if the machine has it and its limit is given."
+            "Only files show this finding: `camgen build` judges it, if it applies to the machine and has a limit."
         )
     for each in found.findings:
         sign = "at least" if each.floor else "at most"
@@ -477,11 +477,11 @@ def influence_text(
         keys = " and ".join(f"`{key}`" for key in found.limit_keys)
         lines.append(f"- {keys} {'sets' if len(found.limit_keys) == 1 else 'set'} the limit")
     if found.effects and found.nearest is not None:
-        several = "; of the one nearest to its limit" if len(found.findings) > 1 else ""
+        several = "; for the finding nearest to its limit" if len(found.findings) > 1 else ""
         lines.append(f"- Keys that change it, each alone, the strongest first{several}:")
         lines += [f"  - {_effect_text(each, found.nearest)}" for each in found.effects]
     elif found.nearest is not None:
-        lines.append("- A change of 2 % of any number of the spec leaves it as it is.")
+        lines.append("- A change of 2 % in any one number of the spec does not change it.")
     if found.idle:
         keys = " and ".join(f"`{key}`" for key in found.idle)
         lines.append(f"- {keys}: a small change alone does nothing here, or is refused")

@@ -56,7 +56,7 @@ _DRUM = "The follower of a drum counts as in the middle between both walls. The 
 _FREE = "Clearance at each tip, mm, without jamming: tip_clearance of a pair, half of print.slide_clearance of a groove"
 _TIMED = (
     "Bodies follow laws of the shaft, as designed: print errors of their gears and guides count as play.",
-    "inf: 60 deg and more.",
+    "inf means 60 deg or more.",
 )
 
 
@@ -202,7 +202,7 @@ def _summary(samples: int, figures: Sequence[Figure]) -> str:
     if not yields:
         return f"Errors of {samples} printed copies"
     least = min(yields, key=lambda each: each.value)
-    what = {"": "go together and keep their play", _TARGETS: "keep what is wanted by value"}.get(
+    what = {"": "go together and keep their play", _TARGETS: "hold every wanted value"}.get(
         least.of, f"hold {least.of.upper()}"
     )
     ends = [
@@ -366,7 +366,7 @@ def _target_yields(found: Sequence[TargetYield], figures: list[Figure]) -> list[
         figures += _yield(_TARGETS, whole)
         rows.append(("all of these", "", "", "", 100 * float(np.mean(whole)), _sure(whole)))  # type: ignore[arg-type]
     title = (
-        f"Yield of what is wanted by value, of the first {len(found[0].holds)} copies"
+        f"Share of copies that hold every wanted value, of the first {len(found[0].holds)} copies"
         if found
         else ""
     )
@@ -429,10 +429,14 @@ def _bounces(found: Sequence[CopiesBounce], speed: float, figures: list[Figure])
     count = len(found[0].all)
     heads = ("cam", "as designed", "with friction", "print alone, sd", "springs alone, sd")
     ends = ("all, sd", "1 % below", "half below", "99 % below")
-    title = f"Speed from which a follower leaves its cam, rpm, of the first {count} copies"
+    title = f"Speed above which a follower leaves its cam, rpm, for the first {count} copies"
     own = f"At {abs(speed) / RPM:.4g} rpm, of those copies"
     of_those = ("highest hop", "in the air", "hardest knock")
-    columns = ("cam", *_HOLD, *(f"{each} of those that leave, half below" for each in of_those))
+    columns = (
+        "cam",
+        *_HOLD,
+        *(f"{each} of the copies that leave: median and greatest" for each in of_those),
+    )
     return [Table(title, (*heads, *ends), speeds), Table(own, columns, hops)]
 
 
@@ -475,7 +479,7 @@ def _loops(found: Sequence[Loop], figures: list[Figure]) -> list[Table]:
         "to, deg",
         "extent, mm",
         "left in copies, %",
-        "and with the play of their pins, %",
+        "the same with the play of their pins, %",
     )
     return [Table("Smallest loops of paths", heads, rows)] if found else []
 
@@ -500,7 +504,7 @@ def _worst(
         figures.append(Figure("{of} error worst", float(np.max(made)), unit, output.name))
     title = f"Worst copies of {output.name}, {unit}"
     title += f": the first {_SHOWN} of {count} that were rolled" if count > _SHOWN else ""
-    return Table(title, ("copy", "first order", "rolled and closed"), rows[:_SHOWN])
+    return Table(title, ("copy", "first order", "calculated in full"), rows[:_SHOWN])
 
 
 def _plots(spread: Spread, copies: Copies, output: Output) -> list[Plot]:

@@ -147,7 +147,7 @@ def test_a_cam_machine_of_sheet():
         (
             "linkage",
             {"thickness": 4.0},
-            "parts.thickness: 4 - expected 3, as thick as laser.thickness",
+            "parts.thickness: 4 - expected 3, the same as laser.thickness",
         ),
         ("linkage", {"base_thickness": 5.0}, "parts.base_thickness: 5"),
         ("linkage", {"rocker": {"thickness": 2.0}}, "parts.rocker.thickness: 2"),
@@ -156,7 +156,7 @@ def test_a_cam_machine_of_sheet():
         (
             "linkage",
             {"motor": "nema-17", "shaft_diameter": 5.0, "base_thickness": 3.0},
-            "heads of its screws lie in pockets",
+            "heads of its screws need pockets",
         ),
         ("quick-return", {}, "slide: 1 with parts.make = 'laser' - expected slots and pins"),
     ],
@@ -208,7 +208,7 @@ def test_without_a_sheet_or_dowels():
     spec = laser("linkage")
     del spec["laser"]
     with pytest.raises(
-        SpecError, match="parts.make: 'laser' - expected a table \\[laser\\] beside it"
+        SpecError, match="parts.make: 'laser' - expected a table \\[laser\\] as well"
     ):
         camgen.load(spec)
     with pytest.raises(

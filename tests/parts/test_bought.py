@@ -163,7 +163,7 @@ def test_a_drive_that_is_joined_to_the_shaft_has_its_model_in_the_list() -> None
 def test_a_hand_crank_that_no_shop_has_says_which_key_makes_one() -> None:
     machine = made("linkage", "motor.model=hand crank")
     (drive,) = (each for each in machine.assembly.bought if each.role == "drive")
-    assert drive.size.startswith("hand crank, your own or one by parts.hand_crank, 60 rpm")
+    assert drive.size.startswith("hand crank (your own, or parts.hand_crank adds one), 60 rpm")
     cranked = made("linkage", "motor.model=hand crank", "parts.hand_crank=40")
     assert not any(each.role == "drive" for each in cranked.assembly.bought)
     assert "hand-crank" in {part.name for part in cranked.assembly.parts}

@@ -247,7 +247,7 @@ def test_a_board_is_open_where_a_hand_crank_and_collars_turn() -> None:
     bushes = "Press 2 × bush into O and C of ground, from above, flush with its underside. Grease the bore. "
     bushes += "Then put the ground plate on shaft and on shaft-table."
     assert any(bushes in each.title for each in steps_of_assembly(machine).steps)
-    length = "as long as the board is thick and 4.5 to 10 more"  # 1.5 of M3, the plate's thickness
+    length = "4.5 to 10 longer than the board is thick"  # 1.5 of M3, the plate's thickness
     assert f"M3, for a core hole of 2.5, such as ISO 4762, {length}" in said
     screws = machine.assembly.frame.fixings
     board = min(abs(z) for z, _ in screws) - 93 / 2 - 3.4 / 2

@@ -198,7 +198,7 @@ def test_what_is_judged_on_files_alone_says_so() -> None:
 def test_no_number_moves_a_check_that_is_exact() -> None:
     text = influence_text(SPECS / "disc-cam.toml", "UNDERCUT")
     assert "- Holds (exact profile): 0 mm, at most 0 mm\n" in text
-    assert "A change of 2 % of any number" in text
+    assert "A change of 2 % in any one number" in text
 
 
 @pytest.mark.usefixtures("one_number")

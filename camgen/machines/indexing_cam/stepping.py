@@ -35,7 +35,7 @@ NOTE = (
     "shaft makes one indexing, and the dwell lasts from the end of a rise to the next. The unloader's crank turns with "
     "the link, once for each indexing, and stops unloader.lead_deg before its dead centre: there its spring draws the link "
     "back on the freewheel of the plate, which holds it. In the source's fig. 1 a second cam (3) swings a carrier (8) with "
-    "the gears and the spring about the output shaft; we take it that this changes the spring over in the dwell. Here the "
+    "the gears and the spring about the output shaft; we assume that this reverses the spring in the dwell. Here the "
     "crank goes over its dead centre as a turn begins, and no second cam is needed; the price is that the spring pulls back "
     "first. A freewheel cannot brake: what is left of the inertia in the run-down has to be less than the friction of the "
     "link (load.friction_n_m, of a felt under the table say). Errors of the turns add up: a table that has to stop in the "

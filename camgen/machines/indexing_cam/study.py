@@ -32,8 +32,8 @@ _ARRANGEMENT = (
     "swing; each turn of the cam shaft makes two indexings by the same law, one forwards, one back. The spring stays geared to "
     "the link all the time and its torque is antisymmetric about the middle of the stroke, so it helps both ways. This is the "
     "simplest arrangement with the source's unbroken connection of cam, link and unloader. In the source's fig. 1 a second cam "
-    "(3) swings a carrier (8) with the gears and the spring about the output shaft; we take it that this changes the spring "
-    "over during the dwell, so that the link can go on in the same sense. The text does not say so, and it is not made here."
+    "(3) swings a carrier (8) with the gears and the spring about the output shaft; we assume that this reverses the spring "
+    "during the dwell, so that the link can go on in the same sense. The text does not say so, and it is not made here."
 )
 _ERRATA = (
     "Law MR-13: the source prints A6 = +0.025629, which leaves the law's ends with speed 1.6e-3; A6 = -0.025629 closes it to "

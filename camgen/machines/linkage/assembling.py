@@ -41,7 +41,7 @@ def driving_text(spec: LinkageSpec) -> str:
         known = "measure yours: parts.can" if spec.making.can else HOLES_UNKNOWN
         more = "" if geared is None else f" for {geared.volts:g} V ({known})"
         if model == HAND_CRANK:
-            more = ", your own or one by parts.hand_crank"
+            more = " (your own, or parts.hand_crank adds one)"
         if geared is not None:
             turning += f" at work, {geared.no_load_rpm:.3g} rpm without load"
         return f"{model}{more}, {turning}"

@@ -183,7 +183,7 @@ def _side_faults(spec: LinkageSpec) -> Iterator[Fault]:
             yield Fault(("parts", "side_gap"), f"{making.side_gap:g}", right)
         return
     if 0 < making.side_gap < _LEAST_GAP:
-        right = f"0, or at least {_LEAST_GAP:g} mm: a spacer"
+        right = f"0, or at least {_LEAST_GAP:g} mm, for a spacer"
         yield Fault(("parts", "side_gap"), f"{making.side_gap:g}", right)
     key = ("parts", "sides")
     if making.plates == 1:

@@ -16,7 +16,7 @@ from camgen.spec import Laser
 _HEAD = 1.5  # mm, of the caps on pins, as tables.Parts has it
 _PIN = 4.0  # mm, diameter of the thickest dowels that are taken unasked
 _STEEL = ("dowel", "shoulder")
-NO_RAILS = "rails stand on plates, and no sheet does"
+NO_RAILS = "a laser cannot cut rails that stand on a plate"
 NO_BACK = "the back plate of a groove is as thick as a level and its play, which no sheet is"
 
 
@@ -50,9 +50,9 @@ def faults(sizes: Parts, laser: Laser | None, slides: int = 0, grooves: int = 0)
     if sizes.make != "laser":
         return []
     if laser is None:
-        right = "a table [laser] beside it: kerf, thickness, sheet, gap"
+        right = "a table [laser] as well, with kerf, thickness, sheet and gap"
         return [Fault(("parts", "make"), "'laser'", right)]
-    same = f"{laser.thickness:g}, as thick as laser.thickness: all is cut of one sheet"
+    same = f"{laser.thickness:g}, the same as laser.thickness, because all parts are cut from one sheet"
     thicknesses: dict[Key, float | None] = {
         ("parts", "thickness"): sizes.thickness,
         ("parts", "base_thickness"): sizes.base_thickness,
@@ -68,19 +68,19 @@ def faults(sizes: Parts, laser: Laser | None, slides: int = 0, grooves: int = 0)
             sizes.shaft_made != "steel",
             ("parts", "shaft_made"),
             repr(sizes.shaft_made),
-            '"steel": no sheet is a shaft',
+            '"steel": a shaft cannot be cut from sheet',
         ),
         (
             sizes.motor != "none",
             ("parts", "motor"),
             repr(sizes.motor),
-            '"none": the heads of its screws lie in pockets of the plate, and a laser cuts none',
+            '"none": the heads of its screws need pockets in the plate, which a laser cannot cut',
         ),
         (
             sizes.plates > 1,
             ("parts", "plates"),
             f"{sizes.plates}",
-            "1: a second one is screwed on printed posts, heads in pockets",
+            "1: a second plate needs printed posts and pockets for screw heads",
         ),
         (
             sizes.shaft != "through",

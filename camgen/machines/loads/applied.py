@@ -79,9 +79,9 @@ class Applied(Record):
     def _whole(self) -> Self:
         wrong = []
         if (self.output is None) == (self.body is None):
-            wrong.append("either output or body: what the load is on")
+            wrong.append("either output or body, on which the load acts")
         if self.point is not None and self.body is None:
-            wrong.append("body with point: the body that has the point")
+            wrong.append("body as well: the body that has this point")
         if sum(each is not None for each in (self.value, self.points, self.file)) != 1:
             wrong.append("one of value, points and file: how large the load is")
         if self.points is not None:
@@ -89,7 +89,7 @@ class Applied(Record):
             for k, (before, here) in enumerate(pairwise(degrees), 1):
                 if not before < here:
                     wrong.append(
-                        f"points by growing angles: row {k} has {here:g} deg after {before:g}"
+                        f"rows with growing angles: row {k} has {here:g} deg after {before:g}"
                     )
                     break
             else:

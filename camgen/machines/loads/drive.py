@@ -51,9 +51,9 @@ def reach(drives: Drives | None, seat: MotorSeat) -> LoadCheck:
         length = SHAFTS[seat.frame][1]
         said = f"the usual shaft of a {seat.frame.upper().replace('-', ' ')} frame: measure yours"
     if length is None:
-        why = f"the shaft has to reach {seat.reach:.4g} mm over the motor's face, and nothing says how far it does"
+        why = f"the motor's shaft must reach {seat.reach:.4g} mm beyond the motor's face, and motor.shaft_length is not given"
         return LoadCheck(not_judged=[NotJudged("SHAFT_REACH", why, said)])
-    remark = f"over the motor's face; {said}; thinner parts need less"
+    remark = f"beyond the motor's face; {said}; thinner parts need less"
     return LoadCheck(
         [
             at_least(

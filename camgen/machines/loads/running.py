@@ -88,7 +88,7 @@ def running(
         check.figures.append(Figure("speed swing", swing))
     if asked.speed_swing is not None:
         more = load.flywheel_for(asked.speed_swing, mean)
-        message = f"at {mean / RPM:.4g} rpm, {by}; a flywheel of {more:.4g} kg m^2 more keeps to it"
+        message = f"at {mean / RPM:.4g} rpm, {by}; a flywheel with {more:.4g} kg m^2 more keeps within the limit"
         check.findings.append(
             at_most("SPEED_SWING", swing, asked.speed_swing, "share", Where("drive"), message)
         )

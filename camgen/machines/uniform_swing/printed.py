@@ -267,7 +267,9 @@ class SwingMachine:
             for name, wanted, made in sizes
             if made < wanted - LAYOUT
         ]
-        said = f"Made smaller than usual, for there is no room, mm: {'; '.join(less)}."
+        said = (
+            f"Some sizes are smaller than usual, because there is no room, mm: {'; '.join(less)}."
+        )
         return (said,) if less else ()
 
     @cached_property

@@ -256,7 +256,7 @@ class Bodies:
         if not threads:
             return f"{screw_for(core)}, at most {most:g} into the plate"
         least = min(_THREADED * SCREWS[threads[0]].nominal, most)
-        length = f"as long as the board is thick and {least:g} to {most:g} more"
+        length = f"{least:g} to {most:g} longer than the board is thick"
         return f"{screw_for(core)}, such as ISO 4762, {length}"
 
     def _battery_text(self, holder: Battery, volts: float) -> str:

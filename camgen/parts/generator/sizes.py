@@ -566,7 +566,9 @@ class Parts(Record):
             yield self._fault("shaft_flat", right)
         least = self.pocket + 2 * nozzle
         if self.base_thickness < least:
-            right = f"at least {least:g} mm: the heads of the motor's screws, and a floor"
+            right = (
+                f"at least {least:g} mm, for the heads of the motor's screws and a floor under them"
+            )
             yield self._fault("base_thickness", right)
         grip = self.base_thickness - self.pocket
         screw = face.screw
@@ -586,7 +588,7 @@ class Parts(Record):
             return
         least = screw.height + SUNK + 2 * nozzle
         if self.base_thickness < least:
-            right = f"at least {least:g} mm: the sunk heads of the posts' screws, and a floor"
+            right = f"at least {least:g} mm, for the sunk heads of the posts' screws and a floor under them"
             yield self._fault("base_thickness", right)
 
     def _stand_faults(self) -> Iterator[Fault]:
@@ -603,7 +605,7 @@ class Parts(Record):
         if self.shaft_key:
             yield from self._key_faults()
         least = self.thickness + 2
-        held = "the collar under the plate, and its play"
+        held = "the collar under the plate and its play"
         if self.hand_crank:
             least = 2 * self.thickness + 2
             held = "the collar under the plate and the hand crank"
@@ -611,10 +613,10 @@ class Parts(Record):
                 right = f"0, or no parts.motor: {self.motor} already drives"
                 yield self._fault("hand_crank", right)
             elif self.hand_crank < self.least_crank:
-                right = f"at least {self.least_crank:g} mm: its knob beside the shaft"
+                right = f"at least {self.least_crank:g} mm, so that the knob clears the shaft"
                 yield self._fault("hand_crank", right)
         if self.shaft_length < least:
-            yield self._fault("shaft_length", f"at least {least:g} mm: {held}")
+            yield self._fault("shaft_length", f"at least {least:g} mm, for {held}")
         flat = (self.shaft_flat and not self.shaft_key) or self.shaft != "through"
         if flat and not 0.05 <= self.shaft_flat / self.shaft_diameter < 0.5:
             thin, half = 0.05 * self.shaft_diameter, self.shaft_diameter / 2
