@@ -55,7 +55,7 @@ ABOUT = {
     **{name: family.about for name, family in TASK_LAWS.items()},
     "fourier": "acceleration: sines of 2 pi u, 4 pi u, ..., cosines of pi u, 3 pi u, ...",
     "polynomial": "conditions [u, order, value], as many as coefficients; from 0 at u = 0 to 1 at u = 1",
-    "table": "spline through points [angle, displacement], or a file's; rest = false: not from rest to rest; over 360 deg it closes",
+    "table": "spline through points [angle, displacement], or a file's; rest = false: it does not start and end at rest; over 360 deg it closes",
     MATCHED: "quintic that takes velocity and acceleration from its neighbours ([[segment]] alone)",
     "least-acceleration": "the law that joins its neighbours with the least C_a; the default",
     "least-jerk": "the law that joins its neighbours with the least C_j",
@@ -528,15 +528,17 @@ def _span_faults(tables: Sequence[SegmentTable], path: Key) -> list[Fault]:
     total = _total(tables)
     if not free and not abs(total - 360) <= _FULL_TURN_SLACK:
         much = f"{abs(total - 360):g} deg too {'much' if total > 360 else 'little'}"
-        right = f"span_deg of all segments that make 360 ({much})"
+        right = f"span_deg of all segments to add up to 360 ({much})"
         if abs(total - math.tau) < _RADIANS:
-            right = "degrees, which make 360: these make a turn in rad, of which one is 57.296 deg"
-        return [Fault(path, f"the spans make {total:.12g} deg", right)]
+            right = (
+                "degrees that add up to 360: these add up to a turn in rad, and 1 rad is 57.296 deg"
+            )
+        return [Fault(path, f"the spans add up to {total:.12g} deg", right)]
     moving = [k for k in free if tables[k].kind != "dwell"]
-    alone = "missing: only one dwell may leave it out; it takes the rest of the turn"
+    alone = "missing: only one dwell may leave it out, which then takes the rest of the turn"
     if moving or len(free) > 1:
         return [Fault((*path, k, "span_deg"), "", alone) for k in moving or free[1:]]
-    taken = f"nothing is left of the turn: the other spans make {total:.12g} deg"
+    taken = f"nothing is left of the turn: the other spans add up to {total:.12g} deg"
     return [Fault((*path, k, "span_deg"), "", taken) for k in free]
 
 

@@ -68,7 +68,7 @@ def test_disc_and_output_turn_back_by_a_lobe_a_turn() -> None:
     [
         ({"crank": "crnk"}, "cycloid.0.crank: .*did you mean 'crank'"),
         ({"disc": "flange"}, "cycloid.0: crank, flange, flange - expected links that differ"),
-        ({"at": "O"}, "cycloid.0.at: 'O' - expected a point of crank beside its shaft: E"),
+        ({"at": "O"}, "cycloid.0.at: 'O' - expected a point of crank that is not on its shaft: E"),
         ({"output": None, "output_radius": 20}, "cycloid.0.output_radius - no value here"),
         ({"crank": "disc", "disc": "crank"}, "cycloid.0.crank: .*expected a link that shares"),
         ({"pins": 3}, "cycloid.0.pins"),

@@ -199,7 +199,7 @@ def test_what_presses_in_the_slot_is_the_wheel_s_inertia_over_its_lever(
         ({"a": "cranck"}, ("geneva", 0, "a"), "crank"),
         ({"b": "crank"}, ("geneva", 0, "b"), "another link"),
         ({"b": "ground"}, ("geneva", 0, "b"), "moves"),
-        ({"pin": "O"}, ("geneva", 0, "pin"), "beside its shaft: P"),
+        ({"pin": "O"}, ("geneva", 0, "pin"), "that is not on its shaft: P"),
         ({"pin": "C"}, ("geneva", 0, "pin"), "a point of crank"),
         ({"slots": 2}, ("geneva", 0, "slots"), "3"),
         ({"name": "drive"}, ("geneva", 0, "name"), "drive already has this one"),

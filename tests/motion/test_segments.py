@@ -149,7 +149,7 @@ def test_a_dwell_without_a_span_takes_the_rest() -> None:
         (
             (RISE, BACK),
             "segment",
-            "270 deg | span_deg of all segments that make 360 (90 deg too little)",
+            "270 deg | span_deg of all segments to add up to 360 (90 deg too little)",
         ),
         (
             (RISE.replace("span_deg = 90", ""), DWELL, BACK),
@@ -164,12 +164,12 @@ def test_a_dwell_without_a_span_takes_the_rest() -> None:
         (
             (RISE.replace("90", "180"), DWELL.replace("span_deg = 90", ""), BACK),
             "segment.1.span_deg",
-            "nothing is left of the turn: the other spans make 360 deg",
+            "nothing is left of the turn: the other spans add up to 360 deg",
         ),
         (
             (RISE, DWELL, DWELL, BACK),
             "segment",
-            "450 deg | span_deg of all segments that make 360 (90 deg too much)",
+            "450 deg | span_deg of all segments to add up to 360 (90 deg too much)",
         ),
         (
             (
@@ -178,7 +178,7 @@ def test_a_dwell_without_a_span_takes_the_rest() -> None:
                 BACK.replace("180", "3.142"),
             ),
             "segment",
-            "6.283 deg | degrees, which make 360: these make a turn in rad",
+            "6.283 deg | degrees that add up to 360: these add up to a turn in rad",
         ),
         (
             (RISE, DWELL, BACK.replace("to = 0", "lift = 8")),
@@ -379,7 +379,7 @@ def test_all_faults_at_once() -> None:
 
 
 def test_no_segments() -> None:
-    with pytest.raises(SpecError, match="the spans make 0 deg"):
+    with pytest.raises(SpecError, match="the spans add up to 0 deg"):
         program(())
 
 

@@ -165,14 +165,17 @@ def calibrate(
         foot, middle = (float(np.mean(sizes[name])) for name in disc)
         value = printed.foot + (foot - middle) / 2
         uncertainty = coverage(0) * caliper / math.sqrt(2)
-        basis = "the disc at its foot and above"
+        basis = "from the disc at its foot and above it"
         values.append(
             Value("elephant_foot", value, uncertainty, "mm", basis, "no chamfer is needed")
         )
     if ladder is not None and set(known) == {1, 2}:
         pin, runs, holds, step = ladder
-        loose = ("the tightest hole in which the pin turns", "pins turn more loosely than felt")
-        tight = ("the widest hole in which the pin holds", "glue what has to hold")
+        loose = (
+            "from the tightest hole in which the pin turns",
+            "pins will be looser than the one that you tried",
+        )
+        tight = ("from the widest hole in which the pin holds", "glue the parts that must hold")
         fits = {"slide_clearance": (runs, loose), "press_clearance": (holds, tight)}
         for key, (hole, words) in fits.items():
             if hole is not None:
@@ -181,7 +184,7 @@ def calibrate(
                 values.append(Value(key, float(row @ theta), uncertainty, "mm", *words))
     if fit.freedom >= _SCATTER_FROM:
         uncertainty = fit.scatter * coverage(fit.freedom) / math.sqrt(2 * fit.freedom)
-        basis = "scatter of the sizes, the caliper's in it"
+        basis = "from the scatter of the sizes, with that of the caliper"
         values.append(Value("size_error", fit.scatter, uncertainty, "mm", basis))
     columns = (means.tolist(), (means - fit.residuals).tolist(), fit.residuals.tolist())
     names = [each.name for each in measured]

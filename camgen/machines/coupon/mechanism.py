@@ -265,7 +265,7 @@ class Coupon(Mechanism):
         nominal = {each.name: each.nominal for each in self.sizes}
         rows = [(name, nominal[name], *row) for name, *row in calibration.rows]
         series = ("sizes", np.array([row[1] for row in rows]), np.array([row[-1] for row in rows]))
-        plot = Plot("What is left of each size", "nominal, mm", "mm", [series], dots=("sizes",))
+        plot = Plot("Error left in each size", "nominal, mm", "mm", [series], dots=("sizes",))
         tables = [
             Table(
                 "Values for [print]",
@@ -274,7 +274,13 @@ class Coupon(Mechanism):
             ),
             Table(
                 "Sizes",
-                ("feature", "nominal, mm", "measured, mm", "by these values, mm", "left, mm"),
+                (
+                    "feature",
+                    "nominal, mm",
+                    "measured, mm",
+                    "expected by these values, mm",
+                    "error left, mm",
+                ),
                 rows,
             ),
         ]
@@ -283,7 +289,7 @@ class Coupon(Mechanism):
     def remarks(self) -> Remarks:
         """What to paste, line by line, or what to do first."""
         if not self.calibration.values:
-            first = "nothing is measured yet: print it, measure it, type the sizes into [measured.sizes] and build again"
+            first = "nothing is measured yet: print the coupon, measure it, write the sizes into [measured.sizes] and build again"
             return Remarks([first])
         lines = (each.line for each in self.calibration.values)
         return Remarks(["for [print] of your specs:", *lines])
@@ -305,10 +311,10 @@ class Coupon(Mechanism):
     def _measuring(self) -> Table:
         """What to measure, and how."""
         how = {
-            "gauge": "holes, gaps, fits: the caliper's inner jaws; pins: the outer ones; over x, over y: inner jaws on the far "
-            "walls of A and B, of A and C; between x, between y: outer jaws on the near ones",
-            "pin": "its shank: fit pin; runs: the tightest hole in which it turns, holds: the widest in which it holds",
-            "disc": "disc in the middle of its height, disc foot at its lowest layer, disc bore",
+            "gauge": "holes, gaps and fits: with the caliper's inner jaws; pins: with the outer jaws; over x and over y: inner jaws on the far "
+            "walls of A and B, and of A and C; between x and between y: outer jaws on their near walls",
+            "pin": "fit pin: its shank; runs: the tightest hole in which it turns; holds: the widest hole in which it holds",
+            "disc": "disc: half way up; disc foot: at the lowest layer; disc bore: its bore",
         }
         names = [part.name for part in self._bodies]
         rows = [(k, name, how[name]) for k, name in enumerate(names, 1)]

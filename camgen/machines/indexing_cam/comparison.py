@@ -31,7 +31,7 @@ _NONE = "none"
 COLUMNS = (
     "offset / crank",
     "greatest to mean speed of the cam",
-    "turn, deg of the cam",
+    "cam angle of a turn, deg",
     "pressure angle, deg",
     "least base radius, mm",
     "least turn / dwell",
@@ -66,7 +66,7 @@ class Comparison:
     def table(self, own: float | None) -> Table:
         """Even, by chains, and by the one of the spec, each by offset over crank."""
         shares = sorted({*_SHARES, *([] if own is None else [round(own, 9)])})
-        title = f"Even drive (0) and two-crank chains before the cam, the same motion of the link, at most {self.pressure:g} deg"
+        title = f"Even drive (0) and two-crank chains before the cam, for the same motion of the link and a pressure angle of at most {self.pressure:g} deg"
         return Table(title, COLUMNS, [self.row(share) for share in shares])
 
     def row(self, share: float) -> list[object]:

@@ -291,7 +291,7 @@ def _geneva_faults(drawing: Drawing, path: Key, geneva: t.Geneva) -> Iterable[Fa
     points = drawing.links.get(geneva.a, ())
     if points and (geneva.pin not in points or geneva.pin == drawing.pivot(geneva.a)):
         free = [point for point in points if point != drawing.pivot(geneva.a)]
-        right = f"a point of {geneva.a} beside its shaft: {', '.join(free) or 'give it one'}"
+        right = f"a point of {geneva.a} that is not on its shaft: {', '.join(free) or 'add one'}"
         yield Fault((*path, "pin"), repr(geneva.pin), right)
     for key in drawing.lengths:
         if {*(t.pair(key) or ())} == {geneva.pin, drawing.pivot(geneva.a) if points else None}:
@@ -322,7 +322,7 @@ def _cycloid_faults(drawing: Drawing, path: Key, row: t.Cycloid) -> Iterable[Fau
         return
     points = [point for point in drawing.links[row.crank] if point != shaft]
     if row.at not in points:
-        right = f"a point of {row.crank} beside its shaft: {', '.join(points) or 'give it one'}"
+        right = f"a point of {row.crank} that is not on its shaft: {', '.join(points) or 'add one'}"
         yield Fault((*path, "at"), repr(row.at), right)
     if [*drawing.links[row.disc]] != [row.at]:
         right = f'a link with the point of the eccentric alone: {row.disc} = ["{row.at}"]'

@@ -44,7 +44,7 @@ def faults(drawing: Drawing, sizes: Parts, beside: Mapping[str, bool]) -> Iterat
         if pivot is not None:
             before = pivots.setdefault(pivot, k)
             if before != k:
-                right = f"a link with a pivot of its own: at {pivot} drive.{before} turns {drawing.drives[before].link}"
+                right = f"a link with a pivot of its own: drive.{before} already turns {drawing.drives[before].link} at {pivot}"
                 yield Fault((*path, "link"), repr(drive.link), right)
     words = "no value here: it is for a machine with one motor, and this one has several"
     if slides:

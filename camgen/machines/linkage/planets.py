@@ -154,7 +154,7 @@ def _seat_faults(path: Key, row: t.Planets) -> Iterable[Fault]:
     fitting = sun + -(sun + planet) % period
     fitting -= period * (fitting > MOST_TEETH)
     right = (
-        f"{' or '.join(counts)} with {sun} and {planet} teeth: sun and ring have {whole} together, a multiple of "
-        f'the count; or a sun of {fitting} teeth; or spacing = "nearest"'
+        f"{' or '.join(counts)} with {sun} and {planet} teeth, because the count must divide the {whole} teeth of sun and ring; "
+        f'or a sun of {fitting} teeth; or spacing = "nearest"'
     )
     yield Fault((*path, "count"), str(row.count), right)

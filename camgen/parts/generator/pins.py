@@ -94,7 +94,7 @@ def refuse(layout: Layout) -> None:
             bores = [each.bore for each in (BUSHES if plain else BEARINGS.values())]
             sold = ", ".join(f"{bore:g}" for bore in sorted(set(bores)))
             key = "parts.shaft_diameter" if shaft else "parts.pin_diameter"
-            remedy = f"use a bore of the {'bushes' if plain else 'bearings'} there are: {sold}"
+            remedy = f"use a bore in which {'bushes' if plain else 'bearings'} are sold: {sold}"
             wanted = layout.turning(point)
             error = DesignError(key, wanted, 0, "mm", f"pin {point}", remedy)
             near = min(bores, key=lambda bore: abs(bore - wanted))
@@ -104,11 +104,11 @@ def refuse(layout: Layout) -> None:
             least = bearing.width
             key = "parts.base_thickness"
             kind = "bush" if bearing.plain else "bearing"
-            remedy = f"make it at least the width of a {kind} {bearing.name}"
+            remedy = f"make it at least as thick as a {kind} {bearing.name} is wide"
             if not shaft:
                 least = least_thickness(layout, bearing)
                 key = f"parts.{link}.thickness"
-                remedy += f", a lip of {lip(layout):g} mm that holds it, and the play over it"
+                remedy += f", plus a lip of {lip(layout):g} mm that holds it and the play over it"
             if layout.thickness(link) < least:
                 thickness = layout.thickness(link)
                 error = DesignError(key, thickness, least, "mm", f"pin {point}", remedy)
