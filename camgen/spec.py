@@ -136,7 +136,7 @@ class Record(BaseModel):
     def __setattr__(self, name: str, value: Any) -> None:
         """SpecError: a record stays as it was read; what is private is its own."""
         if name[:1] != "_":
-            right = f'a record stays as it is; machine.replace({{"{name}": ...}}), by the whole key, gives another one'
+            right = f'a record cannot be changed; machine.replace({{"{name}": ...}}), with the whole key, gives a changed copy'
             raise SpecError([Fault((name,), "", right)])
         super().__setattr__(name, value)
 
@@ -153,7 +153,9 @@ class FixedTable(dict[str, Any]):
         """SpecError: how another record is made."""
         key = dotted((*self.key, name if isinstance(name, str) else "NAME"))
         new = "..." if value is ... else shown(value)
-        right = f'a record stays as it is; machine.replace({{"{key}": {new}}}) gives another one'
+        right = (
+            f'a record cannot be changed; machine.replace({{"{key}": {new}}}) gives a changed copy'
+        )
         raise SpecError(
             [Fault((*self.key, *((name,) if isinstance(name, str) else ())), "", right)]
         )
@@ -1068,7 +1070,7 @@ def _meant(path: Sequence[str | int], value: object, node: Data, root: Data) -> 
     if isinstance(value, dict) and "array" in {
         each.get("type") for each in (node, *node.get("anyOf", ()))
     }:
-        return f"a list, each row of which begins with [[{dotted(path)}]]"
+        return f"a list: begin each row with [[{dotted(path)}]]"
     if isinstance(value, dict) and path[:-1] == ["parts"] and _scalar(node):
         return f"a value: {path[-1]} is a key of [parts]; a link of that name needs another one"
     if path == ["name"] and isinstance(value, str):

@@ -60,7 +60,7 @@ class PathWish(Wish):
     )
     joined: bool = Field(
         True,
-        description="whether lines join the points in their order; false: a dense cloud in any order",
+        description="true: lines join the points in their order; false: the points are a dense cloud in any order",
     )
     tolerance: Length | None = Field(
         None,
@@ -70,15 +70,15 @@ class PathWish(Wish):
         None,
         description="mm, greatest free play of the point by all joints; default: a twentieth of the size, or the least that a design has",
     )
-    bars: Literal[4, 6, 8] = Field(6, description="most links, the ground among them")
+    bars: Literal[4, 6, 8] = Field(6, description="greatest number of links, with the ground")
     shortest: Length | None = Field(
         None, description="mm, least distance of two pins of a link; default: what the hubs need"
     )
     transmission_deg: Annotated[float, Field(ge=0, le=60)] = Field(
-        20.0, description="deg, least between two links at a pin"
+        20.0, description="deg, least transmission angle between two links at a pin"
     )
     effort: Annotated[int, Field(ge=0, le=50)] = Field(
-        1, description="how long the best designs are bettered"
+        1, description="how long camgen improves the best designs"
     )
     seed: Annotated[int, Field(ge=0, le=10**6)] = Field(
         0, description="another number begins the search from other drawings"
@@ -158,7 +158,7 @@ class DrawingWish(Wish):
     )
     follower: Literal["arm", "slides"] = Field(
         "arm",
-        description='what the cams move: "arm", two arms and rods to the pen; or "slides", two slides and one across, with larger cams '
+        description='what the cams move: "arm" for two arms with rods to the pen; "slides" for two slides and one across, with larger cams '
         "and less play",
     )
     roller_radius: Annotated[float, Field(ge=1, le=20)] = Field(
@@ -214,7 +214,7 @@ class FunctionWish(Wish):
     function: tuple[tuple[Turn, Turn], ...] = Field(
         min_length=3,
         max_length=200,
-        description="deg, [crank, rocker]: both turned counter-clockwise, from anywhere",
+        description="deg, [crank, rocker]: both angles counter-clockwise, counted from anywhere",
     )
     tolerance: Annotated[float, Field(gt=0, le=180)] | None = Field(
         None,
@@ -231,7 +231,7 @@ class FunctionWish(Wish):
         None, description="deg, greatest free play by all joints"
     )
     transmission_deg: Annotated[float, Field(ge=0, le=80)] = Field(
-        30.0, description="deg, least between coupler and rocker"
+        30.0, description="deg, least transmission angle between coupler and rocker"
     )
 
     @property
@@ -402,14 +402,14 @@ class LinkWish(Wish):
     )
     transmission_deg: Annotated[float, Field(ge=0, le=80)] = Field(
         30.0,
-        description="deg, least between two links at a joint, or between a rod and a slide's normal",
+        description="deg, least transmission angle between two links at a joint, or between a rod and a slide's normal",
     )
     turns: bool | None = Field(
         None,
         description="true: the crank turns all round; false: it goes to and fro; default: it turns if it can",
     )
     effort: Annotated[int, Field(ge=1, le=50)] = Field(
-        1, description="from how many drawings a search begins"
+        1, description="number of drawings from which a search begins"
     )
     seed: Annotated[int, Field(ge=0, le=10**6)] = Field(
         0, description="another number begins the search from other drawings"
@@ -683,10 +683,10 @@ class SlideWish(LinkWish):
     slide: tuple[tuple[Turn, Coordinate], ...] = Field(
         min_length=3,
         max_length=60,
-        description="[crank, slider], deg counter-clockwise and mm, both from anywhere; three are met exactly",
+        description="[crank, slider], deg counter-clockwise and mm, both counted from anywhere; three are met exactly",
     )
     transmission_deg: Annotated[float, Field(ge=0, le=80)] = Field(
-        45.0, description="deg, least between the rod and the slide's normal"
+        45.0, description="deg, least transmission angle between the rod and the slide's normal"
     )
 
     @property
@@ -751,7 +751,8 @@ class DwellWish(LinkWish):
     )
     frame: Length = Field(60.0, description="mm, between the pivots of crank and rocker")
     transmission_deg: Annotated[float, Field(ge=0, le=60)] = Field(
-        20.0, description="deg, least between coupler and rocker, and between rod and output"
+        20.0,
+        description="deg, least transmission angle between coupler and rocker, and between rod and output",
     )
 
     @property

@@ -67,7 +67,7 @@ def judge_copies(
         ]
     off, remark = max(faults, default=(0.0, ""))
     if off <= limit:
-        remark = f"{counted(len(package.items), 'copy', 'copies')} of {counted(len(package.meshes), 'part')}, each as its own file has it"
+        remark = f"{counted(len(package.items), 'copy', 'copies')} of {counted(len(package.meshes), 'part')}, each the same as its own file"
     return at_most("ROUND_TRIP", off, limit, "mm", where, remark)
 
 
@@ -110,7 +110,7 @@ def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Copies) ->
     ]
     off, remark = max(faults, default=(0.0, ""))
     if off <= tolerances.SAME_POINT:
-        remark = f"{counted(len(copies), 'copy', 'copies')} of {counted(len(bodies), 'part')}, each as its own file has it"
+        remark = f"{counted(len(copies), 'copy', 'copies')} of {counted(len(bodies), 'part')}, each the same as its own file"
     return at_most("ROUND_TRIP", off, tolerances.SAME_POINT, "mm", where, remark)
 
 

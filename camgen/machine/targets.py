@@ -185,7 +185,7 @@ class Through(Record):
     )
     tolerance: Near = Field(description="how far from each the path may pass")
     in_order: bool = Field(
-        default=False, description="whether it passes them in this order as theta grows"
+        default=False, description="true: the path passes them in this order as theta grows"
     )
     theta_deg: tuple[Angle, ...] | None = Field(
         default=None, description="angles at which it passes the places, one for each"
@@ -264,7 +264,7 @@ class Trace(Record):
     )
     joined: bool = Field(
         default=True,
-        description="whether lines join the places in their order; false: a dense cloud",
+        description="true: lines join the places in their order; false: the places are a dense cloud",
     )
     tolerance: Near = Field(
         description="how far the path may lie from the places and their lines, or these from the path"

@@ -333,7 +333,7 @@ def _ride_error(each: IncludedMachine, ride: Ride, chain: Machine) -> Finding:
         digits=2,
         module=module.prefix,
     )
-    remark = "from where its own machine has it; what follows from it, such as clearances, is judged where it really goes"
+    remark = "from its place in its own machine; clearances are judged where the body really goes"
     limit = each.table.ride_tolerance
     return at_most("PROGRAM_ERROR", float(off[worst]), limit, "mm", where, remark)
 

@@ -125,7 +125,9 @@ class LawChoice(Record):
         default=None, description="table: a file beside the spec with these two columns"
     )
     source: str | None = Field(default=None, description="table: source of the rows")
-    rest: bool | None = Field(default=None, description="table: whether it starts and ends at rest")
+    rest: bool | None = Field(
+        default=None, description="table: true if the motion starts and ends at rest"
+    )
     tolerance: Annotated[float, quantity("mm or deg", gt=0, le=1e3)] | None = Field(
         default=None,
         description="table over the whole turn: how far the motion may differ from the rows; camgen makes it as smooth as this allows",

@@ -132,13 +132,13 @@ def _judged_path(case: Case, part: str, drum: Drum, cutter: float) -> Finding:
         with open(path, encoding="utf-8", newline="") as file:
             head, *rows = csv.reader(file, strict=True)
         if tuple(head) != _PATH:
-            raise ValueError(f"its columns are to be {', '.join(_PATH)}")
+            raise ValueError(f"its columns must be {', '.join(_PATH)}")
         found = {
             name: np.array([list(map(float, row[1:])) for row in rows if row[0] == name])
             for name in _SIDES.values()
         }
         if any(found[_SIDES[wall.side]].shape != (_ROWS, 4) for wall in drum.walls):
-            raise ValueError(f"{_ROWS} rows are to be along each wall")
+            raise ValueError(f"{_ROWS} rows must be along each wall")
     except (OSError, UnicodeDecodeError, ValueError, csv.Error) as error:
         raise FileError(path, f"cannot be read as a cutter's path: {error}") from None
     ends = (drum.floor, drum.roller.middle, drum.outside)

@@ -239,7 +239,7 @@ def _rows(path: Path, columns: Sequence[str]) -> list[list[str]]:
         with open(path, encoding="utf-8", newline="") as file:
             head, *rows = csv.reader(file, strict=True)
         if head != list(columns) or any(len(row) != len(columns) for row in rows):
-            raise ValueError(f"its columns are to be {', '.join(columns)}")
+            raise ValueError(f"its columns must be {', '.join(columns)}")
         return rows
     except (OSError, UnicodeDecodeError, ValueError, csv.Error) as error:
         raise FileError(

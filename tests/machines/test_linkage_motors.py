@@ -118,10 +118,10 @@ def drive(spec: Tables, k: int, **changes: Any) -> None:
 @pytest.mark.parametrize(
     ("change", "path", "words"),
     [
-        (lambda e: drive(e, 1, link="left"), ("drive", 1, "link"), "drive.0 turns left"),
+        (lambda e: drive(e, 1, link="left"), ("drive", 1, "link"), "drive.0 already turns left"),
         (lambda e: drive(e, 1, link="rihgt"), ("drive", 1, "link"), "right"),
         (lambda e: drive(e, 1, link="left_rod"), ("drive", 1, "link"), "shares a point"),
-        (lambda e: drive(e, 1, speed_rpm=12), ("drive", 1, "speed_rpm"), "4 as drive.0"),
+        (lambda e: drive(e, 1, speed_rpm=12), ("drive", 1, "speed_rpm"), "4, the same as drive.0"),
         (
             lambda e: drive(e, 1, segment=[], speed_rpm=6),
             ("drive", 1, "speed_rpm"),
@@ -130,8 +130,12 @@ def drive(spec: Tables, k: int, **changes: Any) -> None:
         (lambda e: drive(e, 1, segment=[], range_deg=[0, 9]), ("drive", 1, "range_deg"), "segment"),
         (lambda e: drive(e, 0, speed_rpm=-10), ("drive", 0, "speed_rpm"), "above 0"),
         (lambda e: e.update(drive=[]), ("drive",), "a table [drive]"),
-        (lambda e: e["parts"].update(sides=2, plates=2), ("parts", "sides"), "several motors"),
-        (lambda e: e.update(counterweight={}), ("counterweight",), "several motors"),
+        (
+            lambda e: e["parts"].update(sides=2, plates=2),
+            ("parts", "sides"),
+            "this one has several",
+        ),
+        (lambda e: e.update(counterweight={}), ("counterweight",), "this one has several"),
     ],
 )
 def test_faults_say_where_and_what(
@@ -380,7 +384,7 @@ def test_a_line_in_a_file_is_the_same_line(drawn: Linkage, tmp_path: Path) -> No
         ),
         (
             lambda e: drive(e, 0, range_deg=[0, 50]),
-            "drive.0.range_deg: [0.0, 50.0] - expected nothing",
+            "drive.0.range_deg: [0.0, 50.0] - expected no value here",
         ),
         (lambda e: e["drive"].pop(), "drive: 1 drive - expected [[drive]] twice beside [pen]"),
         (lambda e: e["parts"].update(discs={}), "a table of names, each a number >= 0.001"),

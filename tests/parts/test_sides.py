@@ -208,7 +208,7 @@ def test_a_hole_of_the_far_side_that_is_elsewhere_is_found(folder: Path, tmp_pat
                 "links": {**WALKER["links"], "far_rod": ["A", "D"]},
                 "points": {**WALKER["points"], "D": [40, 9]},
             },
-            "the far side's rod has it",
+            "the rod of the far side has this one",
         ),
         ({"counterweight": {}}, "[counterweight]"),
     ],

@@ -86,7 +86,7 @@ def test_files_are_the_same_again_and_judged_again(made, tmp_path, root):
     table.write_text(text.replace("25,90,0,25,", "25,90,0,25.01,", 1))
     assert {str(f.where).split(",")[0] for f in wrong(again.folder, "dxf")} == {table.name}
     table.write_text(text.replace("x_mm", "x"))
-    with pytest.raises(FileError, match="its columns are to be theta_deg, radius_mm"):
+    with pytest.raises(FileError, match="its columns must be theta_deg, radius_mm"):
         judged(again.folder, "dxf")
     table.write_text(text)
     path = again.folder / "disc-cam-cam-path.dxf"

@@ -357,7 +357,7 @@ class DiscCamDrive(CamTables):
         if self.standing or self._load is not None or materials.of(self.material.name).printed:
             return ()
         codes = ("LIFT_OFF", "HERTZ") if self.geometry.closure == "force" else ("HERTZ",)
-        why = "nothing says which force presses the follower on the cam"
+        why = "the spec does not say which force presses the follower on the cam"
         needs = "[load], with the mass that moves, and [spring]" if len(codes) > 1 else "[load]"
         return [NotJudged(code, why, needs) for code in codes]
 

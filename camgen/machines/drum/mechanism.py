@@ -380,7 +380,7 @@ class CamDrum(Mechanism):
         """Of a material that is not printed, whose strength wants to be judged."""
         if materials.of(self.material.name).printed:
             return ()
-        why = "nothing says which force presses the followers on the drum"
+        why = "the spec does not say which force presses the followers on the drum"
         needs = "a disc-cam of the track's segments, with [load] and [spring]"
         return [NotJudged(code, why, needs) for code in ("LIFT_OFF", "HERTZ")]
 

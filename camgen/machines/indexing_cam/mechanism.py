@@ -89,9 +89,8 @@ class IndexingCam(CamTables):
     motor: t.IndexingMotor = t.IndexingMotor()
     driver: t.Driver | None = Field(
         default=None,
-        description="a two-crank chain before the cam: it turns fastest in the middle of each turn of the "
-        "table, which moves as before; for rise_deg + dwell_deg = 180 there and back, with "
-        'make = "cams"',
+        description="a two-crank chain in front of the cam: the cam then turns fastest in the middle of each turn of the table, and the "
+        'table moves as before; for rise_deg + dwell_deg = 180 there and back, with make = "cams"',
     )
     freewheel: t.Freewheels | None = Field(
         default=None,

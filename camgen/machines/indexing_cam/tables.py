@@ -327,7 +327,8 @@ class IndexingLimits(SwingingCamLimitsTable):
         "period; MR-13 has 2.55 by design",
     )
     residual: Annotated[float, quantity("1", ge=0, le=100)] = Field(
-        default=0.25, description="share of the peak torque without the unloader, left to the cam"
+        default=0.25,
+        description="greatest share of the peak torque (that without the unloader) that is left to the cam",
     )
     advance_deg: Annotated[float, quantity("deg", gt=0, le=360)] = Field(
         default=0.05,

@@ -60,5 +60,7 @@ def faults(
         return
     for kind, name, held in (("points", row.twin.at, points), ("links", row.twin.disc, links)):
         if name in held:
-            right = f"another name: the second disc of {'.'.join(map(str, path))} has it"
+            right = (
+                f"another name: the second disc of {'.'.join(map(str, path))} already has this one"
+            )
             yield Fault((kind, name), "", right)

@@ -490,7 +490,7 @@ def _follower_faults(drawing: Drawing, path: Key, cam: t.Cam, slides: bool) -> I
     _, post, hook = drawing.returns[cam.joint]
     for name in [post] if cam.shape == "roller" else [post, hook]:
         if name in drawing.points or name in drawing.links:
-            right = "another name: the return spring of a cam has it"
+            right = "another name: the return spring of a cam already has this one"
             yield Fault(("points", name), "", right)
 
 

@@ -79,9 +79,7 @@ def _speed_faults(path: Key, first: OneDrive, drive: OneDrive) -> Iterator[Fault
     ratio = drive.speed_rpm / first.speed_rpm
     value = f"{drive.speed_rpm:g}"
     if drive.segments and abs(ratio - 1) > _WHOLE:
-        right = (
-            f"{first.speed_rpm:g} as drive.0 has it, or nothing: all programs run over one period"
-        )
+        right = f"{first.speed_rpm:g}, the same as drive.0, or no value: all programs run over one period"
         yield Fault(path, value, right)
     elif not drive.segments and abs(ratio - round(ratio)) > _WHOLE:
         right = (

@@ -116,10 +116,10 @@ def faults(path: Key, row: t.Planets, points: Points, links: Links) -> Iterable[
         yield Fault((*path, "at"), repr(row.at), f"a point beside {centre}")
     for name in row.pins[1:]:
         if name in points:
-            yield Fault(("points", name), "", "another name: a planet turns there")
+            yield Fault(("points", name), "", "another name: a planet's pin already has this one")
     for name in row.links:
         if name in links:
-            yield Fault(("links", name), "", "another name: a planet has it")
+            yield Fault(("links", name), "", "another name: a planet already has this one")
     yield from _seat_faults(path, row)
 
 

@@ -93,7 +93,7 @@ class Drive(Record):
     )
     range_deg: tuple[Degrees, Degrees] | None = Field(
         default=None,
-        description="least and greatest angle from the drawn position: to and fro instead of turns",
+        description="least and greatest angle, counted from the drawn position: the drive then goes to and fro instead of round",
     )
     segments: Annotated[
         tuple[DriveSegment, ...],
@@ -101,7 +101,7 @@ class Drive(Record):
         WholeTurn,
     ] = Field(
         default=(),
-        description="a program in place of an even turn, as a stepper runs it; speed_rpm counts periods",
+        description="a program in place of an even turn, as a stepper runs it; speed_rpm is then the number of periods per minute",
     )
 
     def program(self, path: Key = ("drive",)) -> Program | None:
@@ -149,7 +149,7 @@ class SlidingDrive(Record):
         default=20.0, description="speed of a drive that slides"
     )
     range: tuple[Stretch, Stretch] = Field(
-        description="least and greatest place of a drive that slides, from the drawn one"
+        description="least and greatest position of a drive that slides, counted from the drawn one"
     )
 
     @property
@@ -344,7 +344,7 @@ class Gear(Pair):
     )
     inner: bool = Field(
         default=False,
-        description="whether b is a ring with its teeth inside, in which the wheel of a runs; ratio above 0",
+        description="true: b is a ring with its teeth inside, in which the wheel of a runs; the ratio is then above 0",
     )
     teeth: WheelTeeth | None = Field(
         default=None, description="teeth of the wheel of a; default: camgen finds it"
@@ -393,7 +393,8 @@ class Geneva(Pair):
     pin_radius: Length = Field(description="radius of the roller on the pin")
     inner: bool = Field(
         default=False,
-        description="whether the wheel goes round its crank, its slots open inwards: it turns with the crank, slower and over more than half of its turn",
+        description="true: the wheel goes round its crank and its slots open inwards: it turns with the crank, slower and over more than "
+        "half of its turn",
     )
     clearance: Annotated[float, quantity("mm", gt=0, le=2)] | None = Field(
         default=None,
@@ -892,7 +893,7 @@ class Walk(Record):
     )
     payload_g: Annotated[float, quantity("g", ge=0, le=1e6)] = Field(
         default=0.0,
-        description="what the frame carries beside its own parts: motor, battery, freight",
+        description="mass of what the frame carries besides its own parts, such as motor, battery and freight",
     )
     payload_at: Place | None = Field(
         default=None,

@@ -84,7 +84,7 @@ def _speedless(motor: Drives | None, assembly: Assembly) -> list[NotJudged]:
     """What stays open of a machine of which nothing says how fast it turns."""
     asked = drive.motor_of(motor, assembly.motor.crank) is not None
     codes = (*(("DRIVE_TORQUE",) if asked else ()), "PV", "PIN_STRESS")
-    why = "nothing says how fast the machine turns"
+    why = "the spec does not say how fast the machine turns"
     return [NotJudged(code, why, "motor.speed_rpm") for code in codes]
 
 

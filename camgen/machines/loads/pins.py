@@ -97,7 +97,7 @@ def overstated(pins: Sequence[PinLoad]) -> tuple[str, ...]:
         own = f"{plastic} bears {materials.of(plastic).bears:g} MPa"
         sentences.append(
             f"with limits.pin_stress_mpa = {limit:g} printed parts hold, but {own}: {stressed}; "
-            f"make {'it' if len(stresses) == 1 else 'each'} of steel, because the parts list has it as printed"
+            f"make {'it' if len(stresses) == 1 else 'each'} of steel, because the parts list still says printed"
         )
     return tuple(sentences)
 

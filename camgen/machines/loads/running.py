@@ -63,7 +63,7 @@ def running(
     mean = abs(machine.speed)
     speeds: Floats | None = None
     if motor is None or math.isinf(motor.no_load):
-        why = "nothing says how the motor's torque falls with its speed"
+        why = "the spec does not say how the motor's torque falls with its speed"
         needs = "motor.stall_torque_n_m with no_load_rpm, or a motor.model with brushes"
         if asked.run_up is not None:
             check.not_judged.append(NotJudged("RUN_UP", why, needs))

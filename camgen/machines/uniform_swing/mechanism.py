@@ -270,7 +270,7 @@ class UniformSwing(Mechanism):
         """LIFT_OFF of force closure where nothing says what swings."""
         if self._forces or self.sizes.pair:
             return ()
-        why = "nothing says what the spring has to move"
+        why = "the spec does not say what the spring has to move"
         return (NotJudged("LIFT_OFF", why, "nozzle.inertia_kg_m2"),)
 
     @cached_property

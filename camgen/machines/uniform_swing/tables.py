@@ -206,8 +206,7 @@ class SpringTable(Record):
     )
     lever: Length = Field(
         default=24.0,
-        description="distance from the pivot to a straight spring: the report says which spring that "
-        "needs",
+        description="distance from the pivot to a straight spring: the report says which spring this needs",
     )
 
 

@@ -216,7 +216,7 @@ class Bodies:
             motors.append(Bought("drive", "", f"{turning}, for a {shaft}", 1, "drive", how=lower))
         if face is not None:
             if p.shaft_flat and not face.flat:
-                shaft += " (look up that of your motor: shaft_flat)"
+                shaft += " (measure your motor's flat, and set parts.shaft_flat)"
             said = f"{turning}, {shaft}, at least {self.shaft_reach:.4g} long from its face"
             motors = fixed_motor("drive", face, said, p.base_thickness - p.pocket)
         screws = self.layout.cover.bought(self.of_role("cover")) if self.layout.cover else []
@@ -241,7 +241,11 @@ class Bodies:
         greased = bushes or self._greased
         return [
             *motors,
-            *([Bought("grease", "", "NLGI 2, as steps say", 1, "own")] if greased else []),
+            *(
+                [Bought("grease", "", "NLGI 2, where a step asks for it", 1, "own")]
+                if greased
+                else []
+            ),
             *(self.layout.fitted.bought if self.layout.fitted.holder else [behind]),
             *screws,
             *plates.bought(self.layout),

@@ -583,7 +583,7 @@ class Parts(Record):
         screw = self.post_screw
         if screw is None:
             holes = ", ".join(map(str, CORE_HOLES.values()))
-            right = f"the core hole of a screw, as the posts have it too: {holes}"
+            right = f"the core hole of a screw, because the posts have the same: {holes}"
             yield self._fault("mount_diameter", right)
             return
         least = screw.height + SUNK + 2 * nozzle

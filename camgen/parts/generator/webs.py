@@ -82,7 +82,7 @@ def faults(
     if not throw_points:
         right = f'"through": no other link turns on a point of {link}, which drives'
         return [Fault(key, "interrupted", right)]
-    right = f"another name: a web of the interrupted shaft of {link} has it"
+    right = f"another name: a web of the interrupted shaft of {link} already has this one"
     names = [web_name(link, k) for k in range(1, len(throw_points) + 1)]
     faults = [Fault(("links", name), "", right) for name in names if name in links]
     for a, b in pairwise(throw_points):
