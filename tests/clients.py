@@ -757,6 +757,37 @@ def test_the_page_places_a_dragged_linkage_as_camgen_does(name: str) -> None:
     assert page_off_camgen(script.replace("? -1 : 1", "? 1 : -1"), name) > 1
 
 
+NAMES = """(async () => {
+  const wait = ms => new Promise(done => setTimeout(done, ms));
+  for (let k = 0; k < 600 && !(window.camgen && camgen.solid); k++) await wait(20);
+  const card = [...document.querySelectorAll(".steps .cards li")].findIndex(each => each.textContent.includes("together on the bench"));
+  location.hash = "#step=" + (card + 1);
+  const bench = document.getElementById("bench");
+  bench.scrollIntoView();
+  for (let k = 0; k < 600 && !document.querySelector("#marks .name"); k++) await wait(20);
+  await wait(2000);
+  const frame = bench.getBoundingClientRect();
+  return [...document.querySelectorAll("#marks .name")].map(mark => {
+    const { top, bottom } = mark.getBoundingClientRect();
+    return [mark.textContent, top > frame.top && bottom < frame.bottom];
+  });
+})()"""
+
+
+def test_names_of_what_is_put_together_are_in_the_picture(tmp_path: Path) -> None:
+    """Each lies below what it names: that of the lowest part too."""
+    needed(chromium)
+    from browser import tab
+
+    spec = ROOT / "specs" / "four-leg-walker.toml"
+    script = ROOT / "tests" / "flat.py"
+    said(sys.executable, script, "build", spec, "-o", tmp_path, "--only", "3mf,report", limit=600)
+    with tab() as page:
+        page.show(next(tmp_path.rglob("report.html")), 1200, 900)
+        names = page.run(NAMES)
+    assert len(names) > 10 and all(inside for _, inside in names), names
+
+
 def test_a_browser_without_webgl_shows_pictures_of_steps(tmp_path: Path) -> None:
     """It says what is missing; a page whose painter draws nothing is seen."""
     needed(chromium)

@@ -649,6 +649,7 @@
         const { items, mates, names } = laidOut(steps[number].laid, copies, standing);
         items.forEach(({ k, matrix, first }) => put(copies[k].part, matrix, false, first ? "--plain" : "--new"));
         mates.forEach(glued);
+        reach.push(...names.map(({ at }) => at.clone()));
         return [...names.map(({ label, at }) => [label, at]), ...named(items)];
       }
       const { coming, there, own, spring, springs, shapes, bought, screws, lies } = onBench(steps, number), placed = k => lies.clone().multiply(standing[k]);
@@ -872,6 +873,7 @@
       inset.hidden = true;
       lift.set(0, 0, 0);
       near = items.flatMap(({ k, matrix }) => copies[k].part.ends.map(end => end.clone().applyMatrix4(matrix)));
+      near.push(...names.map(({ at }) => at));  // they lie below what they name
       radius = new THREE.Box3().setFromPoints(near).getSize(new THREE.Vector3()).length() / 2;
       items.forEach(({ k, matrix, first }) => put(there, k, first ? plain : fresh, matrix));
       mates.forEach(mate => glued(there, mate));
