@@ -39,7 +39,7 @@ _ABOVE = 24.0
 _BESIDE = 12.0
 _RUN_OUT = 10.0  # more to the right of a drum's plan view, for the run-out of that end
 _THIRD = 8.0  # from the plan view's dimension to the third view, and from that to what is below
-_BORE = 23.0  # to the dimension of a round bore there, past the sign of its roughness
+_BORE = 27.0  # to the dimension of a round bore there, past the sign of its roughness
 _SURFACE = 10.0  # room above for them
 
 

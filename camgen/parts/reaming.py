@@ -180,7 +180,7 @@ _PULLED = "Pull {} out of a gap as soon as the part is on, before the glue is ha
 def glue(metal: bool) -> str:
     """What parts are glued with on shafts and pins."""
     if metal:
-        return "anaerobic retaining compound for cylindrical joints of metal"
+        return "anaerobic retaining compound of high strength for cylindrical joints of metal"
     return "superglue gel or two-part glue"
 
 

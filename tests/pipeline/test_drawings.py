@@ -181,6 +181,8 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     assert "hole O keyed and glued on the shaft" in parts["crank"].notes
     square = "holes O and C square to the lower face within Ø0.02 over the thickness"
     assert square in parts["ground"].notes
+    # the roller runs on the pin
+    assert square.replace("holes O and C", "hole P") in parts["crank"].notes
     where = {str(row[1]): str(row[3]) for row in by_heights(mechanism.assembly).rows}
     assert where["crank"].startswith("O keyed and glued on shaft, ")
     assert where["pin-1"].startswith("pressed and glued into P of crank")
@@ -298,6 +300,16 @@ def test_a_ball_bearing_in_metal_has_the_fits_of_its_makers() -> None:
     links = ("ground", "crank", "rocker", "coupler")
     assert [found[name].thinner for name in links] == pytest.approx([0.0, 0.05, 0.05, 0.0])
     assert fits(found["sleeve-1"])[0] == "H7 (+0.012/0), slides on Ø5 g6"
+    # pins that lean in their holes tip the links on them: these are the holes in which they are fixed
+    square = {
+        part.name: [note for note in part.notes if "square to the lower face" in note]
+        for part in mechanism.assembly.parts
+    }
+    assert {name: said[0].split(" square")[0] for name, said in square.items() if said} == {
+        "ground": "holes O and C",
+        "crank": "hole A",
+        "rocker": "hole B",
+    }
     own = facts("linkage", *linkage, "drawing.seat_fit=H8")[1]
     assert fits(own["coupler"])[0].startswith("H8")
     assert not any(

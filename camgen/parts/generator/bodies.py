@@ -79,7 +79,7 @@ _NUMBERED: dict[Role, str] = {  # parts of which a machine has several unlike on
 # Wires reach over the whole machine, past the holder, and this far beyond; they are cut in steps of _WIRES, mm.
 _SLACK = 100.0
 _WIRES = 50.0
-_SQUARE = 0.02  # mm, zone of the axis of a bush's bore: camgen's own rule
+_SQUARE = 0.02  # mm, zone of the axis of a bush's bore or a pin's hole: camgen's own rule
 _THREADED = 1.5  # diameters of a screw that its thread is in the plate at least: camgen's own rule
 _CHECK = "Move it slowly through its whole motion first: no joint may be stiff"
 
@@ -106,7 +106,7 @@ class Bodies:
         moving = [link for link in layout.moving if link not in layout.alone]
         own = layout.fitted
         beside = max(self.collar_radius, self.under or 0.0)
-        notes = [*self._pressed(GROUND), *self._square]
+        notes = [*self._pressed(GROUND), *self._square(GROUND)]
         base = ground_plate(layout, part_name(GROUND), beside, notes)
         parts = [base, *(own.links.get(name) or self._link(name) for name in moving)]
         mounts = [Mount(part_name(GROUND), GROUND)]
@@ -404,6 +404,7 @@ class Bodies:
         notes = [
             f"level {layout.level[link]} of the machine, from the plate",
             *self._pressed(link),
+            *self._square(link),
             *notes,
         ]
         if layout.metal and any(each.wheel.link == link for each in layout.pinned):
@@ -420,13 +421,13 @@ class Bodies:
             points=tuple(points.items()),
         )
 
-    @property
-    def _square(self) -> Iterator[str]:
-        """How square bores of bushes in a plate of metal are: shafts that lean in them tip what they carry."""
+    def _square(self, link: str) -> Iterator[str]:
+        """How square to a link or plate of metal are its bores for bushes and its holes for pins: what leans in them tips what it carries."""
         layout = self.layout
         bores = [point for point in layout.shafts if layout.kind(point) == "bush"]
-        if layout.metal and bores:
-            holes = listed("hole", bores)
+        square = [*(bores if link == GROUND else ()), *self._fixed(link)[1]]
+        if layout.metal and square:
+            holes = listed("hole", square)
             yield f"{holes} square to the lower face within Ø{_SQUARE:g} over the thickness"
 
     def _titled(self, link: str) -> str:
@@ -435,7 +436,8 @@ class Bodies:
         drives = any(each.joint.cam == link for each in self.layout.drives_of(GenevaDrive))
         return f"Driver {name}" if drives else name[:1].upper() + name[1:]
 
-    def _pressed(self, link: str) -> list[str]:
+    def _fixed(self, link: str) -> tuple[list[str], list[str]]:
+        """Points at which shafts are fixed in a link, and those at which pins are."""
         layout = self.layout
         fixed = [
             point
@@ -446,7 +448,11 @@ class Bodies:
             and (link != GROUND or in_first(layout, point))
         ]
         shafts = [point for point in fixed if point in layout.shafts]
-        pins = [point for point in fixed if point not in shafts]
+        return shafts, [point for point in fixed if point not in shafts]
+
+    def _pressed(self, link: str) -> list[str]:
+        layout = self.layout
+        shafts, pins = self._fixed(link)
         notes = [f"{listed('hole', shafts)} {layout.on_shaft} on the shaft"] if shafts else []
         by_joint: dict[str, list[str]] = {}
         for point in pins:
