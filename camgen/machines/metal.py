@@ -21,6 +21,7 @@ _HUB = 1.8  # of the bore: diameter
 _SCREWED = 2.4  # diameters of its set screw: least height of a hub
 _END = 3.0  # mm, walls of a drum of any material
 _RIM_OF_DEPTH = 0.5  # of the depth of its track: walls of a drum
+HEAD_CLEARANCE = 0.4  # mm, between the head of a bought roller and the floor of its track
 _GROOVE = 0.05  # mm, by which a milled groove is wider than its roller
 _BACK = 0.5  # of the thickness: back plate of a groove; its dowels at least
 _LOOSE = 0.6  # mm, by which screws are loose in the rim
@@ -63,12 +64,25 @@ def of_drum(data: Any) -> Any:
     name = material.get("name")
     if not _is_metal(name):
         return data
-    made = {**data, "print": {"slide_clearance": _GROOVE, **fits}}
+    made = {**_clear_of_head(data), "print": {"slide_clearance": _GROOVE, **fits}}
     parts = data.get("parts", {})
     if not isinstance(parts, Mapping):
         return made
-    wall = max(_END, _least_wall(name), _RIM_OF_DEPTH * _depth(data.get("geometry", {})))
+    wall = max(_END, _least_wall(name), _RIM_OF_DEPTH * _depth(made.get("geometry", {})))
     return {**made, "parts": {"wall": float(math.ceil(wall)), **parts}}
+
+
+def _clear_of_head(data: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The tables with room for the head of the bought roller that the load names, where neither that nor the drum's radius is given."""
+    geometry, load = data.get("geometry"), data.get("load")
+    if not (isinstance(geometry, Mapping) and isinstance(load, Mapping)):
+        return data
+    roller = geometry.get("roller")
+    named = CAM_FOLLOWERS.get(str(load.get("cam_follower")))
+    if named is None or not isinstance(roller, Mapping) or geometry.get("radius") is not None:
+        return data
+    clear = {"end_clearance": named.beyond + HEAD_CLEARANCE, **roller}
+    return {**data, "geometry": {**geometry, "roller": clear}}
 
 
 def _depth(geometry: Any) -> float:

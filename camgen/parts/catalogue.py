@@ -127,12 +127,25 @@ class CamFollower:
     thread: str
     length: float  # of the stud, with its thread
     rating: float
+    beyond: float  # its ring: how far the head and the shoulder of the stud stand out, at most
     exponent: ClassVar[float] = 10 / 3  # of its life
 
-    def bought(self, count: int) -> Bought:
-        """Its line in the parts list."""
+    def bought(self, count: int, clear: float, where: str) -> list[Bought]:
+        """Its lines in the parts list, with washers where what carries it would touch the cam.
+
+        clear: how far its shoulder lies outside the cam, mm, below 0 inside; where: it goes, in words.
+        """
         size = f"{self.name}: cylindrical ring {self.outside:g} x {self.width:g}, stud {self.stud:g} x {self.length:g} in a hole H7, {self.thread}"
-        return Bought("cam follower", ROLLER_STANDARD, size, count)
+        each = math.ceil((_CLEAR_OF_CAM - clear) / WASHERS[self.stud])
+        if each <= 0:
+            return [Bought("cam follower", ROLLER_STANDARD, size, count, how=where)]
+        washer = Bought("washer of the cam follower", "ISO 7089", f"M{self.stud:g}", each * count)
+        some = "a washer" if each == 1 else f"{each} washers"
+        how = f"{where}; {some} between its shoulder and your follower: this must not touch the cam"
+        return [
+            replace(washer, how="on the stud of the cam follower, before that goes in"),
+            Bought("cam follower", ROLLER_STANDARD, size, count, how=how),
+        ]
 
 
 @dataclass(frozen=True)
@@ -314,21 +327,26 @@ BUSH = "bush"  # name of its part
 BRONZE = "CuSn8"
 BRONZE_PV = 1.75  # MPa m/s
 
+_CLEAR_OF_CAM = 0.5  # mm, between a cam and what carries its roller, at least: camgen's own rule
+# Plain washers ISO 7089, all narrower than the rings on these studs: their thickness by thread, mm
+# [engineeringhardware.com/guide/standard/iso-7089-cad-svg-086-washer, designparams.com/parts/washers/flat-washer].
+WASHERS = {6.0: 1.6, 8.0: 1.6, 10.0: 2.0, 12.0: 2.5, 16.0: 3.0, 18.0: 3.0, 20.0: 3.0}
+
 # Cam followers: IKO, C-Lube Cam Followers, CF .. WBUUR/SG [scribd.com/document/676557690]; ring, stud and length of KR19 to KR35
 # as INA has them [nodeshk.com/ina/art/track-roller-clearance.html].
 CAM_FOLLOWERS = {
     row.name: row
     for row in (
-        CamFollower("KR16", 16, 11, 6, "M6 x 1", 16, 3.66),
-        CamFollower("KR19", 19, 11, 8, "M8 x 1.25", 20, 4.25),
-        CamFollower("KR22", 22, 12, 10, "M10 x 1.25", 23, 5.43),
-        CamFollower("KR26", 26, 12, 10, "M10 x 1.25", 23, 5.43),
-        CamFollower("KR30", 30, 14, 12, "M12 x 1.5", 25, 7.91),
-        CamFollower("KR32", 32, 14, 12, "M12 x 1.5", 25, 7.91),
-        CamFollower("KR35", 35, 18, 16, "M16 x 1.5", 32.5, 12.0),
-        CamFollower("KR40", 40, 20, 18, "M18 x 1.5", 36.5, 14.8),
-        CamFollower("KR47", 47, 24, 20, "M20 x 1.5", 40.5, 20.7),
-        CamFollower("KR52", 52, 24, 20, "M20 x 1.5", 40.5, 20.7),
+        CamFollower("KR16", 16, 11, 6, "M6 x 1", 16, 3.66, 0.6),
+        CamFollower("KR19", 19, 11, 8, "M8 x 1.25", 20, 4.25, 0.6),
+        CamFollower("KR22", 22, 12, 10, "M10 x 1.25", 23, 5.43, 0.6),
+        CamFollower("KR26", 26, 12, 10, "M10 x 1.25", 23, 5.43, 0.6),
+        CamFollower("KR30", 30, 14, 12, "M12 x 1.5", 25, 7.91, 0.6),
+        CamFollower("KR32", 32, 14, 12, "M12 x 1.5", 25, 7.91, 0.6),
+        CamFollower("KR35", 35, 18, 16, "M16 x 1.5", 32.5, 12.0, 0.8),
+        CamFollower("KR40", 40, 20, 18, "M18 x 1.5", 36.5, 14.8, 0.8),
+        CamFollower("KR47", 47, 24, 20, "M20 x 1.5", 40.5, 20.7, 0.8),
+        CamFollower("KR52", 52, 24, 20, "M20 x 1.5", 40.5, 20.7, 0.8),
     )
 }
 

@@ -347,7 +347,9 @@ def _in_tracks(assembly: Assembly, follower: CamFollower | None) -> Iterator[Thi
     """Rings of cam followers in tracks of drums, and their studs, square to the drum's axis, at theta = 0."""
     import shapely
 
-    stud = (0.0, 0.0) if follower is None else (follower.stud / 2, follower.length)
+    stud = (0.0, 0.0)
+    if follower is not None:
+        stud = follower.stud / 2, follower.beyond + follower.length
     for track in assembly.tracks:
         drum = assembly.by_name[track.part].drum
         mount = next(each for each in assembly.mounts if each.part == track.part)
@@ -389,9 +391,14 @@ def _rollers(assembly: Assembly, follower: CamFollower | None) -> list[Thing]:
                 found.append([(ring, low, high)])
                 continue
             stud = _disc(place, follower.stud / 2)
-            below = top - high > low - bottom
-            ends = (low - follower.length, high) if below else (low, high + follower.length)
-            found.append([(ring.difference(stud), low, high), (stud, *ends)])
+            middle = (low + high) / 2
+            face = follower.width / 2  # of the ring
+            head = face + follower.beyond
+            ends = -head - follower.length, head
+            if top - high <= low - bottom:
+                ends = -head, head + follower.length
+            rolls = ring.difference(stud), middle - face, middle + face
+            found.append([rolls, (stud, middle + ends[0], middle + ends[1])])
     return found
 
 

@@ -44,8 +44,11 @@ def bought_things(mechanism: Mechanism) -> list[Bought]:
     rollers = [cam.roller for cam in assembly.outlines.values()]
     named = None if mechanism.load is None else mechanism.load.cam_follower
     if named and rollers and not any(rollers):
-        rolls = CAM_FOLLOWERS[named].bought(len(rollers))
-        things.append(replace(rolls, how="in your follower, its ring on the cam"))
+        rolls = CAM_FOLLOWERS[named]
+        discs = [disc for each in assembly.stand_ins if each.rolls for disc in each.discs]
+        wide = max((high - low for _, _, low, high in discs), default=rolls.width)
+        clear = (rolls.width - wide) / 2 + rolls.beyond
+        things += rolls.bought(len(rollers), clear, "in your follower, its ring on the cam")
     return things
 
 

@@ -42,7 +42,9 @@ from camgen.study import Mate, Plot, Prism, Scene, Step, Table
 
 _FIRST_PLOTS = 12  # more curves than this are folded away; it fills rows of two, three and four
 _FIRST_OF_PRINTED = 4  # of what is printed, of which one looks for what to buy, print and do first
+_MASS = "mass in "  # begins a column of the parts list
 _TALL = 4.0  # by which a printed part is higher than the square is wide that it stands on, and asks for a brim
+_BRIM = 1.0  # mm wide: parts lie 3 mm apart on a plate
 _FLAT = ("as drawn", "turned over")  # how a part lies that is as high as it is thick
 _SERIES_DARK = ("#6db3f2", "#f2a069", "#74cf98", "#c99be8", "#dcc04e", "#f08fbf")
 
@@ -468,10 +470,17 @@ def _plates(report: Report) -> str:
     count = len(cards)
     these = f"these {count} plates: they hold" if count > 1 else "this plate: it holds"
     again = "Take the file of a single part only to print that part again."
-    filament = f"They need about {rounded(mass, 2)} g of filament. " if mass else ""
+    filament = f"They need about {rounded(mass, 2)} g of {_plastic(report)}. " if mass else ""
     bed = "for a bed of {:g} × {:g} mm".format(*report.scene.plates[0].bed) if cards else ""
     said = f"<p>Print {these} every part, {bed}. {_settings(report)}{filament}{_footing(report)}{again}</p>"
     return said + _cards(cards) if cards else ""
+
+
+def _plastic(report: Report) -> str:
+    """What is printed, as the parts list names it."""
+    columns = (column for table in report.tables if table.shopping for column in table.columns)
+    masses = (column for column in columns if column.startswith(_MASS))
+    return next(masses, "").removeprefix(_MASS).removesuffix(", g") or "filament"
 
 
 def _settings(report: Report) -> str:
@@ -497,7 +506,11 @@ def _footing(report: Report) -> str:
         and _float(part["thickness_mm"]) > _TALL * _float(row["on the bed, mm^2"]) ** 0.5
     ]
     supports = f"Supports under {listed('part', hollow)} alone. " if hollow else "No supports. "
-    brim = f"A brim round {listed('part', slim)}, tall on a small foot. " if slim else ""
+    brim = (
+        f"A brim of {_BRIM:g} mm round {listed('part', slim)}, tall on a small foot. "
+        if slim
+        else ""
+    )
     return supports + brim if rows else ""
 
 

@@ -250,13 +250,14 @@ def test_a_cam_alone_is_drawn_on_its_shaft() -> None:
         if not copy.cut.is_empty
     }
     follower = numbers["cam follower"]
-    assert cut[follower, True].bounds == pytest.approx((32.0, 0.0, 48.0, 12.0))
+    assert cut[follower, True].bounds == pytest.approx((32.0, 0.5, 48.0, 11.5))
     assert (numbers["parallel key"], False) in cut
     assert abs(arrangement.line[1].imag) == pytest.approx(1.0)
 
 
 def test_a_cam_follower_has_its_stud_on_the_side_without_the_hub() -> None:
-    """KR16: a stud of 6, 16 long [IKO], down from the cam of 12 whose hub is up to 24; and the races of bearings are hatched."""
+    """KR16: a ring of 11, at both ends 0.6 beyond it, and a stud of 6, 16 long [IKO], down from the cam of 12 whose hub is up to 24; and
+    the races of bearings are hatched."""
     _, arrangement = machine("metal disc-cam")
     numbers = {item.what: item.number for item in arrangement.items}
     (stud,) = (
@@ -264,14 +265,14 @@ def test_a_cam_follower_has_its_stud_on_the_side_without_the_hub() -> None:
         for copy in arrangement.copies
         if copy.number == numbers["cam follower"] and not copy.hatched
     )
-    assert stud.span == (-16.0, 12.0)
-    assert stud.cut.bounds == pytest.approx((37.0, -16.0, 43.0, 12.0))
+    assert stud.span == pytest.approx((-16.1, 12.1))
+    assert stud.cut.bounds == pytest.approx((37.0, -16.1, 43.0, 12.1))
     bearings = [
         copy for copy in arrangement.copies if copy.number == numbers["bearing of the shaft"]
     ]
     assert len(bearings) == 2 and all(copy.hatched for copy in bearings)
     rows = {item.what: item.heights for item in arrangement.items}
-    assert rows["cam follower"] == ["-16 to 12"]
+    assert rows["cam follower"] == ["-16.1 to 12.1"]
 
 
 def test_the_distance_of_bearings_and_the_bores_of_the_frame_are_told() -> None:
@@ -332,7 +333,7 @@ def test_screws_from_both_ends_of_a_spacer_meet_in_it() -> None:
 
 
 def test_a_drum_has_its_roller_in_its_track() -> None:
-    """KR16: a ring of 16 x 11 and a stud of 6 x 16 [IKO]; where the drum's sheet has its axis, and how far in it reaches."""
+    """KR16: a ring of 16 x 11, 0.6 beyond it a stud of 6 x 16 [IKO]; where the drum's sheet has its axis, and how far in it reaches."""
     mechanism, _ = machine("metal cylinder-cam")
     facts = facts_of(mechanism, mechanism.assembly.parts[0])
     _, angle, height = facts.heights[0]
@@ -342,7 +343,7 @@ def test_a_drum_has_its_roller_in_its_track() -> None:
     ((ring, stud),) = next(found for thing, found in shapes.items() if "KR16" in thing.size)
     assert ring[0].bounds == pytest.approx((inner, -8.0, inner + 11, 8.0))
     assert ring[1:] == pytest.approx((height - 8, height + 8))
-    assert stud[0].bounds == pytest.approx((inner + 11, -3.0, inner + 27, 3.0))
+    assert stud[0].bounds == pytest.approx((inner + 11, -3.0, inner + 27.6, 3.0))
 
 
 def test_a_motor_whose_length_nothing_says_is_not_measured() -> None:

@@ -16,7 +16,7 @@ from camgen.machines.sources import read_mechanism
 from camgen.parts.materials import MATERIALS
 from camgen.pipeline.drawings import facts_of
 from camgen.pipeline.making import parts_table
-from camgen.pipeline.shopping import steps_of_assembly
+from camgen.pipeline.shopping import bought_things, steps_of_assembly
 from camgen.starters import in_metal
 
 STARTER = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"
@@ -227,6 +227,33 @@ def test_a_cam_of_metal_has_a_shaft_unless_it_sits_on_its_motor_s() -> None:
     assert "retaining ring" in found and "retaining ring" not in screwed
     assert "shaft" not in listed("parts.bore=5", "motor.model=17HS19-2004S1")
     assert "shaft" not in listed("material.name=PLA")
+
+
+def test_the_head_and_shoulder_of_a_bought_roller_have_room() -> None:
+    """KR16 has a ring of 11 in at most 12.2, KR35 one of 18 in 19.6 [IKO, CF 6 and CF 16]: 0.6 and 0.8 beyond it. Beside a cam of 12 the
+    shoulder is 0.1 outside, beside one of 11 0.6; in a drum 0.4 inside, and a washer M6 is 1.6 thick [ISO 7089]."""
+
+    def washers(text: str) -> list[tuple[str, int]]:
+        bought = bought_things(read_mechanism(tomllib.loads(text)))
+        return [(each.size, each.count) for each in bought if each.standard == "ISO 7089"]
+
+    cam = in_metal("disc-cam")
+    assert washers(cam) == [("M6", 1)]
+    assert washers(cam.replace("[parts]", "[parts]\nthickness = 11")) == []
+    drum = in_metal("cylinder-cam")
+    assert washers(drum) == [("M6", 1)]
+    made = read_mechanism(tomllib.loads(drum))
+    assert made.geometry.roller.end_clearance == pytest.approx(1.0)
+    assert not any("The head of" in each for each in made.remarks().warnings)
+    given = drum.replace("[geometry.roller]", "[geometry.roller]\nend_clearance = 0.5")
+    (rubs,) = (
+        each
+        for each in read_mechanism(tomllib.loads(given)).remarks().warnings
+        if "The head of" in each
+    )
+    assert "KR16 stands up to 0.6 mm" in rubs and "end_clearance = 1." in rubs
+    kept = read_mechanism(tomllib.loads(drum.replace("[geometry]", "[geometry]\nradius = 40", 1)))
+    assert kept.geometry.roller.end_clearance == 0.5, "a drum that is given stays as it was"
 
 
 def test_a_cam_is_held_on_its_shaft_before_the_bearings_close_it_in() -> None:

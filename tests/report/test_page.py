@@ -157,7 +157,7 @@ def test_parts_with_overhangs_get_supports_and_slim_ones_a_brim() -> None:
     table = Table("Parts list", columns, rows, shopping=True)
     page = to_html(replace(solid(), parts=parts, tables=[table]))
     supports = "Supports under parts bar and cover alone."
-    assert f"{supports} A brim round part post, tall on a small foot." in page
+    assert f"{supports} A brim of 1 mm round part post, tall on a small foot." in page
     table = Table("Parts list", columns, rows[1:2], shopping=True)
     page = to_html(replace(solid(), parts=parts, tables=[table]))
     assert "No supports." in page and "brim" not in page
@@ -505,7 +505,7 @@ def test_cards_and_plates_say_what_they_take_and_what_is_not_printed() -> None:
     assert [page.count("STL</a>") for page in pages] == [1, 0, 0]
     assert "12 g, 1.5 h" in pages[0] and "1 copy; about 12 g, 1.5 h" in pages[0]
     assert pages[2].count("cut and filed of steel") == 2, "in the list and on the card"
-    assert "about 12 g of filament" in pages[0] and "g of filament" not in pages[1]
+    assert "about 12 g of PLA" in pages[0] and "g of PLA" not in pages[1]
     assert not any("1 copy; about" in page for page in pages[1:])
 
 

@@ -61,7 +61,7 @@ from camgen.machines.loads.lift_off import bounce_figures, bounce_of
 from camgen.machines.loads.tables import thin_walls
 from camgen.machines.loads.weights import gravity
 from camgen.machines.mechanism import Mechanism, Remarks
-from camgen.machines.metal import bore_notes, of_drum, ring_notes, seat_of
+from camgen.machines.metal import HEAD_CLEARANCE, bore_notes, of_drum, ring_notes, seat_of
 from camgen.machines.pairs import still_faults
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
@@ -554,9 +554,15 @@ class CylinderCam(Mechanism):
         count = 2 if self.geometry.track == "rib" else 1
         size = f"{2 * roller.radius:g} x {roller.length:g}"
         ball = ball_roller(2 * roller.radius, roller.length)
-        if self._cam_follower is not None:
-            rolls = self._cam_follower.bought(count)
-        elif roller.cone_deg:
+        length = self.track.length
+        seat = seat_of(self.making, self.material.name, [length], self.drawing.key_fit)
+        carried = shaft_and_bearings(seat)
+        where = "on your follower, in the track"
+        named = self._cam_follower
+        if named is not None:
+            clear = self.track.inner + named.width + named.beyond - self.track.radius
+            return [*carried, *named.bought(count, clear, where)]
+        if roller.cone_deg:
             rolls = Bought(
                 "roller", "", f"{size}, a cone of {roller.cone_deg:g} deg half angle", count
             )
@@ -565,10 +571,7 @@ class CylinderCam(Mechanism):
             rolls = Bought("roller", "", f"{size}, turned ({why})", count)
         else:
             rolls = Bought("roller", ball.standard, f"{ball.name}, {ball.size}", count)
-        rolls = replace(rolls, how="on your follower, in the track")
-        length = self.track.length
-        seat = seat_of(self.making, self.material.name, [length], self.drawing.key_fit)
-        return [*shaft_and_bearings(seat), rolls]
+        return [*carried, replace(rolls, how=where)]
 
     # ---- checks and figures -----------------------------------------------------------------------------------------
 
@@ -777,7 +780,19 @@ class CylinderCam(Mechanism):
         """What does not hold a drum alone on its shaft."""
         if self.making.make == "printed":
             return Remarks()
-        return Remarks(warnings=bore_notes(self.making, self.material.name))
+        return Remarks(
+            warnings=[*bore_notes(self.making, self.material.name), *self._rubbing_heads()]
+        )
+
+    def _rubbing_heads(self) -> Iterator[str]:
+        """That the head of a bought roller touches the floor of its track."""
+        named = self._cam_follower
+        gap = self.geometry.roller.end_clearance
+        if named is not None and self.geometry.track != "end" and gap < named.beyond:
+            yield (
+                f"The head of {named.name} stands up to {named.beyond:g} mm out of its ring and touches the floor of the track, which is "
+                f"{gap:g} mm from the ring: set geometry.roller.end_clearance = {named.beyond + HEAD_CLEARANCE:g}."
+            )
 
     def study(self) -> Study:
         """Sizes, motion and its derivatives, pressure angle, forces."""
@@ -867,6 +882,6 @@ class CylinderCam(Mechanism):
             ]
             return [*said, *self._pressing_notes()]
         return [
-            f"camgen makes the drum only. You make or buy the follower, its guide, the roller, shaft and bearings: {place}, the roller's inner end {track.inner:.4g} mm from the drum's axis.",
+            f"camgen makes the drum, and lists its shaft, bearings and roller. You make the follower and its guide: {place}, the roller's inner end {track.inner:.4g} mm from the drum's axis.",
             "theta is counter-clockwise as seen from above; at 0 the follower stands at +x of the drum's files.",
         ]
