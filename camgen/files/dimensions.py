@@ -127,6 +127,15 @@ def flatted(contour: Contour) -> tuple[complex, float, list[Line]] | None:
     return (centre, radius, flats) if alike else None
 
 
+def rod_of(contour: Contour) -> tuple[complex, float] | None:
+    """Centre and radius, mm, of an outline that is round all over, but for a keyway or flats; None of any other."""
+    flats = flatted(contour)
+    key = keyed(contour)
+    if flats or key:
+        return flats[:2] if flats else (key.centre, key.radius) if key else None
+    return as_circle(contour)
+
+
 @dataclass(frozen=True)
 class SlottedWheel:
     """A wheel about the origin with equal slots that are open at its rim and end round, and hollows between them; mm."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgen.files import views
-from camgen.files.dimensions import number, round_of
+from camgen.files.dimensions import number, rod_of
 from camgen.files.drawn_part import DrawnPart
 from camgen.files.labels import Obstacles
 from camgen.files.limits import in_limits
@@ -112,7 +112,7 @@ class SideViews:
         outlines = {layer.region.outer for layer in self.drawn.part.layers}
         rounds = {
             around and (round(abs(around[0]), 6), round(around[1], 6))
-            for around in map(round_of, outlines)
+            for around in map(rod_of, outlines)
         }
         if len(boxes) == 1 or (len(outlines) > 1 and (len(rounds) > 1 or rounds == {None})):
             return boxes

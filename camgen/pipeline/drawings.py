@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from camgen.files.dimensions import flat_of, free, number, round_of
+from camgen.files.dimensions import flat_of, free, number, rod_of, round_of
 from camgen.files.limits import deviations, general, in_limits
 from camgen.files.timing import Motion
 from camgen.files.title_block import Facts, Fit, Groove, Rider
@@ -207,7 +207,7 @@ def _treatment(mechanism: Mechanism, part: Part, runs: bool) -> str:
 def _turned(assembly: Assembly, part: Part) -> float:
     """By which angle the arrangement shows a part turned from its sheet, deg, 0 to 360; 0 of what is round, or of several copies."""
     poses = _standing_still(assembly)[0][part.name]
-    if len(poses) != 1 or poses[0].flipped or poses[0].upright or round_of(part.region.outer):
+    if len(poses) != 1 or poses[0].flipped or poses[0].upright or rod_of(part.region.outer):
         return 0.0
     return math.degrees(float(poses[0].angle[0])) % 360
 

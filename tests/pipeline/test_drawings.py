@@ -344,6 +344,7 @@ def test_sheets_say_how_their_parts_stand_in_the_arrangement(tmp_path: Path) -> 
     """The crank's pin is at (-35, 0) of the machine and at (35, 0) on its sheet; B of the coupler at (55, 48) from A at (20, 0), with
     lengths of 60 and 50 from O and C at atan2(48, 36), 53.1 deg. What is round is not told."""
     assert "In the arrangement turned by 180%%d," in _notes("crank", tmp_path)
+    assert "In the arrangement turned by 180%%d," in _notes("hand-crank", tmp_path)
     assert "In the arrangement" not in _notes("table", tmp_path)
     _, found = facts("linkage", *starters.METAL["linkage"])
     assert found["coupler"].turned_deg == pytest.approx(math.degrees(math.atan2(48, 36)), abs=0.01)
@@ -648,7 +649,7 @@ def test_a_roller_reaches_down_to_its_crank_where_the_wheel_lies_higher() -> Non
     [
         ("parts.pins.P=bush", "parts.pins.P: no link turns there"),
         ("parts.base_thickness=5", "parts.base_thickness = 6"),
-        ("parts.shaft_diameter=11", "a bore of the bushes there are: 6, 8, 10, 12, 15, 16, 20"),
+        ("parts.shaft_diameter=11", "a bore in which bushes are sold: 6, 8, 10, 12, 15, 16, 20"),
     ],
 )
 def test_bushes_that_cannot_be_are_refused(settings: str, said: str) -> None:
