@@ -224,7 +224,7 @@ class Print(Record):
     """
 
     nozzle: Annotated[float, quantity("mm", ge=1e-9, le=5)] = Field(
-        default=0.4, description="width of the lines that it prints"
+        default=0.4, description="width of the lines that the printer lays, that of its nozzle"
     )
     slide_clearance: Clearance = Field(
         default=0.2,

@@ -120,7 +120,7 @@ def test_plain_posts_hold_no_thread(tmp_path: Path) -> None:
         (
             {"thread": ["M", "P"], "straightness": {"length": 3, "tolerance": 1}},
             "output.0.straightness",
-            "path only",
+            "only the path of a point",
         ),
     ],
 )

@@ -82,7 +82,7 @@ def test_a_moment_of_none_is_one() -> None:
     [
         (["counterweight.moment_g_mm=10"], "moment_g_mm and at_deg together"),
         (["counterweight.pins=1", "drive.range_deg=[0, 30]"], "does not turn evenly"),
-        (["counterweight.pins=1", "masses.crank.mass_g=5"], "sized for the solids"),
+        (["counterweight.pins=1", "masses.crank.mass_g=5"], "sizes for the solids"),
         (["counterweight.pins=13"], "counterweight.pins"),
         (["counterweight.half_angle_deg=5"], "counterweight.half_angle_deg"),
     ],

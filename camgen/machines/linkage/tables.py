@@ -763,14 +763,14 @@ class Spring(Record):
 
     between: Two = Field(description="two points, of two links: its pins")
     rate: Annotated[float, quantity("N/mm", ge=1e-4, le=1e4)] = Field(
-        description="how the spring's pull grows with its length"
+        description="rate of the spring: how its pull grows with its length"
     )
     free: Length | None = Field(
         default=None,
-        description="free length: distance of the points up to which the spring does not pull",
+        description="free length: up to this distance of its points the spring does not pull",
     )
     preload: Annotated[float, quantity("N", ge=0, le=1e6)] | None = Field(
-        default=None, description="in place of free: the spring's pull where it is shortest"
+        default=None, description="pull of the spring where it is shortest, in place of free"
     )
     name: Name | None = Field(
         default=None,
@@ -783,13 +783,13 @@ class Wanted(Record):
     and its targets."""
 
     name: Name = Field(description="name of the output")
-    point: Name | None = Field(default=None, description="a point: its path")
+    point: Name | None = Field(default=None, description="point whose path is the output")
     link: Name | None = Field(
-        default=None, description="a link: its angle, or its place along its slide"
+        default=None, description="link whose angle, or whose place along its slide, is the output"
     )
     thread: Annotated[tuple[Name, ...], Field(min_length=2, max_length=50)] | None = Field(
         default=None,
-        description="points in their order: the length of a thread over a post at each of them",
+        description="points in their order: the output is the length of a thread over a post at each of them",
     )
     stroke: Stroke | None = Field(
         default=None, description="how far it should go; for a path the larger side of its box"

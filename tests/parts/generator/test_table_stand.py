@@ -209,7 +209,7 @@ def test_the_last_step_is_a_machine_on_the_table() -> None:
 
 
 def test_no_hand_turns_a_crank_in_a_box() -> None:
-    with pytest.raises(SpecError, match="no hand turns it in a box"):
+    with pytest.raises(SpecError, match="a hand cannot reach into a box"):
         machine("box", "parts.hand_crank=25")
 
 
