@@ -245,7 +245,7 @@ def test_a_moved_hole_is_told_by_its_share(tmp_path: Path) -> None:
     assert rows["A"]["centres off, mm"] == pytest.approx(0, abs=1e-9)
     (said,) = (finding.message for finding in verdict.findings if finding.code == "MOTION_ERROR")
     assert said.endswith("; coupler is furthest from its place, by 0.01 mm at joint B")
-    told = rows["B"]["ram by the shift, mm"]
+    told = rows["B"]["error of ram from the shift, mm"]
     assert 0.5 * told < verdict.numbers["motion_error_ram_dxf_mm"] <= told * 1.001  # type: ignore[operator]
 
 

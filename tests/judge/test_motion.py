@@ -372,7 +372,7 @@ def test_the_table_gives_each_joints_share() -> None:
     assert table is not None
     rows = {row[0]: dict(zip(table.columns, row, strict=True)) for row in table.rows}
     assert rows["P"]["centres off, mm"] == pytest.approx(0.001, abs=1e-9)
-    assert rows["P"]["way by the shift, mm"] == pytest.approx(
+    assert rows["P"]["error of way from the shift, mm"] == pytest.approx(
         0.001 / math.cos(math.asin(1.5 / 48)), rel=1e-3
     )
-    assert rows["E"]["way by its play, mm"] == pytest.approx(0.1, abs=1e-3)
+    assert rows["E"]["error of way from its play, mm"] == pytest.approx(0.1, abs=1e-3)

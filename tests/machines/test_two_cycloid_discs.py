@@ -166,7 +166,10 @@ def test_two_drives_on_one_crank_are_told_the_key() -> None:
         ({"points": {"O": [0, 0], "E": [1.2, 1.6], "E_2": [9, 9]}}, "points.E_2 .*another name"),
         ({"links": SPEC["links"] | {"disc_2": ["E"]}}, "links.disc_2 .*another name"),
         ({"cycloid": [ROW | {"discs": 3}]}, "cycloid.0.discs"),
-        ({"cycloid": [ROW | {"at": "O"}]}, "cycloid.0.at: 'O' - expected a point of crank beside"),
+        (
+            {"cycloid": [ROW | {"at": "O"}]},
+            "cycloid.0.at: 'O' - expected a point of crank that is not on its shaft",
+        ),
     ],
 )
 def test_what_leaves_no_place_for_a_second_disc_is_told(tables: dict[str, Any], said: str) -> None:

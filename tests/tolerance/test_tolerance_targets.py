@@ -56,7 +56,7 @@ def test_the_small_loop_of_a_take_up_lives_by_its_play() -> None:
 def test_the_report_tells_both() -> None:
     told = tolerance(SPECS / "linkage.toml", WISH, PrintRun(samples=50, worst=0))
     assert "targets_yield_percent" in told.numbers and any(
-        table.title.startswith("Yield of what") for table in told.tables
+        table.title.startswith("Share of copies that hold") for table in told.tables
     )
     plain = tolerance(SPECS / "linkage.toml", printing=PrintRun(samples=9, worst=0))
-    assert not any(table.title.startswith("Yield of what") for table in plain.tables)
+    assert not any(table.title.startswith("Share of copies that hold") for table in plain.tables)
