@@ -285,7 +285,7 @@ class Print(Record):
     )
     form_orders: Annotated[Orders, quantity("1")] | None = Field(
         default=None,
-        description="number of these waves per turn, least and greatest; default: 2 to 4",
+        description="number of waves of form_error per turn, least and greatest; default: 2 to 4",
     )
 
 

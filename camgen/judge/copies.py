@@ -39,7 +39,7 @@ def judge_copies(
         remarks.append(f"{count.total()} copies instead of {wanted_count.total()}")
     for name, mesh in package.meshes.items():
         if name in originals and not np.array_equal(mesh.faces, originals[name].faces):
-            remarks.append(f"{name} is not of the triangles of its own file")
+            remarks.append(f"the triangles of {name} are not those of its own file")
     turns = [(item.name, item.transform[:, :3]) for item in package.items]
     remarks += [
         f"a copy of {name} is mirrored or flat"
@@ -94,7 +94,7 @@ def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Copies) ->
             body.edges,
             body.faces,
         ):
-            remarks = [*remarks, f"{name} is not of the faces of its own file"]
+            remarks = [*remarks, f"the faces of {name} are not those of its own file"]
             continue
         faults.append(
             (

@@ -162,7 +162,7 @@ def _clear(
                     angle="nearest at",
                     digits=2,
                 )
-    remark = "least of a turn; move the thread's points, or raise it: parts.thread_posts.height"
+    remark = "least distance over the turn; move the thread's points, or raise the thread (parts.thread_posts.height)"
     return at_least("THREAD_CLEAR", best, strand.gap, "mm", place, remark)
 
 

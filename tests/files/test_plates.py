@@ -224,7 +224,7 @@ def test_a_mirrored_copy_on_a_plate_is_told(tmp_path: Path) -> None:
         ({"squeezed": np.array([1.0, 1, 0])}, "peg is not as in its own file"),
         ({"transform": np.diag([1.0, 1.002, 1.0])}, "a copy of peg is deformed"),
         ({"shift": 0.3}, "a copy of peg is out of its place"),
-        ({"faces": np.array([2, 1, 0])}, "peg is not of the triangles of its own file"),
+        ({"faces": np.array([2, 1, 0])}, "the triangles of peg are not those of its own file"),
     ],
 )
 def test_a_damaged_copy_is_named(tmp_path: Path, damage: dict[str, np.ndarray], said: str) -> None:

@@ -166,7 +166,7 @@ def test_an_assembly(tmp_path):
     assert not judge_exact_copies(path, files, places[:2]).ok
     write_step(path, bodies | {"plate": bodies["hub"]}, {}, "a", copies)
     assert (
-        "plate is not of the faces of its own file"
+        "the faces of plate are not those of its own file"
         in judge_exact_copies(path, files, places).message
     )
 

@@ -267,7 +267,7 @@ class CylinderCam(Mechanism):
         bore = self.making.bore
         if shaft_bearing(bore) is None:
             sizes = sorted({bearing.bore for bearing in BEARINGS.values()})
-            right = f"{', '.join(f'{each:g}' for each in sizes)} mm: of the shaft's ball bearings"
+            right = f"{', '.join(f'{each:g}' for each in sizes)} mm: the bores of the shaft's ball bearings"
             yield Fault(("parts", "bore"), f"{bore:g}", right)
         if roller.cone_deg:
             right = "0: the roller of a printed machine is a cylinder"

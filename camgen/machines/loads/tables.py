@@ -110,7 +110,8 @@ class Weight(Record):
         description="stiffness of a follower between its cam and its mass: with it the report shows how the follower vibrates",
     )
     damping_ratio: Annotated[float, quantity("1", ge=0, lt=1)] = Field(
-        default=0.05, description="damping of this vibration, as a share of the critical damping"
+        default=0.05,
+        description="damping of the follower's vibration, as a share of the critical damping",
     )
     friction: Annotated[float, quantity("1", ge=0, le=3)] | None = Field(
         default=None,

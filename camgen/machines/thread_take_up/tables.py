@@ -61,7 +61,7 @@ class Wanted(Record):
     )
     dwell_radius: Length = Field(default=1.0, description="radius of that circle")
     tolerance: Annotated[float, quantity("1", ge=1e-6, le=0.5)] = Field(
-        default=0.01, description="share by which each may be off"
+        default=0.01, description="share by which each wanted value may be off"
     )
 
 
