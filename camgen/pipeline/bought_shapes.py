@@ -123,7 +123,7 @@ def _screws(
     screws = [each for each in things if each.thread and each.standard != NUT_STANDARD]
     nuts = [each for each in things if each.thread and each.standard == NUT_STANDARD]
     for thing in sorted(screws, key=lambda each: (each.role != "drive screw", not each.at)):
-        screw = SCREWS[thing.thread]
+        screw = SCREWS[thing.thread].headed(thing.standard)
         columns = [
             column
             for column in _columns(copies, screw)
@@ -187,7 +187,7 @@ def _fits(assembly: Assembly, thing: Bought, column: _Column) -> bool:
         motors = [disc for each in assembly.stand_ins if each.drives for disc in each.discs]
         if motors:
             return any(
-                abs(column.at - at) < radius + SCREWS[thing.thread].head
+                abs(column.at - at) < radius + SCREWS[thing.thread].headed(thing.standard).head
                 and any(abs(hole.low - face) < SAME_POINT for hole in column.holes)
                 for at, radius, _, face in motors
             )

@@ -332,6 +332,14 @@ def test_screws_from_both_ends_of_a_spacer_meet_in_it() -> None:
     assert shanks == {(1.85, 46.85): 4, (94.25, 139.25): 4}
 
 
+def test_the_head_of_a_screw_is_that_of_its_standard() -> None:
+    """M3 x 45 with the head of ISO 4762, which is 3 high, where ISO 7380-1 has 1.65: 48 in all. Its seat is 1.85 deep in the plate."""
+    _, arrangement = machine("gallery/walker")
+    (heights,) = (item.heights for item in arrangement.items if item.what == "screw of a spacer")
+    low, high = map(float, heights[0].split(" to "))
+    assert (low, high - low) == pytest.approx((1.85 - 3.0, 48.0))
+
+
 def test_a_drum_has_its_roller_in_its_track() -> None:
     """KR16: a ring of 16 x 11, 0.6 beyond it a stud of 6 x 16 [IKO]; where the drum's sheet has its axis, and how far in it reaches."""
     mechanism, _ = machine("metal cylinder-cam")
