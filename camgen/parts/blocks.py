@@ -1,4 +1,5 @@
-"""Blocks under a machine on the bench: how high those are that prop what is loose, and that bear what is pressed."""
+"""Blocks under a machine on the bench: how high those are that prop what is loose, and that bear what is pressed; and strips that keep
+glue off what lies under a link."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ from camgen.parts.fixing import Fixing
 from camgen.parts.mates import mates_between
 from camgen.parts.standing import Round, StandingCopy
 from camgen.parts.step_places import RESTS
-from camgen.parts.step_words import listed
+from camgen.parts.step_words import STRIP, listed
 from camgen.study import Doing
 from camgen.tolerances import SAME_POINT
 
@@ -94,6 +95,47 @@ def bearing_blocks(
             f", {block_height(low, plate, blocks)}: it must not bend",
             props=(low - plate.mount.z + blocks,) * sum(len(own) or 1 for own in parts.values()),
         )
+
+
+def strips_under(
+    coming: Sequence[StandingCopy], there: Sequence[StandingCopy], fixing: Fixing
+) -> Iterator[Doing]:
+    """Strips that keep glue off what lies under a link in which a pin is glued from above, and moves against it."""
+    between = defaultdict[tuple[str, str], list[str]](list)
+    for copy in () if fixing.metal else coming:
+        for other in there if copy.mount.flipped else ():
+            for mate in mates_between([copy], [other], fixing):
+                glued = (each for each in other.holes if each.in_line(copy.outlines[0]))
+                hole = next(glued, None)
+                if mate.how != "glue" or hole is None:
+                    continue
+                under = _lies_on(hole, other, there)
+                if under and under.mount.body != other.mount.body:
+                    letters = between[under.part.name, other.part.name]
+                    letters += [mate.label] if mate.label not in letters else []
+    places = [
+        f"between {lower} and {upper}" + (f" under {listed(letters)}" if all(letters) else "")
+        for (lower, upper), letters in between.items()
+    ]
+    if places:
+        strips = STRIP if len(places) == 1 else "strips of a plastic bag"
+        them = "it" if len(places) == 1 else "them"
+        rest = (
+            f": glue that comes out there must not join these. Leave {them} there until it is hard"
+        )
+        yield Doing("lay ", f"{strips} {listed(places)}", rest, ("plastic bag",))
+
+
+def _lies_on(
+    hole: Round, holder: StandingCopy, there: Sequence[StandingCopy]
+) -> StandingCopy | None:
+    """What the underside of a hole's part lies on there; None where the next thing is farther below, or nothing."""
+    around = hole.at + (hole.diameter / 2 + _ASIDE) * _AROUND
+    for other in sorted(there, key=lambda each: -each.mount.z):
+        gap = holder.mount.z - other.mount.z - other.part.thickness
+        if gap > -SAME_POINT and _reaches(other, around):
+            return other if gap < RESTS else None
+    return None
 
 
 def _foot(hole: Round, holder: StandingCopy, there: Sequence[StandingCopy]) -> float | None:

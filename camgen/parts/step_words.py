@@ -88,7 +88,7 @@ _SHEETS = (
     "five sheets of paper",
     "six sheets of paper",
 )
-_STRIP = "a strip of a plastic bag"
+STRIP = "a strip of a plastic bag"
 FEELER = "a feeler gauge"
 
 
@@ -98,7 +98,7 @@ def thickness_gauge(gap: float) -> str:
     count = halves // 2
     if not 0 < halves < 2 * len(_SHEETS) or abs(gap - halves * _FOIL) > SAME_POINT:
         return FEELER
-    return listed(filter(None, (_SHEETS[count], _STRIP if halves % 2 else "")))
+    return listed(filter(None, (_SHEETS[count], STRIP if halves % 2 else "")))
 
 
 def between(gap: float, metal: bool = False) -> str:
@@ -112,7 +112,7 @@ def gauge_tools(gap: float) -> tuple[str, ...]:
     gauge = thickness_gauge(gap)
     if gauge == FEELER:
         return ("feeler gauges",)
-    return ("sheets of paper",) * ("paper" in gauge) + ("plastic bag",) * (_STRIP in gauge)
+    return ("sheets of paper",) * ("paper" in gauge) + ("plastic bag",) * (STRIP in gauge)
 
 
 def pronoun(gauge: str) -> str:

@@ -16,7 +16,7 @@ from collections.abc import Iterator, Sequence
 
 from camgen.machine.features import CamOutline, SlideFaces
 from camgen.machine.model import GROUND
-from camgen.parts.blocks import bearing_blocks
+from camgen.parts.blocks import bearing_blocks, strips_under
 from camgen.parts.fixing import Fixing, with_joints
 from camgen.parts.layings import Laying, layings_of
 from camgen.parts.loose_parts import (
@@ -115,7 +115,8 @@ def order(
         rows.append((len(rows) + 1, *row))
         names = [copy.name for copy in laying.copies]
         said = _doings(laying, places, _led(laying.copies[0], there, pairs), first=not there)
-        borne = [] if alone else bearing_blocks(laying.copies, there, fixing, blocks)
+        borne = [] if alone else [*bearing_blocks(laying.copies, there, fixing, blocks)]
+        borne += [] if alone else strips_under(laying.copies, there, fixing)
         moved = [*_squared(laying.copies, bench, fixing)] if alone else []
         moved += [] if alone else _moved(laying.copies, there, fixing)
         steps.append(
