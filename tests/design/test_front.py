@@ -7,6 +7,7 @@ import math
 import tomllib
 from collections.abc import Container, Sequence
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -161,10 +162,13 @@ def test_with_enough_of_use_only_nearer_ones_are_weighed() -> None:
     assert len(looked) == 13 and looked[-1] == 2 and {0, 1, 2, 3} < set(looked)
 
 
+drawn_machine = cache(machine)  # for those that replace what is judged of it
+
+
 def weighed(
     worst: float, lash: float, obstacle: str = "", failures: Sequence[Finding] = ()
 ) -> Found:
-    drawn = machine()
+    drawn = drawn_machine()
     each = replace(drawn, judged=[replace(drawn.judged[0], error=worst)])
     miss = "far" if worst > 1 else ""
     vars(each).update(prototype=Prototype(miss, obstacle, failures, lash, {}))
