@@ -10,7 +10,7 @@ from camgen.study import Figure, Figures
 
 # What quantities are called whose own words do not say it in full.
 NAMES = {
-    "clearance band {of}": "worst case of the joints' play, either way: {of}",
+    "clearance band {of}": "worst-case free play, either way: {of}",
     "play {of}": "free play of the output: {of}",
     "{of} stroke along": "{of} stroke, its direction",
     "motion error {of}": "motion error: {of}",

@@ -328,7 +328,7 @@ def test_hertz_grows_as_the_root_of_the_force() -> None:
         "motor.speed_rpm=90",
         "unloader={torque='none'}",
     )
-    assert not most.ok and "no limit is published" in most.message
+    assert not most.ok and "No limit is published" in most.message
 
 
 def test_strap_of_the_needle_machine_asks_for_oil_at_the_papers_speed() -> None:
@@ -338,7 +338,7 @@ def test_strap_of_the_needle_machine_asks_for_oil_at_the_papers_speed() -> None:
         not dry.ok
         and dry.limit == 0.4
         and str(dry.where).startswith("pin E")
-        and "no limit is published" in dry.message
+        and "No limit is published" in dry.message
     )
     (oiled,) = found("PV", "eccentric-drive", paper, "limits.pv_mpa_m_s=2")
     assert oiled.ok and oiled.limit == 2 and oiled.measured == dry.measured
@@ -362,7 +362,7 @@ def test_pins_of_the_needle_machine_by_hand() -> None:
     broken = found("PIN_STRESS", "eccentric-drive", "limits.pin_stress_mpa=1")
     (failing,) = (finding for finding in broken if not finding.ok)
     assert str(failing.where) == "pin P"
-    (thickness,) = re.findall(r"make it (\S+) mm thick", failing.message)
+    (thickness,) = re.findall(r"make the pin (\S+) mm thick", failing.message)
     bent = 32 * run["reaction_p_n"] * 1.7 / (math.pi * float(thickness) ** 3)
     assert 0.9 < bent <= 1  # MPa, of a pin that is no thicker than it has to be
 
@@ -603,7 +603,9 @@ def test_weight_of_a_follower_presses_or_lifts(deg: float | None, pull: float) -
     assert set(turns) == {"cam angle, deg"}
     # torque without friction, in the one report as in the other
     torque = next(
-        plot for plot in given.study.plots if plot.title.startswith("Torque that the motor gives")
+        plot
+        for plot in given.study.plots
+        if plot.title.startswith("Torque that the machine needs from the motor")
     ).series[1][2]
     assert study.numbers["peak_torque_n_m"] == pytest.approx(np.max(np.abs(torque)), rel=1e-3)
 
