@@ -328,7 +328,7 @@ def test_hertz_grows_as_the_root_of_the_force() -> None:
         "motor.speed_rpm=90",
         "unloader={torque='none'}",
     )
-    assert not most.ok and "No limit is published" in most.message
+    assert not most.ok and "no limit is published" in most.message
 
 
 def test_strap_of_the_needle_machine_asks_for_oil_at_the_papers_speed() -> None:
