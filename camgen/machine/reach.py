@@ -90,7 +90,7 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
         cure = (
             f"let it go to and fro, drive.range_deg = [{begin:.10g}, {end:.10g}]{short}, or {cure}"
         )
-    closes = f"the chain closes only from {low:.6g} to {high:.6g} deg of its angle, and opens beyond at {names}"
+    closes = f"the chain closes only from {low:.6g} to {high:.6g} deg of its angle, and opens at {names} beyond that"
     raise DesignError(
         "range of the drive",
         high - low,

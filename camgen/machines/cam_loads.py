@@ -159,7 +159,7 @@ def lift_off(
     slides: bool,
     bounce: Bounce | None,
     least: float,
-    remedies: tuple[str, str] = (_JUMPS, "less mass, speed or a longer span"),
+    remedies: tuple[str, str] = (_JUMPS, "less mass, a lower speed or a longer span"),
 ) -> Finding:
     """LIFT_OFF, with the spring that would keep the follower on; bounce: what it does where it is not kept; least: share of that
     spring's force that SPRING_RESERVE asks for; remedies: what is said where
@@ -169,11 +169,11 @@ def lift_off(
     units = _spring_units(slides)
     stiffer = f" or a spring.rate above {rate:.4g} {units[1]}" if math.isfinite(rate) else ""
     reserved = ", with SPRING_RESERVE" if least else ""
-    kept = f"a spring.preload above {preload:.4g} {units[0]}{stiffer} keeps it on{reserved}. You need less with {lower}"
+    kept = f"a spring.preload above {preload:.4g} {units[0]}{stiffer} keeps it on{reserved}. A weaker spring is enough with {lower}"
     if slides and math.isfinite(preload):
         travel = float(np.ptp(found.lift))
         if travel > 0 and preload > 0 and wound(load.rate, preload, travel) is None:
-            kept = f"only a spring.preload above {preload:.4g} N keeps it on, and no wire of up to {WIRES[-1]:g} mm bears that. You need less with {lower}"
+            kept = f"only a spring.preload above {preload:.4g} N keeps it on, and no wire of up to {WIRES[-1]:g} mm bears that. A weaker spring is enough with {lower}"
     if not load.preload and not load.rate:
         kept = f"no spring presses it on, because spring.preload and spring.rate are 0; {kept}"
     return with_hops(found.keeps_contact(jumps if found.kick else kept), bounce, slides)
