@@ -103,7 +103,7 @@ def lift_off(
         jumps = cam.name in kicks
         remedy = (
             f"press {cam.follower} on the cam with {least:.4g} {unit} more at all angles: by a spring ([cam.spring], "
-            "[[spring]], or its preload), a weight or a load ([load]). Less mass or a lower speed needs less"
+            "[[spring]], or its preload), a weight or a load ([load]). A weaker one is enough with less mass or a lower speed"
         )
         if jumps:
             remedy = (
