@@ -84,7 +84,7 @@ _BEARING_SLACK = 0.1  # that the rings leave a bearing, at least
 _SLACKER = 0.1  # by which their grooves may lie farther apart
 _OF_SLACK = (0.1, 0.3)  # that shims fill there: the bearing may be 0.12 narrower
 _OF_BORE = "retaining ring"
-_OF_BEARING = "retaining ring of a bearing"
+OF_BEARING = "retaining ring of a bearing"
 _INNER_FIRST = (
     "on the shaft, two of them now: one on either side of the bore, in the groove next to it. The bearings come against these, "
     "and the other two outside the bearings"
@@ -137,7 +137,7 @@ def shaft_and_bearings(seat: Seat) -> list[Bought]:
     bearing = _bearing(bore)
     assert bearing is not None
     held = [
-        replace(each, name=_OF_BEARING, count=4, how=_INNER_FIRST, details=_shims(bore, *_OF_SLACK))
+        replace(each, name=OF_BEARING, count=4, how=_INNER_FIRST, details=_shims(bore, *_OF_SLACK))
         for each in retaining_rings(bore)
     ]
     turns = Bought(
@@ -169,7 +169,7 @@ def turned_shaft(seat: Seat) -> TurnedShaft | None:
     length = second + bearing.width + wide + _COUPLING * bore
     apart = bearing.width + 2 * thick + _BEARING_SLACK
     of_bearings = [
-        _grooves(bore, _OF_BEARING, begin - thick, apart, _SLACKER)
+        _grooves(bore, OF_BEARING, begin - thick, apart, _SLACKER)
         for begin in (first, second)
         if held
     ]

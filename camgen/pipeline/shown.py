@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -20,10 +20,12 @@ from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats, Points
 from camgen.parts.assembly import Assembly
 from camgen.parts.coils import spring_sketches
-from camgen.pipeline.shopping import steps_of_assembly
+from camgen.parts.shafts import OF_BEARING, OF_SHAFT
+from camgen.pipeline.bought_shapes import Thing, bought_shapes
+from camgen.pipeline.shopping import bought_things, steps_of_assembly
 from camgen.report.animation import Animation, Body
 from camgen.report.colours import part_colour
-from camgen.study import HoleLabel, Plate, Scene, Sketch
+from camgen.study import HoleLabel, Plate, Prism, Scene, Sketch, Step, Table
 
 if TYPE_CHECKING:
     from camgen.files.gltf import Shape, Track
@@ -162,10 +164,49 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
         made,
         order,
         plates,
-        table.steps,
+        _with_what_is_bought(mechanism, table),
         table.title if assembly.work else Scene.work,
         [hole_labels(part) for part in assembly.parts],
     )
+
+
+def _with_what_is_bought(mechanism: Mechanism, table: Table) -> Sequence[Step]:
+    """Steps of cams that are made alone with their shaft, key, rings, bearings and rollers in the pictures; of other machines as they
+    are. Outer rings come with the bearings that they close."""
+    things = bought_things(mechanism)
+    if all(thing.shaft is None for thing in things):
+        return table.steps
+    found = {
+        (thing.name, thing.size): [*shapes]
+        for thing, shapes in bought_shapes(mechanism, things).items()
+    }
+    rings, bearings = (
+        next((shapes for (name, _), shapes in found.items() if name == wanted), [])
+        for wanted in (OF_BEARING, OF_SHAFT)
+    )
+    inner = sorted(rings, key=lambda ring: abs(ring[0][1] - _middle(bearings)))[:2]
+    bearings += [ring for ring in rings if ring not in inner]
+    rings[:] = inner
+    return [
+        replace(step, shapes=[*_prisms(found.get((str(row[1]), str(row[2])), []))])
+        for step, row in zip(table.steps, table.rows, strict=True)
+    ]
+
+
+def _middle(things: Sequence[Thing]) -> float:
+    """Half way from the lowest to the highest end of things, mm."""
+    ends = [end for thing in things for _, *span in thing for end in span]
+    return (min(ends) + max(ends)) / 2 if ends else 0.0
+
+
+def _prisms(things: Sequence[Thing]) -> Iterator[Prism]:
+    """Outsides of things, as pictures of steps show them."""
+    from shapely.geometry.polygon import orient
+
+    for thing in things:
+        for face, low, high in thing:
+            corners = np.array(orient(face).exterior.coords)[:-1] @ np.array([1, 1j])
+            yield corners.tolist(), low, high
 
 
 def solids(mechanism: Mechanism, frames: int) -> tuple[list[Shape], list[Track]]:

@@ -7,6 +7,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from camgen.files.drawing import _Layout
@@ -17,6 +18,7 @@ from camgen.parts.materials import MATERIALS
 from camgen.pipeline.drawings import facts_of
 from camgen.pipeline.making import parts_table
 from camgen.pipeline.shopping import bought_things, steps_of_assembly
+from camgen.pipeline.shown import scene
 from camgen.starters import in_metal
 
 STARTER = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"
@@ -488,3 +490,24 @@ def test_the_list_of_parts_has_the_key_of_each_keyway() -> None:
     assert keys() == [("bought", "parallel key", text, 1)]
     assert keys("geometry.closure=conjugate") == [("bought", "parallel key", text, 2)]
     assert keys("parts.bore_shape=plain") == []
+
+
+def test_the_pictures_of_a_cam_s_steps_show_its_shaft_rings_and_bearings() -> None:
+    """By hand: a shaft from z = -54 to 51; inner rings of 1.2 from -10 up and from 33.9 down, outer ones with the bearings, each of two
+    races, from 34 to 46 and from -22 to -10. A picture shows a prism from outside where its corners run counter-clockwise."""
+    steps = scene(read_mechanism(tomllib.loads(in_metal("disc-cam"))), []).steps
+    shown = {step.title.partition(",")[0]: step.shapes for step in steps}
+    shaft = shown["Shaft"]
+    assert (min(low for _, low, _ in shaft), max(high for *_, high in shaft)) == (-54.0, 51.0)
+    inner = [
+        (round(low, 2), round(high, 2)) for _, low, high in shown["4 × retaining ring of a bearing"]
+    ]
+    assert sorted(inner) == [(-10.0, -8.8), (32.7, 33.9)]
+    closed = [(round(low, 2), round(high, 2)) for _, low, high in shown["2 × bearing of the shaft"]]
+    outer = [(-23.3, -22.1), (46.0, 47.2)]
+    assert sorted(closed) == sorted([*2 * [(34.0, 46.0), (-22.0, -10.0)], *outer])
+    assert not shown["Lay the disc cam on the bench."]
+    for shapes in shown.values():
+        for corners, _, _ in shapes:
+            ring = np.array(corners)
+            assert np.sum((ring.conj() * np.roll(ring, -1)).imag) > 0
