@@ -317,7 +317,7 @@ def many(e: dict[str, Any]) -> None:
         (
             lambda e: (e["points"].update(X=[1, 2]), e["links"].update(loose=["X"])),
             SpecError,
-            "nothing holds it",
+            "nothing holds this link",
         ),
         (
             lambda e: e["links"].update(hung=["A"]),
@@ -354,9 +354,17 @@ def many(e: dict[str, Any]) -> None:
         (lambda e: e["lengths"].update({"O-A": 40}), DesignError, "change point"),
         (many, SpecError, "at most 60"),
         (lambda e: e["links"].update(ROCKER=["C", "B"]), SpecError, "only in capitals"),
-        (lambda e: e["links"].update(Assembly=["C", "B"]), SpecError, "taken for the assembly"),
-        (lambda e: e["links"].update(drawing=["C", "B"]), SpecError, "taken for a dimensioned"),
-        (lambda e: e["links"].update(timing=["C", "B"]), SpecError, "taken for the timing"),
+        (
+            lambda e: e["links"].update(Assembly=["C", "B"]),
+            SpecError,
+            "would look like the assembly",
+        ),
+        (
+            lambda e: e["links"].update(drawing=["C", "B"]),
+            SpecError,
+            "would look like a dimensioned",
+        ),
+        (lambda e: e["links"].update(timing=["C", "B"]), SpecError, "would look like the timing"),
         (long_crank, DesignError, "drive.range_deg = ["),
         (
             lambda e: e.update(gear=[{"a": "crank", "b": "rocker", "ratio": 2}]),
