@@ -23,6 +23,7 @@ from camgen.parts.catalogue import TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Part
 from camgen.parts.reaming import glue
+from camgen.parts.step_words import TWO_PART
 from camgen.pipeline.case import Case
 from camgen.pipeline.scope import machined
 from camgen.pipeline.shopping import bought_things, stock, supplies, tools
@@ -293,8 +294,10 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
     if any("glued" in note for part in parts for note in part.notes) and "glue" not in {
         thing.name for thing in things
     }:
-        kind = glue(materials.of(material).metal)
-        things.append(Bought("glue", "", f"{kind}, for all glued joints", 1))
+        what = f"{glue(materials.of(material).metal)}, for all glued joints"
+        if any(thing.name == TWO_PART for thing in supplies(mechanism)):
+            what = "superglue gel, for glued joints where no step asks for two-part glue"
+        things.append(Bought("glue", "", what, 1))
     if mechanism.assembly.board and mechanism.assembly.support is None:
         own.append(Bought("board", "", "or a frame; the last step says how to fix the plate", 1))
     groups = {

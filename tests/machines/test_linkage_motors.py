@@ -25,6 +25,8 @@ from camgen.machines.linkage.mechanism import Linkage
 from camgen.machines.loads.assess import assess
 from camgen.machines.sources import read_mechanism
 from camgen.parts.assembly import order_of_assembly
+from camgen.pipeline.making import parts_table
+from camgen.pipeline.shopping import steps_of_assembly
 from camgen.spec import validate
 
 Tables = dict[str, Any]
@@ -577,3 +579,12 @@ def test_the_bore_of_the_walker_on_its_motors_flat_is_told_to_be_glued() -> None
     crank = read_mechanism(next(starters.folder().rglob("flapping-bird.toml")))
     light = assess(crank)
     assert 0 < light.study.numbers["flat_pressure_mpa"] < 20 and not light.warnings
+
+
+def test_the_list_has_both_glues_where_steps_ask_for_two() -> None:
+    """Who buys epoxy alone has none for the collar, which asks for superglue gel."""
+    mechanism = read_mechanism(next(starters.folder().rglob("flapping-bird.toml")))
+    what = {str(row[1]): str(row[2]) for row in parts_table(mechanism).rows}
+    assert what["glue"].startswith("superglue gel, for") and "epoxy" in what["two-part glue"]
+    said = " ".join(step.title for step in steps_of_assembly(mechanism).steps)
+    assert "a drop of superglue gel" in said and "with two-part glue" in said

@@ -31,7 +31,7 @@ TOOLS = (
     "vice",
     "block",
 )
-SUPPLIES = ("oil", "sheets of paper")
+SUPPLIES = ("oil", "sheets of paper", "two-part glue")
 
 
 @pytest.fixture(scope="module")
