@@ -34,7 +34,7 @@ def shaft(bore: float, *lengths: float, key: float = 0.0, ringed: bool = False) 
 
 
 def test_a_drum_s_shaft_is_drawn_at_its_own_size(tmp_path: Path) -> None:
-    """20 h6 x 125 with grooves of 19 [DIN 471] and a keyway 6 x 40, 3.5 deep [DIN 6885]: outline and dimensions by hand."""
+    """20 h6 x 125 with grooves of 19 [DIN 471] and a keyway 6 x 36, at least 3 from its grooves, 3.5 deep [DIN 6885]: outline and dimensions by hand."""
     made = shaft(20.0, 44.0, key=6.0, ringed=True)
     dxf, pdf = write_shaft(tmp_path, "drum", made, FACTS)
     assert dxf.name == "drum-shaft-drawing.dxf" and pdf.read_bytes().startswith(b"%PDF")
@@ -53,7 +53,7 @@ def test_a_drum_s_shaft_is_drawn_at_its_own_size(tmp_path: Path) -> None:
     )
     sizes = sorted(round(each.dxf.actual_measurement, 2) for each in space.query("DIMENSION"))
     assert sizes == pytest.approx(
-        [3.8, 6.0, 14.5, 14.5, 16.5, 20.0, 25.65, 29.0, 40.0, 46.7, 79.8, 125.0]
+        [3.8, 6.0, 14.5, 14.5, 16.5, 20.0, 25.65, 31.0, 36.0, 46.7, 79.8, 125.0]
     )
 
 

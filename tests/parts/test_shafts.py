@@ -53,7 +53,7 @@ def test_a_keyway_lies_in_the_middle_of_its_bore() -> None:
 def test_a_shaft_whose_bearings_are_not_known_says_how_much_is_in_the_bore() -> None:
     (shaft,) = shaft_and_bearings(Seat(9.0, [31.5], 3.0))
     assert shaft.size.startswith("9 h6, C45, 31.5 in the bore")
-    assert "between 1.75 and 29.75 from where the bore begins" in shaft.details  # a key 3 x 3 x 28
+    assert "between 3.25 and 28.25 from where the bore begins" in shaft.details  # a key 3 x 3 x 25
 
 
 def test_rings_on_either_side_of_each_bearing_keep_it_on_the_shaft() -> None:
