@@ -273,14 +273,18 @@ class DrawnPart:
 
     def _height(self, hole: Hole) -> str:
         """From where to where a hole goes, as ", z 3.4 to 6", where it is narrower or wider in other layers; "" of another hole."""
-        widths = {
-            other.radius
+        in_line = [
+            (other.radius, layer)
             for layer in self.part.layers
             for other in map(hole_of, layer.region.holes)
             if abs(other.place - hole.place) < SAME_POINT
-        }
-        own = self.part.drawn
-        return f", z {number(own.z0)} to {number(own.z1)}" if len(widths) > 1 else ""
+        ]
+        own = [layer for radius, layer in in_line if radius == hole.radius]
+        if len(own) == len(in_line):
+            return ""
+        return (
+            f", z {number(min(each.z0 for each in own))} to {number(max(each.z1 for each in own))}"
+        )
 
     def _rows(self) -> list[tuple[str, str, str, str]]:
         """Rows of the table of holes and edges."""

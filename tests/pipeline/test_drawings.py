@@ -658,3 +658,15 @@ def test_bushes_that_cannot_be_are_refused(settings: str, said: str) -> None:
         facts("gallery/geneva-table", *metal, "geneva.0.gap=2", settings)
     whole = f"{caught.value.sentence} {caught.value.where} {caught.value.remedy}"
     assert said in whole
+
+
+def test_a_hole_over_a_recess_says_how_far_it_goes_whatever_others_do() -> None:
+    """A plate of 5: clearance holes of 3.4 over recesses of 6.2, 1.85 deep, so up to its upper face; core holes of 2.4 under recesses of
+    4.3 that begin at 2.8, so from its lower face. Neither ends where the other's recess does."""
+    mechanism = read_mechanism(SPECS / "gallery" / "walker.toml")
+    part = mechanism.assembly.by_name["ground"]
+    drawn = DrawnPart(part, "walker-ground", 1e-3, facts_of(mechanism, part))
+    said = [size for *_, size in drawn.rows if size.startswith("Ø") and ", z " in size]
+    assert said.count("Ø3.4, z 1.85 to 5") == said.count("Ø6.2, z 0 to 1.85") == 4
+    assert said.count("Ø2.4, z 0 to 2.8") == said.count("Ø4.3, z 2.8 to 5") == 2
+    assert len(said) == 12
