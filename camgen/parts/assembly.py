@@ -744,7 +744,7 @@ def _row_of(part: Part, assembly: Assembly, doing: Doing) -> Row:
     return row, Step([doing], copies, 1)
 
 
-def _plate(assembly: Assembly) -> tuple[Part, Mount]:
+def plate_of(assembly: Assembly) -> tuple[Part, Mount]:
     """The plate of the frame, and how it stands."""
     assert assembly.frame is not None, "nothing goes under no plate"
     name = assembly.frame.part
@@ -760,7 +760,7 @@ _ON_GEARBOX = (
 def _motor_rows(assembly: Assembly) -> Iterator[Row]:
     """A motor under the plate as soon as that is there, for later parts cover its screws; with the bar that lies behind it as one
     step, after the step of one that is pressed on it."""
-    plate, stands = _plate(assembly)
+    plate, stands = plate_of(assembly)
     first = [*_shortened(assembly.motor)]
     follows = False
     for part in (each for each in assembly.parts if each.role == "motor-bar"):
@@ -863,7 +863,7 @@ def _glued_below(part: Part, assembly: Assembly, there: bool) -> Row:
 
     there: whether the plate is; else it comes too, and once more when it is put in.
     """
-    plate, stands = _plate(assembly)
+    plate, stands = plate_of(assembly)
     mount = next(each for each in assembly.mounts if each.part == part.name)
     points = [(stands.place(z), name) for name, z in plate.points]
     near = list[tuple[float, str]]()

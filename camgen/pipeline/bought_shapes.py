@@ -17,7 +17,7 @@ import numpy as np
 from camgen.machine.features import heights
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import coordinates
-from camgen.parts.assembly import Assembly
+from camgen.parts.assembly import Assembly, plate_of
 from camgen.parts.catalogue import (
     CAM_FOLLOWERS,
     CORE_HOLES,
@@ -453,5 +453,7 @@ def _motors(assembly: Assembly, copies: Sequence[StandingCopy]) -> Iterator[Thin
         reach = assembly.motor.reach
         shaft = assembly.motor.shaft or (face.shaft if face else 0.0)
         if shaft and reach is not None:
-            pieces.append((_disc(at, shaft / 2), high, high + reach))
+            # the face of one that a bar holds lies on the plate, above what holds it
+            face_at = high if assembly.frame is None else plate_of(assembly)[1].z
+            pieces.append((_disc(at, shaft / 2), high, face_at + reach))
         yield pieces

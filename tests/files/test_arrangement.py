@@ -624,3 +624,10 @@ def test_a_bush_is_hatched_though_it_is_bought() -> None:
     parts = mechanism.assembly.parts
     hatched = {parts[each.number - 1].name: each.hatched for each in copies if not each.bought}
     assert hatched["bush"] and not hatched["pin-1"] and not hatched["shaft"]
+
+
+def test_a_motor_s_shaft_reaches_what_it_turns() -> None:
+    """The N20 lies with its face on the plate's underside, z = 0; spacer and plate are 5.05 high, the crank on its shaft 3."""
+    _, arrangement = machine("gallery/walker")
+    (heights,) = (item.heights for item in arrangement.items if item.what == "drive")
+    assert heights == ["-30 to 8.05"]
