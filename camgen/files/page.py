@@ -36,6 +36,13 @@ class Page:
         """A point of the part in the plan view on the paper."""
         return self.datum + self.scale * z
 
-    def dimension(self, a: complex, b: complex, away: complex, measure: Measure) -> None:
-        """A linear dimension of the views."""
-        dimension(self.sheet, (a, b), away, measure, self.tolerance, FILING + 1)
+    def dimension(
+        self,
+        a: complex,
+        b: complex,
+        away: complex,
+        measure: Measure,
+        left: float = FILING + 1,
+    ) -> None:
+        """A linear dimension of the views; left: edge of the paper that is free."""
+        dimension(self.sheet, (a, b), away, measure, self.tolerance, left)

@@ -193,7 +193,7 @@ class _Page:
         radius = self.shaft.diameter / 2
         rows = [
             *sorted(self._lengths(), key=self._beside),
-            (0.0, self.shaft.length, Measure(self.shaft.length)),
+            (0.0, self.shaft.length, Measure(self.shaft.length, fit=self.facts.length_limits)),
         ]
         for k, (start, end, measure) in enumerate(rows, 1):
             ends = self.at(start, -radius), self.at(end, -radius)

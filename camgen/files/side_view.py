@@ -25,6 +25,7 @@ from camgen.parts.part import Tap
 from camgen.tolerances import SAME_POINT
 
 BOSS = 10.0  # between the dimensions of bosses, beside the view from the left
+_UNDER_SHANK = -11j  # from a pin's head to its length, clear of the arrow of its diameter
 _FACE = 0.7  # of the radius of a drum's lower end: where its datum is in the view from the left
 _HATCH = 2.5  # mm of paper between the lines of a cut face
 _THREAD = "6H"  # tolerance class of threads in a part [ISO 965-1]
@@ -67,13 +68,18 @@ class SideViews:
             y = self.page.paper(self.drawn.zero).imag
             self.page.sheet.line(complex(left - 4, y), complex(left + thick + 4, y), layer="CENTER")
         bottom = self.page.paper(self.drawn.low).imag
-        thinner = self.drawn.facts.thinner
-        self.page.dimension(
-            complex(left, bottom),
-            complex(left + thick, bottom),
-            -9j,
-            Measure(self.drawn.part.thickness, fit=f"0/-{thinner:g}" if thinner else ""),
-        )
+        facts = self.drawn.facts
+        if facts.length_limits and self.drawn.shank:
+            self._shank_length(complex(left, bottom), facts.length_limits)
+        else:
+            self.page.dimension(
+                complex(left, bottom),
+                complex(left + thick, bottom),
+                -9j,
+                Measure(
+                    self.drawn.part.thickness, fit=facts.length_limits or facts.thickness_limits
+                ),
+            )
         if self.drawn.part.drum:
             self._floor(origin, self.drawn.part.drum)
             return
@@ -89,6 +95,20 @@ class SideViews:
         for i, height in enumerate(heights, 1):
             top = complex(left, self.page.paper(self.drawn.high).imag)
             self.page.dimension(top, top + self.page.scale * height, 9j * i, Measure(height))
+
+    def _shank_length(self, low: complex, limits: str) -> None:
+        """Length of a headed pin's shank, and that over all, which follows from it; low: foot of its head, on paper."""
+        part = self.drawn.part
+        head = min(layer.z1 for layer in part.layers)
+        end = low + self.page.scale * part.thickness
+        self.page.dimension(
+            low + self.page.scale * head,
+            end,
+            _UNDER_SHANK,
+            Measure(part.thickness - head, fit=limits),
+            low.real,  # clear of the line of the length over all
+        )
+        self.page.dimension(low, end, _UNDER_SHANK - 9j, Measure(part.thickness, REFERENCE))
 
     def _edges_from_left(self, origin: complex) -> None:
         """The boxes of the layers and, dashed, of the bores in them; origin: of the part in this view, on paper."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from camgen._version import __version__
 from camgen.files.dimensions import Hole, number
+from camgen.files.limits import signed
 from camgen.files.sheet import Sheet
 from camgen.files.symbols import cell
 from camgen.parts.part import Part
@@ -80,6 +81,9 @@ class Facts:
     thinner: float = (
         0.0  # by which the gaps beside the part let it be, mm; 0: they bear its general tolerance
     )
+    thicker: float = 0.0  # by which a plate through which shafts and pins go may be, and no thinner
+    # by how much a rod or the shank of a headed pin is shorter than drawn, at least and at most, mm
+    shorter: tuple[float, float] = (0.0, 0.0)
     lip: float = (
         0.0  # by which the lip under a ball bearing may be lower, mm; 0: nothing is asked of it
     )
@@ -122,6 +126,19 @@ class Facts:
     revision: str = ""
     drawn_by: str = ""
     checked_by: str = ""
+
+    @property
+    def length_limits(self) -> str:
+        """Limits of the length of a rod or of a pin's shank, such as "-0.05/-0.35"; "" of any other part."""
+        least, most = self.shorter
+        return f"{signed(-least)}/{signed(-most)}" if most else ""
+
+    @property
+    def thickness_limits(self) -> str:
+        """Limits of a part's thickness, such as "0/-0.05"; "" where its general tolerance will do."""
+        if self.thicker:
+            return f"{signed(self.thicker)}/0"
+        return f"0/{signed(-self.thinner)}" if self.thinner else ""
 
     def shape(self, hole: Hole) -> str:
         """What a hole or a round layer is, with its fit where one is known."""

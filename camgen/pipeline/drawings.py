@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from camgen.files.dimensions import flat_of, free, number, rod_of, round_of
+from camgen.files.dimensions import flat_of, free, headed, number, rod_of, round_of
 from camgen.files.limits import deviations, general, in_limits
 from camgen.files.timing import Motion
 from camgen.files.title_block import Facts, Fit, Groove, Rider
@@ -37,6 +37,7 @@ from camgen.parts.part import Layer, Part
 from camgen.parts.shafts import rod_with_keyways
 from camgen.parts.standing import Round, standing
 from camgen.parts.turned_shafts import TurnedShaft
+from camgen.pipeline.lengths import stack_allowance
 from camgen.pipeline.thicknesses import thickness_allowances
 from camgen.tolerances import SAME_POINT
 
@@ -73,6 +74,8 @@ _KEY = "JS9"
 _TIGHT_KEY = "P9"
 # By how much the crowned ring of a cam follower may be thinner, mm [nodeshk.com/ina/art/track-roller-clearance].
 _CROWNED = 0.05
+# By how much a ball bearing with a bore of 2.5 to 50 may be narrower, mm [ISO 492; of a 688 fryer-to-fuel.com/ball-bearing-deflection].
+_NARROWER = 0.12
 _BETWEEN_RINGS = "h11"  # length of a drum: shims fill what is free, as far as it may slide
 # Chamfer of a bore by the diameter up to which it is usual, mm: camgen's own rule.
 _CHAMFERS = ((10.0, 0.5), (40.0, 1.0), (math.inf, 1.5))
@@ -141,6 +144,10 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         bore_fit=bore_fit,
         lip=_lip(mechanism) if cut else 0.0,
         thinner=_thinner(mechanism, part, sheet.tolerance or _IN_METAL.tolerance) if cut else 0.0,
+        thicker=_thicker(mechanism, part, sheet.tolerance or _IN_METAL.tolerance) if cut else 0.0,
+        shorter=_shorter(mechanism, part, sheet.tolerance or _IN_METAL.tolerance)
+        if cut or rod
+        else (0.0, 0.0),
         key_fit=key_fit,
         shaft=rod_with_keyways(part, outer_fit, key_fit, list(_keys(mechanism.assembly, part)))
         if steel
@@ -233,9 +240,9 @@ def _thinner(mechanism: Mechanism, part: Part, tolerance: str) -> float:
     """By how much a part of metal may be thinner than drawn, mm, where the gaps beside it do not bear a general tolerance; else 0.
 
     What an inner ring lies on takes at most half of the play over it, and so does a link on which that stands, or else the next one, which
-    lies on two such links, would lean in its bearings; a pin with a head never reaches through what it is glued in.
+    lies on two such links, would lean in its bearings; a pin with flats never reaches through what it is glued in.
     """
-    if part.role == "pin" and len(part.layers) > 1:
+    if part.role == "pin" and len(part.layers) > 1 and headed(part) is None:
         return general(part.thickness, tolerance)
     allowed = thickness_allowances(mechanism.assembly).get(part.name, math.inf)
     if part.role == "sleeve" or _bears_sleeve(mechanism.assembly, part):
@@ -244,6 +251,50 @@ def _thinner(mechanism: Mechanism, part: Part, tolerance: str) -> float:
     if between:
         return -between[0]
     return allowed if allowed < general(part.thickness, tolerance) else 0.0
+
+
+def _thicker(mechanism: Mechanism, part: Part, tolerance: str) -> float:
+    """By how much the plate may be thicker than drawn, mm, and no thinner: what ends with a part over it would stand out there, and a bush
+    under it; 0 of any other part, and of a plate that holds neither shaft nor pin."""
+    assembly = mechanism.assembly
+    if not any(
+        each.part == part.name and each.body == GROUND and not each.z for each in assembly.mounts
+    ):
+        return 0.0
+    poses, outlines = _standing_still(assembly)
+    bores = [
+        standing(part, pose, layer, *hole)
+        for layer in part.layers
+        for hole in filter(None, map(round_of, layer.region.holes))
+        for pose in poses[part.name]
+    ]
+    rods = [each.name for each in assembly.parts if is_rod(each) or each.name == BUSH]
+    held = [round for name in (*rods, *_pins(mechanism)) for round in outlines[name]]
+    through = any(bore.holds(each) for bore in bores for each in held)
+    return general(part.thickness, tolerance) if through else 0.0
+
+
+def _shorter(mechanism: Mechanism, part: Part, tolerance: str) -> tuple[float, float]:
+    """By how much a rod or the shank of a headed pin is shorter than drawn, at least and at most, mm, so that it never stands out of what it
+    goes through; 0 of any other part. A shaft hangs from the plate, or stands on blocks beside it: what lies under that does not move its
+    end."""
+    pin = headed(part) is not None and part.role == "pin"
+    if not pin and not is_rod(part):
+        return 0.0, 0.0
+
+    def thinner(other: Part) -> float:
+        if other.process != "printed":
+            return _NARROWER if other in _rings(mechanism.assembly) else 0.0
+        if _thicker(mechanism, other, tolerance):
+            return 0.0
+        return _thinner(mechanism, other, tolerance) or general(other.thickness, tolerance)
+
+    floor = -math.inf if pin else 0.0
+    least = stack_allowance(mechanism.assembly, part, thinner, floor)
+    if least is None:
+        return 0.0, 0.0
+    length = part.thickness - (min(layer.z1 for layer in part.layers) if pin else 0.0)
+    return round(least, 3), round(least + general(length, tolerance), 3)
 
 
 def _bears_sleeve(assembly: Assembly, part: Part) -> bool:

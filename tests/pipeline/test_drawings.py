@@ -292,10 +292,9 @@ def test_a_ball_bearing_in_metal_has_the_fits_of_its_makers() -> None:
     assert fits(found["crank"])[20] == "H7 (+0.012/0), glued on Ø5 g6"
     seats = fits(found["coupler"])
     assert seats[0] == seats[60] == "JS7 (±0.0075), ball bearing"
-    # a face some tenths wide; a sleeve takes half of the gap of 0.1; a pin ends in its hole, by ISO 2768-m 0.2 short at most
+    # a face some tenths wide; a sleeve takes half of the gap of 0.1
     assert {found[name].edges[:13] for name in ("pin-1", "pin-2", "sleeve-1")} == {"free of burrs"}
     assert (found["sleeve-1"].thinner, found["coupler"].lip) == pytest.approx((0.05, 0.05))
-    assert (found["pin-1"].thinner, found["pin-2"].thinner) == (0.2, 0.2)
     # the coupler lies on sleeves of two links, 60 mm apart
     links = ("ground", "crank", "rocker", "coupler")
     assert [found[name].thinner for name in links] == pytest.approx([0.0, 0.05, 0.05, 0.0])

@@ -1,0 +1,88 @@
+"""Limits along the axes of machines in metal: no shaft, pin or bush stands out of what it goes through."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import ezdxf
+import pytest
+
+from camgen import starters
+from camgen.files.drawing import write_drawing
+from camgen.files.title_block import Facts
+from camgen.machines.mechanism import Mechanism
+from camgen.machines.sources import read_mechanism
+from camgen.pipeline.drawings import facts_of
+
+SPECS = Path(__file__).resolve().parents[2] / "specs"
+BEARING = 0.12  # mm, by which one may be narrower, bore 2.5 to 10 [ISO 492]
+LINKAGE = (*starters.METAL["linkage"], "parts.pin=bearing")
+TABLE = starters.METAL["geneva-table"]
+
+
+@cache
+def facts(spec: str, *settings: str) -> tuple[Mechanism, dict[str, Facts]]:
+    machine = read_mechanism(SPECS / f"{spec}.toml", settings)
+    return machine, {part.name: facts_of(machine, part) for part in machine.assembly.parts}
+
+
+def test_the_tail_of_a_pin_ends_in_what_it_is_glued_in() -> None:
+    """A pin in crank or rocker goes through 2.5 of bearing (-0.12), 3.5 of sleeve (-0.05) and 6 of link (-0.05), in all at least
+    11.78; in the plate through 10 (never less) in place of a link, 15.83. ISO 2768-m has +-0.2 from 6 to 30."""
+    _, found = facts("linkage", *LINKAGE)
+    assert found["crank"].thickness_limits == found["rocker"].thickness_limits == "0/-0.05"
+    assert found["sleeve-1"].thickness_limits == "0/-0.05"
+    assert found["pin-2"].shorter == pytest.approx((12 - 11.78, 12 - 11.78 + 0.2))
+    assert found["pin-1"].shorter == pytest.approx((16 - 15.83, 16 - 15.83 + 0.2))
+    longest = 12 - found["pin-2"].shorter[0]
+    assert longest <= (6 - 0.05) + (3.5 - 0.05) + (2.5 - BEARING) + 1e-9
+    assert found["pin-2"].thickness_limits == ""  # its length over all follows
+
+
+def test_a_shaft_ends_below_the_top_of_what_it_turns() -> None:
+    """From the plate's underside up: the linkage's shaft through a crank (-0.05), the table's through spacer, wheel, spacer and table of
+    -0.03 each. What hangs under the plate does not count. ISO 2768-m has +-0.3 from 30 to 120."""
+    _, found = facts("linkage", *LINKAGE)
+    assert found["shaft"].length_limits == "-0.05/-0.35"
+    _, found = facts("gallery/geneva-table", *TABLE)
+    layers = ("spacer-1", "geneva-crank_to_table", "spacer-2", "table")
+    assert {found[name].thinner for name in layers} == {0.03}
+    assert found["shaft-table"].length_limits == "-0.12/-0.42"
+    assert found["shaft"].length_limits == "-0.06/-0.36"  # crank and locking disc
+    assert found["pin-1"].length_limits == ""  # a dowel, as it is sold
+
+
+def test_a_plate_is_never_thinner_than_its_bush_is_long() -> None:
+    """ISO 2768-m has +-0.2 at 10 mm: all of it goes up. A knob holds nothing of the plate, and no print has such limits."""
+    for spec, settings in (("linkage", LINKAGE), ("gallery/geneva-table", TABLE)):
+        _, found = facts(spec, *settings)
+        assert found["ground"].thickness_limits == "+0.2/0"
+        assert not any(each.thicker for name, each in found.items() if name != "ground")
+    _, printed = facts("linkage")
+    assert not any(each.thicker or any(each.shorter) for each in printed.values())
+
+
+def test_a_general_tolerance_of_the_spec_is_what_a_length_has() -> None:
+    """ISO 2768-f: +-0.15 from 30 to 120, +-0.1 from 6 to 30."""
+    _, found = facts("linkage", *LINKAGE, "drawing.tolerance=ISO 2768-fH")
+    assert found["shaft"].length_limits.endswith("-0.2")  # 0.05 and 0.15
+    assert found["ground"].thickness_limits == "+0.1/0"
+
+
+def test_the_sheets_show_these_limits(tmp_path: Path) -> None:
+    """A pin's shank has them, and its length over all stands in parentheses; a shaft's length and a plate's thickness have them."""
+    machine, found = facts("linkage", *LINKAGE)
+    parts = {part.name: part for part in machine.assembly.parts}
+    for name, sizes in (
+        ("pin-2", {"12 -0.22/-0.42", "(13.5)", "1.5"}),
+        ("shaft", {"31.1 -0.05/-0.35"}),
+        ("ground", {"10 +0.2/0"}),
+    ):
+        paths = write_drawing(tmp_path, "m", parts[name], 0.001, found[name])
+        sheet = ezdxf.readfile(next(each for each in paths if each.suffix == ".dxf"))
+        said = {
+            each.dxf.text.replace("<>", f"{each.get_measurement():g}")
+            for each in sheet.modelspace().query("DIMENSION")
+        }
+        assert sizes <= said, said
