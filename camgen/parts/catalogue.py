@@ -136,15 +136,19 @@ class CamFollower:
         clear: how far its shoulder lies outside the cam, mm, below 0 inside; where: it goes, in words.
         """
         size = f"{self.name}: cylindrical ring {self.outside:g} x {self.width:g}, stud {self.stud:g} x {self.length:g} in a hole H7, {self.thread}"
+        grease = Bought(
+            "grease", "", "for rolling bearings", 1, how="a little, on the ring and where it rolls"
+        )
         each = math.ceil((_CLEAR_OF_CAM - clear) / WASHERS[self.stud])
         if each <= 0:
-            return [Bought("cam follower", ROLLER_STANDARD, size, count, how=where)]
+            return [Bought("cam follower", ROLLER_STANDARD, size, count, how=where), grease]
         washer = Bought("washer of the cam follower", "ISO 7089", f"M{self.stud:g}", each * count)
         some = "a washer" if each == 1 else f"{each} washers"
         how = f"{where}; {some} between its shoulder and your follower: this must not touch the cam"
         return [
             replace(washer, how="on the stud of the cam follower, before that goes in"),
             Bought("cam follower", ROLLER_STANDARD, size, count, how=how),
+            grease,
         ]
 
 

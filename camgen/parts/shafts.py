@@ -75,14 +75,14 @@ _GAP = 0.5  # of the shaft: from the bore to a bearing
 _COUPLING = 1.5  # of it: end for a coupling
 _STEP = 5.0  # mm, of lengths of shafts
 _SHIMMED = 0.3  # mm, that shims fill between rings and bore, at least
-_MOST_SHIMMED = 0.7  # mm, where grooves and bore have the whole of their tolerances, h11 of the bore's length with it
+_MOST_SHIMMED = 0.9  # mm, where grooves, rings and bore have the whole of their tolerances, h11 of the bore's length with it
 _WIDER = 0.2  # mm, by which grooves may lie farther apart
 _SNAPPED = "one on either side of the bore; put shims (DIN 988) beside the bore until it slides at most 0.05 mm"
 OF_SHAFT = "bearing of the shaft"  # name of its row
 _BEFORE = 5.0  # from the shaft's end to its first bearing, where a ring holds that
 _BEARING_SLACK = 0.1  # that the rings leave a bearing, at least
 _SLACKER = 0.1  # by which their grooves may lie farther apart
-_OF_SLACK = (0.1, 0.3)  # that shims fill there: the bearing may be 0.12 narrower
+_OF_SLACK = (0.1, 0.5)  # that shims fill there: the bearing may be 0.12 narrower, each ring 0.06
 _OF_BORE = "retaining ring"
 OF_BEARING = "retaining ring of a bearing"
 _INNER_FIRST = (
@@ -98,6 +98,7 @@ _COLLARS = (
 )
 _KEYED = "its key in the keyway of the bore, its end for the coupling below, as in the arrangement drawing"
 _FAST = "fast in it"
+_SEALED = "sealed on both sides and greased (2RS)"
 _BEARINGS = (
     "one on either side, in a frame of yours: it holds the one at the end without the coupling on both sides of its outer ring, so that "
     "the shaft cannot slide, and leaves the other one free in its seat"
@@ -133,7 +134,10 @@ def shaft_and_bearings(seat: Seat) -> list[Bought]:
     )
     cuts = _cuts(made.keyways, made.grooves, "from the end without the coupling")
     size = f"{bore:g} {_FIT} x {made.length:g}, C45"
-    shaft = replace(shaft, size=size, details="; ".join([place, *cuts]), shaft=made)
+    begins = f", which begins {made.bores[0][0]:.4g} mm from its other end"
+    shaft = replace(
+        shaft, size=size, details="; ".join([place, *cuts]), shaft=made, how=how + begins
+    )
     bearing = _bearing(bore)
     assert bearing is not None
     held = [
@@ -147,7 +151,7 @@ def shaft_and_bearings(seat: Seat) -> list[Bought]:
         2,
         how=_BEARINGS + (_OUTER_LAST if held else _COLLARS),
     )
-    return [shaft, *rings, *held, replace(turns, key="parts.bore")]
+    return [shaft, *rings, *held, replace(turns, key="parts.bore", details=_SEALED)]
 
 
 def _bearing(bore: float) -> Bearing | None:

@@ -882,6 +882,6 @@ class CylinderCam(Mechanism):
             ]
             return [*said, *self._pressing_notes()]
         return [
-            f"camgen makes the drum, and lists its shaft, bearings and roller. You make the follower and its guide: {place}, the roller's inner end {track.inner:.4g} mm from the drum's axis.",
+            f"camgen makes the drum, and lists its shaft, bearings and roller. You make the follower, its guide and the frame, and bring a coupling and the motor: {place}, the roller's inner end {track.inner:.4g} mm from the drum's axis.",
             "theta is counter-clockwise as seen from above; at 0 the follower stands at +x of the drum's files.",
         ]

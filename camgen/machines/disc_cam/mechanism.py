@@ -612,6 +612,10 @@ class DiscCamDrive(CamTables):
             notes.append(
                 "You must press the follower on the cam yourself. With [load] and [spring] in the spec, LIFT_OFF and HERTZ judge whether it stays on and how hard it presses."
             )
+        if not self.standing and has_own_shaft(self.making, self.material.name, self.motor.model):
+            notes.append(
+                "camgen makes the cam, and lists its shaft and bearings. You make the follower, its guide and the frame, and bring a coupling and the motor."
+            )
         if self._is_as_wide_as_its_hub:
             keys = "parts.shaft_diameter" if self.standing else "parts.bore, parts.hub_diameter"
             notes.append(
