@@ -240,9 +240,12 @@ def _thinner(mechanism: Mechanism, part: Part, tolerance: str) -> float:
     """By how much a part of metal may be thinner than drawn, mm, where the gaps beside it do not bear a general tolerance; else 0.
 
     What an inner ring lies on takes at most half of the play over it, and so does a link on which that stands, or else the next one, which
-    lies on two such links, would lean in its bearings; a pin with flats never reaches through what it is glued in.
+    lies on two such links, would lean in its bearings; a pin with flats never reaches through what it is glued in, and a collar never
+    up to the plate.
     """
     if part.role == "pin" and len(part.layers) > 1 and headed(part) is None:
+        return general(part.thickness, tolerance)
+    if _is_under_plate(mechanism, part):
         return general(part.thickness, tolerance)
     allowed = thickness_allowances(mechanism.assembly).get(part.name, math.inf)
     if part.role == "sleeve" or _bears_sleeve(mechanism.assembly, part):
@@ -253,9 +256,20 @@ def _thinner(mechanism: Mechanism, part: Part, tolerance: str) -> float:
     return allowed if allowed < general(part.thickness, tolerance) else 0.0
 
 
+def _is_under_plate(mechanism: Mechanism, part: Part) -> bool:
+    """Whether a part that moves is a play below the plate, such as the collar of a shaft."""
+    low = -mechanism.print.slide_clearance
+    return any(
+        each.part == part.name
+        and each.body != GROUND
+        and abs(each.z + part.thickness - low) < SAME_POINT
+        for each in mechanism.assembly.mounts
+    )
+
+
 def _thicker(mechanism: Mechanism, part: Part, tolerance: str) -> float:
     """By how much the plate may be thicker than drawn, mm, and no thinner: what ends with a part over it would stand out there, and a bush
-    under it; 0 of any other part, and of a plate that holds neither shaft nor pin."""
+    under it; 0 of any other part, of a plate in which no shaft or pin ends or turns, and of one with bosses, whose height is no thickness."""
     assembly = mechanism.assembly
     if not any(
         each.part == part.name and each.body == GROUND and not each.z for each in assembly.mounts
@@ -265,11 +279,14 @@ def _thicker(mechanism: Mechanism, part: Part, tolerance: str) -> float:
     bores = [
         standing(part, pose, layer, *hole)
         for layer in part.layers
+        if abs(layer.z1 - layer.z0 - part.thickness) < SAME_POINT
         for hole in filter(None, map(round_of, layer.region.holes))
         for pose in poses[part.name]
     ]
     rods = [each.name for each in assembly.parts if is_rod(each) or each.name == BUSH]
-    held = [round for name in (*rods, *_pins(mechanism)) for round in outlines[name]]
+    held = [shaft for name in rods for shaft in outlines[name]]
+    pins = [shank for name in _pins(mechanism) for shank in outlines[name]]
+    held += [shank for shank in pins if shank.low > -SAME_POINT]  # whose head is above
     through = any(bore.holds(each) for bore in bores for each in held)
     return general(part.thickness, tolerance) if through else 0.0
 

@@ -63,6 +63,22 @@ def test_a_plate_is_never_thinner_than_its_bush_is_long() -> None:
     assert not any(each.thicker or any(each.shorter) for each in printed.values())
 
 
+def test_a_plate_with_guides_has_no_limit_of_its_whole_height() -> None:
+    """What it says is the height of the guides: a taller one would leave the slide more play."""
+    machine, found = facts("quick-return", "material.name=C45")
+    (plate,) = (part for part in machine.assembly.parts if part.name == "ground")
+    assert {layer.z1 for layer in plate.layers} > {plate.thickness}
+    assert found["ground"].thickness_limits == ""
+
+
+def test_a_collar_never_reaches_the_plate() -> None:
+    """It is set by its underside, 0.1 below the plate with its upper side: ISO 2768-m has +-0.1 at 6 mm, all of it goes down."""
+    for spec, settings in (("linkage", LINKAGE), ("gallery/geneva-table", TABLE)):
+        _, found = facts(spec, *settings)
+        assert found["collar"].thickness_limits == "0/-0.1"
+        assert found["hand-crank"].thickness_limits == ""
+
+
 def test_a_general_tolerance_of_the_spec_is_what_a_length_has() -> None:
     """ISO 2768-f: +-0.15 from 30 to 120, +-0.1 from 6 to 30."""
     _, found = facts("linkage", *LINKAGE, "drawing.tolerance=ISO 2768-fH")
