@@ -17,7 +17,7 @@ import numpy as np
 
 from camgen.findings import NotJudged
 from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Floats, Region, start_point
+from camgen.geometry.outlines import Floats, Region, extent, start_point
 from camgen.geometry.rings import Ring
 from camgen.machine.features import (
     Balance,
@@ -909,8 +909,18 @@ def _stands_out(assembly: Assembly, plate: Part, stands: Mount) -> float:
 
 
 def _turned_over(assembly: Assembly) -> Doing:
-    """That a machine with a stand, which lies face up till then, is turned over, and how deep its front is."""
-    front = max(mount.z + assembly.by_name[mount.part].thickness for mount in _low_mounts(assembly))
+    """That a machine with a stand, which lies face up till then, is turned over, and how deep its front is, with what of the stand
+    comes while it lies so."""
+    parts = assembly.by_name
+    front = max(
+        mount.z
+        + (
+            extent([parts[mount.part].region.outer])[1].imag
+            if mount.upright
+            else parts[mount.part].thickness
+        )
+        for mount in assembly.mounts
+    )
     rest = _resting(assembly)[0]
     high = math.ceil(front - rest.z - assembly.by_name[rest.part].thickness - SAME_POINT)
     on = f"on blocks at least {high} mm high, beside all that moves"

@@ -1,4 +1,4 @@
-"""Strips under links in which a pin is glued from above: glue that comes out below must not join them to what they slide on."""
+"""What keeps a machine on the bench from sticking or standing on what moves: strips under links in which a pin is glued from above, and blocks under one that lies on its front."""
 
 from __future__ import annotations
 
@@ -38,3 +38,11 @@ def test_no_strip_lies_under_a_plate_that_stands_on_the_bench(bird: list[str]) -
     """The pins on which the wings turn are glued into the plate, and nothing lies under it there."""
     (step,) = (each for each in bird if "glue it into ground" in each)
     assert "plastic bag" not in step
+
+
+def test_blocks_under_what_lies_on_its_front_are_higher_than_what_comes_there(
+    bird: list[str],
+) -> None:
+    """Pin heads stand 14.3 in front of the panel, and the foot, which is glued on while it lies so, 16.38 [its drawing]."""
+    (turned,) = (each for each in bird if "Turn the machine over" in each)
+    assert "blocks at least 17 mm high" in turned
