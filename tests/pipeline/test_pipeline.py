@@ -213,11 +213,15 @@ def test_every_machine_has_steps_of_assembly_for_all_that_stands_in_it(name: str
         part.name: part.thickness for part in machine.assembly.parts
     }  # what is turned over comes from above
     heights = [
-        round(z + thick[part] * (lies == "turned over"), 6)
+        (round(z + thick[part] * (lies == "turned over"), 6), lies == "turned over")
         for _, part, _, _, _, z, lies in rows
         if part != "motor-bar"  # comes from below, with its motor
     ]
-    assert heights == sorted(heights)
+    # a pin with its head up comes as soon as what it keeps is there, over all of that
+    lying = [height for height, over in heights if not over]
+    assert lying == sorted(lying)
+    highest = np.maximum.accumulate([height for height, _ in heights])
+    assert all(height == top for (height, over), top in zip(heights, highest, strict=True) if over)
     counts = Counter(mount.part for mount in machine.assembly.mounts)
     every = {f"{part}-{k + 1}": part for part, count in counts.items() for k in range(count)}
     laid = Counter(copy for _, step in first for copy in step.copies)
