@@ -372,7 +372,7 @@ def _glued(
     glue = "glue" if metal else TWO_PART
     through = f" through {letter} of its second plate, as with a toothpick" if letter else ""
     spread = "" if screws else f" and on the {on}"
-    clear = "none on the shaft or in that plate: the shaft turns there"
+    clear = "none on the shaft, in that plate or in a spacer between: the shaft turns in these"
     needs = (TWO_PART,) if glue == TWO_PART else ()
     doings = [
         Doing("lift the far side off"),

@@ -89,7 +89,7 @@ def to_html(report: Report) -> str:
         + _section(scene.work if scene else "", _steps(scene), "steps"),
         findings=_section("Margins", _margins(report), "findings"),
         numbers=_section("Figures", figure_lists(report.numbers)),
-        tables=_section("Tables", "".join(map(_folded, report.all_tables))),
+        tables=_section("Tables", "".join(map(_folded, map(_as_cut, report.all_tables)))),
         notes=_section(
             "Notes", "".join(f"<p>{escape(sentence(note))}</p>" for note in report.notes)
         ),
@@ -262,20 +262,25 @@ _Row = Mapping[str, object]  # of the parts list, by its columns
 
 
 def _parts_list(report: Report) -> list[_Row]:
-    """Its rows; what is cut from a rod of the list says so."""
-    rows = [
+    """Its rows."""
+    return [
         dict(zip(table.columns, row, strict=False))
         for table in report.tables
         if table.shopping
-        for row in table.rows
+        for row in _as_cut(table).rows
     ]
+
+
+def _as_cut(table: Table) -> Table:
+    """A table; in the parts list what is cut from one of its rods says so."""
+    if not table.shopping:
+        return table
+    rows = [dict(zip(table.columns, row, strict=False)) for row in table.rows]
     rods = [str(row["part"]).removeprefix("steel ") for row in rows if row["how"] == "stock"]
-    return [
-        {**row, "how": _MILLED if "keyway" in str(row["what"]) else _CUT}
-        if any(rod in str(row["what"]) for rod in rods)
-        else row
-        for row in rows
-    ]
+    for row in rows:
+        if any(rod in str(row["what"]) for rod in rods):
+            row["how"] = _MILLED if "keyway" in str(row["what"]) else _CUT
+    return replace(table, rows=[tuple(row.values()) for row in rows])
 
 
 _CUT = "cut and filed of steel"  # from a rod of the list, which needs no lathe

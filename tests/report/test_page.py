@@ -504,7 +504,8 @@ def test_cards_and_plates_say_what_they_take_and_what_is_not_printed() -> None:
     assert all(page.count("demo-cam.dxf") >= 1 for page in pages)
     assert [page.count("STL</a>") for page in pages] == [1, 0, 0]
     assert "12 g, 1.5 h" in pages[0] and "1 copy; about 12 g, 1.5 h" in pages[0]
-    assert pages[2].count("cut and filed of steel") == 2, "in the list and on the card"
+    assert pages[2].count("cut and filed of steel") == 3, "in the lists and on the card"
+    assert "turned of steel" not in pages[2], "one word for one part on a page"
     assert "about 12 g of PLA" in pages[0] and "g of PLA" not in pages[1]
     assert not any("1 copy; about" in page for page in pages[1:])
 
