@@ -628,11 +628,14 @@ def _resting(assembly: Assembly) -> list[Mount]:
     return panels or [mount for mount in mounts if mount.part == name]
 
 
+_WIRES = 5.0  # mm, under a motor on its back
+
+
 def depth_below(assembly: Assembly) -> int:
     """How high blocks under the plate, or under the panel of its stand, are at least, mm; 0 where nothing hangs below it."""
     ends = [mount.z for mount in _low_mounts(assembly)]
     ends += [
-        low
+        low - (_WIRES if thing.drives else 0.0)
         for thing in assembly.stand_ins
         if thing.body == GROUND and thing.name != TABLE
         for low in (*(disc[2] for disc in thing.discs), *(bar[3] for bar in thing.bars))

@@ -794,7 +794,7 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     assert "spacer-1 over O of crank_web3, stuck there with a dot of grease." in slips
     deep = {each.name: each for each in walker.assembly.stand_ins}["motor"]
     (plate,) = (title for title in titles if title.startswith("Lay the ground plate on the bench"))
-    blocks = math.ceil(-min(disc[2] for disc in deep.discs))
+    blocks = math.ceil(5 - min(disc[2] for disc in deep.discs))  # with room for its wires
     assert f"two blocks at least {blocks} mm" in plate
     numbers = {str(row[1]): row[0] for row in table.rows}
     assert numbers["far-battery-frame"] < numbers["far-shaft"], "no loose shaft is in the way"
