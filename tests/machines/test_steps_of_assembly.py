@@ -832,7 +832,7 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     assert "for 4 AAA cells side by side, 6 V" in supply, "as the comments of its spec say"
     has = {each.name: each for each in tools(walker)}
     assert has["block"].count == 2 and has["block"].size.startswith(f"at least {blocks} mm")
-    props = "12.55, 14.55, 25, 2 × 36, 50.3 and 53.35 mm high"
+    props = "12.55, 14.55, 30, 2 × 36, 55.3 and 58.35 mm high"
     assert props in has["prop"].size and has["prop"].count == 7, "as steps name them"
     used = {each.name for each in supplies(walker)}
     assert "two-part glue" in used, "on the motor's shaft"
