@@ -73,15 +73,17 @@ def of_drum(data: Any) -> Any:
 
 
 def _clear_of_head(data: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The tables with room for the head of the bought roller that the load names, where neither that nor the drum's radius is given."""
+    """The tables with room for the head of the bought roller that the load names, where neither that nor the drum's radius is given; an end
+    cam has no floor."""
     geometry, load = data.get("geometry"), data.get("load")
     if not (isinstance(geometry, Mapping) and isinstance(load, Mapping)):
         return data
     roller = geometry.get("roller")
     named = CAM_FOLLOWERS.get(str(load.get("cam_follower")))
-    if named is None or not isinstance(roller, Mapping) or geometry.get("radius") is not None:
+    floored = geometry.get("track") != "end" and geometry.get("radius") is None
+    if named is None or not isinstance(roller, Mapping) or not floored:
         return data
-    clear = {"end_clearance": named.beyond + HEAD_CLEARANCE, **roller}
+    clear = {"end_clearance": round(named.beyond + HEAD_CLEARANCE, 3), **roller}
     return {**data, "geometry": {**geometry, "roller": clear}}
 
 

@@ -911,19 +911,16 @@ def _stands_out(assembly: Assembly, plate: Part, stands: Mount) -> float:
     )
 
 
+def _top(part: Part, mount: Mount) -> float:
+    """How high a part reaches where it stands, mm."""
+    over = extent([part.region.outer])[1].imag if mount.upright else part.thickness
+    return mount.z + over
+
+
 def _turned_over(assembly: Assembly) -> Doing:
     """That a machine with a stand, which lies face up till then, is turned over, and how deep its front is, with what of the stand
     comes while it lies so."""
-    parts = assembly.by_name
-    front = max(
-        mount.z
-        + (
-            extent([parts[mount.part].region.outer])[1].imag
-            if mount.upright
-            else parts[mount.part].thickness
-        )
-        for mount in assembly.mounts
-    )
+    front = max(_top(assembly.by_name[mount.part], mount) for mount in assembly.mounts)
     rest = _resting(assembly)[0]
     high = math.ceil(front - rest.z - assembly.by_name[rest.part].thickness - SAME_POINT)
     on = f"on blocks at least {high} mm high, beside all that moves"

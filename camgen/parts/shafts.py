@@ -134,7 +134,7 @@ def shaft_and_bearings(seat: Seat) -> list[Bought]:
     )
     cuts = _cuts(made.keyways, made.grooves, "from the end without the coupling")
     size = f"{bore:g} {_FIT} x {made.length:g}, C45"
-    begins = f", which begins {made.bores[0][0]:.4g} mm from its other end"
+    begins = f"; the bore begins {made.bores[0][0]:.4g} mm from its other end"
     shaft = replace(
         shaft, size=size, details="; ".join([place, *cuts]), shaft=made, how=how + begins
     )

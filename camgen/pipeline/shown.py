@@ -176,17 +176,17 @@ def _with_what_is_bought(mechanism: Mechanism, table: Table) -> Sequence[Step]:
     things = bought_things(mechanism)
     if all(thing.shaft is None for thing in things):
         return table.steps
-    found = {
-        (thing.name, thing.size): [*shapes]
-        for thing, shapes in bought_shapes(mechanism, things).items()
-    }
+    shapes = bought_shapes(mechanism, things)
     rings, bearings = (
-        next((shapes for (name, _), shapes in found.items() if name == wanted), [])
-        for wanted in (OF_BEARING, OF_SHAFT)
+        next((thing for thing in shapes if thing.name == name), None)
+        for name in (OF_BEARING, OF_SHAFT)
     )
-    inner = sorted(rings, key=lambda ring: abs(ring[0][1] - _middle(bearings)))[:2]
-    bearings += [ring for ring in rings if ring not in inner]
-    rings[:] = inner
+    if rings and bearings:
+        middle = _middle(shapes[bearings])
+        inner_first = sorted(shapes[rings], key=lambda ring: abs(ring[0][1] - middle))
+        shapes[rings] = inner_first[:2]
+        shapes[bearings] = [*shapes[bearings], *inner_first[2:]]
+    found = {(thing.name, thing.size): each for thing, each in shapes.items()}
     return [
         replace(step, shapes=[*_prisms(found.get((str(row[1]), str(row[2])), []))])
         for step, row in zip(table.steps, table.rows, strict=True)

@@ -15,11 +15,12 @@ import ezdxf.bbox
 import numpy as np
 import pytest
 import shapely
+from balloons_read import balloons_on
 
 from camgen.files.arrangement import Arrangement, Copy
 from camgen.files.arrangement_sheet import write_arrangement
 from camgen.files.assembly_list import Item, folded, height
-from camgen.files.sheet import Sheet, Size, Stroke, Text
+from camgen.files.sheet import Size, Stroke, Text
 from camgen.files.title_block import Facts
 from camgen.geometry.outlines import Arc, Contour, extent, start_point
 from camgen.machines.mechanism import Mechanism
@@ -109,20 +110,6 @@ def highest(name: str, z: complex) -> set[int]:
     tops = [(max(tops), k) for k, facets in solids(name) if len(tops := facets.met(z.real, z.imag))]
     tops += [(high, k) for k, shape, _, high in bought(name) if shape.contains(point)]
     return {k for top, k in tops if top > max(tops)[0] - 1e-6}
-
-
-def leaders(sheet: Sheet) -> list[tuple[int, complex, complex]]:
-    """Number, middle and dot of each balloon on a sheet."""
-    things = list(sheet.primitives)
-    found = []
-    for k, each in enumerate(things):
-        piece = each.pieces[0] if isinstance(each, Stroke) else None
-        if isinstance(piece, Arc) and piece.radius == 4.0:
-            text, dot = things[k + 1], things[k + 3]
-            assert isinstance(text, Text) and isinstance(dot, Stroke)
-            assert isinstance(dot.pieces[0], Arc)
-            found.append((int(text.text), piece.centre, dot.pieces[0].centre))
-    return found
 
 
 @pytest.mark.parametrize("name", MACHINES)
@@ -526,7 +513,7 @@ def test_every_part_has_its_number_and_its_row(name: str, tmp_path: Path) -> Non
     mechanism, arrangement = machine(name)
     page = _Page(arrangement)
     sheet = page.draw(name, Facts())
-    named = leaders(sheet)
+    named = [*balloons_on(sheet)]
     assert all(abs(a - b) >= 8.0 for a, b in combinations([each[1] for each in named], 2))
     front, cut = arrangement.shown(page.front.scale, page.section.scale)
     assert [number for number, *_ in named] == [*front, *cut] and not front.keys() & cut.keys()

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from balloons_read import balloons_on
 
 from camgen.files.arrangement_sheet import _Page
 from camgen.files.balloons import balloons
-from camgen.files.sheet import Sheet, Stroke, Text
+from camgen.files.sheet import Sheet
 from camgen.files.title_block import Facts
-from camgen.geometry.outlines import Arc, Line
 from camgen.machines.sources import read_mechanism
 from camgen.pipeline.arrangement import arrangement_of
 from camgen.pipeline.making import parts_table
@@ -24,17 +24,7 @@ AREA = (0j, 300 + 300j)
 
 def leaders(sheet: Sheet) -> dict[int, tuple[complex, complex]]:
     """Of each number the middle of its balloon and its dot."""
-    things = list(sheet.primitives)
-    found = {}
-    for k, each in enumerate(things):
-        piece = each.pieces[0] if isinstance(each, Stroke) else None
-        if isinstance(piece, Arc) and piece.radius == 4.0:
-            text, line = things[k + 1], things[k + 2]
-            assert isinstance(text, Text) and isinstance(line, Stroke)
-            (straight,) = line.pieces
-            assert isinstance(straight, Line)
-            found[int(text.text)] = piece.centre, straight.b
-    return found
+    return {number: (middle, dot) for number, middle, dot in balloons_on(sheet)}
 
 
 def segment(ends: tuple[complex, complex]) -> shapely.LineString:

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from balloons_read import balloons_on
 
 from camgen.files.arrangement import Arrangement
 from camgen.files.exploded_sheet import exploded_sheet
 from camgen.files.exploded_view import Body, Prism, apart, axes, isometric
-from camgen.files.sheet import Sheet, Stroke, Text
+from camgen.files.sheet import Stroke, Text
 from camgen.files.title_block import Facts
-from camgen.geometry.outlines import Arc
 from camgen.machines.sources import read_mechanism
 from camgen.pipeline.arrangement import arrangement_of
 from camgen.pipeline.making import parts_table
@@ -134,27 +134,13 @@ def test_a_screw_from_below_goes_down_and_a_bush_goes_over_its_plate() -> None:
     ]
 
 
-def balloons_of(sheet: Sheet) -> dict[int, complex]:
-    """Of each number on a sheet its dot."""
-    things = list(sheet.primitives)
-    found = {}
-    for k, each in enumerate(things):
-        piece = each.pieces[0] if isinstance(each, Stroke) else None
-        if isinstance(piece, Arc) and piece.radius == 4.0:
-            text, dot = things[k + 1], things[k + 3]
-            assert isinstance(text, Text) and isinstance(dot, Stroke)
-            assert isinstance(dot.pieces[0], Arc)
-            found[int(text.text)] = dot.pieces[0].centre
-    return found
-
-
 @pytest.mark.parametrize("name", MACHINES)
 def test_the_sheet_names_nearly_all_that_is_drawn(name: str) -> None:
     """By the numbers of the list, whose rows stand beside the picture; nothing is drawn outside of the frame."""
     arrangement = machine(name)
     sheet = exploded_sheet(arrangement, name, Facts())
     numbers = {body.number for body in bodies_of(arrangement)}
-    named = balloons_of(sheet)
+    named = {number: dot for number, _, dot in balloons_on(sheet)}
     assert named.keys() <= numbers and len(named) >= len(numbers) - 1
     texts = [each.text for each in sheet.things if isinstance(each, Text)]
     assert "A3, 2 of 2" in texts

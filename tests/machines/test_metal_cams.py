@@ -13,6 +13,7 @@ import pytest
 from camgen.files.drawing import _Layout
 from camgen.files.sheet import Size, Text
 from camgen.geometry.arcs import as_circle
+from camgen.machines.metal import of_drum
 from camgen.machines.sources import read_mechanism
 from camgen.parts.materials import MATERIALS
 from camgen.pipeline.drawings import facts_of
@@ -257,6 +258,13 @@ def test_the_head_and_shoulder_of_a_bought_roller_have_room() -> None:
     assert "KR16 stands up to 0.6 mm" in rubs and "end_clearance = 1." in rubs
     kept = read_mechanism(tomllib.loads(drum.replace("[geometry]", "[geometry]\nradius = 40", 1)))
     assert kept.geometry.roller.end_clearance == 0.5, "a drum that is given stays as it was"
+
+    def room(track: str, name: str) -> Any:
+        data = {"geometry": {"track": track, "roller": {}}, "load": {"cam_follower": name}}
+        return of_drum({**data, "material": {"name": "C45"}})["geometry"]["roller"]
+
+    assert room("groove", "KR35") == {"end_clearance": 1.2}
+    assert room("end", "KR35") == {}, "an end cam has no floor"
 
 
 def test_a_cam_is_held_on_its_shaft_before_the_bearings_close_it_in() -> None:
