@@ -62,7 +62,7 @@ class DrumRollerTable(Record):
         default=0.5,
         description="gap between the roller's inner end and the floor, and how far its outer end lies "
         "inside the drum; in metal, where load.cam_follower is named and geometry.radius left out, by default 0.4 more than its head "
-        "stands out of its ring",
+        "stands out of its ring, but on an end cam",
     )
 
 
