@@ -162,6 +162,17 @@ def wrong_order(order: object, source: str) -> ArgumentError:
     return ArgumentError([Fault(("order",), str(order), "0, 1 or 2")], source)
 
 
+def _told_apart(value: float, limit: float) -> tuple[str, str]:
+    """Two numbers in at least four digits, whole parts in full, and in as many as tell the one from the other."""
+    whole = max(len(f"{abs(each):.0f}") for each in (value, limit))
+    shown = "", ""
+    for digits in range(min(max(whole, 4), 9), 10):
+        shown = f"{value:.{digits}g}", f"{limit:.{digits}g}"
+        if shown[0] != shown[1]:
+            break
+    return shown
+
+
 def _message(sentence: str, remedy: str) -> str:
     return f"{sentence}; {remedy}" if remedy else sentence
 
@@ -200,7 +211,9 @@ class DesignError(CamgenError):
         elif unit == "" and limit == 0 and isinstance(value, int):
             sentence = f"{quantity}: {value}, and none is allowed{named}"
         else:
-            sentence = f"{quantity} is {value:.6g}{of}{place}, limit {limit:.6g}{of}"
+            found, allowed = _told_apart(value, limit)
+            side = ": at least" if value < limit else ": at most" if value > limit else ""
+            sentence = f"{quantity} is {found}{of}{place}, limit{side} {allowed}{of}"
         self.sentence = sentence
         super().__init__(_message(sentence, remedy))
 

@@ -93,7 +93,7 @@ NO_SUCH = DesignError("geometry.swing_deg", 60, 53.1, "deg", "the inner end", "u
     [
         (
             NO_SUCH,
-            "geometry.swing_deg is 60 deg at the inner end, limit 53.1 deg; use a smaller swing",
+            "geometry.swing_deg is 60 deg at the inner end, limit: at most 53.1 deg; use a smaller swing",
         ),
         (
             DesignError("pivots", 0, 1, "", "link a", "add one"),
@@ -103,7 +103,10 @@ NO_SUCH = DesignError("geometry.swing_deg", 60, 53.1, "deg", "the inner end", "u
             DesignError("carriers that move", 2, 0, "", "", "fix them"),
             "carriers that move: 2, and none is allowed; fix them",
         ),
-        (DesignError("gap", 0.0, 1, "mm", "joint A"), "gap is 0 mm at joint A, limit 1 mm"),
+        (
+            DesignError("gap", 0.0, 1, "mm", "joint A"),
+            "gap is 0 mm at joint A, limit: at least 1 mm",
+        ),
     ],
 )
 def test_what_cannot_exist_is_told_in_a_sentence(error: DesignError, said: str) -> None:
@@ -146,7 +149,8 @@ def test_worst_code_wins_and_each_is_reported(run: Run, results: dict[str, Any])
         "fourth",
     ]
     assert (
-        "geometry.swing_deg is 60 deg at the inner end, limit 53.1 deg; use a smaller swing" in err
+        "geometry.swing_deg is 60 deg at the inner end, limit: at most 53.1 deg; use a smaller swing"
+        in err
     )
 
 

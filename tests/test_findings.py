@@ -65,10 +65,29 @@ def test_a_key_is_told_as_it_is_typed(fault: Fault, text: str) -> None:
 def test_a_place_between_two_things_is_told_so() -> None:
     error = DesignError("wall", 1.0, 2.0, "mm", ("hole A", "edge"), "move A")
     assert error.between == ("hole A", "edge") and error.where == "between hole A and edge"
-    assert str(error) == "wall is 1 mm between hole A and edge, limit 2 mm; move A"
+    assert str(error) == "wall is 1 mm between hole A and edge, limit: at least 2 mm; move A"
     assert (
-        str(DesignError("wall", 1.0, 2.0, "mm", "hole A")) == "wall is 1 mm at hole A, limit 2 mm"
+        str(DesignError("wall", 1.0, 2.0, "mm", "hole A"))
+        == "wall is 1 mm at hole A, limit: at least 2 mm"
     )
+
+
+@pytest.mark.parametrize(
+    ("value", "limit", "told"),
+    [
+        (8.95, 8.935531, "8.95 mm, limit: at most 8.936 mm"),
+        (3.00004, 3.0, "3.00004 mm, limit: at most 3 mm"),
+        (-5.38544, 0.0, "-5.385 mm, limit: at least 0 mm"),
+        (1_999_998.0, 2_000_000.0, "1999998 mm, limit: at least 2000000 mm"),
+        (float("inf"), 2.0, "inf mm, limit: at most 2 mm"),
+        (0.0, 0.0, "0 mm, limit 0 mm"),
+    ],
+)
+def test_a_fault_tells_on_which_side_of_its_limit_it_must_lie(
+    value: float, limit: float, told: str
+) -> None:
+    """In four digits, or as many as tell the two apart."""
+    assert str(DesignError("gap", value, limit, "mm")) == f"gap is {told}"
 
 
 def test_a_code_has_one_unit_wherever_it_is_found() -> None:

@@ -87,7 +87,10 @@ def test_plates_that_the_spec_says_are_kept_and_the_refusal_says_what_was_tried(
         validate(Linkage, typed).on_a_frame()
     assert "plates" not in str(refused.value) and "bows" in refused.value.remedy
     made = prototype(typed, "")
-    assert made.verdict == "refused" and "tried in vain: all orders of the levels" in made.obstacle
+    assert (
+        made.verdict == "refused"
+        and "tried without success: all orders of the levels" in made.obstacle
+    )
     assert math.isnan(made.lash)
     points = {**DRAG_LINK["points"], "A": [5, 0], "B": [25, 20]}  # its shaft meets the crank's pin
     short = prototype({**DRAG_LINK, "points": points, "parts": {**SIZES, "shaft": "through"}}, "")

@@ -116,7 +116,7 @@ def test_the_keys_that_a_remedy_names_are_there() -> None:
 def test_what_no_four_bar_transmits_is_told() -> None:
     with pytest.raises(
         DesignError,
-        match=r"least transmission angle is [1-7]\d\..* limit 80 deg.*wanted.transmission_deg",
+        match=r"least transmission angle is [1-7]\d\..* limit: at least 80 deg.*wanted.transmission_deg",
     ):
         search(FunctionWish(function=((0, 0), (20, 100), (40, 0)), transmission_deg=80))
 

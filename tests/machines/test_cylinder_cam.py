@@ -671,7 +671,7 @@ def test_no_drum_is_told_as_such() -> None:
     with pytest.raises(DesignError, match="pressure angle"):
         drum(60.0, geometry={"follower": ARM}, limits={"pressure_angle_deg": 20.0}).track  # noqa: B018
     # a slope of 0.001 asks for a drum of many metres
-    with pytest.raises(DesignError, match="looked for, radius 500 mm, limit 0.05 deg"):
+    with pytest.raises(DesignError, match="looked for, radius 500 mm, limit: at most 0.05 deg"):
         drum(limits={"pressure_angle_deg": 0.05}).track  # noqa: B018
     with pytest.raises(DesignError, match="the bore reaches the track"):
         drum(geometry={"radius": 11.0}).track  # noqa: B018

@@ -347,7 +347,7 @@ def test_what_cannot_turn_on_is_told(tables: dict[str, Any], said: str) -> None:
 
 
 def test_a_plate_thinner_than_its_clutch_is_told_with_the_benchs_key() -> None:
-    with pytest.raises(DesignError, match="parts.base_thickness is 8 mm.*limit 15 mm"):
+    with pytest.raises(DesignError, match="parts.base_thickness is 8 mm.*limit: at least 15 mm"):
         _ = design("printed", parts={"base_thickness": 8.0}).assembly
 
 

@@ -65,8 +65,8 @@ def test_chords_with_their_sagitta_cover_the_band(bow: float) -> None:
 @pytest.mark.parametrize(
     ("width", "bow", "said"),
     [
-        (10.2, 0.0, "arm.width.*limit 10 mm.*smaller hub"),
-        (6.0, 26.0, "arm.bow.*limit 25 mm.*half the distance"),
+        (10.2, 0.0, "arm.width.*limit: at most 10 mm.*smaller hub"),
+        (6.0, 26.0, "arm.bow.*limit: at most 25 mm.*half the distance"),
     ],
 )
 def test_what_is_no_band_is_told(width: float, bow: float, said: str) -> None:

@@ -125,7 +125,7 @@ class Base:
                 self.thickness,
                 least,
                 "mm",
-                "under the heads of the screws",
+                "the heads of the screws",
                 "use a thicker base or smaller screws",
             )
         room = self.pivot - self.axle_flange / 2 - self.motor.half
@@ -135,7 +135,7 @@ class Base:
                 room,
                 0,
                 "mm",
-                "under the base, beside the motor",
+                "the underside of the base, beside the motor",
                 f"use a smaller base.motor or frame.axle_flange, or geometry.pivot_distance = {self.pivot - room:g} or more",
             )
         if self._half_slot >= math.pi - (2 * self._axle_hole + self.wall) / self.slide_at:
@@ -323,7 +323,7 @@ class Frame:
                 thick,
                 depth + min_wall,
                 "mm",
-                "at the pockets of the nozzle's nuts",
+                "the pockets of the nozzle's nuts",
                 "use a thicker frame (parts.thickness) or a smaller nozzle.screw",
             )
         nuts = {f"nozzle screw {k}": _hexagon(z, self.nut[0]) for k, z in enumerate(self.screws, 1)}

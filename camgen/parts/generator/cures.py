@@ -74,7 +74,7 @@ def with_cures(
     why_not: Callable[[Change], DesignError | None],
     attempts: Iterable[str],
 ) -> DesignError:
-    """The error with what mends it, as `makes` finds; its own remedy as a guess after that, or what was tried in vain.
+    """The error with what mends it, as `makes` finds; its own remedy as a guess after that, or what was tried without success.
 
     why_not: why a change does not mend it; attempts: what was tried before.
     """
@@ -94,11 +94,11 @@ def with_cures(
     remedy = refused.guess if isinstance(refused, Unmade) else refused.remedy
     tried = list(dict.fromkeys(kind.name for kind in kinds))
     if isinstance(refused, NoPassage) and not cures and {_SMALL, _SLIM} & set(tried):
-        remedy = refused.room(slimmer=False)  # no guess of what was tried in vain
+        remedy = refused.room(slimmer=False)  # no guess of what was tried without success
     guess = f"a guess: {remedy}" if remedy else ""
     if cures:
         return refused.mended(f"{by}; else {guess}" if guess else by)
-    vain = f"tried in vain: {', '.join([*attempts, *tried])}"
+    vain = f"tried without success: {', '.join([*attempts, *tried])}"
     return refused.mended("; ".join(filter(None, (guess, vain))))
 
 

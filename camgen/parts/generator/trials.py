@@ -38,7 +38,7 @@ def with_cures(
 
 
 def tried(refused: CamgenError, layout: Layout, changes: Sequence[Change]) -> CamgenError:
-    """The error with what was tried in vain: all ways to lay the layout out, and these changes of its spec."""
+    """The error with what was tried without success: all ways to lay the layout out, and these changes of its spec."""
     if not isinstance(refused, DesignError):
         return refused
     ways = attempts(layout) if isinstance(refused, NoPassage) else []
@@ -46,4 +46,4 @@ def tried(refused: CamgenError, layout: Layout, changes: Sequence[Change]) -> Ca
     if not words:
         return refused
     guess = "" if isinstance(refused, NoPassage) else refused.remedy
-    return refused.mended("; ".join(filter(None, (guess, f"tried in vain: {words}"))))
+    return refused.mended("; ".join(filter(None, (guess, f"tried without success: {words}"))))

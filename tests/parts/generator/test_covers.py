@@ -162,7 +162,7 @@ def test_rails_without_covers_are_told_and_rails_that_hold_no_screw_refused() ->
     assert any("open above" in note for note in bare.study().notes)
     assert not any("open above" in note for note in drive().study().notes)
     with pytest.raises(
-        DesignError, match=r"parts.rail_width.*1.5 mm.*limit 3.2.*parts.cover = false"
+        DesignError, match=r"parts.rail_width.*1.5 mm.*limit: at least 3.2.*parts.cover = false"
     ):
         _ = drive(rail_width=1.5).assembly
     assert [b.size for b in drive(rail_width=3.2).assembly.bought if b.name == "screw of a cover"][

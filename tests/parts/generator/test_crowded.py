@@ -210,7 +210,7 @@ def test_what_was_not_tried_is_called_a_guess() -> None:
     assert error.remedy.startswith("a guess: make ") and "mended by" not in error.remedy
     assert (
         error.remedy.endswith("two plates")
-        and "tried in vain: all orders of the levels" in error.remedy
+        and "tried without success: all orders of the levels" in error.remedy
     )
 
 
@@ -219,7 +219,7 @@ def test_what_was_tried_in_vain_is_no_guess(monkeypatch: pytest.MonkeyPatch) -> 
     tables = {**DISC, "points": {**DISC["points"], "K": [-92, 0]}}
     assert "mended by" in refusal(tables).remedy
     monkeypatch.setattr(trials, "has_levels", lambda layout, run: False)
-    guess, _, vain = refusal(tables).remedy.partition("tried in vain: ")
+    guess, _, vain = refusal(tables).remedy.partition("tried without success: ")
     assert "smaller parts" in vain
     assert guess.startswith("a guess: make ") and "another place for points.G" in guess
     assert "smaller" not in guess

@@ -121,7 +121,11 @@ def test_links_bent_and_slim_are_built(root: Path, tmp_path: Path, sets: list[st
     ("shapes", "error", "said"),
     [
         ({"coupler": {"bow": 3.0}}, DesignError, "parts.coupler.bow.*two round holes"),
-        ({"rocker": {"width": 20.0}}, DesignError, "parts.rocker.width is 20 mm.*limit 9.2 mm"),
+        (
+            {"rocker": {"width": 20.0}},
+            DesignError,
+            "parts.rocker.width is 20 mm.*limit: at most 9.2 mm",
+        ),
         ({"rocker": {"thickness": 0.3}}, SpecError, "parts.rocker.thickness.*nozzle"),
         ({"rocker": {"width": 0.3}}, SpecError, "parts.rocker.width.*min_wall"),
         ({"ground": {"thickness": 6.0}}, SpecError, "parts.ground.thickness.*parts.base_thickness"),

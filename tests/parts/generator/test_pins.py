@@ -243,11 +243,15 @@ def test_a_seat_that_is_too_wide_and_rings_that_are_not_counted_are_found(
             DesignError,
             "pins.O: it is the motor",
         ),
-        ({"pins": {"O": "bearing"}}, DesignError, "parts.base_thickness is 5 mm.*limit 6 mm.*626"),
+        (
+            {"pins": {"O": "bearing"}},
+            DesignError,
+            "parts.base_thickness is 5 mm.*limit: at least 6 mm.*626",
+        ),
         (
             {"pin": "bearing", "coupler": {"thickness": 2}},
             DesignError,
-            "thickness is 2 mm.*limit 3.5 mm.*MR85.*lip of 0.8",
+            "thickness is 2 mm.*limit: at least 3.5 mm.*MR85.*lip of 0.8",
         ),
         (
             {"pin": "bearing", "pin_diameter": 4.5},
