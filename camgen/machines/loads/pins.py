@@ -78,7 +78,8 @@ class PinLoad:
             remark += f". To mend it, {stronger(self.limits, self.journal, self._thickness(limit))}"
         if self.inertia_alone and stress:
             times = math.sqrt(limit / stress)
-            remark += f". Inertia is the only load, so the pin holds up to {min(times, 1e3):.3g} times this speed"
+            most = f"up to {times:.3g}" if times < 1000 else "at more than 1000"
+            remark += f". Inertia is the only load, so the pin holds {most} times this speed"
         return at_most("PIN_STRESS", stress, limit, "MPa", Where(f"pin {self.name}"), remark)
 
 
