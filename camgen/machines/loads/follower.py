@@ -293,8 +293,8 @@ def springs(mounted: Mapping[str, WorkingSpring], speed: float, lasting: bool) -
             )
         if each.on_cam:
             remark = (
-                f"the spring's coils vibrate {surge / turns:.4g} times a turn; from {_SURGE:g} times on, no strong harmonic of the "
-                "cam excites them. Fewer coils of a thicker wire vibrate faster"
+                f"the spring's coils vibrate {surge / turns:.4g} times in a turn of the shaft, which takes {1 / turns:.3g} s; from "
+                f"{_SURGE:g} times a turn on, no strong harmonic of the cam excites them. Fewer coils of a thicker wire vibrate faster"
             )
             check.findings.append(at_least("SURGE", surge, _SURGE * turns, "Hz", where, remark))
         if each.name in names:
