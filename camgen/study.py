@@ -199,7 +199,8 @@ class Step:
     group: str = ""  # the sub-assembly
     apart: str = ""  # what is built by itself from several steps, such as "far side"
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)  # what is up as that lies on the bench
-    joins: str = ""  # what was built apart and comes too
+    # what was built apart and comes too; where it comes again later, such as after a trial without glue, it is of the whole from then on
+    joins: str = ""
     wire: Floats | None = None  # line of a spring that comes, (n, 3) mm
     # of what is bought and comes, such as a motor: corners of each prism, complex mm, and from where to where it reaches, mm
     shapes: Sequence[Prism] = ()

@@ -762,15 +762,15 @@ _ON_GEARBOX = (
 
 def _motor_rows(assembly: Assembly) -> Iterator[Row]:
     """A motor under the plate as soon as that is there, for later parts cover its screws; with the bar that lies behind it as one
-    step, after the step of one that is pressed on it."""
+    step, so that its picture shows both."""
     plate, stands = plate_of(assembly)
     first = [*_shortened(assembly.motor)]
     follows = False
     for part in (each for each in assembly.parts if each.role == "motor-bar"):
         mounts = [each for each in assembly.mounts if each.part == part.name]
-        follows = mounts[0].z + part.thickness < stands.z - SAME_POINT
+        follows = True
         bar = called(part, len(mounts))
-        if follows:
+        if mounts[0].z + part.thickness < stands.z - SAME_POINT:
             yield _row_of(part, assembly, Doing("put ", bar, " behind the motor"))
         else:
             cells, step = _row_of(part, assembly, Doing("press ", bar, _ON_GEARBOX, (TWO_PART,)))

@@ -21,7 +21,8 @@ def mated(
 ) -> list[Step]:
     """Steps with what comes and goes on what is there; names of parts in them stand for all their copies.
 
-    A copy that comes twice is loose at first: its place is fixed when it comes again. A step in which no copy comes keeps its own.
+    A copy that comes twice is loose at first: its place is fixed when it comes again, and so is what was built apart. A step in which
+    no copy comes keeps its own.
     """
     fixing = with_joints(fixing, pairs)
     slides = [each for each in pairs if isinstance(each, SlideFaces)]
@@ -31,6 +32,7 @@ def mated(
     for number, step in enumerate(steps):
         named = {*step.copies}
         again = {name for each in steps[number + 1 :] for name in each.copies}
+        tried = comes_again(step, steps[number + 1 :])
         coming = [copy for copy in copies if copy.name in named or copy.part.name in named]
         names = [copy.name for copy in coming]
         there = built[step.apart]
@@ -41,16 +43,24 @@ def mated(
         else:
             if not coming and step.group:
                 coming = bench
-            coming = [*built.pop(step.joins, []), *coming] if step.joins else coming
+            coming = [*built[step.joins], *coming] if step.joins else coming
             mates = [*mates_between(coming, there, glued), *_sliding(coming, there, slides)]
-            there += [copy for copy in coming if copy not in there]
+            if step.joins and not tried:
+                del built[step.joins]
+            if not tried:
+                there += [copy for copy in coming if copy not in there]
             bench = [] if step.group else bench
         mates = [mate if mate.label else _of_joint(mate, [*there, *coming]) for mate in mates]
-        if named & again:
+        if named & again or tried:
             mates = [replace(mate, how="free") for mate in mates]
         mates = [*mates, *step.glued]
         found.append(replace(step, copies=names, mates=mates if coming else step.mates))
     return found
+
+
+def comes_again(step: Step, later: Iterable[Step]) -> bool:
+    """Whether what was built apart and comes in a step comes again, so that it is only tried in this one."""
+    return bool(step.joins) and any(each.joins == step.joins for each in later)
 
 
 def _of_joint(mate: Mate, copies: Iterable[StandingCopy]) -> Mate:

@@ -15,6 +15,7 @@ from dataclasses import replace
 from camgen.machine.features import StandIn
 from camgen.machine.model import GROUND
 from camgen.parts.catalogue import CORE_HOLES, SCREWS, Bought, Screw
+from camgen.parts.mates import comes_again
 from camgen.parts.standing import Round, StandingCopy
 from camgen.study import Prism, Step
 from camgen.tolerances import SAME_POINT
@@ -59,9 +60,10 @@ def with_screws(
     by_name = {copy.name: copy for copy in copies}
     built = defaultdict[str, list[StandingCopy]](list)  # by what is built apart
     found = []
-    for step in steps:
+    for number, step in enumerate(steps, 1):
         there = built[step.apart]
-        coming = built.pop(step.joins, []) if step.joins else []
+        tried = comes_again(step, steps[number:])
+        coming = built.pop(step.joins, []) if step.joins and not tried else []
         coming = [*coming, *(by_name[name] for name in step.copies if name in by_name)]
         there += [copy for copy in coming if copy not in there]
         screws = [

@@ -356,7 +356,8 @@ def _tried(mirror: Mirror, driven: bool, fed: bool, screwed: bool, where: tuple[
         ),
     ]
     cells = "Far side on the near one, dry", f"on {mirror.shaft}, its flat in line", 1, 0.0
-    return (0, "both sides", *cells, "far side turned over"), Step(doings)
+    step = Step(doings, joins=f"{PREFIX} side")
+    return (0, "both sides", *cells, "far side turned over"), step
 
 
 def _glued(

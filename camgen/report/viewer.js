@@ -714,7 +714,8 @@
   // turned as it lies on the bench. own: copies that come and were not built apart before.
   function onBench(steps, number) {
     const { copies, apart = "", up, joins, wire, shapes = [], screws = [] } = steps[number], past = steps.slice(0, number);
-    const whole = new Map(past.filter(step => step.joins).map(step => [step.joins, step.apart || ""]));  // of what it is by now
+    const later = steps.slice(number).map(step => step.joins);  // what comes again was only tried
+    const whole = new Map(past.filter(step => step.joins && !later.includes(step.joins)).map(step => [step.joins, step.apart || ""]));  // of what it is by now
     const built = name => past.filter(step => {
       let own = step.apart || "";
       while (whole.has(own)) own = whole.get(own);
