@@ -73,6 +73,7 @@ _SHAFTS = (
     "parts.shaft_made=steel",
     "parts.shaft_key=true",
     "parts.base_thickness=10",
+    "parts.mount_diameter=4.2",
     "print.slide_clearance=0.1",
 )
 METAL = {
@@ -113,6 +114,7 @@ METAL = {
     "linkage": (
         *_SHAFTS,
         "parts.pin=bearing",
+        'parts.bearing="695"',
         'parts.pins={ O = "bush" }',
         "parts.hand_crank=40",
     ),

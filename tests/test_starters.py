@@ -300,8 +300,10 @@ def test_a_starter_of_steel_holds_and_has_what_a_workshop_asks_for(name: str) ->
         made = {str(row[1]): str(row[0]) for row in parts_table(machine).rows}
         assert made["shaft"] == "turned of steel"
         assert "anaerobic" in bought["glue"]
-        joint = bought["pin-1"] if name == "geneva-table" else bought["bearing-mr85"]
-        assert joint.startswith(("Pin 1: dowel ISO 2338", "Ball bearing: ball bearing MR85"))
+        joint = bought["pin-1"] if name == "geneva-table" else bought["bearing-695"]
+        assert joint.startswith(("Pin 1: dowel ISO 2338", "Ball bearing: ball bearing 695ZZ"))
+        # a core hole of 4.2 [ISO 2306]
+        assert bought["screw of the plate, from behind"].startswith("M5")
     else:
         assert re.search(r"x \d+, DIN 6885", bought["parallel key"])
         assert bought["cam follower"].startswith("KR")

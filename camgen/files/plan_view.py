@@ -77,7 +77,7 @@ class PlanView:
         wide, tall = signs
         one = flat_of(self.drawn.part.region.outer) if shaft else None
         flat = over_flat(self.drawn.facts, shaft[1], one[1], shaft=True) if shaft and one else ""
-        outer_fit = self.drawn.outer_fit
+        outer_fit = self.drawn.outer_fit or self.drawn.facts.ring_fit
         round_fit = in_limits(outer_fit, span.real) if outer_fit else ""
         fit = round_fit if wide == "Ø" else flat
         self.page.dimension(

@@ -102,7 +102,8 @@ class SeatDetail:
         size(*mouth, 1j * _OFF, "Ø", seat.fit)
         lip = f"0/-{self.facts.lip:g}"
         size(paper(wide, 0.0), paper(wide, seat.floor), _OFF + 0j, "", lip)
-        size(paper(-wide, seat.floor), paper(-wide, seat.high), -_OFF + 0j, REFERENCE, "")
+        # downwards: where there is no room for its number, this stands below, clear of the seat's diameter
+        size(paper(-wide, seat.high), paper(-wide, seat.floor), -_OFF + 0j, REFERENCE, "")
 
     def _cut(self, sheet: Sheet, paper: Paper, wide: float, scale: float) -> None:
         """The cut faces on both sides of the axis, broken off so far from it, and the edges behind the cut; scale: of the detail."""

@@ -76,6 +76,8 @@ class Facts:
     thread: str = ""  # such as "M6", of the screws that hold a groove's plates together
     bore_fit: str = ""  # of the bore, such as "H7"
     outer_fit: str = ""  # of a round outline
+    # of a sleeve, or of the head of a pin, that bears on the inner ring of a ball bearing and not beyond it
+    ring_fit: str = ""
     shank: tuple[float, str] = (0.0, "")  # of a headed pin its diameter, mm, and fit
     turned_deg: float = 0.0  # by which its machine's arrangement shows it turned
     thinner: float = (

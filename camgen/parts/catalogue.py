@@ -309,6 +309,7 @@ BEARINGS = {
         Bearing("MR63", 3, 6, 2.5),
         Bearing("MR85", 5, 8, 2.5),
         Bearing("MR105", 5, 10, 4),
+        Bearing("695", 5, 13, 4),
         Bearing("623", 3, 10, 4, rating=0.54),
         Bearing("624", 4, 13, 5, rating=0.936),
         Bearing("625", 5, 16, 5, rating=1.14),

@@ -60,6 +60,7 @@ _OF_ROD = replace(_IN_METAL, profile=0.0, roughness=0.0, symmetry=0.0, run_out=0
 # Of what bears on an inner ring, on a face a few tenths wide: camgen's own rule.
 _OF_SLEEVE = "free of burrs"
 _OF_JOURNAL = "free of burrs, corner under the head at most R0.1, free end chamfered 0.3 × 45°"
+_RING = "h11"  # of what bears on an inner ring: no wider than that, and easily turned
 _ROD_STEEL = "C45+C"  # bright drawn: camgen's own choice
 SHAFT_STEEL = "C45"  # of shafts that are no parts
 _SEAT_ROUGHNESS = 0.8  # Ra of what is h6 under bearings, micrometres: camgen's own choice
@@ -135,6 +136,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         if part.process == "bought"
         else tuple(_fits(mechanism, part, sheet.seat_fit or bore_fit, looser(usual.profile))),
         outer_fit=outer_fit,
+        ring_fit=_RING if cut and _ring_edges(mechanism, part) else "",
         shank=_pins(mechanism).get(part.name, (0.0, "")) if of_metal else (0.0, ""),
         profile_step_deg=sheet.profile_step_deg if part.name in _cams(mechanism) else None,
         # dowels carry a track: they lie no farther off than the track may

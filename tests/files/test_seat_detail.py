@@ -29,25 +29,25 @@ def sheet_of(name: str) -> _Layout:
 
 @pytest.mark.parametrize(("name", "title"), [("coupler", "Seats A and B"), ("rocker", "Seat C")])
 def test_a_seat_has_its_sizes_with_limits_and_each_once(name: str, title: str) -> None:
-    """MR85ZZ, 8 x 2.5, in a link of 6: over it a play of 0.1, so 2.6 deep, and the lip is 3.4 high and 6.5 wide. The next link's gap of
-    0.1 hangs on the lip, which takes half of it. JS7 of 8: half of 15 thousandths either way [ISO 286]."""
+    """695ZZ, 13 x 4, in a link of 6: over it a play of 0.1, so 4.1 deep, and the lip is 1.9 high and 9 wide. The next link's gap of
+    0.1 hangs on the lip, which takes half of it. JS7 of 13: half of 18 thousandths either way [ISO 286]."""
     layout = sheet_of(name)
     sizes = [each for each in layout.sheet.things if isinstance(each, Size)]
     said = {(each.sign, round(each.value, 6), each.fit) for each in sizes}
     assert {
-        ("Ø", 8.0, " JS7 (±0.0075)"),
-        ("Ø", 6.5, ""),
-        ("", 3.4, " 0/-0.05"),
-        ("(", 2.6, ")"),
+        ("Ø", 13.0, " JS7 (±0.009)"),
+        ("Ø", 9.0, ""),
+        ("", 1.9, " 0/-0.05"),
+        ("(", 4.1, ")"),
     } <= said
-    assert sum(abs(each.value - 3.4) < 1e-6 for each in sizes) == 1, (
+    assert sum(abs(each.value - 1.9) < 1e-6 for each in sizes) == 1, (
         "not in the view from the left too"
     )
     for each in sizes:  # as a program measures it
         measured = abs(each.b - each.a) / layout.scale * each.factor
         assert measured == pytest.approx(each.value, abs=1e-6)
     texts = [each for each in layout.sheet.primitives if isinstance(each, Text)]
-    assert any(each.text == f"{title} (5:1)" for each in texts)
+    assert any(each.text == f"{title} (2:1)" for each in texts)
     assert not any("deep" in note for note in layout.notes)
 
 

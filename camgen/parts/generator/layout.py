@@ -12,7 +12,7 @@ from dataclasses import replace
 from functools import cached_property
 
 from camgen.geometry.outlines import Contour
-from camgen.parts.catalogue import Bearing, bush_in, narrowest
+from camgen.parts.catalogue import BEARINGS, Bearing, bush_in, narrowest
 from camgen.parts.fixing import JOURNAL, PIN, ROD, Joint, joint_of
 from camgen.parts.generator.changes import Change
 from camgen.parts.generator.connections import GROUND, Connections, StretchedSpring
@@ -77,13 +77,14 @@ class Layout(Connections):
         return kind
 
     def bearing(self, point: str) -> Bearing | None:
-        """The narrowest ball bearing on the pin of a point, or the clutch of a shaft."""
+        """The ball bearing on the pin of a point, or the clutch of a shaft."""
         if self.kind(point) == "bush":  # drawn with the play of what slides
             bush = bush_in(self.turning(point), self.sizes.base_thickness)
             return bush and replace(bush, bore=bush.bore + self.fits.slide_clearance)
         if self.kind(point) != "bearing":
             return None
-        return self.clutch(point) or narrowest(self.turning(point))
+        named = None if point in self.shafts else BEARINGS.get(self.sizes.bearing or "")
+        return self.clutch(point) or named or narrowest(self.turning(point))
 
     @property
     def on_shaft(self) -> Joint:

@@ -13,6 +13,7 @@ from camgen.errors import Fault, Key
 from camgen.geometry.outlines import Contour
 from camgen.geometry.rings import Ring
 from camgen.parts.catalogue import (
+    BEARINGS,
     CORE_HOLES,
     DOWELS,
     MOTOR_FACES,
@@ -209,6 +210,10 @@ class Parts(Record):
         "that is pressed into the plate",
     )
     pin_diameter: Length = Field(default=5.0, description="diameter of the pins")
+    bearing: str | None = Field(
+        default=None,
+        description=f'ball bearing of pins = "bearing": {", ".join(BEARINGS)}; its bore is pin_diameter; default: the narrowest of that',
+    )
     discs: Annotated[dict[Name, Length], Field(min_length=1)] | None = Field(
         default=None,
         description="diameter of pins so large that a shaft goes through them: eccentrics, or pivots of "
@@ -537,6 +542,10 @@ class Parts(Record):
             yield self._fault("pin_diameter", f"a diameter in which dowels are sold: {sold}")
         if "shoulder" in kinds and self.pin_diameter > thickest:
             yield self._fault("pin_diameter", f"at most {thickest:g}, the thickest shoulder screw")
+        fitting = [each.name for each in BEARINGS.values() if each.bore == self.pin_diameter]
+        if self.bearing not in (None, *fitting):
+            sold = ", ".join(fitting) or "none is sold"
+            yield self._fault("bearing", f"one with a bore of {self.pin_diameter:g} mm: {sold}")
         if self.head > self.thickness:
             yield self._fault(
                 "head",

@@ -81,18 +81,19 @@ def test_bearings_turn_in_all_links_but_one_of_each_joint(root: Path, tmp_path: 
     assert [plain.model.joint(name).clearance for name in "ABC"] == pytest.approx([0.2, 0.2, 0.2])
 
 
-def rise(machine: Linkage) -> dict[tuple[str, int], float]:
+def rise(
+    machine: Linkage, name: str = "bearing-mr85", shoulder: float = 5.75, width: float = 2.5
+) -> dict[tuple[str, int], float]:
     """How far each link with a bearing can rise until its lip, the outer ring, the inner ring and the pin's head meet, mm; inf
     where the lip is no narrower than the outer ring, or the head no wider than the bore."""
     parts = {part.name: part for part in machine.assembly.parts}
     links = {mount.body: mount for mount in machine.assembly.mounts if mount.part == mount.body}
     poses, found = machine.assembly.poses(np.zeros(1)), dict[tuple[str, int], float]()
-    for k, mount in enumerate(
-        mount for mount in machine.assembly.mounts if mount.part == "bearing-mr85"
-    ):
-        link, place = links[mount.body], poses["bearing-mr85"][k].place[0]
+    outside = 2 * float(np.max(np.abs(parts[name].region.outer.pieces[0].at(0.0))))
+    for k, mount in enumerate(mount for mount in machine.assembly.mounts if mount.part == name):
+        link, place = links[mount.body], poses[name][k].place[0]
         pins = [
-            (pose, parts[name]) for name in parts if name.startswith("pin-") for pose in poses[name]
+            (pose, parts[pin]) for pin in parts if pin.startswith("pin-") for pose in poses[pin]
         ]
         pose, pin = min(pins, key=lambda each: abs(each[0].place[0] - place))
         under = [layer for layer in parts[link.part].layers if link.z + layer.z1 <= mount.z + 1e-9]
@@ -105,11 +106,11 @@ def rise(machine: Linkage) -> dict[tuple[str, int], float]:
         lips = [math.sqrt(4 * abs(hole.area) / math.pi) for hole in holes]
         head = math.sqrt(4 * pin.layers[0].region.area / math.pi)
         assert (
-            pose.flipped and head <= 5.75 + 1e-9
+            pose.flipped and head <= shoulder + 1e-9
         )  # turned over, its head is above, on the inner ring alone
-        holds = lips and 5.75 < min(lips) < 7.9 and head > 5
+        holds = lips and shoulder < min(lips) < outside - 0.1 and head > 5
         found[link.part, k] = (
-            pose.z + pin.thickness - pin.layers[0].z1 - (mount.z + 2.5) if holds else math.inf
+            pose.z + pin.thickness - pin.layers[0].z1 - (mount.z + width) if holds else math.inf
         )
     return found
 
@@ -135,8 +136,8 @@ def test_a_bearing_holds_its_link_down(root: Path, monkeypatch: pytest.MonkeyPat
 
 
 def test_in_metal_a_pin_clamps_inner_rings_on_sleeves_and_no_link_rubs(root: Path) -> None:
-    """From below: the link in which the pin is fixed, a sleeve, the inner ring, the head. MR85's ring bears on 5.75 at most, its lip is
-    6.5 wide; between the links is a play of 0.1, whatever their thickness."""
+    """From below: the link in which the pin is fixed, a sleeve, the inner ring, the head. 695's ring, 5 x 13, bears on 7 at most, so
+    that a sleeve on a pin of 5 has a wall of 1, its lip is 9 wide; between the links is a play of 0.1, whatever their thickness."""
     machine = validate(Linkage, tomllib.loads(in_metal("linkage")))
     parts = {part.name: part for part in machine.assembly.parts}
     copies = {(each.part, each.at): each for each in machine.assembly.mounts}
@@ -144,7 +145,7 @@ def test_in_metal_a_pin_clamps_inner_rings_on_sleeves_and_no_link_rubs(root: Pat
     assert (sleeve.count, sleeve.bore, sleeve.region.area) == (
         3,
         5,
-        pytest.approx(math.pi / 4 * (5.75**2 - 5**2)),
+        pytest.approx(math.pi / 4 * (7**2 - 5**2)),
     )
     heights = {
         (mount.body, round(mount.z, 6), round(mount.z + parts[mount.part].thickness, 6))
@@ -153,16 +154,16 @@ def test_in_metal_a_pin_clamps_inner_rings_on_sleeves_and_no_link_rubs(root: Pat
     }
     links = {each.body: each for each in copies.values() if each.part == each.body}
     tops = {name: links[name].z + parts[name].thickness for name in ("ground", "crank", "rocker")}
-    rings = sorted({each.z for each in machine.assembly.mounts if each.part == "bearing-mr85"})
+    rings = sorted({each.z for each in machine.assembly.mounts if each.part == "bearing-695"})
     assert heights == {
         ("ground", round(tops["ground"], 6), round(rings[0], 6)),
         ("crank", round(tops["crank"], 6), round(rings[1], 6)),
         ("rocker", round(tops["rocker"], 6), round(rings[1], 6)),
     }
     assert links["coupler"].z - tops["crank"] == pytest.approx(0.1)
-    assert list(rise(machine).values()) == pytest.approx([0.0] * 3)
+    assert list(rise(machine, "bearing-695", 7.0, 4.0).values()) == pytest.approx([0.0] * 3)
     steps = [sentences(step.doings) for step in order_of_assembly(machine.assembly).steps]
-    assert any("its head down on bearing-mr85" in each for each in steps)
+    assert any("its head down on bearing-695" in each for each in steps)
     assert not any(f"into {sleeve.name}" in each for each in steps)  # nothing glues it
     told = [sentences(step.doings) for step in steps_of_assembly(machine).steps]
     assert any("put it in the hole under that alone" in each for each in told)
@@ -252,6 +253,11 @@ def test_a_seat_that_is_too_wide_and_rings_that_are_not_counted_are_found(
             {"pin": "bearing", "coupler": {"thickness": 2}},
             DesignError,
             "thickness is 2 mm.*limit: at least 3.5 mm.*MR85.*lip of 0.8",
+        ),
+        (
+            {"pin": "bearing", "bearing": "608"},  # a bore of 8
+            SpecError,
+            "parts.bearing.*a bore of 5 mm: MR85, MR105, 695, 625",
         ),
         (
             {"pin": "bearing", "pin_diameter": 4.5},
