@@ -117,7 +117,7 @@ class Seat:
 
 
 def shaft_and_bearings(seat: Seat) -> list[Bought]:
-    """A shaft with all that its maker has to know, rings on it, and the bearings in which it turns, if there are some of its size;
+    """A shaft, with all that its maker has to know where it has no sheet, rings on it, and the bearings in which it turns, if there are some of its size;
     in the order in which they are put on."""
     bore = seat.bore
     how = f"through the bore, {_KEYED if seat.key_width else _FAST}"
@@ -126,17 +126,15 @@ def shaft_and_bearings(seat: Seat) -> list[Bought]:
     made = turned_shaft(seat)
     if made is None or made.bearings is None:
         size = f"{bore:g} {_FIT}, C45, {sum(seat.lengths):.4g} in the bore, and as long as its bearings need"
-        cuts = _cuts(_keyways(seat, 0.0), _bore_grooves(seat, 0.0), "from where the bore begins")
+        cuts = _cuts(_keyways(seat, 0.0), _bore_grooves(seat, 0.0))
         return [replace(shaft, size=size, details="; ".join(cuts)), *rings]
-    place = (
-        f"{sum(seat.lengths):.4g} in the bore, on either side {made.bearings.gap:g} free and a bearing of {made.bearings.width:g}, "
-        f"at least {_COUPLING * bore:g} for the coupling"
-    )
-    cuts = _cuts(made.keyways, made.grooves, "from the end without the coupling")
-    size = f"{bore:g} {_FIT} x {made.length:g}, C45"
     begins = f"; the bore begins {made.bores[0][0]:.4g} mm from its other end"
     shaft = replace(
-        shaft, size=size, details="; ".join([place, *cuts]), shaft=made, how=how + begins
+        shaft,
+        size=f"{bore:g} {_FIT} x {made.length:g}, C45",
+        details="see its drawing",
+        shaft=made,
+        how=how + begins,
     )
     bearing = _bearing(bore)
     assert bearing is not None
@@ -257,25 +255,18 @@ def _grooves(bore: float, ring: str, start: float, apart: float, wider: float) -
     return RingGrooves(ring, start, apart, wider, diameter, fit, wide, thick)
 
 
-def _cuts(
-    keyways: Iterable[ShaftKeyway], grooves: Iterable[RingGrooves], origin: str
-) -> Iterator[str]:
-    """Keyways and grooves of a shaft in words, from an origin."""
+def _cuts(keyways: Iterable[ShaftKeyway], grooves: Iterable[RingGrooves]) -> Iterator[str]:
+    """Keyways and grooves in words, of a shaft without a sheet, from where the bore begins."""
     for each in keyways:
         deep = f", {each.depth:g} +{each.deeper:g}/0 deep" if each.depth else ""
         yield (
             f"keyway {each.width:g} {each.fit} x {each.length:.4g}{deep}, round at both ends, "
-            f"between {each.start:.4g} and {each.end:.4g} {origin}"
+            f"between {each.start:.4g} and {each.end:.4g} from where the bore begins"
         )
     for pair in grooves:
-        where = (
-            "the bore in the middle"
-            if pair.ring == _OF_BORE
-            else f"a bearing between them, from {pair.start:.4g} {origin} on"
-        )
         yield (
             f"two grooves for rings, Ø{pair.diameter:g} {pair.fit}, {pair.width:g} H13 wide, "
-            f"{pair.apart:.4g} +{pair.wider:g}/0 over their outer walls, {where}"
+            f"{pair.apart:.4g} +{pair.wider:g}/0 over their outer walls, the bore in the middle"
         )
 
 

@@ -2,38 +2,73 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from camgen.files.assembly_list import Item
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.catalogue import TURNED, Bought
+from camgen.parts.catalogue import CUT, TURNED, Bought
+from camgen.parts.materials import STEEL
 from camgen.parts.part import Part
 from camgen.pipeline.drawings import SHAFT_STEEL, drawing_number, material_of, shaft_facts
 from camgen.pipeline.shopping import bought_things, supplies
 from camgen.study import Table
 
 _LISTED = ("bought", TURNED)  # what the list names beside parts
+FOR_SHOP = ("drawing", "material", "mass of one, g")  # columns of the parts list
+
+
+def numbers_of(mechanism: Mechanism, rows: Sequence[Sequence[object]]) -> Iterator[int | str]:
+    """The number on the arrangement drawing of each row of the parts list, how and part first; "" of stock, tools and what is used up."""
+    order = list(mechanism.assembly.by_name)
+    used_up = {each.name for each in supplies(mechanism)}  # such as oil: no items of a machine
+    number = len(order)
+    for how, name, *_ in rows:
+        if name in order:
+            yield order.index(str(name)) + 1
+        elif how in _LISTED and name not in used_up:
+            number += 1
+            yield number
+        else:
+            yield ""
+
+
+def for_shop(
+    mechanism: Mechanism, rows: Sequence[Sequence[object]]
+) -> Iterator[tuple[object, ...]]:
+    """FOR_SHOP of each row of the parts list, how, part, what, count, volume and mass of all first; "" of what is bought."""
+    parts = mechanism.assembly.by_name
+    shafts = {each.name: each.shaft for each in mechanism.assembly.bought if each.shaft}
+    for _, name, _, count, volume, mass, *_ in rows:
+        part = parts.get(str(name))
+        shaft = shafts.get(str(name))
+        drawing = f"{mechanism.name}-{name}-drawing.pdf"
+        if part is None and shaft is not None:
+            yield drawing, SHAFT_STEEL, shaft_facts(mechanism, shaft).mass_g
+        elif part is None or part.process in ("bought", "dummy"):
+            yield ("",) * len(FOR_SHOP)
+        else:
+            steel = part.process in (TURNED, CUT)
+            of_all = float(str(volume)) * STEEL.density * 1e-3 if steel else mass
+            one = float(str(of_all)) / int(str(count)) if of_all else ""
+            yield drawing, material_of(mechanism, part)[0], one
 
 
 def items_of(mechanism: Mechanism, listed: Table) -> Iterator[tuple[Item, Bought | None]]:
-    """Each item, and the thing that it is where it is bought and is no part; listed: the parts list, how, part, what and count first."""
+    """Each item, and the thing that it is where it is bought and is no part; listed: the parts list."""
     parts = mechanism.assembly.by_name
-    rows = [(str(how), str(name), str(what), count) for how, name, what, count, *_ in listed.rows]
-    order = list(parts)
-    made = [row for row in rows if row[1] in parts]
-    made.sort(key=lambda row: order.index(row[1]))
-    for number, (_, name, what, count) in enumerate(made, 1):
-        yield _part(mechanism, parts[name], number, what, count), None
     things = {(thing.name, thing.listing): thing for thing in bought_things(mechanism)}
-    used_up = {each.name for each in supplies(mechanism)}  # such as oil: no items of a machine
-    number = len(made)
-    for how, name, what, count in rows:
-        if name in parts or how not in _LISTED or name in used_up:
+    rows = [dict(zip(listed.columns, row, strict=True)) for row in listed.rows]
+    numbered = {int(str(row["no"])): row for row in rows if row["no"]}
+    for number, row in sorted(numbered.items()):
+        name = str(row["part"])
+        what = str(row["what"])
+        count = row["count"]
+        if name in parts:
+            yield _part(mechanism, parts[name], number, what, count), None
             continue
-        number += 1
         thing = things.get((name, what))
-        item = Item(number, count, name, what, how)
+        item = Item(number, count, name, what, str(row["how"]))
         if thing is not None and thing.shaft is not None:
             facts = shaft_facts(mechanism, thing.shaft)
             drawing = facts.number.removeprefix(f"{mechanism.name}-")

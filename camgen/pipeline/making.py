@@ -246,12 +246,14 @@ def assembly_copies(mechanism: Mechanism) -> list[PartCopy]:
 
 def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyType({})) -> Table:
     """The parts list: what is printed, with material, mass and time of all copies, then what is cut, turned or bought, the steel
-    from which parts are cut, what the builder adds, and the drills.
+    from which parts are cut, what the builder adds, and the drills; each with its number on the arrangement drawing, the file of
+    its drawing, its material, and the mass of one.
 
     sides: on which printed parts lie on the bed, where their solids are known. Of a material that is not printed nothing is said
     of printing.
     """
     from camgen.files.parts_list import parts_list
+    from camgen.pipeline.assembly_list import FOR_SHOP, for_shop, numbers_of
 
     material = mechanism.material.name
     density = mechanism.assembly.process.density * 1e-3
@@ -323,8 +325,9 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
         "overhang, mm^2",
     )
     kept = len(columns) if materials.of(material).printed else columns.index("print time, min")
-    cells = [row[:kept] for row in rows]
-    return Table("Parts list", columns[:kept], cells, digits=3, shopping=True)
+    more = zip(numbers_of(mechanism, rows), for_shop(mechanism, rows), strict=True)
+    cells = [(*row[:kept], number, *cells) for row, (number, cells) in zip(rows, more, strict=True)]
+    return Table("Parts list", (*columns[:kept], "no", *FOR_SHOP), cells, digits=3, shopping=True)
 
 
 def _same(parts: Sequence[Part]) -> Mapping[str, str]:

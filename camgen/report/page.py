@@ -8,7 +8,7 @@ from __future__ import annotations
 import base64
 import gzip
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, astuple, replace
 from functools import cache
 from html import escape
@@ -30,6 +30,7 @@ from camgen.report.report import Report, write_text
 from camgen.report.summary import Headline, Summary, summary
 from camgen.report.tables import (
     NOISE_OF,
+    Markup,
     figure_lists,
     html_table,
     margins,
@@ -235,27 +236,34 @@ def _links(report: Report) -> str:
 
 
 def _shopping(report: Report) -> str:
-    """What is not printed: bought, cut or turned, and what steps use up."""
-    return _rows_table(report, ("how", "part", "what", "count"), lambda how: how not in _OWNED)
+    """What is not printed: bought, cut or turned, and what steps use up; each with its number on the arrangement drawing and its own
+    drawing, where there are some."""
+
+    def cell(row: _Row, column: str) -> object:
+        value = row.get(column, "")
+        if column != _DRAWING:
+            return value
+        return Markup(_link(report, str(value), "PDF")) if value in report.files else ""
+
+    columns = ("no", "how", "part", "what", "count", _DRAWING)
+    wanted = [row for row in _parts_list(report) if row["how"] not in _OWNED]
+    rows = [tuple(cell(row, column) for column in columns) for row in wanted]
+    filled = [k for k in range(len(columns)) if any(row[k] != "" for row in rows)]
+    shown = [tuple(row[k] for k in filled) for row in rows]
+    return html_table(Table("", [columns[k] for k in filled], shown)) if rows else ""
+
+
+_DRAWING = "drawing"
 
 
 def _tools(report: Report) -> str:
     """What one has on a bench."""
-    return _rows_table(report, ("part", "what"), lambda how: how == _TOOL)
+    rows = [(row["part"], row["what"]) for row in _parts_list(report) if row["how"] == _TOOL]
+    return html_table(Table("", ("part", "what"), rows)) if rows else ""
 
 
 _TOOL = "tool"
 _OWNED = ("printed", _TOOL)
-
-
-def _rows_table(report: Report, columns: Sequence[str], wanted: Callable[[object], bool]) -> str:
-    """Rows of the parts list that are made in a wanted way; "" where none is."""
-    rows = [
-        tuple(row[column] for column in columns)
-        for row in _parts_list(report)
-        if wanted(row["how"])
-    ]
-    return html_table(Table("", columns, rows)) if rows else ""
 
 
 _Row = Mapping[str, object]  # of the parts list, by its columns
@@ -272,7 +280,8 @@ def _parts_list(report: Report) -> list[_Row]:
 
 
 def _as_cut(table: Table) -> Table:
-    """A table; in the parts list what is cut from one of its rods says so."""
+    """A table; in the parts list what is cut from one of its rods says so, what else is turned of which steel, and what you bring that it
+    is your own."""
     if not table.shopping:
         return table
     rows = [dict(zip(table.columns, row, strict=False)) for row in table.rows]
@@ -280,9 +289,14 @@ def _as_cut(table: Table) -> Table:
     for row in rows:
         if any(rod in str(row["what"]) for rod in rods):
             row["how"] = _MILLED if "keyway" in str(row["what"]) else _CUT
+        elif row["how"] == _TURNED:
+            row["how"] = f"turned of {row.get('material') or 'steel'}"
+        elif row["how"] == "dummy":
+            row["how"] = "your own"
     return replace(table, rows=[tuple(row.values()) for row in rows])
 
 
+_TURNED = "turned of steel"  # as the list has it
 _CUT = "cut and filed of steel"  # from a rod of the list, which needs no lathe
 _MILLED = "cut and milled of steel"  # the same with a keyway
 
@@ -391,7 +405,8 @@ def _parts(report: Report) -> str:
         how = str(row.get("how", "printed"))
         listed = part.get("files", ())
         assert isinstance(listed, Sequence)
-        if how in _NOT_PRINTED:
+        by_hand = how in _NOT_PRINTED or how.startswith("turned ")
+        if by_hand:
             listed = [file for file in listed if str(file).rpartition(".")[2] not in _TO_PRINT]
         links = [_link(report, str(file), str(file).rpartition(".")[2].upper()) for file in listed]
         for kind, said in (("", "PDF"), ("-tracks", "PDF of its tracks")):
@@ -403,7 +418,7 @@ def _parts(report: Report) -> str:
             if "thickness_mm" in part
             else []
         )
-        facts += [how] if how in _NOT_PRINTED else []
+        facts += [how] if by_hand else []
         facts += [each for each in [_estimate([(row, 1 / _count(row))])] if each]
         title = label + (f" × {part['count']}" if part.get("count", 1) != 1 else "")
         cards.append(_card(title, "; ".join(facts), links, f"part-{k}", report.scene is not None))
@@ -419,7 +434,7 @@ def _parts(report: Report) -> str:
     )
 
 
-_NOT_PRINTED = ("bought", "turned of steel", "cut of steel", _CUT, _MILLED)
+_NOT_PRINTED = ("bought", "cut of steel", _CUT, _MILLED)
 _TO_PRINT = ("stl", "3mf")  # files for a slicer
 
 
@@ -434,7 +449,7 @@ def _amounts(rows: Sequence[tuple[_Row, float]]) -> tuple[float, float]:
     mass = minutes = 0.0
     for row, share in rows:
         for column, value in row.items():
-            if isinstance(value, int | float) and column.startswith("mass"):
+            if isinstance(value, int | float) and column.startswith(_MASS):
                 mass += value * share
             if isinstance(value, int | float) and column.startswith("print time"):
                 minutes += value * share

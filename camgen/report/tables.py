@@ -24,8 +24,14 @@ _LONG_LIFE = 1e5  # h, over ten years: what is more is said no more exactly
 _NEAR = 0.8  # share of its limit from which on a margin is shown unfolded
 
 
+class Markup(str):
+    """HTML in a cell."""
+
+
 def cell_text(value: object, digits: int = 6) -> str:
-    """A cell: a number with some digits and a true minus, anything else escaped."""
+    """A cell: a number with some digits and a true minus, HTML as it is, anything else escaped."""
+    if isinstance(value, Markup):
+        return value
     if isinstance(value, bool | np.bool_):
         return "yes" if value else "no"
     if isinstance(value, int | np.integer):

@@ -544,7 +544,8 @@ def test_the_list_has_what_turns_and_what_rolls() -> None:
     )
     # 5 + 31.5 + 2 (4 + 7) + 12
     assert found["shaft"].size == "8 h6 x 75, C45"
-    assert found["shaft"].details.startswith("31.5 in the bore, on either side 4 free")
+    made = found["shaft"].shaft
+    assert made is not None and made.bores == ((16.0, 31.5),)
     rib = {"track": "rib", "distance": 16.0}
     cone = {"roller": {"radius": 5.0, "length": 6.0, "cone_deg": 5.0}}
     found = {

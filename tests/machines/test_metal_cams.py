@@ -225,7 +225,7 @@ def test_a_cam_of_metal_has_a_shaft_unless_it_sits_on_its_motor_s() -> None:
     keyed = ("parts.bore=20", "parts.bore_shape=keyway", "geometry.base_radius=32")
     sizes = ("parts.hub_diameter=36", "parts.hub_height=8", "parts.thickness=12")
     found = listed(*keyed, *sizes)
-    assert found["shaft"].startswith("20 h6 x 105, C45: 20 in the bore, on either side 10 free")
+    assert found["shaft"] == "20 h6 x 105, C45: see its drawing"
     assert found["bearing of the shaft"].startswith("6004, 20 x 42 x 12: sealed")
     screwed = listed(*keyed, *sizes, "parts.set_screw=M5")
     assert "retaining ring" in found and "retaining ring" not in screwed
@@ -321,14 +321,42 @@ def test_the_list_has_the_shims_that_a_step_asks_for() -> None:
 
 
 def test_the_list_has_who_makes_what_is_not_bought() -> None:
-    """A shaft with a keyway is turned, its sizes in its row; a spring of its own sizes is ordered, as `bought` says."""
+    """A shaft with a keyway is turned, by its drawing; a spring of its own sizes is ordered, as `bought` says."""
     starter = tomllib.loads(in_metal("disc-cam"))
     rows = {row[1]: (row[0], str(row[2])) for row in parts_table(read_mechanism(starter)).rows}
     how, shaft = rows["shaft"]
-    assert how == "turned of steel" and "keyway 6 N9 x 22, 3.5 +0.1/0 deep" in shaft
+    assert how == "turned of steel" and shaft == "20 h6 x 105, C45, see its drawing"
     assert rows["return spring, to be wound"][0] == "bought"
-    tight = read_mechanism(starter, ["drawing.key_fit=P9"])
-    assert any("keyway 6 P9 x 22" in str(row[2]) for row in parts_table(tight).rows)
+    tight = read_mechanism(starter, ["drawing.key_fit=P9"]).assembly.bought
+    (made,) = (each.shaft for each in tight if each.shaft is not None)
+    assert [(each.width, each.fit, each.length) for each in made.keyways] == [(6.0, "P9", 22.0)]
+
+
+def test_a_shop_and_a_buyer_find_drawing_material_number_and_mass_in_each_row() -> None:
+    """Of the cam and of a shaft of 20 x 105 by hand: pi/4 x 20^2 x 105 x 7.85 g/cm^3 is 259 g, its keyway and grooves not
+    taken off; numbers run through what the arrangement shows, and what is bought has no drawing."""
+    table = parts_table(read_mechanism(tomllib.loads(in_metal("disc-cam"))))
+    rows = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
+    assert table.columns[-4:] == ("no", "drawing", "material", "mass of one, g")
+    assert [row["no"] for row in rows] == list(range(1, len(rows) + 1))
+    named = {row["part"]: row for row in rows}
+    assert named["cam"]["drawing"] == "disc-cam-cam-drawing.pdf"
+    assert named["shaft"]["drawing"] == "disc-cam-shaft-drawing.pdf"
+    assert named["shaft"]["material"] == named["cam"]["material"] == "C45"
+    assert named["shaft"]["mass of one, g"] == pytest.approx(258.9, abs=0.1)
+    assert named["cam"]["mass of one, g"] == named["cam"]["mass in C45, g"]
+    assert named["bearing of the shaft"]["drawing"] == ""
+
+
+def test_the_mass_of_one_is_a_share_of_all_copies() -> None:
+    """Two conjugate cams of one shape are two rows; two collars of a Geneva drive one, of two."""
+    table = parts_table(read_mechanism(tomllib.loads(in_metal("geneva-table"))))
+    rows = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
+    collar = next(row for row in rows if row["part"] == "collar")
+    assert collar["count"] == 2
+    assert collar["mass of one, g"] == pytest.approx(float(str(collar["mass in C45, g"])) / 2)
+    stock = [row for row in rows if row["how"] in ("stock", "your own")]
+    assert stock and all(row["no"] == row["drawing"] == "" for row in stock)
 
 
 @pytest.mark.parametrize(

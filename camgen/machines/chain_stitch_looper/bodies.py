@@ -319,7 +319,7 @@ class Bodies:
                 "stands in for the bought needle; cone and wedge have the same section in this plane",
             )
             layers = (Layer(Region(outline), 0.0, 2 * r),)
-            title = f"Dummy of needle {k + 1}, not to be made"
+            title = f"Needle {k + 1} of your machine, not to be made"
             return Part(
                 f"needle-{k + 1}", title, layers, notes=notes, side_profile=profile, process="dummy"
             )
@@ -342,7 +342,7 @@ class Bodies:
         holes = tuple(circle(complex(x, half), r) for x in (0.0, z))
         return Part(
             "needle-plate",
-            "Dummy of the needle plate, not to be made",
+            "Needle plate of your machine, not to be made",
             (Layer(Region(outline), 0.0, 2 * half),),
             notes=("stands in for the machine's own plate",),
             side_profile=Region(top, holes),
