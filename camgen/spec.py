@@ -472,6 +472,11 @@ class Drawing(Record):
         description='heat treatment, such as "case hardened 60+4 HRC, CHD 0.8+0.4"; default: the treatment that the material needs to bear '
         "its load, if any, for what rolls, slides or is a pin; for 16MnCr5 only where a follower runs",
     )
+    protection: Annotated[str, said(60)] | None = Field(
+        default=None,
+        description='protection against rust, such as "black oxide, oiled"; default: "oiled against rust" for parts of C45, 42CrMo4 '
+        "and 16MnCr5, else not shown",
+    )
     revision: Annotated[str, said(8)] | None = Field(
         default=None, description="revision of the drawings, in the title block"
     )

@@ -136,6 +136,7 @@ def _shop_notes(drawn: DrawnPart) -> list[str]:
         before = ", before hardening" if facts.ground else ""
         lines.append(f"Fit the walls on the back; drill and ream the dowel holes together{before}")
         lines += [f"Threads {facts.thread} cut before hardening"] if facts.ground else []
+    lines += [facts.protection] if facts.protection else []
     return lines
 
 

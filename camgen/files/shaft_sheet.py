@@ -37,6 +37,8 @@ _BEYOND = 4.0  # centre lines, beyond what they cross
 _DATUM = 12.0  # more under the view, where a datum hangs at its diameter
 _SHAFT = Part("shaft", "Shaft", ())  # one that is no part of a machine
 _CUT = 4.0  # arrow where the section is
+_RA = 4.0  # from the end of a shaft to the sign of its roughness
+_SIGN = 3.0  # half the width of that
 
 
 def write_shaft(
@@ -103,6 +105,7 @@ class _Page:
             self._keyway(sheet, keyway)
         self._sizes(sheet)
         self._grooves(sheet)
+        self._seats(sheet)
         self._surfaces(sheet)
         if self.shaft.keyways:
             self._section(sheet, self.shaft.keyways[0])
@@ -221,14 +224,28 @@ class _Page:
         grooves = max(self.shaft.grooves, key=lambda each: each.start)
         same = 2 * len(self.shaft.grooves)
         foot = self.at(grooves.walls[1][1] - grooves.width / 2, grooves.diameter / 2)
-        bend = complex(foot.real + 4, self.at(0, self.shaft.diameter / 2).imag + 27)
         text = f"{same} × {number(grooves.width)} H13, Ø{number(grooves.diameter)} {grooves.fit}, DIN 471"
+        self._leader(sheet, foot, 27, text)
+
+    def _seats(self, sheet: Sheet) -> None:
+        """The fit under the bearings, at the second one, where it is not that of the whole shaft."""
+        shaft = self.shaft
+        if shaft.bearings is None or shaft.bearings.fit == shaft.fit:
+            return
+        foot = self.at(shaft.bearings.seats[1] + 0.9 * shaft.bearings.width, shaft.diameter / 2)
+        fit = in_limits(shaft.bearings.fit, shaft.diameter)
+        self._leader(sheet, foot, 34, f"Seats A and B Ø{number(shaft.diameter)} {fit}")
+
+    def _leader(self, sheet: Sheet, foot: complex, over: float, text: str) -> None:
+        """A text so far over the shaft, mm of paper, to the right of what it says something of."""
+        bend = complex(foot.real + 4, self.at(0, self.shaft.diameter / 2).imag + over)
         sheet.line(foot, bend, bend + 4, layer="DIM")
         sheet.arrow(foot, (foot - bend) / abs(foot - bend))
         sheet.text(bend + 5 - 0.9j, text, 2.5)
 
     def _surfaces(self, sheet: Sheet) -> None:
-        """Roughness of the shaft, and where bearings are the datum of both and the run-out of what sits between."""
+        """Roughness of the shaft, and where bearings are the datum of both, the run-out of what sits between and of the end for the
+        coupling."""
         shaft = self.shaft
         radius = shaft.diameter / 2
         fine = self.facts.roughness or self.facts.bore_roughness
@@ -236,21 +253,37 @@ class _Page:
         if shaft.bearings:
             for letter, start in zip("AB", shaft.bearings.seats, strict=True):
                 datum_sign(sheet, self.at(start + shaft.bearings.width / 2, radius), 1j, letter)
-            foot = self.at(shaft.bearings.seats[1] + shaft.bearings.width, radius) + 4
+            end = self.at(shaft.length, radius)
+            foot = end + _RA
+            if fine:  # on a line that goes on from the shaft, where nothing else stands
+                sheet.line(end, foot + _SIGN, layer="DIM")
         if fine:
             roughness(sheet, foot, f"Ra {number(fine)}")
         if not (shaft.bores and self.facts.run_out):
             return
+        wide = width_of([number(self.facts.run_out), self.axis])
+        self._run_out(sheet, self.at((self._coupled + shaft.length) / 2, radius), 1, wide)
         start, length = shaft.bores[0]
         tip = self.at(start + 0.8 * length, radius)
         bend = tip + 20j
-        wide = width_of([number(self.facts.run_out), self.axis])
         leader = max((self.at(each.walls[1][1]).real for each in shaft.grooves), default=0.0)
         crossed = tip.real - 2 < leader < bend.real + 4 + wide  # by what all grooves are
-        side = -1 if crossed else 1
+        self._run_out(sheet, tip, -1 if crossed else 1, wide)
+
+    def _run_out(self, sheet: Sheet, tip: complex, side: int, wide: float) -> None:
+        """The frame of a run-out over the shaft, left (-1) or right (1) of its leader; wide: the frame."""
+        bend = tip + 20j
         sheet.line(tip, bend, bend + 2 * side, layer="DIM")
         sheet.arrow(tip, -1j)
-        run_out(sheet, bend + 2 * side - wide * crossed - 3j, self.facts.run_out, self.axis)
+        corner = bend + 2 * side - wide * (side < 0) - 3j
+        run_out(sheet, corner, self.facts.run_out, self.axis)
+
+    @property
+    def _coupled(self) -> float:
+        """Where the end for the coupling begins, behind the second bearing and its ring, mm from the left end."""
+        bearings = self.shaft.bearings
+        behind = bearings.seats[1] + bearings.width if bearings else 0.0
+        return max([behind, *(each.walls[1][1] for each in self.shaft.grooves)])
 
     @property
     def _bare(self) -> float:
@@ -310,15 +343,15 @@ class _Page:
         shaft = self.shaft
         facts = self.facts
         grooves = "grooves and keyways" if shaft.grooves else "keyways"
-        lines = [f"Ø{number(shaft.diameter)} {shaft.fit} all along but for {grooves}"]
+        seated = shaft.bearings is not None and shaft.bearings.fit != shaft.fit
+        but = f"seats A and B, {grooves}" if seated else grooves
+        lines = [f"Ø{number(shaft.diameter)} {shaft.fit} all along but for {but}"]
         lines += [f"Bore of what it turns: {a:.4g} to {a + long:.4g}" for a, long in shaft.bores]
-        walls = [each.walls for each in shaft.grooves]
         if shaft.bearings:
             width = shaft.bearings.width
             first, second = (f"{x:.4g} to {x + width:.4g}" for x in shaft.bearings.seats)
             lines.append(f"Seats of {shaft.bearings.name}: A {first}, B {second}")
-            inner = max([shaft.bearings.seats[1] + width, *(x for _, (_, x) in walls)])
-            lines.append(f"End for the coupling: the last {shaft.length - inner:.4g} mm")
+            lines.append(f"End for the coupling: the last {shaft.length - self._coupled:.4g} mm")
             lines.append("Centre holes ISO 6411 allowed at both ends")
         keys = [key for each in shaft.keyways for key in each.keys]
         where = " and ".join(f"{a:.4g} to {b:.4g}" for a, b in keys)
@@ -326,6 +359,5 @@ class _Page:
         lines += ["Keyways' corners as DIN 6885"] if shaft.keyways else []
         lines.append(f"Elsewhere Ra {number(facts.roughness_elsewhere)}")
         lines.append(f"Edges {facts.edges}")
-        lines += [facts.heat_treatment[:1].upper() + facts.heat_treatment[1:]]
-        lines += [note[:1].upper() + note[1:] for note in self.part.notes]
-        return [line for line in lines if line]
+        lines += [facts.heat_treatment, facts.protection, *self.part.notes]
+        return [line[:1].upper() + line[1:] for line in lines if line]

@@ -119,6 +119,7 @@ class Facts:
     roughness_elsewhere: float = 0.0
     edges: str = ""
     heat_treatment: str = ""
+    protection: str = ""  # against rust
     case_only: bool = False  # whether what a follower runs on is hardened, and nothing else
     corner: float = 0.0  # largest radius where a hub meets its disc, mm
     ground: bool = False  # whether what has a roughness of its own is ground after that

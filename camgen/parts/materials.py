@@ -31,6 +31,7 @@ class Material:
     # mm, depth of the skin that it hardens alone, of what a follower runs on, ground afterwards; 0: hardened through
     case: float = 0.0
     number: str = ""  # of the steel [EN 10027-2], in the sources of its row
+    protection: str = ""  # of what rusts
 
     @property
     def printed(self) -> bool:
@@ -115,6 +116,7 @@ _PRINTS = (
     ),
 )
 
+_OILED = "oiled against rust"
 _CUT = (
     Material(
         "C45",
@@ -128,6 +130,7 @@ _CUT = (
         metal=True,
         treatment="quenched and tempered, at least 200 HB",
         number="1.0503",
+        protection=_OILED,
     ),
     Material(
         "42CrMo4",
@@ -140,6 +143,7 @@ _CUT = (
         metal=True,
         treatment="quenched and tempered, at least 310 HB",
         number="1.7225",
+        protection=_OILED,
     ),
     Material(
         "16MnCr5",
@@ -154,6 +158,7 @@ _CUT = (
         treatment="case hardened and tempered, 60+4 HRC, CHD 0.8+0.4",
         case=0.8,
         number="1.7131",
+        protection=_OILED,
     ),
     Material(
         "stainless",

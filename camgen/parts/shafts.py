@@ -4,7 +4,8 @@ with keyways.
 Bearings 6000 to 6010: bearingsblog.blogspot.com/2024/10/understanding-6000-bearing-dimensions.html. Retaining rings, DIN 471:
 scribd.com/document/416335815, External Retaining Rings; up to 19 the same at capitalbolts.in/din-471, which has the tolerances of
 grooves. From 24 to 42, and the tolerances there: fixawell.com/retaining-ring-din-983.htm, whose rings have other lugs in the same
-grooves; its nine rows from 16 to 50 that the first source has too are equal. Gaps, the end for a coupling, and what shims fill: camgen's own rules. A key h9 is light in keyways N9 of the shaft and JS9
+grooves; its nine rows from 16 to 50 that the first source has too are equal. Gaps, the end for a coupling, and what shims fill: camgen's own rules. Fits under a ball bearing whose inner ring turns about a light load, as cams are:
+engineersedge.com, 15319 (ANSI/ABMA 7). A key h9 is light in keyways N9 of the shaft and JS9
 of the bore, tight in P9 of both: berger-tools.co.uk, Standard_Parts_Catalogue, page 2078.
 """
 
@@ -69,7 +70,8 @@ _RINGS = {
     45.0: (1.75, 42.5, 1.85),
     50.0: (2.0, 47.0, 2.15),
 }
-_FIT = "h6"  # fit of the whole shaft
+_FIT = "h6"  # fit of the shaft, so that bore, rings and coupling go on
+_SEATS = {18.0: "h6", 40.0: "j6", 50.0: "k6"}  # fits under bearings, up to a shaft of so many mm
 _GROOVE_FITS = {10.0: "h10", 22.0: "h11", 50.0: "h12"}  # of a groove, up to a shaft of so many mm
 _GAP = 0.5  # of the shaft: from the bore to a bearing
 _COUPLING = 1.5  # of it: end for a coupling
@@ -89,16 +91,14 @@ _INNER_FIRST = (
     "on the shaft, two of them now: one on either side of the bore, in the groove next to it. The bearings come against these, "
     "and the other two outside the bearings"
 )
-_OUTER_LAST = (
-    "; then close each with its outer ring, and put shims (DIN 988) between ring and bearing until it slides at most 0.05 mm on the "
-    "shaft"
-)
+_OUTER_LAST = "; then close each with its outer ring, and put shims (DIN 988) between ring and bearing until at most 0.05 mm is left"
 _COLLARS = (
     "; a collar or a shoulder of yours on either side of each keeps it in its place on the shaft"
 )
 _KEYED = "its key in the keyway of the bore, its end for the coupling below, as in the arrangement drawing"
 _FAST = "fast in it"
 _SEALED = "sealed on both sides and greased (2RS)"
+_PRESSED = "pressed on the shaft by their inner rings, "
 _BEARINGS = (
     "one on either side, in a frame of yours: it holds the one at the end without the coupling on both sides of its outer ring, so that "
     "the shaft cannot slide, and leaves the other one free in its seat"
@@ -147,7 +147,9 @@ def shaft_and_bearings(seat: Seat) -> list[Bought]:
         bearing.standard,
         f"{bearing.name}, {bearing.size}",
         2,
-        how=_BEARINGS + (_OUTER_LAST if held else _COLLARS),
+        how=(_PRESSED if made.bearings.fit != _FIT else "")
+        + _BEARINGS
+        + (_OUTER_LAST if held else _COLLARS),
     )
     return [shaft, *rings, *held, replace(turns, key="parts.bore", details=_SEALED)]
 
@@ -183,7 +185,14 @@ def turned_shaft(seat: Seat) -> TurnedShaft | None:
         tuple(_keyways(seat, start)),
         tuple(_bores(seat, start)),
         tuple(grooves),
-        ShaftBearings(bearing.name, bearing.outside, bearing.width, (first, second), gap),
+        ShaftBearings(
+            bearing.name,
+            bearing.outside,
+            bearing.width,
+            (first, second),
+            gap,
+            next(fit for most, fit in _SEATS.items() if bore <= most),
+        ),
     )
 
 

@@ -52,6 +52,7 @@ class ShaftBearings:
     width: float  # of each
     seats: tuple[float, float]  # where they begin, the one that is held first
     gap: float  # from a bearing to what sits next to it
+    fit: str  # of the shaft under them
 
 
 @dataclass(frozen=True)

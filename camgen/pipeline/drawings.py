@@ -182,6 +182,9 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         edges=sheet.edges or (cut and _ring_edges(mechanism, part)) or usual.edges,
         heat_treatment=sheet.heat_treatment
         or (_treatment(mechanism, part, runs) if cut else _ROD_STRENGTH if rod else ""),
+        protection=sheet.protection or (materials.of("C45") if rod else material).protection
+        if cut or rod
+        else "",
         turned_deg=_turned(mechanism.assembly, part),
         case_only=case and runs and not sheet.heat_treatment,
         corner=usual.corner,
@@ -433,6 +436,7 @@ def shaft_facts(mechanism: Mechanism, shaft: TurnedShaft) -> Facts:
         rod_chamfer=_chamfer(shaft.diameter),
         edges=sheet.edges or _IN_METAL.edges,
         heat_treatment=materials.of(SHAFT_STEEL).treatment,
+        protection=sheet.protection or materials.of(SHAFT_STEEL).protection,
     )
 
 

@@ -28,6 +28,20 @@ def test_shafts_that_go_in_by_hand() -> None:
         assert deviations(size, "g6") == pytest.approx(tuple(each / 1000 for each in limits))
 
 
+@pytest.mark.parametrize(
+    ("fit", "published"),
+    [
+        ("j6", {6.0: (-2, 6), 10.0: (-2, 7), 14.0: (-3, 8), 24.0: (-4, 9), 40.0: (-5, 11)}),
+        ("k6", {6.0: (1, 9), 10.0: (1, 10), 14.0: (1, 12), 24.0: (2, 15), 40.0: (2, 18)}),
+    ],
+)
+def test_shafts_under_bearings(fit: str, published: dict[float, tuple[int, int]]) -> None:
+    """In thousandths [insbearing.com/product9.htm, shaft tolerances]; 80 to 100 is no row of these."""
+    for size, limits in published.items():
+        assert deviations(size, fit) == pytest.approx(tuple(each / 1000 for each in limits))
+    assert deviations(90.0, fit) is None
+
+
 def test_keyways_light_and_tight() -> None:
     for size, half in FACTS["JS9"].items():
         assert deviations(float(size), "JS9") == pytest.approx((-half / 1000, half / 1000))

@@ -90,9 +90,19 @@ def test_what_it_says_stays_on_the_paper(made: TurnedShaft) -> None:
             assert wide < 0.01 or tall < 0.01, (one, other)
 
 
-def test_no_leader_runs_through_a_frame() -> None:
-    """Of a drum's shaft with four grooves, whose leader is beside the run-out's: thin lines and what stands in frames."""
-    page = _Page(shaft(20.0, 44.0, key=6.0, ringed=True), FACTS, Part("shaft", "Shaft", ()))
+@pytest.mark.parametrize(
+    "made",
+    [
+        shaft(20.0, 44.0, key=6.0, ringed=True),
+        shaft(8.0, 31.5, key=2.0, ringed=True),
+        shaft(50.0, 120.0, key=14.0, ringed=True),
+        shaft(20.0, 24.0, key=6.0),
+    ],
+    ids=["drum", "thin", "thick", "disc"],
+)
+def test_no_leader_runs_through_a_frame(made: TurnedShaft) -> None:
+    """Of shafts with grooves, whose leaders are beside those of run-outs: thin lines and what stands in frames."""
+    page = _Page(made, FACTS, Part("shaft", "Shaft", ()))
     things = list(page.draw("shaft").primitives)
     frames = [
         shapely.box(*_bounds(each))
@@ -112,6 +122,30 @@ def _bounds(stroke: Stroke) -> tuple[float, float, float, float]:
     x = [z.real for z in corners]
     y = [z.imag for z in corners]
     return min(x), min(y), max(x), max(y)
+
+
+def test_the_end_for_the_coupling_runs_true_and_the_seats_have_the_fit_of_their_bearings() -> None:
+    """Light loads on an inner ring that turns: h6 up to 18, j6 up to 40, k6 above [engineersedge.com, 15319]; limits by ISO 286.
+    Both the bore's seat and the coupling's end, half way along its 30.7 from 94.3, have the run-out to both bearings."""
+
+    def texts(made: TurnedShaft) -> list[str]:
+        things = _Page(made, FACTS, Part("shaft", "Shaft", ())).draw("shaft").primitives
+        return [each.text for each in things if isinstance(each, Text)]
+
+    drum = shaft(20.0, 44.0, key=6.0, ringed=True)
+    said = texts(drum)
+    assert "Seats A and B Ø20 j6 (+0.009/-0.004)" in said
+    assert any(each.startswith("Ø20 h6 all along but for seats A and B") for each in said)
+    assert "Seats A and B Ø50 k6 (+0.018/+0.002)" in texts(shaft(50.0, 120.0, key=14.0))
+    assert not any("Seats A and B" in each for each in texts(shaft(8.0, 31.5, key=2.0)))
+    assert said.count("0.03") == 2
+    page = _Page(drum, FACTS, Part("shaft", "Shaft", ()))
+    starts = [
+        start_point(each.pieces[0])
+        for each in page.draw("shaft").primitives
+        if isinstance(each, Stroke) and each.layer == "DIM"
+    ]
+    assert min(abs(each - page.at((94.3 + 125.0) / 2, 10.0)) for each in starts) < 0.01
 
 
 def test_a_rod_s_keyways_are_slots_seen_from_above(tmp_path: Path) -> None:
@@ -170,6 +204,7 @@ def test_the_starters_in_metal_have_its_facts(name: str) -> None:
     (made,) = (each.shaft for each in machine.assembly.bought if each.shaft)
     facts = shaft_facts(machine, made)
     assert facts.heat_treatment == "quenched and tempered, at least 200 HB"
+    assert facts.protection == "oiled against rust"
     assert facts.material == "C45 (1.0503)" and facts.rod_chamfer == 1.0
     assert facts.mass_g == pytest.approx(np.pi * 100 * made.length * 7.85e-3, rel=0.01)
 

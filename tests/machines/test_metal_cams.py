@@ -16,7 +16,7 @@ from camgen.geometry.arcs import as_circle
 from camgen.machines.metal import of_drum
 from camgen.machines.sources import read_mechanism
 from camgen.parts.materials import MATERIALS
-from camgen.pipeline.drawings import facts_of
+from camgen.pipeline.drawings import facts_of, shaft_facts
 from camgen.pipeline.making import parts_table
 from camgen.pipeline.shopping import bought_things, steps_of_assembly
 from camgen.pipeline.shown import scene
@@ -357,6 +357,26 @@ def test_the_mass_of_one_is_a_share_of_all_copies() -> None:
     assert collar["mass of one, g"] == pytest.approx(float(str(collar["mass in C45, g"])) / 2)
     stock = [row for row in rows if row["how"] in ("stock", "your own")]
     assert stock and all(row["no"] == row["drawing"] == "" for row in stock)
+
+
+@pytest.mark.parametrize(
+    ("settings", "protection"),
+    [
+        ((), "oiled against rust"),
+        (("material.name=16MnCr5",), "oiled against rust"),
+        (("material.name=stainless",), ""),
+        (("material.name=brass",), ""),
+        (("drawing.protection=black oxide",), "black oxide"),
+    ],
+)
+def test_what_rusts_says_how_it_is_kept_from_that(
+    settings: tuple[str, ...], protection: str
+) -> None:
+    """On the sheet of the cam; a shaft of C45 rusts beside any cam."""
+    made = read_mechanism(tomllib.loads(in_metal("disc-cam")), list(settings))
+    (shaft,) = (each.shaft for each in made.assembly.bought if each.shaft is not None)
+    assert facts_of(made, made.assembly.parts[0]).protection == protection
+    assert shaft_facts(made, shaft).protection == (protection or "oiled against rust")
 
 
 @pytest.mark.parametrize(
