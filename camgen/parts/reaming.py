@@ -47,6 +47,7 @@ def with_reaming(
     if not opened and not fixed:
         return table
     said = []
+    rough = False  # whether a drill is one that few people have
     words = _IN_METAL if metal else _IN_PLASTIC
     bores = _bores(opened, fixed)
 
@@ -59,7 +60,8 @@ def with_reaming(
     if lines:
         count = sum(opened_holes(copies, fixing).values())
         holes = {1: "the hole", 2: "both holes"}.get(count, f"all {count} holes")
-        said = [words.opened.format(holes) + _ticks(lines)]
+        rough = not metal and any(map(common_drill, opened))
+        said = [words.opened.format(holes) + _ROUGH * rough + _ticks(lines)]
     said += [words.by_hand + _ticks(lines_of(fitted, words.tool))] if fitted else []
     said += [_KEYED + _ticks(lines_of(keyed, words.tool))] if keyed else []
     said += [words.tight + _ticks(lines_of(tight, words.tool))] if tight else []
@@ -83,7 +85,12 @@ def with_reaming(
         "Holes in which something turns or slides" if lines else "Holes in which something is fixed"
     )
     where = "; ".join(lines or lines_of(fixed, words.tool))
-    needs = ("scraper",) * bool(fixed) + ("vice",) * bool(tight) + ("oil",) * bool(fixed and lines)
+    needs = (
+        ("fine sandpaper",) * rough
+        + ("scraper",) * bool(fixed)
+        + ("vice",) * bool(tight)
+        + ("oil",) * bool(fixed and lines)
+    )
     return begun(table, Doing("\n".join(said), needs=needs), what, where, count if lines else "")
 
 
@@ -224,6 +231,14 @@ def _running_drill(size: float) -> float:
     return math.ceil(10 * size - SAME_POINT) / 10
 
 
+def common_drill(size: float) -> float:
+    """The next narrower drill of a set in half millimetres, for a hole in which something turns or slides; 0 where its own drill is
+    one of these, or none is."""
+    drill = _running_drill(size)
+    common = math.floor(2 * size + SAME_POINT) / 2
+    return 0.0 if size > _WIDEST or abs(drill - common) < SAME_POINT else common
+
+
 def _tool(size: float) -> str:
     """The size of a hole, mm, and what opens it where that is no drill of people."""
     return f"{size:g} mm" if size <= _WIDEST else f"{size:g} mm, with {opener(size)}"
@@ -262,6 +277,7 @@ _IN_PLASTIC = _Words(
     running,
     _tool,
 )
+_ROUGH = ". If your drills are in steps of 0.5 mm, turn the next narrower one in it, then fine sandpaper rolled round a thin rod"
 _IN_METAL = _Words(
     "ream {} in which something turns or slides to the size and the limits on the sheet of its part. What goes in drops through by its own "
     "weight",

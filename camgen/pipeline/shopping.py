@@ -19,6 +19,7 @@ from camgen.parts.keyways import parallel_keys
 from camgen.parts.look_alikes import with_sorting
 from camgen.parts.part import SizeNote
 from camgen.parts.reaming import (
+    common_drill,
     opened_holes,
     opener,
     screw_holes,
@@ -99,7 +100,11 @@ def tools(mechanism: Mechanism) -> list[Bought]:
     copies, fixing = _standing(assembly)
     found = dict[str, str]()
     for size, count in opened_holes(copies, fixing).items():
-        found[opener(size, True)] = f"for {count} hole{'' if count == 1 else 's'} of {size:g} mm"
+        holes = f"for {count} hole{'' if count == 1 else 's'} of {size:g} mm"
+        common = common_drill(size)
+        found[opener(size, True)] = holes + (
+            f", or drill {common:g} and sandpaper" if common else ""
+        )
     for size in sorted(tight_holes(copies, fixing)):
         found.setdefault(opener(size), f"for holes of {size:g} mm that come out too tight")
     for _, size in screw_holes(copies, fixing, _work(mechanism).steps):
@@ -107,12 +112,15 @@ def tools(mechanism: Mechanism) -> list[Bought]:
     needs = _needs(mechanism)
     if any(each.standard == NUT_STANDARD for each in assembly.bought):
         needs.add("pliers")
-    found |= {name: what for name, what in USES.items() if name in needs}
+    for name in (each for each in USES if each in needs):
+        found.setdefault(name, USES[name])
     for each in assembly.bought:
         key = HEX_KEYS.get(each.standard, {}).get(each.thread)
         if key:
             found[f"hex key {key:g}"] = f"for {each.thread}, {each.standard}"
     things = [Bought(name, "", size, 1) for name, size in found.items()]
+    for gauge in dict.fromkeys(each for step in _work(mechanism).steps for each in step.gauges):
+        things.append(Bought("gauge", "", f"{gauge}, cut of the same rod", 1))
     if blocks := depth_below(assembly):
         things.append(Bought("block", "", f"at least {blocks} mm high, under the machine", 2))
     return [*things, *_props(mechanism)]

@@ -21,6 +21,7 @@ import numpy as np
 
 from camgen._version import __version__
 from camgen.errors import listed
+from camgen.files.parts_list import PRINT_SPEED
 from camgen.findings import left_out
 from camgen.plotting import SERIES
 from camgen.report.animation import frames, player
@@ -44,7 +45,7 @@ from camgen.study import Mate, Plot, Prism, Scene, Step, Table
 _FIRST_PLOTS = 12  # more curves than this are folded away; it fills rows of two, three and four
 _FIRST_OF_PRINTED = 4  # of what is printed, of which one looks for what to buy, print and do first
 _MASS = "mass in "  # begins a column of the parts list
-_TALL = 4.0  # by which a printed part is higher than the square is wide that it stands on, and asks for a brim
+_TALL = 3.0  # by which a printed part is higher than the square is wide that it stands on, and asks for a brim
 _BRIM = 1.0  # mm wide: parts lie 3 mm apart on a plate
 _FLAT = ("as drawn", "turned over")  # how a part lies that is as high as it is thick
 _SERIES_DARK = ("#6db3f2", "#f2a069", "#74cf98", "#c99be8", "#dcc04e", "#f08fbf")
@@ -508,9 +509,16 @@ def _settings(report: Report) -> str:
     known = {each.quantity: each.value for each in report.numbers.records}
     if not {"print layer", "print nozzle", "print infill", "print time"} <= {*known}:
         return ""
+    solid = known["print infill"] == 1
+    filled = (
+        "100% infill, for weight and strength are those of solid parts"
+        if solid
+        else f"and walls and infill that make {known['print infill']:.0%} of a part plastic"
+    )
+    less = "Four walls and 30% infill take less time, and do where little is carried. " * solid
     return (
-        f"Settings: layers of {known['print layer']:.2g} mm, a nozzle of {known['print nozzle']:g} mm, "
-        f"{known['print infill']:.0%} infill. With these it takes about {known['print time']:.2g} h. "
+        f"Settings: layers of {known['print layer']:.2g} mm, a nozzle of {known['print nozzle']:g} mm, {filled}. "
+        f"With these it takes about {known['print time']:.2g} h at {PRINT_SPEED:g} mm/s. {less}"
     )
 
 

@@ -174,7 +174,7 @@ def _figures(report: Report) -> Iterator[Headline]:
             continue  # a force holds the joints to one side
         if worst is not None and (not code or worst is not strained):
             output = worst.where.output  # a file tells that of its worst output alone
-            of = f" of {output}" if output and len(strokes) > 1 else ""
+            of = f" of {output.replace('_', ' ')}" if output and len(strokes) > 1 else ""
             yield Headline(
                 f"{name or _STRENGTH[worst.code]}{of}", worst.measured, worst.unit, worst
             )

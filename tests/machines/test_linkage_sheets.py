@@ -22,6 +22,7 @@ def laser(name, sheet=3.0, **sizes):
 TOOLS = (
     "drill 4.2",
     "drill 6.2",
+    "fine sandpaper",
     "drill 4",
     "drill 6",
     "caliper",

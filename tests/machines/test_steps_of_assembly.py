@@ -1040,6 +1040,8 @@ def test_the_web_of_the_far_side_is_held_on_its_axis_by_a_gauge() -> None:
     assert web.apart == "far side" and "Glue N on crank-pin-1" in web.title
     assert "push the gauge through its O into O of crank_web3" in web.title
     (gauge,) = web.gauges
+    (listed,) = (each for each in tools(walker) if each.name == "gauge")
+    assert listed.size == f"{gauge}, cut of the same rod" and listed.count == 1
     sizes = walker.making
     assert (
         gauge == f"rod {sizes.shaft_diameter:g} h9 x 30, a flat {sizes.shaft_flat:g} deep all along"
@@ -1115,6 +1117,7 @@ def test_holes_in_which_something_turns_are_opened_first() -> None:
         "Try a screw in each of these",
         "Glue with superglue gel",
     )
+    assert "in steps of 0.5 mm, turn the next narrower one in it, then fine sandpaper" in head
     by_hand, tight, screws, glue = (
         next(k for k, line in enumerate(lines) if line.startswith(start)) for start in starts
     )

@@ -115,7 +115,7 @@ def test_steel_and_drills_are_listed() -> None:
     assert {each.count for each in stock(feeder)} == {1}, "one rod, whatever comes of it"
     leg = camgen.load(tomllib.loads(starters.text("walking-leg")))
     drills = {each.name: each.size for each in tools(leg)}
-    assert drills["drill 4.1"].endswith(" of 4.05 mm")
+    assert drills["drill 4.1"].endswith(" of 4.05 mm, or drill 4 and sandpaper")
     bird = {
         each.name: each.size
         for each in tools(camgen.load(tomllib.loads(starters.text("flapping-bird"))))
@@ -125,6 +125,7 @@ def test_steel_and_drills_are_listed() -> None:
         "drill 5.2",
         "drill 6",
         "drill 6.2",
+        "fine sandpaper",
         "vice",
         "hex key 2",
     } <= bird.keys(), "as its steps ask"

@@ -137,13 +137,19 @@ def test_the_page_says_with_which_settings_a_slicer_prints() -> None:
     known = {"print layer": 0.2, "print nozzle": 0.4, "print infill": 0.35, "print time": 5.61}
     figures = [Figure(name, value) for name, value in known.items()]
     page = to_html(replace(solid(), numbers=Figures(figures)))
-    said = "Settings: layers of 0.2 mm, a nozzle of 0.4 mm, 35% infill. With these it takes about 5.6 h."
-    assert said in page
+    said = "Settings: layers of 0.2 mm, a nozzle of 0.4 mm, and walls and infill that make 35% of a part plastic. "
+    assert f"{said}With these it takes about 5.6 h at 60 mm/s." in page
+    solid_parts = [
+        replace(each, value=1.0) if "infill" in each.quantity else each for each in figures
+    ]
+    page = to_html(replace(solid(), numbers=Figures(solid_parts)))
+    assert "100% infill, for weight and strength are those of solid parts" in page
+    assert "Four walls and 30% infill take less time" in page
     assert "Settings" not in to_html(replace(solid(), numbers=Figures(figures[:3])))
 
 
 def test_parts_with_overhangs_get_supports_and_slim_ones_a_brim() -> None:
-    """A post of 6 x 6 mm is tall at 25 mm and not at 24; a bar that lies on its side is not as high as it is thick."""
+    """A post of 6 x 6 mm is tall at 19 mm and not at 18; a bar that lies on its side is not as high as it is thick."""
     columns = ("how", "part", "what", "count", "lies", "on the bed, mm^2", "overhang, mm^2")
     rows: list[tuple[object, ...]] = [
         ("printed", "post", "", 8, "as drawn", 36.0, 0.0),
@@ -152,7 +158,7 @@ def test_parts_with_overhangs_get_supports_and_slim_ones_a_brim() -> None:
         ("printed", "cover", "", 1, "turned over", 900.0, 12.0),
         ("bought", "pin", "", 1, "", "", ""),
     ]
-    heights = {"cam": 9.0, "post": 25.0, "short-post": 24.0, "bar": 60.0, "cover": 5.0}
+    heights = {"cam": 9.0, "post": 19.0, "short-post": 18.0, "bar": 60.0, "cover": 5.0}
     parts = [{"name": name, "thickness_mm": height} for name, height in heights.items()]
     table = Table("Parts list", columns, rows, shopping=True)
     page = to_html(replace(solid(), parts=parts, tables=[table]))

@@ -257,7 +257,7 @@ def flats_of_shafts(seats: Sequence[FlatSeat], run: Run, forces: Forces, plastic
         return check
     bears = materials.of(plastic).bears
     said = list[str]()
-    others = list[str]()
+    others = list[tuple[float, str]]()
     for number, seat in enumerate(seats):
         own = [each for each in run.machine.drives if each.name in seat.drives]
         torque = peak(_on_shaft(run, own, forces.drives)) if own else needed
@@ -270,18 +270,17 @@ def flats_of_shafts(seats: Sequence[FlatSeat], run: Run, forces: Forces, plastic
         if pressure <= bears:
             continue
         if number:
-            others.append(f"{hole} {pressure:.3g} MPa")
+            others.append((pressure, hole))
             continue
         shear = 2 * torque / MM / (math.pi * seat.diameter**2 * seat.length)
         said.append(
-            f"Glue {seat.part} on its shaft of {seat.diameter:g} mm with two-part glue, all round. The flat alone presses the bore with "
-            f"{pressure:.3g} MPa at the torque needed, and {plastic} bears {bears:g} MPa; the glue alone bears a shear of {shear:.2g} MPa. "
-            f"How well it is glued is not judged. A bore longer than {seat.length:g} mm, a thicker shaft or a deeper flat lowers both."
+            f"Glue {seat.part} on its shaft of {seat.diameter:g} mm with two-part glue, all round: the flat alone presses the bore with "
+            f"{pressure:.3g} MPa, and {plastic} bears {bears:g} MPa (with glue, a shear of {shear:.2g} MPa; not judged)."
         )
     if others:
-        said.append(
-            f"Use two-part glue as well where other flats press more than {bears:g} MPa: {', '.join(others)}."
-        )
+        worst, hole = max(others)
+        more = f", and {len(others) - 1} more" if len(others) > 1 else ""
+        said.append(f"Use it on other flats as well: {hole}, {worst:.3g} MPa{more}.")
     check.warnings += [" ".join(said)] if said else []
     return check
 
