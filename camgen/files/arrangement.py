@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from camgen.files.assembly_list import Item
-from camgen.files.exploded_view import Prism, filled
+from camgen.files.exploded_view import Coming, Prism, filled
+from camgen.geometry.mesh import Mesh
 
 _FACE = 0.5  # mm, from which on a level face has its height beside the section
 _PLAY = 0.35  # mm, up to which faces that lie over each other have one height
@@ -40,6 +41,8 @@ class Copy:
     bought: bool = False  # what is no part, and lies in the holes of parts
     short: bool = False  # whether nothing says how long it is, such as a motor's body
     prisms: Sequence[Prism] = ()  # which it consists of, nearly
+    solid: Mesh | None = None  # where prisms do not show it well
+    coming: Coming = Coming()
 
 
 @dataclass(frozen=True)

@@ -61,7 +61,7 @@ def write_arrangement(
     dxf = folder / f"{name}-assembly-drawing.dxf"
     pdf = folder / f"{name}-assembly-drawing.pdf"
     write_dxf_sheet(dxf, sheet, page.scale, page.datum)
-    write_pdf(pdf, sheet, exploded_sheet(arrangement, sheet.title, facts))
+    write_pdf(pdf, sheet, exploded_sheet(arrangement, sheet.title, facts, page.size))
     return dxf, pdf
 
 

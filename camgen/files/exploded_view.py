@@ -1,23 +1,24 @@
-"""The parts of a machine drawn apart, in isometric projection: what lies over another is lifted clear of it, and a screw or a pin
-whose head is below goes down. [ISO 5456-3]
+"""The parts of a machine drawn apart, in isometric projection: each is moved back the way it comes in the steps of assembly until it is
+clear of all that is there before it. [ISO 5456-3]
 
     paper    to the right (x + y) cos 30 deg, upwards (y - x) sin 30 deg + z
 
 It is seen from above, so that nothing hides what is wholly over it; of what is as high, what is nearer hides what is farther. An axis
-joins round parts and the holes that they belong in.
+joins round parts and the holes that they belong in, or shows the way of what comes from aside.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Any
 
 import numpy as np
 
-from camgen.numerics import coordinates
+from camgen.geometry.mesh import Mesh
+from camgen.numerics import Floats, coordinates
 
 Prism = tuple[Any, float, float]  # an upright one: its polygon, from where to where it reaches, mm
 
@@ -32,6 +33,11 @@ _TIGHT = 0.3  # mm, by which what is pressed into a hole may be larger
 _FLUSH = 0.05  # mm, by which outlines of prisms on each other may differ
 _HEAD = 1.2  # times, that a head is broader than the other end
 _FINE = 0.02  # mm, by which outlines are straightened
+_MEET = 0.5  # mm, up to which parts touch
+_LEVEL = 0.5  # least share of a way that is upright, of what comes from above or from below
+_EYE = np.array([1.0, -1.0, 1.0])  # towards the eye
+_PAPER = np.array([[_COS, _COS, 0.0], [-0.5, 0.5, 1.0]])  # to the right on it, and upwards
+_BEHIND = 1e-3  # mm, by which a facet has to be before an edge to hide it
 
 
 @dataclass(frozen=True)
@@ -43,14 +49,18 @@ class Piece:
     face: Any
     edges: Any
     holes: Any
+    solid: bool = False  # whether it is no prism, and its prism is what it covers from above
 
-    def lifted(self, by: float) -> Piece:
-        """The same so much higher."""
+    def moved(self, by: Floats) -> Piece:
+        """The same moved, by mm."""
         from shapely.affinity import translate
 
         shape, low, high = self.prism
-        drawn = (translate(each, 0, by) for each in (self.face, self.edges, self.holes))
-        return Piece(self.number, (shape, low + by, high + by), *drawn)
+        prism = translate(shape, by[0], by[1]), low + by[2], high + by[2]
+        face, edges, holes = (
+            translate(each, *_PAPER @ by) for each in (self.face, self.edges, self.holes)
+        )
+        return Piece(self.number, prism, face, edges, holes, self.solid)
 
     @cached_property
     def turned(self) -> Any:
@@ -68,11 +78,28 @@ class Piece:
             return self.face
         if floor > high - _MITE:
             return None
+        if self.solid or other.solid:
+            return self.face if self._ahead(other) else None
         if _held(b, a):
             return self.face.difference(self.holes)
         if _held(a, b):
             return self.face.intersection(other.holes).buffer(-2 * _MITE)
         return self.face if self._nearer(other) else None
+
+    def _ahead(self, other: Piece) -> bool:
+        """Whether its box is nearer to the eye than that of another piece as high: to the right or in front of it, else by their
+        middles."""
+        x0, y0, x1, y1 = self.prism[0].bounds
+        left, front, right, back = other.prism[0].bounds
+        if x0 > right - _MITE or y1 < front + _MITE:
+            return True
+        if left > x1 - _MITE or back < y0 + _MITE:
+            return False
+        middles = [
+            (bounds[0] + bounds[2] - bounds[1] - bounds[3] + sum(ends)) / 2
+            for bounds, ends in ((each.prism[0].bounds, each.prism[1:]) for each in (self, other))
+        ]
+        return bool(middles[0] > middles[1])
 
     def _nearer(self, other: Piece) -> bool:
         """Whether it is nearer to the eye where both are beside each other."""
@@ -93,11 +120,27 @@ class Piece:
 
 
 @dataclass(frozen=True)
+class Coming:
+    """When a copy comes in the steps of assembly, and how."""
+
+    order: float = 0.0
+    way: tuple[float, float, float] = (0.0, 0.0, -1.0)  # in which it moves, as from above
+    apart: str = ""  # what is built by itself, and has it
+
+    @property
+    def aside(self) -> bool:
+        """Whether it comes neither from above nor from below."""
+        return abs(self.way[2]) < _LEVEL
+
+
+@dataclass(frozen=True)
 class Body:
-    """A copy of a part where it stands: its number, and its prisms."""
+    """A copy of a part where it stands: its number, its prisms, when it comes, and of what these do not show well its solid."""
 
     number: int
     prisms: Sequence[Prism]
+    coming: Coming = Coming()
+    solid: Mesh | None = None
 
     @cached_property
     def low(self) -> float:
@@ -144,9 +187,13 @@ class Body:
 
     @cached_property
     def pieces(self) -> list[Piece]:
-        """Its prisms as they are drawn, without edges where one goes on flush with another."""
+        """Its prisms as they are drawn, without edges where one goes on flush with another; or its solid."""
         import shapely
 
+        if self.solid is not None:
+            face, edges = _drawn(self.solid)
+            prism = self.plan, self.low, self.high
+            return [Piece(self.number, prism, face, edges, shapely.Polygon(), True)]
         pieces = []
         for prism in self.prisms:
             face, rims, walls, holes = _sweep(*prism)
@@ -174,25 +221,102 @@ class Body:
             for shape, low, top in other.prisms
         )
 
+    def meets(self, other: Body) -> bool:
+        """Whether it touches another one, or nearly."""
+        return (
+            self.low < other.high + _MEET
+            and other.low < self.high + _MEET
+            and bool(self.plan.distance(other.plan) < _MEET)
+        )
 
-def apart(bodies: Sequence[Body], gap: float) -> list[float]:
-    """By how much each body is lifted, mm, so that it is clear of what it covers by a gap; those at one level stay at one."""
-    lifts = [0.0] * len(bodies)
+
+def apart(bodies: Sequence[Body], gap: float) -> list[Floats]:
+    """By how much each body is moved, (3,) mm, so that it is clear by a gap of all that is there before it; those of one step at one
+    level stay at one. What stands on nothing else rises to what comes over it."""
+    moves = [np.zeros(3) for _ in bodies]
+    levels = [*_coming(bodies)]
+    upright = [level for level in levels if not bodies[level[0]].coming.aside]
     placed: list[int] = []
-    below = [body.headed_below for body in bodies]
-    for level in _levels(bodies, [k for k in range(len(bodies)) if not below[k]]):
+    hanging = list[int]()
+    for level in upright:
         pairs = [(k, n) for k in level for n in placed if _over(bodies[k], bodies[n])]
-        rises = [bodies[n].high + lifts[n] + gap - bodies[k].low for k, n in pairs]
-        for k in level:
-            lifts[k] = max(rises, default=0.0)
+        _lift(bodies, moves, level, pairs, gap)
+        if placed and bodies[level[0]].coming.way[2] < 0:
+            hanging += _hanging(level, pairs, hanging)
         placed += level
-    for level in reversed(_levels(bodies, [k for k in range(len(bodies)) if below[k]])):
-        pairs = [(k, n) for k in level for n in placed if _over(bodies[k], bodies[n])]
-        falls = [bodies[n].low + lifts[n] - gap - bodies[k].high for k, n in pairs]
-        for k in level:
-            lifts[k] = min(falls, default=0.0)
-        placed += level
-    return lifts
+    for k in reversed(hanging):
+        after = (n for n in placed[placed.index(k) + 1 :] if _over(bodies[k], bodies[n]))
+        rises = [bodies[n].low + moves[n][2] - gap - bodies[k].high for n in after]
+        moves[k][2] = max(moves[k][2], min(rises, default=moves[k][2]))
+    for k in (k for level in levels for k in level if bodies[k].coming.aside):
+        there = [n for n in placed if bodies[n].coming.order <= bodies[k].coming.order]
+        touched = (n for n in there if bodies[k].meets(bodies[n]))
+        moves[k][2] = moves[next(touched, placed[0])][2] if placed else 0.0
+        clear = _clear(bodies[k], [bodies[n] for n in there], gap)
+        moves[k] -= np.array(bodies[k].coming.way) * clear
+    return moves
+
+
+def _lift(
+    bodies: Sequence[Body],
+    moves: Sequence[Floats],
+    level: Sequence[int],
+    pairs: Sequence[tuple[int, int]],
+    gap: float,
+) -> None:
+    """Lift bodies of a level clear of those that are there, or lower them where they come from below; pairs: which cover which."""
+    if bodies[level[0]].coming.way[2] > 0:
+        ends = [bodies[n].low + moves[n][2] - gap - bodies[k].high for k, n in pairs]
+        end = min(ends, default=0.0)
+    else:
+        ends = [bodies[n].high + moves[n][2] + gap - bodies[k].low for k, n in pairs]
+        end = max(ends, default=0.0)
+    for k in level:
+        moves[k][2] = end
+
+
+def _hanging(
+    level: Sequence[int], pairs: Sequence[tuple[int, int]], hanging: Sequence[int]
+) -> list[int]:
+    """Which of a level stand on nothing but what does so itself."""
+    return [k for k in level if {n for own, n in pairs if own == k} <= {*hanging}]
+
+
+def _clear(body: Body, others: Sequence[Body], gap: float) -> float:
+    """How far a body goes back the way it comes from aside until it is clear of what is as high."""
+    way = complex(*body.coming.way[:2])
+
+    def extent(each: Body) -> tuple[Any, Any]:
+        """Along the way, and to its left."""
+        import shapely
+
+        z = shapely.get_coordinates(each.plan) @ np.array([1, 1j]) / way
+        return z.real, z.imag
+
+    along, left = extent(body)
+    ends = [
+        float(own.min())
+        for own, side in map(extent, (each for each in others if _as_high(each, body)))
+        if side.min() < left.max() and side.max() > left.min()
+    ]
+    return max([gap, *(float(along.max()) - end + gap for end in ends)])
+
+
+def _as_high(a: Body, b: Body) -> bool:
+    """Whether two bodies have heights in common."""
+    return a.low < b.high and b.low < a.high
+
+
+def _coming(bodies: Sequence[Body]) -> Iterator[list[int]]:
+    """Bodies as they come: step by step, of each step those from above level by level, then those from below, then those from aside."""
+    steps: dict[tuple[float, bool, bool, tuple[float, float, float]], list[int]] = {}
+    for k, body in enumerate(bodies):
+        coming = body.coming
+        key = coming.order, coming.aside, coming.way[2] > 0, coming.way
+        steps.setdefault(key, []).append(k)
+    for (_, _, beneath, _), which in sorted(steps.items()):
+        levels = _levels(bodies, which)
+        yield from reversed(levels) if beneath else levels
 
 
 def _levels(bodies: Sequence[Body], which: Sequence[int]) -> list[list[int]]:
@@ -224,23 +348,31 @@ def _over(a: Body, b: Body) -> bool:
     return bool(a.plan.intersects(b.plan)) and a.plan.intersection(b.plan).area > _TOUCH
 
 
-def axes(bodies: Sequence[Body], lifts: Sequence[float]) -> list[tuple[complex, float, float]]:
-    """Where parts that belong on one axis stand apart: its place, from where to where, mm."""
+def axes(bodies: Sequence[Body], moves: Sequence[Floats]) -> list[tuple[Floats, Floats]]:
+    """Where parts that belong on one axis stand apart: from where to where, (3,) mm; of what comes from aside its way."""
+    lifts = [float(by[2]) for by in moves]
+    upright = [k for k in range(len(bodies)) if not bodies[k].coming.aside]
     ends = [(body.low + by, body.high + by) for body, by in zip(bodies, lifts, strict=True)]
     places: list[tuple[complex, list[int]]] = []
-    for k in sorted(range(len(bodies)), key=lambda k: ends[k]):
+    for k in sorted(upright, key=lambda k: ends[k]):
         for at in bodies[k].centres:
             column = next((column for z, column in places if abs(z - at) < _SAME_AXIS), None)
             if column is None:
                 places.append((at, [k]))
             elif k != column[-1]:
                 column.append(k)
-    return [
-        (at, ends[below][1], ends[above][0])
+    lines = [
+        (np.array([at.real, at.imag, ends[below][1]]), np.array([at.real, at.imag, ends[above][0]]))
         for at, column in places
         for below, above in zip(column, column[1:], strict=False)
         if ends[above][0] > ends[below][1]
     ]
+    for body, by in zip(bodies, moves, strict=True):
+        if body.coming.aside:
+            middle = body.plan.centroid
+            end = np.array([middle.x, middle.y, (body.low + body.high) / 2 + by[2]])
+            lines.append((end + [by[0], by[1], 0.0], end))
+    return lines
 
 
 @dataclass(frozen=True)
@@ -252,12 +384,12 @@ class Seen:
     edges: Any
 
 
-def isometric(bodies: Sequence[Body], lifts: Sequence[float]) -> tuple[list[Seen], list[Any]]:
-    """What is seen of each prism of bodies that are lifted so much, and of the axes that join them."""
+def isometric(bodies: Sequence[Body], moves: Sequence[Floats]) -> tuple[list[Seen], list[Any]]:
+    """What is seen of each prism or solid of bodies that are moved so much, and of the axes that join them."""
     import shapely
 
     pieces = [
-        piece.lifted(by) for body, by in zip(bodies, lifts, strict=True) for piece in body.pieces
+        piece.moved(by) for body, by in zip(bodies, moves, strict=True) for piece in body.pieces
     ]
     tree = shapely.STRtree([piece.face for piece in pieces])
 
@@ -273,12 +405,80 @@ def isometric(bodies: Sequence[Body], lifts: Sequence[float]) -> tuple[list[Seen
         edges = piece.edges.difference(over.buffer(_MITE))
         seen.append(Seen(piece.number, piece.face.difference(over), edges))
     lines = []
-    for at, low, high in axes(bodies, lifts):
-        foot = shapely.Point(at.real, at.imag)
-        line = shapely.LineString([_on_paper(foot, low), _on_paper(foot, high)])
-        prism = foot.buffer(_FINE), low, high
+    for begin, end in axes(bodies, moves):
+        line = shapely.LineString([_PAPER @ begin, _PAPER @ end])
+        foot = shapely.LineString([begin[:2], end[:2]]).buffer(_FINE)
+        prism = foot, min(begin[2], end[2]), max(begin[2], end[2])
         lines.append(line.difference(hidden(line, Piece(0, prism, line, line, line))))
     return seen, lines
+
+
+def _drawn(solid: Mesh) -> tuple[Any, Any]:
+    """What a solid covers on paper, and those of its edges and outlines that it does not hide itself."""
+    import shapely
+
+    from camgen.parts.solids import manifold
+
+    space = np.vstack([_PAPER, _EYE])
+    body = manifold(solid).transform(np.column_stack([space, np.zeros(3)]))
+    rings = (shapely.make_valid(shapely.Polygon(ring)) for ring in body.project().to_polygons())
+    face = reduce(shapely.symmetric_difference, rings, shapely.Polygon())
+    places = solid.vertices @ space.T  # to the right, upwards, towards the eye
+    corners = places[solid.faces]
+    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    ahead = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] > _MITE  # facets that the eye sees
+    ends = places[_outlines(solid, ahead)]
+    lines = shapely.linestrings(ends[:, :, :2])
+    facets = corners[ahead]
+    shapes = shapely.polygons(facets[:, :, :2])
+    which, facet = shapely.STRtree(shapes).query(lines, predicate="intersects")
+    covered = shapely.intersection(lines[which], shapes[facet])
+    long = shapely.length(covered) > _MITE
+    which, facet, covered = which[long], facet[long], covered[long]
+    middles = shapely.line_interpolate_point(covered, 0.5, normalized=True)
+    at = shapely.get_coordinates(middles)
+    start, end = ends[which, 0], ends[which, 1]
+    flat = end[:, :2] - start[:, :2]
+    share = np.sum((at - start[:, :2]) * flat, axis=1) / np.sum(flat**2, axis=1)
+    own = start[:, 2] + share * (end[:, 2] - start[:, 2])
+    behind = _depth(facets[facet], at) > own + _BEHIND
+    left = lines.copy()
+    for k in np.unique(which[behind]):
+        over = shapely.union_all(covered[behind & (which == k)])
+        left[k] = lines[k].difference(over.buffer(_MITE))
+    return face, shapely.union_all(left)
+
+
+def _outlines(solid: Mesh, ahead: Any) -> Any:
+    """Ends of a solid's edges that may be seen, (n, 2) numbers of vertices: those that turn sharply, and those where what the eye sees
+    ends."""
+    a, b, c = solid.vertices[solid.faces].transpose(1, 0, 2)
+    normals = np.cross(b - a, c - a)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), _MITE**2)[:, None]
+    edges = np.concatenate([solid.faces[:, [0, 1]], solid.faces[:, [1, 2]], solid.faces[:, [2, 0]]])
+    owners = np.tile(np.arange(len(solid.faces)), 3)
+    edges = np.sort(edges, axis=1)
+    order = np.lexsort(edges.T)
+    edges, owners = edges[order], owners[order]
+    twins = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
+    one, other = owners[twins], owners[twins + 1]
+    sharp = np.sum(normals[one] * normals[other], axis=1) < math.cos(_SHARP)
+    seen = (sharp & (ahead[one] | ahead[other])) | (ahead[one] != ahead[other])
+    return edges[twins[seen]]
+
+
+def _depth(facets: Floats, at: Floats) -> Floats:
+    """How near to the eye facets, (n, 3, 3), are at places on paper, (n, 2)."""
+    a, b, c = facets.transpose(1, 0, 2)
+    normal = np.cross(b - a, c - a)
+    rise = np.sum((at - a[:, :2]) * normal[:, :2], axis=1) / normal[:, 2]
+    return np.asarray(a[:, 2] - rise)
+
+
+def paper(at: complex) -> complex:
+    """A point at z = 0 as it is drawn."""
+    x, y = _PAPER @ [at.real, at.imag, 0.0]
+    return complex(x, y)
 
 
 def _held(a: Any, b: Any) -> bool:

@@ -49,6 +49,7 @@ _LENGTHS = (
 )
 _LEAST_KEYED = 6.0  # mm
 _DEEPER_FROM = 22.0  # mm, a thicker shaft's keyway may be 0.2 deeper in place of 0.1
+KEY = "parallel key"  # in lists
 RANGE = f"a bore of {_LEAST_KEYED:g} to {_KEYWAYS[-1][0]:g} mm, for which camgen has the keyway of DIN 6885"
 
 
@@ -118,7 +119,7 @@ def parallel_key(bore: float, width: float, depth: float, length: float, count: 
     if row is None or abs(row[1] - width) > 1e-6 or abs(row[3] - depth) > 1e-6:
         most = f"at most {length:.4g} long, as its bore"
         size = f"{width:g} wide, for a keyway {depth:.4g} deep in the hub, {most}"
-        return Bought("parallel key", "", size, count)
+        return Bought(KEY, "", size, count)
     shortest = row[-2]
     long = key_length(bore, length)
     size = f"{width:g} x {row[2]:g} x {max(long, shortest):g}"
@@ -127,7 +128,7 @@ def parallel_key(bore: float, width: float, depth: float, length: float, count: 
         if long >= shortest
         else f", shortened to {length:.4g}, as its bore: shorter ones are not sold"
     )
-    return Bought("parallel key", "DIN 6885 form A", size + cut, count)
+    return Bought(KEY, "DIN 6885 form A", size + cut, count)
 
 
 _LONG_HUB = 30.0  # mm, from which on a key ends before the hub does: camgen's own rule

@@ -6,7 +6,7 @@ The section goes through the axis of the drive, or the first that stands, along 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
 from typing import Any
@@ -15,7 +15,7 @@ import numpy as np
 
 from camgen.files.arrangement import Arrangement, Axis, Copy
 from camgen.files.dimensions import number
-from camgen.files.exploded_view import Prism
+from camgen.files.exploded_view import Coming, Prism
 from camgen.files.views import area
 from camgen.geometry.arcs import as_circle
 from camgen.geometry.mesh import Mesh, in_standing_plane, placing, slice_mesh
@@ -29,12 +29,14 @@ from camgen.parts.part import Part
 from camgen.parts.shafts import OF_SHAFT
 from camgen.pipeline.assembly_list import items_of
 from camgen.pipeline.bought_shapes import Thing, bought_shapes, is_drawn_short
-from camgen.pipeline.shopping import bought_things
+from camgen.pipeline.comings import coming_of, comings_of
+from camgen.pipeline.shopping import bought_things, steps_of_assembly
 from camgen.pipeline.shown import coarse
 from camgen.study import Table
 
 _FINE = 0.01  # mm, chord tolerance of outlines
 _ON_LINE = 1e-3  # mm, by which an axis may miss the line of the section
+_ROUND = 48  # sides of a rod that lies
 _UNDER = 1e-4  # mm, by which a level is cut below
 _HOUSING = (
     "H7"  # of outer rings that stand still under the load and may slide [engineersedge.com, 15320]
@@ -62,20 +64,23 @@ def arrangement_of(mechanism: Mechanism, listed: Table) -> Arrangement:
     if any(thing.shaft is not None for thing in things):  # through keys and rollers beside it
         moving += [_middle(shape) for shapes in drawn.values() for shape in shapes]
     line = _line([axis.at for axis in axes], moving)
-    copies = _copies(mechanism, line)
+    steps = steps_of_assembly(mechanism)
+    comings = comings_of(steps)
+    copies = _copies(mechanism, line, comings)
     if all(copy.cut.is_empty for copy in copies):  # axes apart from all that is made
         outlines = [face for copy in copies for face, _ in copy.faces]
         inside = max(outlines, key=lambda face: float(face.area)).representative_point()
         line = complex(inside.x, inside.y), 1 + 0j
-        copies = _copies(mechanism, line)
+        copies = _copies(mechanism, line, comings)
+    made = tuple(copies)
     items = []
     for item, thing in items_of(mechanism, listed):
         found = drawn.get(thing, []) if thing else []
         short = thing is not None and is_drawn_short(assembly, thing)
         for each in found:
-            copies += _of_thing(
-                item.number, each, line, short, thing is not None and not thing.thread
-            )
+            assert thing is not None, "it is drawn"
+            coming = coming_of(thing, each, made, steps)
+            copies += _of_thing(item.number, each, line, short, thing, coming)
         spans = [copy.span for copy in copies if copy.number == item.number and not copy.bought]
         spans += [
             (min(low for _, low, _ in each), max(high for *_, high in each)) for each in found
@@ -102,17 +107,40 @@ def _housings(things: Sequence[Bought]) -> list[str]:
 
 
 def _of_thing(
-    number: int, thing: Thing, line: tuple[complex, complex], short: bool, rings: bool
+    number: int,
+    shape: Thing,
+    line: tuple[complex, complex],
+    short: bool,
+    thing: Bought,
+    coming: Coming,
 ) -> Iterator[Copy]:
     """What is bought, its rings apart where these are hatched, such as those of a bearing."""
-    hatched = [piece for piece in thing if rings and piece[0].interiors]
-    rest = [piece for piece in thing if not (rings and piece[0].interiors)]
-    prisms = thing  # once
+    rings = not thing.thread
+    hatched = [piece for piece in shape if rings and piece[0].interiors]
+    rest = [piece for piece in shape if not (rings and piece[0].interiors)]
+    prisms = shape  # once
+    solid = _rods(shape) if coming.aside else None
     for pieces, hatching in ((hatched, True), (rest, False)):
         if pieces:
             faces, cut, span = _of_prisms(pieces, line)
-            yield Copy(number, faces, cut, hatching, span, True, short, prisms)
+            yield Copy(number, faces, cut, hatching, span, True, short, prisms, solid, coming)
             prisms = ()
+
+
+def _rods(shape: Thing) -> Mesh:
+    """Rods that lie, each drawn as a rectangle whose first edge is along its axis."""
+    import manifold3d
+
+    rods = []
+    for face, low, high in shape:
+        z = np.array(face.exterior.coords)[:2] @ np.array([1, 1j])
+        ends = z + (complex(face.centroid.x, face.centroid.y) - z.mean())
+        radius = (high - low) / 2
+        rod = manifold3d.Manifold.cylinder(abs(ends[1] - ends[0]), radius, radius, _ROUND)
+        turned = rod.rotate((0.0, 90.0, float(np.angle(ends[1] - ends[0], deg=True))))
+        rods.append(turned.translate((ends[0].real, ends[0].imag, (low + high) / 2)))
+    whole = manifold3d.Manifold.batch_boolean(rods, manifold3d.OpType.Add).to_mesh64()
+    return Mesh(np.array(whole.vert_properties)[:, :3], np.array(whole.tri_verts, int))
 
 
 def _heights(spans: Iterable[tuple[float, float]]) -> list[str]:
@@ -176,15 +204,20 @@ def _line(standing: Sequence[complex], moving: Sequence[complex]) -> tuple[compl
     return origin, 1 + 0j if math.isclose(best.real, 1.0) else best
 
 
-def _copies(mechanism: Mechanism, line: tuple[complex, complex]) -> list[Copy]:
+def _copies(
+    mechanism: Mechanism, line: tuple[complex, complex], comings: Mapping[str, Coming]
+) -> list[Copy]:
     """All copies where they stand, cut along a line."""
     assembly = mechanism.assembly
     poses = assembly.poses(np.zeros(1))
     tolerance = mechanism.accuracy.chord_tolerance
     return [
-        _copy(k, part, pose, line, tolerance)
+        replace(
+            _copy(k, part, pose, line, tolerance),
+            coming=comings.get(f"{part.name}-{count}", Coming()),
+        )
         for k, part in enumerate(assembly.parts, 1)
-        for pose in poses[part.name]
+        for count, pose in enumerate(poses[part.name], 1)
     ]
 
 
@@ -194,12 +227,20 @@ def _copy(
     """A copy as it is seen and cut."""
     flat = part.prismatic and not (pose.upright or pose.standing)
     prisms = _layers(part, pose) if flat else ()
-    faces, cut, span = _of_prisms(prisms, line) if flat else _of_solid(part, pose, line, tolerance)
+    solid = None if flat else _placed_solid(part, pose, tolerance)
+    faces, cut, span = _of_prisms(prisms, line) if solid is None else _of_solid(solid, line)
     prisms = prisms or _terraces(faces, span[0])
     hollow = any(each.region.holes for each in part.layers)  # such as a bush
     rod = all(as_circle(each.region.outer) for each in part.layers)
     rod |= part.role in _RODS or part.process in _WHOLE
-    return Copy(item, faces, cut, hollow or not rod, span, prisms=prisms)
+    return Copy(item, faces, cut, hollow or not rod, span, prisms=prisms, solid=solid)
+
+
+def _placed_solid(part: Part, pose: PartPose, tolerance: float) -> Mesh:
+    """A part's solid where a copy stands."""
+    at = complex(pose.place[0])
+    placed = placing(float(pose.angle[0]), at, pose.z, part.thickness, pose.flipped, pose.upright)
+    return coarse(part, tolerance).moved(in_standing_plane(placed) if pose.standing else placed)
 
 
 def _terraces(faces: Sequence[tuple[Any, float]], low: float) -> list[Prism]:
@@ -261,15 +302,12 @@ def _of_prisms(prisms: Sequence[Prism], line: tuple[complex, complex]) -> Shape:
     return faces, shapely.union_all([shapely.Polygon(), *boxes]), span
 
 
-def _of_solid(part: Part, pose: PartPose, line: tuple[complex, complex], tolerance: float) -> Shape:
-    """A part by its solid: its faces are the outlines from above of what reaches as high as each of its level faces, then of all of it."""
+def _of_solid(solid: Mesh, line: tuple[complex, complex]) -> Shape:
+    """A solid: its faces are the outlines from above of what reaches as high as each of its level faces, then of all of it."""
     import shapely
 
     from camgen.parts.solids import manifold
 
-    at = complex(pose.place[0])
-    placed = placing(float(pose.angle[0]), at, pose.z, part.thickness, pose.flipped, pose.upright)
-    solid = coarse(part, tolerance).moved(in_standing_plane(placed) if pose.standing else placed)
     body = manifold(solid)
     levels = _levels(solid)
     faces = [

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import tomllib
+from collections import Counter
 from itertools import combinations
 from pathlib import Path
 
@@ -11,12 +13,14 @@ import numpy as np
 import pytest
 import shapely
 from balloons_read import balloons_on
+from shapely.affinity import translate
 
 from camgen.files.arrangement import Arrangement
-from camgen.files.exploded_sheet import exploded_sheet
-from camgen.files.exploded_view import Body, Prism, apart, axes, isometric
+from camgen.files.exploded_sheet import _towers, exploded_sheet
+from camgen.files.exploded_view import Body, Coming, Prism, apart, axes, isometric
 from camgen.files.sheet import Stroke, Text
 from camgen.files.title_block import Facts
+from camgen.geometry.mesh import Mesh
 from camgen.machines.sources import read_mechanism
 from camgen.pipeline.arrangement import arrangement_of
 from camgen.pipeline.making import parts_table
@@ -24,7 +28,16 @@ from camgen.starters import in_metal
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 COS = math.sqrt(3) / 2
-MACHINES = ("two-leg-walker", "gallery/flapping-bird", "metal geneva-table", "metal disc-cam")
+MACHINES = (
+    "two-leg-walker",
+    "gallery/flapping-bird",
+    "metal geneva-table",
+    "metal disc-cam",
+    "metal cylinder-cam",
+)
+ON_PAPER = np.array([[COS, COS, 0.0], [-0.5, 0.5, 1.0], [1.0, -1.0, 1.0]])  # and towards the eye
+STILL = np.zeros(3)
+UP = (0.0, 0.0, 1.0)
 
 
 def machine(name: str) -> Arrangement:
@@ -36,14 +49,28 @@ def machine(name: str) -> Arrangement:
 
 
 def bodies_of(arrangement: Arrangement) -> list[Body]:
-    return [Body(copy.number, copy.prisms) for copy in arrangement.copies if copy.prisms]
+    (bodies,) = _towers(arrangement).values()
+    return bodies
 
 
-def first_met(bodies: list[Body], lifts: list[float], paper: complex) -> int | None:
+def met_by(solid: Mesh, by: np.ndarray, paper: complex) -> float:
+    """Height at which the line of sight meets a solid first, mm: of the facets there the one nearest to the eye."""
+    corners = ((solid.vertices + by) @ ON_PAPER.T)[solid.faces]
+    flat = corners[:, :, :2] - [paper.real, paper.imag]
+    a, b, c = flat[:, 0], flat[:, 1], flat[:, 2]
+    weights = np.stack([p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0] for p, q in ((b, c), (c, a), (a, b))])
+    held = (weights > 0).all(axis=0) | (weights < 0).all(axis=0)
+    share = weights[:, held] / weights[:, held].sum(axis=0)
+    depths = np.sum(share.T * corners[held, :, 2], axis=1)  # x - y + z, where y - x = 2 (up - z)
+    return float((depths.max() + 2 * paper.imag) / 3) if len(depths) else -math.inf
+
+
+def first_met(bodies: list[Body], moves: list[np.ndarray], paper: complex) -> int | None:
     """The number of the body that the line of sight through a place on paper meets first, in steps of 0.05 mm from above."""
     prisms: list[tuple[int, Prism]] = [
-        (body.number, (shape, low + by, high + by))
-        for body, by in zip(bodies, lifts, strict=True)
+        (body.number, (translate(shape, by[0], by[1]), low + by[2], high + by[2]))
+        for body, by in zip(bodies, moves, strict=True)
+        if body.solid is None
         for shape, low, high in body.prisms
     ]
     heights = np.arange(
@@ -58,12 +85,15 @@ def first_met(bodies: list[Body], lifts: list[float], paper: complex) -> int | N
         held = (heights > low) & (heights < high) & shapely.contains_xy(shape, x, y)
         if held.any() and heights[held].max() > best:
             best, met = heights[held].max(), number
+    for body, by in zip(bodies, moves, strict=True):
+        if body.solid is not None and (height := met_by(body.solid, by, paper)) > best:
+            best, met = height, body.number
     return met
 
 
 def test_a_cube_shows_three_faces_and_nine_edges() -> None:
     """Of 10: each face is 10 cos 30 deg x 10 on paper, and of its 12 edges, all 10 long there, three meet behind it."""
-    (seen,), lines = isometric([Body(1, [(shapely.box(0, 0, 10, 10), 0.0, 10.0)])], [0.0])
+    (seen,), lines = isometric([Body(1, [(shapely.box(0, 0, 10, 10), 0.0, 10.0)])], [STILL])
     assert seen.face.area == pytest.approx(3 * 100 * COS)
     assert seen.edges.length == pytest.approx(90.0, abs=0.01)
     assert not lines
@@ -72,11 +102,11 @@ def test_a_cube_shows_three_faces_and_nine_edges() -> None:
 def test_flush_prisms_have_no_edge_between_them() -> None:
     """Two slabs of 5 that make a cube of 10: its nine edges and no more; on a broader one the upper has its foot's two front edges."""
     square = shapely.box(0, 0, 10, 10)
-    seen, _ = isometric([Body(1, [(square, 0.0, 5.0), (square, 5.0, 10.0)])], [0.0])
+    seen, _ = isometric([Body(1, [(square, 0.0, 5.0), (square, 5.0, 10.0)])], [STILL])
     edges = shapely.union_all([each.edges for each in seen])
     assert edges.length == pytest.approx(90.0, abs=0.3)
     broad = shapely.box(-20, -20, 30, 30)
-    seen, _ = isometric([Body(1, [(broad, 0.0, 5.0), (square, 5.0, 10.0)])], [0.0])
+    seen, _ = isometric([Body(1, [(broad, 0.0, 5.0), (square, 5.0, 10.0)])], [STILL])
     edges = shapely.union_all([each.edges for each in seen])
     # the broad one's top loses what is behind the cube, none of its edges; the upper: 4 at its top, 3 upright, 2 at its foot
     assert edges.length == pytest.approx(4 * 50 + 2 * 50 + 3 * 5 + 4 * 10 + 3 * 5 + 2 * 10, abs=0.3)
@@ -86,8 +116,8 @@ def test_flush_prisms_have_no_edge_between_them() -> None:
 def test_what_is_seen_is_what_a_line_of_sight_meets_first(name: str) -> None:
     """Random places on paper, off the edges."""
     bodies = bodies_of(machine(name))
-    lifts = apart(bodies, 12.0)
-    seen, _ = isometric(bodies, lifts)
+    moves = apart(bodies, 12.0)
+    seen, _ = isometric(bodies, moves)
     edges = shapely.union_all([each.face.boundary for each in seen])
     x0, y0, x1, y1 = edges.bounds
     looked = 0
@@ -95,7 +125,7 @@ def test_what_is_seen_is_what_a_line_of_sight_meets_first(name: str) -> None:
         point = shapely.Point(x, y)
         if edges.distance(point) < 0.15:
             continue
-        met = first_met(bodies, lifts, complex(x, y))
+        met = first_met(bodies, moves, complex(x, y))
         held = {each.number for each in seen if each.face.contains(point)}
         assert held == ({met} if met else set()), (x, y)
         looked += met is not None
@@ -104,10 +134,11 @@ def test_what_is_seen_is_what_a_line_of_sight_meets_first(name: str) -> None:
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_parts_that_cover_each_other_stand_apart(name: str) -> None:
-    """Of any two whose outlines, holes filled, lie over each other, one is wholly over the other by the gap."""
-    bodies = bodies_of(machine(name))
+    """Of any two that come from above or below and whose outlines, holes filled, lie over each other, one is wholly over the other by
+    the gap."""
+    bodies = [body for body in bodies_of(machine(name)) if not body.coming.aside]
     ends = [
-        (body.low + by, body.high + by)
+        (body.low + by[2], body.high + by[2])
         for body, by in zip(bodies, apart(bodies, 12.0), strict=True)
     ]
     for a, b in combinations(range(len(bodies)), 2):
@@ -124,14 +155,125 @@ def test_a_screw_from_below_goes_down_and_a_bush_goes_over_its_plate() -> None:
         Body(1, [(shapely.box(-20, -20, 20, 20).difference(hole), 0.0, 5.0)]),
         Body(2, [(hole.difference(disc.buffer(2)), 0.0, 5.0)]),
         Body(3, [(shapely.box(-5, -5, 30, 5).difference(disc.buffer(2)), 5.0, 8.0)]),
-        Body(4, [(disc.buffer(1.5), 0.0, 8.0), (disc.buffer(3), -2.0, 0.0)]),
+        Body(4, [(disc.buffer(1.5), 0.0, 8.0), (disc.buffer(3), -2.0, 0.0)], Coming(1.0, UP)),
     ]
-    assert apart(bodies, 10.0) == pytest.approx([0.0, 15.0, 25.0, -18.0])
-    assert [(z, low, high) for z, low, high in axes(bodies, [0.0, 15.0, 25.0, -18.0])] == [
-        (pytest.approx(0j, abs=1e-9), -10.0, 0.0),
-        (pytest.approx(0j, abs=1e-9), 5.0, 15.0),
-        (pytest.approx(0j, abs=1e-9), 20.0, 30.0),
+    moves = apart(bodies, 10.0)
+    assert np.array(moves) == pytest.approx(np.outer([0.0, 15.0, 25.0, -18.0], UP))
+    lines = [np.concatenate(ends) for ends in axes(bodies, moves)]
+    assert np.array(lines) == pytest.approx(
+        np.array([[0, 0, a, 0, 0, b] for a, b in ((-10.0, 0.0), (5.0, 15.0), (20.0, 30.0))]),
+        abs=1e-9,
+    )
+
+
+def test_parts_go_back_the_way_they_come_step_by_step() -> None:
+    """A rod of 4 x 30 that stands, a plate of 5 that is lowered over it, a foot of 2 that is pushed along y against the plate's edge and
+    reaches 1 under it, by hand: the plate over the rod by the gap of 10, the foot as high as the plate and 10 before it."""
+    rod = shapely.Point(0, 0).buffer(2)
+    plate = shapely.box(-20, -20, 20, 20)
+    bodies = [
+        Body(1, [(plate.difference(rod.buffer(0.1)), 20.0, 25.0)], Coming(1.0)),
+        Body(2, [(rod, 0.0, 30.0)]),
+        Body(3, [(shapely.box(-20, -22, 20, -19), 10.0, 30.0)], Coming(2.0, (0.0, 1.0, 0.0))),
     ]
+    moves = apart(bodies, 10.0)
+    assert np.array(moves) == pytest.approx(np.array([[0, 0, 20], [0, 0, 0], [0, -11, 20]]))
+
+
+def test_what_stands_on_nothing_rises_to_what_comes_over_it() -> None:
+    """Two slabs of 10 on each other, beside them a rod of 20, and a plate over both, with gaps of 5, by hand: the upper slab ends at
+    25, the plate begins at 30, the rod ends 5 under that."""
+    left, right = shapely.box(0, 0, 5, 5), shapely.box(10, 0, 15, 5)
+    bodies = [
+        Body(1, [(left, 0.0, 10.0)]),
+        Body(2, [(left, 10.0, 20.0)], Coming(1.0)),
+        Body(3, [(right, 0.0, 20.0)], Coming(2.0)),
+        Body(4, [(shapely.box(0, 0, 15, 5), 20.0, 22.0)], Coming(3.0)),
+    ]
+    assert [by[2] for by in apart(bodies, 5.0)] == pytest.approx([0.0, 5.0, 5.0, 10.0])
+
+
+def test_a_solid_is_drawn_as_its_prism_is() -> None:
+    """The cube of 10 again, from its facets. A hole of 4 x 4 through it along y adds its rim, 16, and the edge between its floor and its
+    left wall as far as the rim does not hide it: at a depth d a line of sight leaves d farther to the right, so up to 4."""
+    from manifold3d import Manifold
+
+    cube = Manifold.cube((10, 10, 10))
+    bored = cube - Manifold.cube((4, 12, 4)).translate((3, -1, 3))
+    for body, length in ((cube, 90.0), (bored, 110.0)):
+        made = body.to_mesh64()
+        solid = Mesh(np.array(made.vert_properties)[:, :3], np.array(made.tri_verts, int))
+        plan = [(shapely.box(0, 0, 10, 10), 0.0, 10.0)]
+        (seen,), _ = isometric([Body(1, plan, solid=solid)], [STILL])
+        assert seen.face.area == pytest.approx(3 * 100 * COS)
+        assert seen.edges.length == pytest.approx(length, abs=0.02)
+
+
+def test_a_roller_that_lies_is_round() -> None:
+    """Of 16 x 10, square to the drum's axis: it covers what an ellipse and its side do, each seen at cos = 1/sqrt(3) to the eye, where
+    paper is sqrt(3/2) times as large as what is square to that: 1.5 (64 pi / sqrt(3) + 160 sqrt(2/3)) mm^2."""
+    from camgen.pipeline.arrangement import _rods
+
+    lying = [(shapely.Polygon([(30, -8), (40, -8), (40, 8), (30, 8)]), 12.0, 28.0)]
+    (seen,), _ = isometric([Body(1, lying, solid=_rods(lying))], [STILL])
+    area = 1.5 * (64 * math.pi / math.sqrt(3) + 160 * math.sqrt(2 / 3))
+    assert seen.face.area == pytest.approx(area, rel=0.01)
+
+
+def heights_of(name: str) -> dict[str, list[tuple[float, float]]]:
+    """From where to where copies reach that are drawn apart, from the lowest up, by what the list calls them."""
+    arrangement = machine(name)
+    bodies = bodies_of(arrangement)
+    names = {item.number: item.what for item in arrangement.items}
+    ends: dict[str, list[tuple[float, float]]] = {}
+    for body, by in zip(bodies, apart(bodies, 12.0), strict=True):
+        ends.setdefault(names[body.number], []).append((body.low + by[2], body.high + by[2]))
+    return {name: sorted(own) for name, own in ends.items()}
+
+
+def test_the_order_apart_is_that_of_the_steps() -> None:
+    """Of a linkage of metal, by its steps: the shaft stands in the hand crank, its key between them; the plate is put on that shaft, the
+    crank's key pressed into it before the crank comes; a link with its bearing is put on a sleeve; screws come from behind."""
+    at = heights_of("metal linkage")
+    order = [
+        "Pin of the knob",
+        "Knob",
+        "Hand crank",
+        "Shaft",
+        "Shaft collar",
+        "Ground plate",
+        "Crank",
+    ]
+    for below, above in itertools.pairwise(order):
+        assert at[below][0][1] < at[above][0][0], (below, above)
+    keys = at["parallel key"]
+    assert at["Hand crank"][0][1] < keys[0][0] and keys[0][1] < at["Shaft"][0][0]
+    assert at["Shaft"][0][1] < keys[1][0] and keys[1][1] < at["Crank"][0][0]
+    assert (
+        at["Sleeve 1"][0][1] < at["Rocker"][0][0] and at["Rocker"][0][1] < at["Ball bearing"][0][0]
+    )
+    assert at["screw of the plate, from behind"][1][1] < at["Ground plate"][0][0]
+
+
+def test_a_side_that_is_built_by_itself_stands_beside_the_other() -> None:
+    """Of a walker: as many copies of its links on either side, the shaft of both on the first; each hangs under its own plate, which
+    comes first. What is built by itself in the midst of a machine, as a drum with its ring, is drawn in that."""
+    near, far = _towers(machine("gallery/walker")).values()
+    names = {item.number: item.what for item in machine("gallery/walker").items}
+    counts = [Counter(names[body.number] for body in side) for side in (near, far)]
+    for link in ("Crank", "Leg1", "Conn4", "Second plate"):
+        assert [count[link] for count in counts] == [1, 1]
+    assert [count["Shaft of both sides"] for count in counts] == [1, 0]
+    assert [count["screw of a spacer"] for count in counts] == [4, 4]
+    for side, plate, above in (
+        (near, "Ground plate", False),
+        (far, "Ground plate, far side", True),
+    ):
+        ends = {
+            names[b.number]: b.middle + by[2] for b, by in zip(side, apart(side, 9.0), strict=True)
+        }
+        assert (ends[plate] > ends["Leg3"] > ends["Second plate"]) == above
+    assert [*_towers(machine("gallery/drum-feeder"))] == [""]
 
 
 @pytest.mark.parametrize("name", MACHINES)
