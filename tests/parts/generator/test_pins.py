@@ -260,6 +260,11 @@ def test_a_seat_that_is_too_wide_and_rings_that_are_not_counted_are_found(
             "parts.bearing.*a bore of 5 mm: MR85, MR105, 695, 625",
         ),
         (
+            {"pin": "bearing", "bearing": "608"},  # a bore of 8
+            SpecError,
+            "parts.bearing.*a bore of 5 mm: MR85, MR105, 695, 625",
+        ),
+        (
             {"pin": "bearing", "pin_diameter": 4.5},
             DesignError,
             "parts.pin_diameter is 4.5 mm.*3, 4, 5, 6, 8",
