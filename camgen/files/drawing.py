@@ -25,7 +25,7 @@ from camgen.files.seat_detail import SeatDetail
 from camgen.files.shaft_sheet import write_shaft
 from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
 from camgen.files.side_view import BOSS, SideViews
-from camgen.files.symbols import position
+from camgen.files.symbols import position, squareness
 from camgen.files.title_block import BLOCK, Facts, sheet_words, title_block
 from camgen.files.track_tables import ROW, grid, tables_sheets
 from camgen.files.tracks import SECTION_ROOM, development, drum_section, plates_section
@@ -41,6 +41,7 @@ _RUN_OUT = 10.0  # more to the right of a drum's plan view, for the run-out of t
 _THIRD = 8.0  # from the plan view's dimension to the third view, and from that to what is below
 _BORE = 27.0  # to the dimension of a round bore there, past the sign of its roughness
 _SURFACE = 10.0  # room above for them
+_FRAMED = 9.0  # height of the frame of a tolerance over the notes, with air
 
 
 def write_drawing(
@@ -139,7 +140,8 @@ class _Layout:
     @property
     def _foot(self) -> float:
         """Height of notes, title block and the section of a track beside them, mm."""
-        notes = 3.0 + 4.5 * len(self.notes) + (9.0 if self.drawn.placed else 0.0)
+        frames = self.drawn.placed + (self.drawn.square is not None)
+        notes = 3.0 + 4.5 * len(self.notes) + _FRAMED * frames
         return max(BLOCK, notes, SECTION_ROOM.imag if self.track_section else 0.0)
 
     def _tracks(self) -> None:
@@ -260,10 +262,16 @@ class _Layout:
         """Notes at the lower left, beside the title block, upwards."""
         for i, line in enumerate(reversed(self.notes)):
             self.sheet.text(complex(FILING + 3, MARGIN + 3 + 4.5 * i), line, 2.5, room=NOTES)
+        corner = complex(FILING + 3.5, MARGIN + 4 + 4.5 * len(self.notes))
+        square = self.drawn.square
+        if square is not None:
+            end = squareness(self.sheet, corner, square.zone, self.drawn.face_letter)
+            self.sheet.text(end + 2 + 1.8j, square.holes, room=58)
+            corner += 1j * _FRAMED
         if self.drawn.placed:
-            corner = complex(FILING + 3.5, MARGIN + 4 + 4.5 * len(self.notes))
             keyed_too = self.drawn.origin == self.drawn.datum_letter and self.drawn.detailed
             letters = (self.drawn.origin, self.drawn.angle_letter if keyed_too else "")
             datums = [letter for letter in letters if letter]
             end = position(self.sheet, corner, self.drawn.facts.position, datums)
-            self.sheet.text(end + 2 + 1.8j, "round holes; X and Y are exact", room=58)
+            which = "fitted holes" if self.drawn.threaded else "round holes"
+            self.sheet.text(end + 2 + 1.8j, f"{which}; X and Y are exact", room=58)

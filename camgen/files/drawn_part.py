@@ -31,14 +31,14 @@ from camgen.files.limits import decimals, in_limits
 from camgen.files.page import MARGIN, SIZES, TABLE_WIDTHS
 from camgen.files.seat_detail import seat_of
 from camgen.files.sheet import Text
-from camgen.files.title_block import BLOCK, Facts
+from camgen.files.title_block import BLOCK, CORE, Facts
 from camgen.files.track_tables import ROW, own_tables, relief_table, track_tables
 from camgen.files.tracks import axial_section
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.outlines import Contour, extent
 from camgen.parts.catalogue import CORE_HOLES
 from camgen.parts.keyways import keyed
-from camgen.parts.part import Layer, Part
+from camgen.parts.part import Layer, Part, SquareNote
 from camgen.tolerances import SAME_POINT
 
 _MISREAD = ("I", "O", "Q")  # letters that are no datum's [ISO 5459]
@@ -134,6 +134,7 @@ class DrawnPart:
         self.surface = bool((self.polar or facts.levels) and (facts.profile or facts.roughness))
         self.angle_letter = ""
         self.datum_letter = ""
+        self.origin = ""
         about_axis = (
             name for name, hole in self.named if hole.radius and abs(hole.place) < SAME_POINT
         )
@@ -143,25 +144,34 @@ class DrawnPart:
         tops = [each.centre.imag + each.tip - self.high.imag for each in self.riders]
         self.rise = max([0.0, *tops])  # of a follower over the part, mm of the part
         self.disc = self._disc()
-        # the hole about the axis of a round part, in words
-        centred = self.disc is not None and not self.turns and bool(self.datum_letter)
-        self.centred = self.zero_is.removeprefix("the centre of ") if centred else ""
+        # whether a hole is about the axis of a round part
+        self.centred = self.disc is not None and not self.turns and bool(self.datum_letter)
         self.rim_letter = self._rim_letter()
         self.datum_letter = self.datum_letter or self.rim_letter
         self.angle_hole = self._angle_hole()
         angled = self.facts.profile and (self.key or self.angle_hole or flat)
         self.angle_letter = self._second if angled else ""
-        self.face_letter = self._second if self.drum and facts.profile else ""
         self.origin = self._origin()
+        squared = (note for note in part.notes if isinstance(note, SquareNote))
+        self.square = next(squared, None)
+        faced = self.square or (self.drum and facts.profile)
+        self.face_letter = self._second if faced else ""
         self.letter = next(
             (c for c in "S Z W V U T R Q".split() if c not in {label for label, _ in self.named}),
             "S-S",
         )
 
     @property
+    def rounded(self) -> bool:
+        """Whether the table has the places and radii of the outline, from which its overall sizes follow."""
+        texts = [text for *_, text in self.rows]
+        edges = next((k for k, text in enumerate(texts) if text.startswith("Edges, z")), len(texts))
+        return any(text.startswith("R") for text in texts[edges:])
+
+    @property
     def datums(self) -> list[str]:
         """Letters to which a track refers: a bore, what holds its angle, a drum's end."""
-        letters = (self.datum_letter, self.angle_letter, self.face_letter)
+        letters = (self.datum_letter, self.angle_letter, self.face_letter if self.drum else "")
         return [each for each in letters if each]
 
     def _chamfered(self, section: views.Section | None) -> views.Section | None:
@@ -336,8 +346,28 @@ class DrawnPart:
     def _second(self) -> str:
         """Letter of the next datum that is no hole with a name: a keyway, a dowel's hole, a rim, a face."""
         names = {label[:1] for label, _ in self.named}
-        taken = {*names, self.datum_letter, self.angle_letter, *_MISREAD}
-        return next(letter for letter in ascii_uppercase if letter not in taken)
+        taken = {*names, self.datum_letter, self.angle_letter, self.origin, *_MISREAD}
+        free_letters = [letter for letter in ascii_uppercase if letter not in taken]
+        return next((e for e in free_letters if e not in self.facts.points), free_letters[0])
+
+    @property
+    def threaded(self) -> bool:
+        """Whether holes are cores of threads of a frame's screws, whose places need not be those of fits."""
+        cores = any(fit.words.startswith(CORE) for fit in self.facts.fits)
+        return cores and not self.facts.thread
+
+    @property
+    def rim_runs(self) -> bool:
+        """Whether the rim of a round part may run out but little."""
+        return bool(
+            self.facts.run_out and self.centred and (self.facts.outer_fit or self.part.points)
+        )
+
+    @property
+    def faces_run(self) -> bool:
+        """Whether the faces of a round part or a wheel with slots may run out but little."""
+        about = (self.centred and self.part.points) or (self.slotted and self.datum_letter)
+        return bool(self.facts.run_out and about)
 
 
 def _about_axis(contour: Contour) -> bool:

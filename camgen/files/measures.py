@@ -8,6 +8,7 @@ from camgen.files.dimensions import number
 from camgen.files.limits import decimals, general
 from camgen.files.sheet import Sheet, Size, Text
 
+_FITTED = 3  # decimals of a number with a fit
 REFERENCE = "("  # before a size that follows from others, and that no one has to keep [ISO 129-1]
 
 
@@ -15,14 +16,15 @@ REFERENCE = "("  # before a size that follows from others, and that no one has t
 class Measure:
     """What a linear dimension says.
 
-    fit: behind the number; factor: mm of the part for one at the scale of the views, below 1 in a detail.
+    fit: behind the number; factor: mm of the part for one at the scale of the views, below 1 in a detail; digits: after the point, by default
+    those that a size with a fit, or else its general tolerance, asks for.
     """
 
     value: float  # mm
     sign: str = ""  # before the number
     fit: str = ""
     factor: float = 1.0
-    digits: int = 3  # after the point, of a number with a fit
+    digits: int | None = None
 
     @property
     def behind(self) -> str:
@@ -58,7 +60,9 @@ def dimension(
     drawn.line(start, end, layer="DIM")
     drawn.arrow(start + 6 * along if outside else start, along if outside else -along)
     drawn.arrow(end - 6 * along if outside else end, -along if outside else along)
-    digits = measure.digits if measure.fit else decimals(general(measure.value, tolerance))
+    digits = measure.digits
+    if digits is None:
+        digits = _FITTED if measure.fit else decimals(general(measure.value, tolerance))
     high = 3.5 if measure.factor == 1.0 else 2.5
     text = f"{measure.sign}{number(measure.value, digits)}{measure.behind}"
     label = Text(0j, text, high, "centre", reading, "DIM")

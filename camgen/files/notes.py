@@ -11,7 +11,7 @@ from camgen.files.dimensions import STACK, flat_of, free, number, round_of
 from camgen.files.drawn_part import DrawnPart
 from camgen.files.page import FILING, MARGIN, SIZES
 from camgen.files.sheet import Text
-from camgen.files.title_block import WIDTH
+from camgen.files.title_block import CORE, WIDTH
 from camgen.geometry.arcs import as_circle
 from camgen.parts.keyways import keyed
 from camgen.parts.part import SizeNote
@@ -69,7 +69,7 @@ def notes_of(drawn: DrawnPart, own_sheets: int) -> list[str]:
     turned = drawn.facts.turned_deg
     if number(turned, 1) not in ("0", "360"):
         lines.append(f"In the arrangement turned by {number(turned, 1)}°, counter-clockwise")
-    lines += part.notes
+    lines += [note for note in part.notes if note is not drawn.square]
     return [line for note in lines for line in wrapped(note[:1].upper() + note[1:])]
 
 
@@ -146,11 +146,6 @@ def _corner_notes(drawn: DrawnPart) -> list[str]:
     lines = list[str]()
     if facts.corner and drawn.bosses and drawn.turns and not drawn.part.drum:
         lines.append(f"Corners of hub and disc at most R{number(facts.corner)}")
-    if facts.run_out and drawn.centred and (facts.outer_fit or drawn.part.points):
-        faces = "Rim and faces run" if drawn.part.points else "Rim runs"
-        lines.append(f"{faces} out at most {number(facts.run_out)} to {drawn.centred}")
-    if facts.run_out and drawn.slotted and drawn.datum_letter:
-        lines.append(f"Faces run out at most {number(facts.run_out)} to {drawn.datum_letter}")
     if facts.profile and drawn.surface:
         if drawn.hollow < _STRAIGHT:  # rounded down: a larger wheel cuts into the track
             least = math.floor(10 * drawn.hollow) / 10
@@ -205,7 +200,7 @@ def _soft(drawn: DrawnPart) -> list[str]:
 
 def _fitted(drawn: DrawnPart) -> bool:
     """Whether holes have a fit besides the bore that is dimensioned by itself."""
-    fits = [each for each in drawn.facts.fits if not each.words.startswith("core hole")]
+    fits = [each for each in drawn.facts.fits if not each.words.startswith(CORE)]
     alone = drawn.bored is not None
     others = [each for each in fits if not (alone and abs(each.at) < SAME_POINT)]
     return bool(others and drawn.facts.bore_roughness)

@@ -25,6 +25,7 @@ from camgen.numerics import coordinates
 from camgen.tolerances import SAME_POINT
 
 _GAP = 24.0  # to overall sizes
+_OF_TABLE = 2  # decimals of overall sizes that follow from a table's places and radii
 _ASIDE = 0.6  # rad, of a leader from the lines of overall sizes
 # where the sense of turning goes, the best first: dimensions are below and to the left
 _ARROWS = np.radians([45, 135, -45, -135, 65, 25, 115, 155, -25, -65, -115, -155, 90, 0, -90, 180])
@@ -69,7 +70,10 @@ class PlanView:
         diameters = [
             2 * each for each in (self.drawn.disc, shaft[1] if shaft else None) if each
         ]  # diameters
-        other = REFERENCE if free(self.drawn.part.region.outer) or self.drawn.slotted else ""
+        tabled = self.drawn.rounded
+        follows = free(self.drawn.part.region.outer) or self.drawn.slotted or tabled
+        other = REFERENCE if follows else ""
+        digits = _OF_TABLE if tabled else None
         signs = (
             "Ø" if any(abs(size - each) < SAME_POINT for each in diameters) else other
             for size in (span.real, span.imag)
@@ -81,7 +85,10 @@ class PlanView:
         round_fit = in_limits(outer_fit, span.real) if outer_fit else ""
         fit = round_fit if wide == "Ø" else flat
         self.page.dimension(
-            low, complex(high.real, low.imag), -1j * _GAP, Measure(span.real, wide, fit)
+            low,
+            complex(high.real, low.imag),
+            -1j * _GAP,
+            Measure(span.real, wide, fit, digits=digits),
         )
         if self.drawn.rim_letter:
             plate = self.drawn.facts.levels
@@ -92,7 +99,7 @@ class PlanView:
             aside = -_GAP + 0j
             fit = "" if tall else flat
             ends = low, complex(low.real, high.imag)
-            self.page.dimension(*ends, aside, Measure(span.imag, tall, fit))
+            self.page.dimension(*ends, aside, Measure(span.imag, tall, fit, digits=digits))
         self._radii()
         if self.drawn.section:
             y = self.drawn.section.y
@@ -129,6 +136,9 @@ class PlanView:
         ):
             for hole in [hole for _, hole in self.drawn.named if hole.place == self.drawn.zero][:1]:
                 self._hole_datum(hole, self.drawn.origin)
+        elif self.drawn.rim_runs and self.drawn.bored is None:
+            about_axis = dict(self.drawn.named)[self.drawn.axis_label]
+            self._hole_datum(about_axis, self.drawn.datum_letter)
 
     def _hole_datum(self, hole: Hole, letter: str) -> None:
         """A datum at the edge of its hole, where paper is free."""

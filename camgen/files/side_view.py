@@ -236,8 +236,16 @@ class SideViews:
                 self.page.sheet.text(edge - 1.5 - 1.25j, "z 0", 2.5, "right")
 
     def run_out(self) -> None:
-        """Run-out of a cam's face at z = 0, of a drum of both ends and of its outside too."""
+        """Run-out of a cam's face at z = 0, of a drum of both ends and of its outside too; of faces and rim of what is round, and of a
+        wheel with slots."""
         facts = self.drawn.facts
+        if self.drawn.faces_run:
+            self._run_out_of_face(-1)
+            self._run_out_of_face(1)
+        if self.drawn.rim_runs:
+            top = self.page.paper(self.drawn.high).imag
+            middle = self.page.side_x + self.page.scale * self.drawn.part.thickness / 2
+            self._run_out_over(complex(middle, top))
         if not (
             facts.run_out and self.drawn.part.bore and self.drawn.turns and self.drawn.datum_letter
         ):
@@ -280,8 +288,6 @@ class SideViews:
 
     def _run_out_of_outside(self, drum: Drum) -> None:
         """That of a drum's outside, over its section where that has the most of it."""
-        facts = self.drawn.facts
-        wide = width_of([number(facts.run_out), self.drawn.datum_letter])
         top = np.array([math.pi / 2])
         levels = [wall.over(top, np.array([drum.outside])).z.item() for wall in drum.walls]
         spans = {
@@ -291,7 +297,12 @@ class SideViews:
         }[drum.track]
         low, high = max(spans, key=lambda span: span[1] - span[0])
         x = self.page.side_x + self.page.scale * (low + high) / 2
-        tip = complex(x, self.page.paper(self.drawn.high).imag)
+        self._run_out_over(complex(x, self.page.paper(self.drawn.high).imag))
+
+    def _run_out_over(self, tip: complex) -> None:
+        """That of a round outside, over its upper edge in the view from the left; tip: there, on paper."""
+        facts = self.drawn.facts
+        wide = width_of([number(facts.run_out), self.drawn.datum_letter])
         start = tip + 1j * _OVER_OUTSIDE
         run_out(self.page.sheet, start - wide / 2, facts.run_out, self.drawn.datum_letter)
         self.page.sheet.line(start, tip, layer="DIM")

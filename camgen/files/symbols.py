@@ -62,6 +62,14 @@ def coaxiality(sheet: Sheet, corner: complex, width: float, datums: Sequence[str
     return frame(sheet, corner, [f"Ø{number(width)}", *datums])
 
 
+def squareness(sheet: Sheet, corner: complex, width: float, datum: str) -> complex:
+    """Tolerance of perpendicularity of an axis to a face: the diameter of its zone, mm. [ISO 1101: an upright line on a level one]"""
+    foot = corner + complex(_LEAST / 2, 1.4)
+    sheet.line(foot - 2.4, foot + 2.4, layer="TEXT")
+    sheet.line(foot, foot + 3.4j, layer="TEXT")
+    return frame(sheet, corner, [f"Ø{number(width)}", datum])
+
+
 def line_profile(
     sheet: Sheet, corner: complex, width: float, datums: Sequence[str], combined: bool = False
 ) -> complex:

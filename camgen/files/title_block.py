@@ -20,6 +20,9 @@ _ROW = 9.0
 BLOCK = 4 * _ROW  # height of the block
 
 
+CORE = "core hole"  # how the words of the hole of a thread begin
+
+
 @dataclass(frozen=True)
 class Fit:
     """How a round hole of a part fits what goes through."""
@@ -76,8 +79,6 @@ class Facts:
     thread: str = ""  # such as "M6", of the screws that hold a groove's plates together
     bore_fit: str = ""  # of the bore, such as "H7"
     outer_fit: str = ""  # of a round outline
-    # of a sleeve, or of the head of a pin, that bears on the inner ring of a ball bearing and not beyond it
-    ring_fit: str = ""
     shank: tuple[float, str] = (0.0, "")  # of a headed pin its diameter, mm, and fit
     turned_deg: float = 0.0  # by which its machine's arrangement shows it turned
     thinner: float = (
@@ -129,6 +130,9 @@ class Facts:
     revision: str = ""
     drawn_by: str = ""
     checked_by: str = ""
+    # of a sleeve, or of the head of a pin, that bears on the inner ring of a ball bearing and not beyond it
+    ring_fit: str = ""
+    points: frozenset[str] = frozenset()  # letters of its machine's points: no datum is called so
 
     @property
     def length_limits(self) -> str:

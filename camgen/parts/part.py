@@ -87,6 +87,21 @@ class Tap:
     outer: float
 
 
+class SquareNote(str):
+    """A note that says which holes are square to a part's lower face, in words, and within which zone, mm; its sheet has a symbol."""
+
+    holes: str
+    zone: float
+
+    def __new__(cls, holes: str, zone: float) -> SquareNote:
+        """holes: in words, such as "holes O and C"."""
+        said = f"{holes} square to the lower face within Ø{zone:g} over the thickness"
+        note = super().__new__(cls, said)
+        note.holes = holes
+        note.zone = zone
+        return note
+
+
 class HoldingNote(str):
     """A note that says how a part is held, or which way it lies; the steps of assembly have it too."""
 

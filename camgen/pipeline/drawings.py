@@ -16,7 +16,7 @@ import numpy as np
 from camgen.files.dimensions import flat_of, free, headed, number, rod_of, round_of
 from camgen.files.limits import deviations, general, in_limits
 from camgen.files.timing import Motion
-from camgen.files.title_block import Facts, Fit, Groove, Rider
+from camgen.files.title_block import CORE, Facts, Fit, Groove, Rider
 from camgen.files.tracks import looser
 from camgen.geometry.arcs import as_circle
 from camgen.geometry.facets import facet_contour
@@ -135,6 +135,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         fits=tuple(_sold(mechanism, part))
         if part.process == "bought"
         else tuple(_fits(mechanism, part, sheet.seat_fit or bore_fit, looser(usual.profile))),
+        points=frozenset(name[0] for each in mechanism.assembly.parts for name, _ in each.points),
         outer_fit=outer_fit,
         ring_fit=_RING if cut and _ring_edges(mechanism, part) else "",
         shank=_pins(mechanism).get(part.name, (0.0, "")) if of_metal else (0.0, ""),
@@ -743,7 +744,7 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
             cut = thread or (metal and _thread_of(mechanism.assembly, part, place)) or ""
             if cut and abs(2 * radius - CORE_HOLES[cut]) < SAME_POINT:
                 holes.add((place, radius))
-                yield Fit(place, CORE_HOLES[cut], f"core hole, {cut} through")
+                yield Fit(place, CORE_HOLES[cut], f"{CORE}, {cut} through")
                 continue
             inside = list(_nominal_diameters(mechanism, part.name, place))
             bores = [standing(part, pose, layer, place, radius) for pose in poses[part.name]]

@@ -157,11 +157,7 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     assert {name for name, each in found.items() if each.shank[0]} == pins
     notes = {
         "crank": {"Holes with a fit Ra 1.6", "Bore chamfered 0.5 x 45%%d at both ends"},
-        "roller-crank_to_table": {"Holes with a fit Ra 1.6", "Rim runs out at most 0.03 to hole A"},
-        "table": {
-            "Rim and faces run out at most 0.03 to hole C",
-            "Bore chamfered 0.5 x 45%%d at both ends",
-        },
+        "table": {"Bore chamfered 0.5 x 45%%d at both ends"},
     }
     for name, said in notes.items():
         path, *_ = write_drawing(tmp_path, "x", parts[name], 1e-3, found[name])
@@ -191,6 +187,47 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     _, plain = facts("gallery/geneva-table")
     assert fits(plain["crank"]) == {0: "press on Ø6", 35: "press on Ø5"}
     assert not any(each.outer_fit or each.shank[0] or each.rod_chamfer for each in plain.values())
+
+
+def test_tolerances_of_links_stand_in_frames(tmp_path: Path) -> None:
+    """Squareness of the holes of pins and bushes to the lower face, run-out of rims and faces, each with its datum; no datum has the
+    letter of a point of the machine. Overall sizes follow from places and radii:
+    holes 35 and 21.4 from O, R5.55 and R5.5 about them, R9.45 about O."""
+    mechanism, found = facts("gallery/geneva-table", *starters.METAL["geneva-table"])
+    texts = dict[str, list[str]]()
+    overall = list[tuple[float, int]]()
+    for part in mechanism.assembly.parts:
+        path, *_ = write_drawing(tmp_path, "x", part, 1e-3, found[part.name])
+        space = ezdxf.readfile(path).modelspace()
+        texts[part.name] = [each.dxf.text for each in space.query("TEXT")]
+        if part.name == "crank":
+            overall = [
+                (each.get_measurement(), each.override().get("dimdec"))
+                for each in space.query("DIMENSION")
+                if each.dxf.text == "(<>)"
+            ]
+    for name, holes in (("ground", "holes O and C"), ("crank", "hole P")):
+        zone = texts[name].index("%%c0.02")
+        assert texts[name][zone + 1 : zone + 3] == [found_face(texts[name]), holes]
+        assert not any("square" in each for each in texts[name])
+    runs = {name: each.count("0.03") for name, each in texts.items() if "0.03" in each}
+    assert runs == {
+        "table": 3,
+        "roller-crank_to_table": 1,
+        "geneva-crank_to_table": 2,
+        "lock-crank_to_table": 1,
+    }
+    assert not any("run out" in each or "runs out" in each for each in texts["table"])
+    assert not {"C", "O", "P"} & {*texts["lock-crank_to_table"]}, "points of the machine"
+    assert "fitted holes; X and Y are exact" in texts["ground"]
+    assert "round holes; X and Y are exact" in texts["crank"]
+    assert [size for size, _ in overall] == pytest.approx([35 + 21.4 + 5.55 + 5.5, 2 * 9.45])
+    assert {decimals for _, decimals in overall} == {2}
+
+
+def found_face(texts: list[str]) -> str:
+    """The last letter of a datum: that of the lower face."""
+    return max(each for each in texts if each in ("A", "B", "D", "E"))
 
 
 def test_rods_of_a_drum_s_machine_have_their_fit_at_the_dimension(tmp_path: Path) -> None:

@@ -60,7 +60,7 @@ from camgen.parts.generator.wheels import with_touches
 from camgen.parts.hardware import refuse_thin, spacer
 from camgen.parts.inertia import Solids
 from camgen.parts.motors import cells
-from camgen.parts.part import Layer, Part, Role
+from camgen.parts.part import Layer, Part, Role, SquareNote
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.step_words import listed as in_words
 
@@ -427,8 +427,7 @@ class Bodies:
         bores = [point for point in layout.shafts if layout.kind(point) == "bush"]
         square = [*(bores if link == GROUND else ()), *self._fixed(link)[1]]
         if layout.metal and square:
-            holes = listed("hole", square)
-            yield f"{holes} square to the lower face within Ø{_SQUARE:g} over the thickness"
+            yield SquareNote(listed("hole", square), _SQUARE)
 
     def _titled(self, link: str) -> str:
         """What a link is called: by its name, one that drives a Geneva wheel as the driver too."""
