@@ -74,6 +74,8 @@ class Arrangement:
     bearings: Sequence[
         float
     ] = ()  # heights of the middles of a shaft's bearings, from the lowest up
+    balls: Sequence[tuple[complex, float]] = ()  # of bearings in the section: middle, and radius
+    letter: str = "A"  # of the section
 
     @cached_property
     def seen(self) -> list[tuple[int, Any, Any]]:

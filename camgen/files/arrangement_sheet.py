@@ -39,7 +39,7 @@ _MOST = 12  # heights beside the section
 _HEIGHT = 2.5  # of their letters, mm of paper
 _LINE = 3.4  # from one of them to the next
 _LOOSE = 8.0  # by which such heights may stand beyond its ends
-_LETTER = "A"
+_LEVEL = 0.5  # deg, by which the line of a section may lean and count as level
 _BAND = BESIDE + RADIUS + 1  # over and under a view, for a row of balloons
 _LEFT = 20.0  # of a view, for a height
 _RIGHT = (12.0, 22.0)  # of the front, for a letter; of the section, for its heights
@@ -259,7 +259,7 @@ class _Page:
             tip = near + 6 * out + 5 * view
             sheet.line(near + 6 * out, tip, layer="DIM")
             sheet.arrow(tip, view)
-            sheet.text(near + 6 * out - 4 * view - 1.75j, _LETTER, 3.5, "centre")
+            sheet.text(near + 6 * out - 4 * view - 1.75j, self.arrangement.letter, 3.5, "centre")
 
     def _names(self, sheet: Sheet) -> None:
         """Names of axes that stand, on free paper."""
@@ -294,6 +294,9 @@ class _Page:
                 lean = -1 if copy.number % 2 else 1
                 for ends in _hatched(face, step, lean):
                     sheet.line(*(self.section.at(z) for z in ends), layer="HATCH")
+        for middle, radius in self.arrangement.balls:
+            ball = radius * self.section.scale
+            sheet.arc(self.section.at(middle), ball, 0.0, 2 * np.pi, "VIEW")
         for axis in self.arrangement.axes:
             place = (axis.at - self.arrangement.line[0]) / self.arrangement.line[1]
             if abs(place.imag) < MITE and near.real <= place.real <= far.real:
@@ -304,19 +307,28 @@ class _Page:
     def _name(self, sheet: Sheet) -> None:
         """The section's name over its balloons, with its scale where that is its own."""
         near, far = (self.section.at(z) for z in self.arrangement.deep)
-        name = f"{_LETTER}-{_LETTER}"
+        letter = self.arrangement.letter
+        name = f"{letter}-{letter}"
         if self.section.scale != self.scale:
             name += f" ({ratio(self.section.scale)})"
+        turned = math.degrees(
+            math.atan2(*(self.arrangement.line[1].imag, self.arrangement.line[1].real))
+        )
+        if abs(turned) > _LEVEL:
+            way = "clockwise" if turned > 0 else "counter-clockwise"
+            name += f", turned {abs(turned):.0f}° {way}"
         sheet.text(complex((near.real + far.real) / 2, far.imag + _BAND + 1), name, 5.0, "centre")
 
     def _sizes(self, sheet: Sheet, tolerance: str) -> None:
-        """Width and height of the front, the width's line under its balloons, depth of the section and distance between the bearings of
-        its shaft: they follow from the parts."""
+        """Width and height of the front, the width's line under its balloons, depth of the whole machine beside the section and distance
+        between the bearings of its shaft: they follow from the parts."""
         import shapely
 
         low, high = (self.front.at(z) for z in self.arrangement.box)
-        cuts = [copy.cut for copy in self.arrangement.copies if not copy.short]
-        s0, z0, _, z1 = shapely.total_bounds(cuts).tolist()
+        whole = [copy for copy in self.arrangement.copies if not copy.short]
+        s0, low_cut, _, high_cut = shapely.total_bounds([copy.cut for copy in whole]).tolist()
+        z0 = min(low_cut, *(copy.span[0] for copy in whole))
+        z1 = max(high_cut, *(copy.span[1] for copy in whole))
         depths = [(z0, z1, -14.0)]
         bearings = self.arrangement.bearings
         depths += [(a, b, -7.0) for a, b in zip(bearings, bearings[1:], strict=False)]

@@ -14,8 +14,10 @@ import numpy as np
 
 from camgen.files.sheet import Align, Sheet, Text
 
-ROW = 4.2  # of a line, mm
+ROW = 4.0  # of a line, mm
 _HEIGHT = 2.5  # of its letters
+_LINES = 4  # of a cell, at most
+_MORE = " ... as in the parts list"
 _HEADS = ("No.", "Qty", "Part", "Drawing, or designation", "Material", "z from, to")
 _COLUMNS = (8.0, 8.0, 46.0, 62.0, 16.0, 30.0)
 EDGES = np.cumsum((0.0, *_COLUMNS))
@@ -31,7 +33,7 @@ class Item:
     what: str
     designation: str  # the number of its drawing, or what it is sold as
     material: str = ""  # or that it is bought
-    heights: Sequence[str] = ()  # from where to where copies reach, mm; or that none is drawn
+    heights: Sequence[str] = ()  # from where to where copies reach, mm; or why none is drawn
 
     @cached_property
     def lines(self) -> list[tuple[str, ...]]:
@@ -43,15 +45,19 @@ class Item:
 
 
 def _wrapped(text: str, room: float) -> list[str]:
-    """A text in lines of a cell."""
-    lines = [""]
-    for word in text.split():
-        longer = f"{lines[-1]} {word}".strip()
-        if not lines[-1] or Text(0j, longer, _HEIGHT).room <= room:
-            lines[-1] = longer
-        else:
-            lines.append(word)
-    return lines
+    """A text in lines of a cell; of one that is too long as much as there is room for."""
+    words = text.split()
+    for count in range(len(words), 0, -1):
+        lines = [""]
+        for word in [*words[:count], *(_MORE.split() if count < len(words) else ())]:
+            longer = f"{lines[-1]} {word}".strip()
+            if not lines[-1] or Text(0j, longer, _HEIGHT).room <= room:
+                lines[-1] = longer
+            else:
+                lines.append(word)
+        if len(lines) <= _LINES:
+            return lines
+    return [text]
 
 
 def height(items: Sequence[Item]) -> float:

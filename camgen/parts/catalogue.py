@@ -137,7 +137,7 @@ class CamFollower:
         """
         size = f"{self.name}: cylindrical ring {self.outside:g} x {self.width:g}, stud {self.stud:g} x {self.length:g} in a hole H7, {self.thread}"
         grease = Bought(
-            "grease", "", "for rolling bearings", 1, how="a little, on the ring and where it rolls"
+            GREASE, "", "for rolling bearings", 1, how="a little, on the ring and where it rolls"
         )
         each = math.ceil((_CLEAR_OF_CAM - clear) / WASHERS[self.stud])
         if each <= 0:
@@ -422,6 +422,7 @@ def no_ball_roller(diameter: float) -> str:
     )
 
 
+GREASE = "grease"
 NUT_STANDARD = "ISO 4032"
 ROLLER_STANDARD = "ISO 7063"  # of cam followers
 DOWEL_STANDARD = "ISO 2338"

@@ -6,10 +6,10 @@ The section goes through the axis of the drive, or the first that stands, along 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,9 +24,10 @@ from camgen.machine.model import GROUND, Pin, centres_of
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import coordinates
 from camgen.parts.assembly import Assembly
-from camgen.parts.catalogue import TURNED, Bought
+from camgen.parts.catalogue import CAM_FOLLOWERS, GREASE, TURNED, Bought
 from camgen.parts.part import Part
 from camgen.parts.shafts import OF_SHAFT
+from camgen.parts.step_words import TWO_PART
 from camgen.pipeline.assembly_list import items_of
 from camgen.pipeline.bought_shapes import Thing, bought_shapes, is_drawn_short
 from camgen.pipeline.comings import coming_of, comings_of
@@ -37,11 +38,16 @@ from camgen.study import Table
 _FINE = 0.01  # mm, chord tolerance of outlines
 _ON_LINE = 1e-3  # mm, by which an axis may miss the line of the section
 _ROUND = 48  # sides of a rod that lies
+_GRID = 1e-6  # mm, on which faces meet that lie on each other
 _UNDER = 1e-4  # mm, by which a level is cut below
 _HOUSING = (
     "H7"  # of outer rings that stand still under the load and may slide [engineersedge.com, 15320]
 )
-_HEIGHTS = 3  # at which copies of a part lie, that the list has
+_HEIGHTS = 2  # at which copies of a part lie, that the list has
+_LETTERS = "ABCDEFGHJKLMNPQRSTUVWXYZ"  # of sections, without those that look like figures
+_FREE = 2.0  # mm, by which the bore of a bearing that is free endwise is wider
+_AROUND = 721  # angles of a turn
+_USED = ("glue", TWO_PART, GREASE)  # items that have no place of their own
 _IN_ROW = 3  # axes in a line of notes
 _RODS = (
     "pin",
@@ -49,6 +55,18 @@ _RODS = (
     "shaft",
 )  # roles of parts with flats or grooves that it does not hatch either
 _WHOLE = ("bought", TURNED)  # how parts are made that a section does not hatch
+
+_MIRRORED = "The far side is the mirror image of this one about z = {}: of what both have, the list has the heights on this side."
+_ALIKE = 0.01  # mm, by which heights of images may differ
+
+
+class Reach(NamedTuple):
+    """From where to where a copy reaches, mm, and on which side that is built by itself."""
+
+    low: float
+    high: float
+    side: str
+
 
 Shape = tuple[
     list[tuple[Any, float]], Any, tuple[float, float]
@@ -75,35 +93,96 @@ def arrangement_of(mechanism: Mechanism, listed: Table) -> Arrangement:
     made = tuple(copies)
     items = []
     for item, thing in items_of(mechanism, listed):
-        found = drawn.get(thing, []) if thing else []
         short = thing is not None and is_drawn_short(assembly, thing)
-        for each in found:
+        for shape in drawn.get(thing, []) if thing else []:
             assert thing is not None, "it is drawn"
-            coming = coming_of(thing, each, made, steps)
-            copies += _of_thing(item.number, each, line, short, thing, coming)
-        spans = [copy.span for copy in copies if copy.number == item.number and not copy.bought]
-        spans += [
-            (min(low for _, low, _ in each), max(high for *_, high in each)) for each in found
-        ]
-        items.append(replace(item, heights=["drawn short"] if short else _heights(spans)))
-    middles = [
-        (each[0][1] + each[0][2]) / 2
-        for thing, found in drawn.items()
-        for each in found
-        if thing.name == OF_SHAFT
+            coming = coming_of(thing, shape, made, steps)
+            copies += _of_thing(item.number, shape, line, short, thing, coming)
+        used = item.what in _USED
+        why = "drawn short" if short else "in the steps" if used else "not drawn"
+        items.append(replace(item, heights=[why]))
+    reaches = _reaches(copies)
+    plane = _mirror(reaches)
+    items = [
+        replace(item, heights=_heights(reaches[item.number], plane))
+        if item.number in reaches
+        else item
+        for item in items
     ]
-    notes = [*_notes(mechanism, axes), *_housings(things)]
-    return Arrangement(copies, items, line, axes, notes, sorted(middles))
+    bearings = [each for thing, found in drawn.items() for each in found if thing.name == OF_SHAFT]
+    middles = sorted((each[0][1] + each[0][2]) / 2 for each in bearings)
+    notes = _notes(mechanism, axes)
+    if plane is not None:
+        notes.insert(2, _MIRRORED.format(number(plane, 3)))
+    notes += [*_housings(things), *_followers(mechanism, things)]
+    balls = [ball for each in bearings for ball in _balls(each, line)]
+    return Arrangement(copies, items, line, axes, notes, middles, balls, _letter(assembly))
+
+
+def _letter(assembly: Assembly) -> str:
+    """Of the section: the first that no hole of a part has."""
+    used = {name[:1] for part in assembly.parts for name, _ in part.points}
+    return next((letter for letter in _LETTERS if letter not in used), _LETTERS[0])
+
+
+def _balls(bearing: Thing, line: tuple[complex, complex]) -> Iterator[tuple[complex, float]]:
+    """Balls of a bearing that a section cuts through its axis, between its rings: along it and z, and their radius."""
+    (inner, low, high), (outer, *_) = bearing
+    middle = (complex(inner.centroid.x, inner.centroid.y) - line[0]) / line[1]
+    if abs(middle.imag) > _ON_LINE:
+        return
+    x0, _, x1, _ = inner.bounds
+    y0, _, y1, _ = outer.interiors[0].bounds
+    radius = (y1 - y0 - (x1 - x0)) / 4
+    for side in (-1, 1):
+        yield complex(middle.real + side * ((x1 - x0) / 2 + radius), (low + high) / 2), radius
 
 
 def _housings(things: Sequence[Bought]) -> list[str]:
     """What the frame of a shaft that is no part has to have, since it is the builder's own."""
     bearings = [thing.shaft.bearings for thing in things if thing.shaft is not None]
     return [
-        f"Your frame: two bores {number(each.outside)} {_HOUSING} in line, {each.width:g} wide, one of which holds its bearing endwise."
+        line
         for each in bearings
         if each is not None
+        for line in (
+            f"Your frame: two bores {number(each.outside)} {_HOUSING} in line, one {each.width:g} wide between shoulders that hold its bearing,",
+            f"the other at least {each.width + _FREE:g}: its bearing is free endwise.",
+        )
     ]
+
+
+def _followers(mechanism: Mechanism, things: Sequence[Bought]) -> list[str]:
+    """Where cam followers that are bought go, since what carries them is the builder's own."""
+    follower = CAM_FOLLOWERS.get((mechanism.load and mechanism.load.cam_follower) or "")
+    if follower is None or not any(thing.shaft is not None for thing in things):
+        return []
+    assembly = mechanism.assembly
+    theta = assembly.cycle.theta(np.linspace(0.0, 2 * np.pi, _AROUND))
+    courses = assembly.courses(theta)
+    notes = []
+    for tip in (each for each in assembly.stand_ins if each.rolls):
+        body = courses[tip.body]
+        for at, *_ in tip.discs:
+            off = abs(body.place + np.exp(1j * body.angle) * at)
+            span = _between(float(np.min(off)), float(np.max(off)))
+            notes.append(f"Axis of the cam follower: {span} from that of the shaft.")
+    for track in assembly.tracks:
+        drum = assembly.by_name[track.part].drum
+        if drum is not None:
+            z = next(each.z for each in assembly.mounts if each.part == track.part)
+            ends = z + drum.path.height(theta, 0)
+            span = _between(float(np.min(ends)), float(np.max(ends)))
+            inner = number(track.roller[2], 2)
+            notes.append(
+                f"Axis of the cam follower: square to the shaft, at z {span}; its ring begins {inner} from the axis of the shaft."
+            )
+    return notes
+
+
+def _between(low: float, high: float) -> str:
+    """From where to where, in words."""
+    return f"{number(low, 2)} to {number(high, 2)}"
 
 
 def _of_thing(
@@ -143,13 +222,48 @@ def _rods(shape: Thing) -> Mesh:
     return Mesh(np.array(whole.vert_properties)[:, :3], np.array(whole.tri_verts, int))
 
 
-def _heights(spans: Iterable[tuple[float, float]]) -> list[str]:
-    """From where to where copies of an item reach, in words."""
-    ends = sorted(set(spans))
+def _reaches(copies: Sequence[Copy]) -> dict[int, list[Reach]]:
+    """Of each number from where to where its copies reach, but of what is drawn short."""
+    reaches: dict[int, list[Reach]] = {}
+    for copy in copies:
+        if copy.bought and copy.prisms and not copy.short:  # the whole of a thing
+            low = min(low for _, low, _ in copy.prisms)
+            high = max(high for *_, high in copy.prisms)
+            reaches.setdefault(copy.number, []).append(Reach(low, high, copy.coming.apart))
+        elif not copy.bought:
+            reaches.setdefault(copy.number, []).append(Reach(*copy.span, copy.coming.apart))
+    return reaches
+
+
+def _mirror(reaches: Mapping[int, Sequence[Reach]]) -> float | None:
+    """Height of the plane about which copies on one side are mirror images of those on the other; None where there is none."""
+    planes = list[float]()
+    for own in reaches.values():
+        near = [each for each in own if not each.side]
+        far = [each for each in own if each.side]
+        if far and len(near) == len(far):
+            ends = sum(each.low + each.high for each in own)
+            planes.append(ends / (2 * len(own)))
+    if not planes or max(planes) - min(planes) > _ALIKE:
+        return None
+    return planes[0]
+
+
+def _heights(reaches: Sequence[Reach], plane: float | None) -> list[str]:
+    """From where to where copies of an item reach, in words, of those that are mirrored on the far side on the near one; of many how many
+    there are and between which they all lie."""
+    near = sorted({(each.low, each.high) for each in reaches if not each.side})
+    far = sorted((each.low, each.high) for each in reaches if each.side)
+    ends = sorted({*near, *far})
+    if plane is not None and near and far:
+        images = sorted({(2 * plane - high, 2 * plane - low) for low, high in far})
+        if len(images) == len(near) and np.allclose(images, near, rtol=0.0, atol=_ALIKE):
+            ends = near
     words = [*dict.fromkeys(f"{number(low, 2)} to {number(high, 2)}" for low, high in ends)]
-    if len(words) > _HEIGHTS:
-        words = [*words[: _HEIGHTS - 1], f"and {len(words) - _HEIGHTS + 1} more"]
-    return words or ["not drawn"]
+    if len(words) <= _HEIGHTS:
+        return words
+    highest = max(high for _, high in ends)
+    return [f"{len(words)} heights from", f"{number(ends[0][0], 2)} to {number(highest, 2)}"]
 
 
 def _middle(thing: Thing) -> complex:
@@ -163,6 +277,13 @@ def _axes(assembly: Assembly) -> tuple[list[Axis], list[complex]]:
     courses = assembly.courses(np.zeros(1))
     driven = {drive.body for drive in assembly.machine.drives}
     standing: dict[complex, Axis] = {}
+    ground = {mount.part: mount for mount in assembly.mounts if mount.body == GROUND}
+    holes = [
+        (mount.at + np.exp(1j * mount.angle) * z, hole)
+        for name, mount in ground.items()
+        if not (mount.flipped or mount.upright)
+        for hole, z in assembly.by_name[name].points
+    ]
     moving = list[complex]()
     for joint in sorted(
         (each for each in assembly.machine.joints if isinstance(each, Pin)),
@@ -177,7 +298,8 @@ def _axes(assembly: Assembly) -> tuple[list[Axis], list[complex]]:
             moving.append(complex(at))
             continue
         at = place.at if place.body == GROUND else other.at
-        standing.setdefault(complex(round(at.real, 6), round(at.imag, 6)), Axis(at, joint.name))
+        name = next((hole for z, hole in holes if abs(z - at) < _ON_LINE), joint.name)
+        standing.setdefault(complex(round(at.real, 6), round(at.imag, 6)), Axis(at, name))
     return list(standing.values()), moving
 
 
@@ -299,7 +421,8 @@ def _of_prisms(prisms: Sequence[Prism], line: tuple[complex, complex]) -> Shape:
         ]
     faces = [(shape, high) for shape, _, high in prisms]
     span = min(low for _, low, _ in prisms), max(high for _, _, high in prisms)
-    return faces, shapely.union_all([shapely.Polygon(), *boxes]), span
+    whole = shapely.union_all([shapely.Polygon(), *boxes], grid_size=_GRID)
+    return faces, whole, span
 
 
 def _of_solid(solid: Mesh, line: tuple[complex, complex]) -> Shape:
@@ -355,11 +478,14 @@ def _datum(assembly: Assembly) -> str:
 
 def _notes(mechanism: Mechanism, axes: Sequence[Axis]) -> list[str]:
     """What the sheet says of the machine as it is shown."""
-    cycle = mechanism.assembly.cycle
+    assembly = mechanism.assembly
+    cycle = assembly.cycle
     start = math.degrees(float(cycle.theta(np.zeros(1))[0]))
+    alone = any(thing.shaft is not None for thing in assembly.bought)  # cams, which no crank turns
     turns = "clockwise" if cycle.sense < 0 else "counter-clockwise"
     way = "to and fro" if cycle.to_and_fro else turns
-    shown = f"Shown at {cycle.name} {start:.4g} {cycle.unit}, driven {way}."
+    angle = "cam angle" if alone else cycle.name
+    shown = f"Shown at {angle} {start:.4g} {cycle.unit}, driven {way}."
     heights_from = (
         f"Heights upwards from z = 0{_datum(mechanism.assembly)}; of all parts in the list."
     )

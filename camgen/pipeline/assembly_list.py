@@ -10,6 +10,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import CUT, TURNED, Bought
 from camgen.parts.materials import STEEL
 from camgen.parts.part import Part
+from camgen.parts.step_words import TWO_PART
 from camgen.pipeline.drawings import SHAFT_STEEL, drawing_number, material_of, shaft_facts
 from camgen.pipeline.shopping import bought_things, supplies
 from camgen.study import Table
@@ -21,7 +22,8 @@ FOR_SHOP = ("drawing", "material", "mass of one, g")  # columns of the parts lis
 def numbers_of(mechanism: Mechanism, rows: Sequence[Sequence[object]]) -> Iterator[int | str]:
     """The number on the arrangement drawing of each row of the parts list, how and part first; "" of stock, tools and what is used up."""
     order = list(mechanism.assembly.by_name)
-    used_up = {each.name for each in supplies(mechanism)}  # such as oil: no items of a machine
+    # such as oil: no items of a machine; glue stays in it
+    used_up = {each.name for each in supplies(mechanism)} - {TWO_PART}
     number = len(order)
     for how, name, *_ in rows:
         if name in order:

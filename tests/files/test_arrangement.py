@@ -280,14 +280,16 @@ def test_the_distance_of_bearings_and_the_bores_of_the_frame_are_told() -> None:
 
 
 def test_what_has_no_known_place_is_said_to_be_not_drawn() -> None:
-    """Glue and a hand crank that is not made; a screw of which there are fewer holes than are bought."""
+    """A hand crank that is not made; a screw of which there are fewer holes than are bought. Glue goes where the steps say."""
     mechanism, arrangement = machine("walking-leg")
     drawn = {copy.number for copy in arrangement.copies}
     said = {item.what: (item.material, item.heights) for item in arrangement.items}
-    assert said["glue"] == said["drive"] == ("bought", ["not drawn"])
+    assert said["drive"] == ("bought", ["not drawn"])
+    assert said["glue"] == ("bought", ["in the steps"])
     assert said["screw of the plate, from behind"] == ("bought", ["0 to 5"])
     assert all(
-        (item.heights == ["not drawn"]) != (item.number in drawn) for item in arrangement.items
+        (item.heights in (["not drawn"], ["in the steps"])) != (item.number in drawn)
+        for item in arrangement.items
     )
     things = bought_things(mechanism)
     (screw,) = (thing for thing in things if thing.thread)
@@ -342,7 +344,8 @@ def test_a_drum_has_its_roller_in_its_track() -> None:
 
 
 def test_a_motor_whose_length_nothing_says_is_not_measured() -> None:
-    """NEMA 17 has 42.3 across [NEMA ICS 16] and no length: the depth of the section is that of the parts, by hand 24.8 + 2.2."""
+    """NEMA 17 has 42.3 across [NEMA ICS 16] and no length: the depth is that of the parts, by hand 24.8 to the collet's top over z = 0
+    and the rail of 20 under it, beside what the section cuts."""
     from camgen.files.arrangement_sheet import _Page
 
     _, arrangement = machine("uniform-swing")
@@ -353,7 +356,7 @@ def test_a_motor_whose_length_nothing_says_is_not_measured() -> None:
     assert motor.short and motor.faces[0][0].bounds == pytest.approx((-21.15, -21.15, 21.15, 21.15))
     sheet = _Page(arrangement).draw("swing", Facts())
     sizes = {each.value for each in sheet.things if isinstance(each, Size)}
-    assert sizes == {119.6, 98.7, 27.0}
+    assert sizes == {119.6, 98.7, 44.8}
 
 
 def test_a_can_beside_its_shaft_stands_between_its_screws() -> None:
@@ -383,12 +386,61 @@ def test_a_section_has_a_dozen_heights_at_most() -> None:
     assert all(b - a >= 1.3 * 2.5 for a, b in zip(heights, heights[1:], strict=False))
 
 
+def test_the_depth_beside_a_section_is_that_of_the_whole_machine() -> None:
+    """Of a walker from its motor's end, 30 under its plate, to the frame of its batteries, 8 over the far plate, whose face is at
+    141.1; the section cuts less."""
+    from camgen.files.arrangement_sheet import _Page
+
+    _, arrangement = machine("gallery/walker")
+    assert arrangement.deep[1].imag < 149.1
+    sheet = _Page(arrangement).draw("walker", Facts())
+    assert 179.1 in {each.value for each in sheet.things if isinstance(each, Size)}
+
+
+def test_heights_of_a_far_side_are_not_said_twice() -> None:
+    """Plates of 5 at 0 and, as their images about half of 141.1, up to that: those of both, such as the second plate from 35.55 on, have
+    one height; the shaft of both sides its own; of 20 dowels 10 on one side, at more heights than there is room for."""
+    _, arrangement = machine("gallery/walker")
+    said = {item.what.partition(":")[0]: [*item.heights] for item in arrangement.items}
+    assert said["Second plate"] == ["35.55 to 40.55"]
+    assert said["Shaft of both sides"] == ["29.45 to 111.65"]
+    assert said["Pin 5"] == ["7 heights from", "5.05 to 34.4"]
+    assert any("about z = 70.55" in note for note in arrangement.notes)
+
+
+def test_a_section_has_a_letter_that_no_hole_has_and_says_how_it_is_turned() -> None:
+    """Of a bird whose rods have A; its line goes from O to W, 44 to 26, seen turned by atan(44 / 26) = 59 deg."""
+    from camgen.files.arrangement_sheet import _Page
+
+    _, arrangement = machine("gallery/flapping-bird")
+    assert arrangement.letter == "B"
+    texts = {
+        each.text
+        for each in _Page(arrangement).draw("bird", Facts()).things
+        if isinstance(each, Text)
+    }
+    assert "B-B, turned 59° counter-clockwise" in texts and {"O", "W", "V"} <= texts
+
+
+def test_bearings_have_balls_and_notes_say_where_bearing_and_follower_go() -> None:
+    """6004, 20 x 42: a third of 11 each for the rings, so balls of 11/3 at 15.5 from the axis. The roller's axis by its spec: 32 + 8
+    at rest, 12 more at the top; the bore of the free bearing is 2 wider than its 12."""
+    _, arrangement = machine("metal disc-cam")
+    assert [(abs(at.real), at.imag) for at, _ in arrangement.balls] == [
+        pytest.approx((15.5, z)) for z in (40.0, 40.0, -16.0, -16.0)
+    ]
+    assert all(radius == pytest.approx(11 / 6) for _, radius in arrangement.balls)
+    notes = " ".join(arrangement.notes)
+    assert "Axis of the cam follower: 40 to 52 from that of the shaft." in notes
+    assert "at least 14:" in notes and "Shown at cam angle 0 deg" in notes
+
+
 def test_what_is_used_up_is_no_item() -> None:
     """Oil and paper for gaps are in the parts list, not in the machine; glue stays in it."""
     mechanism, arrangement = machine("walking-leg")
     names = {item.what.partition(":")[0] for item in arrangement.items}
     used_up = {each.name for each in supplies(mechanism)}
-    assert used_up and not used_up & names and "glue" in names
+    assert used_up & names == {"two-part glue"} and len(used_up) > 1 and "glue" in names
 
 
 def test_a_key_fills_its_keyway_and_a_spring_reaches_from_pin_to_pin() -> None:
@@ -580,13 +632,13 @@ def test_a_cell_that_is_too_long_goes_on_in_the_next_line() -> None:
 
 
 def test_a_list_that_is_too_high_is_folded_and_says_how_many_items_it_lacks() -> None:
-    """30 items and the head are 31 lines of 4.2; in 92.4 mm there are 22 lines, one for the head: 21 items and 9, and of the one column
+    """30 items and the head are 31 lines of 4; in 88 mm there are 22 lines, one for the head: 21 items and 9, and of the one column
     20 and a line for the rest."""
     items = [Item(k, 1, "link", "link-drawing") for k in range(1, 31)]
-    assert height(items) == pytest.approx(31 * 4.2)
-    assert [len(each) for each in folded(items, 140.0, 1)] == [30]
-    assert [len(each) for each in folded(items, 92.5, 2)] == [21, 9]
-    (short,) = folded(items, 92.5, 1)
+    assert height(items) == pytest.approx(31 * 4.0)
+    assert [len(each) for each in folded(items, 124.1, 1)] == [30]
+    assert [len(each) for each in folded(items, 88.1, 2)] == [21, 9]
+    (short,) = folded(items, 88.1, 1)
     assert [each.number for each in short] == list(range(1, 22))
     assert short[-1].designation == "10 more: see the list of parts"
 
