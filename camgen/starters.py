@@ -109,6 +109,7 @@ METAL = {
         'parts.pins={ O = "bush", C = "bush" }',
         "parts.wall=3",
         "geneva.0.gap=1",
+        "geneva.0.floor=0.5",
         "geneva.0.pin_radius=5",
     ),
     "linkage": (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 import tomllib
 from dataclasses import dataclass, replace
@@ -451,3 +452,16 @@ def test_an_undercut_tooth_bends_more_and_a_shift_mends_it() -> None:
     assert undercut.undercut
     assert undercut.bends > Wheel(17, RACK).bends > Wheel(17, RACK, 0.3).bends
     assert Wheel(10, RACK, 0.4).bends < 0.8 * undercut.bends
+
+
+@pytest.mark.parametrize("kind", [Geneva, InnerGeneva])
+def test_a_slot_ends_beyond_the_pin_by_its_floor(kind: type[Geneva | InnerGeneva]) -> None:
+    """The pin is deepest on the line of both axes: 60 -+ 60 sin(45 deg) from the wheel's, and 3 in radius. Its sides stay as they are."""
+    deepest = 60 + kind.sense * (60 * math.sin(math.pi / 4) + 3)
+    for floor in (0.1, 0.5):
+        wheel = kind(4, 60.0, 3.0, 1.0, floor=floor).wheel()
+        ends = [piece for piece in wheel.pieces if isinstance(piece, Arc) and piece.radius < 4]
+        assert {round(each.radius, 9) for each in ends} == {3.05}
+        (end,) = (each for each in ends if abs(cmath.phase(each.centre)) < 1e-6)
+        middle = complex(end.at(end.t0 + (end.t1 - end.t0) / 2))
+        assert kind.sense * (abs(middle) - deepest) == pytest.approx(floor)

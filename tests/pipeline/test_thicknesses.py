@@ -33,12 +33,12 @@ def thinner(*settings: str) -> dict[str, float]:
     return {part.name: facts_of(machine, part).thinner for part in machine.assembly.parts}
 
 
-@pytest.mark.parametrize(("gap", "allowed"), [(0.1, 0.03), (0.15, 0.05), (0.3, 0.1)])
+@pytest.mark.parametrize(("gap", "allowed"), [(0.1, 0.05), (0.15, 0.07), (0.3, 0.15)])
 def test_parts_over_each_other_may_be_thinner_by_a_share_of_their_gap(
     gap: float, allowed: float
 ) -> None:
-    """The pin's cap is over crank and roller and passes over the wheel: of its gap each may take a third. ISO 2768-m allows 0.1 at 6 mm
-    [ISO 2768-1], and a gap that bears so much has no limit of its own."""
+    """Over its spacer the wheel passes over the crank: of its gap each of both may take a half. The cap of the pin, 8 wide, is in a slot
+    of 10 where it passes the wheel. ISO 2768-m allows 0.1 up to 6 mm [ISO 2768-1], and a gap that bears so much has no limit of its own."""
     found = thinner(f"print.slide_clearance={gap}")
     own = {"crank", "lock-crank_to_table", "geneva-crank_to_table", "roller-crank_to_table"}
     own |= {"table", "spacer-1"}
@@ -48,17 +48,36 @@ def test_parts_over_each_other_may_be_thinner_by_a_share_of_their_gap(
     assert not any(thinner("material.name=PLA", f"print.slide_clearance={gap}").values())
 
 
+def test_the_table_of_the_starter_needs_no_limits_of_thickness() -> None:
+    """Its wheel is 1 mm over its crank, and its table, over three parts, 1.2 mm over the cap, which is over three: at the general
+    tolerance of 0.1, or 0.2 over 6 mm, no part asks for a limit, and none meets another."""
+    machine = read_mechanism(
+        SPECS / "gallery" / "geneva-table.toml", starters.METAL["geneva-table"]
+    )
+    found = {part.name: facts_of(machine, part) for part in machine.assembly.parts}
+    parts = {part.name: part.thickness for part in machine.assembly.parts}
+    axis = ("spacer-1", "geneva-crank_to_table", "spacer-2")
+    pin = ("crank", "roller-crank_to_table", "cap-1")
+    assert not any(found[name].thickness_limits for name in (*axis, *pin, "table"))
+
+    def general(name: str) -> float:
+        return 0.2 if parts[name] > 6 else 0.1
+
+    under_table = sum(0.1 + parts[name] - general(name) for name in axis) + 0.1
+    over_cap = sum(0.1 + parts[name] + general(name) for name in pin)
+    assert under_table - over_cap > 0.3
+    under_wheel = 0.1 + parts["spacer-1"] - general("spacer-1") + 0.1
+    assert under_wheel - (0.1 + parts["crank"] + general("crank")) > 0.6
+
+
 def test_no_gap_closes_where_thicknesses_are_at_their_limits() -> None:
-    """All sums of both stacks of the table, each part at either limit, gauges of 0.1 mm between what a gauge sets: crank, roller and cap on
-    the pin, spacer and wheel on the table's shaft; cap and wheel, wheel and crank never meet."""
+    """Each part at either limit, gauges of 0.1 mm between what a gauge sets: wheel and crank never meet. In 0.3 they are within the
+    general tolerance, either way."""
     allowed = thickness_allowances(table().assembly)["crank"]
-    gauge = 0.1
-    limits = (6.0 - allowed, 6.0)
-    for crank, roller, spacer, wheel in product(limits, limits, limits, limits):
-        under_cap = gauge + crank + gauge + roller + gauge
-        under_wheel = gauge + spacer + gauge
-        assert under_cap - (under_wheel + wheel) > 0
-        assert under_wheel - (gauge + crank) > 0
+    for gauge, low, high in ((0.1, -allowed, 0.0), (0.3, -0.1, 0.1)):
+        for crank, spacer in product((6.0 + low, 6.0 + high), repeat=2):
+            under_wheel = gauge + spacer + gauge
+            assert under_wheel - (gauge + crank) > 0
 
 
 def test_a_dowel_has_room_at_its_greatest_length() -> None:

@@ -162,7 +162,8 @@ class Drawing:
         air = usual if table.clearance is None else table.clearance
         with naming(f"geneva {table.joint}"):
             kind = InnerGeneva if table.inner else Geneva
-            return geneva(kind, table.slots, distance, table.pin_radius, wall, air)
+            made = geneva(kind, table.slots, distance, table.pin_radius, wall, air)
+            return made if table.floor is None else replace(made, floor=table.floor)
 
     def _shafts_apart(self, a: str, b: str) -> float:
         """Distance of the points at which two links are pinned to the ground, mm."""

@@ -400,6 +400,10 @@ class Geneva(Pair):
         default=None,
         description="gap of the roller in a slot, and of the disc in the wheel, on either side; default: half of print.slide_clearance",
     )
+    floor: Annotated[float, quantity("mm", gt=0, le=20)] | None = Field(
+        default=None,
+        description="gap between the roller where it is deepest and the end of its slot; default: twice clearance",
+    )
     gap: Annotated[float, quantity("mm", gt=0, le=20)] | None = Field(
         default=None,
         description="gap between crank and wheel along their axes, larger than the wheel's rim can tip: a dowel then holds the locking "

@@ -168,7 +168,7 @@ class GenevaDrive(EdgeDrive):
                 f"locks on R {geneva.lock:.6g} in hollows of R {geneva.hollow:.6g}",
                 f"the pin is on R {geneva.crank:.6g}, its roller {roller}",
             )
-        floor = f"{2 * geneva.slot_air:.3g} or more beyond the roller"
+        floor = f"{geneva.floor:.3g} or more beyond the roller"
         return (f"for a roller of {roller}", f"the slots end {floor}")
 
     def _directions(self, machine: m.Machine) -> tuple[complex, complex]:

@@ -55,6 +55,7 @@ class _Slotted:
     wall: float  # between a slot and the hollow beside it where they are nearest, mm
     slot_air: float = 0.05  # on each side of the pin, mm
     lock_air: float = 0.05  # between lock and hollow, mm
+    floor: float = 0.1  # from the pin at its deepest to the end of its slot, mm
     sense: ClassVar[Literal[1, -1]]  # in which the wheel turns as the crank turns on
 
     def _check(self, most: float) -> None:
@@ -135,7 +136,8 @@ class _Slotted:
     @property
     def slot_end(self) -> float:
         """From the wheel's axis to the middle of the slots' round ends, mm."""
-        return self.distance + self.sense * self.crank + self.sense * self.slot_air
+        beyond = self.floor - self.slot_air
+        return self.distance + self.sense * self.crank + self.sense * beyond
 
     @property
     def speed(self) -> float:
@@ -370,17 +372,17 @@ def geneva(
     wall: float,
     air: float,
 ) -> Geneva | InnerGeneva:
-    """A drive of these sizes, mm, air on each side; the DesignError of one that cannot be says which pin or distance can."""
+    """A drive of these sizes, mm, air on each side, and twice as much at the floor of a slot; the DesignError of one that cannot be says which pin or distance can."""
 
     def can(distance: float, pin: float) -> bool:
         try:
-            kind(stations, distance, pin, wall, air, air)
+            kind(stations, distance, pin, wall, air, air, 2 * air)
         except (DesignError, ValueError):  # the latter where rim and hollow do not even meet
             return False
         return True
 
     try:
-        return kind(stations, distance, pin, wall, air, air)
+        return kind(stations, distance, pin, wall, air, air, 2 * air)
     except DesignError as error:
         pins = np.arange(math.floor(pin / _PIN_STEP), 0, -1) * _PIN_STEP
         distances = np.arange(math.ceil(distance), math.ceil(_FARTHER * distance))
