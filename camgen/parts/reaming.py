@@ -33,7 +33,7 @@ def with_reaming(
     table: Table, copies: Sequence[StandingCopy], fixing: Fixing, metal: bool = False
 ) -> Table:
     """The order of assembly, begun with the holes that are to be reamed and those that stay tight; as it is where there are none.
-    metal: whether the parts are of it: their sheets have the fits, and their glue is one for metal."""
+    metal: whether the parts are of it: they come made as on their sheets, and their glue is one for metal."""
     opened = _holes(copies, fixing, _reamed)
     fixed = tight_holes(copies, fixing)
     keyed = _joined(copies, fixing, "keyed and glued")
@@ -87,7 +87,7 @@ def with_reaming(
     where = "; ".join(lines or lines_of(fixed, words.tool))
     needs = (
         ("fine sandpaper",) * rough
-        + ("scraper",) * bool(fixed)
+        + ("scraper",) * bool(fixed and not metal)
         + ("vice",) * bool(tight)
         + ("oil",) * bool(fixed and lines)
     )
@@ -144,16 +144,15 @@ def _needs(table: Table) -> Iterator[set[str]]:
 
 def with_cutting(table: Table, parts: Sequence[Part], metal: bool = False) -> Table:
     """The order of assembly, begun with what is cut of steel, and with dowels, of which a printed machine's links pass over both
-    ends; as it is where there is neither."""
+    ends; as it is where there is neither, and in metal, where all comes made as on its sheet."""
     sizes = [(part, note) for part in parts for note in part.notes if isinstance(note, SizeNote)]
     lines = [f"{part.count} × {part.name}: {note}" for part, note in sizes]
     lines += [f"1 × gauge: {gauge}" for step in table.steps for gauge in step.gauges]
-    how = "saw the rods, and turn and mill them as on their sheets" if metal else _FILED
-    said = [f"{how}{_ticks(lines)}"] if lines else []
-    said += [] if metal else dict.fromkeys(note.how for _, note in sizes if note.how)
-    if not metal and any(part.process == "bought" and part.role == "pin" for part in parts):
+    said = [f"cut and file the steel parts, and deburr them{_ticks(lines)}"] if lines else []
+    said += dict.fromkeys(note.how for _, note in sizes if note.how)
+    if any(part.process == "bought" and part.role == "pin" for part in parts):
         said.append(_DOWELS if lines else _DOWELS[:1].lower() + _DOWELS[1:])
-    if not said:
+    if metal or not said:
         return table
     count = sum(part.count for part, _ in sizes)
     what = "What is cut of steel" if lines else "Lengths of dowels"
@@ -161,7 +160,6 @@ def with_cutting(table: Table, parts: Sequence[Part], metal: bool = False) -> Ta
     return begun(table, Doing("\n".join(said), needs=needs), what, "; ".join(lines), count or "")
 
 
-_FILED = "cut and file the steel parts, and deburr them"
 # DIN 7 allows 0.3 mm at lengths up to 10 mm, 0.5 mm at those up to 50 mm [nutbolt.org/Standards/Pin-Dowel.html].
 _DOWELS = (
     "Measure the dowels: as they are sold some are up to 0.5 mm too long. File or grind these to their length in the list, for "
@@ -279,16 +277,15 @@ _IN_PLASTIC = _Words(
 )
 _ROUGH = ". If your drills are in steps of 0.5 mm, turn the next narrower one in it, then fine sandpaper rolled round a thin rod"
 _IN_METAL = _Words(
-    "ream {} in which something turns or slides to the size and the limits on the sheet of its part. What goes in drops through by its own "
-    "weight",
-    "Ream these to the fits on their sheets. What they hold goes in by hand; the compound holds it",
-    "Ream these, or bore them where they have a floor, to the fits on their sheets, and press in what they hold in its step",
+    "try {} in which something turns or slides: what goes in drops through by its own weight",
+    "What these hold goes in by hand; the compound holds it",
+    "What these hold is pressed in, in its step",
     _bare,
     _bare,
 )
 _KEYED = (
-    "Ream these and broach their keyways to the fits on their sheets. In their step, tap the key into the shaft first, then press the "
-    "part over it: the key is tight in both. The compound keeps the part from sliding along the shaft"
+    "These have keyways. In their step, tap the key into the shaft first, then press the part over it: the key is tight in both and turns "
+    "the part. The compound keeps that from sliding along the shaft"
 )
 
 

@@ -173,17 +173,23 @@ def test_a_gap_is_set_by_what_is_at_hand() -> None:
     assert {thickness_gauge(gap) for gap in (0.0, 0.02, 0.12, 0.7, 0.99)} == {"a feeler gauge"}
 
 
-def test_holes_of_a_metal_geneva_table_are_reamed_as_its_sheets_say() -> None:
+def test_holes_of_a_metal_geneva_table_come_made_as_its_sheets_say() -> None:
     """The crank by hand has two bores, one keyed and one for the knob's pin, m6; the locking disc is put on its dowel by hand, and
     what it lies on says how high."""
     machine = read_mechanism(tomllib.loads(in_metal("geneva-table")))
     steps = [step.title for step in steps_of_assembly(machine).steps]
-    (ream,) = (each for each in steps if "Ream these" in each)
-    by_hand, keyed, pressed = ream.split("Ream these")[1:]
+    (ready,) = (each for each in steps if "These have keyways" in each)
+    _, by_hand = ready.split("What these hold goes in by hand")
+    by_hand, keyed = by_hand.split("These have keyways")
+    keyed, pressed = keyed.split("What these hold is pressed in")
+    # who makes a part reads its sheet, not the steps
+    assert not any(word in each.lower() for each in steps for word in ("ream", "broach", "saw "))
     assert "the hole beside the bore of lock-crank_to_table" in by_hand
     assert "the wider bore of hand-crank" in keyed
     assert "the hole beside the bore of hand-crank" in pressed and "lock-" not in pressed
-    assert "ball bearing" not in ream
+    assert "ball bearing" not in ready
+    (wheel,) = (each for each in steps if "the geneva wheel" in each)
+    assert "turn it until a hollow lies round the locking disc, or a slot round the roller" in wheel
     (lock,) = (each for each in steps if "all at once" in each)
     assert lock.endswith("all at once, down on crank.")
     # its plate is what one measures from, not the bush that is flush with it

@@ -270,7 +270,7 @@ def test_what_holds_a_part_on_its_shaft_says_how_far_it_turns(tmp_path: Path) ->
 def test_a_tight_key_is_pressed_and_no_step_slides_over_it() -> None:
     """A key h9, 3 wide, is 2.975 to 3; a keyway P9 is 2.969 to 2.994 [ISO 286]: in the middle 0.006 too wide for it."""
     machine, _ = facts("gallery/geneva-table", *starters.METAL["geneva-table"])
-    (said,) = (each.title for each in steps_of_assembly(machine).steps if "broach" in each.title)
+    (said,) = (each.title for each in steps_of_assembly(machine).steps if "keyways." in each.title)
     assert "tap the key into the shaft first, then press the part over it" in said
     assert "with a key" not in said
 

@@ -17,7 +17,12 @@ from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.parts.generator.wheels import EdgeDrive, Roller, Wheel
+from camgen.parts.part import HoldingNote
 from camgen.parts.wheels.geneva import Geneva, InnerGeneva
+
+_FACED = (
+    "as it goes on, turn it until a hollow lies round the locking disc, or a slot round the roller"
+)
 
 
 @dataclass(frozen=True)
@@ -169,7 +174,8 @@ class GenevaDrive(EdgeDrive):
                 f"the pin is on R {geneva.crank:.6g}, its roller {roller}",
             )
         floor = f"{geneva.floor:.3g} or more beyond the roller"
-        return (f"for a roller of {roller}", f"the slots end {floor}")
+        data = (f"for a roller of {roller}", f"the slots end {floor}")
+        return data if self.inner else (*data, HoldingNote(_FACED))
 
     def _directions(self, machine: m.Machine) -> tuple[complex, complex]:
         """Where the pin is from the crank's axis, and the slot that it drives from the wheel's, unit complex, as drawn."""
