@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 from PIL import Image
+from still import still_svg
 
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.shown import animation as shown
 from camgen.pipeline.shown import rendered
-from camgen.report.animation import frames, still_svg
+from camgen.report.animation import frames
 
 TOP = Path(__file__).resolve().parent.parent
 FRAMES = {

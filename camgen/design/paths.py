@@ -152,21 +152,6 @@ def front(designs: Iterable[ChainDesign], step: float = 0.0) -> list[ChainDesign
     return best
 
 
-def area(designs: Iterable[ChainDesign], goal: Goal) -> float:
-    """Share of the field below (worst error, most bars) that a front dominates, 0 to 1."""
-    dominant = [
-        each for each in front(designs) if each.error < goal.worst and each.bars < goal.most
-    ]
-    if not dominant:
-        return 0.0
-    ends = [each.error for each in dominant[1:]] + [goal.worst]
-    dominated = sum(
-        (end - each.error) * (goal.most - each.bars)
-        for each, end in zip(dominant, ends, strict=True)
-    )
-    return dominated / (goal.worst * goal.most)
-
-
 def solve_task(goal: Goal, task: Task) -> list[ChainDesign]:
     """The front of one task."""
     rng = np.random.default_rng(task.seed)

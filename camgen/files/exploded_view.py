@@ -417,10 +417,8 @@ def _drawn(solid: Mesh) -> tuple[Any, Any]:
     """What a solid covers on paper, and those of its edges and outlines that it does not hide itself."""
     import shapely
 
-    from camgen.parts.solids import manifold
-
     space = np.vstack([_PAPER, _EYE])
-    body = manifold(solid).transform(np.column_stack([space, np.zeros(3)]))
+    body = solid.manifold.transform(np.column_stack([space, np.zeros(3)]))
     rings = (shapely.make_valid(shapely.Polygon(ring)) for ring in body.project().to_polygons())
     face = reduce(shapely.symmetric_difference, rings, shapely.Polygon())
     places = solid.vertices @ space.T  # to the right, upwards, towards the eye

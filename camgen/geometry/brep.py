@@ -19,7 +19,7 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.mesh import Mesh, components, weld
-from camgen.geometry.rings import Floats, Ring, Shape, shape_of
+from camgen.geometry.rings import Floats, Ring
 from camgen.geometry.splines import Patch, Spline
 from camgen.numerics import magnitude
 
@@ -242,14 +242,6 @@ class Brep:
                 raise ValueError(f"the section at z = {z:.6g} mm does not close")
             rings.append(Ring(np.array(points), np.array(bulges)))
         return rings
-
-    def outlines(self, looks: int, height: float) -> list[Shape]:
-        """The level faces at a height that look up (+1) or down (-1), each as a flat shape."""
-        return [
-            shape_of([self.ring(loop) for loop in face.loops])
-            for face in self.faces
-            if face.looks == looks and self.corners[self.first(face.loops[0][0]), 2] == height
-        ]
 
 
 @dataclass(frozen=True, eq=False)

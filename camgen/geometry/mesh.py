@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -46,6 +47,15 @@ class Mesh:
         middle = self.vertices.mean(axis=0) if len(self.vertices) else np.zeros(3)
         return float(
             np.einsum("ij,ij->", self.vertices[self.faces[:, 0]] - middle, self.across) / 6
+        )
+
+    @property
+    def manifold(self) -> Any:
+        """It as a body of manifold3d."""
+        import manifold3d
+
+        return manifold3d.Manifold(
+            manifold3d.Mesh64(np.ascontiguousarray(self.vertices), self.faces.astype(np.uint64))
         )
 
     def moved(self, transform: Floats) -> Mesh:

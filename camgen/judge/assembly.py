@@ -20,7 +20,7 @@ from camgen.errors import counted
 from camgen.files.threemf import Item, Package, read_3mf
 from camgen.findings import Finding, at_least, at_most, in_file
 from camgen.geometry.rings import Floats, Points, Ring
-from camgen.judge.interference import GRID, Pair, interference, sweep_clearances
+from camgen.judge.interference import GRID, Clearance, Pair, interference, sweep_clearances
 from camgen.judge.slabs import Body, Course, Slab, slabs_of
 from camgen.machine.features import (
     CamOutline,
@@ -36,7 +36,7 @@ from camgen.machine.features import (
 )
 from camgen.machine.model import Pose
 
-_SHOWN = 24  # rows of the list: pairs that move past each other, the nearest first
+_SHOWN = 24  # rows of the list
 COLUMNS = ("pair", "intended", "least gap seen, mm", "proven, mm", "at")
 
 Row = tuple[str, str, float, float, float]
@@ -124,8 +124,13 @@ def sweep(path: Path, machine: SweptMachine) -> tuple[list[Finding], list[Row]]:
             ),
         ], []
     findings = [finding, *interference(clearances, machine.gap, machine.angle, machine.turns)]
+    return findings, nearest(clearances)
+
+
+def nearest(clearances: Sequence[Clearance]) -> list[Row]:
+    """Pairs that move past each other, the nearest first."""
     ordered = sorted((c for c in clearances if not c.at_rest), key=lambda c: c.gap)
-    rows = [
+    return [
         (
             f"{c.a}, {c.b}",
             "touch" if c.allowed is not None else "apart",
@@ -135,7 +140,6 @@ def sweep(path: Path, machine: SweptMachine) -> tuple[list[Finding], list[Row]]:
         )
         for c in ordered[:_SHOWN]
     ]
-    return findings, rows
 
 
 def _pieces(machine: SweptMachine) -> list[tuple[StandIn, StandIn]]:

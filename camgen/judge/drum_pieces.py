@@ -47,7 +47,7 @@ class DrumPieces:
 
     @cached_property
     def _bodies(self) -> tuple[Any, Any]:
-        return _manifold(self.drum), _manifold(self.ring)
+        return self.drum.manifold, self.ring.manifold
 
     def _overlap(self, down: float) -> Any:
         """What both share, the ring lowered."""
@@ -140,11 +140,3 @@ def pieces_findings(
         at_most("PIN_GAP", abs(pieces.seat_gap), facets, "mm", where, seat),
         at_most("PIN_GAP", abs(low + high) / 2 * corner, facets, "mm", where, key),
     ]
-
-
-def _manifold(mesh: Mesh) -> Any:
-    import manifold3d
-
-    return manifold3d.Manifold(
-        manifold3d.Mesh64(np.ascontiguousarray(mesh.vertices), mesh.faces.astype(np.uint64))
-    )

@@ -27,13 +27,12 @@ from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_least, in_file
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.rings import Floats
-from camgen.judge.assembly import Row, complete, standing
+from camgen.judge.assembly import Row, complete, nearest, standing
 from camgen.judge.interference import GRID, Clearance, interference
 from camgen.judge.slabs import plan_of
 from camgen.machine.features import SweptMachine
 from camgen.machine.model import GROUND
 
-_SHOWN = 24  # rows of the list
 _PRESSED = 0.01  # mm, overlap of bodies fixed on each other or turning in each other that still counts as touching
 _FAR = 2.0  # mm, beyond which no distance is looked for: what is near is found soon
 _MOST = 4000  # distances of one pair
@@ -157,23 +156,12 @@ def sweep_in_space(path: Path, machine: SweptMachine) -> tuple[list[Finding], li
         for name, item, on in standing(package, machine)
     ]
     clearances = list(_clearances(bodies, machine, theta))
-    ordered = sorted((each for each in clearances if not each.at_rest), key=lambda c: c.gap)
-    rows = [
-        (
-            f"{each.a}, {each.b}",
-            "touch" if each.allowed is not None else "apart",
-            each.gap,
-            each.proven,
-            math.degrees(each.theta),
-        )
-        for each in ordered[:_SHOWN]
-    ]
     findings = interference(clearances, machine.gap - _ROUNDING, machine.angle, machine.turns)
     if not all(math.isfinite(float(np.sum(each))) for each in courses.values()):
         words = "cannot be judged: the machine does not close all the way"
         unknown = at_least("INTERFERENCE", math.nan, machine.gap, "mm", in_file(path), words)
         return [finding, unknown], []
-    return [finding, *findings], rows
+    return [finding, *findings], nearest(clearances)
 
 
 def _from_start(machine: SweptMachine, theta: Floats, name: str) -> Floats:

@@ -11,7 +11,7 @@ transposed, the forces: those that serve a machine of the maker too (`run`, `for
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -33,7 +33,6 @@ from camgen.machine.model import (
     Path,
     Pin,
     Place,
-    Pose,
     Slide,
     Slot,
 )
@@ -478,15 +477,6 @@ class Constraints:
                 share[each.name] = _stretch(part) if moving[own].any() else np.zeros(len(q))
             shares.append(share)
         return shares
-
-    def poses(self, q: Floats) -> Mapping[str, Pose]:
-        """The same as poses of all bodies."""
-        ground = Pose(np.zeros(len(q), complex), np.zeros(len(q)))
-        return {GROUND: ground} | {
-            body: Pose(q[:, k] + 1j * q[:, k + 1], q[:, k + 2])
-            for body, k in self.column.items()
-            if k >= 0
-        }
 
 
 def _slopes(a: _Point, b: _Point, factor: Any = 1.0) -> dict[int, Any]:

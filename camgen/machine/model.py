@@ -446,10 +446,6 @@ class Machine:
         """The named joint."""
         return _named(name, self.joints, "joint")
 
-    def pin(self, name: str) -> Pin:
-        """The named pin."""
-        return _named(name, [joint for joint in self.joints if isinstance(joint, Pin)], "pin")
-
     def cam(self, name: str) -> Cam:
         """The named cam, or pair that turns by a law."""
         return _named(name, [joint for joint in self.joints if isinstance(joint, Cam)], "cam")

@@ -45,16 +45,6 @@ def solve(
     return Run(machine, np.ravel(np.asarray(theta, float)), order, loaded)
 
 
-def in_blocks(machine: Machine, theta: ArrayLike, order: int = 2) -> Iterator[Run]:
-    """The same, block after block: what is summed or searched over millions of angles needs no memory for all of them.
-
-    A third to a half of the time of one call for a million angles; most of the rest was memory handed out by the system.
-    """
-    angles = np.ravel(np.asarray(theta, float))
-    for first in range(0, angles.size, BLOCK):
-        yield solve(machine, angles[first : first + BLOCK], order)
-
-
 @dataclass(frozen=True)
 class Play:
     """How far the clearance of each joint, and of all together, can move an output either way, (n,), in its unit.

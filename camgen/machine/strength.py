@@ -113,7 +113,6 @@ def sliding(force: Any, turning: Any, diameter: float, length: float, friction: 
 
 
 BALLS = 3.0  # exponent of a bearing's life [ISO 281; skf.com, basic rating life]
-ROLLERS = 10 / 3
 
 
 def mean_load(force: Any, turning: Any, exponent: float = BALLS) -> float:

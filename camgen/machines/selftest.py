@@ -61,7 +61,7 @@ def rows() -> Iterator[Row]:
         own = " ".join(f"{claim:.4f}" if math.isfinite(claim) else "-" for claim in claims)
         published = _LAWS.get(name, own)
         labels = ("C_v", "C_a", "C_j", "j(1/2)", "|v a|")
-        values = (*(_peak(law, order) for order in (1, 2, 3)), float(law(0.5, 3)), _power(law))
+        values = (*(_peak(law, order) for order in (1, 2, 3)), float(law(0.5, 3)), law.c_m)
         for label, text, value in zip(labels, published.split(), values, strict=False):
             if text != "-":
                 yield Row(f"{name} {label}", text, value)
@@ -80,7 +80,7 @@ def _tasks() -> Iterator[Row]:
     for (name, task), published in _TASKS.items():
         start, end = (End("U", a=None) if letter == "U" else REST for letter in task)
         law = law_for(name, start, end)
-        values = (_peak(law, 1), *law.accelerations, _peak(law, 3), _power(law))
+        values = (_peak(law, 1), *law.accelerations, _peak(law, 3), law.c_m)
         labels = ("C_v", "C_a", "C_a*", "C_j", "C_M")
         for label, text, value in zip(labels, published.split(), values, strict=True):
             yield Row(f"{name} {task} {label}", text, value)
@@ -88,10 +88,6 @@ def _tasks() -> Iterator[Row]:
 
 def _peak(law: Law, order: int) -> float:
     return largest(lambda u: law(u, order), law.breaks)
-
-
-def _power(law: Law) -> float:
-    return largest(lambda u: law(u, 1) * law(u, 2), law.breaks)
 
 
 def _double_dwell_peak(law: Law, order: int) -> float:
@@ -126,7 +122,7 @@ def _mr_13() -> Iterator[Row]:
         ("|b c|", "8.0202", b * c),
     ):
         yield Row(f"mr-13 {label} of 61 positions", text, peak(curve))
-    yield Row("mr-13 |b c|", "8.0491", _power(law))
+    yield Row("mr-13 |b c|", "8.0491", law.c_m)
 
 
 def _linkages() -> Iterator[Row]:

@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -221,23 +220,14 @@ def _check_rings(loops: Sequence[Points], name: str) -> None:
         )
 
 
-def manifold(mesh: Mesh) -> Any:
-    """A mesh as a body of manifold3d."""
-    import manifold3d
-
-    return manifold3d.Manifold(
-        manifold3d.Mesh64(np.ascontiguousarray(mesh.vertices), mesh.faces.astype(np.uint64))
-    )
-
-
 def _combine(layers: Sequence[Mesh], pockets: Sequence[Mesh]) -> Mesh:
     """Union of the layers less the pockets; new vertices are brought back to float32 with walls upright."""
     import manifold3d
 
-    body = manifold3d.Manifold.batch_boolean([manifold(m) for m in layers], manifold3d.OpType.Add)
+    body = manifold3d.Manifold.batch_boolean([m.manifold for m in layers], manifold3d.OpType.Add)
     if pockets:
         body = manifold3d.Manifold.batch_boolean(
-            [body, *map(manifold, pockets)], manifold3d.OpType.Subtract
+            [body, *(m.manifold for m in pockets)], manifold3d.OpType.Subtract
         )
     raw = body.to_mesh64()
     vertices = np.asarray(raw.vert_properties)[:, :3]
@@ -256,7 +246,7 @@ def _cross(layers: Sequence[Mesh], part: Part, tolerance: float) -> Mesh:
     """The stack as far as it lies in the part's other region extruded along y, its edges cut round; rounded to float32."""
     import manifold3d
 
-    stack = manifold3d.Manifold.batch_boolean([manifold(m) for m in layers], manifold3d.OpType.Add)
+    stack = manifold3d.Manifold.batch_boolean([m.manifold for m in layers], manifold3d.OpType.Add)
     reach = 1 + max(magnitude(m.vertices[:, 1]) for m in layers)
     assert part.side_profile is not None
     upright = _prism(Layer(part.side_profile, -reach, reach), tolerance, part.name, pocket=False)
@@ -265,8 +255,8 @@ def _cross(layers: Sequence[Mesh], part: Part, tolerance: float) -> Mesh:
         np.ascontiguousarray(upright.vertices[:, [0, 2, 1]]),
         np.ascontiguousarray(upright.faces[:, ::-1]),
     )
-    body = manifold3d.Manifold.batch_boolean([stack, manifold(across)], manifold3d.OpType.Intersect)
-    cutters = [manifold(_canonical(*edge.cutter(tolerance))) for edge in part.edges]
+    body = manifold3d.Manifold.batch_boolean([stack, across.manifold], manifold3d.OpType.Intersect)
+    cutters = [_canonical(*edge.cutter(tolerance)).manifold for edge in part.edges]
     if cutters:
         body = manifold3d.Manifold.batch_boolean([body, *cutters], manifold3d.OpType.Subtract)
     if body.is_empty():
@@ -379,6 +369,6 @@ def _check(mesh: Mesh, name: str) -> None:
 
 def _check_bodies(mesh: Mesh, name: str) -> None:
     """Raise DesignError unless a closed mesh is one body."""
-    bodies = len(manifold(mesh).decompose())
+    bodies = len(mesh.manifold.decompose())
     if bodies != 1:
         raise DesignError(f"bodies of {name}", bodies, 1, "", "", "let the layers overlap")

@@ -22,7 +22,7 @@ forces   of extension springs to DIN 2097, grade 2 [blog.federnshop.com/en/tensi
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -209,6 +209,13 @@ class ExtensionSpring(HelicalSpring):
         return Bought("extension spring", "EN 13906-2", size, 1, "spring", key="spring.rate")
 
 
+def _coils(wire: float, mean: float, rate: float) -> float:
+    """Coils that give a spring of a wire and a mean diameter, mm, its rate, N/mm; 0 where it cannot be wound."""
+    coils = _SHEAR * wire**4 / (8 * mean**3 * rate)
+    windable = coils >= _LEAST_COILS and _INDEX[0] <= mean / wire <= _INDEX[1]
+    return coils if windable else 0.0
+
+
 def extension_spring(
     rate: float,
     free: float,
@@ -226,14 +233,10 @@ def extension_spring(
     for wider in _WIDER:
         for wire in _SLIM_WIRES:
             mean = wider * eye + wire
-            coils = _SHEAR * wire**4 / (8 * mean**3 * rate)
+            coils = _coils(wire, mean, rate)
             spring = ExtensionSpring(wire, mean + wire, coils, free, rate)
-            windable = (
-                coils >= _LEAST_COILS
-                and _INDEX[0] <= mean / wire <= _INDEX[1]
-                and spring.least_free(hook) <= free
-            )
-            if not windable or spring.stress(way[1]) > spring.strength:
+            fits = coils and spring.least_free(hook) <= free
+            if not fits or spring.stress(way[1]) > spring.strength:
                 continue
             if not lasting or spring.lasts(*way):
                 return spring
@@ -292,21 +295,13 @@ def compression_spring(
 ) -> WorkingSpring | None:
     """The slimmest spring of a rate, N/mm, that presses with a force, N, where it is longest, whose wire bears being pressed solid
     and that is hardly longer than others; inside, outside: its least and greatest diameters; mm. None where none can be."""
-    stretch = force / rate + travel
     widest = (outside - inside) / 2
-    found = []  # slim ones first
+    found: list[WorkingSpring] = []  # slim ones first
     for room in (0.0, 0.25, 0.5, 1.0):  # shares of the gap, by which it is wider than it needs be
         for wire in _SLIM_WIRES:
             mean = inside + wire + 2 * room * (widest - wire)
-            coils = _SHEAR * wire**4 / (8 * mean**3 * rate)
-            windable = coils >= _LEAST_COILS and _INDEX[0] <= mean / wire <= _INDEX[1]
-            if wire > widest or not windable:
-                continue
-            spring = CompressionSpring(wire, mean + wire, coils, 0.0, rate)
-            shortest = spring.solid + _RESERVE * stretch
-            spring = replace(spring, free=shortest + stretch)
-            if spring.stress(spring.solid) <= spring.strength:
-                found.append(WorkingSpring(spring, shortest, shortest + travel))
+            if wire <= widest:
+                found += _pressing(wire, mean, rate, force, travel)
     least = min((each.shortest for each in found), default=0.0)
     return next((each for each in found if each.shortest <= _LONGER * least), None)
 
@@ -318,7 +313,6 @@ class WorkingSpring:
     spring: ExtensionSpring | CompressionSpring
     shortest: float  # mm, of one with eyes inside them
     longest: float
-    made: bool = True  # whether it hangs in the machine; else it is only proposed
     on_cam: bool = True  # whether it keeps a follower on its cam
     name: str = "spring"  # in its figures
     count: int = 1
@@ -339,6 +333,20 @@ class WorkingSpring:
         return replace(self.spring.bought(self.shortest, self.longest), count=self.count)
 
 
+def _pressing(
+    wire: float, mean: float, rate: float, force: float, travel: float
+) -> Iterator[WorkingSpring]:
+    """A compression spring of a wire and a mean diameter, mm, as `compression_spring` has them; nothing where it cannot be wound, or
+    its wire does not bear being pressed solid."""
+    coils = _coils(wire, mean, rate)
+    stretch = force / rate + travel
+    spring = CompressionSpring(wire, mean + wire, coils, 0.0, rate)
+    shortest = spring.solid + _RESERVE * stretch
+    spring = replace(spring, free=shortest + stretch)
+    if coils and spring.stress(spring.solid) <= spring.strength:
+        yield WorkingSpring(spring, shortest, shortest + travel)
+
+
 def wound(rate: float, low: float, travel: float) -> WorkingSpring | None:
     """A spring to be wound that pulls with `low` N at its shortest and by `rate` N/mm more over its travel, mm; the shortest
     that lasts, else the shortest whose stress its wire bears; None where none can be. Without a rate it grows by a third over its travel."""
@@ -347,12 +355,12 @@ def wound(rate: float, low: float, travel: float) -> WorkingSpring | None:
     for index in (6.0, 8.0, 10.0, 12.0):
         for wire in WIRES:
             mean = index * wire
-            coils = _SHEAR * wire**4 / (8 * mean**3 * stiff)
+            coils = _coils(wire, mean, stiff)
             spring = ExtensionSpring(wire, mean + wire, coils, 0.0, stiff)
             spring = ExtensionSpring(wire, mean + wire, coils, spring.least_free(), stiff)
             shortest = spring.free + low / stiff
-            if coils >= _LEAST_COILS and spring.stress(shortest + travel) <= spring.strength:
-                springs.append(WorkingSpring(spring, shortest, shortest + travel, False))
+            if coils and spring.stress(shortest + travel) <= spring.strength:
+                springs.append(WorkingSpring(spring, shortest, shortest + travel))
     springs = [each for each in springs if each.lasts] or springs
     return min(springs, key=lambda each: each.shortest, default=None)
 
@@ -361,21 +369,14 @@ def round_stem(rate: float, low: float, travel: float, stem: float) -> WorkingSp
     """A compression spring to be wound round a stem of a diameter, mm, that presses with `low` N at its longest and by `rate` N/mm
     more over its travel, mm; the slimmest that lasts, of these the shortest; None where none does. Without a rate as `wound`."""
     stiff = rate or low / 3 / travel
-    stretch = low / stiff + travel
     for wider in _WIDER_COILS:
         springs: list[WorkingSpring] = []
         for wire in WIRES:
             mean = wider * (stem + _PLAY) + wire
-            coils = _SHEAR * wire**4 / (8 * mean**3 * stiff)
-            spring = CompressionSpring(wire, mean + wire, coils, 0.0, stiff)
-            shortest = spring.solid + _RESERVE * stretch
-            spring = replace(spring, free=shortest + stretch)
-            windable = coils >= _LEAST_COILS and _INDEX[0] <= mean / wire <= _INDEX[1]
-            made = WorkingSpring(spring, shortest, shortest + travel, False)
-            if windable and spring.stress(spring.solid) <= spring.strength and made.lasts:
-                springs.append(made)
-        if springs:
-            return min(springs, key=lambda each: each.longest)
+            springs += _pressing(wire, mean, stiff, low, travel)
+        lasting = [each for each in springs if each.lasts]
+        if lasting:
+            return min(lasting, key=lambda each: each.longest)
     return None
 
 

@@ -429,9 +429,7 @@ def _of_solid(solid: Mesh, line: tuple[complex, complex]) -> Shape:
     """A solid: its faces are the outlines from above of what reaches as high as each of its level faces, then of all of it."""
     import shapely
 
-    from camgen.parts.solids import manifold
-
-    body = manifold(solid)
+    body = solid.manifold
     levels = _levels(solid)
     faces = [
         (body.trim_by_plane((0.0, 0.0, 1.0), level - _UNDER).project(), level) for level in levels

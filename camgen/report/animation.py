@@ -76,22 +76,6 @@ class Animation:
         return changes or any(body.course is not None for body in self.bodies)
 
 
-def still_svg(animation: Animation, title: str, frame: int = 0) -> str:
-    """A still picture of the mechanism at frame `frame`, as an SVG file of its own."""
-    box, drawing = _drawing(animation, frame)
-    colours = "".join(f".c{k}{{color:{part_colour(k)}}}" for k in range(len(animation.bodies)))
-    return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" width="480" role="img">'
-        f"<title>{escape(title)}</title><style>{_STILL_STYLE}{colours}</style>{drawing}</svg>\n"
-    )
-
-
-_STILL_STYLE = (
-    "svg{background:#fff;font-family:sans-serif}.upright{display:none}.grid{stroke:#e6eaee}.axes{stroke:#9aa5b1}.scale{stroke:#39424e}"
-    "text{fill:#39424e}use{fill:currentColor;stroke:currentColor}"
-)
-
-
 def decimals(value: float) -> str:
     """As the page's script writes a value."""
     return f"{value:.3f}".replace("-", "−") if math.isfinite(value) else "–"
@@ -217,7 +201,7 @@ def _coordinates(course: Points) -> list[list[float]]:
     return [[float(value) for value in row] for row in np.round(flat, 2) + 0.0]
 
 
-def _drawing(animation: Animation, frame: int) -> tuple[str, str]:
+def drawing(animation: Animation, frame: int) -> tuple[str, str]:
     """View box and markup of the mechanism at a frame; the page's script moves the `use` elements."""
     copies = _copies(animation)
     count = len(animation.theta)
@@ -304,7 +288,7 @@ def player(animation: Animation, scene: bool = False) -> str:
 
     scene: whether there is a view in three dimensions, which takes the drawing's place.
     """
-    box, drawing = _drawing(animation, 0)
+    box, drawn = drawing(animation, 0)
     items = []
     for k, body in enumerate(animation.bodies):
         over = sum(pose.flipped for pose in body.poses)
@@ -332,7 +316,7 @@ def player(animation: Animation, scene: bool = False) -> str:
         f'<svg id="mechanism" viewBox="{box}" role="img" aria-labelledby="drawn drawn-what">'
         f'<title id="drawn">{"The mechanism in motion" if animation.moves else "The parts"}</title>'
         '<desc id="drawn-what">Seen along the axes, y up: '
-        f"{escape(names)}.</desc>{drawing}</svg>{_CANVAS if scene else ''}</div>"
+        f"{escape(names)}.</desc>{drawn}</svg>{_CANVAS if scene else ''}</div>"
         f'<div class="controls"{"" if animation.moves else " hidden"}><button type="button" id="play" hidden>Play</button>'
         f"{_SPEED}"
         f'<input id="theta" type="range" min="0" max="360" step="0.5" value="0" aria-label="{where}" hidden>'

@@ -24,9 +24,10 @@ ROOT = HERE.parents[1]
 sys.path[:0] = [str(HERE.parent / "machine"), str(ROOT)]
 
 import chains  # noqa: E402  of the tests
+from front_area import area  # noqa: E402
 from results import PAGE, put  # noqa: E402
 
-from camgen.design.paths import area, front, kinds, search  # noqa: E402
+from camgen.design.paths import front, kinds, search  # noqa: E402
 from camgen.design.polish import Goal  # noqa: E402
 from camgen.design.target import Target  # noqa: E402
 from camgen.machine.closing import close  # noqa: E402

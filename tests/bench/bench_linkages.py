@@ -239,14 +239,15 @@ def print_blocks() -> None:
     import bare
     import numpy as np
 
-    from camgen.machine.run import in_blocks
+    from camgen.machine.run import BLOCK, solve
 
     count = COUNTS[-1]
     machine, asked = machine_of("four-bar")
     theta = np.arange(1, count + 1) * (2 * math.pi / count)
 
     def ours(order: int) -> None:
-        for run in in_blocks(machine, theta, order):
+        for first in range(0, count, BLOCK):
+            run = solve(machine, theta[first : first + BLOCK], order)
             for body, at in asked:
                 run.point(body, complex(at))
 

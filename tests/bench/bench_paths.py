@@ -12,8 +12,9 @@ import time
 from pathlib import Path
 
 import numpy as np
+from front_area import area
 
-from camgen.design.paths import area, front, kinds, search
+from camgen.design.paths import front, kinds, search
 from camgen.design.polish import Goal
 from camgen.design.target import Target
 from camgen.workers import Workers

@@ -153,7 +153,7 @@ def four_bars(peers: Peers, rounds: int) -> Iterator[Row]:
     """Positions, alone or with two derivatives, here, positions there; errors against the circles' crossing in long double."""
     import numpy as np
 
-    from camgen.machine.run import Run, in_blocks
+    from camgen.machine.run import BLOCK, Run, solve
     from camgen.machines.thread_take_up.feed import TakeUp
 
     frame, crank, coupler, output = 9.0, 30.0, 30.0, 19.0
@@ -163,8 +163,8 @@ def four_bars(peers: Peers, rounds: int) -> Iterator[Row]:
         return run.point("crank", "A"), run.point("coupler", "B")
 
     def block_by_block(theta: Any, order: int) -> None:
-        for run in in_blocks(four_bar.machine, theta, order):
-            joints(run)
+        for first in range(0, theta.size, BLOCK):
+            joints(solve(four_bar.machine, theta[first : first + BLOCK], order))
 
     for count, goal in ((3_600, 2.0), (36_000, 5.0), (1_000_000, 10.0)):
         theta = np.arange(1, count + 1) * (2 * math.pi / count)

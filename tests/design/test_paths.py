@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from front_area import area
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
@@ -16,7 +17,7 @@ from scipy.spatial.distance import pdist
 
 from camgen.design.chains import Chain, chains
 from camgen.design.linkages import Tracing
-from camgen.design.paths import ChainDesign, Task, area, front, search, solve_task
+from camgen.design.paths import ChainDesign, Task, front, search, solve_task
 from camgen.design.polish import Goal, pack, polish
 from camgen.design.run import Front, design
 from camgen.design.target import Target, _farthest

@@ -97,7 +97,7 @@ def test_a_rod_pulls_along_the_tangent_of_both_friction_circles(force: float) ->
     machine = rod((1.5, 1.0), force)
     theta = np.linspace(0.2, 6.1, 60)
     run = solve(machine, theta)
-    forces, (a, b) = run.forces(), (machine.pin(name) for name in "AB")
+    forces, (a, b) = run.forces(), (machine.joint(name) for name in "AB")
     on_rod = {
         pin.name: forces.reactions[pin.name] * (1 if pin.a.body == "rod" else -1) for pin in (a, b)
     }

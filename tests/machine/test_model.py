@@ -134,11 +134,11 @@ def test_a_name_used_twice_is_told(table: str) -> None:
         replace(MACHINE, **{table: (*rows, rows[0])})
 
 
-@pytest.mark.parametrize("what", ["body", "joint", "pin", "slide", "output"])
+@pytest.mark.parametrize("what", ["body", "joint", "slide", "output"])
 def test_what_is_asked_for_by_a_wrong_name_is_told(what: str) -> None:
     with pytest.raises(SpecError, match="'zz' - expected "):
         getattr(MACHINE, what)("zz")
-    assert MACHINE.body(GROUND).name == GROUND and MACHINE.pin("pin") is JOINTS["pin"]
+    assert MACHINE.body(GROUND).name == GROUND and MACHINE.joint("pin") is JOINTS["pin"]
 
 
 EYE, FACES = f.Eye("part", 0j, 4.0), f.Faces("part", 0j, 0.0, 4.0)

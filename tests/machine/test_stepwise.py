@@ -49,7 +49,7 @@ def test_larger_blocks_and_what_does_not_close_are_left_to_the_general_way() -> 
     assert {"double butterfly", "Stephenson III"} <= left and len(DYADS) >= 10
     assert closed_by_dyads(replace(four_bar(40, 15, 45, 35), drives=())) is None  # loose
     bar = four_bar(40, 15, 45, 35)
-    near = replace(bar.pin("B"), a=Place("coupler", 5), b=Place("rocker", 5))
+    near = replace(bar.joint("B"), a=Place("coupler", 5), b=Place("rocker", 5))
     joints = tuple(near if joint.name == "B" else joint for joint in bar.joints)
     assert closed_by_dyads(replace(bar, joints=joints)) is None
 

@@ -37,11 +37,11 @@ from camgen.pipeline.development import judge_developments, make_developments
 from camgen.pipeline.drums import judge_drums
 from camgen.pipeline.shopping import bought_things
 from camgen.pipeline.shown import animation
-from camgen.report.animation import still_svg
 from camgen.spec import validate
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "geometry"))
 from drums import REFERENCE  # noqa: E402
+from still import still_svg  # noqa: E402
 
 SPEC = Path(__file__).parents[2] / "specs" / "cylinder-cam.toml"
 ARM = {"motion": "oscillating", "arm": 40.0}

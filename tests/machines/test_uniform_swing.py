@@ -143,7 +143,7 @@ def test_second_tip_rides_on_the_turned_cam() -> None:
     for outline, mount in zip(m.assembly.features, m.assembly.mounts, strict=True):
         assert isinstance(outline, CamOutline) and isinstance(outline.tip, Eye)
         centre = (
-            m.model.pin("pivot").b.at + outline.tip.at * np.exp(1j * m.cam.reachable(theta))
+            m.model.joint("pivot").b.at + outline.tip.at * np.exp(1j * m.cam.reachable(theta))
         ) * np.exp(-1j * theta)
         z = -np.conj(centre) if mount.flipped else centre
         gap = shapely.distance(shapely.points(z.real, z.imag), rim) - outline.tip.diameter / 2

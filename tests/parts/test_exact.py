@@ -11,6 +11,7 @@ from test_solids import cam, hub
 from camgen.errors import DesignError
 from camgen.geometry.brep import Brep, Face
 from camgen.geometry.outlines import Arc, Contour, Line, Region, circle, kidney, polygon, rectangle
+from camgen.geometry.rings import Shape, shape_of
 from camgen.parts.exact import exact
 from camgen.parts.part import Layer, Part, hull
 
@@ -64,6 +65,15 @@ def test_a_wall_through_equal_layers_is_one_face():
     assert len(one.faces) == len(two.faces) and two.volume == pytest.approx(one.volume, rel=1e-14)
 
 
+def level_faces(body: Brep, looks: int, height: float) -> list[Shape]:
+    """Those at a height that look up (+1) or down (-1)."""
+    return [
+        shape_of([body.ring(loop) for loop in face.loops])
+        for face in body.faces
+        if face.looks == looks and body.corners[body.first(face.loops[0][0]), 2] == height
+    ]
+
+
 def test_a_boss_on_a_bar_touches_its_edge_along_an_arc():
     bar = hull([(0j, 5.0), (20 + 0j, 4.0)])
     part = stack(
@@ -72,7 +82,7 @@ def test_a_boss_on_a_bar_touches_its_edge_along_an_arc():
     )
     body = sound(exact(part, TOLERANCE))
     assert body.volume == pytest.approx(part.volume, rel=1e-12)
-    (shoulder,) = [shape for shape in body.outlines(1, 4.0)]
+    (shoulder,) = [shape for shape in level_faces(body, 1, 4.0)]
     assert shoulder.area == pytest.approx(
         bar.area - math.pi * 25, rel=1e-12
     )  # the boss leaves it without a rim beyond its own
@@ -107,7 +117,7 @@ def test_letters_are_cut_in():
     taken = 0.5 * (ring.region.area + slot.region.area)
     assert body.volume == pytest.approx(plate.volume - taken, rel=1e-12)
     assert (
-        len(body.outlines(1, 4.0)) == 2 and len(body.outlines(1, 3.5)) == 2
+        len(level_faces(body, 1, 4.0)) == 2 and len(level_faces(body, 1, 3.5)) == 2
     )  # the letter's island; two floors
 
 
@@ -116,7 +126,7 @@ def test_nearly_equal_outlines_are_one():
     part = stack(Layer(Region(circle(0, 5)), 0, 2), Layer(Region(circle(3e-7, 5 + 2.6e-7)), 2, 4))
     body = sound(exact(part, TOLERANCE))
     assert body.volume == pytest.approx(part.volume, rel=1e-6)
-    assert not body.outlines(1, 2.0) and not body.outlines(-1, 2.0)
+    assert not level_faces(body, 1, 2.0) and not level_faces(body, -1, 2.0)
 
 
 def test_what_is_refused():

@@ -20,7 +20,7 @@ def test_sizes_are_those_of_the_standard() -> None:
     wheel = Wheel(20, BasicRack(2.0))
     rim = np.abs(facet_contour(wheel.outline(), 1e-3))
     assert (rim.min(), rim.max()) == (pytest.approx(17.5, abs=1e-3), pytest.approx(22.0, abs=1e-3))
-    assert wheel.thickness == pytest.approx(math.pi)
+    assert 2 * wheel.half_angle(20.0) * 20 == pytest.approx(math.pi)
     assert 0.97 < Region(wheel.outline()).area / (math.pi * 19.9**2) < 1.0
 
 
@@ -48,7 +48,8 @@ def test_flanks_stay_in_touch_at_the_ratio(ratio: float) -> None:
 def test_backlash_is_the_free_way_along_the_pitch_circle() -> None:
     mesh = pair(60.0, -2.0, 0.2, 0.5, GearWish(), "gear")
     a, b = mesh.a, mesh.b
-    assert a.thickness + b.thickness == pytest.approx(math.pi * a.module - 0.2)
+    teeth = (2 * each.half_angle(each.reference) * each.reference for each in (a, b))
+    assert sum(teeth) == pytest.approx(math.pi * a.module - 0.2)
     assert (a.teeth, b.reference + a.reference) == (2 * b.teeth, pytest.approx(60.0))
 
 

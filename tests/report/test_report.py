@@ -16,11 +16,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from still import still_svg
 
 from camgen.errors import FileError
 from camgen.findings import Finding, Where, at_least, at_most
 from camgen.machine.features import PartPose
-from camgen.report.animation import Animation, Body, frames, still_svg, svg_path
+from camgen.report.animation import Animation, Body, frames, svg_path
 from camgen.report.page import to_html, write_html
 from camgen.report.report import Report, to_json, write_csv, write_json
 from camgen.report.tables import share_used
@@ -400,7 +401,7 @@ def test_gallery_picture_stands_alone_and_holds_the_mechanism() -> None:
 @pytest.mark.long
 def test_same_report_same_bytes() -> None:
     code = (
-        "import sys; sys.path[:0] = ['tests/report']\n"
+        "import sys; sys.path[:0] = ['tests', 'tests/report']\n"
         "from test_report import *\n"
         "r = made_up()\n"
         "sys.stdout.write(to_html(r) + to_json(r) + still_svg(r.animation, r.name))"

@@ -126,10 +126,6 @@ class DiscCam(Generic[F]):
         """Pitch curve in the cam's frame, or its derivative to theta of order 0..3, (n,) complex."""
         return self.tip.pitch(theta, self.program, order)
 
-    def tangent(self, theta: Any) -> Points:
-        """Unit tangent of the pitch curve in the sense of growing theta, (n,) complex, cam's frame."""
-        return _unit(self.pitch(theta, 1))
-
     def curvature(self, theta: Any) -> Floats:
         """Curvature of the pitch curve, 1/mm, (n,), positive where the cam is convex."""
         return self.tip.pitch_curvature(theta, self.program)

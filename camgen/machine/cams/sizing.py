@@ -29,7 +29,7 @@ from camgen.machine.cams.followers import (
 from camgen.machine.cams.limits import CamLimits
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.cams.shoes import Shoe, SwingingShoe
-from camgen.numerics import Floats, Points
+from camgen.numerics import Floats
 
 _CUSP = (
     0.01  # mm, radius of curvature under a flat face, nearer than which to 0 a profile has a cusp
@@ -53,8 +53,6 @@ class Survey:
     pressure: float  # largest pressure angle, rad
     least_radius: float  # of the convex profile, mm; below 0: undercut, inf: none
     clear: float  # least distance of the follower from the shaft's axis, mm
-    theta: Floats  # (n,) rad
-    profile: Points  # there, (n,) complex mm, cam's frame
 
 
 def survey(cam: DiscCam[Follower]) -> Survey:
@@ -94,7 +92,7 @@ def survey(cam: DiscCam[Follower]) -> Survey:
         else math.inf
     )
     clear = float(np.min(follower.clear(theta, motion)))
-    return Survey(_peak(steep, grids), bend, clear, theta, profile)
+    return Survey(_peak(steep, grids), bend, clear)
 
 
 def _peak(y: Floats, grids: list[Floats]) -> float:

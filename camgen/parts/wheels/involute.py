@@ -156,11 +156,6 @@ class Wheel(Teeth):
         return self.reference - self.module * (rack.addendum + rack.clearance - self.shift)
 
     @property
-    def thickness(self) -> float:
-        """Of a tooth along the reference circle, mm."""
-        return 2 * self.half_angle(self.reference) * self.reference
-
-    @property
     def tip_thickness(self) -> float:
         """Of a tooth along the tips' circle, mm; below 0 where the flanks meet under it."""
         return 2 * self.half_angle(self.tip) * self.tip
@@ -399,11 +394,6 @@ class Ring(Teeth):
         """Radius of the roots, mm."""
         rack = self.rack
         return self.reference + self.module * (rack.addendum + rack.clearance + self.shift)
-
-    @property
-    def thickness(self) -> float:
-        """Of a tooth along the reference circle, mm."""
-        return (self.pitch - 2 * self.half_angle(self.reference)) * self.reference
 
     def half_angle(self, radius: float) -> float:
         """Half of a space's angle at a radius, rad."""

@@ -307,8 +307,3 @@ class Mesh:
                     "",
                     f"use a ring of more than {self.b.teeth - self.a.teeth} teeth more than the pinion's",
                 )
-
-
-def least_shift(rack: BasicRack, teeth: int) -> float:
-    """Shift of a wheel that just avoids undercut, at least 0."""
-    return max(0.0, rack.least_shift(teeth))

@@ -74,18 +74,3 @@ class PlanetSet:
     def teeth(self) -> tuple[int, int, int]:
         """Of sun, planet and ring."""
         return self.sun.a.teeth, self.sun.b.teeth, self.ring.b.teeth
-
-    @property
-    def even(self) -> bool:
-        """Whether the planets can stand evenly spread."""
-        sun, _, ring = self.teeth
-        return (sun + ring) % self.count == 0
-
-    @property
-    def seats(self) -> list[float]:
-        """Angles of the planets, see `seats`."""
-        return seats(self.teeth, self.count)
-
-    def turns(self, fixed: Member, driven: Member) -> dict[str, float]:
-        """Turns of each member, see `turns`."""
-        return turns(self.teeth, fixed, driven)

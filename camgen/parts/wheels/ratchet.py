@@ -280,10 +280,6 @@ class Pawl:
         """
         return -cmath.phase(self.push / (self.pivot - self.held))
 
-    def holds(self, friction: float) -> bool:
-        """Whether it draws itself in and stays, at a coefficient of friction."""
-        return self.draw > math.atan(friction)
-
 
 def pawl_of(wheel: RatchetWheel, distance: float, end: float, draw: float) -> Pawl:
     """The pawl whose pivot is so far from the wheel's axis, mm, and that a face draws in by this angle, rad.

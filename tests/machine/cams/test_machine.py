@@ -238,11 +238,11 @@ def test_friction_turns_into_heat_where_profile_and_tip_slide() -> None:
     # The contact wanders along the profile and round the tip; the difference of both is what slides.
     mu = 0.2
     forces, free = swing(SPRING, mu), swing(SPRING)
-    normal = (
-        1j * CAM.tangent(THETA) * np.exp(1j * (THETA - CAM.program(THETA)))
-    )  # seen from the follower
+    tangent = CAM.pitch(THETA, 1)
+    tangent /= np.abs(tangent)
+    normal = 1j * tangent * np.exp(1j * (THETA - CAM.program(THETA)))  # seen from the follower
     round_tip = np.gradient(np.unwrap(np.angle(normal)), THETA) * CAM.follower.tip_radius
-    along = CAM.profile(THETA, 1) / CAM.tangent(THETA)
+    along = CAM.profile(THETA, 1) / tangent
     slides = np.abs(along.real - round_tip) * 1e-3
     heat = forces.drives["motor"] - free.drives["motor"]
     assert np.allclose(heat[5:-5], (mu * forces.pressing["contact"] * slides)[5:-5], rtol=1e-3)

@@ -147,7 +147,8 @@ def test_pitch_curve_facts() -> None:
     assert rise == pytest.approx(facts["curvature_radius_rise_mm"], abs=0.005)
     assert back == pytest.approx(facts["curvature_radius_return_mm"], abs=0.005)
     for at, expected, sense in ((math.pi, "corner_convex_deg", -1), (0.0, "corner_concave_deg", 1)):
-        turn = np.angle(complex(made.tangent(at + 1e-12)) / complex(made.tangent(at - 1e-12)))
+        after, before = (complex(made.pitch(at + step, 1)) for step in (1e-12, -1e-12))
+        turn = np.angle(after / before)
         # the curve runs clockwise: a left turn is concave
         assert sense * np.degrees(turn) == pytest.approx(facts[expected], abs=0.05)
 
