@@ -108,19 +108,8 @@ def pose_designs(wish: PoseWish, room: Room, tables: Data, rng: np.random.Genera
     else:
         bars, errors = near_four_bars(poses, room, allowance, rng, wish.effort)
     share = np.max(errors / np.array(allowance)[:, None], axis=0)
-    verdict = room.judged(bars)
-    sifted = _Sifted.of(wish, verdict, bars.bars, share)
-
-    def of(k: int) -> Found:
-        number = int(sifted.numbers[k])
-        motion = _motion(bars, verdict, number)
-        off_mm = float(errors[0, number])
-        off_deg = math.degrees(errors[1, number])
-        figures = {**sifted.figures(number, motion.ends), "off_mm": off_mm, "off_deg": off_deg}
-        judged = _judged_poses(wish, motion, off_mm, off_deg)
-        return _found(motion, judged, figures, wish, tables)
-
-    return Designs(sifted.losses, of)
+    off = {"off_mm": errors[0], "off_deg": np.degrees(errors[1])}
+    return _four_bar_designs(wish, room, tables, bars, share, off)
 
 
 def point_designs(wish: PointWish, room: Room, tables: Data, rng: np.random.Generator) -> Designs:
@@ -132,17 +121,31 @@ def point_designs(wish: PointWish, room: Room, tables: Data, rng: np.random.Gene
     if not wish.timed and len(wish.places) == COUNT:
         bars = joined(nine_point_four_bars(wish.places), bars)
     off = np.max(np.abs(bars.p - passing.points[:, None]), axis=0)
-    verdict = room.judged(bars)
-    sifted = _Sifted.of(wish, verdict, bars.bars, off / wish.allowance)
+    return _four_bar_designs(wish, room, tables, bars, off / wish.allowance, {"off_mm": off})
 
-    def of(k: int) -> Found:
-        number = int(sifted.numbers[k])
-        motion = _motion(bars, verdict, number)
-        figures = {**sifted.figures(number, motion.ends), "off_mm": float(off[number])}
-        judged = [_judged_places(wish, motion, float(off[number]))]
+
+def _four_bar_designs(
+    wish: FourBarWish,
+    room: Room,
+    tables: Data,
+    bars: FourBars,
+    share: Floats,
+    off: Mapping[str, Floats],
+) -> Designs:
+    """Four-bars as designs; share: error as a share of what is borne; off: figures of the error, (n,) each."""
+    verdict = room.judged(bars)
+    sifted = _Sifted.of(wish, verdict, bars.bars, share)
+
+    def of(number: int) -> Found:
+        motion = Motion(bars.those(np.array([number])), bool(verdict.all_round[number]))
+        errors = {key: float(each[number]) for key, each in off.items()}
+        judged = [_judged_places(wish, motion, errors["off_mm"])]
+        if isinstance(wish, PoseWish):
+            judged.append(_judged_angles(wish, motion, errors["off_deg"]))
+        figures = {**sifted.figures(number, motion.ends), **errors}
         return _found(motion, judged, figures, wish, tables)
 
-    return Designs(sifted.losses, of)
+    return sifted.designs(of)
 
 
 def slide_designs(wish: SlideWish, room: Room, tables: Data) -> Designs:
@@ -153,8 +156,7 @@ def slide_designs(wish: SlideWish, room: Room, tables: Data) -> Designs:
     off = np.max(np.abs(bars.way - way[:, None]), axis=0)
     sifted = _Sifted.of(wish, verdict, bars.bars, off / wish.allowance)
 
-    def of(k: int) -> Found:
-        number = int(sifted.numbers[k])
+    def of(number: int) -> Found:
         one = bars.those(np.array([number]))
         ends = one.ends(bool(verdict.all_round[number]))
         figures = {**sifted.figures(number, ends), "off_mm": float(off[number])}
@@ -178,7 +180,7 @@ def slide_designs(wish: SlideWish, room: Room, tables: Data) -> Designs:
             places, links, drive, [judged], figures, sifted.loss(number), sketch, tables, slides
         )
 
-    return Designs(sifted.losses, of)
+    return sifted.designs(of)
 
 
 def dwell_designs(wish: DwellWish, room: Room, tables: Data, rng: np.random.Generator) -> Designs:
@@ -198,8 +200,7 @@ def dwell_designs(wish: DwellWish, room: Room, tables: Data, rng: np.random.Gene
     share = np.maximum(moves / wish.allowance, astray / (swing / _OF_SWING))
     sifted = _Sifted.of(wish, verdict, frame * bars.bars(), share)
 
-    def of(k: int) -> Found:
-        number = int(sifted.numbers[k])
+    def of(number: int) -> Found:
         one = bars.those(np.array([number]))
         figures = {
             **sifted.figures(number, (0.0, math.tau)),
@@ -226,7 +227,7 @@ def dwell_designs(wish: DwellWish, room: Room, tables: Data, rng: np.random.Gene
         drive = _drive((0.0, math.tau), 1, tables)
         return Found(places, links, drive, judged, figures, sifted.loss(number), sketch, tables)
 
-    return Designs(sifted.losses, of)
+    return sifted.designs(of)
 
 
 @dataclass(frozen=True)
@@ -253,6 +254,10 @@ class _Sifted:
         losses = np.stack([first[numbers], -verdict.transmission[numbers]], axis=1)
         return cls(bars, verdict.transmission, numbers, losses)
 
+    def designs(self, of: Callable[[int], Found]) -> Designs:
+        """Those that are weighed; of: the design of a linkage's number."""
+        return Designs(self.losses, lambda k: of(int(self.numbers[k])))
+
     def loss(self, number: int) -> float:
         """Of one design: less, the better it transmits."""
         return -float(self.transmission[number])
@@ -264,11 +269,6 @@ class _Sifted:
             "transmission_deg": math.degrees(self.transmission[number]),
             "crank_range_deg": math.degrees(ends[1] - ends[0]),
         }
-
-
-def _motion(bars: FourBars, verdict: Verdict, number: int) -> Motion:
-    """How that one is driven."""
-    return Motion(bars.those(np.array([number])), bool(verdict.all_round[number]))
 
 
 def refuse_none(verdict: Verdict, wish: LinkWish) -> None:
@@ -325,15 +325,14 @@ def _judged_places(wish: FourBarWish, motion: Motion, off: float) -> Judged:
     return Judged({"name": "place", "point": "P"}, "points", values, Through.code, *limits)
 
 
-def _judged_poses(wish: PoseWish, motion: Motion, off_mm: float, off_deg: float) -> list[Judged]:
-    """Place and angle of the body, each at the crank's angle."""
+def _judged_angles(wish: PoseWish, motion: Motion, off: float) -> Judged:
+    """How the body stands, each at the crank's angle."""
     wanted = wish.angles - wish.angles[0]
     whole = math.tau * np.round((motion.coupler - wanted) / math.tau)
     angles = _degrees(wanted + whole - whole[0])
     pairs = {"at": [list(pair) for pair in zip(_degrees(motion.theta), angles, strict=True)]}
-    limits = (off_deg, wish.allowance_deg, "deg", "tolerance_deg", wish.default_deg)
-    angle = Judged({"name": "angle", "link": COUPLER}, "function", pairs, Function.code, *limits)
-    return [_judged_places(wish, motion, off_mm), angle]
+    limits = (off, wish.allowance_deg, "deg", "tolerance_deg", wish.default_deg)
+    return Judged({"name": "angle", "link": COUPLER}, "function", pairs, Function.code, *limits)
 
 
 def _degrees(angles: Floats) -> list[float]:

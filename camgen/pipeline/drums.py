@@ -38,20 +38,6 @@ _EACH = 2  # of the judge's angles, one is a row of motion.csv: a quarter degree
 _ROUNDING = 4.0  # steps of a file's numbers, by which it may put a wall off
 
 
-def judge_drums(case: Case, kinds: Sequence[str]) -> Outcome:
-    """The follower of each drum as each kind of solid moves it."""
-    outcomes = [
-        _judged(case, track, [kind for kind in kinds if kind in (*SOLID, *EXACT)])
-        for track in case.mechanism.assembly.tracks
-    ]
-    return Outcome(
-        [each for outcome in outcomes for each in outcome.findings],
-        Figures(each for outcome in outcomes for each in outcome.numbers.records),
-        [each for outcome in outcomes for each in outcome.plots],
-        columns={key: values for each in outcomes for key, values in each.columns.items()},
-    )
-
-
 @dataclass(frozen=True)
 class _Follower:
     """A follower's motion as designed, and what of it is accepted."""
@@ -71,9 +57,10 @@ def _follower(mechanism: Mechanism, track: DrumTrack) -> _Follower:
     return _Follower(output, joint, lash, track.ripple)
 
 
-def _judged(case: Case, track: DrumTrack, kinds: Sequence[str]) -> Outcome:
-    """One drum, from the files of its part."""
+def judge_drum(case: Case, kinds: Sequence[str]) -> Outcome:
+    """The follower of a machine's drum as each kind of solid moves it."""
     mechanism = case.mechanism
+    (track,) = mechanism.assembly.tracks
     follower = _follower(mechanism, track)
     middle = track.rest + float(np.mean(follower.law.law(np.linspace(0, math.tau, SAMPLES), 0)))
     table = roller_table(track, mechanism.accuracy.chord_tolerance, middle)
@@ -84,7 +71,7 @@ def _judged(case: Case, track: DrumTrack, kinds: Sequence[str]) -> Outcome:
     columns: dict[str, Floats] = {}
     errors: list[tuple[str, Floats, Floats]] = []
     plays: list[tuple[str, Floats, Floats]] = []
-    for kind in kinds:
+    for kind in (kind for kind in kinds if kind in (*SOLID, *EXACT)):
         path = case.file(track.part, kind)
         where = replace(in_file(path), output=follower.output.name)
         if kind in EXACT and not path.exists():  # told of the part

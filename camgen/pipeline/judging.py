@@ -415,16 +415,16 @@ def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
 
 def roll_in_drums(case: Case, kinds: Sequence[str]) -> Outcome:
     """The follower of each drum, its roller rolled in the solids."""
-    from camgen.pipeline.drums import judge_drums
+    from camgen.pipeline.drums import judge_drum
 
-    return judge_drums(case, kinds)
+    return judge_drum(case, kinds)
 
 
 def run_over_plates(case: Case, kinds: Sequence[str]) -> Outcome:
     """The follower of each plate that slides, on the edge in its files."""
-    from camgen.pipeline.plate_edges import judge_plate_edges
+    from camgen.pipeline.plate_edges import judge_plate_edge
 
-    return judge_plate_edges(case, kinds)
+    return judge_plate_edge(case, kinds)
 
 
 def weigh_crank(case: Case, kinds: Sequence[str]) -> Outcome:

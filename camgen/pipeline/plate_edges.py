@@ -15,7 +15,6 @@ from camgen.findings import Finding, Where, at_least, at_most, in_file
 from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import Ring, shape_of
 from camgen.judge.edge_runs import Tip, pressure_angle, run
-from camgen.machine.features import PlateEdge
 from camgen.machine.model import unit_of
 from camgen.machines.linear_cam.mechanism import LinearCamDrive
 from camgen.numerics import Floats, magnitude, peak
@@ -29,18 +28,6 @@ _MOST = 5760
 _WINDOW = 1.0  # mm, over which the speed is a mean: facets make raw ones rough; less of a shorter way, a step of a longer one
 _CHORD = 0.01  # of the tolerance, by which chords lie off arcs as they are run over
 _ROUNDING = 4.0  # steps of a file's numbers, by which it may put an edge off
-
-
-def judge_plate_edges(case: Case, kinds: Sequence[str]) -> Outcome:
-    """The follower as each kind of file moves it."""
-    mechanism = case.mechanism
-    assert isinstance(mechanism, LinearCamDrive)
-    outcomes = [_judged(case, mechanism, edge, kinds) for edge in mechanism.assembly.edges]
-    return Outcome(
-        [each for outcome in outcomes for each in outcome.findings],
-        plots=[each for outcome in outcomes for each in outcome.plots],
-        columns={key: values for each in outcomes for key, values in each.columns.items()},
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,9 +55,11 @@ def _wanted(mechanism: LinearCamDrive) -> _Wanted:
     return _Wanted(np.degrees(theta), mechanism.motion(theta), slope, unit, scale, ripple, steepest)
 
 
-def _judged(
-    case: Case, mechanism: LinearCamDrive, edge: PlateEdge, kinds: Sequence[str]
-) -> Outcome:
+def judge_plate_edge(case: Case, kinds: Sequence[str]) -> Outcome:
+    """The follower as each kind of file moves it."""
+    mechanism = case.mechanism
+    assert isinstance(mechanism, LinearCamDrive)
+    (edge,) = mechanism.assembly.edges
     wanted = _wanted(mechanism)
     output = mechanism.model.outputs[0].name
     tip = Tip(edge.radius, edge.rest, edge.pivot)

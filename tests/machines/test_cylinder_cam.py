@@ -34,7 +34,7 @@ from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.case import Case
 from camgen.pipeline.development import judge_developments, make_developments
-from camgen.pipeline.drums import judge_drums
+from camgen.pipeline.drums import judge_drum
 from camgen.pipeline.shopping import bought_things
 from camgen.pipeline.shown import animation
 from camgen.spec import validate
@@ -75,7 +75,7 @@ def verdicts(
     (part,) = machine.assembly.parts
     case = Case(machine, tmp_path)
     write_stl(case.file("drum", "stl"), change(solid(part, 0.01)), "drum")
-    return {each.code: each for each in judge_drums(case, ["stl"]).findings}
+    return {each.code: each for each in judge_drum(case, ["stl"]).findings}
 
 
 def failing(found: dict[str, Finding]) -> set[str]:
@@ -471,7 +471,7 @@ def test_a_solid_without_a_track_in_the_drums_file_is_told(tmp_path: Path) -> No
     path.parent.mkdir(exist_ok=True)
     ring = Part("drum", "Ring", (Layer(Region(circle(0j, 20.0), (circle(0j, 4.0),)), 0.0, 20.0),))
     write_part(path, Job("drum", "x-drum", "key", ring.region, (), 0.001, "bulge", None, ring))
-    (found,) = judge_drums(case, ["step"]).findings
+    (found,) = judge_drum(case, ["step"]).findings
     assert found.code == "MOTION_ERROR" and not found.ok
     assert "no walls that are splines" in found.message
 

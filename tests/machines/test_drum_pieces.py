@@ -24,7 +24,7 @@ from camgen.parts.inertia import centre_of, inertia_of, mass_moments
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.case import Case
-from camgen.pipeline.drums import judge_drums
+from camgen.pipeline.drums import judge_drum
 from camgen.spec import validate
 
 SPEC = Path(__file__).parents[2] / "specs" / "cylinder-cam.toml"
@@ -79,7 +79,7 @@ def verdicts(
     case = Case(made, path)
     for part, change in zip(made.assembly.parts, (lower, ring), strict=True):
         write_stl(case.file(part.name, "stl"), change(solid(part, TOLERANCE)), part.name)
-    return list(judge_drums(case, ["stl"]).findings)
+    return list(judge_drum(case, ["stl"]).findings)
 
 
 def failing(found: list[Finding]) -> set[str]:
@@ -183,7 +183,7 @@ def test_the_keys_play_is_told(tmp_path: Path) -> None:
     case = Case(made, tmp_path)
     for part in made.assembly.parts:
         write_stl(case.file(part.name, "stl"), solid(part, TOLERANCE), part.name)
-    outcome = judge_drums(case, ["stl"])
+    outcome = judge_drum(case, ["stl"])
     numbers = {each.key: each.value for each in outcome.numbers.records}
     core = made.track.floor - 1.5  # half of parts.wall
     flat = core / 2

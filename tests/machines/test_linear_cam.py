@@ -26,7 +26,7 @@ from camgen.machines.linear_cam.mechanism import LinearCamDrive
 from camgen.machines.loads.assess import assess
 from camgen.parts.solids import solid
 from camgen.pipeline.case import Case
-from camgen.pipeline.plate_edges import judge_plate_edges
+from camgen.pipeline.plate_edges import judge_plate_edge
 from camgen.spec import validate
 
 TOP = Path(__file__).parents[2]
@@ -236,7 +236,7 @@ def verdicts(tmp_path: Path, machine: LinearCamDrive, mesh: Mesh) -> set[str]:
     """Codes that fail of an STL in place of the machine's own."""
     case = Case(machine, tmp_path)
     write_stl(case.file("cam", "stl"), mesh, "cam")
-    return {each.code for each in judge_plate_edges(case, ["stl"]).findings if not each.ok}
+    return {each.code for each in judge_plate_edge(case, ["stl"]).findings if not each.ok}
 
 
 @pytest.mark.parametrize("follower", [{"shape": "roller", "radius": 5.0}, ARM])
@@ -270,7 +270,7 @@ def test_a_drawing_of_arcs_that_no_chords_follow_is_told(tmp_path: Path) -> None
     space = drawing.modelspace()
     space.add_lwpolyline(corners, format="xyb", close=True, dxfattribs={"layer": "CUT"})
     drawing.saveas(case.file("cam", "dxf"))
-    (contact,) = judge_plate_edges(case, ["dxf"]).findings
+    (contact,) = judge_plate_edge(case, ["dxf"]).findings
     assert (contact.code, contact.ok, contact.measured) == ("CONTACT", False, 0.0)
     assert "more than 5000000 chords" in contact.message
 
