@@ -63,9 +63,7 @@ def _rolled(mesh: Mesh, table: RollerTable, harmonics: int) -> Rolled:
         if not faults.count:
             raise
         remedy = f"{error.remedy}; the mesh has {faults.defects}: mend it first"
-        raise DesignError(
-            error.quantity, error.value, error.limit, error.unit, error.where, remedy
-        ) from None
+        raise error.mended(remedy) from None
 
 
 def _mesh(path: Path) -> ForeignMesh:

@@ -544,9 +544,5 @@ def _envelope(follower: Follower, motion: Motion, theta: Any, order: int) -> Poi
     return follower.envelope(theta, motion, order)
 
 
-def _unit(z: Points) -> Points:
-    return np.asarray(z / np.abs(z))
-
-
 def _within(theta: Floats, cut: Undercut) -> Any:
     return np.mod(theta - cut.begin, 2 * math.pi) < cut.end - cut.begin

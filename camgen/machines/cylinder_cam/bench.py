@@ -16,6 +16,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
@@ -69,6 +70,16 @@ def roller_pin(radius: float, length: float) -> float:
 def _cut(stock: str, length: float, rest: str = "") -> SizeNote:
     """Of which steel a part is cut, and how long, mm."""
     return SizeNote(f"steel {stock} {length:.4g}{rest}", stock, length)
+
+
+def _upright(name: str, at: complex, height: float) -> Mount:
+    """Of what stands on the ground with its axis along x, at its place in plan and at a height, mm."""
+    return Mount(name, GROUND, at, math.pi / 2, z=height, upright=True)
+
+
+def _part(name: str, title: str, region: Region, height: float, *notes: str, **more: Any) -> Part:
+    """A part of one region, so high, mm; more: what else is said of it."""
+    return Part(name, title, (Layer(region, 0.0, height),), notes=notes, **more)
 
 
 def shaft_bearing(bore: float) -> Bearing | None:
@@ -262,9 +273,7 @@ class Bench:
             return hung, hung.spring(0.0)
         except DesignError as error:
             remedy = "another spring.preload or spring.rate, a smaller lift or a longer arm"
-            raise DesignError(
-                error.quantity, error.value, error.limit, error.unit, error.where, remedy
-            ) from None
+            raise error.mended(remedy) from None
 
     @property
     def spring(self) -> WorkingSpring | None:
@@ -425,26 +434,13 @@ class Bench:
         )
         size = f"{ball.name}, {ball.size} {ball.standard}"
         ring = Region(circle(0j, ball.outside / 2), (circle(0j, ball.bore / 2),))
-        bearing = Part(
-            "bearing",
-            "Ball bearing of the shaft",
-            (Layer(ring, 0.0, ball.width),),
-            notes=(size,),
-            process="bought",
-        )
+        title = "Ball bearing of the shaft"
+        bearing = _part("bearing", title, ring, ball.width, size, process="bought")
         places = (floor, self.top - self.plate_thickness)
         yield bearing, [Mount("bearing", GROUND, z=z) for z in places]
-        rod = Layer(Region(circle(0j, s.rod_diameter / 2)), 0.0, self.top)
-        part = Part(
-            "rod",
-            "Rod",
-            (rod,),
-            notes=(
-                _cut(f"rod {s.rod_diameter:g} h9", self.top),
-                "glued into both plates",
-            ),
-            process="bought",
-        )
+        rod = Region(circle(0j, s.rod_diameter / 2))
+        cut = _cut(f"rod {s.rod_diameter:g} h9", self.top)
+        part = _part("rod", "Rod", rod, self.top, cut, "glued into both plates", process="bought")
         yield part, [Mount("rod", GROUND, at) for at in self.rods]
 
     def _turning(self) -> Iterator[tuple[Part, Sequence[Mount]]]:
@@ -459,16 +455,9 @@ class Bench:
         length = self.top - low + over
         shape = "plain" if s.bore_shape == "keyway" else s.bore_shape
         own = s.model_copy(update={"bore_shape": shape})
-        shaft = Part(
-            "shaft",
-            "Shaft",
-            (Layer(Region(own.hole()), 0.0, length),),
-            notes=(
-                _cut(f"rod {s.bore:g} h9", length, self._flat()),
-                "glued into the drum" if s.bore_shape == "plain" else "through the drum's bore",
-            ),
-            process="bought",
-        )
+        cut = _cut(f"rod {s.bore:g} h9", length, self._flat())
+        held = "glued into the drum" if s.bore_shape == "plain" else "through the drum's bore"
+        shaft = _part("shaft", "Shaft", Region(own.hole()), length, cut, held, process="bought")
         yield shaft, [Mount("shaft", CAM, z=low)]
         shoulder = circle(0j, self.bearing.shoulder / 2)
         bore = self._hole(0j, s.bore, self.fits.press)
@@ -482,8 +471,9 @@ class Bench:
         )
         for name, under, upper in gaps:
             title = f"Spacer {name.removeprefix('spacer-')} the drum"
-            layer = Layer(Region(shoulder, (bore,)), 0.0, upper - under)
-            yield Part(name, title, (layer,), centres=(0j,)), [Mount(name, CAM, z=under)]
+            washer = Region(shoulder, (bore,))
+            part = _part(name, title, washer, upper - under, centres=(0j,))
+            yield part, [Mount(name, CAM, z=under)]
         if self.cranked:
             yield from self._crank()
 
@@ -499,9 +489,9 @@ class Bench:
         arm = complex(s.crank)
         hubs = [(0j, s.reach + s.wall), (arm, _STUB / 2 + s.wall)]
         stub = self._hole(arm, _STUB, self.fits.press)
-        layer = Layer(Region(hull(hubs), (s.hole(), stub)), 0.0, s.thickness)
+        region = Region(hull(hubs), (s.hole(), stub))
         note = "glued on the shaft, the pin of the knob into its other hole"
-        crank = Part("crank", "Hand crank", (layer,), centres=(0j, arm), notes=(note,))
+        crank = _part("crank", "Hand crank", region, s.thickness, note, centres=(0j, arm))
         under = self.top + AIR
         yield crank, [Mount("crank", CAM, z=under)]
         wide, tall = _KNOB
@@ -573,36 +563,18 @@ class Bench:
         note = f"glued on two rods; the pin of the arm glued in{also}"
         yield (
             replace(bracket, notes=(note,)),
-            [
-                Mount(
-                    "bracket", GROUND, complex(self.block_face), math.pi / 2, z=height, upright=True
-                )
-            ],
+            [_upright("bracket", complex(self.block_face), height)],
         )
         cap = self.arm_face - END_PLAY
         inner = self.track.radius + AIR
         length = self.block_face + self.block_depth - inner
         yield (
             self._pin_part("pivot", "Pin of the arm", length, "glued into bracket and cap"),
-            [
-                Mount(
-                    "pivot",
-                    GROUND,
-                    complex(inner, track.pivot),
-                    math.pi / 2,
-                    z=height,
-                    upright=True,
-                )
-            ],
+            [_upright("pivot", complex(inner, track.pivot), height)],
         )
-        washer = Region(circle(0j, self.arm_hub), (self._hole(0j, self.pin, self.fits.press),))
         yield (
-            Part("cap", "Cap of the arm's pin", (Layer(washer, 0.0, cap - inner),), centres=(0j,)),
-            [
-                Mount(
-                    "cap", GROUND, complex(inner, track.pivot), math.pi / 2, z=height, upright=True
-                )
-            ],
+            _part("cap", "Cap of the arm's pin", self._washer, cap - inner, centres=(0j,)),
+            [_upright("cap", complex(inner, track.pivot), height)],
         )
         edge = hull([(0j, self.arm_hub), (arm, self.arm_hub)])
         holes = (
@@ -610,10 +582,9 @@ class Bench:
             self._hole(arm, self.pin, self.fits.press),
         )
         yield from self._hanging()
-        layer = Layer(Region(edge, holes), 0.0, s.thickness)
         note = "turns on its pin; that of the roller glued in"
         yield (
-            Part("arm", "Arm", (layer,), centres=(0j, arm), notes=(note,)),
+            _part("arm", "Arm", Region(edge, holes), s.thickness, note, centres=(0j, arm)),
             [Mount("arm", _FOLLOWER, 0j, track.start, z=-self.arm_face - s.thickness)],
         )
 
@@ -627,20 +598,23 @@ class Bench:
         length = self.block_face + self.block_depth - outer - AIR / 2
         pin = self._pin_part("spring-pin", "Pin of the spring", length, "glued into the bracket")
         at = complex(outer + AIR / 2, post.real)
-        turn = math.pi / 2
-        yield pin, [Mount("spring-pin", GROUND, at, turn, z=height + post.imag, upright=True)]
-        washer = Region(circle(0j, self.arm_hub), (self._hole(0j, self.pin, self.fits.press),))
-        layer = Layer(washer, 0.0, self.bracket_gap - END_PLAY)
-        at = complex(outer + END_PLAY, pivot.real)
+        yield pin, [_upright("spring-pin", at, height + post.imag)]
+        title = "Sleeve between arm and bracket"
+        wide = self.bracket_gap - END_PLAY
         yield (
-            Part("sleeve", "Sleeve between arm and bracket", (layer,), centres=(0j,)),
-            [Mount("sleeve", GROUND, at, turn, z=height, upright=True)],
+            _part("sleeve", title, self._washer, wide, centres=(0j,)),
+            [_upright("sleeve", complex(outer + END_PLAY, pivot.real), height)],
         )
 
+    @property
+    def _washer(self) -> Region:
+        """What is pressed on the pin of an arm."""
+        return Region(circle(0j, self.arm_hub), (self._hole(0j, self.pin, self.fits.press),))
+
     def _pin_part(self, name: str, title: str, length: float, note: str) -> Part:
-        layer = Layer(Region(circle(0j, self.pin / 2)), 0.0, length)
-        notes = (_cut(f"pin {self.pin:g} h8", length), note)
-        return Part(name, title, (layer,), notes=notes, process="bought")
+        region = Region(circle(0j, self.pin / 2))
+        cut = _cut(f"pin {self.pin:g} h8", length)
+        return _part(name, title, region, length, cut, note, process="bought")
 
     def _roller(self) -> Iterator[tuple[Part, Sequence[Mount]]]:
         """Rollers and their pins, which end a little before the rollers' inner ends."""
@@ -661,13 +635,9 @@ class Bench:
         ball = ball_roller(2 * roller.radius, roller.length)
         outer = track.inner + roller.length
         if ball is not None:
-            hole = circle(0j, self.pin / 2)
-            layers: tuple[Layer, ...] = (
-                Layer(Region(circle(0j, roller.radius), (hole,)), 0.0, roller.length),
-            )
-            size = f"{ball.name}, {ball.size} {ball.standard}"
-            notes = (size, "glued on its pin")
-            part = Part("roller", "Roller", layers, notes=notes, process="bought")
+            ring = Region(circle(0j, roller.radius), (circle(0j, self.pin / 2),))
+            notes = (f"{ball.name}, {ball.size} {ball.standard}", "glued on its pin")
+            part = _part("roller", "Roller", ring, roller.length, *notes, process="bought")
             yield part, [Mount("roller", _FOLLOWER, at, z=-outer) for at in places]
             return
         hole = self._hole(0j, self.pin, self.fits.slide)

@@ -268,17 +268,9 @@ def contacts(run: Run, forces: Forces, assembly: Assembly, load: Weight | None) 
             )
             pressure = np.fmax(pressure, line)
         worst = int(np.nanargmax(pressure))
-        most = float(pressure[worst])
-        limit = limits.hertz or own.hertz
-        by = "limits.hertz_mpa" if limits.hertz else own.hertz_source
-        check.figures.append(Figure("hertz pressure {of}", most, "MPa", joint.name))
         curve = [("line contact", np.degrees(theta), pressure)]
         title = f"Hertz pressure, {joint.name}"
         check.plots.append(Plot(title, assembly.cycle.label, "MPa", curve))
-        remark = (
-            f"{force[worst]:.4g} N on a contact line of {length:.4g} mm, {tip.name} on {own.name}; {by}; "
-            "the pressure is higher at the ends of the line, so round them"
-        )
         where = Where(
             f"{joint.name}, {outline.part}",
             part=outline.part,
@@ -286,11 +278,11 @@ def contacts(run: Run, forces: Forces, assembly: Assembly, load: Weight | None) 
             theta=float(theta[worst]),
             digits=1,
         )
-        if limit is None:
-            why = f"{most:.4g} MPa at {joint.name}, and no limit is published for {own.name}"
-            check.not_judged.append(NotJudged("HERTZ", why, "limits.hertz_mpa"))
-        else:
-            check.findings.append(at_most("HERTZ", most, limit, "MPa", where, remark))
+        said = (
+            f"{force[worst]:.4g} N on a contact line of {length:.4g} mm, {tip.name} on {own.name}",
+            "; the pressure is higher at the ends of the line, so round them",
+        )
+        _hertz(check, assembly, float(pressure[worst]), where, said)
         if roller is None:
             continue
         if roller is named and (misfit := _misfit(named, outline, joint)):
@@ -328,11 +320,9 @@ def gears(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
         where = Where(part=weak.part, joint=feature.joint, theta=theta, angle=angle, digits=1)
         _tooth(check, assembly, force, force * weak.bends / width, where)
         own = materials.of(assembly.process.material)
-        pressure = float(
-            strength.line_contact(force, width, feature.curvature, own.elastic, own.elastic)[0]
-        )
-        remark = f"{force:.4g} N at the pitch point, on teeth {width:.4g} mm wide"
-        _hertz(check, assembly, pressure, where, remark)
+        pressure = strength.line_contact(force, width, feature.curvature, own.elastic, own.elastic)
+        said = f"{force:.4g} N at the pitch point, on teeth {width:.4g} mm wide, {own.name} on {own.name}"
+        _hertz(check, assembly, float(pressure[0]), where, (said, ""))
     return check
 
 
@@ -351,9 +341,9 @@ def _tooth(check: LoadCheck, assembly: Assembly, force: float, stress: float, wh
 
 
 def _hertz(
-    check: LoadCheck, assembly: Assembly, pressure: float, where: Where, remark: str
+    check: LoadCheck, assembly: Assembly, pressure: float, where: Where, said: tuple[str, str]
 ) -> None:
-    """HERTZ of two parts of the machine's own material at a joint, MPa."""
+    """HERTZ of a part of the machine's own material at a joint, MPa; said: before and after what the limit is by."""
     own = materials.of(assembly.process.material)
     check.figures.append(Figure("hertz pressure {of}", pressure, "MPa", where.joint))
     limits = assembly.limits_of(where.joint)
@@ -363,8 +353,8 @@ def _hertz(
         check.not_judged.append(NotJudged("HERTZ", why, "limits.hertz_mpa"))
         return
     by = "limits.hertz_mpa" if limits.hertz else own.hertz_source
-    said = f"{remark}, {own.name} on {own.name}; {by}"
-    check.findings.append(at_most("HERTZ", pressure, limit, "MPa", where, said))
+    remark = f"{said[0]}; {by}{said[1]}"
+    check.findings.append(at_most("HERTZ", pressure, limit, "MPa", where, remark))
 
 
 def edge_forces(run: Run, forces: Forces, assembly: Assembly) -> dict[str, Floats]:
@@ -394,7 +384,7 @@ def edge_forces(run: Run, forces: Forces, assembly: Assembly) -> dict[str, Float
 def edges(run: Run, forces: Mapping[str, Floats], assembly: Assembly) -> LoadCheck:
     """HERTZ of the rollers of Geneva drives in their slots, and of cycloidal drives' pins; forces: N, of each joint."""
     check = LoadCheck()
-    own = materials.of(assembly.process.material).elastic
+    own = materials.of(assembly.process.material)
     for feature in assembly.features:
         if not isinstance(feature, EngagedPair) or feature.joint not in forces:
             continue
@@ -412,10 +402,11 @@ def edges(run: Run, forces: Mapping[str, Floats], assembly: Assembly) -> LoadChe
             joint = run.machine.cam(feature.joint)
             assert isinstance(joint.law, GenevaLaw)
             curvature = 1 / joint.law.geneva.pin
-        pressure = float(strength.line_contact(force, width, curvature, own, own)[0])
+        pressure = strength.line_contact(force, width, curvature, own.elastic, own.elastic)
         part = feature.b[0].part
         where = Where(part=part, joint=feature.joint, theta=float(run.theta[k]), digits=1)
-        _hertz(check, assembly, pressure, where, remark)
+        said = f"{remark}, {own.name} on {own.name}"
+        _hertz(check, assembly, float(pressure[0]), where, (said, ""))
     return check
 
 
