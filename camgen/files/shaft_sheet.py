@@ -74,13 +74,14 @@ class _Page:
             room = self.wide - FILING - MARGIN - _LEFT - 12
             beside = _BESIDE + _AFTER if shaft.keyways else 0.0
             spare = self.high - 2 * MARGIN - foot - self.over - self.low - _ROW * rows - 6
-            self.scale = next(
+            fitting = (
                 each
                 for each in SCALES
                 if each * shaft.diameter <= spare
                 and each * (shaft.length + (shaft.diameter if shaft.keyways else 0))
                 <= room - beside
             )
+            self.scale = next(fitting, SCALES[-1])
             if self.scale >= 1:
                 break
         y = self.high - MARGIN - self.over - self.scale * shaft.diameter / 2
@@ -262,7 +263,7 @@ class _Page:
         if not (shaft.bores and self.facts.run_out):
             return
         wide = width_of([number(self.facts.run_out), self.axis])
-        self._run_out(sheet, self.at((self._coupled + shaft.length) / 2, radius), 1, wide)
+        self._run_out(sheet, self.at((shaft.coupled + shaft.length) / 2, radius), 1, wide)
         start, length = shaft.bores[0]
         tip = self.at(start + 0.8 * length, radius)
         bend = tip + 20j
@@ -277,13 +278,6 @@ class _Page:
         sheet.arrow(tip, -1j)
         corner = bend + 2 * side - wide * (side < 0) - 3j
         run_out(sheet, corner, self.facts.run_out, self.axis)
-
-    @property
-    def _coupled(self) -> float:
-        """Where the end for the coupling begins, behind the second bearing and its ring, mm from the left end."""
-        bearings = self.shaft.bearings
-        behind = bearings.seats[1] + bearings.width if bearings else 0.0
-        return max([behind, *(each.walls[1][1] for each in self.shaft.grooves)])
 
     @property
     def _bare(self) -> float:
@@ -351,7 +345,7 @@ class _Page:
             width = shaft.bearings.width
             first, second = (f"{x:.4g} to {x + width:.4g}" for x in shaft.bearings.seats)
             lines.append(f"Seats of {shaft.bearings.name}: A {first}, B {second}")
-            lines.append(f"End for the coupling: the last {shaft.length - self._coupled:.4g} mm")
+            lines.append(f"End for the coupling: the last {shaft.length - shaft.coupled:.4g} mm")
             lines.append("Centre holes ISO 6411 allowed at both ends")
         keys = [key for each in shaft.keyways for key in each.keys]
         where = " and ".join(f"{a:.4g} to {b:.4g}" for a, b in keys)

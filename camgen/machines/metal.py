@@ -12,7 +12,7 @@ from camgen.parts.catalogue import CAM_FOLLOWERS, DOWELS, SCREWS, Bought
 from camgen.parts.disc_cams import CamParts, ShaftBore
 from camgen.parts.keyways import keyway
 from camgen.parts.motors import SHAFTS, STEPPERS
-from camgen.parts.shafts import Seat, retaining_rings
+from camgen.parts.shafts import Seat, retaining_rings, shaft_and_bearings
 
 _WALL = 1.0  # mm, least wall
 _CASES = 4.0  # depths of a hardened case: least wall, half of which stays tough
@@ -192,9 +192,27 @@ def seat_of(bore: ShaftBore, material: str, lengths: Sequence[float], key_fit: s
     return Seat(bore.bore, lengths, key, fit, bool(rings_of(bore, material)))
 
 
+def shaft_of(
+    bore: ShaftBore, material: str, model: str | None, lengths: Sequence[float], key_fit: str | None
+) -> list[Bought]:
+    """The shaft of cams made alone, with bores of these lengths, mm, and its bearings; nothing where they have none of their own."""
+    if not has_own_shaft(bore, material, model):
+        return []
+    return shaft_and_bearings(seat_of(bore, material, lengths, key_fit))
+
+
 def has_own_shaft(bore: ShaftBore, material: str, model: str | None) -> bool:
     """Whether cams of metal made alone have a shaft, and sit not on that of their motor."""
     return materials.of(material).metal and _shaft_of(model) != bore.bore
+
+
+def shaft_notes(bore: ShaftBore, material: str, model: str | None) -> list[str]:
+    """A sentence on what is listed and what is yours where cams made alone have a shaft."""
+    if not has_own_shaft(bore, material, model):
+        return []
+    return [
+        "camgen makes the cam, and lists its shaft and bearings. You make the follower, its guide and the frame, and bring a coupling and the motor."
+    ]
 
 
 def motor_notes(bore: float, model: str | None) -> list[str]:

@@ -130,6 +130,11 @@ class CamFollower:
     beyond: float  # its ring: how far the head and the shoulder of the stud stand out, at most
     exponent: ClassVar[float] = 10 / 3  # of its life
 
+    @property
+    def coarse(self) -> bool:
+        """Whether its thread has the pitch of ISO 262's coarse series: M6 x 1 and M8 x 1.25, of those that are sold."""
+        return self.stud <= 8
+
     def bought(self, count: int, clear: float, where: str) -> list[Bought]:
         """Its lines in the parts list, with washers where what carries it would touch the cam.
 
@@ -139,15 +144,23 @@ class CamFollower:
         grease = Bought(
             GREASE, "", "for rolling bearings", 1, how="a little, on the ring and where it rolls"
         )
+        nut = Bought(
+            "nut of the cam follower",
+            NUT_STANDARD if self.coarse else FINE_NUT_STANDARD,
+            f"{self.thread}, often sold with the cam follower",
+            count,
+            how="on its stud, behind your follower, as tight as the maker of the cam follower says",
+        )
         each = math.ceil((_CLEAR_OF_CAM - clear) / WASHERS[self.stud])
         if each <= 0:
-            return [Bought("cam follower", ROLLER_STANDARD, size, count, how=where), grease]
+            return [Bought("cam follower", ROLLER_STANDARD, size, count, how=where), nut, grease]
         washer = Bought("washer of the cam follower", "ISO 7089", f"M{self.stud:g}", each * count)
         some = "a washer" if each == 1 else f"{each} washers"
         how = f"{where}; {some} between its shoulder and your follower: this must not touch the cam"
         return [
             replace(washer, how="on the stud of the cam follower, before that goes in"),
             Bought("cam follower", ROLLER_STANDARD, size, count, how=how),
+            nut,
             grease,
         ]
 
@@ -424,6 +437,7 @@ def no_ball_roller(diameter: float) -> str:
 
 GREASE = "grease"
 NUT_STANDARD = "ISO 4032"
+FINE_NUT_STANDARD = "ISO 8673"
 ROLLER_STANDARD = "ISO 7063"  # of cam followers
 DOWEL_STANDARD = "ISO 2338"
 # Length up to which a pin may be so much longer, mm [DIN 7: nutbolt.org/Standards/Pin-Dowel.html, table 2].

@@ -154,6 +154,16 @@ def shaft_and_bearings(seat: Seat) -> list[Bought]:
     return [shaft, *rings, *held, replace(turns, key="parts.bore", details=_SEALED)]
 
 
+def of_yours(shaft: TurnedShaft, drive: str) -> Iterator[Bought]:
+    """What turns a shaft and what it turns in: the builder's own; drive: what that is, in words."""
+    yield Bought("drive", "", drive, 1, "own")
+    long = shaft.length - shaft.coupled
+    size = f"for {shaft.diameter:g} {shaft.fit} over {long:.4g} mm without a key, and for the shaft of your drive"
+    yield Bought("clamping coupling", "", size, 1, "own")
+    if shaft.housings:
+        yield Bought("frame", "", "; ".join(shaft.housings), 1, "own")
+
+
 def _bearing(bore: float) -> Bearing | None:
     return narrowest(bore) or _LARGER.get(bore)
 

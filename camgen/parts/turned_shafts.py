@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+# Of outer rings that stand still under the load and may slide [engineersedge.com, 15320].
+_HOUSING = "H7"
+_COAXIAL = 0.03  # mm, of both: camgen's own rule, as the run-out of what the shaft turns
+_FREE = 2.0  # mm, by which the bore of the bearing that is free is wider
+
 
 @dataclass(frozen=True)
 class ShaftKeyway:
@@ -66,3 +71,25 @@ class TurnedShaft:
     bores: tuple[tuple[float, float], ...] = ()  # what sits on it: where each begins, and how long
     grooves: tuple[RingGrooves, ...] = ()
     bearings: ShaftBearings | None = None
+
+    @property
+    def coupled(self) -> float:
+        """Where the end for the coupling begins, behind the second bearing and its ring."""
+        behind = self.bearings.seats[1] + self.bearings.width if self.bearings else 0.0
+        return max([behind, *(each.walls[1][1] for each in self.grooves)])
+
+    @property
+    def housings(self) -> tuple[str, ...]:
+        """What the frame has for its bearings, in words: both of them, and each; nothing without any."""
+        if self.bearings is None:
+            return ()
+        first, second = self.bearings.seats
+        outside = self.bearings.outside
+        wide = self.bearings.width
+        # the outer ring is a quarter of the section high
+        shoulders = outside - (outside - self.diameter) / 4
+        return (
+            f"two bores {outside:g} {_HOUSING}, coaxial within {_COAXIAL:g}, their middles {second - first:.4g} apart",
+            f"{wide:g} wide between shoulders Ø{shoulders:.3g} at the end without the coupling, at least {wide + _FREE:g} and open at the "
+            "other",
+        )

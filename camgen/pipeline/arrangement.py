@@ -40,12 +40,8 @@ _ON_LINE = 1e-3  # mm, by which an axis may miss the line of the section
 _ROUND = 48  # sides of a rod that lies
 _GRID = 1e-6  # mm, on which faces meet that lie on each other
 _UNDER = 1e-4  # mm, by which a level is cut below
-_HOUSING = (
-    "H7"  # of outer rings that stand still under the load and may slide [engineersedge.com, 15320]
-)
 _HEIGHTS = 2  # at which copies of a part lie, that the list has
 _LETTERS = "ABCDEFGHJKLMNPQRSTUVWXYZ"  # of sections, without those that look like figures
-_FREE = 2.0  # mm, by which the bore of a bearing that is free endwise is wider
 _AROUND = 721  # angles of a turn
 _USED = ("glue", TWO_PART, GREASE)  # items that have no place of their own
 _IN_ROW = 3  # axes in a line of notes
@@ -140,16 +136,8 @@ def _balls(bearing: Thing, line: tuple[complex, complex]) -> Iterator[tuple[comp
 
 def _housings(things: Sequence[Bought]) -> list[str]:
     """What the frame of a shaft that is no part has to have, since it is the builder's own."""
-    bearings = [thing.shaft.bearings for thing in things if thing.shaft is not None]
-    return [
-        line
-        for each in bearings
-        if each is not None
-        for line in (
-            f"Your frame: two bores {number(each.outside)} {_HOUSING} in line, one {each.width:g} wide between shoulders that hold its bearing,",
-            f"the other at least {each.width + _FREE:g}: its bearing is free endwise.",
-        )
-    ]
+    shafts = [thing.shaft for thing in things if thing.shaft is not None]
+    return [f"Your frame: {words}." for each in shafts for words in each.housings]
 
 
 def _followers(mechanism: Mechanism, things: Sequence[Bought]) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -13,7 +13,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, depth_below, order_of_assembly
 from camgen.parts.bench_steps import at_bench
-from camgen.parts.catalogue import CAM_FOLLOWERS, HEX_KEYS, NUT_STANDARD, Bought
+from camgen.parts.catalogue import CAM_FOLLOWERS, HEX_KEYS, NUT_STANDARD, Bought, turning_text
 from camgen.parts.fixing import Fixing, with_joints
 from camgen.parts.keyways import parallel_keys
 from camgen.parts.look_alikes import with_sorting
@@ -27,6 +27,7 @@ from camgen.parts.reaming import (
     with_cutting,
     with_reaming,
 )
+from camgen.parts.shafts import of_yours
 from camgen.parts.standing import StandingCopy, standing_copies
 from camgen.parts.step_words import listed
 from camgen.parts.tools import SUPPLIES, USES
@@ -36,7 +37,7 @@ _IN_SHAFT = "pressed or tapped into the keyway of the shaft, before that goes th
 
 
 def bought_things(mechanism: Mechanism) -> list[Bought]:
-    """What is bought for a machine, beside its parts: keys in keyways and the rollers that its load names too."""
+    """What is bought for a machine, beside its parts: keys in keyways and the rollers that its load names too; and what is your own."""
     assembly = mechanism.assembly
     keys = [*parallel_keys(assembly.parts, bool(assembly.dowel))]
     if any(each.role == "shaft" for each in assembly.bought):
@@ -49,8 +50,31 @@ def bought_things(mechanism: Mechanism) -> list[Bought]:
         discs = [disc for each in assembly.stand_ins if each.rolls for disc in each.discs]
         wide = max((high - low for _, _, low, high in discs), default=rolls.width)
         clear = (rolls.width - wide) / 2 + rolls.beyond
-        things += rolls.bought(len(rollers), clear, "in your follower, its ring on the cam")
-    return things
+        where = "in your follower, its ring on the cam" + " of its height" * (len(discs) > 1)
+        things += rolls.bought(max(len(discs), 1), clear, where)
+    return [*things, *_of_yours(mechanism, named)]
+
+
+def _of_yours(mechanism: Mechanism, named: str | None) -> Iterator[Bought]:
+    """What is your own beside a shaft that is made; named: the roller that the load names."""
+    stud = f", and {CAM_FOLLOWERS[named].stud:g} H7 for the stud" if named else ""
+    follower = Bought("follower", "", f"with its guide or pivot{stud}", 1, "own")
+    for thing in mechanism.assembly.bought:
+        if thing.shaft is not None:
+            yield from of_yours(thing.shaft, _drive(mechanism))
+            yield follower
+
+
+def _drive(mechanism: Mechanism) -> str:
+    """What turns a shaft, in words."""
+    motor = getattr(mechanism, "motor", None)
+    speed = getattr(motor, "speed_rpm", None)
+    words = [
+        getattr(motor, "model", None),
+        "" if speed is None else turning_text(speed),
+        "its torque as in the report" if mechanism.load is not None else "",
+    ]
+    return ", ".join(word for word in words if word)
 
 
 def _standing(assembly: Assembly) -> tuple[list[StandingCopy], Fixing]:

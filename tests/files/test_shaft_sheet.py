@@ -65,8 +65,9 @@ def test_a_drum_s_shaft_is_drawn_at_its_own_size(tmp_path: Path) -> None:
         shaft(20.0, 24.0, 24.0, key=6.0),
         shaft(50.0, 120.0, key=14.0, ringed=True),
         shaft(6.0, 5.0),
+        shaft(12.0, 12.0, 12.2, key=4.0, ringed=True),
     ],
-    ids=["drum", "thin", "two", "thick", "plain"],
+    ids=["drum", "thin", "two", "thick", "plain", "pair"],
 )
 def test_what_it_says_stays_on_the_paper(made: TurnedShaft) -> None:
     """All texts within the frame, none on another one."""

@@ -15,6 +15,7 @@ from camgen.files.sheet import Size, Text
 from camgen.geometry.arcs import as_circle
 from camgen.machines.metal import of_drum
 from camgen.machines.sources import read_mechanism
+from camgen.parts.catalogue import CAM_FOLLOWERS
 from camgen.parts.materials import MATERIALS
 from camgen.pipeline.drawings import facts_of, shaft_facts
 from camgen.pipeline.making import parts_table
@@ -338,7 +339,8 @@ def test_a_shop_and_a_buyer_find_drawing_material_number_and_mass_in_each_row() 
     table = parts_table(read_mechanism(tomllib.loads(in_metal("disc-cam"))))
     rows = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
     assert table.columns[-4:] == ("no", "drawing", "material", "mass of one, g")
-    assert [row["no"] for row in rows] == list(range(1, len(rows) + 1))
+    numbers = [row["no"] for row in rows if row["how"] != "your own"]
+    assert numbers == list(range(1, len(numbers) + 1))
     named = {row["part"]: row for row in rows}
     assert named["cam"]["drawing"] == "disc-cam-cam-drawing.pdf"
     assert named["shaft"]["drawing"] == "disc-cam-shaft-drawing.pdf"
@@ -346,6 +348,37 @@ def test_a_shop_and_a_buyer_find_drawing_material_number_and_mass_in_each_row() 
     assert named["shaft"]["mass of one, g"] == pytest.approx(258.9, abs=0.1)
     assert named["cam"]["mass of one, g"] == named["cam"]["mass in C45, g"]
     assert named["bearing of the shaft"]["drawing"] == ""
+
+
+def test_the_list_has_what_is_yours_beside_a_shaft_and_the_nut_of_the_roller() -> None:
+    """Bearings 6004 are 42 x 12 [ISO 15]; their middles are 24 in the bore, 10 free on either side and 12 apart: 56. Of the
+    shaft's 105 the coupling has what is behind 5 + 12 + 44 + 12 and a ring's 1.3: 30.7. A KR16 has M6 x 1, which is coarse, a KR22
+    M10 x 1.25, which is fine."""
+    table = parts_table(read_mechanism(tomllib.loads(in_metal("disc-cam"))))
+    own = {row[1]: str(row[2]) for row in table.rows if row[0] == "your own"}
+    assert list(own) == ["drive", "clamping coupling", "frame", "follower"]
+    assert own["drive"].startswith("SGMAH-01AJC, 60 rpm")
+    assert own["clamping coupling"].startswith("for 20 h6 over 30.7 mm without a key")
+    assert own["frame"].startswith("two bores 42 H7, coaxial within 0.03, their middles 56 apart;")
+    assert "12 wide between shoulders Ø36.5 at the end without the coupling" in own["frame"]
+    assert "6 H7 for the stud" in own["follower"]
+    nuts = [row[2:4] for row in table.rows if row[1] == "nut of the cam follower"]
+    assert nuts == [("M6 x 1, often sold with the cam follower, ISO 4032", 1)]
+    fine = CAM_FOLLOWERS["KR22"].bought(1, 1.0, "")
+    (nut,) = (each for each in fine if each.name == "nut of the cam follower")
+    assert (nut.size.partition(",")[0], nut.standard) == ("M10 x 1.25", "ISO 8673")
+
+
+@pytest.mark.parametrize(("closure", "count"), [("force", 1), ("conjugate", 2), ("groove", 1)])
+def test_each_cam_of_a_pair_has_its_roller(closure: str, count: int) -> None:
+    """Two conjugate cams have a roller each, a groove one between its walls."""
+    starter = tomllib.loads(in_metal("disc-cam"))
+    starter["geometry"]["closure"] = closure
+    starter = {key: table for key, table in starter.items() if key != "spring"}
+    starter["parts"] = {"bore": 20, "bore_shape": "keyway"}
+    counts = {row[1]: row[3] for row in parts_table(read_mechanism(starter)).rows}
+    names = ("cam follower", "nut of the cam follower", "washer of the cam follower")
+    assert [counts[name] for name in names] == [count] * 3
 
 
 def test_the_mass_of_one_is_a_share_of_all_copies() -> None:
@@ -569,3 +602,15 @@ def test_the_pictures_of_a_cam_s_steps_show_its_shaft_rings_and_bearings() -> No
         for corners, _, _ in shapes:
             ring = np.array(corners)
             assert np.sum((ring.conj() * np.roll(ring, -1)).imag) > 0
+
+
+def test_a_pair_of_indexing_cams_has_a_shaft_as_a_disc_cam_has() -> None:
+    """12 h6; 5 before a 6001 of 8, 6 free, cams of 12 and, 0.2 apart, 12, 6 free, a 6001, a groove of 1.1 and 18 for the
+    coupling: 76.3, rounded up to 80; the middles of the bearings are 24.2 + 2 x 6 + 8 = 44.2 apart."""
+    made = read_mechanism(tomllib.loads(in_metal("indexing-cam")))
+    things = {each.name: each for each in bought_things(made)}
+    assert things["shaft"].size == "12 h6 x 80, C45"
+    assert things["bearing of the shaft"].size == "6001, 12 x 28 x 8"
+    assert "28 H7, coaxial within 0.03, their middles 44.2 apart" in things["frame"].size
+    printed = read_mechanism(tomllib.loads(in_metal("indexing-cam")), ["material.name=PLA"])
+    assert "shaft" not in {each.name for each in bought_things(printed)}

@@ -72,14 +72,13 @@ from camgen.machines.free_play import between
 from camgen.machines.loads.lift_off import bounce_figures, bounce_of
 from camgen.machines.loads.tables import CamLimitsTable, thin_walls
 from camgen.machines.loads.weights import gravity
-from camgen.machines.metal import filled, has_own_shaft, seat_of
+from camgen.machines.metal import filled, shaft_notes, shaft_of
 from camgen.machines.pairs import air_faults, still_faults
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
 from camgen.parts.engraving import with_upper_sides
-from camgen.parts.shafts import shaft_and_bearings
 from camgen.parts.springs import to_wind, wished
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study
 from camgen.tolerances import WALL_FACETS
@@ -392,9 +391,9 @@ class DiscCamDrive(CamTables):
         heights = {part.name: part.thickness for part in parts}
         length = max(mount.z + heights[mount.part] for mount in made.mounts if mount.body == "cam")
         lengths = [length] if groove else [part.thickness for part in alone.plates]
-        own = has_own_shaft(self.making, self.material.name, self.motor.model)
-        seat = seat_of(self.making, self.material.name, lengths, self.drawing.key_fit)
-        carried = shaft_and_bearings(seat) if own else []
+        carried = shaft_of(
+            self.making, self.material.name, self.motor.model, lengths, self.drawing.key_fit
+        )
         return replace(
             made,
             springs=spring,
@@ -612,10 +611,8 @@ class DiscCamDrive(CamTables):
             notes.append(
                 "You must press the follower on the cam yourself. With [load] and [spring] in the spec, LIFT_OFF and HERTZ judge whether it stays on and how hard it presses."
             )
-        if not self.standing and has_own_shaft(self.making, self.material.name, self.motor.model):
-            notes.append(
-                "camgen makes the cam, and lists its shaft and bearings. You make the follower, its guide and the frame, and bring a coupling and the motor."
-            )
+        if not self.standing:
+            notes += shaft_notes(self.making, self.material.name, self.motor.model)
         if self._is_as_wide_as_its_hub:
             keys = "parts.shaft_diameter" if self.standing else "parts.bore, parts.hub_diameter"
             notes.append(

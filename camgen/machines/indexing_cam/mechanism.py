@@ -52,6 +52,7 @@ from camgen.machines.indexing_cam.unloader import (
     peak,
 )
 from camgen.machines.indexing_cam.unloader_crank import UnloaderCrank
+from camgen.machines.metal import shaft_notes, shaft_of
 from camgen.motion.laws import Law
 from camgen.motion.program import Program, Segment
 from camgen.motion.segments import law_of
@@ -544,7 +545,11 @@ class IndexingCam(CamTables):
         mounts = [Mount(name, "cam", z=0.0 if name == "cam" else beside) for name in self.cams]
         made = self._assembly(with_upper_sides(self._cams(), outlines), mounts, outlines)
         cycle = replace(made.cycle, turns=self.linkage.turns)
-        return replace(made, demands=self.demands(), cycle=cycle)
+        lengths = [self.making.thickness, *[beside] * (len(self.cams) - 1)]
+        carried = shaft_of(
+            self.making, self.material.name, self.motor.model, lengths, self.drawing.key_fit
+        )
+        return replace(made, demands=self.demands(), cycle=cycle, bought=carried)
 
     def demands(self) -> tuple[Demand, ...]:
         """The play of the follower that is borne; the link of cams alone follows by gears that are not made."""
@@ -704,6 +709,8 @@ class IndexingCam(CamTables):
             notes.append(CHAIN + (MADE if self.standing else NOT_MADE))
         plots = Later(lambda: [*found.plots, drawn])
         tables = Later(lambda: [*found.tables, *self._compared()])
+        if not self.standing:
+            notes += shaft_notes(self.making, self.material.name, self.motor.model)
         return Study(numbers, plots, tables, sketches, notes)
 
     def _compared(self) -> Sequence[Table]:
