@@ -26,7 +26,7 @@ from camgen.parts.turned_shafts import ShaftKeyway, TurnedShaft
 from camgen.tolerances import SAME_POINT
 
 _LEFT = 30.0  # of the view, for its diameter
-_ROW = 8.0  # from one dimension under it to the next
+_ROW = 7.0  # from one dimension under it to the next
 _OVER = 40.0  # over it, for grooves and signs
 _BESIDE = 44.0  # from the view to the section
 _AFTER = 22.0  # right of that, for what its keyway leaves
@@ -338,8 +338,8 @@ class _Page:
         facts = self.facts
         grooves = "grooves and keyways" if shaft.grooves else "keyways"
         seated = shaft.bearings is not None and shaft.bearings.fit != shaft.fit
-        but = f"seats A and B, {grooves}" if seated else grooves
-        lines = [f"Ø{number(shaft.diameter)} {shaft.fit} all along but for {but}"]
+        but = f"seats, {grooves}" if seated else grooves
+        lines = [f"Ø{number(shaft.diameter)} {shaft.fit} but for {but}"]
         lines += [f"Bore of what it turns: {a:.4g} to {a + long:.4g}" for a, long in shaft.bores]
         if shaft.bearings:
             width = shaft.bearings.width

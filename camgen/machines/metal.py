@@ -207,11 +207,12 @@ def has_own_shaft(bore: ShaftBore, material: str, model: str | None) -> bool:
 
 
 def shaft_notes(bore: ShaftBore, material: str, model: str | None) -> list[str]:
-    """A sentence on what is listed and what is yours where cams made alone have a shaft."""
+    """Sentences on what is listed, what is yours and what only drawings have where cams made alone have a shaft."""
     if not has_own_shaft(bore, material, model):
         return []
     return [
-        "camgen makes the cam, and lists its shaft and bearings. You make the follower, its guide and the frame, and bring a coupling and the motor."
+        "camgen makes the cam, and lists its shaft and bearings. You make the follower, its guide and the frame, and bring a coupling and the motor.",
+        "Chamfers and threads are on the drawings alone: no other file has them.",
     ]
 
 

@@ -550,7 +550,7 @@ def further_rows(assembly: Assembly) -> Iterator[Row]:
     if assembly.motor.reach is not None:
         with_last |= {"drive"}
     for each in assembly.bought:
-        if not each.at and each.role not in {"drive screw", "spring", "own", *with_last}:
+        if not each.at and each.role not in {"drive screw", "spring", "own", "aside", *with_last}:
             yield _bought_row(each)
 
 

@@ -140,19 +140,21 @@ class CamFollower:
 
         clear: how far its shoulder lies outside the cam, mm, below 0 inside; where: it goes, in words.
         """
-        size = f"{self.name}: cylindrical ring {self.outside:g} x {self.width:g}, stud {self.stud:g} x {self.length:g} in a hole H7, {self.thread}"
+        size = f"{self.name} with a cylindrical ring, not crowned: {self.outside:g} x {self.width:g}, stud {self.stud:g} x {self.length:g} in a hole H7, {self.thread}"
         grease = Bought(
             GREASE, "", "for rolling bearings", 1, how="a little, on the ring and where it rolls"
         )
+        each = max(math.ceil((_CLEAR_OF_CAM - clear) / WASHERS[self.stud]), 0)
+        grip = self.length - each * WASHERS[self.stud] - _NUT * self.stud
         nut = Bought(
             "nut of the cam follower",
             NUT_STANDARD if self.coarse else FINE_NUT_STANDARD,
             f"{self.thread}, often sold with the cam follower",
             count,
-            how="on its stud, behind your follower, as tight as the maker of the cam follower says",
+            how=f"on its stud, behind your follower, which is at most {math.floor(2 * grip) / 2:g} mm thick there; as tight as the maker of "
+            "the cam follower says",
         )
-        each = math.ceil((_CLEAR_OF_CAM - clear) / WASHERS[self.stud])
-        if each <= 0:
+        if not each:
             return [Bought("cam follower", ROLLER_STANDARD, size, count, how=where), nut, grease]
         washer = Bought("washer of the cam follower", "ISO 7089", f"M{self.stud:g}", each * count)
         some = "a washer" if each == 1 else f"{each} washers"
@@ -226,8 +228,10 @@ class Bought:
     size: str
     count: int
     # turns the machine; fixes what does; feeds its motor; holds its frame from behind; hangs between two of its points;
-    # joins it to what is the builder's own; turns with cams that are made alone
-    role: Literal["", "drive", "drive screw", "supply", "mount", "spring", "own", "shaft"] = ""
+    # joins it to what is the builder's own; turns with cams that are made alone; goes in at a step of something else
+    role: Literal[
+        "", "drive", "drive screw", "supply", "mount", "spring", "own", "shaft", "aside"
+    ] = ""
     at: tuple[
         tuple[str, int], ...
     ] = ()  # parts with which it is put in, and how many with each copy
@@ -438,6 +442,7 @@ def no_ball_roller(diameter: float) -> str:
 GREASE = "grease"
 NUT_STANDARD = "ISO 4032"
 FINE_NUT_STANDARD = "ISO 8673"
+_NUT = 0.93  # diameters: height of these, at most
 ROLLER_STANDARD = "ISO 7063"  # of cam followers
 DOWEL_STANDARD = "ISO 2338"
 # Length up to which a pin may be so much longer, mm [DIN 7: nutbolt.org/Standards/Pin-Dowel.html, table 2].

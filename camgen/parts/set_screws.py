@@ -54,8 +54,8 @@ class KeyScrew:
         """Of its hub, mm."""
         return _ABOUT * SCREWS[self.thread].nominal
 
-    def bought(self, count: int) -> Bought:
-        """Its row in the parts list; it ends within the hub where such a length is sold."""
+    def bought(self, count: int) -> list[Bought]:
+        """Its rows in the parts list; it ends within the hub where such a length is sold."""
         length = max((each for each in _LENGTHS if each <= self.wall), default=_LENGTHS[0])
         holds = (
             f", holds some {_ON_KEY:g} N along the shaft"
@@ -63,8 +63,11 @@ class KeyScrew:
             else ""
         )
         size = f"{self.thread} x {length:g}, flat point{holds}"
-        how = "in the thread of the hub; tighten it on the key"
-        return Bought("set screw of the hub", ON_KEY_STANDARD, size, count, how=how)
+        how = "in the thread of the hub with a drop of threadlocker; tighten it on the key"
+        return [
+            Bought("set screw of the hub", ON_KEY_STANDARD, size, count, how=how),
+            Bought("threadlocker", "", "of medium strength", 1, "aside"),
+        ]
 
 
 @dataclass(frozen=True)

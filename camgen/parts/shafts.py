@@ -76,10 +76,13 @@ _GROOVE_FITS = {10.0: "h10", 22.0: "h11", 50.0: "h12"}  # of a groove, up to a s
 _GAP = 0.5  # of the shaft: from the bore to a bearing
 _COUPLING = 1.5  # of it: end for a coupling
 _STEP = 5.0  # mm, of lengths of shafts
-_SHIMMED = 0.3  # mm, that shims fill between rings and bore, at least
-_MOST_SHIMMED = 0.9  # mm, where grooves, rings and bore have the whole of their tolerances, h11 of the bore's length with it
+# mm, that shims fill between rings and bore, at least, and where grooves, rings and bore have the whole of their tolerances, h11 of the
+# bore's length with it
+_SHIMMED = (0.3, 0.9)
 _WIDER = 0.2  # mm, by which grooves may lie farther apart
-_SNAPPED = "one on either side of the bore; put shims (DIN 988) beside the bore until it slides at most 0.05 mm"
+_SNAPPED = (
+    "one on either side of the bore; put shims beside the bore until it slides at most 0.05 mm"
+)
 OF_SHAFT = "bearing of the shaft"  # name of its row
 _BEFORE = 5.0  # from the shaft's end to its first bearing, where a ring holds that
 _BEARING_SLACK = 0.1  # that the rings leave a bearing, at least
@@ -91,7 +94,7 @@ _INNER_FIRST = (
     "on the shaft, two of them now: one on either side of the bore, in the groove next to it. The bearings come against these, "
     "and the other two outside the bearings"
 )
-_OUTER_LAST = "; then close each with its outer ring, and put shims (DIN 988) between ring and bearing until at most 0.05 mm is left"
+_OUTER_LAST = "; then close each with the second retaining ring, and put shims between this and the bearing until at most 0.05 mm is left"
 _COLLARS = (
     "; a collar or a shoulder of yours on either side of each keeps it in its place on the shaft"
 )
@@ -117,18 +120,21 @@ class Seat:
 
 
 def shaft_and_bearings(seat: Seat) -> list[Bought]:
-    """A shaft, with all that its maker has to know where it has no sheet, rings on it, and the bearings in which it turns, if there are some of its size;
-    in the order in which they are put on."""
+    """A shaft, with all that its maker has to know where it has no sheet, rings and shims on it, and the bearings in which it turns, if
+    there are some of its size; in the order in which they are put on."""
     bore = seat.bore
     how = f"through the bore, {_KEYED if seat.key_width else _FAST}"
     shaft = Bought("shaft", "", "", 1, "shaft", how=how, process=TURNED)
     rings = retaining_rings(bore) if seat.ringed else []
+    rings += [_shims("the bore", bore, _SHIMMED, 1)] if rings else []
     made = turned_shaft(seat)
     if made is None or made.bearings is None:
         size = f"{bore:g} {_FIT}, C45, {sum(seat.lengths):.4g} in the bore, and as long as its bearings need"
         cuts = _cuts(_keyways(seat, 0.0), _bore_grooves(seat, 0.0))
         return [replace(shaft, size=size, details="; ".join(cuts)), *rings]
-    begins = f"; the bore begins {made.bores[0][0]:.4g} mm from its other end"
+    start = made.bores[0][0]
+    below = made.length - start - sum(seat.lengths)
+    begins = f"; the bore begins {start:.4g} mm from its other end: it stands on blocks at least {math.ceil(below):g} mm high meanwhile"
     shaft = replace(
         shaft,
         size=f"{bore:g} {_FIT} x {made.length:g}, C45",
@@ -139,9 +145,9 @@ def shaft_and_bearings(seat: Seat) -> list[Bought]:
     bearing = _bearing(bore)
     assert bearing is not None
     held = [
-        replace(each, name=OF_BEARING, count=4, how=_INNER_FIRST, details=_shims(bore, *_OF_SLACK))
-        for each in retaining_rings(bore)
+        replace(each, name=OF_BEARING, count=4, how=_INNER_FIRST) for each in retaining_rings(bore)
     ]
+    held += [_shims("a bearing", bore, _OF_SLACK, 2)] if held else []
     turns = Bought(
         OF_SHAFT,
         bearing.standard,
@@ -263,7 +269,7 @@ def _bore_grooves(seat: Seat, start: float) -> Iterator[RingGrooves]:
     """Grooves for rings on either side of all bores, where they have some."""
     if seat.ringed and seat.bore in _RINGS:
         length = sum(seat.lengths)
-        apart = length + 2 * _RINGS[seat.bore][0] + _SHIMMED
+        apart = length + 2 * _RINGS[seat.bore][0] + _SHIMMED[0]
         begin = start + (length - apart) / 2
         yield _grooves(seat.bore, _OF_BORE, begin, apart, _WIDER)
 
@@ -294,9 +300,10 @@ def retaining_rings(bore: float) -> list[Bought]:
     if bore not in _RINGS:
         return []
     size = f"{bore:g} x {_RINGS[bore][0]:g}"
-    ring = Bought(_OF_BORE, "DIN 471", size, 2, how=_SNAPPED)
-    return [replace(ring, details=_shims(bore, _SHIMMED, _MOST_SHIMMED))]
+    return [Bought(_OF_BORE, "DIN 471", size, 2, how=_SNAPPED)]
 
 
-def _shims(shaft: float, least: float, most: float) -> str:
-    return f"with shims DIN 988 for a shaft of {shaft:g}, together {least:g} to {most:g} thick"
+def _shims(where: str, shaft: float, fill: tuple[float, float], count: int) -> Bought:
+    """Sets of shims; fill: how thick one is, mm, at least and at most."""
+    size = "for a shaft of {:g}, together {:g} to {:g} thick".format(shaft, *fill)
+    return Bought(f"set of shims beside {where}", "DIN 988", size, count, "aside")

@@ -47,7 +47,9 @@ _RESERVE = 0.15  # of a compression spring's greatest stretch, that it is off it
 
 
 _BESIDE = "between your frame and your follower"
-_ROUND_STEM = "round your follower's stem, between its guide and its head, pressed together"
+_ROUND_STEM = (
+    "round your follower's stem of {:g} mm, between its guide and its head, pressed together"
+)
 _WIRE = "EN 10270-1 SM"
 _PLAY = 1.0  # mm, of a spring round a stem
 _WIDER_COILS = (1.0, 1.25, 1.5, 2.0, 3.0)  # than its stem needs
@@ -397,7 +399,7 @@ def to_wind(wish: tuple[float, float, float] | None, stem: float = 0.0) -> list[
     found = wished(wish, stem)
     if found:
         return [
-            replace(each.bought, name=name, role="", how=_fitted(each))
+            replace(each.bought, name=name, role="", how=_fitted(each, stem))
             for name, each in found.items()
         ]
     rate, low, travel = wish
@@ -405,9 +407,9 @@ def to_wind(wish: tuple[float, float, float] | None, stem: float = 0.0) -> list[
     return [Bought("return spring", "", size, 1, how=_BESIDE)]
 
 
-def _fitted(spring: WorkingSpring) -> str:
-    """Where a spring to be wound goes, and how long it is there."""
+def _fitted(spring: WorkingSpring, stem: float) -> str:
+    """Where a spring to be wound goes, and how long it is there; stem: that round which it presses, mm."""
     where, length = _BESIDE + ", stretched", spring.shortest
     if spring.spring.stretches < 0:
-        where, length = _ROUND_STEM, spring.longest
+        where, length = _ROUND_STEM.format(stem), spring.longest
     return f"{where} to {length:.4g} while the follower is lowest"

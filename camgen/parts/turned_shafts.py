@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 # Of outer rings that stand still under the load and may slide [engineersedge.com, 15320].
@@ -71,6 +72,25 @@ class TurnedShaft:
     bores: tuple[tuple[float, float], ...] = ()  # what sits on it: where each begins, and how long
     grooves: tuple[RingGrooves, ...] = ()
     bearings: ShaftBearings | None = None
+
+    @property
+    def volume(self) -> float:
+        """Without its grooves and keyways, mm^3; the ends of these are round."""
+        section = math.pi * self.diameter**2 / 4
+        cut = 0.0
+        for pair in self.grooves:
+            cut += 2 * pair.width * (section - math.pi * pair.diameter**2 / 4)
+        for each in self.keyways:
+            half = each.width / 2
+            radius = self.diameter / 2
+            angle = math.asin(half / radius)
+            under = radius**2 * angle + half * radius * math.cos(
+                angle
+            )  # the circle's arc, over the axis
+            cut += (under - each.width * (radius - each.depth)) * (
+                each.length - (1 - math.pi / 4) * each.width
+            )
+        return section * self.length - cut
 
     @property
     def coupled(self) -> float:

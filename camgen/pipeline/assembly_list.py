@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from camgen.files.assembly_list import Item
+from camgen.files.dimensions import round_of
+from camgen.files.views import area
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import CUT, TURNED, Bought
 from camgen.parts.materials import STEEL
@@ -16,7 +19,8 @@ from camgen.pipeline.shopping import bought_things, supplies
 from camgen.study import Table
 
 _LISTED = ("bought", TURNED)  # what the list names beside parts
-FOR_SHOP = ("drawing", "material", "mass of one, g")  # columns of the parts list
+_FINE = 0.01  # mm, chord tolerance of overall sizes
+FOR_SHOP = ("drawing", "material", "mass of one, g", "overall, mm")  # columns of the parts list
 
 
 def numbers_of(mechanism: Mechanism, rows: Sequence[Sequence[object]]) -> Iterator[int | str]:
@@ -46,14 +50,29 @@ def for_shop(
         shaft = shafts.get(str(name))
         drawing = f"{mechanism.name}-{name}-drawing.pdf"
         if part is None and shaft is not None:
-            yield drawing, SHAFT_STEEL, shaft_facts(mechanism, shaft).mass_g
+            size = f"Ø{shaft.diameter:g} x {shaft.length:g}"
+            yield drawing, SHAFT_STEEL, shaft_facts(mechanism, shaft).mass_g, size
         elif part is None or part.process in ("bought", "dummy"):
             yield ("",) * len(FOR_SHOP)
         else:
             steel = part.process in (TURNED, CUT)
             of_all = float(str(volume)) * STEEL.density * 1e-3 if steel else mass
             one = float(str(of_all)) / int(str(count)) if of_all else ""
-            yield drawing, material_of(mechanism, part)[0], one
+            yield drawing, material_of(mechanism, part)[0], one, _overall(part)
+
+
+def _overall(part: Part) -> str:
+    """Sizes of the stock that a part fills: diameter and length where it is round, else those of the box along its axes, rounded up; mm."""
+    import shapely
+
+    faces = [area(layer.region, _FINE) for layer in part.layers]
+    x0, y0, x1, y1 = shapely.total_bounds(faces)
+    across, up = (math.ceil(10 * size - _FINE) / 10 for size in (x1 - x0, y1 - y0))
+    high = f"{part.thickness:.4g}"
+    disc = round_of(max(part.layers, key=lambda layer: layer.region.area).region.outer)
+    if disc and max(x1 - x0, y1 - y0) <= 2 * disc[1] + _FINE:
+        return f"Ø{2 * disc[1]:.4g} x {high}"
+    return f"{across:g} x {up:g} x {high}"
 
 
 def items_of(mechanism: Mechanism, listed: Table) -> Iterator[tuple[Item, Bought | None]]:

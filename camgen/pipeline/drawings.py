@@ -424,11 +424,10 @@ def machine_facts(mechanism: Mechanism, kind: str, behind: str = "") -> Facts:
 def shaft_facts(mechanism: Mechanism, shaft: TurnedShaft) -> Facts:
     """What the sheet of a shaft that is no part says."""
     sheet = mechanism.drawing
-    volume = math.pi * shaft.diameter**2 / 4 * shaft.length
     return replace(
         machine_facts(mechanism, "shaft", "-S1"),
         material=f"{SHAFT_STEEL} ({materials.of(SHAFT_STEEL).number})",
-        mass_g=volume * 1e3 * STEEL.density * 1e-6,
+        mass_g=shaft.volume * 1e3 * STEEL.density * 1e-6,
         tolerance=sheet.tolerance or _IN_METAL.tolerance,
         roughness=_SEAT_ROUGHNESS,
         roughness_elsewhere=sheet.roughness_elsewhere or _IN_METAL.roughness_elsewhere,

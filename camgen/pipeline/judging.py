@@ -565,7 +565,12 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
     sides = lying_sides(mechanism, written(case) if "3mf" in kinds else {})
     table = parts_table(mechanism, sides)
     rows = [row for row in table.rows if row[5] != ""]
-    figures = [Figure("mass", sum(float(str(row[5])) for row in rows), "g")]
+    mass = sum(float(str(row[5])) for row in rows)
+    if materials.of(mechanism.material.name).metal:  # shafts of another steel too
+        one = table.columns.index("mass of one, g")
+        made = [row for row in table.rows if row[one] != ""]
+        mass = sum(float(str(row[one])) * int(str(row[3])) for row in made)
+    figures = [Figure("mass", mass, "g")]
     if materials.of(mechanism.material.name).printed:
         minutes = sum(float(str(row[6])) for row in rows)
         figures.append(Figure("print time", minutes / 60, "h"))

@@ -311,7 +311,8 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
     for how, group in groups.items():
         for thing in group:
             made = how if thing.process == "bought" else thing.process
-            rows.append((made, thing.name, thing.listing, thing.count, "", *blank))
+            volume = "" if thing.shaft is None else thing.count * thing.shaft.volume
+            rows.append((made, thing.name, thing.listing, thing.count, volume, *blank))
     columns = (
         "how",
         "part",

@@ -136,7 +136,7 @@ def test_the_end_for_the_coupling_runs_true_and_the_seats_have_the_fit_of_their_
     drum = shaft(20.0, 44.0, key=6.0, ringed=True)
     said = texts(drum)
     assert "Seats A and B Ø20 j6 (+0.009/-0.004)" in said
-    assert any(each.startswith("Ø20 h6 all along but for seats A and B") for each in said)
+    assert "Ø20 h6 but for seats, grooves and keyways" in said
     assert "Seats A and B Ø50 k6 (+0.018/+0.002)" in texts(shaft(50.0, 120.0, key=14.0))
     assert not any("Seats A and B" in each for each in texts(shaft(8.0, 31.5, key=2.0)))
     assert said.count("0.03") == 2
@@ -200,14 +200,15 @@ def test_what_is_no_keyed_rod_has_no_sheet_of_a_shaft() -> None:
 
 @pytest.mark.parametrize("name", ["disc-cam", "cylinder-cam"])
 def test_the_starters_in_metal_have_its_facts(name: str) -> None:
-    """C45 is 1.0503; 7.85 g/cm^3 of a rod of 20."""
+    """C45 is 1.0503; 7.85 g/cm^3 of a rod of 20, less some hundredths for its grooves and its keyway."""
     machine = read_mechanism(tomllib.loads(in_metal(name)))
     (made,) = (each.shaft for each in machine.assembly.bought if each.shaft)
     facts = shaft_facts(machine, made)
     assert facts.heat_treatment == "quenched and tempered, at least 200 HB"
     assert facts.protection == "oiled against rust"
     assert facts.material == "C45 (1.0503)" and facts.rod_chamfer == 1.0
-    assert facts.mass_g == pytest.approx(np.pi * 100 * made.length * 7.85e-3, rel=0.01)
+    rod = np.pi * 100 * made.length * 7.85e-3
+    assert facts.mass_g is not None and 0.96 * rod < facts.mass_g < 0.99 * rod
 
 
 def test_the_page_links_to_all_sheets(tmp_path: Path) -> None:

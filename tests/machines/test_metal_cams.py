@@ -317,8 +317,12 @@ def test_the_list_has_the_shims_that_a_step_asks_for() -> None:
     """Rings 46.7 +0.2/0 over their outer walls, each 1.2, on a drum of 44 0/-0.16: 0.3 to 0.66 are left, by hand, and 0.78
     where each ring is thinner by its 0.06 [DIN 471]."""
     rows = parts_table(read_mechanism(tomllib.loads(in_metal("cylinder-cam")))).rows
-    (ring,) = [str(row[2]) for row in rows if row[1] == "retaining ring"]
-    assert "shims DIN 988 for a shaft of 20, together 0.3 to 0.9 thick" in ring
+    shims = {str(row[1]): row[2:4] for row in rows if "shims" in str(row[1])}
+    assert shims["set of shims beside the bore"] == (
+        "for a shaft of 20, together 0.3 to 0.9 thick, DIN 988",
+        1,
+    )
+    assert shims["set of shims beside a bearing"][1] == 2
 
 
 def test_the_list_has_who_makes_what_is_not_bought() -> None:
@@ -334,18 +338,22 @@ def test_the_list_has_who_makes_what_is_not_bought() -> None:
 
 
 def test_a_shop_and_a_buyer_find_drawing_material_number_and_mass_in_each_row() -> None:
-    """Of the cam and of a shaft of 20 x 105 by hand: pi/4 x 20^2 x 105 x 7.85 g/cm^3 is 259 g, its keyway and grooves not
-    taken off; numbers run through what the arrangement shows, and what is bought has no drawing."""
+    """A shaft of 20 x 105 by hand: pi/4 x 20^2 x 105 x 7.85 g/cm^3 is 258.9 g; four grooves 1.3 wide down to 19 are 1.25 g, a keyway
+    of 22 x 6 with round ends, 3.5 deep under a crown of 0.46, 20.1 mm^2 in section, 3.27 g. The cam is as high and wide as its sheet says;
+    numbers run through what the arrangement shows, and what is bought has no drawing."""
     table = parts_table(read_mechanism(tomllib.loads(in_metal("disc-cam"))))
     rows = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
-    assert table.columns[-4:] == ("no", "drawing", "material", "mass of one, g")
+    assert table.columns[-5:] == ("no", "drawing", "material", "mass of one, g", "overall, mm")
     numbers = [row["no"] for row in rows if row["how"] != "your own"]
     assert numbers == list(range(1, len(numbers) + 1))
     named = {row["part"]: row for row in rows}
     assert named["cam"]["drawing"] == "disc-cam-cam-drawing.pdf"
     assert named["shaft"]["drawing"] == "disc-cam-shaft-drawing.pdf"
     assert named["shaft"]["material"] == named["cam"]["material"] == "C45"
-    assert named["shaft"]["mass of one, g"] == pytest.approx(258.9, abs=0.1)
+    assert named["shaft"]["mass of one, g"] == pytest.approx(258.9 - 1.25 - 3.27, abs=0.1)
+    assert named["shaft"]["overall, mm"] == "Ø20 x 105"
+    wide, tall, high = map(float, str(named["cam"]["overall, mm"]).split(" x "))
+    assert (wide, tall, high) == (76.0, 75.8, 24.0)
     assert named["cam"]["mass of one, g"] == named["cam"]["mass in C45, g"]
     assert named["bearing of the shaft"]["drawing"] == ""
 

@@ -74,9 +74,10 @@ def test_a_shaft_whose_bearings_are_not_known_says_how_much_is_in_the_bore() -> 
 def test_rings_on_either_side_of_each_bearing_keep_it_on_the_shaft() -> None:
     """6004 is 12 wide [ISO 15], rings for 20 are 1.2 thick [DIN 471]: from 3.8 on, 14.4 and 0.1 more over the grooves' outer walls,
     the first bearing between 5 and 17, the other one between 61 and 73; 14 mm shafts have rings but no such bearing, 5 mm ones a bearing but no ring in the table."""
-    shaft, held, bearing = shaft_and_bearings(Seat(20.0, [24.0]))
+    shaft, held, shims, bearing = shaft_and_bearings(Seat(20.0, [24.0]))
+    assert (shims.standard, shims.count, shims.role) == ("DIN 988", 2, "aside")
     assert (held.standard, held.count, held.size) == ("DIN 471", 4, "20 x 1.2")
-    assert "two of them now" in held.how and "its outer ring" in bearing.how
+    assert "two of them now" in held.how and "second retaining ring" in bearing.how
     assert "collar" not in bearing.how
     made = shaft.shaft
     assert made is not None

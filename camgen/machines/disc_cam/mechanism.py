@@ -387,7 +387,7 @@ class DiscCamDrive(CamTables):
         screw = [] if hub is None else hub.bought(self.making.hub_diameter / 2, name)
         on_key = self.making.key_screw
         tapped = sum(part.tap is not None for part in alone.plates)
-        screw += [] if on_key is None else [on_key.bought(tapped)]
+        screw += [] if on_key is None else on_key.bought(tapped)
         heights = {part.name: part.thickness for part in parts}
         length = max(mount.z + heights[mount.part] for mount in made.mounts if mount.body == "cam")
         lengths = [length] if groove else [part.thickness for part in alone.plates]

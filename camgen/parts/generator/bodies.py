@@ -242,7 +242,7 @@ class Bodies:
         return [
             *motors,
             *(
-                [Bought("grease", "", "NLGI 2, where a step asks for it", 1, "own")]
+                [Bought("grease", "", "NLGI 2, where a step asks for it", 1, "aside")]
                 if greased
                 else []
             ),
