@@ -117,13 +117,14 @@ class Seat:
     key_width: float = 0.0  # of the key in each of them; 0: none
     key_fit: str = "N9"  # of the shaft's keyways
     ringed: bool = False  # whether retaining rings hold it along the shaft
+    marked: bool = False  # whether its end away from the coupling has UP
 
 
 def shaft_and_bearings(seat: Seat) -> list[Bought]:
     """A shaft, with all that its maker has to know where it has no sheet, rings and shims on it, and the bearings in which it turns, if
     there are some of its size; in the order in which they are put on."""
     bore = seat.bore
-    how = f"through the bore, {_KEYED if seat.key_width else _FAST}"
+    how = f"through the bore, {_KEYED if seat.key_width else _FAST}{', UP above' * seat.marked}"
     shaft = Bought("shaft", "", "", 1, "shaft", how=how, process=TURNED)
     rings = retaining_rings(bore) if seat.ringed else []
     rings += [_shims("the bore", bore, _SHIMMED, 1)] if rings else []

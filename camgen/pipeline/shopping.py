@@ -99,12 +99,10 @@ def stock(mechanism: Mechanism) -> list[Bought]:
     for note in (*notes, *gauges):
         if isinstance(note, SizeNote):
             pieces[note.stock].append(note.length)
+    by_hand = ", sawn and filed" if materials.of(mechanism.material.name).printed else ""
     return [
         Bought(
-            f"steel {name}",
-            "",
-            f"{sum(lengths):.4g} mm in total, {_pieces(lengths)}",
-            1,
+            f"steel {name}", "", f"{sum(lengths):.4g} mm in total, {_pieces(lengths)}{by_hand}", 1
         )
         for name, lengths in pieces.items()
     ]

@@ -287,9 +287,16 @@ def test_a_cam_is_held_on_its_shaft_before_the_bearings_close_it_in() -> None:
     assert names(drum)[1:6] == [*own[0], "2 × retaining ring", *own[1]]
     assert "tapped into the keyway of the shaft" in cam[1] and "tighten it on the key" in cam[3]
     assert all("the shaft cannot slide" in each[5] for each in (cam, drum))
+    assert "UP above" in drum[2] and "UP above" not in cam[2], "a cam with a hub fits one way only"
+    # 54 and 57 of the shafts are below their bores of 24 and 46, which begin 27 from the upper end: 105 - 51, 130 - 73
+    assert "blocks at least 54 mm high" in cam[2] and "blocks at least 57 mm high" in drum[2]
+    # a KR16's stud of 16, less a washer of 1.6 [ISO 7089] and a nut of at most 5.2 [ISO 4032], is 9.2
+    assert any("at most 8.5 mm thick there" in each for each in cam)
     (spring,) = [each for each in cam if "spring" in each]
     free = float(re.findall(r"free length ([\d.]+)", spring)[0])
     assert f"pressed together to {free - 15:.4g} while the follower is lowest" in spring
+    inside, stem = re.findall(r"inside diameter (\d+).*stem of (\d+) mm", spring)[0]
+    assert 0 < int(inside) - int(stem) <= 2
 
 
 def test_the_sheets_of_the_starters_say_what_a_workshop_asks_back() -> None:

@@ -110,7 +110,7 @@ def test_steel_and_drills_are_listed() -> None:
     feeder = camgen.load(tomllib.loads(starters.text("drum-feeder")))
     lengths = {each.name: each.size for each in stock(feeder)}
     assert lengths["steel rod 6 h9"] == (
-        f"{4 * 62.5 + 69:g} mm in total, plus the saw cuts, for 5 pieces"
+        f"{4 * 62.5 + 69:g} mm in total, plus the saw cuts, for 5 pieces, sawn and filed"
     )
     assert {each.count for each in stock(feeder)} == {1}, "one rod, whatever comes of it"
     leg = camgen.load(tomllib.loads(starters.text("walking-leg")))

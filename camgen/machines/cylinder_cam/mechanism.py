@@ -556,7 +556,7 @@ class CylinderCam(Mechanism):
         ball = ball_roller(2 * roller.radius, roller.length)
         length = self.track.length
         seat = seat_of(self.making, self.material.name, [length], self.drawing.key_fit)
-        carried = shaft_and_bearings(seat)
+        carried = shaft_and_bearings(replace(seat, marked=seat.ringed))
         where = "on your follower, in the track"
         named = self._cam_follower
         if named is not None:
