@@ -311,8 +311,8 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
     for how, group in groups.items():
         for thing in group:
             made = how if thing.process == "bought" else thing.process
-            volume = "" if thing.shaft is None else thing.count * thing.shaft.volume
-            rows.append((made, thing.name, thing.listing, thing.count, volume, *blank))
+            of_shaft = thing.count * thing.shaft.volume if thing.shaft else ""
+            rows.append((made, thing.name, thing.listing, thing.count, of_shaft, *blank))
     columns = (
         "how",
         "part",
