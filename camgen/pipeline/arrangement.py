@@ -43,7 +43,7 @@ _UNDER = 1e-4  # mm, by which a level is cut below
 _HEIGHTS = 2  # at which copies of a part lie, that the list has
 _LETTERS = "ABCDEFGHJKLMNPQRSTUVWXYZ"  # of sections, without those that look like figures
 _AROUND = 721  # angles of a turn
-_USED = ("glue", TWO_PART, GREASE)  # items that have no place of their own
+_USED = ("glue", TWO_PART, GREASE, "threadlocker")  # items that have no place of their own
 _IN_ROW = 3  # axes in a line of notes
 _RODS = (
     "pin",

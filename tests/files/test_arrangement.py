@@ -432,7 +432,7 @@ def test_bearings_have_balls_and_notes_say_where_bearing_and_follower_go() -> No
     assert all(radius == pytest.approx(11 / 6) for _, radius in arrangement.balls)
     notes = " ".join(arrangement.notes)
     assert "Axis of the cam follower: 40 to 52 from that of the shaft." in notes
-    assert "at least 14:" in notes and "Shown at cam angle 0 deg" in notes
+    assert "at least 14 and open at the other" in notes and "Shown at cam angle 0 deg" in notes
 
 
 def test_what_is_used_up_is_no_item() -> None:
