@@ -76,6 +76,17 @@ class Arrangement:
     ] = ()  # heights of the middles of a shaft's bearings, from the lowest up
     balls: Sequence[tuple[complex, float]] = ()  # of bearings in the section: middle, and radius
     letter: str = "A"  # of the section
+    # unit direction in which the section's line comes to its point, where it bends there; what is left of it is turned into its plane
+    bend: complex | None = None
+
+    def place(self, at: complex) -> float | None:
+        """Where on the section's line a point lies, mm; None where it is beside it."""
+        origin, along = self.line
+        for way, sign in ((along, 1), (self.bend or along, -1)):
+            local = (at - origin) / way
+            if abs(local.imag) < MITE and local.real * sign > -MITE:
+                return local.real
+        return None
 
     @cached_property
     def seen(self) -> list[tuple[int, Any, Any]]:

@@ -39,6 +39,7 @@ _MOST = 12  # heights beside the section
 _HEIGHT = 2.5  # of their letters, mm of paper
 _LINE = 3.4  # from one of them to the next
 _LOOSE = 8.0  # by which such heights may stand beyond its ends
+_BEND = 5.0  # of a section's line on either side of where it bends
 _LEVEL = 0.5  # deg, by which the line of a section may lean and count as level
 _BAND = BESIDE + RADIUS + 1  # over and under a view, for a row of balloons
 _LEFT = 20.0  # of a view, for a height
@@ -162,7 +163,8 @@ class _Page:
             origin = corner - scales[k] * (low, near)[k]
             views.append(_View(origin, scales[k], slot.low.real, slot.high.real))
         front, section = views
-        if place == "over" and scales[0] == scales[1] and self.arrangement.line[1] == 1:
+        level = self.arrangement.line[1] == 1 and self.arrangement.bend is None
+        if place == "over" and scales[0] == scales[1] and level:
             start = front.at(self.arrangement.line[0]).real  # over each other, as they are seen
             begin, end = (start + scales[1] * each.real for each in (near, far))
             if begin >= section.left + _LEFT and end + _RIGHT[1] <= section.right:
@@ -251,10 +253,18 @@ class _Page:
                     self.front.at(axis.at) - way, self.front.at(axis.at) + way, layer="CENTER"
                 )
         origin, along = self.arrangement.line
-        begin, end = _chord(self.arrangement.box, self.arrangement.line)
-        view = 1j * along
-        for place, out in ((begin, -along), (end, along)):
-            near = self.front.at(origin + place * along) + 2 * out
+        before = self.arrangement.bend or along
+        if self.arrangement.bend is not None:
+            at = self.front.at(origin)
+            sheet.line(at - _BEND * before, at, at + _BEND * along, layer="VIEW")
+        ends = (
+            (before, -1, _chord(self.arrangement.box, (origin, before))[0]),
+            (along, 1, _chord(self.arrangement.box, (origin, along))[1]),
+        )
+        for way, sense, place in ends:
+            out = sense * way
+            view = 1j * way
+            near = self.front.at(origin + place * way) + 2 * out
             sheet.line(near, near + 6 * out, layer="VIEW")
             tip = near + 6 * out + 5 * view
             sheet.line(near + 6 * out, tip, layer="DIM")
@@ -298,10 +308,10 @@ class _Page:
             ball = radius * self.section.scale
             sheet.arc(self.section.at(middle), ball, 0.0, 2 * np.pi, "VIEW")
         for axis in self.arrangement.axes:
-            place = (axis.at - self.arrangement.line[0]) / self.arrangement.line[1]
-            if abs(place.imag) < MITE and near.real <= place.real <= far.real:
+            place = self.arrangement.place(axis.at)
+            if place is not None and near.real <= place <= far.real:
                 ends = (near.imag, far.imag)
-                low, high = (self.section.at(complex(place.real, z)) for z in ends)
+                low, high = (self.section.at(complex(place, z)) for z in ends)
                 sheet.line(low - 3j, high + 3j, layer="CENTER")
 
     def _name(self, sheet: Sheet) -> None:
@@ -314,7 +324,7 @@ class _Page:
         turned = math.degrees(
             math.atan2(*(self.arrangement.line[1].imag, self.arrangement.line[1].real))
         )
-        if abs(turned) > _LEVEL:
+        if abs(turned) > _LEVEL and self.arrangement.bend is None:
             way = "clockwise" if turned > 0 else "counter-clockwise"
             name += f", turned {abs(turned):.0f}° {way}"
         sheet.text(complex((near.real + far.real) / 2, far.imag + _BAND + 1), name, 5.0, "centre")

@@ -50,6 +50,7 @@ _LENGTHS = (
 _LEAST_KEYED = 6.0  # mm
 _DEEPER_FROM = 22.0  # mm, a thicker shaft's keyway may be 0.2 deeper in place of 0.1
 KEY = "parallel key"  # in lists
+ROUND_ENDED = "DIN 6885 form A"
 RANGE = f"a bore of {_LEAST_KEYED:g} to {_KEYWAYS[-1][0]:g} mm, for which camgen has the keyway of DIN 6885"
 
 
@@ -128,7 +129,7 @@ def parallel_key(bore: float, width: float, depth: float, length: float, count: 
         if long >= shortest
         else f", shortened to {length:.4g}, as its bore: shorter ones are not sold"
     )
-    return Bought(KEY, "DIN 6885 form A", size + cut, count)
+    return Bought(KEY, ROUND_ENDED, size + cut, count)
 
 
 _LONG_HUB = 30.0  # mm, from which on a key ends before the hub does: camgen's own rule

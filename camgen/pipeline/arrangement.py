@@ -24,19 +24,22 @@ from camgen.machine.model import GROUND, Pin, centres_of
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import coordinates
 from camgen.parts.assembly import Assembly
-from camgen.parts.catalogue import CAM_FOLLOWERS, GREASE, TURNED, Bought
+from camgen.parts.catalogue import CAM_FOLLOWERS, GREASE, SCREWS, TURNED, Bought, Screw
+from camgen.parts.keyways import ROUND_ENDED
 from camgen.parts.part import Part
 from camgen.parts.shafts import OF_SHAFT
 from camgen.parts.step_words import TWO_PART
 from camgen.pipeline.assembly_list import items_of
 from camgen.pipeline.bought_shapes import Thing, bought_shapes, is_drawn_short
-from camgen.pipeline.comings import coming_of, comings_of
+from camgen.pipeline.comings import coming_of, comings_of, is_from_behind
 from camgen.pipeline.shopping import bought_things, steps_of_assembly
 from camgen.pipeline.shown import coarse
 from camgen.study import Table
 
 _FINE = 0.01  # mm, chord tolerance of outlines
 _ON_LINE = 1e-3  # mm, by which an axis may miss the line of the section
+_BEHIND = "ISO 4762"  # of screws from behind, as the parts list has it
+_BOARD = 10.0  # mm, how thick the board is taken that a screw from behind goes through
 _ROUND = 48  # sides of a rod that lies
 _GRID = 1e-6  # mm, on which faces meet that lie on each other
 _UNDER = 1e-4  # mm, by which a level is cut below
@@ -64,6 +67,24 @@ class Reach(NamedTuple):
     side: str
 
 
+class Cut(NamedTuple):
+    """Where a machine is cut: a point, and unit directions of the line that leaves it to the right, and of that which comes to it from the
+    left, the same where it is straight."""
+
+    origin: complex
+    right: complex
+    left: complex
+
+    @property
+    def halves(self) -> Iterator[tuple[complex, float, float]]:
+        """Directions, and from where to where along them the line runs from its point, mm."""
+        if self.left == self.right:
+            yield self.right, -math.inf, math.inf
+        else:
+            yield self.right, 0.0, math.inf
+            yield self.left, -math.inf, 0.0
+
+
 Shape = tuple[
     list[tuple[Any, float]], Any, tuple[float, float]
 ]  # faces, cut and span of a copy, as its record says
@@ -84,7 +105,7 @@ def arrangement_of(mechanism: Mechanism, listed: Table) -> Arrangement:
     if all(copy.cut.is_empty for copy in copies):  # axes apart from all that is made
         outlines = [face for copy in copies for face, _ in copy.faces]
         inside = max(outlines, key=lambda face: float(face.area)).representative_point()
-        line = complex(inside.x, inside.y), 1 + 0j
+        line = Cut(complex(inside.x, inside.y), 1 + 0j, 1 + 0j)
         copies = _copies(mechanism, line, comings)
     made = tuple(copies)
     items = []
@@ -112,7 +133,9 @@ def arrangement_of(mechanism: Mechanism, listed: Table) -> Arrangement:
         notes.insert(2, _MIRRORED.format(number(plane, 3)))
     notes += [*_housings(things), *_followers(mechanism, things)]
     balls = [ball for each in bearings for ball in _balls(each, line)]
-    return Arrangement(copies, items, line, axes, notes, middles, balls, _letter(assembly))
+    cut = line.origin, line.right
+    bend = line.left if line.left != line.right else None
+    return Arrangement(copies, items, cut, axes, notes, middles, balls, _letter(assembly), bend)
 
 
 def _letter(assembly: Assembly) -> str:
@@ -121,17 +144,17 @@ def _letter(assembly: Assembly) -> str:
     return next((letter for letter in _LETTERS if letter not in used), _LETTERS[0])
 
 
-def _balls(bearing: Thing, line: tuple[complex, complex]) -> Iterator[tuple[complex, float]]:
-    """Balls of a bearing that a section cuts through its axis, between its rings: along it and z, and their radius."""
+def _balls(bearing: Thing, line: Cut) -> Iterator[tuple[complex, float]]:
+    """Balls of a bearing that a section cuts which bends or begins at its axis, between its rings: along it and z, and their radius."""
     (inner, low, high), (outer, *_) = bearing
-    middle = (complex(inner.centroid.x, inner.centroid.y) - line[0]) / line[1]
-    if abs(middle.imag) > _ON_LINE:
+    middle = complex(inner.centroid.x, inner.centroid.y) - line.origin
+    if abs(middle) > _ON_LINE:
         return
     x0, _, x1, _ = inner.bounds
     y0, _, y1, _ = outer.interiors[0].bounds
     radius = (y1 - y0 - (x1 - x0)) / 4
     for side in (-1, 1):
-        yield complex(middle.real + side * ((x1 - x0) / 2 + radius), (low + high) / 2), radius
+        yield complex(side * ((x1 - x0) / 2 + radius), (low + high) / 2), radius
 
 
 def _housings(things: Sequence[Bought]) -> list[str]:
@@ -176,7 +199,7 @@ def _between(low: float, high: float) -> str:
 def _of_thing(
     number: int,
     shape: Thing,
-    line: tuple[complex, complex],
+    line: Cut,
     short: bool,
     thing: Bought,
     coming: Coming,
@@ -186,12 +209,51 @@ def _of_thing(
     hatched = [piece for piece in shape if rings and piece[0].interiors]
     rest = [piece for piece in shape if not (rings and piece[0].interiors)]
     prisms = shape  # once
-    solid = _rods(shape) if coming.aside else None
+    solid = None
+    if coming.aside:
+        solid = _rods(shape)
+    elif thing.standard == ROUND_ENDED:
+        solid = _key(shape)
+    elif is_from_behind(thing, shape):
+        solid = _headed(shape, SCREWS[thing.thread].headed(_BEHIND))
     for pieces, hatching in ((hatched, True), (rest, False)):
         if pieces:
             faces, cut, span = _of_prisms(pieces, line)
             yield Copy(number, faces, cut, hatching, span, True, short, prisms, solid, coming)
             prisms = ()
+
+
+def _key(shape: Thing) -> Mesh:
+    """A key whose ends are round, drawn as a rectangle whose first edge is square to the shaft's axis. [DIN 6885 form A]"""
+    import manifold3d
+
+    ((face, low, high),) = shape
+    corners = np.array(face.exterior.coords) @ np.array([1, 1j])
+    deep = corners[1] - corners[0]
+    wide = abs(corners[2] - corners[1])
+    ends = max((high - low - wide) / 2, 0.0)
+    disc = manifold3d.CrossSection.circle(wide / 2, _ROUND)
+    slot = manifold3d.CrossSection.batch_hull([disc.translate((0.0, y)) for y in (-ends, ends)])
+    upright = slot.extrude(abs(deep)).rotate((90.0, 0.0, 90.0))  # along x, upright in y and z
+    turned = upright.rotate((0.0, 0.0, float(np.angle(deep, deg=True))))
+    start = complex(face.centroid.x, face.centroid.y) - deep / 2
+    return _mesh(turned.translate((start.real, start.imag, (low + high) / 2)))
+
+
+def _headed(shape: Thing, screw: Screw) -> Mesh:
+    """A screw from behind with its head, under a board of yours that is not drawn."""
+    import manifold3d
+
+    ((face, low, high),) = shape
+    seat = low - _BOARD
+    shank, head = (
+        manifold3d.Manifold.cylinder(long, radius, radius, _ROUND).translate((0.0, 0.0, z))
+        for long, radius, z in (
+            (high - seat, screw.nominal / 2, seat),
+            (screw.height, screw.head / 2, seat - screw.height),
+        )
+    )
+    return _mesh((shank + head).translate((face.centroid.x, face.centroid.y, 0.0)))
 
 
 def _rods(shape: Thing) -> Mesh:
@@ -206,7 +268,12 @@ def _rods(shape: Thing) -> Mesh:
         rod = manifold3d.Manifold.cylinder(abs(ends[1] - ends[0]), radius, radius, _ROUND)
         turned = rod.rotate((0.0, 90.0, float(np.angle(ends[1] - ends[0], deg=True))))
         rods.append(turned.translate((ends[0].real, ends[0].imag, (low + high) / 2)))
-    whole = manifold3d.Manifold.batch_boolean(rods, manifold3d.OpType.Add).to_mesh64()
+    return _mesh(manifold3d.Manifold.batch_boolean(rods, manifold3d.OpType.Add))
+
+
+def _mesh(body: Any) -> Mesh:
+    """A body of manifold3d as a mesh."""
+    whole = body.to_mesh64()
     return Mesh(np.array(whole.vert_properties)[:, :3], np.array(whole.tri_verts, int))
 
 
@@ -291,32 +358,36 @@ def _axes(assembly: Assembly) -> tuple[list[Axis], list[complex]]:
     return list(standing.values()), moving
 
 
-def _line(standing: Sequence[complex], moving: Sequence[complex]) -> tuple[complex, complex]:
-    """A point and a unit direction to the right of the line that meets the most axes; the x axis where none stands."""
+def _line(standing: Sequence[complex], moving: Sequence[complex]) -> Cut:
+    """The line through the first axis that stands which meets the most others; it is straight where that meets as many as with a bend at
+    that axis, of at most a right angle, and as level as can be. The x axis where none stands."""
     if not standing:
-        return 0j, 1 + 0j
+        return Cut(0j, 1 + 0j, 1 + 0j)
     origin = standing[0]
+    others = [z - origin for z in (*standing, *moving) if abs(z - origin) > _ON_LINE]
+    ways = {1 + 0j: 0, -1 + 0j: 0}  # and how many axes lie that way
+    for z in others:
+        way = z / abs(z)
+        found = next((each for each in ways if abs(each - way) < _ON_LINE), way)
+        ways[found] = ways.get(found, 0) + 1
+        ways.setdefault(-found, 0)
 
-    def met(way: complex) -> tuple[int, int, float]:
-        """How many axes lie on it that stand, how many that move, and how level it is."""
-        counts = (
-            sum(abs(((z - origin) * way.conjugate()).imag) < _ON_LINE for z in places)
-            for places in (standing, moving)
-        )
-        return next(counts), next(counts), abs(way.real)
+    def rank(pair: tuple[complex, complex]) -> tuple[int, bool, float]:
+        """Of a way out to the right, and one out to the left."""
+        right, left = pair
+        return ways[right] + ways[left], right == -left, abs((right - left).real)
 
-    ways = [1 + 0j]
-    for z in (*standing, *moving):
-        if abs(z - origin) > _ON_LINE:
-            way = (z - origin) / abs(z - origin)
-            ways.append(-way if way.real < -_ON_LINE else way)
-    best = max(ways, key=met)
-    return origin, 1 + 0j if math.isclose(best.real, 1.0) else best
+    pairs = [
+        (right, left)
+        for right in ways
+        for left in ways
+        if (right * left.conjugate()).real < _ON_LINE and right.real > left.real - _ON_LINE
+    ]
+    right, left = max(pairs, key=rank)
+    return Cut(origin, right, -left)
 
 
-def _copies(
-    mechanism: Mechanism, line: tuple[complex, complex], comings: Mapping[str, Coming]
-) -> list[Copy]:
+def _copies(mechanism: Mechanism, line: Cut, comings: Mapping[str, Coming]) -> list[Copy]:
     """All copies where they stand, cut along a line."""
     assembly = mechanism.assembly
     poses = assembly.poses(np.zeros(1))
@@ -331,9 +402,7 @@ def _copies(
     ]
 
 
-def _copy(
-    item: int, part: Part, pose: PartPose, line: tuple[complex, complex], tolerance: float
-) -> Copy:
+def _copy(item: int, part: Part, pose: PartPose, line: Cut, tolerance: float) -> Copy:
     """A copy as it is seen and cut."""
     flat = part.prismatic and not (pose.upright or pose.standing)
     prisms = _layers(part, pose) if flat else ()
@@ -387,33 +456,36 @@ def _layers(part: Part, pose: PartPose) -> list[Prism]:
     ]
 
 
-def _of_prisms(prisms: Sequence[Prism], line: tuple[complex, complex]) -> Shape:
+def _of_prisms(prisms: Sequence[Prism], line: Cut) -> Shape:
     """Upright prisms."""
     import shapely
 
-    origin, along = line
-
-    def beside(points: Any) -> Any:
-        """Points of the machine along the line and to its left."""
-        return coordinates((points @ np.array([1, 1j]) - origin) / along)
-
     boxes = []
-    for shape, low, high in prisms:
-        local = shapely.transform(shape, beside)
-        x0, _, x1, _ = local.bounds
-        chord = local.intersection(shapely.LineString([(x0 - 1, 0), (x1 + 1, 0)]))
-        boxes += [
-            shapely.box(piece.bounds[0], low, piece.bounds[2], high)
-            for piece in shapely.get_parts(chord)
-            if piece.length
-        ]
+    for way, begin, end in line.halves:
+
+        def beside(points: Any, way: complex = way) -> Any:
+            """Points of the machine along the line and to its left."""
+            return coordinates((points @ np.array([1, 1j]) - line.origin) / way)
+
+        for shape, low, high in prisms:
+            local = shapely.transform(shape, beside)
+            x0, _, x1, _ = local.bounds
+            ends = max(x0 - 1, begin), min(x1 + 1, end)
+            if ends[0] >= ends[1]:
+                continue
+            chord = local.intersection(shapely.LineString([(x, 0) for x in ends]))
+            boxes += [
+                shapely.box(piece.bounds[0], low, piece.bounds[2], high)
+                for piece in shapely.get_parts(chord)
+                if piece.length
+            ]
     faces = [(shape, high) for shape, _, high in prisms]
     span = min(low for _, low, _ in prisms), max(high for _, _, high in prisms)
     whole = shapely.union_all([shapely.Polygon(), *boxes], grid_size=_GRID)
     return faces, whole, span
 
 
-def _of_solid(solid: Mesh, line: tuple[complex, complex]) -> Shape:
+def _of_solid(solid: Mesh, line: Cut) -> Shape:
     """A solid: its faces are the outlines from above of what reaches as high as each of its level faces, then of all of it."""
     import shapely
 
@@ -425,13 +497,19 @@ def _of_solid(solid: Mesh, line: tuple[complex, complex]) -> Shape:
     lowest = levels[-1] - _UNDER if levels else float(np.max(solid.vertices[:, 2]))
     faces.append((body.project(), lowest))
     seen = [(shapely.simplify(_even(face.to_polygons()), _FINE), top) for face, top in faces]
-    origin, along = line
-    local = (solid.vertices[:, :2] @ np.array([1, 1j]) - origin) / along
-    turned = np.column_stack([local.real, solid.vertices[:, 2], -local.imag])
-    rings = [ring.points for ring in slice_mesh(Mesh(turned, solid.faces), 0.0)]
-    cut = _even([coordinates(z) for z in rings])
-    heights_of = solid.vertices[:, 2]
-    return seen, cut, (float(heights_of.min()), float(heights_of.max()))
+    low, high = float(solid.vertices[:, 2].min()), float(solid.vertices[:, 2].max())
+    cuts = []
+    for way, begin, end in line.halves:
+        local = (solid.vertices[:, :2] @ np.array([1, 1j]) - line.origin) / way
+        turned = np.column_stack([local.real, solid.vertices[:, 2], -local.imag])
+        rings = [ring.points for ring in slice_mesh(Mesh(turned, solid.faces), 0.0)]
+        own = _even([coordinates(z) for z in rings])
+        x0 = max(float(local.real.min()) - 1, begin)
+        x1 = min(float(local.real.max()) + 1, end)
+        if x0 < x1:
+            cuts.append(own.intersection(shapely.box(x0, low - 1, x1, high + 1)))
+    cut = shapely.union_all([shapely.Polygon(), *cuts], grid_size=_GRID)
+    return seen, cut, (low, high)
 
 
 def _levels(solid: Mesh) -> list[float]:

@@ -72,9 +72,19 @@ def _way(
         begin, end = np.array(shape[0][0].exterior.coords)[:2] @ np.array([1, 1j])
         inwards = (begin - end) / abs(begin - end)
         return float(inwards.real), float(inwards.imag), 0.0
-    behind = bool(thing.thread) and thing.standard != NUT_STANDARD and len(shape) == 1
     under = all(part.middle > body.high for part in touched or parts)
     beneath = body.high <= min(part.low for part in parts)
-    if behind or under or beneath or thing.role == "drive" or body.headed_below:
+    if (
+        is_from_behind(thing, shape)
+        or under
+        or beneath
+        or thing.role == "drive"
+        or body.headed_below
+    ):
         return _BELOW
     return _ABOVE
+
+
+def is_from_behind(thing: Bought, shape: Thing) -> bool:
+    """Whether it is a screw through a board of yours, of which only what is in the machine is known."""
+    return bool(thing.thread) and thing.standard != NUT_STANDARD and len(shape) == 1

@@ -26,7 +26,7 @@ from camgen.geometry.outlines import Arc, Contour, extent, start_point
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
 from camgen.parts.solids import solid
-from camgen.pipeline.arrangement import arrangement_of
+from camgen.pipeline.arrangement import Cut, arrangement_of
 from camgen.pipeline.bought_shapes import bought_shapes
 from camgen.pipeline.drawings import facts_of
 from camgen.pipeline.making import assembly_copies, parts_table
@@ -137,6 +137,7 @@ def test_the_section_holds_what_lies_inside_of_the_solids(name: str) -> None:
     _, arrangement = machine(name)
     near, far = arrangement.deep
     origin, along = arrangement.line
+    before = arrangement.bend or along
     points = np.random.default_rng(4).uniform(
         (near.real, near.imag), (far.real, far.imag), (600, 2)
     )
@@ -147,14 +148,17 @@ def test_the_section_holds_what_lies_inside_of_the_solids(name: str) -> None:
         assert copy.number == number
         edge = copy.cut.boundary
         plan = facets.corners[:, :, 0] + 1j * facets.corners[:, :, 1]
-        off = np.imag((plan - origin) * np.conj(along))
-        crossed = Facets(facets.corners[(off.min(axis=1) <= beside) & (off.max(axis=1) >= beside)])
+        halves = []
+        for way in (along, before):
+            off = np.imag((plan - origin) * np.conj(way))
+            met = (off.min(axis=1) <= beside) & (off.max(axis=1) >= beside)
+            halves.append(Facets(facets.corners[met]))
         for s, z in points:
             point = shapely.Point(s, z)
             if not copy.cut.is_empty and edge.distance(point) < FAR:
                 continue
-            at = origin + (s + 1j * beside) * along
-            held = np.count_nonzero(crossed.met(at.real, at.imag) > z) % 2 == 1
+            at = origin + (s + 1j * beside) * (along if s > 0 else before)
+            held = np.count_nonzero(halves[int(s < 0)].met(at.real, at.imag) > z) % 2 == 1
             assert copy.cut.contains(point) == held, (s, z, number)
             inside += held
     assert inside > 20
@@ -409,7 +413,7 @@ def test_heights_of_a_far_side_are_not_said_twice() -> None:
 
 
 def test_a_section_has_a_letter_that_no_hole_has_and_says_how_it_is_turned() -> None:
-    """Of a bird whose rods have A; its line goes from O to W, 44 to 26, seen turned by atan(44 / 26) = 59 deg."""
+    """Of a bird whose rods have A; of a disc cam, whose roller is over the shaft, along y."""
     from camgen.files.arrangement_sheet import _Page
 
     _, arrangement = machine("gallery/flapping-bird")
@@ -419,7 +423,28 @@ def test_a_section_has_a_letter_that_no_hole_has_and_says_how_it_is_turned() -> 
         for each in _Page(arrangement).draw("bird", Facts()).things
         if isinstance(each, Text)
     }
-    assert "B-B, turned 59° counter-clockwise" in texts and {"O", "W", "V"} <= texts
+    assert {"B-B", "O", "W", "V"} <= texts
+    _, arrangement = machine("metal disc-cam")
+    things = _Page(arrangement).draw("cam", Facts()).things
+    names = [each.text for each in things if isinstance(each, Text) and each.text[:3] == "A-A"]
+    assert len(names) == 1 and names[0].endswith("turned 90° clockwise")
+
+
+def test_a_section_bends_at_the_drive_where_it_meets_more_axes_so() -> None:
+    """Of a bird from the wing's pin W at (-26, 44), 51.1 off, through O to the crank pin A, 9 to its right: it cuts crank, both rods and
+    the pin that joins them. V, which is 59 deg from A, is beside it. A linkage whose axes lie on one line has a straight one."""
+    mechanism, arrangement = machine("gallery/flapping-bird")
+    at = {axis.name: axis.at for axis in arrangement.axes}
+    assert arrangement.place(at["W"]) == pytest.approx(-((26**2 + 44**2) ** 0.5))
+    assert arrangement.place(9 + 0j) == pytest.approx(9.0)
+    assert arrangement.place(at["V"]) is None
+    parts = mechanism.assembly.parts
+    over = shapely.box(5, -40, 13, 20)
+    made = [copy for copy in arrangement.copies if not copy.bought]
+    cut = {parts[each.number - 1].name for each in made if each.cut.intersects(over)}
+    assert {"crank", "left_rod", "right_rod", "pin-2", "ground"} <= cut
+    linkage = read_mechanism(tomllib.loads(in_metal("linkage")))
+    assert arrangement_of(linkage, parts_table(linkage)).bend is None
 
 
 def test_bearings_have_balls_and_notes_say_where_bearing_and_follower_go() -> None:
@@ -600,7 +625,7 @@ def test_a_section_that_would_miss_all_parts_goes_through_the_largest(
 ) -> None:
     """As where all axes lie beside what is made."""
     mechanism, _ = machine("gallery/flapping-bird")
-    monkeypatch.setattr("camgen.pipeline.arrangement._line", lambda *_: (1e4j, 1 + 0j))
+    monkeypatch.setattr("camgen.pipeline.arrangement._line", lambda *_: Cut(1e4j, 1 + 0j, 1 + 0j))
     found = arrangement_of(mechanism, parts_table(mechanism))
     largest = max(found.copies, key=lambda copy: max(face.area for face, _ in copy.faces))
     assert not largest.cut.is_empty and found.line[1] == 1

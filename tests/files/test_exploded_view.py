@@ -220,6 +220,27 @@ def test_a_roller_that_lies_is_round() -> None:
     assert seen.face.area == pytest.approx(area, rel=0.01)
 
 
+def test_a_key_has_round_ends_and_a_screw_from_behind_its_head() -> None:
+    """Of a linkage of metal: keys 3 x 3 x 6 of form A, 1.8 deep in the shaft and 1.4 in the hub, (3 x 3 + 1.5^2 pi) (1.8 + 1.4) mm^3 [DIN
+    6885]; M5 in the plate from 0 to 10 and through a board of 10, its head of 5 under that [ISO 4762]."""
+    arrangement = machine("metal linkage")
+    numbers = {item.what: item.number for item in arrangement.items}
+    solids = {
+        what: [
+            copy.solid for copy in arrangement.copies if copy.number == numbers[what] and copy.solid
+        ]
+        for what in ("parallel key", "screw of the plate, from behind")
+    }
+    keys = solids["parallel key"]
+    assert len(keys) == 2
+    for key in keys:
+        assert key.volume == pytest.approx((9 + 2.25 * math.pi) * 3.2, rel=0.01)
+        assert np.ptp(key.vertices[:, 2]) == pytest.approx(6.0)
+    for screw in solids["screw of the plate, from behind"]:
+        ends = screw.vertices[:, 2]
+        assert (ends.min(), ends.max()) == pytest.approx((-15.0, 10.0))
+
+
 def heights_of(name: str) -> dict[str, list[tuple[float, float]]]:
     """From where to where copies reach that are drawn apart, from the lowest up, by what the list calls them."""
     arrangement = machine(name)
