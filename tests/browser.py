@@ -73,6 +73,14 @@ PROBE = """(async () => {
   small.scrollIntoView();
   await until(() => small.dataset.seen);
   found.small = small.getContext("2d").getImageData(0, 0, 320, 220).data.filter(value => value > 0).length;
+  found.clipped = [];  // parts whose pictures reach the edge
+  const cards = [...document.querySelectorAll('.small[data-view^="part-"]')];
+  for (const card of cards.slice(0, 12)) {
+    card.scrollIntoView();
+    await until(() => card.dataset.seen);
+    const inked = (...frame) => card.getContext("2d").getImageData(...frame).data.some((value, k) => k % 4 == 3 && value > 0);
+    if (inked(0, 0, 320, 1) || inked(0, 219, 320, 1) || inked(0, 0, 1, 220) || inked(319, 0, 1, 220)) found.clipped.push(card.dataset.view);
+  }
   const bench = byId("bench");
   if (bench) {  // on to the second step by the button and back by a key: what comes is drawn
     const count = byId("count"), ink = () => {
@@ -267,6 +275,7 @@ def chromium(path: Path) -> str:
         [] if found["hidden"] == 0 and found["drawing"] == "hidden" else ["hidden parts are seen"]
     )
     wrong += [] if found["small"] > 100 else ["no small views"]
+    wrong += [f"cut off in its picture: {', '.join(found['clipped'])}"] if found["clipped"] else []
     if "steps" in found:
         last = int(found["steps"][0].rpartition(" ")[2])
         steps = [f"Step {k} of {last}" for k in (1, 2, 1, last, 1, last)]

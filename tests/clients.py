@@ -957,6 +957,11 @@ DAMAGES: list[tuple[Client, str, Callable[[Path], None]]] = [
     (chromium, "too near", lambda path: edited_text(path, "fill = 0.94", "fill = 1.6")),
     (
         chromium,
+        "part cut off",
+        lambda path: edited_text(path, "look(view, reach,", "look(view, reach.slice(0, 2),"),
+    ),
+    (
+        chromium,
         "greedy wheel",
         lambda path: edited_text(path, "if (!focused()) event", "if (false) event"),
     ),

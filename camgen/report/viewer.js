@@ -161,11 +161,13 @@
     solid.computeBoundingSphere();
     return { solid, edges, ends: extremes(places) };
   }
-  // Of points, x, y and z by turns, those that are farthest in 48 directions.
+  // Of points, x, y and z by turns, those that are farthest in 16 directions round z, each at these slopes: the last finds the rim
+  // of what stands highest, however slender it is.
+  const slopes = [0, 1, -1, 3, -3, 1000, -1000];
   function extremes(places) {
     const found = new Set();
-    for (let k = 0; k < 48; k++) {
-      const angle = (k % 16) * Math.PI / 8, x = Math.cos(angle), y = Math.sin(angle), z = Math.floor(k / 16) - 1;
+    for (let k = 0; k < 16 * slopes.length; k++) {
+      const angle = (k % 16) * Math.PI / 8, x = Math.cos(angle), y = Math.sin(angle), z = slopes[Math.floor(k / 16)];
       let far = -Infinity, at = 0;
       for (let i = 0; i < places.length; i += 3) {
         const reach = x * places[i] + y * places[i + 1] + z * places[i + 2];
