@@ -127,14 +127,17 @@ def filled(data: Any) -> Any:
     sizes: dict[str, float | str] = {"thickness": thickness, "hub_diameter": hub}
     shape = parts.get("bore_shape", "keyway" if _is_keyed(bore, geometry) else "plain")
     sizes["bore_shape"] = shape
+    under_screw = _under_screw(
+        parts
+    )  # a hub that is asked for, even where it has no room, as is told then
     if (
         shape == "keyway"
         and not grooved
-        and not _too_small(geometry, parts.get("hub_diameter", hub))
+        and (under_screw or not _too_small(geometry, parts.get("hub_diameter", hub)))
     ):
         given = parts.get("thickness", thickness)
         sizes["hub_height"] = (
-            max(0.0, bore - given, _under_screw(parts)) if isinstance(given, int | float) else 0.0
+            max(0.0, bore - given, under_screw) if isinstance(given, int | float) else 0.0
         )
     if grooved:
         given = parts.get("thickness", thickness)

@@ -261,11 +261,13 @@ def pins_beside(sizes: CamParts, min_wall: float) -> float:
 
 
 def refuse_wide(name: str, room: float, reach: float, hub: float = 0.0) -> None:
-    """DesignError where the bore, by its reach, or the hub, by its diameter, leaves a cam; room: to the cam's side, mm."""
-    widest = max(reach, hub / 2)
+    """DesignError where the bore, by its reach, or the hub, by its diameter, leaves a cam; room: to the cam's side, mm.
+
+    The bore is told first: a smaller hub alone would not mend it.
+    """
+    key, widest = ("parts.bore", reach) if reach >= room else ("parts.hub_diameter", hub / 2)
     if widest < room:
         return
-    key = "parts.hub_diameter" if widest > reach else "parts.bore"
     side = f"the nearest side of {name}"
     remedy = f"set a smaller {key}, or make base_radius more than {widest - room:.2g} mm larger"
     error = DesignError(key, 2 * widest, 2 * room, "mm", side, remedy)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from camgen.errors import DesignError
 from camgen.files.drawing import _Layout
 from camgen.files.sheet import Size, Text
 from camgen.geometry.arcs import as_circle
@@ -61,6 +62,23 @@ def test_a_metal_cam_has_the_sizes_of_a_workshop(
     settings: tuple[str, ...], expected: tuple[float, float, float]
 ) -> None:
     assert sizes(*settings) == expected
+
+
+@pytest.mark.parametrize(
+    ("settings", "told"),
+    [
+        (("parts.bore=60", "geometry.base_radius=32"), "parts.bore reaches"),
+        (("geometry.base_radius=15",), "parts.hub_diameter reaches 18 mm"),
+    ],
+)
+def test_a_cam_with_no_room_for_the_hub_of_its_screw_is_told_by_what_has_no_room(
+    settings: tuple[str, ...], told: str
+) -> None:
+    """Not by the height of a hub, which nobody typed and which would not mend it."""
+    with pytest.raises(DesignError, match=told):
+        _ = read_mechanism(
+            STARTER, [*KEYED, "material.name=C45", "parts.set_screw=M5", *settings]
+        ).assembly
 
 
 def test_a_groove_in_metal_is_milled_to_its_roller() -> None:
