@@ -72,6 +72,7 @@ def _sent(kind: type[E], arguments: tuple[Any, ...], facts: dict[str, Any]) -> E
 UNKNOWN = "unknown key"
 COMMAND_LINE = "command line"  # source of faults that no spec has
 MOST_LISTED = 100  # faults that a message lists; nobody reads more
+LONG_LIST = 100  # letters of a list of names, behind which nobody looks for what was meant
 
 
 Key = tuple[str | int, ...]  # steps through a spec's tables: names of keys, places in lists from 0
@@ -120,9 +121,14 @@ class Fault:
         if self.unknown:
             known = f"{UNKNOWN}; did you mean '{self.nearest}'?" if self.nearest else self.expected
             return printable(f"{place}: {known}")
+        found = f": {self.value} -" if self.value else " -"
+        expected = f"expected {self.expected}" if self.value else self.expected
+        if (
+            self.nearest and len(self.expected) > LONG_LIST
+        ):  # what is near, before all that there is
+            return printable(f"{place}{found} did you mean '{self.nearest}'? {expected}")
         hint = f" (did you mean '{self.nearest}'?)" if self.nearest else ""
-        found = f": {self.value} - expected" if self.value else " -"
-        return printable(f"{place}{found} {self.expected}{hint}")
+        return printable(f"{place}{found} {expected}{hint}")
 
 
 class SpecError(CamgenError):

@@ -905,6 +905,11 @@ def test_the_number_of_a_steel_without_quotes_is_told_as_with_them():
     [
         ("segment.0.law", "sine", "one of 'cycloidal', 'modified-sine', 'simple-harmonic'"),
         ("segment.0.law", "SHM", "did you mean 'simple-harmonic'"),
+        (
+            "segment.0.law",
+            "modifiedsine",
+            "- did you mean 'modified-sine'? expected one of '3-4-5'",
+        ),
         ("segment.2.kind", "fall", "did you mean 'return'"),
         ("material.name", "1.7131", "did you mean '16MnCr5'?"),
         ("material.name", "1.0503", "did you mean 'C45'?"),

@@ -167,7 +167,7 @@ def test_a_hand_turns_a_crank() -> None:
     (each,) = found("DRIVE_TORQUE", "linkage", "motor.model=42STH48-2004AC", "parts.hand_crank=40")
     assert each.limit == pytest.approx(22 * 0.040) and "no seat for 42STH48" in each.message
     (fast,) = found("DRIVE_TORQUE", "linkage", "motor.model=hand crank", "drive.speed_rpm=121")
-    assert not fast.ok and fast.limit == 0
+    assert not fast.ok and fast.limit == 0 and fast.message.startswith("121 rpm is faster than")
 
 
 @pytest.mark.long

@@ -122,12 +122,15 @@ class _Motor:
         theta = self.run.theta
         worst = int(np.argmax(np.abs(self.needed)))
         rate = float(abs(self.drive.law(theta, 1)[worst] * self.run.machine.speed))
-        remark = f"needed at {rate * 60 / math.tau:.6g} rpm with the friction of all joints; {motor.said}"
+        rpm, given = f"{rate * 60 / math.tau:.6g} rpm", max(0.0, motor.torque(rate))
+        remark = f"needed at {rpm} with the friction of all joints; {motor.said}"
+        if not given:
+            remark = f"{rpm} is faster than what drives it can turn: lower the speed_rpm, or take a faster motor; {motor.said}"
         most = peak(self.needed)
         where = Where(
             self.drive.name if self.name else "drive", theta=float(theta[worst]), angle="", digits=1
         )
-        yield at_most("DRIVE_TORQUE", most, max(0.0, motor.torque(rate)), "N m", where, remark)
+        yield at_most("DRIVE_TORQUE", most, given, "N m", where, remark)
 
 
 def torque(
