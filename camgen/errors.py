@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
+from pathlib import Path
 from typing import Any, Self, TextIO, TypeVar
 
 E = TypeVar("E", bound="CamgenError")
@@ -294,7 +295,10 @@ def explained(error: CamgenError | OSError) -> CamgenError:
     """The error itself, or the FileError that stands for an OSError."""
     if isinstance(error, CamgenError):
         return error
-    return FileError(error.filename or "file", error.strerror or str(error))
+    path = Path(error.filename or "file")
+    if isinstance(error, FileNotFoundError) and not path.parent.exists():
+        return FileError(path, f"there is no folder {path.parent}")
+    return FileError(path, error.strerror or str(error))
 
 
 @contextmanager

@@ -68,7 +68,12 @@ def read(path: Path) -> Data:
         data = tomllib.loads(text)
     except UnicodeDecodeError as error:
         before = raw[: error.start].decode("utf-8", "replace")
-        fault = Fault((), f"byte 0x{raw[error.start]:02x}", "text in UTF-8", source=_place(before))
+        fault = Fault(
+            (),
+            f"byte 0x{raw[error.start]:02x}",
+            "a spec, which is text in UTF-8",
+            source=_place(before),
+        )
         raise SpecError([fault], str(path)) from None
     except (ValueError, RecursionError) as error:
         raise SpecError([_syntax_fault(text, error)], str(path)) from None
@@ -356,6 +361,8 @@ def _slip(line: str, reason: str) -> str:
     """What a line should be in which one thing is written as elsewhere; "" where none is seen."""
     if (pair := _COLON.match(line)) and reason.startswith("Expected '='"):
         return f"= in place of the colon: {pair[1]} = {pair[2] or '...'}"
+    if line.startswith("<"):
+        return "a spec, which is TOML, not HTML or XML"
     if line.startswith("{") and "=" not in line:
         return 'TOML, not JSON: mechanism = "...", one key a line'
     if number := _COMMA.search(line):

@@ -294,12 +294,22 @@ def test_nearest_mechanism_is_named(run: Run) -> None:
     assert code == 2 and "first the mechanism, then the file: camgen new bird-drum out.toml" in err
 
 
+def test_a_folder_that_is_missing_is_told(run: Run, tmp_path: Path) -> None:
+    code, _, err = run("new", "disc-cam", str(tmp_path / "none" / "x.toml"))
+    assert code == 4 and f"there is no folder {tmp_path / 'none'}" in err
+
+
+def test_a_word_of_a_heading_leads_to_its_page(run: Run) -> None:
+    """The table of materials stands in that on sheet and metal."""
+    assert "lists; laser, " in run("guide", "materials")[2]
+
+
 def test_a_machine_that_cannot_be_tells_where_its_keys_are_written(
     run: Run, tmp_path: Path
 ) -> None:
     """A key of the file by its line, one that is left out by its default, one of --set not at all."""
     spec = tmp_path / "s.toml"
-    text = starters.text("disc-cam").replace("base_radius = 25", "base_radius = 3")
+    text = starters.text("disc-cam").replace("base_radius = 25", "base_radius = 6")
     spec.write_text(text, "utf-8")
     rows = text.splitlines()
     radius, hub = (
@@ -310,7 +320,7 @@ def test_a_machine_that_cannot_be_tells_where_its_keys_are_written(
     *_, first, second = run(*build)[2].splitlines()
     assert first == f"  parts.hub_diameter: line {hub}"
     assert second == f"  geometry.base_radius: line {radius}"
-    *_, last = run(*build, "--set", "geometry.base_radius=4")[2].splitlines()
+    *_, last = run(*build, "--set", "geometry.base_radius=5")[2].splitlines()
     assert last == f"  parts.hub_diameter: line {hub}"
     spec.write_text("\n".join(row for row in rows if not row.startswith("hub_diameter")), "utf-8")
     *_, first, _ = run(*build)[2].splitlines()

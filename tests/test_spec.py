@@ -249,6 +249,7 @@ def test_syntax_fault_has_line_and_column(
         ("side = [D, E1]", 'a list of texts in brackets, each in quotes: ["D", "E1"]'),
         ('"A-B": 25', '= in place of the colon: "A-B" = 25'),
         ('{"mechanism": "disc-cam"}', 'TOML, not JSON: mechanism = "...", one key a line'),
+        ("<html><body>", "a spec, which is TOML, not HTML or XML"),
         ("width = 25 mm", "a number without a unit: 25"),
         ("side = left", 'quotes round text: "left"'),
         ("rows = [{ kind = rise, lift = 12 }]", 'quotes round text: "rise"'),

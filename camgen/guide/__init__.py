@@ -51,10 +51,18 @@ def page(topic: str) -> str:
 
 
 def holding(word: str) -> list[str]:
-    """Topics of the three pages that hold a word most often, not within another one; capitals and small letters are the same."""
-    form = re.compile(rf"\b{re.escape(word)}\b", re.IGNORECASE)
-    counts = {topic: len(form.findall(page(topic))) for topic in TOPICS}
-    return sorted(filter(counts.get, TOPICS), key=lambda topic: -counts[topic])[:3]
+    """Topics of the three pages that hold a word most often, with one of their headings above all; not within another word.
+
+    Capitals and small letters are the same, and so are one thing and several.
+    """
+    form = re.compile(rf"\b{re.escape(word.removesuffix('s'))}s?\b", re.IGNORECASE)
+    counts = {}
+    for topic in TOPICS:
+        text = page(topic)
+        headings = "\n".join(line for line in text.splitlines() if line.startswith("#"))
+        counts[topic] = len(form.findall(headings)), len(form.findall(text))
+    found = [topic for topic in TOPICS if counts[topic][1]]
+    return sorted(found, key=counts.__getitem__, reverse=True)[:3]
 
 
 def in_terminal(topic: str) -> str:
