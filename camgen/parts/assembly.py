@@ -270,6 +270,12 @@ class Assembly:
         points = facet_contour(rim, self.process.tolerance)
         return Ring.straight(points)
 
+    @property
+    def one_key(self) -> bool:
+        """Whether one key goes through all bores: of a groove's walls, or of cams side by side on one seat of a shaft."""
+        shafts = (each.shaft for each in self.bought)
+        return self.dowel > 0 or any(shaft and len(shaft.bores) == 1 for shaft in shafts)
+
     @cached_property
     def by_name(self) -> Mapping[str, Part]:
         """Its parts by their names."""

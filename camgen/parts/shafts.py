@@ -135,7 +135,7 @@ def shaft_and_bearings(seat: Seat) -> list[Bought]:
         return [replace(shaft, size=size, details="; ".join(cuts)), *rings]
     start = made.bores[0][0]
     below = made.length - start - sum(seat.lengths)
-    begins = f"; the bore begins {start:.4g} mm from its other end: it stands on blocks at least {math.ceil(below):g} mm high meanwhile"
+    begins = f"; the bore begins {start:.4g} mm from its other end. Lay what it goes through on blocks at least {math.ceil(below):g} mm high first"
     shaft = replace(
         shaft,
         size=f"{bore:g} {_FIT} x {made.length:g}, C45",

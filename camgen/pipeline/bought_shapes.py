@@ -105,10 +105,11 @@ def _others(assembly: Assembly, thing: Bought, copies: Sequence[StandingCopy]) -
         taps: list[Thing] = [[_in_thread(copy, copy.part.tap)] for copy in copies if copy.part.tap]
         return taps if len(taps) == thing.count else []
     own = {name for name, _ in thing.at} or assembly.by_name.keys()
-    keys = [key.size for key in parallel_keys(assembly.parts, bool(assembly.dowel))]
+    keys = [key.size for key in parallel_keys(assembly.parts, assembly.one_key)]
     if thing.size not in keys:
         return []
-    return [[each] for copy in copies if copy.part.name in own for each in _keys(copy)]
+    found = [each for copy in copies if copy.part.name in own for each in _keys(copy)]
+    return [found] if found and assembly.one_key else [[each] for each in found]
 
 
 # ---- screws ----------------------------------------------------------------------------------------------------------

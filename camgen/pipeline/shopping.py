@@ -39,7 +39,7 @@ _IN_SHAFT = "pressed or tapped into the keyway of the shaft, before that goes th
 def bought_things(mechanism: Mechanism) -> list[Bought]:
     """What is bought for a machine, beside its parts: keys in keyways and the rollers that its load names too; and what is your own."""
     assembly = mechanism.assembly
-    keys = [*parallel_keys(assembly.parts, bool(assembly.dowel))]
+    keys = [*parallel_keys(assembly.parts, assembly.one_key)]
     if any(each.role == "shaft" for each in assembly.bought):
         keys = [replace(each, at=(), how=_IN_SHAFT) for each in keys]
     things = [*keys, *assembly.bought]

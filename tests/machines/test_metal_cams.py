@@ -644,6 +644,10 @@ def test_a_pair_of_indexing_cams_has_a_shaft_as_a_disc_cam_has() -> None:
     things = {each.name: each for each in bought_things(made)}
     assert things["shaft"].size == "12 h6 x 80, C45"
     assert things["bearing of the shaft"].size == "6001, 12 x 28 x 8"
+    # one key turns both, of the lengths of DIN 6885 below 24.2
+    assert (things["parallel key"].size, things["parallel key"].count) == ("4 x 4 x 22", 1)
+    assert things["shaft"].shaft is not None
+    assert [each.length for each in things["shaft"].shaft.keyways] == [22.0]
     assert "28 H7, coaxial within 0.03, their middles 44.2 apart" in things["frame"].size
     printed = read_mechanism(tomllib.loads(in_metal("indexing-cam")), ["material.name=PLA"])
     assert "shaft" not in {each.name for each in bought_things(printed)}

@@ -545,9 +545,9 @@ class IndexingCam(CamTables):
         mounts = [Mount(name, "cam", z=0.0 if name == "cam" else beside) for name in self.cams]
         made = self._assembly(with_upper_sides(self._cams(), outlines), mounts, outlines)
         cycle = replace(made.cycle, turns=self.linkage.turns)
-        lengths = [self.making.thickness, *[beside] * (len(self.cams) - 1)]
+        length = self.making.thickness + beside * (len(self.cams) - 1)
         carried = shaft_of(
-            self.making, self.material.name, self.motor.model, lengths, self.drawing.key_fit
+            self.making, self.material.name, self.motor.model, [length], self.drawing.key_fit
         )
         return replace(made, demands=self.demands(), cycle=cycle, bought=carried)
 
