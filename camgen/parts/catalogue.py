@@ -154,11 +154,14 @@ class CamFollower:
             how=f"on its stud, behind your follower, which is at most {math.floor(2 * grip) / 2:g} mm thick there; as tight as the maker of "
             "the cam follower says",
         )
+        face = clear + each * WASHERS[self.stud]
+        off = f"which is then {face:.3g} mm off the cam"
         if not each:
-            return [Bought("cam follower", ROLLER_STANDARD, size, count, how=where), nut, grease]
+            how = f"{where}, against your follower, {off}"
+            return [Bought("cam follower", ROLLER_STANDARD, size, count, how=how), nut, grease]
         washer = Bought("washer of the cam follower", "ISO 7089", f"M{self.stud:g}", each * count)
         some = "a washer" if each == 1 else f"{each} washers"
-        how = f"{where}; {some} between its shoulder and your follower: this must not touch the cam"
+        how = f"{where}; {some} between its shoulder and your follower, {off}: it must not touch the cam"
         return [
             replace(washer, how="on the stud of the cam follower, before that goes in"),
             Bought("cam follower", ROLLER_STANDARD, size, count, how=how),

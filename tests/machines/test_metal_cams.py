@@ -310,6 +310,9 @@ def test_a_cam_is_held_on_its_shaft_before_the_bearings_close_it_in() -> None:
     assert "blocks at least 54 mm high" in cam[2] and "blocks at least 57 mm high" in drum[2]
     # a KR16's stud of 16, less a washer of 1.6 [ISO 7089] and a nut of at most 5.2 [ISO 4032], is 9.2
     assert any("at most 8.5 mm thick there" in each for each in cam)
+    # a ring of 11 half way up a cam of 12, the shoulder 0.6 beyond it, a washer of 1.6; a drum of 37 with the ring's inner end at 25
+    assert any("which is then 1.7 mm off the cam" in each for each in cam)
+    assert any("which is then 1.2 mm off the cam" in each for each in drum)
     (spring,) = [each for each in cam if "spring" in each]
     free = float(re.findall(r"free length ([\d.]+)", spring)[0])
     assert f"pressed together to {free - 15:.4g} while the follower is lowest" in spring
