@@ -231,6 +231,10 @@ class Print(Record):
         description="diametral clearance of joints that move; also the play between parts that lie on "
         "each other",
     )
+    bore_clearance: Clearance | None = Field(
+        default=None,
+        description="diametral clearance of round holes that turn on pins and shafts of a linkage; default: slide_clearance",
+    )
     press_clearance: Clearance = Field(
         default=0.0,
         description="diametral clearance of press fits, for holes as drawn; printed holes come out narrower: see hole_compensation",
@@ -287,6 +291,11 @@ class Print(Record):
         default=None,
         description="number of waves of form_error per turn, least and greatest; default: 2 to 4",
     )
+
+    @property
+    def running_clearance(self) -> float:
+        """Diametral clearance of round holes that turn on pins and shafts, mm."""
+        return self.slide_clearance if self.bore_clearance is None else self.bore_clearance
 
 
 class Material(Record):

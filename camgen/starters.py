@@ -75,6 +75,7 @@ _SHAFTS = (
     "parts.base_thickness=10",
     "parts.mount_diameter=4.2",
     "print.slide_clearance=0.1",
+    "print.bore_clearance=0.03",
 )
 METAL = {
     "disc-cam": (
@@ -118,6 +119,7 @@ METAL = {
         'parts.bearing="695"',
         'parts.pins={ O = "bush" }',
         "parts.hand_crank=40",
+        "print.slide_clearance=0.2",
     ),
 }
 

@@ -31,6 +31,7 @@ class Fit:
     diameter: float  # mm
     words: str  # such as "slide on Ø6"
     ring: bool = False  # whether a ball bearing sits there
+    nominal: float = 0.0  # mm, to which the words refer; 0: the diameter
 
 
 @dataclass(frozen=True)
@@ -155,6 +156,7 @@ class Facts:
                 and abs(fit.diameter - 2 * hole.radius) < SAME_POINT
             ):
                 size, *more = hole.shape.split(", ", 1)
+                size = f"Ø{number(fit.nominal)}" if fit.nominal else size
                 return ", ".join([f"{size} {fit.words}", *more])
         shank, fit_of_shank = self.shank
         is_shank = fit_of_shank and abs(2 * hole.radius - shank) < SAME_POINT

@@ -224,12 +224,13 @@ class Mechanism(Spec, ABC):
         """The play on a side less what a coarse print leaves and facets take is what bodies keep that move past each other."""
         press = self.print.press_clearance
         slide = self.print.slide_clearance
+        running = self.print.running_clearance
         tolerance = self.accuracy.chord_tolerance
         return Process(
             tolerance,
             max(0.0, 0.8 * slide / 2 - 2 * tolerance),
             Fixing(
-                (press + slide) / 2 if press < slide else -math.inf,
+                (press + running) / 2 if press < running else -math.inf,
                 metal=materials.of(self.material.name).metal,
             ),
             self.material.name,

@@ -99,7 +99,10 @@ def _through(
     openings: list[Round | Slot] = [*holder.holes, *holder.slots]
     for hole in openings:
         for outline in held.outlines:
-            if not hole.holds(outline):
+            on_sleeve = (
+                isinstance(hole, Round) and held.part.role == "sleeve" and hole.goes_round(outline)
+            )
+            if not (on_sleeve or hole.holds(outline)):
                 continue
             low = max(hole.low, outline.low)
             high = min(hole.high, outline.high)

@@ -34,7 +34,7 @@ def with_reaming(
 ) -> Table:
     """The order of assembly, begun with the holes that are to be reamed and those that stay tight; as it is where there are none.
     metal: whether the parts are of it: they come made as on their sheets, and their glue is one for metal."""
-    opened = _holes(copies, fixing, _reamed)
+    opened = _holes(copies, fixing, _running if metal else _reamed)
     fixed = tight_holes(copies, fixing)
     keyed = _joined(copies, fixing, "keyed and glued")
     if metal:
@@ -58,7 +58,7 @@ def with_reaming(
 
     lines = lines_of(opened, words.running)
     if lines:
-        count = sum(opened_holes(copies, fixing).values())
+        count = sum(p.count * len(letters) for of in opened.values() for p, letters in of.values())
         holes = {1: "the hole", 2: "both holes"}.get(count, f"all {count} holes")
         rough = not metal and any(map(common_drill, opened))
         said = [words.opened.format(holes) + _ROUGH * rough + _ticks(lines)]
@@ -387,13 +387,20 @@ def _reamed(
     hole: Round, holder: StandingCopy, copies: Sequence[StandingCopy], fixing: Fixing
 ) -> float:
     """The size to which a hole is opened, mm, for what turns or slides in it; 0 where nothing does, or a sleeve clear of it."""
+    widest = _running(hole, holder, copies, fixing)
+    return running_size(widest, hole.diameter - widest) if widest else 0.0
+
+
+def _running(
+    hole: Round, holder: StandingCopy, copies: Sequence[StandingCopy], fixing: Fixing
+) -> float:
+    """Diameter of what turns or slides in a hole, mm; 0 where nothing does, or a sleeve clear of it."""
     others = (
         each
         for each in copies
         if each.part.role != "sleeve" and _moves(holder, each, fixing) and each is not holder
     )
-    widest = _widest(hole, holder, others, fixing, ("",))
-    return running_size(round(widest, 3), hole.diameter - widest) if widest else 0.0
+    return round(_widest(hole, holder, others, fixing, ("",)), 3)
 
 
 def _moves(holder: StandingCopy, held: StandingCopy, fixing: Fixing) -> bool:

@@ -53,6 +53,10 @@ class Round:
             and abs(self.diameter - outline.diameter) < _LOOSE
         )
 
+    def goes_round(self, outline: Round) -> bool:
+        """Whether this hole is about a round outline, however loose, as a lip under a ball bearing about a sleeve."""
+        return self.in_line(outline) and _common(self, outline) and self.diameter > outline.diameter
+
 
 @dataclass(frozen=True)
 class Slot:

@@ -106,7 +106,12 @@ def _meeting(
 ) -> _Meeting | None:
     """Where one hole of a copy goes."""
     shaft, outline = next(
-        ((other, each) for other in below for each in other.outlines if hole.holds(each)),
+        (
+            (other, each)
+            for other in below
+            for each in other.outlines
+            if hole.holds(each) or (other.part.role == "sleeve" and hole.goes_round(each))
+        ),
         (None, None),
     )
     letter = hole.name if shaft is None or hole.name != shaft.part.name else ""

@@ -69,6 +69,8 @@ _UNTREATED = "no heat treatment"
 _MEDIUM = "ISO 2768-m"  # general tolerance of what is printed or cut of a sheet, unless its spec says other
 # The housing of a ball bearing is J7 under light load [auto-agro.sk/katalog/klietky, NTN, 6.4]; JS is within a few thousandths of J.
 _SEAT = "JS7"
+# Of holes that turn on pins and shafts, from close to loose: preferred classes of ISO 286, but C11, and E9 for a pin m6.
+_RUNNING = ("F8", "E9", "D10", "C11")
 _CAP = "F7"  # of a cap that goes on a pin m6 by hand and is glued there
 # Fits of keyways for keys h9 by their width: of DIN 6885 the light and the tight one [berger-tools.co.uk, page 2078].
 _KEY = "JS9"
@@ -255,7 +257,7 @@ def _thinner(mechanism: Mechanism, part: Part, tolerance: str) -> float:
         return general(part.thickness, tolerance)
     allowed = thickness_allowances(mechanism.assembly).get(part.name, math.inf)
     if part.role == "sleeve" or _bears_sleeve(mechanism.assembly, part):
-        allowed = min(allowed, _lip(mechanism))
+        return min(allowed, _lip(mechanism), general(part.thickness, tolerance))
     between = deviations(part.thickness, _BETWEEN_RINGS) if part.drum else None
     if between:
         return -between[0]
@@ -712,10 +714,11 @@ def _rollers(mechanism: Mechanism) -> Iterator[str | None]:
 def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fit]:
     """Fits of a part's round holes. seat: of ISO 286, of holes into which something is pressed; play: deviations of those in which
     something turns."""
-    clearances = {
-        "press": mechanism.print.press_clearance,
-        "slide": mechanism.print.slide_clearance,
-    }
+    clearances = (
+        ("press", mechanism.print.press_clearance),
+        ("slide", mechanism.print.running_clearance),
+        ("slide", mechanism.print.slide_clearance),
+    )
     poses, outlines = _standing_still(mechanism.assembly)
     dowel = mechanism.assembly.dowel
     thread = mechanism.assembly.thread
@@ -750,7 +753,7 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
             for bore in bores:
                 inside += [shaft.diameter for shaft in shafts if bore.holds(shaft)]
             borne = any(bore.holds(ring) for bore in bores for ring in rings)
-            for word, clearance in clearances.items():
+            for word, clearance in clearances:
                 sizes = [size for size in inside if abs(2 * radius - size - clearance) < SAME_POINT]
                 if sizes:
                     holes.add((place, radius))
@@ -762,9 +765,13 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
                         usual = bool(play) and not mechanism.drawing.seat_fit
                         own, words = _seat(part, words, borne, seat, usual)
                         words = f"{in_limits(own, 2 * radius)}, {words}"
-                    elif word == "slide" and play:
-                        words = f"{play}, {words}"
-                    yield Fit(place, 2 * radius, words, borne)
+                    nominal = 0.0
+                    if word == "slide" and play:
+                        on = _fit_inside(bores, (rods, pins))
+                        own = _running_fit(sizes[0], clearance, on)
+                        nominal = sizes[0] if own else 0.0
+                        words = f"{own or play}, {words} {on}".rstrip()
+                    yield Fit(place, 2 * radius, words, borne, nominal)
                     break
 
 
@@ -772,7 +779,7 @@ def _sold(mechanism: Mechanism, part: Part) -> Iterator[Fit]:
     """Of a bush the bore as it is sold, which its files have with its play."""
     if part.name == BUSH:
         for place, radius in filter(None, map(round_of, part.region.holes)):
-            sold = 2 * radius - mechanism.print.slide_clearance
+            sold = 2 * radius - mechanism.print.running_clearance
             yield Fit(place, 2 * radius, f"in the files, sold as Ø{number(sold)}")
 
 
@@ -797,10 +804,29 @@ def _held(
     key: bool,
 ) -> str:
     """Words of a hole in which something of so much is fixed, mm; held: rods, and pins with their fits; key: whether it has a keyway."""
+    fit = _fit_inside(bores, held)
+    return f"{joint_of(fit, key)} on Ø{number(size)} {fit}" if fit else words
+
+
+def _fit_inside(
+    bores: Sequence[Round], held: tuple[Sequence[Round], Sequence[tuple[Round, str]]]
+) -> str:
+    """Fit of what goes through a hole, "" where none is known; held: as in `_held`."""
     rods, pins = held
     fits = [ROD for rod in rods if any(bore.holds(rod) for bore in bores)]
     fits += [fit for pin, fit in pins if any(bore.holds(pin) for bore in bores)]
-    return f"{joint_of(fits[0], key)} on Ø{number(size)} {fits[0]}" if fits else words
+    return next(iter(fits), "")
+
+
+def _running_fit(size: float, clearance: float, on: str) -> str:
+    """The closest fit of ISO 286, with its deviations, of a hole that runs on a shaft of a size, mm, as its files have it, by so much wider;
+    "" where none has that size between its limits. on: the shaft's fit, which never fills the hole."""
+    high = (deviations(size, on) or (0.0, 0.0))[1] if on else 0.0
+    for fit in _RUNNING:
+        limits = deviations(size, fit)
+        if limits and high < limits[0] and limits[0] <= clearance <= limits[1]:
+            return in_limits(fit, size)
+    return ""
 
 
 @lru_cache(maxsize=1)  # an assembly is the same object for all of its parts

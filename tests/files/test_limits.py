@@ -31,6 +31,21 @@ def test_shafts_that_go_in_by_hand() -> None:
 @pytest.mark.parametrize(
     ("fit", "published"),
     [
+        ("E9", {3.0: (14, 39), 6.0: (20, 50), 10.0: (25, 61), 18.0: (32, 75), 30.0: (40, 92)}),
+        ("D10", {3.0: (20, 60), 6.0: (30, 78), 10.0: (40, 98), 18.0: (50, 120), 30.0: (65, 149)}),
+        ("C11", {3.0: (60, 120), 6.0: (70, 145), 10.0: (80, 170), 18.0: (95, 205)}),
+    ],
+)
+def test_holes_that_run_loose(fit: str, published: dict[float, tuple[int, int]]) -> None:
+    """In thousandths, as tables of ISO 286-2 have them; the steps of C beyond 30 are no rows of these."""
+    for size, limits in published.items():
+        assert deviations(size, fit) == pytest.approx(tuple(each / 1000 for each in limits))
+    assert (deviations(40.0, fit) is None) == (fit == "C11")
+
+
+@pytest.mark.parametrize(
+    ("fit", "published"),
+    [
         ("j6", {6.0: (-2, 6), 10.0: (-2, 7), 14.0: (-3, 8), 24.0: (-4, 9), 40.0: (-5, 11)}),
         ("k6", {6.0: (1, 9), 10.0: (1, 10), 14.0: (1, 12), 24.0: (2, 15), 40.0: (2, 18)}),
     ],

@@ -530,7 +530,7 @@ class Bodies:
             step = s.thickness + play
             rings = int((height + play) / step + 1e-9) if s.of_sheet else 1  # of sheet one a level
             if height >= min(s.head, s.thickness / 4):  # what is thinner is play
-                hole = layout.turning(point) + play
+                hole = layout.turning(point) + self.fits.running_clearance
                 wide = layout.spacer_diameter(point)
                 ring_part = spacer(
                     "spacer",

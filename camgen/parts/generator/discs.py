@@ -83,7 +83,7 @@ def cam_parts(layout: Layout, tip: Tip) -> Iterator[MountedPart]:
 
 def roller_part(layout: Layout, roller: Roller) -> MountedPart:
     """A ring on its pin."""
-    hole = layout.turning(roller.point) + layout.fits.slide_clearance
+    hole = layout.turning(roller.point) + layout.fits.running_clearance
     low, high = layout.roller_span(roller)
     thick = round(high - low, 9)
     part = spacer(roller.part, "Roller", hole, 2 * roller.radius, thick, layout.min_wall)

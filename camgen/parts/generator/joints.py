@@ -312,7 +312,7 @@ def _stud_edge(layout: Layout, stud: Stud) -> Edge:
 
 def _geneva(layout: Layout, drive: GenevaDrive) -> EngagedPair:
     """What a Geneva drive is judged on."""
-    hole = layout.turning(drive.wish.point) + layout.fits.slide_clearance
+    hole = layout.turning(drive.wish.point) + layout.fits.running_clearance
     geneva = drive.geneva
     parts = [drive.part_on(link) for link in drive.links]
     lock, slotted = (_edge(layout, part) for part in parts)

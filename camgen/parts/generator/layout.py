@@ -80,7 +80,7 @@ class Layout(Connections):
         """The ball bearing on the pin of a point, or the clutch of a shaft."""
         if self.kind(point) == "bush":  # drawn with the play of what slides
             bush = bush_in(self.turning(point), self.sizes.base_thickness)
-            return bush and replace(bush, bore=bush.bore + self.fits.slide_clearance)
+            return bush and replace(bush, bore=bush.bore + self.fits.running_clearance)
         if self.kind(point) != "bearing":
             return None
         named = None if point in self.shafts else BEARINGS.get(self.sizes.bearing or "")
@@ -256,7 +256,7 @@ class Layout(Connections):
             or self.kind(point) == "bearing"
             or link == self.pressed_in(point)
         )
-        return self.fits.press_clearance if fixed else self.fits.slide_clearance
+        return self.fits.press_clearance if fixed else self.fits.running_clearance
 
     def hub(self, point: str, link: str) -> float:
         """Radius of a link's hub, mm, whichever fit its hole gets."""

@@ -377,7 +377,7 @@ def _shoulder(
     yield made, Mount("nut", body, at, z=bottom - screw.nut)
     if length - grip >= s.head / 2:  # what is thinner is play
         wide = screw.diameter + 2 * s.head
-        hole = screw.diameter + layout.fits.slide_clearance
+        hole = screw.diameter + layout.fits.running_clearance
         fill = spacer("spacer", "Spacer", hole, wide, length - grip, layout.min_wall)
         fill = replace(fill, role="spacer")
         if s.of_sheet:
@@ -498,7 +498,7 @@ def hand_crank(layout: Layout) -> Iterator[MountedPart]:
     turns = spacer(
         "knob",
         "Knob",
-        s.pin_diameter + play,
+        s.pin_diameter + layout.fits.running_clearance,
         2 * s.pin_diameter + 2 * s.head,
         long,
         layout.min_wall,

@@ -16,7 +16,7 @@ def in_first(layout: Layout, point: str) -> bool:
 def far_hole(layout: Layout, point: str) -> float:
     """Diameter of the second plate's hole at a point, mm: shafts turn in it, pins are pressed in."""
     fits = layout.fits
-    fit = fits.slide_clearance if point in layout.shafts else fits.press_clearance
+    fit = fits.running_clearance if point in layout.shafts else fits.press_clearance
     return layout.turning(point) + fit
 
 

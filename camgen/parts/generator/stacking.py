@@ -186,11 +186,11 @@ def lacking(layout: Layout) -> DesignError | None:
     except DesignError as error:
         return error
     for roller in layout.rollers:
-        hole = layout.turning(roller.point) + layout.fits.slide_clearance
+        hole = layout.turning(roller.point) + layout.fits.running_clearance
         wall = roller.radius - hole / 2
         if wall < layout.min_wall:
             least = math.floor(100 * (hole / 2 + layout.min_wall) + 1) / 100
-            widest = 2 * (roller.radius - layout.min_wall) - layout.fits.slide_clearance
+            widest = 2 * (roller.radius - layout.min_wall) - layout.fits.running_clearance
             most = math.floor(10 * widest - 1e-6) / 10
             thinner = f", or parts.pin_diameter at most {most:g}" if most >= _THINNEST else ""
             remedy = f"make its radius at least {least:g}{thinner}"

@@ -137,7 +137,7 @@ def test_a_bearing_holds_its_link_down(root: Path, monkeypatch: pytest.MonkeyPat
 
 def test_in_metal_a_pin_clamps_inner_rings_on_sleeves_and_no_link_rubs(root: Path) -> None:
     """From below: the link in which the pin is fixed, a sleeve, the inner ring, the head. 695's ring, 5 x 13, bears on 7 at most, so
-    that a sleeve on a pin of 5 has a wall of 1, its lip is 9 wide; between the links is a play of 0.1, whatever their thickness."""
+    that a sleeve on a pin of 5 has a wall of 1, its lip is 9 wide; between the links is a play of 0.2, whatever their thickness."""
     machine = validate(Linkage, tomllib.loads(in_metal("linkage")))
     parts = {part.name: part for part in machine.assembly.parts}
     copies = {(each.part, each.at): each for each in machine.assembly.mounts}
@@ -160,7 +160,7 @@ def test_in_metal_a_pin_clamps_inner_rings_on_sleeves_and_no_link_rubs(root: Pat
         ("crank", round(tops["crank"], 6), round(rings[1], 6)),
         ("rocker", round(tops["rocker"], 6), round(rings[1], 6)),
     }
-    assert links["coupler"].z - tops["crank"] == pytest.approx(0.1)
+    assert links["coupler"].z - tops["crank"] == pytest.approx(0.2)
     assert list(rise(machine, "bearing-695", 7.0, 4.0).values()) == pytest.approx([0.0] * 3)
     steps = [sentences(step.doings) for step in order_of_assembly(machine.assembly).steps]
     assert any("its head down on bearing-695" in each for each in steps)
