@@ -74,6 +74,8 @@ _SHAFTS = (
     "parts.shaft_key=true",
     "parts.base_thickness=10",
     "parts.mount_diameter=4.2",
+    "parts.mount_screws=3",
+    "parts.wall=3",
     "print.slide_clearance=0.1",
     "print.bore_clearance=0.03",
 )
@@ -108,7 +110,6 @@ METAL = {
         *_SHAFTS,
         "parts.pin=dowel",
         'parts.pins={ O = "bush", C = "bush" }',
-        "parts.wall=3",
         "geneva.0.gap=1",
         "geneva.0.floor=0.5",
         "geneva.0.pin_radius=5",

@@ -301,7 +301,7 @@ def test_a_starter_of_steel_holds_and_has_what_a_workshop_asks_for(name: str) ->
         assert made["shaft"] == "turned of steel"
         assert "anaerobic" in bought["glue"]
         joint = bought["pin-1"] if name == "geneva-table" else bought["bearing-695"]
-        assert joint.startswith(("Pin 1: dowel ISO 2338", "Ball bearing: ball bearing 695ZZ"))
+        assert joint.startswith(("Pin 1: dowel ISO 8734", "Ball bearing: ball bearing 695ZZ"))
         # a core hole of 4.2 [ISO 2306]
         assert bought["screw of the plate, from behind"].startswith("M5")
     else:

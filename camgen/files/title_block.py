@@ -216,7 +216,7 @@ def title_block(
             ("Revision", facts.revision, 30.0),
         ],
         middle,
-        [("Part", part.heading, 85.0), ("Drawing number", facts.number, 85.0)],
+        [("Part", part.title, 85.0), ("Drawing number", facts.number, 85.0)],
     ]
     for k, row in enumerate(rows):
         left = corner - WIDTH + 1j * _ROW * k

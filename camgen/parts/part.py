@@ -102,6 +102,9 @@ class SquareNote(str):
         return note
 
 
+GREASED = "grease its bore first"  # of metal that turns on a pin
+
+
 class HoldingNote(str):
     """A note that says how a part is held, or which way it lies; the steps of assembly have it too."""
 

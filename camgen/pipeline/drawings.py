@@ -131,7 +131,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         * 1e-6
         if printed or steel
         else None,
-        tolerance=sheet.tolerance or (_IN_METAL.tolerance if metal else _MEDIUM),
+        tolerance=_tolerance(sheet.tolerance, metal, part),
         number=drawing_number(mechanism, part.name),
         date=sheet.date or "",
         fits=tuple(_sold(mechanism, part))
@@ -196,6 +196,13 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         drawn_by=sheet.drawn_by or "",
         checked_by=sheet.checked_by or "",
     )
+
+
+def _tolerance(given: str | None, metal: bool, part: Part) -> str:
+    """General tolerance of a part; "" of one that is bought, whose sizes are those of its maker."""
+    if part.process == "bought" and not is_rod(part):
+        return ""
+    return given or (_IN_METAL.tolerance if metal else _MEDIUM)
 
 
 def _treatment(mechanism: Mechanism, part: Part, runs: bool) -> str:

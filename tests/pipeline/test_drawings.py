@@ -126,7 +126,7 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     assert fits(found["crank"]) == {0: glued, 35: pressed, -21.4: pressed}
     on_dowel = "F7 (+0.022/+0.01), glued on Ø5 m6"  # by hand, as a cap
     assert fits(found["lock-crank_to_table"])[21.4] == on_dowel
-    screws = dict.fromkeys((90.0, -57.0), "core hole, M5 through")
+    screws = dict.fromkeys((90.0, -57.0, 57j), "core hole, M5 through")
     seat = "H7 (+0.018/0), press on Ø16"  # of a bush [mecmove.se]
     assert fits(found["ground"]) == {0: seat, 70: seat, **screws}
     assert fits(found["roller-crank_to_table"]) == {0: f"E9 (+0.05/+0.02), {turns} Ø5 m6"}
@@ -307,19 +307,25 @@ def test_a_board_is_open_where_a_hand_crank_and_collars_turn() -> None:
     (said,) = (
         each.title for each in steps_of_assembly(machine).steps if "open under" in each.title
     )
-    assert "deep and 93 mm across; under C 6.2 mm deep and " in said
-    assert "Grease the slots, locking disc and rollers. " in said
+    # 1 mm all round, and a hand at the knob
+    hand = "open under the shaft, right through, with room for your hand below, and at least 95 mm across"
+    assert f"{hand}; under C 7.2 mm deep and " in said
+    assert "Grease the slots, locking disc and rims of the rollers. " in said
+    steps = [each.title for each in steps_of_assembly(machine).steps]
+    for name in ("knob", "roller-crank_to_table"):  # before a cap or the hand crank closes it
+        (own,) = (each for each in steps if each.startswith("Put the ") and f"{name}" in each)
+        assert own.endswith("Grease its bore first.")
     bushes = "Press 2 × bush into O and C of ground, from above, flush with its underside. Grease the bore. "
     bushes += "Then put the ground plate on shaft and on shaft-table."
     assert any(bushes in each.title for each in steps_of_assembly(machine).steps)
     length = "7.5 to 10 longer than the board is thick"  # 1.5 of M5, the plate's thickness
     assert f"M5, for a core hole of 4.2, such as ISO 4762, {length}" in said
     screws = machine.assembly.frame.fixings
-    board = min(abs(z) for z, _ in screws) - 93 / 2 - 5.5 / 2
-    assert board > 1.5 * 5, "of the board, between its opening and a screw's hole"
+    board = min(abs(z) for z, _ in screws) - 95 / 2 - 5.5 / 2
+    assert board > 5, "of the board, between its opening and a screw's hole"
     rims = [part.region.outer for part in machine.assembly.parts if part.name == "collar"]
     low, high = extent(rims)
-    assert f"under C 6.2 mm deep and {(high - low).real:g} mm across" in said
+    assert f"under C 7.2 mm deep and {(high - low).real + 2:g} mm across" in said
 
 
 def test_keys_turn_all_that_is_fixed_on_shafts() -> None:

@@ -79,6 +79,7 @@ _NUMBERED: dict[Role, str] = {  # parts of which a machine has several unlike on
 # Wires reach over the whole machine, past the holder, and this far beyond; they are cut in steps of _WIRES, mm.
 _SLACK = 100.0
 _WIRES = 50.0
+_CLEAR = 1.0  # mm, round what turns under the plate
 _SQUARE = 0.02  # mm, zone of the axis of a bush's bore or a pin's hole: camgen's own rule
 _THREADED = 1.5  # diameters of a screw that its thread is in the plate at least: camgen's own rule
 _CHECK = "Move it slowly through its whole motion first: no joint may be stiff"
@@ -238,7 +239,8 @@ class Bodies:
         thread = next((name for name, core in CORE_HOLES.items() if core == p.mount_diameter), "")
         behind = replace(behind, key="parts.mount_diameter", thread=thread)
         bushes = any(self.layout.kind(point) == "bush" for point in self.layout.shafts)
-        greased = bushes or self._greased
+        knob = self.layout.metal and self.sizes.hand_crank
+        greased = bushes or knob or self._greased
         return [
             *motors,
             *(
@@ -294,11 +296,15 @@ class Bodies:
         )
         if self.sizes.face is not None:
             return f"{board} {self._turned}: leave it room there. {self._greased}{_CHECK}"
-        deep = -min(mount.z for mount in self.mounts)
-        if deep > 0 and self.layout.drivers:
-            board += f" Leave it open under the shaft, at least {deep:.4g} mm deep and {2 * self._swept:.4g} mm across{self._other_shafts}."
-        elif deep > 0:
-            board += f" Leave it open underneath, at least {deep:.4g} mm deep."
+        low = -min(mount.z for mount in self.mounts)
+        deep = f"at least {low + _CLEAR:.4g} mm deep"
+        if low > 0 and self.layout.drivers:
+            across = f"{2 * (self._swept + _CLEAR):.4g} mm across"
+            hand = "right through, with room for your hand below, and at least"
+            under = f"{hand} {across}" if self.sizes.hand_crank else f"{deep} and {across}"
+            board += f" Leave it open under the shaft, {under}{self._other_shafts}."
+        elif low > 0:
+            board += f" Leave it open underneath, {deep}."
         return f"{board} {self._turned}. {self._greased}{_CHECK}"
 
     @property
@@ -313,7 +319,7 @@ class Bodies:
             ("teeth", layout.gear_wheels),
             ("slots", genevas),
             ("locking disc", genevas),
-            ("rollers", layout.rollers),
+            ("rims of the rollers", layout.rollers),
             ("edges of the wheels", len(layout.edge_drives) > len(genevas)),
         )
         named = [what for what, there in runs if there]
@@ -335,8 +341,9 @@ class Bodies:
         points = [p for p in points if layout.shafts[p] not in layout.drivers]
         if not points:
             return ""
-        deep = self.sizes.thickness + 2 * self.fits.slide_clearance
-        return f"; under {' and '.join(points)} {deep:.4g} mm deep and {2 * self.collar_radius:.4g} mm across"
+        deep = self.sizes.thickness + 2 * self.fits.slide_clearance + _CLEAR
+        across = 2 * (self.collar_radius + _CLEAR)
+        return f"; under {' and '.join(points)} {deep:.4g} mm deep and {across:.4g} mm across"
 
     @property
     def _turned(self) -> str:
@@ -646,7 +653,7 @@ class Bodies:
         at = "" if end == long else f" from {upper:.4g} on"
         return (
             layers,
-            f"over {' and '.join(lengths)}{at or (' from its ends' if lower else ' from its end')}",
+            f"over {' and '.join(lengths)}{at or (' from its lower and upper end' if lower else ' from its end')}",
         )
 
     # ---- joints -----------------------------------------------------------------------------------------------------

@@ -41,7 +41,7 @@ from camgen.parts.generator.wheels import (
     outline,
 )
 from camgen.parts.hardware import plate, spacer
-from camgen.parts.part import HoldingNote, Layer, Part, rod
+from camgen.parts.part import GREASED, HoldingNote, Layer, Part, rod
 from camgen.parts.wheels import involute
 from camgen.tolerances import SAME_POINT
 
@@ -87,6 +87,7 @@ def roller_part(layout: Layout, roller: Roller) -> MountedPart:
     low, high = layout.roller_span(roller)
     thick = round(high - low, 9)
     part = spacer(roller.part, "Roller", hole, 2 * roller.radius, thick, layout.min_wall)
+    part = replace(part, notes=(HoldingNote(GREASED),)) if layout.metal else part
     return part, Mount(part.name, roller.link, layout.at(roller.link, roller.point), z=low)
 
 
@@ -262,7 +263,7 @@ def _dowels(
     sold = dowel(sizes.pin_diameter, length) if sizes.pin == "dowel" else 0.0
     if sold and sold >= length - _SUNK:
         length = sold
-        held = f"dowel ISO 2338, {sizes.pin_diameter:g} m6 x {sold:g}, {held}"
+        held = f"dowel {layout.dowels}, {sizes.pin_diameter:g} m6 x {sold:g}, {held}"
         made = "bought"
     name = f"dowel-{dowelled.part}"
     part = rod(name, f"Dowel of {held_one}", sizes.pin_diameter, length)

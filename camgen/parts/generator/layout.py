@@ -12,7 +12,14 @@ from dataclasses import replace
 from functools import cached_property
 
 from camgen.geometry.outlines import Contour
-from camgen.parts.catalogue import BEARINGS, Bearing, bush_in, narrowest
+from camgen.parts.catalogue import (
+    BEARINGS,
+    DOWEL_STANDARD,
+    HARD_DOWEL_STANDARD,
+    Bearing,
+    bush_in,
+    narrowest,
+)
 from camgen.parts.fixing import JOURNAL, PIN, ROD, Joint, joint_of
 from camgen.parts.generator.changes import Change
 from camgen.parts.generator.connections import GROUND, Connections, StretchedSpring
@@ -85,6 +92,11 @@ class Layout(Connections):
             return None
         named = None if point in self.shafts else BEARINGS.get(self.sizes.bearing or "")
         return self.clutch(point) or named or narrowest(self.turning(point))
+
+    @property
+    def dowels(self) -> str:
+        """Standard of the dowels: hard ones in metal, which a roller does not wear."""
+        return HARD_DOWEL_STANDARD if self.metal else DOWEL_STANDARD
 
     @property
     def on_shaft(self) -> Joint:

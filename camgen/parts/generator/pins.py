@@ -41,7 +41,7 @@ from camgen.parts.generator.seats import least_thickness, lip, seat_floor
 from camgen.parts.generator.stubs import Stub
 from camgen.parts.generator.webs import keyed_pin
 from camgen.parts.hardware import FACETS, headed, plate, spacer
-from camgen.parts.part import HoldingNote, Layer, Part, hull, rod
+from camgen.parts.part import GREASED, HoldingNote, Layer, Part, hull, rod
 
 _HELD = 0.75  # of the thickness of a cap of sheet: its pin fills that at least
 _PRESSED = "press on its outer ring alone, with a tube; a trace of compound goes round that ring"
@@ -216,7 +216,7 @@ def _between(layout: Layout, point: str, stub: Stub) -> MountedPart:
             remedy,
         ).saying(said)
         raise _as_printed(point, error)
-    notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, {held}",)
+    notes = (f"dowel {layout.dowels}, {s.pin_diameter:g} m6 x {length:g}, {held}",)
     steel = rod("pin", "Pin", s.pin_diameter, length)
     return replace(steel, notes=notes, process="bought", role="pin"), mount
 
@@ -258,7 +258,7 @@ def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
     out = round(length - grip - s.thickness, 2)
     over = f", stands {out:g} mm out of its cap" if out > 0 else ""
     notes = (
-        f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, {layout.pin_held(point)} in{over}",
+        f"dowel {layout.dowels}, {s.pin_diameter:g} m6 x {length:g}, {layout.pin_held(point)} in{over}",
     )
     steel = rod("pin", "Pin", s.pin_diameter, length)
     hole = s.pin_diameter + layout.fits.press_clearance
@@ -503,6 +503,7 @@ def hand_crank(layout: Layout) -> Iterator[MountedPart]:
         long,
         layout.min_wall,
     )
+    turns = replace(turns, notes=(HoldingNote(GREASED),)) if layout.metal else turns
     yield turns, Mount("knob", link, at + knob, z=z - play - long)
     wide = s.pin_diameter + 2 * s.head
     pin = headed(
