@@ -188,6 +188,15 @@ def reserve(found: Loaded, machine: Machine, least: float) -> list[Finding]:
     return spring_reserve(found.theta, found.effort, spring, least, found.where, bool(cam.slide))
 
 
+def kept_on(
+    found: Loaded, load: FollowerLoad | None, machine: Machine, bounce: Bounce | None, least: float
+) -> list[Finding]:
+    """LIFT_OFF and SPRING_RESERVE of a follower that only a spring keeps on the cam "contact" of a machine, as `lift_off` has them."""
+    slides = bool(machine.cam("contact").slide)
+    kept = lift_off(found, load or FollowerLoad(), slides, bounce, least)
+    return [kept, *reserve(found, machine, least)]
+
+
 def line_hertz(
     pressure: float, length: float, material: str, given: float | None, where: Where
 ) -> Finding | NotJudged:

@@ -34,12 +34,11 @@ from camgen.machine.strength import line_contact
 from camgen.machines.cam_loads import (
     corrected,
     force_study,
-    lift_off,
+    kept_on,
     line_hertz,
     load_faults,
     load_of,
     polydyne_faults,
-    reserve,
 )
 from camgen.machines.cylinder_cam.bearings import Roller, pressed
 from camgen.machines.cylinder_cam.bench import (
@@ -616,13 +615,8 @@ class CylinderCam(Mechanism):
             )
         air = []
         if self._loaded is not None and self.geometry.track == "end":
-            load = self._load or FollowerLoad()
-            slides = not self.geometry.follower.swings
             least = self.allowed.reserve(self.material.name)
-            air += [
-                lift_off(self._loaded, load, slides, self._bounce, least),
-                *reserve(self._loaded, self._pulled, least),
-            ]
+            air += kept_on(self._loaded, self._load, self._pulled, self._bounce, least)
         if isinstance(self._hertz, Finding):
             air.append(self._hertz)
         return [

@@ -42,11 +42,10 @@ from camgen.machine.model import Machine
 from camgen.machines.cam_loads import (
     corrected,
     force_study,
-    lift_off,
+    kept_on,
     load_faults,
     load_of,
     polydyne_faults,
-    reserve,
 )
 from camgen.machines.cam_tables import CamTables
 from camgen.machines.disc_cam.alone import CamsAlone
@@ -486,13 +485,8 @@ class DiscCamDrive(CamTables):
             cams, self.cam_limits, face_width=f.face_width, chord_tolerance=facets
         )
         if self._loaded and self.geometry.closure == "force":
-            slides = not f.swings
-            load = self._load or FollowerLoad()
             least = self.allowed.reserve(self.material.name)
-            findings += [
-                lift_off(self._loaded, load, slides, self._bounce, least),
-                *reserve(self._loaded, self._pulled, least),
-            ]
+            findings += kept_on(self._loaded, self._load, self._pulled, self._bounce, least)
         return findings
 
     def forecast(self) -> Sequence[Finding]:

@@ -32,12 +32,11 @@ from camgen.machine.features import Mount, PlateEdge
 from camgen.machine.model import GROUND, MM, Cam, Drive, Machine, Place, Slide, Turning
 from camgen.machine.strength import line_contact
 from camgen.machines.cam_loads import (
-    lift_off,
+    kept_on,
     line_hertz,
     load_faults,
     load_of,
     pushed_figures,
-    reserve,
 )
 from camgen.machines.disc_cam.curves import peak_figures
 from camgen.machines.disc_cam.tables import LoadTable, SpringTable
@@ -344,13 +343,11 @@ class LinearCamDrive(Mechanism):
     @property
     def _borne(self) -> list[Finding]:
         """LIFT_OFF, and HERTZ where the roller presses and a limit of the plate's material is known."""
-        if self._loaded is None or self._load is None:
+        if self._loaded is None:
             return []
-        slides = not self.geometry.follower.swings
         pressed = [self._hertz] if isinstance(self._hertz, Finding) else []
         least = self.allowed.reserve(self.material.name)
-        left = reserve(self._loaded, self._pulled, least)
-        return [lift_off(self._loaded, self._load, slides, None, least), *left, *pressed]
+        return [*kept_on(self._loaded, self._load, self._pulled, None, least), *pressed]
 
     def _unjudged(self) -> Sequence[NotJudged]:
         """HERTZ of a knife edge, and of a material of which no limit is known."""
