@@ -435,7 +435,8 @@ def no_ball_roller(diameter: float) -> str:
         return (
             f"ball bearings of {diameter:g} are {sold} wide: geometry.roller.length = {widths[0]:g}"
         )
-    near = min(BEARINGS.values(), key=lambda each: abs(each.outside - diameter))
+    # of two as near the wider one, which bears more
+    near = min(BEARINGS.values(), key=lambda each: (abs(each.outside - diameter), -each.width))
     return (
         f"no ball bearing is {diameter:g} across, the nearest one {near.outside:g} x {near.width:g}: "
         f"geometry.roller.radius = {near.outside / 2:g}, geometry.roller.length = {near.width:g}"

@@ -562,7 +562,7 @@ def test_the_list_has_what_turns_and_what_rolls() -> None:
 @pytest.mark.parametrize(
     ("radius", "said"),
     [
-        # MR105 and 623 are 10 across and 4 wide, a 624 is 13 x 5
+        # MR105 and 623 are 10 across and 4 wide, a 624 is 13 x 5 and bears more than a 695, 13 x 4
         (5.0, "10 x 6, turned (ball bearings of 10 are 4 wide: geometry.roller.length = 4)"),
         (
             6.0,
