@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgen.errors import Fault, SpecError
+from camgen.errors import Fault, SpecError, counted
 from camgen.motion.laws import Formula, Law, last_digit, rounding_share
 from camgen.motion.program import Program, Segment
 from camgen.numerics import Floats, least_squares, peak
@@ -79,9 +79,7 @@ def _whole(points: Points, tolerance: float) -> Floats:
     """
     table = np.array(points, float).reshape(-1, 2)
     if len(table) < _LEAST_ROWS:
-        raise SpecError(
-            [Fault(("points",), f"{len(table)} of them", f"at least {_LEAST_ROWS} rows")]
-        )
+        raise SpecError([Fault(("points",), counted(len(table), "row"), f"at least {_LEAST_ROWS}")])
     faults = [
         Fault(("points", int(k)), f"{table[k, 0]:g}", f"an angle greater than {table[k - 1, 0]:g}")
         for k in np.flatnonzero(~(np.diff(table[:, 0]) > 0)) + 1

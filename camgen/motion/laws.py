@@ -23,7 +23,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from camgen.errors import Fault, SpecError
+from camgen.errors import Fault, SpecError, counted
 from camgen.motion.halves import MODIFIED_SINE, PARABOLA, TRAPEZOID, Halves
 from camgen.numerics import Floats as Floats
 from camgen.numerics import greatest, magnitude
@@ -416,7 +416,7 @@ def table_law(points: Sequence[tuple[float, float]], source: str, rest: bool = T
 
     table = np.array(points, float).reshape(-1, 2)
     if len(table) < 4:
-        raise SpecError([Fault(("points",), f"{len(table)} of them", "at least 4 points")])
+        raise SpecError([Fault(("points",), counted(len(table), "row"), "at least 4")])
     faults = []
     if table[-1, 1] == table[0, 1]:
         faults.append(

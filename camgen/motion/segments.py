@@ -19,7 +19,8 @@ Without a law it is the one of least acceleration.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache
 from itertools import groupby
@@ -398,8 +399,25 @@ def _table_law(parameters: dict[str, Any]) -> Law:
     if "tolerance" in parameters:
         right = "no value here: only a table over the whole turn, without kind and lift, has it"
         raise SpecError([Fault(("tolerance",), f"{parameters['tolerance']:g}", right)])
-    points = _table_points(parameters)
-    return table_law(points, _table_source(parameters), parameters.get("rest", True))
+    with _told_of_source(parameters):
+        points = _table_points(parameters)
+        return table_law(points, _table_source(parameters), parameters.get("rest", True))
+
+
+@contextmanager
+def _told_of_source(parameters: dict[str, Any]) -> Iterator[None]:
+    """Faults of a table's rows with the file that they were read from, where one is named: nobody typed such points."""
+    try:
+        yield
+    except SpecError as error:
+        source = parameters.get("source")
+        faults = [
+            replace(each, value=f"{each.value} in {source}")
+            if source and each.path[:1] == ("points",)
+            else each
+            for each in error.faults
+        ]
+        raise SpecError(faults) from None
 
 
 def _table_points(parameters: dict[str, Any]) -> Sequence[tuple[float, float]]:
@@ -466,8 +484,9 @@ def _closed(table: SegmentTable, unit: float, path: Key) -> Program:
     if law.rest is not None:
         faults.append(Fault((*path, "law", "rest"), "", nothing))
     try:
-        points = _table_points(law.parameters)
-        found = closed_program(points, _table_source(law.parameters), unit, law.tolerance)
+        with _told_of_source(law.parameters):
+            points = _table_points(law.parameters)
+            found = closed_program(points, _table_source(law.parameters), unit, law.tolerance)
     except SpecError as error:
         faults += [replace(f, path=(*path, "law", *f.path)) for f in error.faults]
     if faults:

@@ -90,7 +90,7 @@ def test_ends_that_arithmetic_or_a_tolerance_leaves_apart_close(
 @pytest.mark.parametrize(
     "keys, path, says",
     [
-        ({"points": rows(36)[:6]}, "segment.0.law.points", "6 of them"),
+        ({"points": rows(36)[:6]}, "segment.0.law.points", "6 rows"),
         (
             {"points": [*rows(36), (360.0, 3.0)]},
             "segment.0.law.points.36",
