@@ -27,7 +27,7 @@ SET_UP = "python3 -m venv .venv && .venv/bin/pip install -q"
 def test_two_commands_set_up_then_build_and_test() -> None:
     build, test = SETTING_UP
     assert build == COMMANDS[0]
-    assert build == f"{SET_UP} . && .venv/bin/camgen build specs/uniform-swing.toml"
+    assert build == f"{SET_UP} . && .venv/bin/camgen build specs/walking-leg.toml"
     assert test == f"{SET_UP} -e '.[test]' && .venv/bin/pytest -q -n auto --dist loadfile"
 
 

@@ -34,6 +34,15 @@ def test_each_page_is_there_and_named_in_the_menu(made: Path) -> None:
 
 
 @pytest.mark.long
+def test_the_first_page_shows_a_machine_and_lists_each_page_in_a_group(made: Path) -> None:
+    page = (made / "index.html").read_text(encoding="utf-8").partition("<article")[2]
+    assert 'src="walking-leg-moving.svg"' in page and "my-leg.toml" in page
+    groups = page.partition('<h2 id="use"')[2]
+    listed = re.findall(r'<li><a href="([\w-]+)\.html">', groups)
+    assert sorted(listed) == sorted((*guide.TOPICS, "notebook", "api"))
+
+
+@pytest.mark.long
 def test_nothing_is_fetched_from_elsewhere(made: Path) -> None:
     text = "".join(page.read_text(encoding="utf-8") for page in made.glob("*.html"))
     sources = re.findall(r'<(?:script|img|link|iframe)\b[^>]*?(?:src|href)="([^"]+)"', text)

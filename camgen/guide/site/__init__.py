@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import tempfile
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,11 @@ _TYPES = {
         )
     ),
 }
+_OTHERS = {
+    "notebook": "A notebook",
+    "api": "Python API",
+}  # pages that the guide in a terminal has not
+_FIRST = "walking-leg-moving"  # the picture of the first page
 _LIST = re.compile(r"\s*([-*]|\d+\.) ")
 
 
@@ -58,20 +64,22 @@ def write(folder: Path, reports: bool = False) -> Path:
             raise FileError(folder, "is not empty and holds no site of this guide: name another")
         with tempfile.TemporaryDirectory() as made:
             pages = Path(made)
-            _write_pages(pages, reports)
             settings: dict[str, Any] = {"docs_dir": made, "site_dir": str(folder.absolute())}
             os.environ.setdefault("NO_MKDOCS_2_WARNING", "1")  # Material's, of a version to come
-            build(load_config(str(_HERE / "mkdocs.yml"), strict=True, **settings))
+            config = load_config(str(_HERE / "mkdocs.yml"), strict=True, **settings)
+            _write_pages(pages, config.nav or (), reports)
+            build(config)
     return folder / "index.html"
 
 
-def _write_pages(folder: Path, reports: bool) -> None:
+def _write_pages(folder: Path, menu: Sequence[Mapping[str, Any] | str], reports: bool) -> None:
     """Write what MkDocs reads: Markdown, pictures and style."""
     for path in (*_PAGES.glob("*.svg"), _HERE / "site.css", _HERE / "iframe-worker.js"):
         shutil.copy(path, folder)
+    shutil.copy(starters.pictures() / f"{_FIRST}.svg", folder)
     texts = {topic: guide.page(topic) for topic in guide.TOPICS}
     texts["notebook"] = _notebook()
-    texts["index"] = _index()
+    texts["index"] = _index(menu)
     texts["gallery"] = _gallery(folder, reports)
     texts["api"] = _api()
     for name, text in texts.items():
@@ -93,14 +101,32 @@ def _spaced(text: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _index() -> str:
-    """The first page: what camgen is, and all pages by their titles."""
-    listed = "\n".join(f"- [{guide.title(topic)}]({topic}.md)" for topic in guide.TOPICS)
+def _index(menu: Sequence[Mapping[str, Any] | str]) -> str:
+    """The first page: what camgen is, a picture, how to begin, and all pages by the groups of the menu."""
     about = (camgen.__doc__ or "").partition("\n")[0].partition(": ")[2]
-    return (
-        f"# camgen\n\n{about[0].upper()}{about[1:]} Version {camgen.__version__}.\n\n"
-        f"- [Gallery](gallery.md)\n- [Python API](api.md)\n{listed}\n"
+    groups = [
+        (title, names) for each in menu if isinstance(each, dict) for title, names in each.items()
+    ]
+    listed = [
+        f"## {title}\n\n" + "\n".join(f"- [{_title(name)}]({name})" for name in names)
+        for title, names in groups
+        if not isinstance(names, str)
+    ]
+    return "\n\n".join(
+        [
+            f"# camgen\n\n{about[0].upper()}{about[1:]} Version {camgen.__version__}.",
+            f"![Jansen's walking leg, made and moved by camgen]({_FIRST}.svg)",
+            "```sh\ncamgen new walking-leg my-leg.toml\ncamgen build my-leg.toml\n```",
+            "New here? Begin with [your first cam](first-cam.md), or look at the [gallery](gallery.md).",
+            *listed,
+        ]
     )
+
+
+def _title(file: str) -> str:
+    """Of a page of the menu, by its first line; a reference and a notebook have their own."""
+    topic = file.removesuffix(".md")
+    return guide.title(topic) if topic in guide.TOPICS else _OTHERS[topic]
 
 
 def _notebook() -> str:
