@@ -26,7 +26,7 @@ from camgen.files.exploded_view import filled
 from camgen.files.labels import Label, callouts
 from camgen.files.measures import REFERENCE, Measure, dimension
 from camgen.files.page import FILING, LARGE, MARGIN, SCALES, SIZES
-from camgen.files.sheet import Sheet, write_dxf_sheet, write_pdf
+from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
 from camgen.files.title_block import BLOCK, WIDTH, Facts, ratio, sheet_words, title_block
 from camgen.files.views import contours_of, hatching
 from camgen.numerics import coordinates
@@ -36,7 +36,7 @@ from camgen.parts.part import Part
 _SHEETS = (("A3", SIZES["A3"], 1), ("A2", LARGE["A2"], 1), ("A2", LARGE["A2"], 2))
 _SMALLEST = 0.5  # scale that will do
 _MOST = 12  # heights beside the section
-_HEIGHT = 2.5  # of their letters, mm of paper
+_HEIGHT = 2.5  # of their letters and those of notes, mm of paper
 _LINE = 3.4  # from one of them to the next
 _LOOSE = 8.0  # by which such heights may stand beyond its ends
 _BEND = 5.0  # of a section's line on either side of where it bends
@@ -49,6 +49,7 @@ _NAMED = 8.0  # over balloons, for the section's name
 _UNLIKE = 2.5  # times, that one view may be larger than the other
 _PLACES = ("over", "under", "beside")  # of the section, the first that will do
 _HATCH = 2.0  # between lines, of the first part; of others more
+_NARROWER = 1.08  # times, that letters of notes may be
 _NOTE = 4.5  # from one line of notes to the next
 _SMOOTH = 0.005  # mm of paper, by which a line may be straightened
 
@@ -118,6 +119,8 @@ class _Page:
         self.arrangement = arrangement
         items = arrangement.items
         for self.size, (self.wide, self.high), columns in _SHEETS:
+            self.noted = self.wide - MARGIN - WIDTH - FILING - 6
+            self.notes = _packed(arrangement.notes, self.noted)
             self.lists = folded(items, self.high - 2 * MARGIN - BLOCK, columns)
             self.front, self.section = self._views()
             if sum(map(len, self.lists)) == len(items) and self.front.scale >= _SMALLEST:
@@ -177,7 +180,7 @@ class _Page:
         right = self.wide - MARGIN
         middle = right - WIDTH * len(self.lists)
         top = self.high - MARGIN
-        foot = MARGIN + _NOTE * len(self.arrangement.notes) + 3
+        foot = MARGIN + _NOTE * len(self.notes) + 3
         over_list = MARGIN + BLOCK + max(map(height, self.lists)) + 2
         front, section = rooms
         if place == "beside":
@@ -210,13 +213,9 @@ class _Page:
         self._names(sheet)
         for k, items in enumerate(self.lists, 1):
             draw_list(sheet, complex(right - k * WIDTH, MARGIN + BLOCK), items)
-        for k, line in enumerate(reversed(self.arrangement.notes)):
-            sheet.text(
-                complex(FILING + 3, MARGIN + 3 + _NOTE * k),
-                line,
-                2.5,
-                room=right - WIDTH - FILING - 6,
-            )
+        for k, line in enumerate(reversed(self.notes)):
+            at = complex(FILING + 3, MARGIN + 3 + _NOTE * k)
+            sheet.text(at, line, _HEIGHT, room=self.noted)
         block = Part("assembly", "Arrangement", ())
         title_block(
             sheet, complex(right, MARGIN), block, facts, self.scale, sheet_words(self.size, 1, 2)
@@ -392,6 +391,27 @@ def _chord(box: tuple[complex, complex], line: tuple[complex, complex]) -> tuple
     begin = max(a for a, _ in spans)
     end = min(b for _, b in spans)
     return (begin, end) if begin < end else (min(ends), max(ends))
+
+
+def _packed(notes: Sequence[str], room: float) -> list[str]:
+    """Notes in lines, a short one behind the first that leaves room for it; one that is too long for a line goes on in the next."""
+    lines: list[str] = []
+    for note in notes:
+        whole = _fits(note, room)
+        begun = len(lines)
+        for piece in [note] if whole else note.split():
+            fitting = range(len(lines)) if whole else range(begun, len(lines))[-1:]
+            k = next((k for k in fitting if _fits(f"{lines[k]} {piece}", room)), None)
+            if k is None:
+                lines.append(piece)
+            else:
+                lines[k] += f" {piece}"
+    return lines
+
+
+def _fits(text: str, room: float) -> bool:
+    """Whether a note has room on a line, a little narrower than usual if it must."""
+    return Text(0j, text, _HEIGHT).room <= _NARROWER * room
 
 
 def _hatched(face: Any, step: float, lean: int) -> list[tuple[complex, complex]]:

@@ -4,7 +4,7 @@ clear of all that is there before it. [ISO 5456-3]
     paper    to the right (x + y) cos 30 deg, upwards (y - x) sin 30 deg + z
 
 It is seen from above, so that nothing hides what is wholly over it; of what is as high, what is nearer hides what is farther. An axis
-joins round parts and the holes that they belong in, or shows the way of what comes from aside.
+joins round parts and the holes that they belong in, or shows the way of a rod that comes from aside.
 """
 
 from __future__ import annotations
@@ -162,6 +162,14 @@ class Body:
         """Of its round outlines and of its holes."""
         rings = [ring for shape, *_ in self.prisms for ring in (shape.exterior, *shape.interiors)]
         return [complex(ring.centroid.x, ring.centroid.y) for ring in rings if _round(ring)]
+
+    @property
+    def lies(self) -> bool:
+        """Whether it is as high as it is wide, square to the way in which it comes, such as a roller of a drum."""
+        import shapely
+
+        z = shapely.get_coordinates(self.plan) @ np.array([1, 1j]) / complex(*self.coming.way[:2])
+        return bool(abs(np.ptp(z.imag) - (self.high - self.low)) < _SAME_AXIS)
 
     @property
     def headed_below(self) -> bool:
@@ -368,7 +376,7 @@ def axes(bodies: Sequence[Body], moves: Sequence[Floats]) -> list[tuple[Floats, 
         if ends[above][0] > ends[below][1]
     ]
     for body, by in zip(bodies, moves, strict=True):
-        if body.coming.aside:
+        if body.coming.aside and body.lies:
             middle = body.plan.centroid
             end = np.array([middle.x, middle.y, (body.low + body.high) / 2 + by[2]])
             lines.append((end + [by[0], by[1], 0.0], end))

@@ -25,6 +25,7 @@ class Measure:
     fit: str = ""
     factor: float = 1.0
     digits: int | None = None
+    letters: float = 3.5  # their height, mm of paper
 
     @property
     def behind(self) -> str:
@@ -63,9 +64,8 @@ def dimension(
     digits = measure.digits
     if digits is None:
         digits = _FITTED if measure.fit else decimals(general(measure.value, tolerance))
-    high = 3.5 if measure.factor == 1.0 else 2.5
     text = f"{measure.sign}{number(measure.value, digits)}{measure.behind}"
-    label = Text(0j, text, high, "centre", reading, "DIM")
+    label = Text(0j, text, measure.letters, "centre", reading, "DIM")
     middle = (start + end) / 2
     if (
         length < label.width + 7

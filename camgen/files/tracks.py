@@ -387,7 +387,7 @@ class Section:
         for start, end, away in self.cased:
             put([z + away * BESIDE_CASE / scale for z in (start, end)], "CASE")
         for a, b, away, measure in self.sizes:
-            said = replace(measure, factor=own / scale)
+            said = replace(measure, factor=own / scale, letters=2.5)
             dimension(sheet, (origin + scale * a, origin + scale * b), away, said, tolerance)
 
 

@@ -160,7 +160,7 @@ def _balls(bearing: Thing, line: Cut) -> Iterator[tuple[complex, float]]:
 def _housings(things: Sequence[Bought]) -> list[str]:
     """What the frame of a shaft that is no part has to have, since it is the builder's own."""
     shafts = [thing.shaft for thing in things if thing.shaft is not None]
-    return [f"Your frame: {words}." for each in shafts for words in each.housings]
+    return [f"Frame: {words}." for each in shafts for words in each.housings]
 
 
 def _followers(mechanism: Mechanism, things: Sequence[Bought]) -> list[str]:
@@ -186,7 +186,7 @@ def _followers(mechanism: Mechanism, things: Sequence[Bought]) -> list[str]:
             span = _between(float(np.min(ends)), float(np.max(ends)))
             inner = number(track.roller[2], 2)
             notes.append(
-                f"Axis of the cam follower: square to the shaft, at z {span}; its ring begins {inner} from the axis of the shaft."
+                f"Axis of the cam follower: square to the shaft, at z {span}; ring from {inner} off the shaft on."
             )
     return notes
 

@@ -460,6 +460,35 @@ def test_bearings_have_balls_and_notes_say_where_bearing_and_follower_go() -> No
     assert "at least 14 and open at the other" in notes and "Shown at cam angle 0 deg" in notes
 
 
+def test_notes_stand_behind_each_other_where_they_fit() -> None:
+    """By their own lengths, in lines that hold two short ones: the third is behind the fourth, which is longer than a line and goes on in
+    the next."""
+    from camgen.files.arrangement_sheet import _packed
+
+    short = "A short one."
+    long = " ".join(["longer"] * 4) + "."
+    room = 2.1 * Text(0j, short, 2.5).room
+    lines = _packed([short, short, long, short], room)
+    assert lines[0] == f"{short} {short}"
+    assert " ".join(lines[1:]) == f"{long} {short}" and len(lines) == 3
+    assert all(Text(0j, line, 2.5).room <= 1.1 * room for line in lines)
+
+
+def test_a_cam_and_its_section_have_one_scale_and_letters_of_one_height() -> None:
+    """Of a disc cam of 76 x 92 with its shaft of 105 on an A3: both at 1:1; sizes are 3.5 high in both views. [ISO 3098]"""
+    from camgen.files.arrangement_sheet import _Page
+
+    _, arrangement = machine("metal disc-cam")
+    page = _Page(arrangement)
+    assert page.front.scale == page.section.scale == 1.0
+    _, arrangement = machine("gallery/walker")
+    page = _Page(arrangement)
+    assert page.front.scale != page.section.scale
+    texts = [each for each in page.draw("walker", Facts()).primitives if isinstance(each, Text)]
+    depth = [each.height for each in texts if each.text == "(179.1)"]
+    assert depth == [3.5]
+
+
 def test_what_is_used_up_is_no_item() -> None:
     """Oil and paper for gaps are in the parts list, not in the machine; glue stays in it."""
     mechanism, arrangement = machine("walking-leg")
