@@ -80,9 +80,8 @@ _STEP = 5.0  # mm, of lengths of shafts
 # bore's length with it
 _SHIMMED = (0.3, 0.9)
 _WIDER = 0.2  # mm, by which grooves may lie farther apart
-_SNAPPED = (
-    "one on either side of the bore; put shims beside the bore until it slides at most 0.05 mm"
-)
+_SNAPPED = "one on either side of the bore"
+_SHIMMED_BORE = "; put {} in until it slides at most 0.05 mm"
 OF_SHAFT = "bearing of the shaft"  # name of its row
 _BEFORE = 5.0  # from the shaft's end to its first bearing, where a ring holds that
 _BEARING_SLACK = 0.1  # that the rings leave a bearing, at least
@@ -94,7 +93,7 @@ _INNER_FIRST = (
     "on the shaft, two of them now: one on either side of the bore, in the groove next to it. The bearings come against these, "
     "and the other two outside the bearings"
 )
-_OUTER_LAST = "; then close each with the second retaining ring, and put shims between this and the bearing until at most 0.05 mm is left"
+_OUTER_LAST = "; then close each with the second retaining ring, and put {} between this and the bearing until at most 0.05 mm is left"
 _COLLARS = (
     "; a collar or a shoulder of yours on either side of each keeps it in its place on the shaft"
 )
@@ -127,7 +126,9 @@ def shaft_and_bearings(seat: Seat) -> list[Bought]:
     how = f"through the bore, {_KEYED if seat.key_width else _FAST}{', UP above' * seat.marked}"
     shaft = Bought("shaft", "", "", 1, "shaft", how=how, process=TURNED)
     rings = retaining_rings(bore) if seat.ringed else []
-    rings += [_shims("the bore", bore, _SHIMMED, 1)] if rings else []
+    if rings:
+        fill = _shims("the bore", bore, _SHIMMED, 1)
+        rings = [replace(rings[0], how=_SNAPPED + _SHIMMED_BORE.format(fill.text)), fill]
     made = turned_shaft(seat)
     if made is None or made.bearings is None:
         size = f"{bore:g} {_FIT}, C45, {sum(seat.lengths):.4g} in the bore, and as long as its bearings need"
@@ -148,7 +149,8 @@ def shaft_and_bearings(seat: Seat) -> list[Bought]:
     held = [
         replace(each, name=OF_BEARING, count=4, how=_INNER_FIRST) for each in retaining_rings(bore)
     ]
-    held += [_shims("a bearing", bore, _OF_SLACK, 2)] if held else []
+    beside = _shims("a bearing", bore, _OF_SLACK, 2)
+    held += [beside] if held else []
     turns = Bought(
         OF_SHAFT,
         bearing.standard,
@@ -156,7 +158,7 @@ def shaft_and_bearings(seat: Seat) -> list[Bought]:
         2,
         how=(_PRESSED if made.bearings.fit != _FIT else "")
         + _BEARINGS
-        + (_OUTER_LAST if held else _COLLARS),
+        + (_OUTER_LAST.format(beside.text) if held else _COLLARS),
     )
     return [shaft, *rings, *held, replace(turns, key="parts.bore", details=_SEALED)]
 
