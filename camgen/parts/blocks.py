@@ -3,30 +3,22 @@ glue off what lies under a link."""
 
 from __future__ import annotations
 
-import cmath
-import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 
-from camgen.geometry.distances import inside
-from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Contour, Points, Region
 from camgen.machine.model import GROUND
 from camgen.parts.fixing import Fixing
 from camgen.parts.mates import mates_between
-from camgen.parts.standing import Round, StandingCopy
+from camgen.parts.standing import AROUND, Round, StandingCopy, covers, placed
 from camgen.parts.step_places import RESTS
 from camgen.parts.step_words import STRIP, listed
 from camgen.study import Doing
 from camgen.tolerances import SAME_POINT
 
 MUST_NOT_SINK = ": it must not sink"
-_CHORD = 0.1  # mm, of outlines that a block bears
 _ASIDE = 1.0  # mm, beside a hole, where its part bears on a block
-_AROUND = np.exp(1j * math.tau * np.arange(12) / 12)
 
 
 def lowest_plate(there: Sequence[StandingCopy]) -> StandingCopy | None:
@@ -130,10 +122,10 @@ def _lies_on(
     hole: Round, holder: StandingCopy, there: Sequence[StandingCopy]
 ) -> StandingCopy | None:
     """What the underside of a hole's part lies on there; None where the next thing is farther below, or nothing."""
-    around = hole.at + (hole.diameter / 2 + _ASIDE) * _AROUND
+    around = hole.at + (hole.diameter / 2 + _ASIDE) * AROUND
     for other in sorted(there, key=lambda each: -each.mount.z):
         gap = holder.mount.z - other.mount.z - other.part.thickness
-        if gap > -SAME_POINT and _reaches(other, around):
+        if gap > -SAME_POINT and covers(other, around):
             return other if gap < RESTS else None
     return None
 
@@ -141,11 +133,11 @@ def _lies_on(
 def _foot(hole: Round, holder: StandingCopy, there: Sequence[StandingCopy]) -> float | None:
     """How high the underside is of what lies under a hole's part there, one on the other, mm; None where something else is farther
     below, and no block stands there."""
-    around = hole.at + (hole.diameter / 2 + _ASIDE) * _AROUND
+    around = hole.at + (hole.diameter / 2 + _ASIDE) * AROUND
     low = holder.mount.z
     for other in sorted(there, key=lambda each: -each.mount.z):
         top = other.mount.z + other.part.thickness
-        if low - top > -SAME_POINT and _reaches(other, around):
+        if low - top > -SAME_POINT and covers(other, around):
             if low - top >= RESTS:
                 return None
             low = other.mount.z
@@ -167,27 +159,5 @@ def _reach(copy: StandingCopy, axis: complex) -> float:
     """How far a copy reaches from an axis, mm."""
     if copy.pose.standing:
         return 0.0
-    rings = (_placed(copy, layer.region.outer) for layer in copy.part.layers)
+    rings = (placed(copy, layer.region.outer) for layer in copy.part.layers)
     return max(float(np.abs(ring - axis).max()) for ring in rings)
-
-
-def _placed(copy: StandingCopy, contour: Contour) -> Points:
-    """A contour of a copy's part in the assembly, (n,) complex mm."""
-    ring = facet_contour(contour, _CHORD)
-    ring = -ring.conjugate() if copy.pose.flipped else ring
-    turned = cmath.exp(1j * float(copy.pose.angle[0])) * ring
-    return complex(copy.pose.place[0]) + turned
-
-
-def _reaches(copy: StandingCopy, points: Points) -> bool:
-    """Whether any of some points of the assembly, (n,) complex mm, lies on a copy, and in none of its holes."""
-    if copy.pose.standing:
-        return False
-
-    def on(region: Region) -> Any:
-        found = inside(points, _placed(copy, region.outer))
-        for hole in region.holes:
-            found &= ~inside(points, _placed(copy, hole))
-        return found
-
-    return any(bool(on(layer.region).any()) for layer in copy.part.layers)

@@ -9,8 +9,10 @@ from camgen.machine.features import PinEyes
 from camgen.parts.fixing import Fixing
 from camgen.parts.mates import mates_between
 from camgen.parts.standing import StandingCopy
+from camgen.tolerances import SAME_POINT
 
-_Key = tuple[float, bool, int, str, int, bool, float]
+_Key = tuple[float, int, int, str, int, bool, float]
+_STANDS, _ON_IT, _FROM_ABOVE = 1, 2, 3  # what comes last on a level, in this order; 0 of all else
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,15 @@ def layings_of(
     levels |= {name: level for name, level in last.items() if level is not None}
     found: dict[_Key, list[StandingCopy]] = {}
     clusters: dict[_Key, list[StandingCopy]] = {}
-    for cluster in _clusters(copies, levels, fixing):
+    clustered = _clusters(copies, levels, fixing)
+    rank = {name: _FROM_ABOVE for name, level in last.items() if level is not None}
+    for cluster in clustered:
+        over = _first_on(cluster, copies, levels, fixing)
+        if over is not None:
+            levels |= {copy.name: levels[over.name] for copy in cluster}
+            rank |= {copy.name: _STANDS for copy in cluster}
+            rank[over.name] = _ON_IT
+    for cluster in clustered:
         carrier = {copy.name for copy in cluster if _carries(copy, cluster, fixing)}
         cluster.sort(key=lambda copy: (copy.name not in carrier, place[copy.part.name]))
         alone = len(cluster) == 1
@@ -56,7 +66,7 @@ def layings_of(
         for copy in cluster:
             key = (
                 levels[copy.name],
-                last[copy.name] is not None,
+                rank.get(copy.name, 0),
                 place[cluster[0].part.name],
                 "" if alone else cluster[0].name,
                 names.index(copy.part.name),
@@ -85,6 +95,27 @@ def _last_under(
         and any(hole.holds(each) for hole in copy.holes for each in pin.outlines)
     ]
     return max(through) if len(through) > 1 else None
+
+
+def _first_on(
+    cluster: Sequence[StandingCopy],
+    copies: Sequence[StandingCopy],
+    levels: Mapping[str, float],
+    fixing: Fixing,
+) -> StandingCopy | None:
+    """The link that goes first on a pin which stands on its cap and which nothing holds as yet: the pin comes just before it, when all
+    else of that level is on, for nothing may be moved while it stands. None of any other one."""
+    pin = cluster[0]
+    if pin.part.role != "pin" or pin.mount.flipped:
+        return None
+    meets = [
+        (levels[copy.name], copy)
+        for copy in copies
+        if copy not in cluster and mates_between([copy], [pin], fixing)
+    ]
+    level, first = min(meets, key=lambda each: each[0], default=(0.0, None))
+    free = first and all(mate.how == "free" for mate in mates_between([first], [pin], fixing))
+    return first if free and level > levels[pin.name] + SAME_POINT else None
 
 
 def _clusters(

@@ -160,7 +160,7 @@ def is_held(
 def loosely(laying: Laying, shafts: Sequence[str]) -> Place:
     """Where copies stay until they are pushed up; shafts: of each of them."""
     first = laying.copies[0]
-    until = f"; loose until {step_of(first)}"
+    until = f"; it stays loose until {step_of(first)}"
     doings = (Doing("put ", f"{called(first.part)} loosely on {each}", until) for each in shafts)
     return Place(f"loose on {', '.join(dict.fromkeys(shafts))}", tuple(doings))
 
@@ -251,7 +251,7 @@ def _loose(
     ]
     at = f"with {listed(dict.fromkeys(over))}" if over else "as the picture shows"
     prop, props = _prop(first, there, blocks)
-    doing = Doing("lay ", f"{WHAT} {at}", f"; loose until {steps}{prop}", props=props)
+    doing = Doing("lay ", f"{WHAT} {at}", f"; it stays loose until {steps}{prop}", props=props)
     if first.slender or (first.outlines and not first.holes):
         below = _stands_over(first, there)
         foot = [each for each in others if each.mount.z < first.mount.z + SAME_POINT]
@@ -260,11 +260,14 @@ def _loose(
         down = f", {listed(dict.fromkeys(each.part.name for each in foot))} down" if foot else ""
         down = down or (", head down" if head else "")
         down = down or _end_down(first)
-        room = room_under(first, there)
-        on = f", on a rod or block {room:.4g} mm high" if room else ""
-        rest = f"; loose until {steps}"
-        props = (room,) if room else ()
-        doing = Doing("stand ", f"{WHAT} upright{below}{down}{on}", rest, props=props)
+        room, link = room_under(first, there)
+        props = (room,) if room > RESTS else ()
+        high = f"a rod or block {room:.4g} mm high" if props else thickness_gauge(room)
+        high = f"{high} on {link}, which must not move" if link else high
+        on = f", on {high}" if props or (link and room > SAME_POINT) else ""
+        rest = f"; it stays loose until {steps}"
+        tools = gauge_tools(room) if on and not props else ()
+        doing = Doing("stand ", f"{WHAT} upright{below}{down}{on}", rest, tools, props)
     return Place(f"loose until {until}", (doing,))
 
 

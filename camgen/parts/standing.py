@@ -7,16 +7,20 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
-from camgen.geometry.outlines import Arc, Contour
+from camgen.geometry.distances import inside
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Arc, Contour, Points, Region
 from camgen.machine.features import Mount, PartPose, heights
 from camgen.parts.keyways import keyed
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
 
+AROUND = np.exp(1j * math.tau * np.arange(12) / 12)
+_CHORD = 0.1  # mm, of outlines that something bears
 Seat = Literal["", "flat", "key"]
 
 _ONE_AXIS = 1e-3  # mm, far below any play
@@ -232,3 +236,25 @@ def discs(contour: Contour) -> Iterator[tuple[complex, float]]:
     )
     if widest and abs(widest.sweep) > math.pi:
         yield widest.centre, widest.radius
+
+
+def placed(copy: StandingCopy, contour: Contour) -> Points:
+    """A contour of a copy's part in the assembly, (n,) complex mm."""
+    ring = facet_contour(contour, _CHORD)
+    ring = -ring.conjugate() if copy.pose.flipped else ring
+    turned = cmath.exp(1j * float(copy.pose.angle[0])) * ring
+    return complex(copy.pose.place[0]) + turned
+
+
+def covers(copy: StandingCopy, points: Points) -> bool:
+    """Whether any of some points of the assembly, (n,) complex mm, lies on a copy, and in none of its holes."""
+    if copy.pose.standing:
+        return False
+
+    def on(region: Region) -> Any:
+        found = inside(points, placed(copy, region.outer))
+        for hole in region.holes:
+            found &= ~inside(points, placed(copy, hole))
+        return found
+
+    return any(bool(on(layer.region).any()) for layer in copy.part.layers)

@@ -7,10 +7,13 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from camgen.machine.model import GROUND
 from camgen.parts.catalogue import BUSH
 from camgen.parts.fixing import Fixing, Joint
 from camgen.parts.mates import mates_between
-from camgen.parts.standing import Round, StandingCopy
+from camgen.parts.standing import AROUND, Round, StandingCopy, covers
 from camgen.parts.step_words import (
     FEELER,
     HOLE,
@@ -132,9 +135,10 @@ def _meeting(
         flat = f", {flat}" if flat else ""
         lies = f", down on {name}" if name and gap <= SAME_POINT else ""
         at = "" if hole.name or shaft.part.count == 1 else _joint(hole, shaft, below)
-        hangs = shaft.part.name if joint and _hangs(shaft, below, fixing) else ""
+        hangs = shaft.part.name if joint and hangs_by_head(shaft, below, fixing) else ""
         on = f"on {shaft.part.name}{at}"
-        room = room_under(shaft, below) if hangs else 0.0
+        room, _ = room_under(shaft, below) if hangs else (0.0, "")
+        room = room if room > RESTS else 0.0
         tools = gauge_tools(gap) if set_by or ", with " in high else ()
         if " under it)" in high:
             tools = gauge_tools(hole.low - min(each.low for each in shaft.outlines))
@@ -202,7 +206,7 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
         )
         glued = [each.letter for each in tight if each.letter and "glued" in each.joint]
         if len(glued) > 2:
-            slow = ": superglue sets before all ends are in"
+            slow = ": superglue would set before all ends are in"
             yield Doing(f"put {TWO_PART} into ", listed(glued), slow, (TWO_PART,))
         yield Doing("lower ", f"{WHAT} over all ends at once", f", each in its hole: {said}")
         whole = "it"
@@ -266,7 +270,7 @@ def _past_the_end(
         ),
         None,
     )
-    if head is None or not _hangs(pin, below, fixing):
+    if head is None or not hangs_by_head(pin, below, fixing):
         return ""
     top = head.mount.z + head.part.thickness
     over = [
@@ -279,17 +283,27 @@ def _past_the_end(
     return f", with {thickness_gauge(gap)} between {head.part.name} and {name}" if gap else ""
 
 
-def room_under(pin: StandingCopy, below: Sequence[StandingCopy]) -> float:
-    """How high the gap is between a pin that stands upright, with its cap, and what is in line with it below, mm; 0 of none."""
+def room_under(pin: StandingCopy, below: Sequence[StandingCopy]) -> tuple[float, str]:
+    """How high the gap is between a pin that stands upright, with its cap, and what lies below it there, mm; 0 of none. And on what
+    stands what props it, where that is not in line with it: a link that crosses its axis; "" of none."""
     low = min(each.low for each in pin.outlines)
+    foot = pin.outlines[0].at + pin.outlines[0].diameter / 2 * np.append(AROUND, 0)
     under = [
-        each.high
+        (each.high, "")
         for other in below
         for each in (*other.outlines, *other.holes)
         if each.in_line(pin.outlines[0]) and each.high < low + SAME_POINT
     ]
-    gap = low - max(under, default=low)
-    return gap if gap > RESTS else 0.0
+    under += [
+        (
+            other.mount.z + other.part.thickness,
+            "" if other.mount.body == GROUND else other.part.name,
+        )
+        for other in below
+        if other.mount.z + other.part.thickness < low + SAME_POINT and covers(other, foot)
+    ]
+    high, name = max(under, key=lambda each: (round(each[0], 6), not each[1]), default=(low, ""))
+    return low - high, name
 
 
 def _lies_on(hole: Round, below: Sequence[StandingCopy]) -> str:
@@ -298,14 +312,21 @@ def _lies_on(hole: Round, below: Sequence[StandingCopy]) -> str:
     return name if gap <= SAME_POINT else ""
 
 
-def _hangs(pin: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> bool:
-    """Whether a pin stands on its head, and nothing else there is fixed on it."""
-    fixed = [
+def fixed_on_pin(
+    pin: StandingCopy, below: Iterable[StandingCopy], fixing: Fixing
+) -> list[StandingCopy]:
+    """What is fixed on a pin, or holds it."""
+    return [
         other
         for other in below
         for mate in mates_between([other], [pin], fixing)
         if mate.how != "free" and other is not pin
     ]
+
+
+def hangs_by_head(pin: StandingCopy, below: Sequence[StandingCopy], fixing: Fixing) -> bool:
+    """Whether a pin stands on its head, and nothing else there is fixed on it."""
+    fixed = fixed_on_pin(pin, below, fixing)
     return bool(fixed) and all(other.part.role == "cap" for other in fixed)
 
 

@@ -13,6 +13,7 @@ have one axis, they lie over each other and a pin comes through.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from camgen.machine.features import CamOutline, SlideFaces
 from camgen.machine.model import GROUND
@@ -32,7 +33,7 @@ from camgen.parts.loose_parts import (
 from camgen.parts.mates import mated, mates_between
 from camgen.parts.part import HoldingNote, Part
 from camgen.parts.standing import StandingCopy
-from camgen.parts.step_places import gap_under, places_of
+from camgen.parts.step_places import fixed_on_pin, gap_under, places_of
 from camgen.parts.step_words import (
     LIES_ON_BENCH,
     MOVES,
@@ -69,6 +70,7 @@ def order(
     there = list[StandingCopy]()
     bench = list[StandingCopy]()  # the sub-assembly that is being built
     stops = stops_of(copies, fixing)
+    untried = dict[str, Doing]()  # what is moved when no pin stands on its head any more, by part
     loose = list[Laying]()  # on their shafts, whose stops are not there yet
     layings = layings_of(copies, pairs, fixing)
     for number, laying in enumerate(layings, 1):
@@ -118,7 +120,11 @@ def order(
         borne = [] if alone else [*bearing_blocks(laying.copies, there, fixing, blocks)]
         borne += [] if alone else strips_under(laying.copies, there, fixing)
         moved = [*_squared(laying.copies, bench, fixing)] if alone else []
-        moved += [] if alone else _moved(laying.copies, there, fixing)
+        if not alone:
+            untried |= {each.thing: each for each in _moved(laying.copies, there, fixing)}
+        if untried and not any(_stands(copy, [*there, *laying.copies], fixing) for copy in there):
+            moved += untried.values()
+            untried = {}
         steps.append(
             Step(
                 [*borne, *said, *moved],
@@ -143,8 +149,19 @@ def order(
             rows.append((len(rows) + 1, *row))
             names = [copy.name for copy in each.copies]
             steps.append(Step(doings, names, way=1))
+    if untried and steps:
+        steps[-1] = replace(steps[-1], doings=[*steps[-1].doings, *untried.values()])
     title = "Assembly from the bottom up, by height"
     return Table(title, COLUMNS, rows, mated(steps, copies, pairs, fixing))
+
+
+def _stands(copy: StandingCopy, there: Sequence[StandingCopy], fixing: Fixing) -> bool:
+    """Whether a pin stands on its head, and nothing holds it over that: it falls where what is under it moves."""
+    if copy.part.role != "pin" or copy.mount.flipped or not copy.outlines:
+        return False
+    middle = copy.mount.z + copy.part.thickness / 2
+    held = fixed_on_pin(copy, there, fixing)
+    return all(each.part.role == "cap" and each.mount.z < middle for each in held)
 
 
 def _by_hand(

@@ -842,8 +842,8 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     assert "for 4 AAA cells side by side, 6 V" in supply, "as the comments of its spec say"
     has = {each.name: each for each in tools(walker)}
     assert has["block"].count == 2 and has["block"].size.startswith(f"at least {blocks} mm")
-    props = "12.55, 14.55, 30, 2 × 36, 55.3 and 58.35 mm high"
-    assert props in has["prop"].size and has["prop"].count == 7, "as steps name them"
+    props = "7.35, 12.55, 14.55, 30, 2 × 36, 55.3 and 58.35 mm high"
+    assert props in has["prop"].size and has["prop"].count == 8, "as steps name them"
     used = {each.name for each in supplies(walker)}
     assert "two-part glue" in used, "on the motor's shaft"
     (filed,) = (title for title in titles if title.startswith("Cut and file"))
@@ -906,18 +906,34 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
         if "Lower the second plate over all ends" in title and "Far" not in title
     )
     assert "Hold pin-2 and pin-4 from below by the head meanwhile: a rod or block in the gap" in lid
-    length = {name: walker.assembly.by_name[name].thickness for name in ("pin-2", "pin-3", "pin-4")}
-    top = next(each.z for each in walker.assembly.mounts if each.part == "second-plate")
-    top += walker.assembly.by_name["second-plate"].thickness
-    gaps = [top - length["pin-2"] - length["pin-2"], top - length["pin-4"] - length["pin-3"]]
-    assert (
-        f"gap of {gaps[0]:.4g} mm under pin-2 and {gaps[1]:.4g} mm under pin-4 stays until" in lid
+    parts = walker.assembly.by_name
+    low = {each.part: each.z for each in reversed(walker.assembly.mounts)}  # of the near side
+    top = low["second-plate"] + parts["second-plate"].thickness
+    # where it is assembled B2 is 3.7 mm from the line D2 F2 of leg2, by the points of its spec, and B likewise from D3 F3
+    d, f, b = 59.2 + 8.4j, 15.87 - 50.5j, 47.2 - 14.08j
+    beside = abs(((f - d).conjugate() * (b - d)).imag) / abs(f - d)
+    assert beside < 4, "half of the leg's width is more"
+    gaps = [
+        top - parts[pin].thickness - low[leg] - parts[leg].thickness
+        for pin, leg in (("pin-2", "leg3"), ("pin-4", "leg2"))
+    ]
+    assert f"gap of {gaps[1]:.4g} mm under pin-4 stays until" in lid
+    assert gaps[0] == pytest.approx(0.2), "two sheets of paper"
+    stands = (
+        "over B of low1, cap-1 down, on two sheets of paper on leg3",
+        f"over B2 of low2, cap-3 down, on a rod or block {gaps[1]:.4g} mm high on leg2",
     )
-    stands = ("over B of low1, cap-1 down", "over B2 of low2, cap-3 down")
-    for gap, where in zip(gaps, stands, strict=True):
-        propped = f"upright {where}, on a rod or block {gap:.4g} mm high; loose until"
-        assert sum(propped in title for title in titles) == 2, "on either side, where it comes"
-    assert lid.startswith("Put two-part glue into A, B, A2 and B2: superglue sets before all ends")
+    for where in stands:
+        propped = f"upright {where}, which must not move; it stays loose until"
+        (near,) = (k for k, title in enumerate(titles) if propped in title)
+        after = titles[near].partition(propped)[2]
+        assert "Move " not in after, "a leg under it"
+    assert lid.count("Move ") == 1 and "Move conn3, high3, low4 and low3 by hand" in lid
+    dry = next(k for k, title in enumerate(titles) if "Lay second-plate on the pins, dry" in title)
+    assert "pin-2 upright" in titles[dry + 1], "on which the plate would tip"
+    assert lid.startswith(
+        "Put two-part glue into A, B, A2 and B2: superglue would set before all ends"
+    )
     assert "It lies on 4 posts, over all other parts." in lid and "Lay it on" not in lid
     assert "down on post: spacer-3 must keep some play" in lid
     assert "B on pin-2, with a strip of a plastic bag between cap-1 and low3" in lid, "by no end"
@@ -1096,9 +1112,9 @@ def test_a_step_says_which_end_is_down_and_counts_what_has_no_letter() -> None:
     assert len(round_below.pieces) == 1, "no flat at its lower end"
     titles = [step.title for step in steps_of_assembly(machine).steps]
     (shaft,) = (title for title in titles if title.startswith("Stand the shaft of driven link"))
-    assert "upright, its flat end up; loose" in shaft
+    assert "upright, its flat end up; it stays loose" in shaft
     (plain,) = (title for title in titles if title.startswith("Stand the shaft of follower"))
-    assert "upright; loose" in plain, "both ends are alike"
+    assert "upright; it stays loose" in plain, "both ends are alike"
     (plate,) = (
         title for title in titles if "lower the ground plate over all ends at once" in title
     )
