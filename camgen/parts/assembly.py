@@ -55,7 +55,7 @@ from camgen.parts.sheets import why_not
 from camgen.parts.springs import WorkingSpring
 from camgen.parts.standing import discs as round_holes
 from camgen.parts.standing import standing_copies
-from camgen.parts.step_words import TWO_PART, called, listed
+from camgen.parts.step_words import ON_BENCH, TWO_PART, called, listed
 from camgen.parts.steps import holding_notes, order
 from camgen.study import Doing, Later, Mate, Step, Table
 from camgen.tolerances import SAME_POINT
@@ -530,7 +530,9 @@ def _order(assembly: Assembly) -> Table:
         fixing = assembly.process.fixing
         table = replace(table, steps=mated(table.steps, copies, assembly.features, fixing))
         if len({mount.body for mount in assembly.mounts}) > 1:
-            return table  # a machine, whose own steps put in what is bought
+            # a machine, whose own steps put in what is bought
+            own = zip(map(tuple, table.rows), table.steps, strict=True)
+            return numbered(table, [*own, *_on_its_feet(assembly)]) if assembly.feet else table
         own = zip(map(tuple, table.rows), table.steps, strict=True)
         return numbered(table, [*own, *further_rows(assembly)])
     table = by_heights(assembly)
@@ -542,6 +544,15 @@ def _order(assembly: Assembly) -> Table:
     rows += further_rows(assembly)
     rows += _last_rows(assembly) if assembly.board else []
     return numbered(table, rows)
+
+
+def _on_its_feet(assembly: Assembly) -> Iterator[Row]:
+    """The last row of a machine that walks."""
+    fed = any(each.role == "supply" for each in assembly.bought)
+    on = "switch it on, at its batteries" if fed else "turn its shaft"
+    back = ". It walks the other way with the motor's two wires swapped" if fed else ""
+    doings = [Doing("when the glue is hard, set the machine on its feet"), Doing(f"{on}{back}")]
+    yield (0, "table", "On its feet", "", 1, 0.0, "as yours"), Step(doings)
 
 
 def numbered(table: Table, rows: Sequence[Row]) -> Table:
@@ -723,7 +734,38 @@ def _on_plate(rows: Sequence[Row], assembly: Assembly, blocks: int) -> Sequence[
         said = f"put two blocks at least {blocks} mm high under {what}{aside}: parts hang below it"
         step = step.also(said)
         rows[low] = cells, replace(step, doings=[*step.doings, *borne])
+        if 0 < low == last - 1 and len(under) == len(screws) == 1:
+            rows[low : last + 2] = _screwed_together(rows[low : last + 2], assembly, screws[0])
     return rows if first else [*glued, *rows]
+
+
+def _screwed_together(rows: Sequence[Row], assembly: Assembly, screw: Bought) -> Iterator[Row]:
+    """Rows of a stand's panel and the plate, which go on a loose shaft, and of the screw between both: these are screwed together on the
+    bench, for below the machine a screwdriver would push the shaft out."""
+    (low, panel), (high, plate), (_, screwed) = rows
+    names = [called(assembly.by_name[str(cells[1])]) for cells in (low, high)]
+    group = str(low[1])
+    laid = Doing("lay ", names[0], ON_BENCH)
+    set_on = Doing("set ", f"{names[1]} on {names[0]}", ", hole over hole")
+    yield (*low[:3], ON_BENCH.strip(), *low[4:]), Step([laid], panel.copies, group=group)
+    cells, _ = with_things(((*high[:3], f"over {group}", *high[4:]), plate), [screw])
+    doings = [set_on, *screwed.doings]
+    yield cells, Step(doings, plate.copies, group=group, threads=screwed.threads)
+    on = str(low[3])
+    both = Doing("put ", f"both {on}", ", the panel below")
+    what = f"{low[2]} with {high[1]}"
+    yield (
+        (0, group, what, on, "", low[5], low[6]),
+        replace(
+            panel,
+            doings=[both, *panel.doings[1:], *plate.doings[1:]],
+            copies=[],
+            group=group,
+            mates=[*panel.mates, *plate.mates],
+            hand_fits=[*panel.hand_fits, *plate.hand_fits],
+            follows=False,
+        ),
+    )
 
 
 def _borne_at_once(rows: Sequence[Row], low: int) -> tuple[list[Row], list[Doing]]:

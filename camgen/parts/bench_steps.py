@@ -4,10 +4,10 @@
     small parts    spacers and caps that come one after the other do too, a few at a time
     far side       its steps say so, and are said in full: it is mirrored, and what was done pages before is forgotten
 
-Of a machine with many steps:
+Of a machine with more than a few steps:
 
-    bench first    all sub-assemblies are pressed in one step before the others, like ones counted
     level          a few links that go on one after the other are one step, with a list to tick off
+    bench first    of many, all sub-assemblies are pressed before the others, like ones counted
 """
 
 from __future__ import annotations
@@ -17,15 +17,19 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import groupby, pairwise, takewhile
+from typing import TypeVar
 
 from camgen.parts.step_words import MOVES, ON_BENCH
 from camgen.study import Doing, Step, Table, sentences
 
 _SMALL = 5  # spacers and caps that are put on in one step, at most
-_MANY = 30  # steps, from which on they are drawn together
+_FEW = 16  # steps, up to which each stands alone
+_MANY = 30  # steps, from which on sub-assemblies are pressed first
 _PRESSED = 3  # sub-assemblies that are worth a step of their own, at least
+_KINDS = 8  # of sub-assemblies that are pressed in one step, at most: what one picture can show
 _LINES = 4  # of a list to tick off, at most: what one picture can show
 
+T = TypeVar("T")
 _Rows = Sequence[Sequence[object]]
 _Run = tuple[Step, _Rows]  # a step, and its rows of the table
 
@@ -36,12 +40,10 @@ def at_bench(table: Table) -> Table:
         return table
     actions = [*_actions([*zip(table.steps, table.rows, strict=True)])]
     many = len(actions) > _MANY
-    runs = [*map(_one, actions)]
-    if many:
-        lists = [*takewhile(lambda run: not run[0].copies, runs)]
-        bench = [*_bench_first(actions, table.columns)]
-        rest = [_placed(action, bool(bench)) for action in actions[len(lists) :]]
-        runs = [*lists, *bench, *_levels(rest)]
+    lists = [_one(action) for action in takewhile(lambda each: not each[0][0].copies, actions)]
+    bench = [*_bench_first(actions, table.columns)] if many else []
+    rest = [_placed(action) if bench else _one(action) for action in actions[len(lists) :]]
+    runs = [*lists, *bench, *(_levels(rest) if len(actions) > _FEW else rest)]
     steps = [_of_side(step) if step.apart else step for step, _ in runs]
     return replace(
         table,
@@ -132,37 +134,59 @@ def _is_pressed(run: Sequence[Step]) -> bool:
 
 
 def _bench_first(actions: Sequence[_Action], columns: Sequence[str]) -> Iterator[_Run]:
-    """One step in which all sub-assemblies are pressed, each kind with its number; none where there are few."""
+    """Steps in which all sub-assemblies are pressed, each kind with its number, a few kinds together; none where there are few."""
     pressed = [run for run, _ in actions if _is_pressed(run)]
     if len(pressed) < _PRESSED:
         return
     kinds: dict[str, list[Sequence[Step]]] = {}
     for run in pressed:
         kinds.setdefault(sentences(_inner(run)), []).append(run)
-    lines: dict[str, list[str]] = {}
-    for what, alike in kinds.items():
-        verb = _inner(alike[0])[0].verb
-        said = what[len(verb) :].removesuffix(".")
-        count = f" (make {len(alike)})" if len(alike) > 1 else ""
-        lines.setdefault(verb.rstrip(), []).append(f"\n☐ {said}{count}")
-    said = "".join(f"\n{verb.capitalize()}:{''.join(own)}" for verb, own in lines.items())
-    laid = [
-        (
-            alike[0][0].group,
-            [copy for step in alike[0] for copy in step.copies],
-            [mate for step in alike[0][:-1] for mate in step.mates],
-        )
-        for alike in kinds.values()
-    ]
-    begins = "put these together on the bench, with a vice. They go into the machine later"
-    if any(len({run[0].apart for run in alike}) > 1 for alike in kinds.values()):
-        begins += (
-            ". Half of those made more than once are for the far side, the mirror image of this one: put their pins in from the other "
-            'face, and write F, for far, on them. Steps that begin with "Far side" take those with F'
-        )
-    cells = {"what": "What is pressed together on the bench", "count": len(pressed)}
-    row = tuple(cells.get(column, "") for column in columns)
-    yield Step([Doing(begins, "", f".{said}")], laid=laid), [row]
+    by_verb: dict[str, list[Sequence[Sequence[Step]]]] = {}
+    for alike in kinds.values():
+        by_verb.setdefault(_inner(alike[0])[0].verb, []).append(alike)
+    both = any(len({run[0].apart for run in alike}) > 1 for alike in kinds.values())
+    shares = _shares([alike for own in by_verb.values() for alike in own], _KINDS)
+    for number, share in enumerate(shares):
+        begins = _PRESS if number == 0 else _PRESS_MORE
+        if number == 0 and both:
+            begins += _FOR_BOTH
+        cells = {"what": "What is pressed together on the bench", "count": sum(map(len, share))}
+        row = tuple(cells.get(column, "") for column in columns)
+        laid = [
+            (
+                alike[0][0].group,
+                [copy for step in alike[0] for copy in step.copies],
+                [mate for step in alike[0][:-1] for mate in step.mates],
+            )
+            for alike in share
+        ]
+        yield Step([Doing(begins, "", f".{_pressed_list(share)}")], laid=laid), [row]
+
+
+_PRESS = "put these together on the bench, with a vice. They go into the machine later"
+_PRESS_MORE = "put these together on the bench as well"
+_FOR_BOTH = (
+    ". Half of those made more than once are for the far side, the mirror image of this one: put their pins in from the other "
+    'face, and write F, for far, on them. Steps that begin with "Far side" take those with F'
+)
+
+
+def _pressed_list(kinds: Sequence[Sequence[Sequence[Step]]]) -> str:
+    """Sub-assemblies of some kinds as lines to tick off, those together that begin alike."""
+    lines = ""
+    for verb, own in groupby(kinds, lambda alike: _inner(alike[0])[0].verb):
+        lines += f"\n{verb.rstrip().capitalize()}:"
+        for alike in own:
+            said = sentences(_inner(alike[0]))[len(verb) :].removesuffix(".")
+            lines += f"\n☐ {said}{f' (make {len(alike)})' if len(alike) > 1 else ''}"
+    return lines
+
+
+def _shares(items: Sequence[T], most: int) -> Iterator[Sequence[T]]:
+    """Items in order, in shares of about one size, none larger than the most."""
+    count = math.ceil(len(items) / most)
+    ends = [round(k * len(items) / count) for k in range(count + 1)]
+    return (items[low:high] for low, high in pairwise(ends))
 
 
 def _inner(run: Sequence[Step]) -> list[Doing]:
@@ -175,11 +199,11 @@ def _inner(run: Sequence[Step]) -> list[Doing]:
     ]
 
 
-def _placed(action: _Action, bench: bool) -> _Run:
-    """An action as one step; of a sub-assembly that is pressed before, how it is put in. bench: whether a step presses them all."""
+def _placed(action: _Action) -> _Run:
+    """An action as one step, of a machine of which all sub-assemblies are pressed before; of one of these, how it is put in."""
     run, rows = action
     whole = _whole(run)
-    if bench and whole.pressed:
+    if whole.pressed:
         return replace(whole, doings=whole.pressed), rows
     if not _is_pressed(run):
         return whole, rows
@@ -197,9 +221,7 @@ def _levels(runs: Sequence[_Run]) -> Iterator[_Run]:
         if not simple:
             yield from level
             continue
-        count = math.ceil(len(level) / _LINES)
-        ends = [round(k * len(level) / count) for k in range(count + 1)]
-        yield from (_level(level[low:high]) for low, high in pairwise(ends))
+        yield from map(_level, _shares(level, _LINES))
 
 
 _IN_ORDER = "put these on in this order"  # begins a step that has a list

@@ -47,7 +47,7 @@ def bearing_blocks(
         return
     plates = [each for each in there if each.mount.body == GROUND]
     sinking = dict[float, list[str]]()
-    bending = defaultdict[float, dict[str, list[str]]](dict)
+    bending = defaultdict[float, dict[tuple[str, str], list[str]]](dict)
     for copy in coming:
         for other in there:
             mates = [mate for mate in mates_between([copy], [other], fixing) if mate.how != "free"]
@@ -58,11 +58,13 @@ def bearing_blocks(
             for mate in mates if copy.mount.flipped else ():
                 holes = (hole for hole in other.holes if hole.in_line(copy.outlines[0]))
                 hole = next(holes)
-                foot = _foot(hole, other, there)
-                if foot is None or not mate.comes or _swept(hole.at, foot, there):
+                lowest = _foot(hole, other, there)
+                if lowest is None or not mate.comes or _swept(hole.at, lowest.mount.z, there):
                     continue
+                foot = lowest.mount.z
                 if blocks or foot > plate.mount.z + SAME_POINT:
-                    letters = bending[foot].setdefault(other.part.name, [])
+                    lies = "" if lowest is other else lowest.part.name
+                    letters = bending[foot].setdefault((lies, other.part.name), [])
                     letters += [mate.label] if mate.label else []
     for low, names in sinking.items():
         shafts = listed(dict.fromkeys(names))
@@ -77,16 +79,19 @@ def bearing_blocks(
             props=(low - plate.mount.z + blocks,),
         )
     for low, parts in bending.items():
-        under = listed(
-            f"{listed(dict.fromkeys(own))} of {name}" if own else name
-            for name, own in parts.items()
-        )
+        under = listed(_at_holes(*names, own) for names, own in parts.items())
         yield Doing(
             "put a block under ",
             under,
             f", {block_height(low, plate, blocks)}: it must not bend",
             props=(low - plate.mount.z + blocks,) * sum(len(own) or 1 for own in parts.values()),
         )
+
+
+def _at_holes(lowest: str, holder: str, letters: Sequence[str]) -> str:
+    """Where a block goes: "W and V of ground", "stand-panel below W and V of ground"; lowest: on what the holder lies, "" of nothing."""
+    holes = f"{listed(dict.fromkeys(letters))} of {holder}" if letters else holder
+    return f"{lowest} below {holes}" if lowest else holes
 
 
 def strips_under(
@@ -130,18 +135,18 @@ def _lies_on(
     return None
 
 
-def _foot(hole: Round, holder: StandingCopy, there: Sequence[StandingCopy]) -> float | None:
-    """How high the underside is of what lies under a hole's part there, one on the other, mm; None where something else is farther
-    below, and no block stands there."""
+def _foot(hole: Round, holder: StandingCopy, there: Sequence[StandingCopy]) -> StandingCopy | None:
+    """The lowest of what lies under a hole's part there, one on the other, or that part; None where something else is farther below, and
+    no block stands there."""
     around = hole.at + (hole.diameter / 2 + _ASIDE) * AROUND
-    low = holder.mount.z
+    lowest = holder
     for other in sorted(there, key=lambda each: -each.mount.z):
-        top = other.mount.z + other.part.thickness
-        if low - top > -SAME_POINT and covers(other, around):
-            if low - top >= RESTS:
+        gap = lowest.mount.z - other.mount.z - other.part.thickness
+        if gap > -SAME_POINT and covers(other, around):
+            if gap >= RESTS:
                 return None
-            low = other.mount.z
-    return low
+            lowest = other
+    return lowest
 
 
 def _swept(at: complex, low: float, there: Sequence[StandingCopy]) -> bool:

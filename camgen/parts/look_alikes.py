@@ -158,6 +158,8 @@ def with_sorting(
     if not (lines or lettered):
         return table
     said = _SORT + (_WRITE if alike else "")
+    said += _LENGTHS if any(" mm from " in line for line in lines) else ""
+    said += _ONE if any(_OR in line for line in lines) else ""
     if any(_NARROW in line for line in lines):
         said += _UNSEEN
     if lettered:
@@ -177,8 +179,11 @@ def with_sorting(
 _SORT = "sort what looks alike"
 _WRITE = (
     ". Write on each part its name and the letters of its holes; its picture among the parts shows them. Do this before you "
-    'open holes. Lengths are from the middle of one hole to that of another. Parts with "or" between them are the same, turned over'
+    "open holes"
 )
+_OR = " or "  # between parts that are one
+_LENGTHS = ". Lengths are from the middle of one hole to that of another"
+_ONE = '. Parts with "or" between them are the same, turned over'
 _NARROW = "narrower in "
 _UNSEEN = (
     ". Narrower holes, in which pins are fixed, look like the others: write the name on such a part as you take it off the printer's "
@@ -236,7 +241,7 @@ def _told_apart(links: Sequence[_Link]) -> str:
             same.append(link)
     told = _telling([same[0] for same in classes])
     return "; ".join(
-        f"{' or '.join(each.part.name for each in same)}{_words(same, told)}" for same in classes
+        f"{_OR.join(each.part.name for each in same)}{_words(same, told)}" for same in classes
     )
 
 

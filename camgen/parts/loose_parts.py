@@ -65,14 +65,15 @@ class Stop:
                 f"{thick}, at either side of {shaft}",
                 gauge_tools(self.play),
             ),
+            Doing(f"push {WHAT} up to ", self.name, " with a thin stick, and hold it there"),
             Doing(
                 f"put a drop of {'retaining compound' if self.metal else 'superglue gel'} on ",
                 shaft,
-                f" just under {WHAT}, none over it: that would stick to {self.name}. Slide {WHAT} down over the drop",
+                f" just under it, none over it: that would stick to {self.name}. Slide {WHAT} down over the drop",
             ),
             Doing(
-                f"push {WHAT} up against ",
-                f"{self.name} with a thin stick from below, for fingers do not reach it: glue it on {shaft} alone, and hold it there until the glue is hard",
+                f"push {WHAT} up again, against ",
+                f"{self.name}: glue it on {shaft} alone, and hold it there until the glue is hard",
             ),
             Doing(
                 f"pull {gauge} out from under {self.over}: {shaft} has {self.play:.2g} mm of play along its axis"

@@ -178,8 +178,8 @@ _OUT_OF_BALLS = "Where a pin goes through a ball bearing, put it in the hole und
 _SLOW = f"Where a step names {TWO_PART}, use that alone, and let it get hard before anything there is moved"
 # Of a pin whose head holds a link in place.
 _OUT_OF_JOINTS = "Where a pin goes through a part that turns on it, put the glue into the tight hole, none on the pin, and wipe off what comes out below"
-_GAUGES = {"plastic bag": "a strip", "sheets of paper": "paper"}  # of tools that set gaps
-_PULLED = "Pull {} out of a gap as soon as the part is on, before the glue is hard"
+_GAUGES = {"plastic bag": "strips", "sheets of paper": "paper"}  # of tools that set gaps
+_PULLED = "Pull {} out of gaps as soon as the part is on, before the glue is hard"
 
 
 def glue(metal: bool) -> str:

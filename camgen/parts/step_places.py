@@ -7,8 +7,6 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from camgen.machine.model import GROUND
 from camgen.parts.catalogue import BUSH
 from camgen.parts.fixing import Fixing, Joint
@@ -287,7 +285,7 @@ def room_under(pin: StandingCopy, below: Sequence[StandingCopy]) -> tuple[float,
     """How high the gap is between a pin that stands upright, with its cap, and what lies below it there, mm; 0 of none. And on what
     stands what props it, where that is not in line with it: a link that crosses its axis; "" of none."""
     low = min(each.low for each in pin.outlines)
-    foot = pin.outlines[0].at + pin.outlines[0].diameter / 2 * np.append(AROUND, 0)
+    around = pin.outlines[0].at + pin.outlines[0].diameter / 2 * AROUND
     under = [
         (each.high, "")
         for other in below
@@ -300,7 +298,7 @@ def room_under(pin: StandingCopy, below: Sequence[StandingCopy]) -> tuple[float,
             "" if other.mount.body == GROUND else other.part.name,
         )
         for other in below
-        if other.mount.z + other.part.thickness < low + SAME_POINT and covers(other, foot)
+        if other.mount.z + other.part.thickness < low + SAME_POINT and covers(other, around)
     ]
     high, name = max(under, key=lambda each: (round(each[0], 6), not each[1]), default=(low, ""))
     return low - high, name

@@ -32,7 +32,7 @@ from camgen.parts.loose_parts import (
 )
 from camgen.parts.mates import mated, mates_between
 from camgen.parts.part import HoldingNote, Part
-from camgen.parts.standing import StandingCopy
+from camgen.parts.standing import Round, StandingCopy
 from camgen.parts.step_places import fixed_on_pin, gap_under, places_of
 from camgen.parts.step_words import (
     LIES_ON_BENCH,
@@ -46,7 +46,7 @@ from camgen.parts.step_words import (
     turned,
     where_all,
 )
-from camgen.study import Doing, Step, Table
+from camgen.study import Doing, Mate, Step, Table
 from camgen.tolerances import SAME_POINT
 
 COLUMNS = ("step", "part", "what", "where", "count", "underside at z, mm", "lies")
@@ -133,6 +133,7 @@ def order(
                 small=part.role in _SMALL or part.process == "dummy",
                 follows=begins,
                 hand_fits=by_hand,
+                glued=[] if alone else [*_glued_on_motor(laying.copies, fixing)],
             )
         )
         (bench if alone else there).extend(laying.copies)
@@ -140,7 +141,8 @@ def order(
             row, doings = _put_in(cluster, there, later, fixing, blocks)
             rows.append((len(rows) + 1, *row))
             by_hand = [*_by_hand(cluster, there, fixing)]
-            steps.append(Step(doings, group=group, hand_fits=by_hand))
+            glued = [*_glued_on_motor(cluster, fixing)]
+            steps.append(Step(doings, group=group, hand_fits=by_hand, glued=glued))
             there += bench
             bench = []
         for each in [each for each in loose if is_held(each, stops, there, fixing)]:
@@ -284,6 +286,24 @@ def _jig(
             return
 
 
+def _on_shaft_of_motor(copies: Sequence[StandingCopy], fixing: Fixing) -> list[Round]:
+    """Holes of copies in which the shaft of a motor is."""
+    return [
+        hole
+        for copy in copies
+        if copy.part.name in fixing.driven and copy.mount.body != GROUND
+        for hole in copy.holes
+    ]
+
+
+def _glued_on_motor(copies: Sequence[StandingCopy], fixing: Fixing) -> Iterator[Mate]:
+    """Where the flat of a motor's shaft is glued in copies, for the picture: the shaft is none of the parts."""
+    for hole in _on_shaft_of_motor(copies, fixing):
+        if hole.flat:
+            place = hole.at.real, hole.at.imag, (hole.low + hole.high) / 2
+            yield Mate("glue", hole.name, place, hole.diameter, hole.high - hole.low)
+
+
 def _on_motor(
     copies: Sequence[StandingCopy],
     fixing: Fixing,
@@ -291,12 +311,7 @@ def _on_motor(
     there: Sequence[StandingCopy],
 ) -> list[Place]:
     """Where copies go, with the motor's shaft if one of them is fixed on that."""
-    driven = [
-        hole
-        for copy in copies
-        if copy.part.name in fixing.driven and copy.mount.body != GROUND
-        for hole in copy.holes
-    ]
+    driven = _on_shaft_of_motor(copies, fixing)
     if not driven:
         return [*places]
     shaft = "on the motor's shaft"

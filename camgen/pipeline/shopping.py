@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -32,6 +33,7 @@ from camgen.parts.standing import StandingCopy, standing_copies
 from camgen.parts.step_words import listed
 from camgen.parts.tools import SUPPLIES, USES
 from camgen.study import Table
+from camgen.tolerances import SAME_POINT
 
 _IN_SHAFT = "pressed or tapped into the keyway of the shaft, before that goes through the bore"
 
@@ -102,10 +104,18 @@ def stock(mechanism: Mechanism) -> list[Bought]:
     by_hand = ", sawn and filed" if materials.of(mechanism.material.name).printed else ""
     return [
         Bought(
-            f"steel {name}", "", f"{sum(lengths):.4g} mm in total, {_pieces(lengths)}{by_hand}", 1
+            f"steel {name}",
+            "",
+            f"{_rounded_up(sum(lengths)):g} mm in total, {_pieces(lengths)}{by_hand}",
+            1,
         )
         for name, lengths in pieces.items()
     ]
+
+
+def _rounded_up(length: float) -> float:
+    """A length to buy, in tenths of a mm."""
+    return math.ceil(10 * length - SAME_POINT) / 10
 
 
 def _pieces(lengths: Sequence[float]) -> str:

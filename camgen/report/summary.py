@@ -31,7 +31,7 @@ _KINDS = ("dxf", "stl", "3mf", "step", "glb", "svg", "png", "gif", "pdf")
 # What is shown beside the stroke, the weightiest first: what it is called, code of its findings, else quantity of a figure.
 _OTHERS = (
     ("Walk in a turn", "", _WALK),
-    ("Walk, its speed", "", "walk speed"),
+    ("Walking speed", "", "walk speed"),
     ("Off the path", "PATH_ERROR", ""),
     ("Straightness", "STRAIGHTNESS", ""),
     ("Dwell", "DWELL", ""),

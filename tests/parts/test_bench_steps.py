@@ -128,6 +128,22 @@ def test_a_machine_of_many_steps_has_its_pins_pressed_first_and_a_few_links_to_a
     assert len(few) == 16 and not any(each.laid for each in few), "of so few each is a step"
 
 
+def test_links_that_only_go_on_are_one_step_where_there_are_more_than_a_few() -> None:
+    """Of 18 steps those that set a link one after the other are one; what is glued stands alone, and nothing is pressed before."""
+    links = [step("set", f"link-{k}") for k in range(1, 4)]
+    glued = [step("glue", f"part-{k}", what=f"part {k}") for k in range(1, 15)]
+    bench = [
+        Step([Doing("lay ", "arm", " on the bench")], ["arm-1"], group="arm"),
+        step("press and glue", "pin-1", what="pin into A of arm", group="arm"),
+        Step([Doing("set ", "arm on axle")], group="arm"),
+    ]
+    found = [each.title for each in at_bench(table([*links, *glued, *bench])).steps]
+    ticks = "".join(f"\n☐ Set link-{k}." for k in range(1, 4))
+    assert found[0].startswith(f"Put these on in this order:{ticks}") and len(found) == 16
+    assert found[-1] == "Press and glue pin into A of arm. Then set arm on axle."
+    assert len(at_bench(table([*links, *glued[:13]])).steps) == 16, "of few each is one"
+
+
 @pytest.mark.parametrize(
     ("name", "most"),
     [("walking-leg", 13), ("stitch-head", 35), ("drum-feeder", 16), ("uniform-swing", 16)],
@@ -140,10 +156,9 @@ def test_every_copy_comes_as_it_does_one_by_one(name: str, most: int) -> None:
 def test_a_walker_of_two_sides_has_steps_that_a_person_can_count() -> None:
     """169 when each part is a step of its own."""
     check(made("walker"), 37)
-    lists = [each.title.count("☐") for each in steps_of_assembly(made("walker")).steps]
-    assert max(lists[4:]) == 4, (
-        "in one picture, after those of what is sorted, opened, cut and pressed"
-    )
+    titles = [each.title for each in steps_of_assembly(made("walker")).steps]
+    levels = [each for each in titles if "ut these on in this order" in each]
+    assert max(each.count("☐") for each in levels) == 4, "in one picture"
     sides = [Counter[str](), Counter[str]()]  # how often each side sets each kind of link
     for each in steps_of_assembly(made("walker")).steps:
         sides[each.title.startswith("Far side")].update(
