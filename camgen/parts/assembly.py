@@ -552,7 +552,9 @@ def _on_its_feet(assembly: Assembly) -> Iterator[Row]:
     on = "switch it on, at its batteries" if fed else "turn its shaft"
     back = ". It walks the other way with the motor's two wires swapped" if fed else ""
     doings = [Doing("when the glue is hard, set the machine on its feet"), Doing(f"{on}{back}")]
-    yield (0, "table", "On its feet", "", 1, 0.0, "as yours"), Step(doings)
+    x, y, z = assembly.feet.down if assembly.feet else (0.0, 0.0, -1.0)
+    step = Step(doings, up=(-x, -y, -z))
+    yield (0, "table", "On its feet", "", 1, 0.0, "as yours"), step
 
 
 def numbered(table: Table, rows: Sequence[Row]) -> Table:
@@ -995,7 +997,8 @@ def _last_rows(assembly: Assembly) -> Iterator[Row]:
         row = 0, name, part.title, where, len(mounts), low, "upright"
         doings = [Doing("glue ", called(part, len(mounts)), f" {where}")]
         if each.along[2] > 0 and not turned:
-            doings.insert(0, _turned_over(assembly))
+            dry = "each tab in its slot, dry, and file what is tight"
+            doings = [_turned_over(assembly), Doing("try ", dry, needs=("file",)), *doings]
             turned = True
         mates = [
             Mate("glue", "", (at.real, at.imag, z), 1.5 * each.thick, each.thick)

@@ -167,13 +167,35 @@ def with_sorting(
             f"{link.part.name} {' '.join(name for name, _ in link.named)}" for link in lettered
         )
         lines.insert(0, f"letters beside their holes name these: {', '.join(names)}")
-    said += "".join(f"\n☐ {line}" for line in lines)
+        lines.append(_faces(table, copies))
+    said += "".join(f"\n☐ {line}" for line in lines if line)
     one = {copy.part.name: copy.name for copy in reversed(copies)}
     seen = [link.part for group in alike for link in group]
     laid = [(part.name, [one[part.name]], ()) for part in seen if part.name in one]
     needs = ("marker", "caliper") if alike else ("caliper",)
     begins = Doing(said, needs=needs)
-    return begun(table, begins, "Parts that look alike", "; ".join(lines), laid=laid)
+    return begun(table, begins, "Parts that look alike", "; ".join(filter(None, lines)), laid=laid)
+
+
+def _faces(table: Table, copies: Sequence[StandingCopy]) -> str:
+    """On which side letters are as parts go on, in words; of a machine of two sides for each of them."""
+    turned = {name: step.up[2] < 0 for step in table.steps for name in step.copies}
+    faces = defaultdict[bool, dict[str, bool]](
+        dict
+    )  # by whether of the side turned over, of each part
+    for copy in copies:
+        if copy.part.lettered and copy.name in turned:
+            far = turned[copy.name]
+            faces[far][copy.part.name] = copy.pose.flipped is far
+    said = []
+    for far, parts in sorted(faces.items()):
+        up, down = (
+            [name for name, is_up in parts.items() if is_up is each] for each in (True, False)
+        )
+        few, rest = (up, "down") if len(up) < len(down) else (down, "up")
+        but = f", but {'up' if rest == 'down' else 'down'} of {listed(few)}" if few else ""
+        said.append(f"{'on the far side' if far else 'as parts go on letters are'} {rest}{but}")
+    return ", ".join(said)
 
 
 _SORT = "sort what looks alike"

@@ -173,7 +173,9 @@ def _on_bench(step: Step, place: Mapping[str, int]) -> dict[str, object]:
     if step.screws:
         said |= {"screws": _shown_prisms(step.screws)}
     if step.apart:
-        said |= {"apart": step.apart, "up": step.up}
+        said["apart"] = step.apart
+    if step.apart or step.up != (0.0, 0.0, 1.0):
+        said["up"] = step.up
     if step.along:
         said |= {"along": step.along}
     if step.laid:

@@ -899,7 +899,8 @@
       const shown = focus(now, mates), box = new THREE.Box3().setFromPoints([...corners(now.coming), ...points(now.spring), ...ends(now.shapes)]), high = comes ? Math.abs(box.getSize(new THREE.Vector3()).dot(into)) : 0;
       lift.copy(into).multiplyScalar(comes && now.there.length ? -Math.max(1.3 * high, 0.45 * radius) : 0);
       near = inset.hidden ? [...whole, shown.min, shown.max] : boxCorners(shown);
-      near.push(...corners(now.coming, lift), ...[...points(now.spring), ...ends(now.shapes)].map(place => place.add(lift)));
+      const before = lift.clone().addScaledVector(into, -0.2 * radius);  // with the arrows
+      near.push(...corners(now.coming, comes && now.there.length ? before : lift), ...[...points(now.spring), ...ends(now.shapes)].map(place => place.add(lift)));
       now.there.forEach(k => put(there, k, comes ? plain : surface({ color: colour(copies[k].part.number) })));
       now.coming.forEach(k => put(coming, k, fresh));
       now.springs.forEach(wire => there.add(new THREE.Mesh(tube(wire), plain)));

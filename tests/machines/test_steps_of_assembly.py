@@ -872,6 +872,8 @@ def test_a_walker_s_motor_and_batteries_come_from_where_they_go_and_are_seen() -
         pytest.approx(3, abs=0.2),
         pytest.approx(3),
     )
+    down = walker.assembly.feet.down
+    assert steps[-1].up == tuple(-each for each in down) != (0, 0, 1), "as it stands"
     last = steps[-1].title
     assert last.startswith("When the glue is hard, set the machine on its feet. Switch it on")
     (hole,) = (mate for mate in motor.mates if mate.label)
@@ -948,6 +950,10 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
     assert "B on pin-2, with a strip of a plastic bag between cap-1 and low3" in lid, "by no end"
     web = next(title for title in titles if title.startswith("Glue M of crank_web2"))
     assert "on crank-pin-1, flat on flat" in web
+    faces = "☐ as parts go on letters are up, on the far side down, but up of far-ground"
+    assert faces in titles[0], (
+        "links are turned over as they are, the plate has an image of its own"
+    )
     benches = [title for title in titles if title.startswith("Put these together on the bench")]
     assert len(benches) == 2 and max(each.count("☐") for each in benches) == 8, "two pictures"
     pressed = " ".join(benches)
@@ -1445,7 +1451,9 @@ def test_blocks_reach_from_the_bench_to_what_they_bear() -> None:
     front = math.ceil(over - panel - bird.assembly.by_name["stand-panel"].thickness)
     (gussets,) = (t for t in titles if "gusset" in t and "Glue 2" in t)
     assert (
-        gussets.startswith("Turn the machine over, its back up") and f"least {front} mm" in gussets
+        gussets.startswith("Turn the machine over, its back up")
+        and f"least {front} mm" in gussets
+        and gussets.index("Try each tab in its slot, dry") < gussets.index("Glue 2")
     )
     (layer,) = bird.assembly.by_name["stand-panel"].layers
     outer, *inner = (
