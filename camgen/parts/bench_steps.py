@@ -23,8 +23,8 @@ from camgen.parts.step_words import MOVES, ON_BENCH
 from camgen.study import Doing, Step, Table, sentences
 
 _SMALL = 5  # spacers and caps that are put on in one step, at most
-_FEW = 16  # steps, up to which each stands alone
-_MANY = 30  # steps, from which on sub-assemblies are pressed first
+_FEW = 16  # steps after the lists, up to which each stands alone
+_MANY = 28  # of these, from which on sub-assemblies are pressed first
 _PRESSED = 3  # sub-assemblies that are worth a step of their own, at least
 _KINDS = 8  # of sub-assemblies that are pressed in one step, at most: what one picture can show
 _LINES = 4  # of a list to tick off, at most: what one picture can show
@@ -39,10 +39,10 @@ def at_bench(table: Table) -> Table:
     if len(table.rows) != len(table.steps):
         return table
     actions = [*_actions([*zip(table.steps, table.rows, strict=True)])]
-    many = len(actions) > _MANY
     lists = [_one(action) for action in takewhile(lambda each: not each[0][0].copies, actions)]
-    bench = [*_bench_first(actions, table.columns)] if many else []
-    rest = [_placed(action) if bench else _one(action) for action in actions[len(lists) :]]
+    actions = actions[len(lists) :]
+    bench = [*_bench_first(actions, table.columns)] if len(actions) > _MANY else []
+    rest = [_placed(action) if bench else _one(action) for action in actions]
     runs = [*lists, *bench, *(_levels(rest) if len(actions) > _FEW else rest)]
     steps = [_of_side(step) if step.apart else step for step, _ in runs]
     return replace(

@@ -66,21 +66,6 @@ def with_reaming(
     said += [_KEYED + _ticks(lines_of(keyed, words.tool))] if keyed else []
     said += [words.tight + _ticks(lines_of(tight, words.tool))] if tight else []
     said += [] if metal else _for_screws(screw_holes(copies, fixing, table.steps))
-    if fixed:
-        with_glue = f"Glue with {glue(metal)}, a trace only"
-        pins = {copy.part.name for copy in copies if copy.part.role == "pin"}
-        with_glue += f". {_OUT_OF_BALLS}" if metal and pins & fixing.journals else ""
-        hung = any(copy.part.name in pins and copy.mount.flipped for copy in copies)
-        with_glue += f". {_OUT_OF_JOINTS}" if hung and not metal else ""
-        slow = any(TWO_PART in needs for needs in _needs(table))
-        with_glue += f". {_SLOW}" if slow else ""
-        said += [f"{with_glue}. {_SWING}" if lines else with_glue]
-        gauges = sorted({need for needs in _needs(table) for need in needs} & {*_GAUGES})
-        said += (
-            [_PULLED.format(" and ".join(_GAUGES[each] for each in gauges))]
-            if gauges and not metal
-            else []
-        )
     what = (
         "Holes in which something turns or slides" if lines else "Holes in which something is fixed"
     )
@@ -89,9 +74,29 @@ def with_reaming(
         ("fine sandpaper",) * rough
         + ("scraper",) * bool(fixed and not metal)
         + ("vice",) * bool(tight)
-        + ("oil",) * bool(fixed and lines)
     )
     return begun(table, Doing("\n".join(said), needs=needs), what, where, count if lines else "")
+
+
+def with_gluing(
+    table: Table, copies: Sequence[StandingCopy], fixing: Fixing, metal: bool = False
+) -> Table:
+    """The order of assembly, begun with how all its steps glue; as it is where nothing is glued."""
+    if not tight_holes(copies, fixing):
+        return table
+    said = [f"in all steps glue with {glue(metal)}, a trace only"]
+    pins = {copy.part.name for copy in copies if copy.part.role == "pin"}
+    said += [_OUT_OF_BALLS] if metal and pins & fixing.journals else []
+    hung = any(copy.part.name in pins and copy.mount.flipped for copy in copies)
+    said += [_OUT_OF_JOINTS] if hung and not metal else []
+    needs = {need for each in _needs(table) for need in each}
+    said += [_SLOW] if TWO_PART in needs else []
+    moves = bool(opened_holes(copies, fixing))
+    said += [_SWING] if moves else []
+    gauges = [words for name, words in sorted(_GAUGES.items()) if name in needs]
+    said += [_PULLED.format(" and ".join(gauges))] if gauges and not metal else []
+    doing = Doing("\n".join(said), needs=("oil",) * moves)
+    return begun(table, doing, "How parts are glued", "", "")
 
 
 def screw_holes(

@@ -26,6 +26,7 @@ from camgen.parts.reaming import (
     screw_holes,
     tight_holes,
     with_cutting,
+    with_gluing,
     with_reaming,
 )
 from camgen.parts.shafts import of_yours
@@ -199,7 +200,8 @@ def _made_once(made: Assembly, bought: Sequence[Bought], metal: bool) -> Table:
     """The same of an assembly."""
     assembly = replace(made, bought=bought)
     copies, fixing = _standing(assembly)
-    cut = with_cutting(order_of_assembly(assembly), assembly.parts, metal)
+    glued = with_gluing(order_of_assembly(assembly), copies, fixing, metal)
+    cut = with_cutting(glued, assembly.parts, metal)
     reamed = with_reaming(cut, copies, fixing, metal)
     return with_sorting(reamed, assembly.parts, copies, fixing)
 
