@@ -997,8 +997,8 @@ def _last_rows(assembly: Assembly) -> Iterator[Row]:
         row = 0, name, part.title, where, len(mounts), low, "upright"
         doings = [Doing("glue ", called(part, len(mounts)), f" {where}")]
         if each.along[2] > 0 and not turned:
-            dry = "each tab in its slot, dry, and file what is tight"
-            doings = [_turned_over(assembly), Doing("try ", dry, needs=("file",)), *doings]
+            dry = "each tab in its slot, dry, and scrape what is tight"
+            doings = [_turned_over(assembly), Doing("try ", dry, needs=("scraper",)), *doings]
             turned = True
         mates = [
             Mate("glue", "", (at.real, at.imag, z), 1.5 * each.thick, each.thick)

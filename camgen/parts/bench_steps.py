@@ -190,13 +190,14 @@ def _shares(items: Sequence[T], most: int) -> Iterator[Sequence[T]]:
 
 
 def _inner(run: Sequence[Step]) -> list[Doing]:
-    """What is done on the bench with a sub-assembly, but for what is laid there."""
-    return [
+    """What is done on the bench with a sub-assembly, but for what is laid there: first what is handled, then what is said of it."""
+    doings = [
         replace(each, verb=each.verb.removeprefix("then "))
         for step in run[:-1]
         for each in step.doings
         if each.rest != ON_BENCH
     ]
+    return sorted(doings, key=lambda each: not each.thing)
 
 
 def _placed(action: _Action) -> _Run:

@@ -118,6 +118,9 @@ def test_a_machine_of_many_steps_has_its_pins_pressed_first_and_a_few_links_to_a
     lines = ["pin into A of arm (make 4)", *(f"pin into A of link{k}" for k in range(5, 9))]
     ticks = "".join(f"\n☐ {line}" for line in lines)
     assert first.title == f"{pressed}\nPress and glue:{ticks}."
+    said = replace(links[0], doings=[*links[0].doings, Doing("it has two pins")])
+    noted = next(each for each in at_bench(table([*rest, said, *links[1:]])).steps if each.laid)
+    assert "\n☐ pin into A of arm. It has two pins\n" in noted.title, "what is handled comes first"
     assert [name for name, *_ in first.laid] == ["arm", "link5", "link6", "link7", "link8"]
     assert [len(mates) for *_, mates in first.laid] == [1] * 5 and not first.copies
     levels = [each for each in found if each.title.startswith("Put these on in this order")]
