@@ -147,7 +147,7 @@ class CamFollower:
         each = max(math.ceil((_CLEAR_OF_CAM - clear) / WASHERS[self.stud]), 0)
         grip = self.length - each * WASHERS[self.stud] - _NUT * self.stud
         nut = Bought(
-            "nut of the cam follower",
+            FOLLOWER_NUT,
             NUT_STANDARD if self.coarse else FINE_NUT_STANDARD,
             f"{self.thread}, often sold with the cam follower",
             count,
@@ -159,7 +159,7 @@ class CamFollower:
         if not each:
             how = f"{where}, against your follower, {off}"
             return [Bought("cam follower", ROLLER_STANDARD, size, count, how=how), nut, grease]
-        washer = Bought("washer of the cam follower", "ISO 7089", f"M{self.stud:g}", each * count)
+        washer = Bought(FOLLOWER_WASHER, "ISO 7089", f"M{self.stud:g}", each * count)
         some = "a washer" if each == 1 else f"{each} washers"
         how = f"{where}; {some} between its shoulder and your follower, {off}: it must not touch the cam"
         return [
@@ -444,6 +444,8 @@ def no_ball_roller(diameter: float) -> str:
 
 
 GREASE = "grease"
+FOLLOWER_NUT = "nut of the cam follower"
+FOLLOWER_WASHER = "washer of the cam follower"
 NUT_STANDARD = "ISO 4032"
 FINE_NUT_STANDARD = "ISO 8673"
 _NUT = 0.93  # diameters: height of these, at most

@@ -24,13 +24,23 @@ from camgen.machine.model import GROUND, Pin, centres_of
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import coordinates
 from camgen.parts.assembly import Assembly
-from camgen.parts.catalogue import CAM_FOLLOWERS, GREASE, SCREWS, TURNED, Bought, Screw
+from camgen.parts.catalogue import (
+    CAM_FOLLOWERS,
+    FOLLOWER_NUT,
+    FOLLOWER_WASHER,
+    GREASE,
+    SCREWS,
+    TURNED,
+    WASHERS,
+    Bought,
+    Screw,
+)
 from camgen.parts.keyways import ROUND_ENDED
 from camgen.parts.part import Part
 from camgen.parts.shafts import OF_SHAFT
 from camgen.parts.step_words import TWO_PART
 from camgen.pipeline.assembly_list import items_of
-from camgen.pipeline.bought_shapes import Thing, bought_shapes, is_drawn_short
+from camgen.pipeline.bought_shapes import Thing, bought_shapes, is_drawn_short, washers_on
 from camgen.pipeline.comings import coming_of, comings_of, is_from_behind
 from camgen.pipeline.shopping import bought_things, steps_of_assembly
 from camgen.pipeline.shown import coarse
@@ -184,9 +194,11 @@ def _followers(mechanism: Mechanism, things: Sequence[Bought]) -> list[str]:
             z = next(each.z for each in assembly.mounts if each.part == track.part)
             ends = z + drum.path.height(theta, 0)
             span = _between(float(np.min(ends)), float(np.max(ends)))
-            inner = number(track.roller[2], 2)
+            _, length, inner, _ = track.roller
+            washers = washers_on(things) * WASHERS[follower.stud]
+            outer = number(inner + length + follower.beyond + washers, 2)
             notes.append(
-                f"Axis of the cam follower: square to the shaft, at z {span}; ring from {inner} off the shaft on."
+                f"Axis of the cam follower: square to the shaft, at z {span}; ring from {number(inner, 2)}, your part from {outer} off the shaft."
             )
     return notes
 
@@ -208,7 +220,8 @@ def _of_thing(
     rings = not thing.thread
     hatched = [piece for piece in shape if rings and piece[0].interiors]
     rest = [piece for piece in shape if not (rings and piece[0].interiors)]
-    prisms = shape  # once
+    lies = thing.name in (FOLLOWER_WASHER, FOLLOWER_NUT) and len(shape) > 1
+    prisms = () if lies else shape  # once
     solid = None
     if coming.aside:
         solid = _rods(shape)
@@ -287,6 +300,9 @@ def _reaches(copies: Sequence[Copy]) -> dict[int, list[Reach]]:
             reaches.setdefault(copy.number, []).append(Reach(low, high, copy.coming.apart))
         elif not copy.bought:
             reaches.setdefault(copy.number, []).append(Reach(*copy.span, copy.coming.apart))
+    for copy in copies:  # what is not drawn apart
+        if copy.bought and not copy.short and copy.number not in reaches:
+            reaches[copy.number] = [Reach(*copy.span, copy.coming.apart)]
     return reaches
 
 

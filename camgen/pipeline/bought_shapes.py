@@ -21,11 +21,14 @@ from camgen.parts.assembly import Assembly, plate_of
 from camgen.parts.catalogue import (
     CAM_FOLLOWERS,
     CORE_HOLES,
+    FOLLOWER_NUT,
+    FOLLOWER_WASHER,
     HEX_KEYS,
     MOTOR_FACES,
     NUT_STANDARD,
     ROLLER_STANDARD,
     SCREWS,
+    WASHERS,
     Bought,
     CamFollower,
     MotorFace,
@@ -44,6 +47,9 @@ _ON_CIRCLE = 0.01  # mm, by which a motor's screw may miss its circle
 _SOCKET = 0.5  # of a head's height, how deep its hexagon is
 _POCKET = 1.5  # heights of a nut, at most, between holes that hold one
 _RING = 0.13  # of a shaft's diameter, how broad a retaining ring is
+_NUT = 0.8  # of a stud's diameter, how high its nut is drawn
+_FLATS = 1.65  # and how broad
+_BEFORE_END = 1.0  # mm, how far before the stud's end
 _WIRE = 0.1  # of a spring's diameter, as its wire is drawn
 
 Piece = tuple[Any, float, float]  # a polygon of shapely, from where to where it reaches, mm
@@ -341,7 +347,52 @@ def _on_shaft(
         elif thing.standard == ROLLER_STANDARD:
             rollers = [*_rollers(assembly, follower), *_in_tracks(assembly, follower)]
             found[thing] = rollers if len(rollers) == thing.count else []
+            if follower is not None and found[thing]:
+                washers = washers_on(things)
+                pairs = [_fastened(each, follower, washers) for each in rollers]
+                named = {each.name: each for each in things}
+                for k, name in enumerate((FOLLOWER_WASHER, FOLLOWER_NUT)):
+                    if name in named:
+                        found[named[name]] = [pair[k] for pair in pairs]
     return found
+
+
+def washers_on(things: Sequence[Bought]) -> int:
+    """How many washers are on the stud of each cam follower."""
+    studs = next((each.count for each in things if each.standard == ROLLER_STANDARD), 1)
+    return sum(each.count for each in things if each.name == FOLLOWER_WASHER) // studs
+
+
+def _fastened(roller: Thing, follower: CamFollower, washers: int) -> tuple[Thing, Thing]:
+    """Washers at the shoulder of a cam follower, twice as wide as its stud, and a nut a little before the stud's end."""
+    import shapely
+
+    (ring, low, high), (stud, foot, top) = roller
+    end = follower.length - _BEFORE_END
+    rows = (
+        (0.0, washers * WASHERS[follower.stud], follower.stud),
+        (end - _NUT * follower.stud, end, _FLATS * follower.stud / 2),
+    )
+    fixed: list[Thing] = []
+    for begin, out, half in rows:
+        if ring.interiors:  # upright
+            sense = -1 if low - foot > top - high else 1
+            shoulder = (low if sense < 0 else high) + sense * follower.beyond
+            ends = sorted(shoulder + sense * each for each in (begin, out))
+            disc = shapely.Point(stud.centroid).buffer(half, quad_segs=24)
+            fixed.append([(disc.difference(stud), *ends)])
+            continue
+        z = np.array(stud.exterior.coords) @ np.array([1, 1j])
+        way = (z[1] - z[0]) / abs(z[1] - z[0])
+        start = (z[0] + z[3]) / 2 + way * follower.beyond
+        corners = [
+            start + way * complex(along, side)
+            for along, side in ((begin, -half), (out, -half), (out, half), (begin, half))
+        ]
+        face = shapely.Polygon(coordinates(np.array(corners)))
+        middle = (foot + top) / 2
+        fixed.append([(face, top, middle + half), (face, middle - half, foot)])
+    return fixed[0], fixed[1]
 
 
 def _in_tracks(assembly: Assembly, follower: CamFollower | None) -> Iterator[Thing]:

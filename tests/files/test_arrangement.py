@@ -489,6 +489,24 @@ def test_a_cam_and_its_section_have_one_scale_and_letters_of_one_height() -> Non
     assert depth == [3.5]
 
 
+def test_a_washer_and_a_nut_are_on_the_stud_of_a_cam_follower() -> None:
+    """KR16: a shoulder 0.6 beyond its ring, a stud of 16 [IKO], a washer of 1.6 [ISO 7089] at the shoulder and a nut that ends 1 before
+    the stud. On a disc its ring is from 0.5 to 11.5, so all is under -0.1; on a drum of 37 it begins at 25, is 11 long, and what carries
+    it begins at 25 + 11 + 0.6 + 1.6."""
+    _, arrangement = machine("metal disc-cam")
+    said = {item.what: item.heights for item in arrangement.items}
+    assert said["washer of the cam follower"] == ["-1.7 to -0.1"]
+    assert said["nut of the cam follower"] == ["-15.1 to -10.3"]
+    _, arrangement = machine("metal cylinder-cam")
+    numbers = {item.what: item.number for item in arrangement.items}
+    (washer,) = (
+        copy for copy in arrangement.copies if copy.number == numbers["washer of the cam follower"]
+    )
+    bounds = shapely.union_all([face for face, _ in washer.faces]).bounds
+    assert (bounds[0], bounds[2]) == pytest.approx((36.6, 38.2))
+    assert any("ring from 25, your part from 38.2 off" in note for note in arrangement.notes)
+
+
 def test_what_is_used_up_is_no_item() -> None:
     """Oil and paper for gaps are in the parts list, not in the machine; glue stays in it."""
     mechanism, arrangement = machine("walking-leg")
