@@ -18,6 +18,8 @@ from camgen.parts.step_words import TWO_PART, listed
 from camgen.study import Doing, Laid, Step, Table
 from camgen.tolerances import SAME_POINT
 
+MEDIUM = "anaerobic compound of medium strength"  # of what a key turns
+KEYED_GLUE = "glue of keyed parts"  # its name in lists
 _WIDEST = 13.0  # mm, of a drill that people have
 
 
@@ -290,7 +292,7 @@ _IN_METAL = _Words(
 )
 _KEYED = (
     "These have keyways. In their step, tap the key into the shaft first, then press the part over it: the key is tight in both and turns "
-    "the part. The compound keeps that from sliding along the shaft"
+    f"the part. {MEDIUM[0].upper()}{MEDIUM[1:]} keeps that from sliding along the shaft; a puller takes it off again"
 )
 
 

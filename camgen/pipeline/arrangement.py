@@ -37,6 +37,7 @@ from camgen.parts.catalogue import (
 )
 from camgen.parts.keyways import ROUND_ENDED
 from camgen.parts.part import Part
+from camgen.parts.reaming import KEYED_GLUE
 from camgen.parts.shafts import OF_SHAFT
 from camgen.parts.step_words import TWO_PART
 from camgen.pipeline.assembly_list import items_of
@@ -56,7 +57,13 @@ _UNDER = 1e-4  # mm, by which a level is cut below
 _HEIGHTS = 2  # at which copies of a part lie, that the list has
 _LETTERS = "ABCDEFGHJKLMNPQRSTUVWXYZ"  # of sections, without those that look like figures
 _AROUND = 721  # angles of a turn
-_USED = ("glue", TWO_PART, GREASE, "threadlocker")  # items that have no place of their own
+_USED = (
+    "glue",
+    KEYED_GLUE,
+    TWO_PART,
+    GREASE,
+    "threadlocker",
+)  # items that have no place of their own
 _IN_ROW = 3  # axes in a line of notes
 _RODS = (
     "pin",

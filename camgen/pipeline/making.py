@@ -22,7 +22,7 @@ from camgen.parts.assembly import cut_of_sheet, printed_parts
 from camgen.parts.catalogue import TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Part
-from camgen.parts.reaming import glue
+from camgen.parts.reaming import KEYED_GLUE, MEDIUM, glue
 from camgen.parts.step_words import TWO_PART
 from camgen.pipeline.case import Case
 from camgen.pipeline.scope import machined
@@ -299,7 +299,11 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
         what = f"{glue(materials.of(material).metal)}, for all glued joints"
         if any(thing.name == TWO_PART for thing in supplies(mechanism)):
             what = "superglue gel, for glued joints where no step asks for two-part glue"
+        keyed = any("keyed and glued" in note for part in parts for note in part.notes)
+        if keyed:
+            what = f"{glue(metal=True)}, for glued joints without a key"
         things.append(Bought("glue", "", what, 1))
+        things += [Bought(KEYED_GLUE, "", f"{MEDIUM}: a puller takes the parts off", 1)] * keyed
     if mechanism.assembly.board and mechanism.assembly.support is None:
         own.append(Bought("board", "", "or a frame; the last step says how to fix the plate", 1))
     groups = {

@@ -298,6 +298,20 @@ def test_a_tight_key_is_pressed_and_no_step_slides_over_it() -> None:
     machine, _ = facts("gallery/geneva-table", *starters.METAL["geneva-table"])
     (said,) = (each.title for each in steps_of_assembly(machine).steps if "keyways." in each.title)
     assert "tap the key into the shaft first, then press the part over it" in said
+    # what a key turns can be taken off again; on a round shaft the glue alone holds
+    assert (
+        "medium strength keeps that from sliding along the shaft; a puller takes it off again"
+        in said
+    )
+    for key, without in (
+        ("true", ", for glued joints without a key"),
+        ("false", ", for all glued joints"),
+    ):
+        metal = (*starters.METAL["geneva-table"], f"parts.shaft_key={key}")
+        rows = parts_table(facts("gallery/geneva-table", *metal)[0]).rows
+        things = {str(row[1]): str(row[2]) for row in rows}
+        assert things["glue"].endswith(f"of high strength for cylindrical joints of metal{without}")
+        assert ("glue of keyed parts" in things) == (key == "true")
     assert "with a key" not in said
 
 
