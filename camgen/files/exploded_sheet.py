@@ -177,8 +177,6 @@ def exploded_sheet(arrangement: Arrangement, title: str, facts: Facts, size: str
         (complex(FILING, MARGIN + _LINE * len(_NOTE) + 3), complex(right - WIDTH, top)),
         (complex(FILING, foot + max(map(height, lists))), complex(right, top)),
     ]
-    for k, line in enumerate(reversed(_NOTE)):
-        sheet.text(complex(FILING + 3, MARGIN + 3 + _LINE * k), line, 2.5)
     towers = _towers(arrangement)
     numbers = {body.number for bodies in towers.values() for body in bodies}
     across = abs(arrangement.box[1] - arrangement.box[0])
@@ -194,8 +192,13 @@ def exploded_sheet(arrangement: Arrangement, title: str, facts: Facts, size: str
             best = picture
         if len(numbers - best.shown) <= _MISSED * len(numbers):
             break
+    hidden = ""
     if best is not None:
         best.draw(sheet)
+        hidden = ", ".join(map(str, sorted(numbers - best.shown)))
+    notes = [f"{_NOTE[0]}{f' Hidden by others: {hidden}.' if hidden else ''}", *_NOTE[1:]]
+    for k, line in enumerate(reversed(notes)):
+        sheet.text(complex(FILING + 3, MARGIN + 3 + _LINE * k), line, 2.5)
     return sheet
 
 

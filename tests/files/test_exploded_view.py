@@ -15,7 +15,8 @@ import shapely
 from balloons_read import balloons_on
 from shapely.affinity import translate
 
-from camgen.files.arrangement import Arrangement
+from camgen.files.arrangement import Arrangement, Copy
+from camgen.files.assembly_list import Item
 from camgen.files.exploded_sheet import _towers, exploded_sheet
 from camgen.files.exploded_view import Body, Coming, Prism, apart, axes, isometric
 from camgen.files.sheet import Stroke, Text
@@ -312,3 +313,19 @@ def test_the_sheet_names_nearly_all_that_is_drawn(name: str) -> None:
         for piece in each.pieces if isinstance(each, Stroke) else ():
             z = complex(piece.at(piece.t0)[()])
             assert 20 - 1e-6 <= z.real <= 410 + 1e-6 and 10 - 1e-6 <= z.imag <= 287 + 1e-6
+
+
+def test_what_is_hidden_is_said() -> None:
+    """Two plates of 60 whose upper one hides a nut of 3 under it: it has a row, no balloon, and a word; without it nothing is said."""
+    plate, nut = shapely.box(0, 0, 60, 60), shapely.box(28, 28, 31, 31)
+    copies = [
+        Copy(k, [(plate, z + 5.0)], plate, True, prisms=[(plate, z, z + 5.0)])
+        for k, z in ((1, 0.0), (2, 10.0))
+    ]
+    under = Copy(3, [(nut, 0.0)], nut, True, prisms=[(nut, -2.0, 0.0)], coming=Coming(9.0, UP))
+    items = [Item(k, 1, "thing", "") for k in (1, 2, 3)]
+    for made, said in ((copies, False), ([*copies, under], True)):
+        sheet = exploded_sheet(Arrangement(made, items, (0j, 1), [], []), "two", Facts())
+        texts = [each.text for each in sheet.things if isinstance(each, Text)]
+        assert any(text.endswith("Hidden by others: 3.") for text in texts) == said
+        assert {number for number, *_ in balloons_on(sheet)} == {1, 2}
