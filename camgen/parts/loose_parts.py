@@ -6,14 +6,13 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import takewhile
 
 from camgen.parts.blocks import block_height, lowest_plate
 from camgen.parts.fixing import Fixing
 from camgen.parts.layings import Laying
 from camgen.parts.mates import mates_between
 from camgen.parts.standing import Round, StandingCopy, seat_of
-from camgen.parts.step_places import RESTS, gap_under, height_by, room_under
+from camgen.parts.step_places import RESTS, gap_under, height_by, room_under, seats_at_ends
 from camgen.parts.step_words import (
     WHAT,
     Place,
@@ -288,16 +287,9 @@ def _prop(
 
 def _end_down(shaft: StandingCopy) -> str:
     """Which end of a shaft is down, as ", its flat end down"; "" where both ends are alike."""
-    layers = sorted(shaft.part.layers, key=lambda each: each.z0)
-    seats = {seat_of(each.region.outer) for each in layers}
+    seats = {seat_of(layer.region.outer) for layer in shaft.part.layers}
     what = "keyway" if "key" in seats else "flat"
-    low, high = (
-        sum(
-            each.z1 - each.z0
-            for each in takewhile(lambda each: seat_of(each.region.outer), ordered)
-        )
-        for ordered in ((layers[::-1], layers) if shaft.mount.flipped else (layers, layers[::-1]))
-    )
+    low, high = seats_at_ends(shaft)
     if abs(low - high) < RESTS / 2:
         return ""
     if not (low and high):

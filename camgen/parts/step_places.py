@@ -6,12 +6,13 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 
 from camgen.machine.model import GROUND
 from camgen.parts.catalogue import BUSH
 from camgen.parts.fixing import Fixing, Joint
 from camgen.parts.mates import mates_between
-from camgen.parts.standing import AROUND, Round, StandingCopy, covers
+from camgen.parts.standing import AROUND, Round, StandingCopy, covers, seat_of
 from camgen.parts.step_words import (
     FEELER,
     HOLE,
@@ -361,12 +362,28 @@ def height_by(
     if metal and name and gap > SAME_POINT:
         return f"{gap:.3g} mm over {name}"
     if abs(hole.low - min(each.low for each in shaft.outlines)) < SAME_POINT:
-        return "flush with its lower end"
+        low, high = seats_at_ends(shaft)
+        told = metal and hole.flat == "key" and abs(high - low) > RESTS / 2 and high and low
+        which = f" ({'longer' if low > high else 'shorter'} keyway, {low:.3g} mm)" if told else ""
+        return f"flush with its lower end{which}"
     if abs(hole.high - max(each.high for each in shaft.outlines)) < SAME_POINT:
         return "flush with its upper end"
     if not name:
         return ""
     return f"{gap:.3g} mm over {name}" if gap > SAME_POINT else f"down on {name}"
+
+
+def seats_at_ends(shaft: StandingCopy) -> tuple[float, float]:
+    """Lengths of the flat or keyway at the lower and at the upper end of a shaft, mm; 0 where that is round."""
+    layers = sorted(shaft.part.layers, key=lambda each: each.z0)
+    low, high = (
+        sum(
+            each.z1 - each.z0
+            for each in takewhile(lambda each: seat_of(each.region.outer), ordered)
+        )
+        for ordered in ((layers[::-1], layers) if shaft.mount.flipped else (layers, layers[::-1]))
+    )
+    return low, high
 
 
 def gap_under(hole: Round, below: Sequence[StandingCopy]) -> tuple[float, str]:

@@ -190,6 +190,9 @@ def test_holes_of_a_metal_geneva_table_come_made_as_its_sheets_say() -> None:
     assert "ball bearing" not in ready
     (wheel,) = (each for each in steps if "the geneva wheel" in each)
     assert "turn it until a hollow lies round the locking disc, or a slot round the roller" in wheel
+    # keyways of 6 and 13 on the shaft that drives
+    end = "flush with the lower end of shaft (shorter keyway, 6 mm)"
+    assert sum(end in each for each in steps) == 1
     (lock,) = (each for each in steps if "all at once" in each)
     assert lock.endswith("all at once, down on crank.")
     # its plate is what one measures from, not the bush that is flush with it
