@@ -86,7 +86,8 @@ def with_gluing(
     """The order of assembly, begun with how all its steps glue; as it is where nothing is glued."""
     if not tight_holes(copies, fixing):
         return table
-    said = [f"in all steps glue with {glue(metal)}, a trace only"]
+    which = " what has no key" if _joined(copies, fixing, "keyed and glued") else ""
+    said = [f"in all steps glue{which} with {glue(metal)}, a trace only"]
     pins = {copy.part.name for copy in copies if copy.part.role == "pin"}
     said += [_OUT_OF_BALLS] if metal and pins & fixing.journals else []
     hung = any(copy.part.name in pins and copy.mount.flipped for copy in copies)

@@ -191,6 +191,7 @@ def test_holes_of_a_metal_geneva_table_come_made_as_its_sheets_say() -> None:
     (wheel,) = (each for each in steps if "the geneva wheel" in each)
     assert "turn it until a hollow lies round the locking disc, or a slot round the roller" in wheel
     # keyways of 6 and 13 on the shaft that drives
+    assert any("glue what has no key with anaerobic retaining compound" in each for each in steps)
     end = "flush with the lower end of shaft (shorter keyway, 6 mm)"
     assert sum(end in each for each in steps) == 1
     (lock,) = (each for each in steps if "all at once" in each)
