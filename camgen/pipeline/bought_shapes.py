@@ -114,8 +114,9 @@ def _others(assembly: Assembly, thing: Bought, copies: Sequence[StandingCopy]) -
     keys = [key.size for key in parallel_keys(assembly.parts, assembly.one_key)]
     if thing.size not in keys:
         return []
-    found = [each for copy in copies if copy.part.name in own for each in _keys(copy)]
-    return [found] if found and assembly.one_key else [[each] for each in found]
+    if assembly.one_key:
+        return [[_one_key(copies, [each for copy in copies for each in _keys(copy)])]]
+    return [[each] for copy in copies if copy.part.name in own for each in _keys(copy)]
 
 
 # ---- screws ----------------------------------------------------------------------------------------------------------
@@ -298,6 +299,15 @@ def _keys(copy: StandingCopy) -> Iterator[Piece]:
             middle - long / 2,
             middle + long / 2,
         )
+
+
+def _one_key(copies: Sequence[StandingCopy], keys: Sequence[Piece]) -> Piece:
+    """The key that goes through the bores of all copies, of the keys that they would have each; half way along them."""
+    seats = [(copy, seat) for copy in copies for seat in map(keyed, copy.part.region.holes) if seat]
+    whole = sum(copy.part.thickness for copy, _ in seats)
+    half = min(key_length(2 * seats[0][1].radius, whole), whole) / 2
+    middle = (min(low for _, low, _ in keys) + max(high for *_, high in keys)) / 2
+    return keys[0][0], middle - half, middle + half
 
 
 def _on_shaft(

@@ -18,6 +18,8 @@ from camgen.machines.metal import of_drum
 from camgen.machines.sources import read_mechanism
 from camgen.parts.catalogue import CAM_FOLLOWERS
 from camgen.parts.materials import MATERIALS
+from camgen.pipeline.arrangement import arrangement_of
+from camgen.pipeline.bought_shapes import bought_shapes
 from camgen.pipeline.drawings import facts_of, shaft_facts
 from camgen.pipeline.making import parts_table
 from camgen.pipeline.shopping import bought_things, steps_of_assembly
@@ -651,6 +653,11 @@ def test_a_pair_of_indexing_cams_has_a_shaft_as_a_disc_cam_has() -> None:
     assert (things["parallel key"].size, things["parallel key"].count) == ("4 x 4 x 22", 1)
     assert things["shaft"].shaft is not None
     assert [each.length for each in things["shaft"].shaft.keyways] == [22.0]
+    drawn = bought_shapes(made, bought_things(made))
+    ((_, low, high),) = drawn[things["parallel key"]][0]
+    assert len(drawn[things["parallel key"]]) == 1 and high - low == pytest.approx(22.0)
+    assert (low + high) / 2 == pytest.approx(24.2 / 2)
+    assert arrangement_of(made, parts_table(made)).copies
     assert "28 H7, coaxial within 0.03, their middles 44.2 apart" in things["frame"].size
     printed = read_mechanism(tomllib.loads(in_metal("indexing-cam")), ["material.name=PLA"])
     assert "shaft" not in {each.name for each in bought_things(printed)}
