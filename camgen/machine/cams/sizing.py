@@ -232,6 +232,17 @@ def least_base_radius(
     def on(radius: float) -> DiscCam[Any]:
         return replace(cam, follower=follower.on_base(radius))
 
+    if (
+        low > high
+    ):  # an arm and a pivot's distance of which one is a thousandth of the other, or less
+        raise DesignError(
+            "radius of the pitch circle",
+            low,
+            high,
+            "mm",
+            "the follower's rest",
+            "arm and pivot_distance leave no base_radius to choose: set them nearer to each other",
+        )
     low = min(max(low, math.sqrt(max(0.0, (room + radius) ** 2 - beside**2))), high)
     steepest = math.radians(limits.steepest(cam))
     least = limits.least_radius

@@ -247,6 +247,14 @@ def test_no_cam_is_sought_that_is_larger_than_a_workshop() -> None:
     assert largest(80.0) == 800.0  # ten strokes
 
 
+def test_an_arm_whose_pivot_is_all_but_on_the_axis_leaves_no_base_radius() -> None:
+    """Its roller goes round at about the arm's length from the axis, whatever the base radius."""
+    arm = SwingingArm(0.001 + 0j, 40j, 4.0, 1)
+    cam = DiscCam(double_dwell("cycloidal", 0.2), arm)
+    with pytest.raises(DesignError, match="no base_radius to choose"):
+        least_base_radius(cam, CamLimits(), 5.0)
+
+
 def test_a_flat_face_has_no_pitch_curve() -> None:
     with pytest.raises(TypeError):
         DiscCam(double_dwell("cycloidal"), SlidingFace(10j, 1j)).pitch(0.0)
