@@ -350,7 +350,8 @@ class _OutputResult:
         """LASH."""
         limit, cause = self.lash
         remark = (
-            f"free play of the output from all joints, at the worst angle; the limit is {cause}"
+            "free play of the output from all joints, with their gaps as in the files, at the worst angle; "
+            f"the limit is {cause}"
         )
         return self._finding("LASH", 2 * self.band, limit, self._where(where, alone), remark)
 

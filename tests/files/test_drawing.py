@@ -92,7 +92,7 @@ def test_dxf_has_the_part_at_its_own_size(tmp_path, part):
     assert (min(x), max(x)) == pytest.approx((-25, 37), abs=0.05)
     texts = texts_of(dxf)
     # oval of mean 28, wave 3 about x = 6: 62 wide; 50 high
-    assert {"(62)", "(50)", "outer circle (R37)", part.heading, "mm", str(part.count)} <= set(texts)
+    assert {"(62)", "(50)", "outer circle (R37)", part.title, "mm", str(part.count)} <= set(texts)
 
 
 def test_both_outputs_say_the_same(tmp_path):

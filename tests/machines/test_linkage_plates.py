@@ -257,7 +257,7 @@ def test_a_roller_without_a_wall_is_refused_with_a_radius_that_has_one() -> None
     with pytest.raises(DesignError, match="its radius at least") as caught:
         machine.assembly  # noqa: B018
     assert caught.value.value == pytest.approx(2.0 - least + 0.8)
-    told = float(str(caught.value).split("at least ")[1].split(",")[0])
+    told = float(str(caught.value).split("its radius at least ")[1].split(",")[0])
     assert least <= told <= least + 0.01 + 1e-9
     assert validate(Linkage, plate(radius=told)).assembly.parts
     thin = float(str(caught.value).split("parts.pin_diameter at most ")[1])

@@ -399,7 +399,7 @@ def test_rows_of_a_sweep_are_told_with_their_reasons_below(tmp_path: Path) -> No
     few = CliRunner().invoke(cli, [*arguments, "geometry.base_radius=4,5,30"]).output
     rows = few.splitlines()
     assert [row.split()[-1] for row in rows[2:4]] == ["(1)", "(2)"]
-    note = few[few.index("(1) parts.hub") :].partition("(2)")[0]
+    note = few[few.index("(1) parts.") :].partition("(2)")[0]
     assert "only 4 mm from it" in " ".join(note.split()) and note.rstrip().endswith("larger")
     assert max(map(len, rows)) <= 120
     many = CliRunner().invoke(cli, [*arguments, "geometry.base_radius=4:30:27"]).output

@@ -123,7 +123,12 @@ class _Motor:
         worst = int(np.argmax(np.abs(self.needed)))
         rate = float(abs(self.drive.law(theta, 1)[worst] * self.run.machine.speed))
         rpm, given = f"{rate * 60 / math.tau:.6g} rpm", max(0.0, motor.torque(rate))
-        remark = f"needed at {rpm} with the friction of all joints; {motor.said}"
+        friction = (
+            "with the friction of all joints"
+            if np.any(self.needed != self.smooth)
+            else "without friction"
+        )
+        remark = f"needed at {rpm} {friction}; {motor.said}"
         if not given:
             remark = f"{rpm} is faster than what drives it can turn: lower the speed_rpm, or take a faster motor; {motor.said}"
         most = peak(self.needed)

@@ -445,7 +445,7 @@ def _bearing(layout: Layout, bearing: Bearing) -> Part:
         title = "Bush"
         notes = [
             f"bush {bearing.standard} {bearing.name}, bronze {BRONZE}, pressed into the plate; drawn with its play",
-            HoldingNote("grease the bore"),
+            HoldingNote("grease each bush inside, and the faces round it on which something runs"),
         ]
     ring = spacer(
         bearing_name(bearing), title, bearing.bore, bearing.outside, bearing.width, layout.min_wall
