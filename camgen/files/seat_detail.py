@@ -24,6 +24,8 @@ _AROUND = 46.0  # of that, beside the cut
 _WIDE = 60.0  # of the cut, at most
 _TITLE = 26.0  # over its upper edge
 _OFF = 10.0  # of a size
+_OVER = 8.0  # of the seat's diameter: clear of the lines under the title
+_MIDDLE = 0.54  # of the width of its room
 _WALL = 0.5  # of a seat's radius, as much as is shown round it
 _CORNER = 0.1  # mm, of the part: less than a ring's own; camgen's own rule
 _HATCH = 2.5  # between the lines of a cut face
@@ -80,7 +82,7 @@ class SeatDetail:
         wide = (1 + _WALL) * seat.radius
         deep = min(HEIGHT, (high - low).imag) - _AROUND
         scale = next(s for s in scales if s * 2 * wide <= _WIDE and s * seat.high <= deep)
-        top = complex((low.real + high.real) / 2, high.imag - _TITLE)
+        top = complex(low.real + _MIDDLE * (high - low).real, high.imag - _TITLE)
         foot = top - 1j * scale * seat.high
 
         def paper(x: float, z: float) -> complex:
@@ -99,7 +101,7 @@ class SeatDetail:
 
         size(paper(-seat.lip, 0.0), paper(seat.lip, 0.0), -1j * _OFF, "Ø", "")
         mouth = paper(-seat.radius, seat.high), paper(seat.radius, seat.high)
-        size(*mouth, 1j * _OFF, "Ø", seat.fit)
+        size(*mouth, 1j * _OVER, "Ø", seat.fit)
         lip = f"0/-{self.facts.lip:g}"
         size(paper(wide, 0.0), paper(wide, seat.floor), _OFF + 0j, "", lip)
         # downwards: where there is no room for its number, this stands below, clear of the seat's diameter

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_solids import TOLERANCE, cam, hub, oval
 
-from camgen.files import views
+from camgen.files import drawing, shaft_sheet, symbols, views
 from camgen.files.dimensions import (
     edge_rows,
     holes_of,
@@ -25,7 +25,7 @@ from camgen.files.dimensions import (
 )
 from camgen.files.drawing import _Layout, write_drawing
 from camgen.files.labels import box
-from camgen.files.sheet import LAYERS, Fill, Size, Stroke, Text
+from camgen.files.sheet import LAYERS, Fill, Sheet, Size, Stroke, Text
 from camgen.files.title_block import Facts, weighed
 from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.facets import facet_contour
@@ -46,7 +46,7 @@ from camgen.machines.sources import read_mechanism
 from camgen.parts.part import Layer, Part, Tap, d_bore, hull, keyed_bore
 from camgen.parts.wheels.geneva import Geneva, InnerGeneva
 from camgen.pipeline.drawings import facts_of
-from camgen.starters import in_metal
+from camgen.starters import METAL, in_metal
 
 META = Facts("uniform-swing", "steel (C45)", 12.345, "ISO 2768-m")
 
@@ -930,15 +930,80 @@ def test_no_frame_lies_on_a_text_or_on_another_frame(root, closure, bore):
     layout = _Layout(part, "d", TOLERANCE, facts)
     things = list(layout.sheet.primitives)
     texts = {each.text: box(each) for each in things if isinstance(each, Text)}
-    cells = [_corners(each) for each in things if isinstance(each, Stroke) and each.layer == "TEXT"]
-    cells = [shapely.Polygon(each) for each in cells if len(each) == 4]
-    frames = [each for each in cells if each.bounds[3] - each.bounds[1] <= 6 + 1e-9]
+    frames = _frames_on(things)
     assert any(each.contains(texts[number(facts.symmetry)]) for each in frames)
     for cell in frames:
         for text, taken in texts.items():
             assert not cell.exterior.intersects(taken), text
         for other in frames:
             assert other is cell or cell.intersection(other).area < 0.01
+
+
+@pytest.mark.parametrize(
+    "name", [*METAL, "cycloidal-reducer", "drum-feeder", "ratchet", "stepping-gears"]
+)
+def test_no_text_and_no_frame_of_any_part_s_sheet_lies_on_another(
+    root, name, tmp_path, monkeypatch
+):
+    """As a reader of PDFs sees them, with what hangs below the line of a text."""
+    sheets = []
+    for writer in (drawing, shaft_sheet):
+        monkeypatch.setattr(writer, "write_pdf", lambda _, *pages: sheets.extend(pages))
+        monkeypatch.setattr(writer, "write_dxf_sheet", lambda *_: None)
+    spec = root / "specs" / "gallery" / f"{name}.toml"
+    source = tomllib.loads(in_metal(name)) if name in METAL else spec
+    machine = read_mechanism(source, ()).resolved()
+    for part in machine.assembly.parts:
+        write_drawing(tmp_path, "d", part, TOLERANCE, facts_of(machine, part))
+    assert len(sheets) >= len(machine.assembly.parts)
+    for sheet in sheets:
+        assert _overprints(sheet) == [], sheet.title
+
+
+def test_texts_and_frames_that_do_lie_on_each_other_are_found():
+    sheet = Sheet(100.0, 100.0, "x")
+    sheet.text(10 + 10j, "Ø13 JS7", 3.5)
+    sheet.text(10 + 14j, "z upwards", 2.5)  # whose p hangs down to 13.3, on a text up to 13.5
+    assert _overprints(sheet) == [("Ø13 JS7", "z upwards")]
+    sheet.things.pop()
+    sheet.text(10 + 14.4j, "z upwards", 2.5)
+    assert _overprints(sheet) == []
+    symbols.symmetry(sheet, 50 + 10j, 0.04, "A")
+    assert _overprints(sheet) == []
+    sheet.text(51 + 8j, "3 P9", 3.5)
+    assert ("3 P9", "frame") in _overprints(sheet)
+
+
+def _overprints(sheet):
+    """Pairs of texts, and of frames' edges and texts, and of frames, that meet on a sheet."""
+    things = list(sheet.primitives)
+    texts = [(each.text, _printed(each)) for each in things if isinstance(each, Text)]
+    frames = [("frame", each) for each in _frames_on(things)]
+    pairs = [(one, two) for k, two in enumerate(texts) for one in texts[:k]]
+    pairs += [(one, two) for k, two in enumerate(frames) for one in frames[:k]]
+    found = [(a, b) for (a, one), (b, two) in pairs if one.intersection(two).area > 0.01]
+    return found + [
+        (a, b) for a, text in texts for b, cell in frames if cell.exterior.intersects(text)
+    ]
+
+
+def _printed(text):
+    """What a text takes in Helvetica, to the foot of a letter that hangs below its line: 0.21 of the type's size, whose capitals are
+    0.72 high [Adobe Core14 AFM]."""
+    way = text.direction
+    left = text.at - {"left": 0.0, "centre": 0.5, "right": 1.0}[text.align] * text.width * way
+    hangs = 0.21 / 0.72 * text.height if set("gjpqy,;()/") & set(text.text) else 0.0
+    low = left - 1j * hangs * way
+    high = left + 1j * text.height * way
+    corners = (low, low + text.width * way, high + text.width * way, high)
+    return shapely.Polygon([(z.real, z.imag) for z in corners])
+
+
+def _frames_on(things):
+    """Cells of frames of tolerances and of datums, shapely's polygons."""
+    strokes = [each for each in things if isinstance(each, Stroke) and each.layer == "TEXT"]
+    cells = [shapely.Polygon(c) for each in strokes if len(c := _corners(each)) == 4]
+    return [each for each in cells if each.bounds[3] - each.bounds[1] <= symbols.FRAME + 1e-9]
 
 
 def _corners(stroke):
