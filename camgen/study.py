@@ -179,8 +179,15 @@ def _each_sentence(doings: Sequence[Doing]) -> list[str]:
         listed = " and ".join(filter(None, (", ".join(things[:-1]), things[-1])))
         each = rest.replace(", ", ", each ", 1) if len(things) > 1 and rest[:2] == ", " else rest
         whole = f"{verb}{listed}{each}"
-        said.append(f"{whole[:1].upper()}{whole[1:]}{'' if whole.endswith('.') else '.'}")
+        *lines, last = f"{whole[:1].upper()}{whole[1:]}".split("\n")
+        ended = [each if each.startswith("☐") else _ended(each) for each in lines]
+        said.append("\n".join([*ended, _ended(last)]))
     return said
+
+
+def _ended(line: str) -> str:
+    """A line with its full stop."""
+    return line if line.endswith((".", ":")) else f"{line}."
 
 
 @dataclass(frozen=True, eq=False)

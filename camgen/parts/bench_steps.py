@@ -145,11 +145,12 @@ def _bench_first(actions: Sequence[_Action], columns: Sequence[str]) -> Iterator
     for alike in kinds.values():
         by_verb.setdefault(_inner(alike[0])[0].verb, []).append(alike)
     both = any(len({run[0].apart for run in alike}) > 1 for alike in kinds.values())
-    shares = _shares([alike for own in by_verb.values() for alike in own], _KINDS)
+    shares = [*_shares([alike for own in by_verb.values() for alike in own], _KINDS)]
     for number, share in enumerate(shares):
         begins = _PRESS if number == 0 else _PRESS_MORE
         if number == 0 and both:
             begins += _FOR_BOTH
+        ends = f"\n{_HARD}" if number == len(shares) - 1 else ""
         cells = {"what": "What is pressed together on the bench", "count": sum(map(len, share))}
         row = tuple(cells.get(column, "") for column in columns)
         laid = [
@@ -160,15 +161,16 @@ def _bench_first(actions: Sequence[_Action], columns: Sequence[str]) -> Iterator
             )
             for alike in share
         ]
-        yield Step([Doing(begins, "", f".{_pressed_list(share)}")], laid=laid), [row]
+        yield Step([Doing(begins, "", f".{_pressed_list(share)}{ends}")], laid=laid), [row]
 
 
 _PRESS = "put these together on the bench, with a vice. They go into the machine later"
 _PRESS_MORE = "put these together on the bench as well"
 _FOR_BOTH = (
-    ". Half of those made more than once are for the far side, the mirror image of this one: put their pins in from the other "
-    'face, and write F, for far, on them. Steps that begin with "Far side" take those with F'
+    ". Those with F are for the far side, the mirror image of this one: lay the link with its letters down, do with it what the "
+    'line says, and write F on it. Steps that begin with "Far side" take these'
 )
+_HARD = "Let all this get hard before you use it"
 
 
 def _pressed_list(kinds: Sequence[Sequence[Sequence[Step]]]) -> str:
@@ -178,8 +180,18 @@ def _pressed_list(kinds: Sequence[Sequence[Sequence[Step]]]) -> str:
         lines += f"\n{verb.rstrip().capitalize()}:"
         for alike in own:
             said = sentences(_inner(alike[0]))[len(verb) :].removesuffix(".")
-            lines += f"\n☐ {said}{f' (make {len(alike)})' if len(alike) > 1 else ''}"
+            lines += f"\n☐ {said}{_number_made(alike)}"
     return lines
+
+
+def _number_made(alike: Sequence[Sequence[Step]]) -> str:
+    """How many of a sub-assembly are made, and how many of these are mirrored; "" of one."""
+    if len(alike) == 1:
+        return ""
+    handed = sum(not step.small for step in alike[0][:-1]) > 1  # else caps on a pin
+    mirrored = sum(bool(run[0].apart) for run in alike) if handed else 0
+    hands = f", {mirrored} of them mirrored: F" if 0 < mirrored < len(alike) else ""
+    return f" (make {len(alike)}{hands})"
 
 
 def _shares(items: Sequence[T], most: int) -> Iterator[Sequence[T]]:

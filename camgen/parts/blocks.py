@@ -117,9 +117,7 @@ def strips_under(
     if places:
         strips = STRIP if len(places) == 1 else "strips of a plastic bag"
         them = "it" if len(places) == 1 else "them"
-        rest = (
-            f": glue that comes out there must not join these. Leave {them} there until it is hard"
-        )
+        rest = f": glue that comes out there must not stick them together. Leave {them} there until it is hard"
         yield Doing("lay ", f"{strips} {listed(places)}", rest, ("plastic bag",))
 
 

@@ -193,9 +193,10 @@ def _faces(table: Table, copies: Sequence[StandingCopy]) -> str:
             [name for name, is_up in parts.items() if is_up is each] for each in (True, False)
         )
         few, rest = (up, "down") if len(up) < len(down) else (down, "up")
-        but = f", but {'up' if rest == 'down' else 'down'} of {listed(few)}" if few else ""
-        said.append(f"{'on the far side' if far else 'as parts go on letters are'} {rest}{but}")
-    return ", ".join(said)
+        but = f", except on {listed(few)}" if few else ""
+        whose = "on the far side they" if far else "as parts go on, letters"
+        said.append(f"{whose} face {rest}{but}")
+    return "; ".join(said)
 
 
 _SORT = "sort what looks alike"

@@ -187,7 +187,7 @@ _SLOW = f"Where a step names {TWO_PART}, use that alone, and let it get hard bef
 # Of a pin whose head holds a link in place.
 _OUT_OF_JOINTS = "Where a pin goes through a part that turns on it, put the glue into the tight hole, none on the pin, and wipe off what comes out below"
 _GAUGES = {"plastic bag": "strips", "sheets of paper": "paper"}  # of tools that set gaps
-_PULLED = "Pull {} out of gaps as soon as the part is on, before the glue is hard"
+_PULLED = "Pull {} out of gaps as soon as the part is on, before the glue is hard, unless the step says to leave them there"
 
 
 def glue(metal: bool) -> str:

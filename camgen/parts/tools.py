@@ -6,7 +6,7 @@ USES = {
     "saw": "for rods of steel",
     "file": "for cut steel, and for dowels that are too long",
     "scraper": "or a knife, for holes that are too tight",
-    "fine sandpaper": "rolled round a thin rod, for holes whose drill you lack",
+    "fine sandpaper": "rolled round a thin rod, for holes for which you have no drill",
     "vice": "to press parts into tight holes",
     "square": "a small one, to set parts upright",
     "pliers": "small, for nuts and springs",

@@ -574,7 +574,10 @@ def test_the_bore_of_the_walker_on_its_motors_flat_is_told_to_be_glued() -> None
         assert numbers[f"flat_pressure_{pin}_mpa"] == pytest.approx(pressure * ratio)
     far = numbers["flat_pressure_o_of_crank_web3_mpa"]
     assert pressure / 2 < far < pressure, "the far side's share, at times nearly all"
-    assert f"Use it on other flats as well: O of crank_web3, {far:.3g} MPa, and 4 more." in said
+    assert (
+        f"Use it on other flats as well: O of crank_web3, {far:.3g} MPa, and 4 more; the steps say where."
+        in said
+    )
     assert len(said) < 300, "a terminal shows it in three lines"
     crank = read_mechanism(next(starters.folder().rglob("flapping-bird.toml")))
     light = assess(crank)

@@ -954,7 +954,9 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
     assert "B on pin-2, with a strip of a plastic bag between cap-1 and low3" in lid, "by no end"
     web = next(title for title in titles if title.startswith("Glue M of crank_web2"))
     assert "on crank-pin-1, flat on flat" in web
-    faces = "☐ as parts go on letters are up, on the far side down, but up of far-ground"
+    faces = (
+        "☐ as parts go on, letters face up; on the far side they face down, except on far-ground"
+    )
     assert faces in titles[0], (
         "links are turned over as they are, the plate has an image of its own"
     )
@@ -963,8 +965,12 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
     pressed = " ".join(benches)
     assert benches[0].count("Glue:") == 1 and "\nGlue:" not in benches[1]
     assert "☐ crank-pin-1 into N of crank_web2, flat on flat, with two-part glue" in pressed
-    mirrored = "put their pins in from the other face, and write F, for far, on them."
-    assert mirrored in pressed
+    assert "lay the link with its letters down" in benches[0]
+    of_both = [line for line in pressed.split("\n") if "(make 2" in line]
+    links = {line for line in of_both if re.search(r" into [A-Z]\d? ", line)}
+    assert {line for line in of_both if "(make 2, 1 of them mirrored: F)" in line} == links
+    assert len(of_both) - len(links) == 2, "a cap on a dowel has no hand"
+    assert benches[-1].endswith("\nLet all this get hard before you use it.")
     (upright,) = (title for title in titles if "it keeps the shaft upright" in title)
     assert "Lay second-plate on the pins, dry, with O over shaft-crank_web3." in upright
     (crank,) = (title for title in titles if "on the motor's shaft" in title)
@@ -1146,7 +1152,7 @@ def test_holes_in_which_something_turns_are_opened_first() -> None:
     spec = Path(__file__).parents[2] / "specs" / "gallery" / "four-bar.toml"
     machine = read_mechanism(spec)
     sorting, first, glue, *_ = steps_of_assembly(machine).steps
-    assert sorting.title == "Sort what looks alike\n☐ pin-2 9.7 and pin-1 10.7 mm long."
+    assert sorting.title == "Sort what looks alike.\n☐ pin-2 9.7 and pin-1 10.7 mm long."
     head, *lines = first.title.split("\n")
     play = machine.print.slide_clearance
     assert play == 0.1 and machine.making.pin_diameter == 5 and machine.making.shaft_diameter == 6
@@ -1175,9 +1181,13 @@ def test_holes_in_which_something_turns_are_opened_first() -> None:
         "☐ 6 mm: the wider bore of hand-crank",
     ], "each of its holes once, that for the pin of 5 and that on the shaft of 6"
     begins, *rules = glue.title.split("\n")
-    assert begins == "In all steps glue with superglue gel or two-part glue, a trace only"
+    assert begins == "In all steps glue with superglue gel or two-part glue, a trace only."
     assert any("the link must swing by its own weight" in rule for rule in rules)
     assert any(rule.startswith("Where a step names two-part glue, use that") for rule in rules)
+    assert all(rule.endswith(".") for rule in rules)
+    assert "unless the step says to leave them there" in rules[-1], (
+        "strips under a pin from above stay"
+    )
     walker = steps_of_assembly(built("walker")).steps[1]
     _, _, said = walker.title.partition("Open these until")
     loose, _, stays = said.partition("These holes stay tight")

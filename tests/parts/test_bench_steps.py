@@ -117,7 +117,11 @@ def test_a_machine_of_many_steps_has_its_pins_pressed_first_and_a_few_links_to_a
     pressed = "Put these together on the bench, with a vice. They go into the machine later."
     lines = ["pin into A of arm (make 4)", *(f"pin into A of link{k}" for k in range(5, 9))]
     ticks = "".join(f"\n☐ {line}" for line in lines)
-    assert first.title == f"{pressed}\nPress and glue:{ticks}."
+    hard = "Let all this get hard before you use it."
+    assert first.title == f"{pressed}\nPress and glue:{ticks}\n{hard}"
+    far = [replace(each, apart="far side") for each in links[:4]]
+    sides = next(each for each in at_bench(table([*rest, *links, *far])).steps if each.laid)
+    assert "\n☐ pin into A of arm (make 5, 1 of them mirrored: F)\n" in sides.title
     said = replace(links[0], doings=[*links[0].doings, Doing("it has two pins")])
     noted = next(each for each in at_bench(table([*rest, said, *links[1:]])).steps if each.laid)
     assert "\n☐ pin into A of arm. It has two pins\n" in noted.title, "what is handled comes first"

@@ -288,7 +288,9 @@ def flats_of_shafts(seats: Sequence[FlatSeat], run: Run, forces: Forces, plastic
     if others:
         worst, hole = max(others)
         more = f", and {len(others) - 1} more" if len(others) > 1 else ""
-        said.append(f"Use it on other flats as well: {hole}, {worst:.3g} MPa{more}.")
+        said.append(
+            f"Use it on other flats as well: {hole}, {worst:.3g} MPa{more}; the steps say where."
+        )
     check.warnings += [" ".join(said)] if said else []
     return check
 
