@@ -17,6 +17,8 @@ from typing import ClassVar, Literal
 
 from camgen.parts.turned_shafts import TurnedShaft
 
+_BROKEN = 0.2  # mm, of an edge of metal, at least
+
 
 @dataclass(frozen=True)
 class Screw:
@@ -74,6 +76,12 @@ class Bearing:
     def lip(self) -> float:
         """Bore of a lip under the outer ring, mm: the middle of the balls, clear of the inner ring."""
         return (self.bore + self.outside) / 2
+
+    @property
+    def machined_lip(self) -> float:
+        """The same of a lip of metal, to half a mm below: its edge is broken, and what is flat begins with the outer ring, beside a shield."""
+        ring = self.outside - (self.outside - self.bore) / 4
+        return math.floor(2 * (ring - 2 * _BROKEN)) / 2
 
     @property
     def shielded(self) -> str:

@@ -29,14 +29,15 @@ def sheet_of(name: str) -> _Layout:
 
 @pytest.mark.parametrize(("name", "title"), [("coupler", "Seats A and B"), ("rocker", "Seat C")])
 def test_a_seat_has_its_sizes_with_limits_and_each_once(name: str, title: str) -> None:
-    """695ZZ, 13 x 4, in a link of 6: over it a play of 0.2, so 4.2 deep, and the lip is 1.8 high and 9 wide. The next link's gap of
-    0.2 hangs on the lip, which takes half of it. JS7 of 13: half of 18 thousandths either way [ISO 286]."""
+    """695ZZ, 13 x 4, in a link of 6: over it a play of 0.2, so 4.2 deep, and the lip is 1.8 high. A quarter of the section high, the outer
+    ring begins at 11; of a lip of 10.5 whose edge is broken by 0.2 to 0.4 what is flat begins at 10.9 to 11.3. The next link's gap of 0.2
+    hangs on the lip, which takes half of it. JS7 of 13: half of 18 thousandths either way [ISO 286]."""
     layout = sheet_of(name)
     sizes = [each for each in layout.sheet.things if isinstance(each, Size)]
     said = {(each.sign, round(each.value, 6), each.fit) for each in sizes}
     assert {
         ("Ø", 13.0, " JS7 (±0.009)"),
-        ("Ø", 9.0, ""),
+        ("Ø", 10.5, ""),
         ("", 1.8, " 0/-0.1"),
         ("(", 4.2, ")"),
     } <= said

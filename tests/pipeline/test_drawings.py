@@ -389,7 +389,7 @@ def test_a_ball_bearing_in_metal_has_the_fits_of_its_makers(tmp_path: Path) -> N
     links = ("ground", "crank", "rocker", "coupler")
     assert [found[name].thinner for name in links] == pytest.approx([0.0, 0.1, 0.1, 0.0])
     assert fits(found["sleeve-1"])[0] == "H7 (+0.012/0), slides on Ø5 g6"
-    # pins that lean in their holes tip the links on them: these are the holes in which they are fixed
+    # pins that lean in their holes tip the links on them, and so do bearings in their seats: these are the holes of both
     square = {
         part.name: [note for note in part.notes if "square to the lower face" in note]
         for part in mechanism.assembly.parts
@@ -397,7 +397,8 @@ def test_a_ball_bearing_in_metal_has_the_fits_of_its_makers(tmp_path: Path) -> N
     assert {name: said[0].split(" square")[0] for name, said in square.items() if said} == {
         "ground": "holes O and C",
         "crank": "hole A",
-        "rocker": "hole B",
+        "coupler": "holes A and B",
+        "rocker": "holes C and B",
     }
     own = facts("linkage", *linkage, "drawing.seat_fit=H8")[1]
     assert fits(own["coupler"])[0].startswith("H8")
@@ -441,14 +442,14 @@ def test_sheets_say_how_their_parts_stand_in_the_arrangement(tmp_path: Path) -> 
 
 
 def test_the_seat_of_a_ball_bearing_has_its_own_heights(tmp_path: Path) -> None:
-    """A lip 9 wide and 1.8 high under a seat of 13 in 6 mm: one outline all along, and each hole with its heights; no line across
+    """A lip 10.5 wide and 1.8 high under a seat of 13 in 6 mm: one outline all along, and each hole with its heights; no line across
     the view from the left; the detail has the seat on top."""
     mechanism, found = facts("linkage", *starters.METAL["linkage"])
     coupler = next(each for each in mechanism.assembly.parts if each.name == "coupler")
     path, *_ = write_drawing(tmp_path, "x", coupler, 1e-3, found["coupler"])
     space = ezdxf.readfile(path).modelspace()
     texts = [each.dxf.text for each in space.query("TEXT")]
-    assert texts.count("z 1.8 to 6") == texts.count("%%c9, z 0 to 1.8") == 2
+    assert texts.count("z 1.8 to 6") == texts.count("%%c10.5, z 0 to 1.8") == 2
     assert "Edges, z 0 to 6:" in texts
     assert not [each for each in texts if ": as z" in each]
     seat, lip = (

@@ -429,10 +429,12 @@ class Bodies:
         )
 
     def _square(self, link: str) -> Iterator[str]:
-        """How square to a link or plate of metal are its bores for bushes and its holes for pins: what leans in them tips what it carries."""
+        """How square to a link or plate of metal are its bores for bushes, its seats of ball bearings and its holes for pins: what leans in
+        them tips what it carries, or the link."""
         layout = self.layout
-        bores = [point for point in layout.shafts if layout.kind(point) == "bush"]
-        square = [*(bores if link == GROUND else ()), *self._fixed(link)[1]]
+        pivots = [point for point in layout.points_of(link) if point in layout.pivots]
+        seats = [point for point in pivots if layout.bearing_in(point, link)]
+        square = [*seats, *self._fixed(link)[1]]
         if layout.metal and square:
             yield SquareNote(listed("hole", square), _SQUARE)
 

@@ -27,6 +27,11 @@ def lip(layout: Layout) -> float:
     return max(layout.min_wall, layout.fits.nozzle)
 
 
+def _under(layout: Layout, bearing: Bearing) -> float:
+    """Bore of a lip under a bearing, mm."""
+    return bearing.machined_lip if layout.metal else bearing.lip
+
+
 def seat_floor(layout: Layout, point: str, link: str) -> float:
     """Height of a bearing's lower side over that of its link, mm; 0 in the ground's plate, which its seat goes through."""
     bearing = layout.bearing_in(point, link)
@@ -51,7 +56,8 @@ def link_layers(
     if not seats:
         return [Layer(region, 0.0, thick)], []
     lips = {
-        f"hole {point}": circle(points[point], bearing.lip / 2) for point, bearing in seats.items()
+        f"hole {point}": circle(points[point], _under(layout, bearing) / 2)
+        for point, bearing in seats.items()
     }
     floor = seat_floor(layout, next(iter(seats)), link)
     under = plate(f"link {link}", outline, {**holes, **lips}, layout.min_wall)
