@@ -182,21 +182,31 @@ def exploded_sheet(arrangement: Arrangement, title: str, facts: Facts, size: str
     across = abs(arrangement.box[1] - arrangement.box[0])
     axis = paper(arrangement.axes[0].at) if arrangement.axes else 0j
     best: _Picture | None = None
-    for gap in _GAPS if towers else ():
+
+    def picture(gap: float, far: set[int]) -> _Picture:
         drawn = [
-            _Tower(name, *isometric(bodies, apart(bodies, gap * across)))
+            _Tower(name, *isometric(bodies, apart(bodies, gap * across, far)))
             for name, bodies in towers.items()
         ]
-        picture = _Picture(drawn, areas, axis)
-        if best is None or len(picture.shown) > len(best.shown):
-            best = picture
+        return _Picture(drawn, areas, axis)
+
+    for gap in _GAPS if towers else ():
+        one = picture(gap, set())
+        if numbers - one.shown:  # what others hide is taken farther
+            farther = picture(gap, numbers - one.shown)
+            one = max(one, farther, key=lambda each: len(each.shown))
+        if best is None or len(one.shown) > len(best.shown):
+            best = one
         if len(numbers - best.shown) <= _MISSED * len(numbers):
             break
     hidden = ""
     if best is not None:
         best.draw(sheet)
         hidden = ", ".join(map(str, sorted(numbers - best.shown)))
-    notes = [f"{_NOTE[0]}{f' Hidden by others: {hidden}.' if hidden else ''}", *_NOTE[1:]]
+    notes = [
+        f"{_NOTE[0]}{f' Hidden by others, or too small: {hidden}.' if hidden else ''}",
+        *_NOTE[1:],
+    ]
     for k, line in enumerate(reversed(notes)):
         sheet.text(complex(FILING + 3, MARGIN + 3 + _LINE * k), line, 2.5)
     return sheet

@@ -10,7 +10,7 @@ joins round parts and the holes that they belong in, or shows the way of a rod t
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from typing import Any
@@ -34,6 +34,7 @@ _FLUSH = 0.05  # mm, by which outlines of prisms on each other may differ
 _HEAD = 1.2  # times, that a head is broader than the other end
 _FINE = 0.02  # mm, by which outlines are straightened
 _MEET = 0.5  # mm, up to which parts touch
+_FAR = 4.0  # times the gap, of what others would hide
 _LEVEL = 0.5  # least share of a way that is upright, of what comes from above or from below
 _EYE = np.array([1.0, -1.0, 1.0])  # towards the eye
 _PAPER = np.array([[_COS, _COS, 0.0], [-0.5, 0.5, 1.0]])  # to the right on it, and upwards
@@ -238,9 +239,13 @@ class Body:
         )
 
 
-def apart(bodies: Sequence[Body], gap: float) -> list[Floats]:
+def apart(bodies: Sequence[Body], gap: float, far: Collection[int] = ()) -> list[Floats]:
     """By how much each body is moved, (3,) mm, so that it is clear by a gap of all that is there before it; those of one step at one
-    level stay at one. What stands on nothing else rises to what comes over it."""
+    level stay at one. What stands on nothing else rises to what comes over it. far: numbers that have a gap several times as wide."""
+
+    def wide(*which: int) -> float:
+        return (_FAR if any(bodies[k].number in far for k in which) else 1.0) * gap
+
     moves = [np.zeros(3) for _ in bodies]
     levels = [*_coming(bodies)]
     upright = [level for level in levels if not bodies[level[0]].coming.aside]
@@ -248,19 +253,19 @@ def apart(bodies: Sequence[Body], gap: float) -> list[Floats]:
     hanging = list[int]()
     for level in upright:
         pairs = [(k, n) for k in level for n in placed if _over(bodies[k], bodies[n])]
-        _lift(bodies, moves, level, pairs, gap)
+        _lift(bodies, moves, level, pairs, wide)
         if placed and bodies[level[0]].coming.way[2] < 0:
             hanging += _hanging(level, pairs, hanging)
         placed += level
     for k in reversed(hanging):
         after = (n for n in placed[placed.index(k) + 1 :] if _over(bodies[k], bodies[n]))
-        rises = [bodies[n].low + moves[n][2] - gap - bodies[k].high for n in after]
+        rises = [bodies[n].low + moves[n][2] - wide(k, n) - bodies[k].high for n in after]
         moves[k][2] = max(moves[k][2], min(rises, default=moves[k][2]))
     for k in (k for level in levels for k in level if bodies[k].coming.aside):
         there = [n for n in placed if bodies[n].coming.order <= bodies[k].coming.order]
         touched = (n for n in there if bodies[k].meets(bodies[n]))
         moves[k][2] = moves[next(touched, placed[0])][2] if placed else 0.0
-        clear = _clear(bodies[k], [bodies[n] for n in there], gap)
+        clear = _clear(bodies[k], [bodies[n] for n in there], wide(k))
         moves[k] -= np.array(bodies[k].coming.way) * clear
     return moves
 
@@ -270,14 +275,15 @@ def _lift(
     moves: Sequence[Floats],
     level: Sequence[int],
     pairs: Sequence[tuple[int, int]],
-    gap: float,
+    gap: Callable[[int, int], float],
 ) -> None:
-    """Lift bodies of a level clear of those that are there, or lower them where they come from below; pairs: which cover which."""
+    """Lift bodies of a level clear of those that are there, or lower them where they come from below; pairs: which cover which;
+    gap: of a pair."""
     if bodies[level[0]].coming.way[2] > 0:
-        ends = [bodies[n].low + moves[n][2] - gap - bodies[k].high for k, n in pairs]
+        ends = [bodies[n].low + moves[n][2] - gap(k, n) - bodies[k].high for k, n in pairs]
         end = min(ends, default=0.0)
     else:
-        ends = [bodies[n].high + moves[n][2] + gap - bodies[k].low for k, n in pairs]
+        ends = [bodies[n].high + moves[n][2] + gap(k, n) - bodies[k].low for k, n in pairs]
         end = max(ends, default=0.0)
     for k in level:
         moves[k][2] = end
