@@ -308,8 +308,8 @@ def _round_ends(contour: Contour) -> tuple[tuple[complex, complex], float] | Non
 
 
 def number(value: float, decimals: int = 3) -> str:
-    """A length as on a drawing: at most so many digits after the point, no idle zeros."""
-    text = f"{value:z.{decimals}f}"
+    """A length as on a drawing: at most so many digits after the point, a half away from zero, no idle zeros."""
+    text = f"{value + math.copysign(_ALIKE, value):z.{decimals}f}"
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 

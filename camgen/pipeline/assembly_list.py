@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from camgen.files.assembly_list import Item
+from camgen.files.dimensions import number as rounded
 from camgen.files.dimensions import round_of
-from camgen.files.views import area
+from camgen.geometry.arcs import fit_arcs
+from camgen.geometry.outlines import extent
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import CUT, TURNED, Bought
 from camgen.parts.materials import STEEL
@@ -17,9 +18,10 @@ from camgen.parts.step_words import TWO_PART
 from camgen.pipeline.drawings import SHAFT_STEEL, drawing_number, material_of, shaft_facts
 from camgen.pipeline.shopping import bought_things, supplies
 from camgen.study import Table
+from camgen.tolerances import SAME_POINT
 
 _LISTED = ("bought", TURNED)  # what the list names beside parts
-_FINE = 0.01  # mm, chord tolerance of overall sizes
+_FINE = 0.01  # mm, by which arcs may differ from a curve
 FOR_SHOP = ("drawing", "material", "mass of one, g", "overall, mm")  # columns of the parts list
 
 
@@ -62,17 +64,14 @@ def for_shop(
 
 
 def _overall(part: Part) -> str:
-    """Sizes of the stock that a part fills: diameter and length where it is round, else those of the box along its axes, rounded up; mm."""
-    import shapely
-
-    faces = [area(layer.region, _FINE) for layer in part.layers]
-    x0, y0, x1, y1 = shapely.total_bounds(faces)
-    across, up = (math.ceil(10 * size - _FINE) / 10 for size in (x1 - x0, y1 - y0))
-    high = f"{part.thickness:.4g}"
+    """Sizes of a part: diameter and length where it is round, else those of the box along its axes, to a tenth as on its sheet; mm."""
+    low, high = extent([fit_arcs(layer.region.outer, _FINE) for layer in part.layers])
+    size = high - low
+    thick = f"{part.thickness:.4g}"
     disc = round_of(max(part.layers, key=lambda layer: layer.region.area).region.outer)
-    if disc and max(x1 - x0, y1 - y0) <= 2 * disc[1] + _FINE:
-        return f"Ø{2 * disc[1]:.4g} x {high}"
-    return f"{across:g} x {up:g} x {high}"
+    if disc and max(size.real, size.imag) <= 2 * disc[1] + SAME_POINT:
+        return f"Ø{2 * disc[1]:.4g} x {thick}"
+    return f"{rounded(size.real, 1)} x {rounded(size.imag, 1)} x {thick}"
 
 
 def items_of(mechanism: Mechanism, listed: Table) -> Iterator[tuple[Item, Bought | None]]:

@@ -254,6 +254,17 @@ def test_numbers(value, text):
     assert number(value) == text
 
 
+def test_halves_are_rounded_away_from_zero():
+    """15.2 + 8.025 and 15.2 - 8.025: both walls of a groove by the same rule, whatever their binary digits."""
+    assert [number(15.2 + side * 8.025, 2) for side in (1, -1)] == ["23.23", "7.18"]
+    assert [number(each, 1) for each in (67.45, -67.45, 0.05, 67.44)] == [
+        "67.5",
+        "-67.5",
+        "0.1",
+        "67.4",
+    ]
+
+
 def test_edges_that_are_no_curve_are_dimensioned():
     assert edge_rows(polygon([1 - 2j, 5 - 2j, 5 + 3j, 1 + 3j])) == [
         ("1", "-2", "4 × 5, its lower left corner")
