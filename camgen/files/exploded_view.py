@@ -165,6 +165,14 @@ class Body:
         return [complex(ring.centroid.x, ring.centroid.y) for ring in rings if _round(ring)]
 
     @property
+    def ahead(self) -> float:
+        """How far it reaches in the way in which it comes from aside."""
+        import shapely
+
+        way = complex(*self.coming.way[:2])
+        return float(np.max((shapely.get_coordinates(self.plan) @ np.array([1, 1j]) / way).real))
+
+    @property
     def lies(self) -> bool:
         """Whether it is as high as it is wide, square to the way in which it comes, such as a roller of a drum."""
         import shapely
@@ -261,12 +269,15 @@ def apart(bodies: Sequence[Body], gap: float, far: Collection[int] = ()) -> list
         after = (n for n in placed[placed.index(k) + 1 :] if _over(bodies[k], bodies[n]))
         rises = [bodies[n].low + moves[n][2] - wide(k, n) - bodies[k].high for n in after]
         moves[k][2] = max(moves[k][2], min(rises, default=moves[k][2]))
-    for k in (k for level in levels for k in level if bodies[k].coming.aside):
-        there = [n for n in placed if bodies[n].coming.order <= bodies[k].coming.order]
+    asides = [k for level in levels for k in level if bodies[k].coming.aside]
+    for k in sorted(asides, key=lambda k: -bodies[k].ahead):  # what is farther in goes in first
+        order = bodies[k].coming.order
+        there = [n for n in placed if n in asides or bodies[n].coming.order <= order]
         touched = (n for n in there if bodies[k].meets(bodies[n]))
         moves[k][2] = moves[next(touched, placed[0])][2] if placed else 0.0
-        clear = _clear(bodies[k], [bodies[n] for n in there], wide(k))
+        clear = _clear(bodies[k], [(bodies[n], moves[n]) for n in there], wide(k))
         moves[k] -= np.array(bodies[k].coming.way) * clear
+        placed.append(k)
     return moves
 
 
@@ -296,21 +307,21 @@ def _hanging(
     return [k for k in level if {n for own, n in pairs if own == k} <= {*hanging}]
 
 
-def _clear(body: Body, others: Sequence[Body], gap: float) -> float:
-    """How far a body goes back the way it comes from aside until it is clear of what is as high."""
+def _clear(body: Body, others: Sequence[tuple[Body, Floats]], gap: float) -> float:
+    """How far a body goes back the way it comes from aside until it is clear of what is as high; each of the others with how it is moved."""
     way = complex(*body.coming.way[:2])
 
-    def extent(each: Body) -> tuple[Any, Any]:
+    def extent(each: Body, by: Floats) -> tuple[Any, Any]:
         """Along the way, and to its left."""
         import shapely
 
-        z = shapely.get_coordinates(each.plan) @ np.array([1, 1j]) / way
+        z = (shapely.get_coordinates(each.plan) + by[:2]) @ np.array([1, 1j]) / way
         return z.real, z.imag
 
-    along, left = extent(body)
+    along, left = extent(body, np.zeros(3))
     ends = [
         float(own.min())
-        for own, side in map(extent, (each for each in others if _as_high(each, body)))
+        for own, side in (extent(each, by) for each, by in others if _as_high(each, body))
         if side.min() < left.max() and side.max() > left.min()
     ]
     return max([gap, *(float(along.max()) - end + gap for end in ends)])

@@ -227,11 +227,11 @@ def _of_thing(
     rings = not thing.thread
     hatched = [piece for piece in shape if rings and piece[0].interiors]
     rest = [piece for piece in shape if not (rings and piece[0].interiors)]
-    lies = thing.name in (FOLLOWER_WASHER, FOLLOWER_NUT) and len(shape) > 1
-    prisms = () if lies else shape  # once
+    prisms = shape  # once
     solid = None
     if coming.aside:
-        solid = _rods(shape)
+        ring = thing.name in (FOLLOWER_WASHER, FOLLOWER_NUT)
+        solid = _lying_ring(shape) if ring else _rods(shape)
     elif thing.standard == ROUND_ENDED:
         solid = _key(shape)
     elif is_from_behind(thing, shape):
@@ -280,15 +280,26 @@ def _rods(shape: Thing) -> Mesh:
     """Rods that lie, each drawn as a rectangle whose first edge is along its axis."""
     import manifold3d
 
-    rods = []
-    for face, low, high in shape:
-        z = np.array(face.exterior.coords)[:2] @ np.array([1, 1j])
-        ends = z + (complex(face.centroid.x, face.centroid.y) - z.mean())
-        radius = (high - low) / 2
-        rod = manifold3d.Manifold.cylinder(abs(ends[1] - ends[0]), radius, radius, _ROUND)
-        turned = rod.rotate((0.0, 90.0, float(np.angle(ends[1] - ends[0], deg=True))))
-        rods.append(turned.translate((ends[0].real, ends[0].imag, (low + high) / 2)))
+    rods = [_rod(face, (low + high) / 2, (high - low) / 2) for face, low, high in shape]
     return _mesh(manifold3d.Manifold.batch_boolean(rods, manifold3d.OpType.Add))
+
+
+def _lying_ring(shape: Thing) -> Mesh:
+    """A ring whose axis lies, drawn as such a rectangle over its hole and one under it."""
+    (face, above, top), (_, bottom, below) = shape
+    middle = (bottom + top) / 2
+    return _mesh(_rod(face, middle, (top - bottom) / 2) - _rod(face, middle, (above - below) / 2))
+
+
+def _rod(face: Any, height: float, radius: float) -> Any:
+    """A rod of manifold3d along the first edge of a rectangle, at so much height."""
+    import manifold3d
+
+    z = np.array(face.exterior.coords)[:2] @ np.array([1, 1j])
+    begin, end = z + (complex(face.centroid.x, face.centroid.y) - z.mean())
+    rod = manifold3d.Manifold.cylinder(abs(end - begin), radius, radius, _ROUND)
+    turned = rod.rotate((0.0, 90.0, float(np.angle(end - begin, deg=True))))
+    return turned.translate((begin.real, begin.imag, height))
 
 
 def _mesh(body: Any) -> Mesh:

@@ -9,7 +9,13 @@ import numpy as np
 
 from camgen.files.arrangement import Copy
 from camgen.files.exploded_view import Body, Coming
-from camgen.parts.catalogue import NUT_STANDARD, ROLLER_STANDARD, Bought
+from camgen.parts.catalogue import (
+    FOLLOWER_NUT,
+    FOLLOWER_WASHER,
+    NUT_STANDARD,
+    ROLLER_STANDARD,
+    Bought,
+)
 from camgen.parts.keyways import KEY
 from camgen.parts.set_screws import ON_KEY_STANDARD
 from camgen.pipeline.bought_shapes import Thing
@@ -68,6 +74,7 @@ def _way(
     """In which it moves: what lies towards its inner end; a screw away from its head, one from behind and a motor up; what is wholly
     under all that it touches, or under the whole machine, up."""
     lies = thing.standard in (ON_KEY_STANDARD, ROLLER_STANDARD)
+    lies |= thing.name in (FOLLOWER_WASHER, FOLLOWER_NUT)
     if lies and all(len(face.exterior.coords) == _RECTANGLE for face, *_ in shape):
         begin, end = np.array(shape[0][0].exterior.coords)[:2] @ np.array([1, 1j])
         inwards = (begin - end) / abs(begin - end)
