@@ -65,6 +65,11 @@ class _Tower:
             faces.setdefault(each.number, []).append(each.face)
         return {number: shapely.union_all(own) for number, own in sorted(faces.items())}
 
+    @property
+    def clear(self) -> set[int]:
+        """Numbers of what has a piece of which others hide less than half."""
+        return {each.number for each in self.seen if each.face.area > each.whole.area / 2}
+
 
 @dataclass(frozen=True)
 class _Picture:
@@ -102,6 +107,11 @@ class _Picture:
             for number, face in tower.faces.items()
             if face.area >= least
         }
+
+    @property
+    def clear(self) -> set[int]:
+        """Numbers of what is seen enough of to know its shape."""
+        return self.shown & set[int]().union(*(tower.clear for tower in self.towers))
 
     def draw(self, sheet: Sheet) -> None:
         """Edges, axes and balloons of each tower in its column, and the way from one to the next."""
@@ -192,9 +202,10 @@ def exploded_sheet(arrangement: Arrangement, title: str, facts: Facts, size: str
 
     for gap in _GAPS if towers else ():
         one = picture(gap, set())
-        if numbers - one.shown:  # what others hide is taken farther
-            farther = picture(gap, numbers - one.shown)
-            one = max(one, farther, key=lambda each: len(each.shown))
+        for far in (numbers - one.shown, numbers - one.clear):  # what others hide is taken farther
+            if far:
+                farther = picture(gap, far)
+                one = max(one, farther, key=lambda each: (len(each.shown), len(each.clear)))
         if best is None or len(one.shown) > len(best.shown):
             best = one
         if len(numbers - best.shown) <= _MISSED * len(numbers):

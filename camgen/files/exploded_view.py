@@ -407,6 +407,7 @@ class Seen:
     number: int
     face: Any  # polygon
     edges: Any
+    whole: Any  # what it would cover alone
 
 
 def isometric(bodies: Sequence[Body], moves: Sequence[Floats]) -> tuple[list[Seen], list[Any]]:
@@ -428,7 +429,7 @@ def isometric(bodies: Sequence[Body], moves: Sequence[Floats]) -> tuple[list[See
     for piece in pieces:
         over = hidden(piece.face, piece)
         edges = piece.edges.difference(over.buffer(_MITE))
-        seen.append(Seen(piece.number, piece.face.difference(over), edges))
+        seen.append(Seen(piece.number, piece.face.difference(over), edges, piece.face))
     lines = []
     for begin, end in axes(bodies, moves):
         line = shapely.LineString([_PAPER @ begin, _PAPER @ end])

@@ -242,6 +242,56 @@ def test_a_key_has_round_ends_and_a_screw_from_behind_its_head() -> None:
         assert (ends.min(), ends.max()) == pytest.approx((-15.0, 10.0))
 
 
+def test_washer_and_nut_of_a_lying_cam_follower_come_after_it() -> None:
+    """M6 on a stud of 6: a washer of 12 x 1.6 is 1.6 pi (36 - 9) mm^3 [ISO 7089]. From the drum outwards the follower, the washer and
+    the nut, each clear of the one before, all on the axis of the stud."""
+    arrangement = machine("metal cylinder-cam")
+    numbers = {item.what: item.number for item in arrangement.items}
+    bodies = bodies_of(arrangement)
+    moves = apart(bodies, 4.0)
+    names = ("Drum of a cylinder cam", "cam follower", "washer of the cam follower")
+    names += ("nut of the cam follower",)
+    found = [
+        next((body, by) for body, by in zip(bodies, moves, strict=True) if body.number == number)
+        for number in (numbers[name] for name in names)
+    ]
+    ends = [(body.plan.bounds[0] + by[0], body.plan.bounds[2] + by[0]) for body, by in found]
+    assert all(inner[1] + 3.9 < outer[0] for inner, outer in itertools.pairwise(ends))
+    washer = found[2][0].solid
+    assert washer is not None
+    assert washer.volume == pytest.approx(1.6 * math.pi * (36 - 9), rel=0.01)
+    levels = {
+        round(float(np.mean(body.solid.vertices[:, 2].reshape(-1))) + by[2], 1)
+        for body, by in found[1:]
+        if body.solid is not None
+    }
+    assert len(levels) == 1
+
+
+def test_what_is_half_hidden_is_taken_farther_too() -> None:
+    """The set screw of a disc cam's hub stands clear of the cam follower: its outline is whole on the sheet."""
+    arrangement = machine("metal disc-cam")
+    number = next(item.number for item in arrangement.items if item.what == "set screw of the hub")
+    bodies = bodies_of(arrangement)
+    across = abs(arrangement.box[1] - arrangement.box[0])
+
+    def share(far: tuple[int, ...]) -> float:
+        seen, _ = isometric(bodies, apart(bodies, 0.05 * across, far))
+        (own,) = [each for each in seen if each.number == number]
+        return float(own.face.area / own.whole.area)
+
+    assert share(()) < 0.5
+    assert share((number,)) == pytest.approx(1.0)
+    sheet = exploded_sheet(arrangement, "cam", Facts())
+    (dot,) = [dot for each, _, dot in balloons_on(sheet) if each == number]
+    (other,) = [
+        dot
+        for each, _, dot in balloons_on(sheet)
+        if arrangement.items[each - 1].what == "cam follower"
+    ]
+    assert (dot - other).real > 12.0, "to the right of the follower, whose lower end it was behind"
+
+
 def heights_of(name: str) -> dict[str, list[tuple[float, float]]]:
     """From where to where copies reach that are drawn apart, from the lowest up, by what the list calls them."""
     arrangement = machine(name)
