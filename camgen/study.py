@@ -163,7 +163,8 @@ Prism = tuple[Sequence[complex], float, float]  # corners, from where to where i
 Laid = Sequence[tuple[str, Sequence[str], Sequence[Mate]]]
 
 
-_SENTENCES = 4  # of a step, beyond which each is a line to tick off
+_SENTENCES = 4  # of a step, beyond which what is done first, next and so on are lines to tick off
+_LONG = 400  # letters of a step, beyond which they are too
 
 
 def sentences(doings: Sequence[Doing]) -> str:
@@ -240,10 +241,17 @@ class Step:
     @property
     def text(self) -> str:
         """The same with a line to tick off for each thing that is done, where these are many."""
-        said = _each_sentence(self.doings)
-        if len(said) <= _SENTENCES:
+        said = self.lines
+        count = sum(each.count(". ") + 1 for each in said)
+        brief = count <= _SENTENCES and len(self.title) <= _LONG
+        if brief or len(said) == 1:
             return self.title
         return "\n".join(f"☐ {each}" for each in said)
+
+    @property
+    def lines(self) -> list[str]:
+        """What is done, one thing after the other."""
+        return _each_sentence(self.doings)
 
     def also(self, text: str) -> Step:
         """The step with one more sentence."""

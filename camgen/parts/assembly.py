@@ -733,10 +733,12 @@ def _on_plate(rows: Sequence[Row], assembly: Assembly, blocks: int) -> Sequence[
         what = "the plate" if lies == name else called(assembly.by_name[lies])
         aside = ", outside of the circle of the hand crank" if assembly.motor.crank else ""
         cells, step = rows[low]
-        said = f"put two blocks at least {blocks} mm high under {what}{aside}: parts hang below it"
+        together = 0 < low == last - 1 and len(under) == len(screws) == 1
+        place = f"on the bench for {what}" if together else f"under {what}"
+        said = f"put two blocks at least {blocks} mm high {place}{aside}: parts hang below it"
         step = step.also(said)
         rows[low] = cells, replace(step, doings=[*step.doings, *borne])
-        if 0 < low == last - 1 and len(under) == len(screws) == 1:
+        if together:
             rows[low : last + 2] = _screwed_together(rows[low : last + 2], assembly, screws[0])
     return rows if first else [*glued, *rows]
 
@@ -754,13 +756,13 @@ def _screwed_together(rows: Sequence[Row], assembly: Assembly, screw: Bought) ->
     doings = [set_on, *screwed.doings]
     yield cells, Step(doings, plate.copies, group=group, threads=screwed.threads)
     on = str(low[3])
-    both = Doing("put ", f"both {on}", ", the panel below")
+    both = Doing("put ", f"both {on}", ", the panel below, on the two blocks")
     what = f"{low[2]} with {high[1]}"
     yield (
         (0, group, what, on, "", low[5], low[6]),
         replace(
             panel,
-            doings=[both, *panel.doings[1:], *plate.doings[1:]],
+            doings=[*panel.doings[1:], both, *plate.doings[1:]],
             copies=[],
             group=group,
             mates=[*panel.mates, *plate.mates],

@@ -252,7 +252,7 @@ def _level(runs: Sequence[_Run]) -> _Run:
     if len(runs) == 1:
         return runs[0]
     steps = [step for step, _ in runs]
-    lines = "".join(f"\n☐ {step.title}" for step in steps)
+    lines = "".join(f"\n☐ {line}" for step in steps for line in step.lines)
     whole = replace(
         steps[-1],
         doings=[Doing(_IN_ORDER, "", f":{lines}")],

@@ -64,15 +64,20 @@ class Stop:
                 f"{thick}, at either side of {shaft}",
                 gauge_tools(self.play),
             ),
-            Doing(f"push {WHAT} up to ", self.name, " with a thin stick, and hold it there"),
+            Doing(
+                f"stick a strip of adhesive tape under {WHAT}, beside ",
+                shaft,
+                f": in the hole round it nothing else gets hold of it. Push it up to {self.name} with a thin stick, and hold it there",
+                ("adhesive tape",),
+            ),
             Doing(
                 f"put a drop of {'retaining compound' if self.metal else 'superglue gel'} on ",
                 shaft,
-                f" just under it, none over it: that would stick to {self.name}. Slide {WHAT} down over the drop",
+                f" just under it, none over it: that would stick to {self.name}. Pull {WHAT} down over the drop by its tape",
             ),
             Doing(
                 f"push {WHAT} up again, against ",
-                f"{self.name}: glue it on {shaft} alone, and hold it there until the glue is hard",
+                f"{self.name}: glue it on {shaft} alone, and hold it there until the glue is hard. Pull off the tape",
             ),
             Doing(
                 f"pull {gauge} out from under {self.over}: {shaft} has {self.play:.2g} mm of play along its axis"

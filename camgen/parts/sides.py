@@ -372,12 +372,13 @@ def _glued(
     _, letter = hole
     glue = "glue" if metal else TWO_PART
     through = f" through {letter} of its second plate, as with a toothpick" if letter else ""
-    spread = "" if screws else f" and on the {on}"
-    clear = "none on the shaft, in that plate or in a spacer between: the shaft turns in these"
+    through += ", a trace all round in the half away from that plate: the shaft pushes it onwards"
+    clear = "put none on the shaft, in that plate or in a spacer between: the shaft turns in these"
     needs = (TWO_PART,) if glue == TWO_PART else ()
     doings = [
         Doing("lift the far side off"),
-        Doing(f"put {glue} into ", taker, f"{through}{spread}, {clear}", needs),
+        Doing(f"put {glue} into ", taker, through, needs),
+        Doing(clear),
     ]
     if screws:
         held = "screw it on the spacers through the far plate and its posts, tight crosswise"
@@ -387,7 +388,7 @@ def _glued(
         ]
     else:
         both = f"{taker} on {mirror.shaft} and the far second plate on the {on}"
-        doings.append(Doing("lower it again: press ", both))
+        doings += [Doing(f"put {glue} on the {on}"), Doing("lower it again: press ", both)]
     between = "spacers" if mirror.gap else "second plate"
     cells = (
         f"Second plate on {between}, {'screwed' if screws else 'glued'}: the shaft of both sides is glued into the far side",

@@ -329,10 +329,30 @@ def _on_motor(
     tools += (TWO_PART,) if TWO_PART in flat else ()
     push = Doing("push ", f"{named} {shaft}{f',{on}' if on else ''}{flat}{high}", "", tools)
     if flat:  # else it is turned on the shaft
-        dry = f"{named} {shaft}, dry, and run the motor until it stands as the picture shows. Take it off again"
+        at = _distances(driven, there)
+        dry = f"{named} {shaft}, dry, and run the motor until it stands as the picture shows{at}. Take it off again"
         again = "whenever the motor has moved the links, stop it there again"
         return [Place(f"pushed {where}", (Doing("put ", dry), push, *doings, Doing(again)))]
     return [Place(f"pushed {where}", (push, *doings))]
+
+
+def _distances(driven: Sequence[Round], there: Sequence[StandingCopy]) -> str:
+    """Where what a motor turns stands, by what a caliper measures from a hole of it to two of the plate, in words; "" where none are
+    named. driven: its holes, one of them on the motor's axis."""
+    fixed = [
+        hole for plate in there if plate.mount.body == GROUND for hole in plate.holes if hole.name
+    ]
+    turning = [hole for hole in driven if hole.name and not any(map(hole.in_line, fixed))]
+    if not turning:
+        return ""
+    moved = turning[0]
+    off = {
+        hole.name: abs(hole.at - moved.at) for hole in fixed if not any(map(hole.in_line, driven))
+    }
+    first, second, *_ = [*sorted(off, key=lambda name: off[name]), "", ""]
+    if not second:
+        return ""
+    return f", {moved.name} {off[first]:.1f} mm from the middle of {first} and {off[second]:.1f} mm from that of {second}"
 
 
 def _doings(laying: Laying, places: Sequence[Place], led: str, first: bool) -> list[Doing]:

@@ -973,9 +973,14 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
     assert benches[-1].endswith("\nLet all this get hard before you use it.")
     (upright,) = (title for title in titles if "it keeps the shaft upright" in title)
     assert "Lay second-plate on the pins, dry, with O over shaft-crank_web3." in upright
+    off = (
+        abs(-47.2 - 14.08j + 21.44),
+        abs(-18.64 + 49.28j + 21.44),
+    )  # of B and A from M, which is left of O
     (crank,) = (title for title in titles if "on the motor's shaft" in title)
     assert crank == (
-        "Put crank on the motor's shaft, dry, and run the motor until it stands as the picture shows. Take it off again. Push crank on "
+        "Put crank on the motor's shaft, dry, and run the motor until it stands as the picture shows, "
+        f"M {off[0]:.1f} mm from the middle of B and {off[1]:.1f} mm from that of A. Take it off again. Push crank on "
         "the motor's shaft, flat on flat, with two-part glue all round in its bore and none on the motor, 0.05 mm over ground (a strip "
         "of a plastic bag between, then pull it out). Whenever the motor has moved the links, stop it there again."
     )
@@ -1421,14 +1426,18 @@ def test_a_machine_on_a_stand_lies_on_its_panel_and_is_screwed_on_before_its_pin
     levels = {each.part: each.z for each in bird.assembly.mounts}
     low = min(z for part, z in levels.items() if not part.startswith("stand"))
     deep = math.ceil(levels["stand-panel"] - low)
-    blocks = f"Put two blocks at least {deep} mm high under the panel of the stand, outside of the circle of the hand crank"
+    blocks = f"put two blocks at least {deep} mm high on the bench for the panel of the stand, outside of the circle of the hand crank"
     (panel,) = (k for k, title in enumerate(titles) if blocks in title)
     assert "two blocks" not in "".join(titles[:panel] + titles[panel + 1 :])
     (screwed,) = (k for k, title in enumerate(titles) if "screw of the plate" in title)
     both = titles[screwed]
     assert screwed == panel, "no one screws from below where the shaft falls out"
     assert both.startswith("Set the ground plate on the panel of the stand, hole over hole. Screw")
-    assert both.index("Screw in") < both.index("Then put both over shaft") < both.index(blocks)
+    assert (
+        both.index("Screw in")
+        < both.index(blocks)
+        < both.index("Put both over shaft, the panel below")
+    ), "the panel comes down on them"
     step = steps_of_assembly(bird).steps[screwed]
     assert {*step.copies} == {"stand-panel-1", "ground-1"} and len(step.screws) == 4
     assert any(mate.label == "O" and not mate.within for mate in step.mates), "on the shaft"
@@ -1455,7 +1464,7 @@ def test_blocks_reach_from_the_bench_to_what_they_bear() -> None:
     high = levels["shaft"] - panel + deep
     assert any(f"a block under shaft, {high:g} mm high, {under}: it must not" in t for t in titles)
     (borne,) = (k for k, t in enumerate(titles) if "a block under shaft" in t)
-    assert "Put two blocks" in titles[borne], "from then on nothing else bears it"
+    assert "put two blocks" in titles[borne], "from then on nothing else bears it"
     over = max(
         levels[part] + each.thickness
         for part, each in bird.assembly.by_name.items()
@@ -1506,7 +1515,12 @@ def test_a_gauge_lies_where_it_comes_out_again() -> None:
     gauge = thickness_gauge(play)
     assert gauge == "four sheets of paper" and gauge in said and "under ground" not in said
     assert said.startswith("When the glue of crank is hard, lift crank and lay")
-    lifted = said.index("Push the shaft collar up to ground with a thin stick, and hold it there")
+    panel = made.by_name["stand-panel"]
+    proud = levels["stand-panel"] - levels["collar"]
+    assert panel.thickness == 3 and proud == pytest.approx(0.2), "nothing to grip"
+    taped = said.index("Stick a strip of adhesive tape under the shaft collar, beside shaft")
+    lifted = said.index("Push it up to ground with a thin stick, and hold it there")
+    assert taped < lifted and "down over the drop by its tape" in said
     glued = "Put a drop of superglue gel on shaft just under it, none over it: "
     assert lifted < said.index(glued) < said.index("Push the shaft collar up again"), (
         "it has dropped on the hand crank, and what is over it goes to the ground plate as it is pushed up"

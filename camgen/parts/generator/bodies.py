@@ -595,6 +595,8 @@ class Bodies:
         title = "Shaft" if alone else f"Shaft of {link.replace('_', ' ')}"
         held = self.layout.on_shaft
         collar = " and the collar" if held == "glued" else ", glued into the collar"
+        if held == "glued" and driven and self.sizes.hand_crank:
+            collar = f", the hand crank{collar}"
         said = f"{held} into {link}" + (", turns in the second plate" if stub.hangs else collar)
         s = self.sizes
         size = (
