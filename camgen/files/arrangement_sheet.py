@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from camgen.files.arrangement import MITE, Arrangement
-from camgen.files.assembly_list import draw_list, folded, height
+from camgen.files.assembly_list import draw_list, folded_in_full, height
 from camgen.files.balloons import BESIDE, RADIUS, balloons
 from camgen.files.dimensions import Hole
 from camgen.files.dimensions import number as rounded_number
@@ -121,7 +121,7 @@ class _Page:
         for self.size, (self.wide, self.high), columns in _SHEETS:
             self.noted = self.wide - MARGIN - WIDTH - FILING - 6
             self.notes = _packed(arrangement.notes, self.noted)
-            self.lists = folded(items, self.high - 2 * MARGIN - BLOCK, columns)
+            self.lists = folded_in_full(items, self.high - 2 * MARGIN - BLOCK, columns)
             self.front, self.section = self._views()
             if sum(map(len, self.lists)) == len(items) and self.front.scale >= _SMALLEST:
                 break

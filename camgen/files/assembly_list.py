@@ -6,7 +6,7 @@ A cell that is longer than its column goes on in the next line.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import zip_longest
 
@@ -16,7 +16,8 @@ from camgen.files.sheet import Align, Sheet, Text
 
 ROW = 4.0  # of a line, mm
 _HEIGHT = 2.5  # of its letters
-_LINES = 4  # of a cell, at most
+_LINES = 4  # of a cell, at most, where the list has no room for it in full
+_IN_FULL = 12  # of one that is in full
 _MORE = " ... as in the parts list"
 _HEADS = ("No.", "Qty", "Part", "Drawing, or designation", "Material", "z from, to")
 _COLUMNS = (8.0, 8.0, 46.0, 62.0, 16.0, 30.0)
@@ -34,18 +35,19 @@ class Item:
     designation: str  # the number of its drawing, or what it is sold as
     material: str = ""  # or that it is bought
     heights: Sequence[str] = ()  # from where to where copies reach, mm; or why none is drawn
+    most: int = _LINES  # lines of a cell
 
     @cached_property
     def lines(self) -> list[tuple[str, ...]]:
         """Its cells line by line."""
         cells = (str(self.number), str(self.count), self.what, self.designation, self.material)
         wide = zip(cells, _COLUMNS, strict=False)
-        columns = [_wrapped(cell, column - 2) for cell, column in wide]
+        columns = [_wrapped(cell, column - 2, self.most) for cell, column in wide]
         return list(zip_longest(*columns, self.heights, fillvalue=""))
 
 
-def _wrapped(text: str, room: float) -> list[str]:
-    """A text in lines of a cell; of one that is too long as much as there is room for."""
+def _wrapped(text: str, room: float, most: int) -> list[str]:
+    """A text in so many lines of a cell at most; of one that is too long as much as there is room for."""
     words = text.split()
     for count in range(len(words), 0, -1):
         lines = [""]
@@ -55,7 +57,7 @@ def _wrapped(text: str, room: float) -> list[str]:
                 lines[-1] = longer
             else:
                 lines.append(word)
-        if len(lines) <= _LINES:
+        if len(lines) <= most:
             return lines
     return [text]
 
@@ -80,6 +82,14 @@ def folded(items: Sequence[Item], room: float, most: int) -> list[Sequence[Item]
             break
         column.append(item)
     return [*columns]
+
+
+def folded_in_full(items: Sequence[Item], room: float, most: int) -> list[Sequence[Item]]:
+    """The same with all that its cells say, where that takes no more columns."""
+    short = folded(items, room, most)
+    full = folded([replace(item, most=_IN_FULL) for item in items], room, most)
+    same = len(full) == len(short) and sum(map(len, full)) == len(items)
+    return full if same else short
 
 
 def draw_list(sheet: Sheet, corner: complex, items: Sequence[Item], columns: int = 6) -> None:

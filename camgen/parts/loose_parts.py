@@ -67,7 +67,7 @@ class Stop:
             Doing(
                 f"stick a strip of adhesive tape under {WHAT}, beside ",
                 shaft,
-                f": in the hole round it nothing else gets hold of it. Push it up to {self.name} with a thin stick, and hold it there",
+                f", to pull it down by. Push it up to {self.name} with a thin stick, and hold it there",
                 ("adhesive tape",),
             ),
             Doing(

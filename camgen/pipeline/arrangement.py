@@ -64,7 +64,6 @@ _USED = (
     GREASE,
     "threadlocker",
 )  # items that have no place of their own
-_IN_ROW = 3  # axes in a line of notes
 _RODS = (
     "pin",
     "crank-pin",
@@ -594,6 +593,5 @@ def _notes(mechanism: Mechanism, axes: Sequence[Axis]) -> list[str]:
         f"{axis.name} ({number(axis.at.real - axes[0].at.real)}, {number(axis.at.imag - axes[0].at.imag)})"
         for axis in axes[1:]
     ]
-    rows = [places[k : k + _IN_ROW] for k in range(0, len(places), _IN_ROW)]
-    first = f"Fixed axes, X and Y from {axes[0].name}: " if axes else ""
-    return notes + [(first if k == 0 else "") + ", ".join(row) for k, row in enumerate(rows)]
+    fixed = [f"Fixed axes, X and Y from {axes[0].name}: {', '.join(places)}."] if places else []
+    return notes + fixed

@@ -19,7 +19,7 @@ from balloons_read import balloons_on
 
 from camgen.files.arrangement import Arrangement, Copy
 from camgen.files.arrangement_sheet import write_arrangement
-from camgen.files.assembly_list import Item, folded, height
+from camgen.files.assembly_list import Item, folded, folded_in_full, height
 from camgen.files.sheet import Size, Stroke, Text
 from camgen.files.title_block import Facts
 from camgen.geometry.outlines import Arc, Contour, extent, start_point
@@ -410,6 +410,10 @@ def test_heights_of_a_far_side_are_not_said_twice() -> None:
     assert said["Shaft of both sides"] == ["29.45 to 111.65"]
     assert said["Pin 5"] == ["7 heights from", "5.05 to 34.4"]
     assert any("about z = 70.55" in note for note in arrangement.notes)
+    axes = (
+        "A (-18.64, 49.28), B (-47.2, -14.08), A2 (18.64, 49.28), B2 (47.2, -14.08)"  # of its spec
+    )
+    assert f"Fixed axes, X and Y from O: {axes}." in arrangement.notes
 
 
 def test_a_section_has_a_letter_that_no_hole_has_and_says_how_it_is_turned() -> None:
@@ -701,6 +705,19 @@ def test_a_cell_that_is_too_long_goes_on_in_the_next_line() -> None:
     assert " ".join(designation) == words and len(designation) == 4
     assert all(Text(0j, line, 2.5).room <= 62 for line in designation)
     assert item.lines[0] == ("7", "1", "cam follower", designation[0], "bought", "0 to 12")
+
+
+def test_a_designation_is_in_full_where_its_list_takes_no_more_columns() -> None:
+    """Of 62 mm a line holds some thirty letters: thirty words of five take more than four lines. One item is 4 mm a line high, and the
+    head as much."""
+    words = [f"word{k:02}" for k in range(30)]
+    item = Item(1, 1, "rod", " ".join(words))
+    said = " ".join(line[3] for line in item.lines)
+    assert "as in the parts list" in said and words[-1] not in said
+    (column,) = folded_in_full([item], 100.0, 2)
+    assert " ".join(line[3] for line in column[0].lines).split() == words
+    (column,) = folded_in_full([item], 5 * 4.0, 2)
+    assert column == [item], "a head and four lines"
 
 
 def test_a_list_that_is_too_high_is_folded_and_says_how_many_items_it_lacks() -> None:
