@@ -88,7 +88,7 @@ class BoreDetail:
         level = min(high.imag - 6, middle + scale * top + _TITLE)
         sheet.text(complex(low.real + 1.5, level), title, 3.5)
         if keyed(self.contour) and self.facts.key_fit and keyway(2 * radius):
-            sheet.text(complex(low.real + 1.5, level - 4.2), "keyway's corners as DIN 6885", 2.5)
+            sheet.text(complex(low.real + 1.5, level - 4.2), "corners as DIN 6885", 2.5)
         elif flat and self.facts.key_fit:
             said = f"corners of the flat at most R{number(_CORNER)}"
             sheet.text(complex(low.real + 1.5, level - 4.2), said, 2.5)

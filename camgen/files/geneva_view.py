@@ -73,10 +73,12 @@ class Note:
         """On a shelf whose left end is there."""
         sheet.line(left, left + self.width, layer="DIM")
         at = left + 1 + 1.2j
-        if self.text:
+        room = Text(0j, self.text, _TEXT).room
+        if self.exact:  # up to its box
+            sheet.text(at + room, self.text, _TEXT, "right")
+            boxed(sheet, at + room + 2.5, self.exact)
+        else:
             sheet.text(at, self.text, _TEXT)
-        if self.exact:
-            boxed(sheet, at + Text(0j, self.text, _TEXT).width + 2.5, self.exact)
         if self.frame:
             self.frame(sheet, left + 1 - 1j * (FRAME + 0.8))
         if self.ra:
