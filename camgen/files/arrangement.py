@@ -17,6 +17,7 @@ from camgen.files.assembly_list import Item
 from camgen.files.exploded_view import Coming, Prism, filled
 from camgen.geometry.mesh import Mesh
 
+_HEIGHT_DIGITS = 4  # in which faces that have one height agree
 _FACE = 0.5  # mm, from which on a level face has its height beside the section
 _PLAY = 0.35  # mm, up to which faces that lie over each other have one height
 _DEEP = 20.0  # mm, that others may be broad before a face as it is seen from beside the section
@@ -135,7 +136,7 @@ class Arrangement:
         ]
         a, low, b, high = np.concatenate([np.zeros((0, 4)), *edges]).T
         level = (abs(high - low) < MITE) & (abs(b - a) > _FACE)
-        heights = np.round(low, 2)
+        heights = np.round(low, _HEIGHT_DIGITS)
         whole = shapely.union_all([copy.cut for copy in self.copies])
         far = self.deep[1].real
         groups: list[list[tuple[float, Level]]] = []

@@ -600,6 +600,16 @@ def test_heights_beside_the_section_are_those_of_the_faces_that_it_cuts() -> Non
     assert alone.levels(12) == [(9.0, 30.0), (0.0, 30.0)]
 
 
+def test_both_walls_of_a_groove_are_rounded_alike() -> None:
+    """A metal cylinder cam at angle 0: the groove of 16.05 about z = 15.2, from 7.175 to 23.225; halves go away from zero."""
+    from camgen.files.arrangement_sheet import _Page
+
+    _, arrangement = machine("metal cylinder-cam")
+    sheet = _Page(arrangement).draw("cam", Facts())
+    texts = {each.text for each in sheet.things if isinstance(each, Text) and each.layer == "DIM"}
+    assert {"7.18", "23.23"} <= texts
+
+
 def test_a_height_has_a_line_to_its_face() -> None:
     """Of a plate 10 wide and 2 thick beside a broader one below: the line to 2 begins 0.8 of paper right of its end."""
     from camgen.files.arrangement_sheet import _Page
