@@ -85,11 +85,15 @@ def folded(items: Sequence[Item], room: float, most: int) -> list[Sequence[Item]
 
 
 def folded_in_full(items: Sequence[Item], room: float, most: int) -> list[Sequence[Item]]:
-    """The same with all that its cells say, where that takes no more columns."""
-    short = folded(items, room, most)
-    full = folded([replace(item, most=_IN_FULL) for item in items], room, most)
-    same = len(full) == len(short) and sum(map(len, full)) == len(items)
-    return full if same else short
+    """The same with all that cells say, of each item in turn where the list has room for it in its columns."""
+    chosen = [*items]
+    lists = folded(chosen, room, most)
+    for k, item in enumerate(items):
+        longer = [*chosen[:k], replace(item, most=_IN_FULL), *chosen[k + 1 :]]
+        full = folded(longer, room, most)
+        if len(full) == len(lists) and sum(map(len, full)) == sum(map(len, lists)):
+            chosen, lists = longer, full
+    return lists
 
 
 def draw_list(sheet: Sheet, corner: complex, items: Sequence[Item], columns: int = 6) -> None:

@@ -29,6 +29,9 @@ _GRID = 41  # places across a face for a mark
 _AIR = 0.5  # round a text
 _HIGH = 1.2  # from an edge to a label beside it
 _NEAR = (0.0, 1.2, 2.5)  # further than that, without a leader
+# of half the width of a hole that is not round, from its middle
+_SHARES = (0.0, 0.25, -0.25, 0.5, -0.5)
+_SHORT = 0.98  # of the way from a label to its hole, on which no line lies
 _FAR = tuple(np.arange(5.0, 60.0, 2.0))  # with one: so much that its arrow has room
 _TURNS = np.radians([45, 135, 315, 225, 65, 115, 295, 245, 25, 155, 335, 205, 90, 270, 0, 180])
 _ASIDE = (0.0, 0.3, -0.3, 0.6, -0.6, 0.9, -0.9)  # rad
@@ -253,8 +256,7 @@ def _best(
     hole = label.hole
     ways = np.exp(1j * _TURNS)
     if distance is None:
-        away = np.full(4, hole.radius / 2) if hole.radius else np.zeros(1)
-        places = hole.middle + away * ways[: len(away)]
+        places = _inside(label)
     else:
         away = np.array([label.reach(way) for way in ways]) + _HIGH + distance
         places = hole.middle + away * ways + (label.half * ways.real + 1j * HEIGHT / 2 * ways.imag)
@@ -267,6 +269,11 @@ def _best(
         free &= shapely.contains(edge, boxes)
     elif distance in _NEAR:
         free[free] = [_beside_its_own(label, others, complex(place)) for place in places[free]]
+        nearest = np.array([_tip(label, complex(place)) for place in places])
+        stops = places + _SHORT * (nearest - places)
+        free &= obstacles.unlined(
+            [_line(np.array(ends)) for ends in zip(places, stops, strict=True)]
+        )
     if distance is None or distance in _NEAR:
         return Callout(texts[int(np.argmax(free))]) if free.any() else None
     if not free.any():
@@ -280,6 +287,16 @@ def _best(
     crossings = obstacles.crossed(leaders)
     k = int(np.argmin(np.where(free, crossings, np.max(crossings) + 1)))
     return Callout(texts[k], starts[k], tips[k])
+
+
+def _inside(label: Label) -> Points:
+    """Places in a hole, (n,): round the middle of a round one; of any other one its middle, and others within the box of its rim."""
+    hole = label.hole
+    if hole.radius:
+        return np.asarray(hole.middle + hole.radius / 2 * np.exp(1j * _TURNS[:4]))
+    half = complex(np.ptp(label.rim.real), np.ptp(label.rim.imag)) / 2
+    across, up = np.meshgrid(_SHARES, _SHARES)
+    return np.asarray(hole.middle + (across * half.real + 1j * up * half.imag).ravel())
 
 
 def _edge(text: Text, half: float, towards: complex) -> complex:

@@ -728,6 +728,9 @@ def test_a_designation_is_in_full_where_its_list_takes_no_more_columns() -> None
     assert " ".join(line[3] for line in column[0].lines).split() == words
     (column,) = folded_in_full([item], 5 * 4.0, 2)
     assert column == [item], "a head and four lines"
+    (column,) = folded_in_full([item, item], (1 + 4 + 10) * 4.0, 2)
+    first, second = (" ".join(line[3] for line in each.lines) for each in column)
+    assert first.split() == words and "as in the parts list" in second, "as many as have room"
 
 
 def test_a_list_that_is_too_high_is_folded_and_says_how_many_items_it_lacks() -> None:

@@ -16,6 +16,7 @@ from test_solids import TOLERANCE, cam, hub, oval
 
 from camgen.files import drawing, shaft_sheet, symbols, views
 from camgen.files.dimensions import (
+    Hole,
     edge_rows,
     holes_of,
     hollow_radius,
@@ -24,7 +25,7 @@ from camgen.files.dimensions import (
     number,
 )
 from camgen.files.drawing import _Layout, write_drawing
-from camgen.files.labels import box
+from camgen.files.labels import Label, along, box, callouts
 from camgen.files.sheet import LAYERS, Fill, Sheet, Size, Stroke, Text
 from camgen.files.title_block import Facts, weighed
 from camgen.geometry.arcs import fit_arcs
@@ -56,6 +57,30 @@ def texts_of(path):
     space = ezdxf.readfile(path).modelspace()
     shown = (e.virtual_entities() if e.dxftype() == "DIMENSION" else (e,) for e in space)
     return [e.dxf.text for each in shown for e in each if e.dxftype() == "TEXT"]
+
+
+def test_a_window_has_its_label_inside_and_a_slot_at_the_edge_none_outside() -> None:
+    """A plate of 100 x 60, a window of 60 x 20 about the centre lines, and a slot of 2 x 20 whose label is wider, 2 from the edge."""
+    sheet = Sheet(200, 150, "plate")
+
+    def rectangle(low: complex, high: complex) -> Contour:
+        corners = (low, complex(high.real, low.imag), high, complex(low.real, high.imag))
+        return polygon(corners)
+
+    plate = rectangle(50 + 50j, 150 + 110j)
+    window = rectangle(70 + 70j, 130 + 90j)
+    slot = rectangle(52 + 70j, 54 + 90j)
+    for contour in (plate, window, slot):
+        sheet.contour(contour, "VIEW")
+    sheet.line(45 + 80j, 155 + 80j, layer="CENTER")
+    sheet.line(100 + 45j, 100 + 115j, layer="CENTER")
+    labels = [
+        Label("F", Hole(100 + 80j, "", 100 + 80j, 0.0), along([window])),
+        Label("C1", Hole(53 + 80j, "", 53 + 80j, 0.0), along([slot])),
+    ]
+    inner, beside = callouts(labels, sheet, (10 + 10j, 190 + 140j))
+    assert inner.tip is None and shapely.box(70, 70, 130, 90).contains(box(inner.text))
+    assert beside.tip is not None or shapely.box(50, 50, 150, 110).contains(box(beside.text))
 
 
 def unescaped(text):
