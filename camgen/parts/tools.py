@@ -15,7 +15,7 @@ USES = {
 SUPPLIES = {
     "connectors": "two, or a soldering iron, for the wires of motor and batteries",
     "double-sided tape": "for the battery holder and its wires",
-    "adhesive tape": "to hold parts that could fall out while you work",
+    "adhesive tape": "to hold or pull parts while you work",
     "two-part glue": "such as epoxy, where a step asks for it: superglue sets too fast there, or does not bear the pressure",
     "oil": "a drop for each joint beside glue",
     "grease": "a dot, for a spacer that would slip",

@@ -1521,6 +1521,7 @@ def test_a_gauge_lies_where_it_comes_out_again() -> None:
     taped = said.index("Stick a strip of adhesive tape under the shaft collar, beside shaft")
     lifted = said.index("Push it up to ground with a thin stick, and hold it there")
     assert taped < lifted and "down over the drop by its tape" in said
+    assert "glued into crank, the hand crank and the collar" in made.by_name["shaft"].notes
     glued = "Put a drop of superglue gel on shaft just under it, none over it: "
     assert lifted < said.index(glued) < said.index("Push the shaft collar up again"), (
         "it has dropped on the hand crank, and what is over it goes to the ground plate as it is pushed up"
